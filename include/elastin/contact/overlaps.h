@@ -1,0 +1,18 @@
+#pragma once
+#include <vector>
+
+#include "elastin/model/body.h"
+
+namespace elastin {
+
+/// Two molecules whose spheres run into each other.
+struct Overlap {
+  int first, second;
+  double depth;  ///< [m], > 0
+};
+
+/// Molecules that overlap at the given places by more than `tolerance` of the smaller radius and are not joined by a
+/// connection, ascending by pair. Broad phase by FCL's dynamic tree.
+std::vector<Overlap> find_overlaps(const Body& body, const Positions& places, double tolerance = 1e-6);
+
+}  // namespace elastin

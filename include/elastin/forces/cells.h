@@ -1,0 +1,127 @@
+#pragma once
+#include <limits>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "elastin/forces/elasticity.h"
+#include "elastin/model/material.h"
+#include "elastin/stiffness/law.h"
+
+namespace elastin {
+
+/// What the cell driver needs of a body's graph, kept apart from the law so that it is compiled once.
+struct CellGraph {
+  template <int corners>
+  using Sides = std::vector<std::array<int, static_cast<std::size_t>(connections_of_cell(corners))>>;
+
+  CellGraph(const Body& body, int corners);
+  /// Adds each connection's slots in ascending cell order: one owner a connection, the same bits on any thread count.
+  void gather(const VectorX& slots, VectorX& densities) const;
+  int cells() const { return static_cast<int>(slot_connection.size()) / sides; }
+
+  int sides;                          ///< connections of one cell
+  std::vector<int> slot_connection;   ///< connection of slot cell · sides + side
+  std::vector<int> start, slots_of;   ///< slots of each connection, ascending
+
+ private:
+  int connections_;
+};
+
+namespace detail {
+void for_each_cell(int count, const std::function<void(int begin, int end)>& range);
+double sum_over_cells(int count, const std::function<double(int)>& term);
+}  // namespace detail
+
+/// The one driver of every cell law: cells write their own slots, connections gather them.
+template <CellLaw Law>
+class CellElasticity final : public Elasticity {
+  static constexpr int corners = Law::corners, sides = connections_of_cell(corners);
+  using Squares = Eigen::Matrix<double, sides, 1>;
+  using Slope = Eigen::Matrix<double, sides, sides, Eigen::RowMajor>;
+
+ public:
+  CellElasticity(const Body& body, const Material& material, Law law) : body_(body), law_(std::move(law)), graph_(body, corners) {
+    constants_.reserve(cells().size());
+    for (const auto& cell : cells()) {
+      Eigen::Matrix<double, 3, corners> rest;
+      for (int corner = 0; corner < corners; ++corner) rest.col(corner) = body.rest.col(cell[corner]);
+      constants_.push_back(law_.constants(rest, material));
+    }
+  }
+
+  bool has_energy() const override { return HasEnergy<Law>; }
+
+  double energy(const Positions& positions) const override {
+    if constexpr (HasEnergy<Law>)
+      return detail::sum_over_cells(graph_.cells(), [&](int cell) {
+        if constexpr (corners == 4)  // lengths cannot tell a cell from its mirror image; volumes can
+          if (!(signed_volume(positions, body_.tetrahedra[cell]) > 0)) return std::numeric_limits<double>::infinity();
+        return law_.energy(constants_[cell], squares(positions, cell));
+      });
+    else
+      return 0;
+  }
+
+  void add_force_densities(const Positions& positions, VectorX& densities) const override {
+    VectorX slots(graph_.cells() * sides);
+    detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
+      for (int cell = begin; cell < end; ++cell)
+        slots.template segment<sides>(cell * sides) = law_.force_densities(constants_[cell], squares(positions, cell));
+    });
+    graph_.gather(slots, densities);
+  }
+
+  void linearise(const Positions& positions) override {
+    slopes_.resize(constants_.size());
+    detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
+      for (int cell = begin; cell < end; ++cell) slopes_[cell] = law_.slope(constants_[cell], squares(positions, cell));
+    });
+  }
+
+  void add_own_slopes(VectorX&) const override {}
+  bool coupled() const override { return true; }
+
+  void add_change(const VectorX& change_of_squares, VectorX& change_of_densities) const override {
+    VectorX slots(graph_.cells() * sides);
+    detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
+      for (int cell = begin; cell < end; ++cell) {
+        Squares change;
+        for (int side = 0; side < sides; ++side)
+          change[side] = change_of_squares[graph_.slot_connection[cell * sides + side]];
+        slots.template segment<sides>(cell * sides) = slopes_[cell] * change;
+      }
+    });
+    graph_.gather(slots, change_of_densities);
+  }
+
+  void visit_cells(const CellVisitor& visit) const override {
+    for (int cell = 0; cell < graph_.cells(); ++cell)
+      visit({graph_.slot_connection.data() + cell * sides, static_cast<std::size_t>(sides)}, slopes_[cell].data());
+  }
+
+ private:
+  const auto& cells() const {
+    if constexpr (corners == 3)
+      return body_.triangles;
+    else
+      return body_.tetrahedra;
+  }
+
+  Squares squares(const Positions& positions, int cell) const {
+    Squares s;
+    int side = 0;
+    for (int i = 0; i < corners; ++i)
+      for (int j = i + 1; j < corners; ++j)
+        s[side++] = (positions.col(cells()[cell][j]) - positions.col(cells()[cell][i])).squaredNorm();
+    return s;
+  }
+
+  const Body& body_;
+  Law law_;
+  CellGraph graph_;
+  std::vector<typename Law::Constants> constants_;
+  std::vector<Slope> slopes_;
+};
+
+}  // namespace elastin

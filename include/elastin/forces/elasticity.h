@@ -1,0 +1,50 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "elastin/base/types.h"
+#include "elastin/model/body.h"
+
+namespace elastin {
+
+/// A stiffness strategy at work on one body. Everything elastic is one number per connection, its force density q [N/m]:
+/// the force on molecule a is Σ_b q_ab (x_b − x_a). [Schek 1974]
+///
+/// Tangent: with s = |d|² and d = x_b − x_a, the change of a connection's force is δq d + q δd, δq = Σ (∂q/∂s) δs,
+/// δs = 2 d·δd. Springs have a slope of their own; cells couple the connections of one cell.
+class Elasticity {
+ public:
+  virtual ~Elasticity() = default;
+
+  /// Whether forces come from an energy; if not, the tangent need not be symmetric and energy() is 0.
+  virtual bool has_energy() const { return true; }
+  /// Whether linearise() gives the whole derivative, or (angles_update) leaves a part out.
+  virtual bool has_full_tangent() const { return true; }
+  /// Stored energy [J]; +infinity where a cell is flat or turned over.
+  virtual double energy(const Positions& positions) const = 0;
+  /// Adds each connection's force density [N/m].
+  virtual void add_force_densities(const Positions& positions, VectorX& densities) const = 0;
+
+  /// Remembers the slopes ∂q/∂s [N/m³] at these positions for the three calls below.
+  virtual void linearise(const Positions& positions) = 0;
+  /// Adds the slope of each connection with respect to its own s.
+  virtual void add_own_slopes(VectorX& slopes) const = 0;
+  /// Whether connections influence each other; if not, the next two do nothing.
+  virtual bool coupled() const { return false; }
+  /// Adds the coupled part of δq from δs.
+  virtual void add_change(const VectorX& /*change_of_squares*/, VectorX& /*change_of_densities*/) const {}
+  /// Calls visit(connections, slopes) for each cell; slopes row by row, rows = whose q.
+  using CellVisitor = std::function<void(std::span<const int> connections, const double* slopes)>;
+  virtual void visit_cells(const CellVisitor&) const {}
+};
+
+/// Springs: q = k (1 − L/l), energy ½ k (l − L)². `constants` [N/m], one a connection, may be negative.
+std::unique_ptr<Elasticity> make_springs(const Body& body, VectorX constants);
+
+/// Springs whose constants are set anew from the present places; the tangent leaves their change out.
+using ConstantsAt = std::function<VectorX(const Positions&)>;
+std::unique_ptr<Elasticity> make_updated_springs(const Body& body, ConstantsAt constants);
+
+}  // namespace elastin

@@ -1,0 +1,59 @@
+#pragma once
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "elastin/forces/elasticity.h"
+#include "elastin/forces/loads.h"
+#include "elastin/model/body.h"
+#include "elastin/model/state.h"
+
+namespace elastin {
+
+/// A molecule that is held: free to move only within the range of a projector, and moved by `displacement` [m] in the
+/// directions that are held.
+struct Support {
+  int molecule = 0;
+  Matrix3 free = Matrix3::Zero();           ///< projector on the free directions; zero = held in all
+  Vector3 displacement = Vector3::Zero();   ///< from rest; only its held part counts
+};
+
+/// A body with everything that acts on it. The body must outlive the model.
+class Model {
+ public:
+  explicit Model(const Body& body);
+  ~Model();
+  Model(Model&&) noexcept;
+
+  const Body& body() const { return *body_; }
+  void add(std::unique_ptr<Elasticity> elasticity) { elasticity_.push_back(std::move(elasticity)); }
+  void add(std::unique_ptr<Load> load) { loads_.push_back(std::move(load)); }
+  const std::vector<std::unique_ptr<Elasticity>>& elasticity() const { return elasticity_; }
+  const std::vector<std::unique_ptr<Load>>& loads() const { return loads_; }
+  std::vector<Support> supports;  ///< at most one a molecule
+
+  bool has_energy() const;
+  bool has_full_tangent() const;
+  /// Elastic energy [J], +infinity where a cell is flat or turned over.
+  double elastic_energy(const Positions& positions) const;
+  /// Potential energy of the loads [J].
+  double load_energy(const State& state) const;
+  /// Force density of each connection [N/m].
+  VectorX force_densities(const Positions& positions) const;
+  /// Elastic force on each molecule [N].
+  Positions elastic_forces(const Positions& positions) const;
+  /// Force of all loads on each molecule [N].
+  Positions load_forces(const State& state) const;
+  /// Sum of connection forces on each molecule: Σ q_ab (x_b − x_a). The same bits on any number of threads.
+  void gather(const Positions& positions, const VectorX& densities, Positions& forces) const;
+
+ private:
+  friend class Tangent;
+  struct Graph;
+  const Body* body_;
+  std::vector<std::unique_ptr<Elasticity>> elasticity_;
+  std::vector<std::unique_ptr<Load>> loads_;
+  std::unique_ptr<Graph> graph_;  // only for bodies large enough for several threads
+};
+
+}  // namespace elastin

@@ -1,0 +1,58 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "elastin/base/types.h"
+
+namespace elastin {
+
+/// Pairs of molecules joined by an elastic link, and the length at which each is unstressed.
+struct Connections {
+  std::vector<std::array<int, 2>> ends;
+  std::vector<double> rest_length;  ///< [m], > 0, one a connection
+  int size() const { return static_cast<int>(ends.size()); }
+};
+
+template <int corners>
+using Cells = std::vector<std::array<int, corners>>;
+
+/// A piece of tissue: molecules (spheres) joined by connections, at rest. Never changes during a run.
+struct Body {
+  Positions rest;  ///< places of the molecules, unstressed [m]
+  VectorX mass;    ///< [kg], one a molecule
+  VectorX radius;  ///< [m], one a molecule
+  Connections connections;
+  Cells<3> triangles;
+  Cells<4> tetrahedra;  ///< positively oriented: (x1−x0)·((x2−x0)×(x3−x0)) > 0
+  /// The cubes of a simple cubic lattice, each by its eight molecules; only such lattices have them.
+  Cells<8> cubes;
+  int size() const { return static_cast<int>(rest.cols()); }
+};
+
+/// Every pair of molecules at most `reach` [m] apart, ascending (first, second), with its present length as rest length.
+/// Cost O(n) for bodies of even density (grid of buckets).
+Connections connections_within(const Positions& places, double reach);
+
+/// The edges of the body's cells, each once, ascending, with its present length as rest length.
+Connections connections_of_cells(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra);
+
+/// Lumped masses [kg]: a quarter of each tetrahedron's mass, a third of each triangle's (thickness t [m]) to its molecules.
+VectorX lumped_mass(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra, double density,
+                    double thickness);
+
+/// Signed volume of a tetrahedron [m³], positive when corners 1, 2, 3 turn counter-clockwise seen from corner 0's far side.
+double signed_volume(const Positions& places, const std::array<int, 4>& tetrahedron);
+
+/// What is wrong or odd with a body as a graph, in words a user can act on.
+struct BodyFindings {
+  int pieces = 0;                             ///< connected parts, loose molecules included
+  std::vector<int> piece_of;                  ///< the part each molecule belongs to, parts numbered by first molecule
+  std::vector<int> loose_molecules;           ///< molecules without any connection
+  std::vector<int> zero_length_connections;   ///< rest length below 1e-12 of the body's size
+  std::vector<int> duplicate_connections;     ///< the second and later ones of a pair
+  std::vector<int> flat_or_inverted_cells;    ///< tetrahedra whose volume is not above 1e-12 L³ of their longest side L
+};
+BodyFindings inspect(const Body& body);
+
+}  // namespace elastin

@@ -1,0 +1,118 @@
+#pragma once
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "elastin/base/error.h"
+#include "elastin/forces/cells.h"
+#include "elastin/forces/elasticity.h"
+#include "elastin/stiffness/law.h"
+
+namespace elastin {
+
+enum class StrategyKind {
+  spring_rule,          ///< a constant for each connection, set once
+  updated_spring_rule,  ///< constants set anew at every evaluation
+  cell_law,             ///< force densities from the lengths of each cell
+  wrapper,              ///< changes another strategy: `calibrated`
+};
+const char* name_of(StrategyKind kind);
+
+/// One way to give a body its stiffness: what the catalog knows of a law, without the law's type.
+struct Strategy {
+  std::string name, summary, source;
+  StrategyKind kind = StrategyKind::spring_rule;
+  std::vector<ParameterInfo> parameters;
+  /// Why it cannot run on a body, or "".
+  std::function<std::string(const Body&)> unsuited = [](const Body&) { return std::string(); };
+  /// Spring rules only: the constants [N/m]. Throws InputError on parameters out of range or unknown.
+  std::function<VectorX(const Body&, const Material&, const ParameterValues&)> constants;
+  /// The strategy at work. The body must outlive it. Empty for wrappers.
+  std::function<std::unique_ptr<Elasticity>(const Body&, const Material&, const ParameterValues&)> make;
+};
+
+namespace detail {
+/// Finds a parameter by name and checks a value against its range; throws InputError naming what is allowed.
+const ParameterInfo& checked_parameter(const Strategy& strategy, const std::string& name, double value);
+
+template <class Law>
+std::vector<ParameterInfo> describe_parameters() {
+  std::vector<ParameterInfo> infos;
+  if constexpr (requires { Law::parameters; })
+    for (const auto& p : Law::parameters)
+      infos.push_back({std::string(p.name), p.unit, p.low, p.high, Law{}.*p.value, std::string(p.text)});
+  return infos;
+}
+
+template <class Law>
+Law law_with(const Strategy& strategy, const ParameterValues& values) {
+  Law law;
+  for (const auto& [name, value] : values) {
+    checked_parameter(strategy, name, value);
+    if constexpr (requires { Law::parameters; })
+      for (const auto& p : Law::parameters)
+        if (p.name == name) law.*p.value = value;
+  }
+  return law;
+}
+}  // namespace detail
+
+/// Everything pluggable, by name. Filled explicitly: a program may add its own laws to its own catalog.
+class Catalog {
+ public:
+  /// Adds a spring rule, an updated one or a cell law; its name must be new. Strong guarantee.
+  template <class Law>
+    requires SpringRule<Law> || UpdatedSpringRule<Law> || CellLaw<Law>
+  void add();
+  /// Adds a strategy that the caller describes in full.
+  void add(Strategy strategy);
+
+  const std::vector<Strategy>& strategies() const { return strategies_; }
+  /// Throws InputError with the nearest name and the list of what there is.
+  const Strategy& find(const std::string& name) const;
+  std::vector<std::string> names() const;
+
+ private:
+  std::vector<Strategy> strategies_;
+};
+
+/// The strategies that come with Elastin.
+Catalog built_in_catalog();
+
+template <class Law>
+  requires SpringRule<Law> || UpdatedSpringRule<Law> || CellLaw<Law>
+void Catalog::add() {
+  Strategy strategy;
+  strategy.name = Law::name;
+  strategy.summary = Law::summary;
+  strategy.source = Law::source;
+  strategy.parameters = detail::describe_parameters<Law>();
+  if constexpr (requires(const Body& body) { Law::unsuited(body); }) strategy.unsuited = &Law::unsuited;
+  const Strategy described = strategy;  // what the two functions below need of it, without a pointer to a moving vector
+  if constexpr (SpringRule<Law>) {
+    strategy.kind = StrategyKind::spring_rule;
+    strategy.constants = [described](const Body& body, const Material& material, const ParameterValues& values) -> VectorX {
+      return detail::law_with<Law>(described, values).constants(body, material);
+    };
+    strategy.make = [described](const Body& body, const Material& material, const ParameterValues& values) {
+      return make_springs(body, detail::law_with<Law>(described, values).constants(body, material));
+    };
+  } else if constexpr (UpdatedSpringRule<Law>) {
+    strategy.kind = StrategyKind::updated_spring_rule;
+    strategy.make = [described](const Body& body, const Material& material, const ParameterValues& values) {
+      return make_updated_springs(body, [law = detail::law_with<Law>(described, values), &body, material](
+                                            const Positions& places) { return law.constants(body, material, places); });
+    };
+  } else {
+    strategy.kind = StrategyKind::cell_law;
+    strategy.make = [described](const Body& body, const Material& material,
+                                const ParameterValues& values) -> std::unique_ptr<Elasticity> {
+      return std::make_unique<CellElasticity<Law>>(body, material, detail::law_with<Law>(described, values));
+    };
+  }
+  add(std::move(strategy));
+}
+
+}  // namespace elastin

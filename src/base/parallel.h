@@ -1,0 +1,60 @@
+#pragma once
+#include <algorithm>
+#include <type_traits>
+#include <vector>
+
+#include "elastin/base/threads.h"
+
+namespace elastin {
+
+/// Below this many items a loop stays on one thread: waking the others costs more than they give (design.md §5).
+inline constexpr int kParallelThreshold = 20000;
+
+/// Items in one block of an ordered sum. Fixed, so that the order of additions never depends on the thread count.
+inline constexpr int kSumBlock = 4096;
+
+namespace detail {
+/// Runs range(begin, end) over disjoint ranges that cover 0 … count−1.
+void run_ranges(int count, void* context, void (*range)(void*, int, int));
+}  // namespace detail
+
+/// Calls work(i) once for each i in 0 … count−1; each i must write only what it owns. Below `threshold` items one thread
+/// does it all.
+template <class Work>
+void parallel_for(int count, Work&& work, int threshold = kParallelThreshold) {
+  if (count < threshold || threads() == 1) {
+    for (int i = 0; i < count; ++i) work(i);
+    return;
+  }
+  detail::run_ranges(count, &work, [](void* context, int begin, int end) {
+    auto& call = *static_cast<std::remove_reference_t<Work>*>(context);
+    for (int i = begin; i < end; ++i) call(i);
+  });
+}
+
+/// Σ term(i) over 0 … count−1 in a fixed order: the same bits on any number of threads. Value is a number, or a small
+/// vector where several sums share a pass.
+template <class Value = double, class Term>
+Value ordered_sum(int count, Term&& term, Value zero = Value(0)) {
+  const int blocks = (count + kSumBlock - 1) / kSumBlock;
+  const auto block_sum = [&](int block) {
+    Value sum = zero;
+    for (int i = block * kSumBlock, end = std::min(count, i + kSumBlock); i < end; ++i) sum += term(i);
+    return sum;
+  };
+  if (blocks == 1) return block_sum(0);
+  std::vector<Value> sums(blocks, zero);
+  if (count < kParallelThreshold || threads() == 1) {
+    for (int block = 0; block < blocks; ++block) sums[block] = block_sum(block);
+  } else {
+    auto work = [&](int block) { sums[block] = block_sum(block); };
+    detail::run_ranges(blocks, &work, [](void* context, int begin, int end) {
+      for (int block = begin; block < end; ++block) (*static_cast<decltype(work)*>(context))(block);
+    });
+  }
+  Value total = zero;
+  for (const Value& sum : sums) total += sum;
+  return total;
+}
+
+}  // namespace elastin

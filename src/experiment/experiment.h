@@ -1,0 +1,28 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "elastin/forces/model.h"
+#include "elastin/solve/statics.h"
+#include "experiment/measures.h"
+
+namespace elastin {
+
+/// A way to hold and load a body, and what is read off it. Made once for a body; serves every strategy on it.
+class Experiment {
+ public:
+  virtual ~Experiment() = default;
+  virtual std::string name() const = 0;
+  /// Adds the experiment's supports and loads to a model of its body. Called once for each model.
+  virtual void hold(Model& model) = 0;
+  /// Sets the load to `factor` (0 … 1) of the whole, on the model that was held last.
+  virtual void set_load(Model& model, double factor) = 0;
+  virtual int load_steps() const = 0;
+  /// Reads the state that a solve has left.
+  virtual Measures measure(const Model& model, const State& state, const StaticResult& solved) const = 0;
+  /// Tangent modulus at a state, by one linear solve there; adds its linear iterations.
+  virtual double tangent_modulus(Model& model, const State& state, const StaticOptions& options, int& iterations) const = 0;
+};
+
+}  // namespace elastin

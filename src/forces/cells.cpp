@@ -1,0 +1,36 @@
+#include "elastin/forces/cells.h"
+
+#include "base/parallel.h"
+#include "model/incidence.h"
+
+namespace elastin {
+
+CellGraph::CellGraph(const Body& body, int corners) : sides(connections_of_cell(corners)), connections_(body.connections.size()) {
+  const auto append = [&](const auto& cells) {
+    for (const auto& cell : cells) slot_connection.insert(slot_connection.end(), cell.begin(), cell.end());
+  };
+  if (corners == 3) append(connections_of_each_cell<3>(body.connections, body.triangles));
+  if (corners == 4) append(connections_of_each_cell<4>(body.connections, body.tetrahedra));
+  Rows rows = rows_by_target(connections_, slot_connection);
+  start = std::move(rows.start);
+  slots_of = std::move(rows.entries);
+}
+
+void CellGraph::gather(const VectorX& slots, VectorX& densities) const {
+  parallel_for(connections_, [&](int connection) {
+    for (int at = start[connection]; at < start[connection + 1]; ++at) densities[connection] += slots[slots_of[at]];
+  });
+}
+
+namespace detail {
+
+void for_each_cell(int count, const std::function<void(int, int)>& range) {
+  constexpr int block = 256;  // cells a call: the indirect call costs nothing beside them
+  if (count < kParallelThreshold) return range(0, count);
+  parallel_for((count + block - 1) / block, [&](int b) { range(b * block, std::min(count, (b + 1) * block)); }, 1);
+}
+
+double sum_over_cells(int count, const std::function<double(int)>& term) { return ordered_sum(count, term); }
+
+}  // namespace detail
+}  // namespace elastin

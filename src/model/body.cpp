@@ -1,0 +1,129 @@
+#include "elastin/model/body.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <unordered_map>
+
+namespace elastin {
+namespace {
+
+std::uint64_t bucket_key(const Eigen::Vector3i& bucket) {
+  constexpr std::uint64_t offset = 1 << 20, mask = (1 << 21) - 1;
+  return ((bucket.x() + offset) & mask) << 42 | ((bucket.y() + offset) & mask) << 21 | ((bucket.z() + offset) & mask);
+}
+
+Connections with_present_lengths(const Positions& places, std::vector<std::array<int, 2>> ends) {
+  std::sort(ends.begin(), ends.end());
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  Connections connections{std::move(ends), {}};
+  connections.rest_length.reserve(connections.ends.size());
+  for (const auto& [a, b] : connections.ends) connections.rest_length.push_back((places.col(b) - places.col(a)).norm());
+  return connections;
+}
+
+template <class CellList>
+void add_edges(const CellList& cells, std::vector<std::array<int, 2>>& ends) {
+  for (const auto& cell : cells)
+    for (std::size_t i = 0; i < cell.size(); ++i)
+      for (std::size_t j = i + 1; j < cell.size(); ++j) ends.push_back({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
+}
+
+}  // namespace
+
+Connections connections_within(const Positions& places, double reach) {
+  const auto bucket_of = [&](int molecule) -> Eigen::Vector3i {
+    return (places.col(molecule) / reach).array().floor().cast<int>();
+  };
+  std::unordered_map<std::uint64_t, std::vector<int>> buckets;
+  for (int molecule = 0; molecule < places.cols(); ++molecule) buckets[bucket_key(bucket_of(molecule))].push_back(molecule);
+
+  std::vector<std::array<int, 2>> ends;
+  for (int first = 0; first < places.cols(); ++first) {
+    const Eigen::Vector3i home = bucket_of(first);
+    for (int dx = -1; dx <= 1; ++dx)
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dz = -1; dz <= 1; ++dz) {
+          const auto found = buckets.find(bucket_key(home + Eigen::Vector3i(dx, dy, dz)));
+          if (found == buckets.end()) continue;
+          for (const int second : found->second)
+            if (second > first && (places.col(second) - places.col(first)).squaredNorm() <= reach * reach)
+              ends.push_back({first, second});
+        }
+  }
+  return with_present_lengths(places, std::move(ends));
+}
+
+Connections connections_of_cells(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra) {
+  std::vector<std::array<int, 2>> ends;
+  ends.reserve(3 * triangles.size() + 6 * tetrahedra.size());
+  add_edges(triangles, ends);
+  add_edges(tetrahedra, ends);
+  return with_present_lengths(places, std::move(ends));
+}
+
+VectorX lumped_mass(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra, double density,
+                    double thickness) {
+  VectorX mass = VectorX::Zero(places.cols());
+  for (const auto& cell : tetrahedra)
+    for (const int molecule : cell) mass[molecule] += density * signed_volume(places, cell) / 4;
+  for (const auto& [a, b, c] : triangles) {
+    const double area = 0.5 * (places.col(b) - places.col(a)).cross(places.col(c) - places.col(a)).norm();
+    for (const int molecule : {a, b, c}) mass[molecule] += density * thickness * area / 3;
+  }
+  return mass;
+}
+
+double signed_volume(const Positions& places, const std::array<int, 4>& tetrahedron) {
+  const Vector3 origin = places.col(tetrahedron[0]);
+  const Vector3 a = places.col(tetrahedron[1]) - origin, b = places.col(tetrahedron[2]) - origin,
+                c = places.col(tetrahedron[3]) - origin;
+  return a.dot(b.cross(c)) / 6;
+}
+
+BodyFindings inspect(const Body& body) {
+  BodyFindings findings;
+  const int n = body.size();
+  std::vector<int> parent(n), degree(n, 0);
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int molecule) {
+    while (parent[molecule] != molecule) molecule = parent[molecule] = parent[parent[molecule]];
+    return molecule;
+  };
+  const double size = n ? (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).norm() : 0;
+  std::vector<std::pair<std::array<int, 2>, int>> sorted;
+  for (int connection = 0; connection < body.connections.size(); ++connection) {
+    auto [a, b] = body.connections.ends[connection];
+    ++degree[a], ++degree[b];
+    const int low = std::min(root(a), root(b)), high = std::max(root(a), root(b));
+    parent[high] = low;
+    if (!(body.connections.rest_length[connection] > 1e-12 * size)) findings.zero_length_connections.push_back(connection);
+    sorted.push_back({{std::min(a, b), std::max(a, b)}, connection});
+  }
+  std::sort(sorted.begin(), sorted.end());
+  for (std::size_t i = 1; i < sorted.size(); ++i)
+    if (sorted[i].first == sorted[i - 1].first) findings.duplicate_connections.push_back(sorted[i].second);
+  std::sort(findings.duplicate_connections.begin(), findings.duplicate_connections.end());
+
+  findings.piece_of.assign(n, -1);
+  for (int molecule = 0; molecule < n; ++molecule) {
+    const int first = root(molecule);
+    if (first == molecule) findings.piece_of[molecule] = findings.pieces++;
+    else findings.piece_of[molecule] = findings.piece_of[first];
+    if (degree[molecule] == 0) findings.loose_molecules.push_back(molecule);
+  }
+  for (std::size_t cell = 0; cell < body.tetrahedra.size(); ++cell) {
+    const auto& corners = body.tetrahedra[cell];
+    double longest = 0;
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < i; ++j)
+        longest = std::max(longest, (body.rest.col(corners[i]) - body.rest.col(corners[j])).norm());
+    if (!(signed_volume(body.rest, corners) > 1e-12 * longest * longest * longest))
+      findings.flat_or_inverted_cells.push_back(static_cast<int>(cell));
+  }
+  return findings;
+}
+
+}  // namespace elastin

@@ -1,0 +1,21 @@
+#pragma once
+#include <string>
+
+#include "scene/scene.h"
+
+namespace elastin {
+
+/// What `elastin check` says of a scene.
+struct CheckReport {
+  std::string text;
+  bool sound = true;  ///< false: loose molecules, several pieces, connections without length, flat cells
+};
+
+/// Counts, neighbours, pieces, faults by number, zero-energy modes by name, what the scene builds, and which strategies
+/// can run on the body.
+CheckReport check_scene(Scene& scene, const Catalog& catalog);
+
+/// What `elastin list` says.
+std::string catalog_text(const Catalog& catalog, bool colours);
+
+}  // namespace elastin

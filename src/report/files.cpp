@@ -1,0 +1,218 @@
+#include "report/files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "elastin/base/error.h"
+
+namespace elastin {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const std::vector<std::pair<std::string, double>>& values) {
+  Json object = Json::object();
+  for (const auto& [name, value] : values) object[name] = value;
+  return object;
+}
+
+Json to_json(const Verdict& verdict) {
+  Json object{{"measure", verdict.expectation.measure},
+              {"expected", verdict.expectation.value},
+              {"source", verdict.expectation.source},
+              {"holds", verdict.holds},
+              {"judged", verdict.judged}};
+  if (std::isfinite(verdict.measured)) object["measured"] = verdict.measured;
+  if (std::isfinite(verdict.difference)) object["difference"] = verdict.difference;
+  if (!verdict.judged) object["not_reproduced"] = verdict.expectation.not_reproduced;
+  return object;
+}
+
+Json to_json(const Record& record) {
+  const Run& run = record.run;
+  Json object{{"scene", record.scene},
+              {"title", record.title},
+              {"strategy", run.strategy},
+              {"solver", run.solver},
+              {"outcome", run.suited ? name_of(run.outcome) : "unsuited"},
+              {"cause", run.cause},
+              {"molecules", record.molecules},
+              {"connections", record.connections},
+              {"cells", record.cells},
+              {"threads", record.threads},
+              {"measures", to_json(run.measures.all())},
+              {"errors", to_json(record.errors)},
+              {"seconds", {{"build", run.build_seconds}, {"solve", run.solve_seconds}}},
+              {"iterations", run.newton_iterations},
+              {"linear_iterations", run.linear_iterations},
+              {"residual", run.residual},
+              {"zero_energy_modes", run.zero_energy_modes},
+              {"warnings", run.warnings}};
+  object["curve"] = Json::array();
+  for (const CurvePoint& point : run.curve) {
+    Json row = to_json(point.measures.all());
+    row["load_factor"] = point.load_factor;
+    object["curve"].push_back(row);
+  }
+  object["expectations"] = Json::array();
+  for (const Verdict& verdict : record.verdicts) object["expectations"].push_back(to_json(verdict));
+  return object;
+}
+
+/// A number with all its digits, or nothing: files never hold NaN.
+std::string cell(double value) { return std::isfinite(value) ? fmt::format("{:.17g}", value) : ""; }
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+double find_value(const std::vector<std::pair<std::string, double>>& values, const std::string& name) {
+  for (const auto& [known, value] : values)
+    if (known == name) return value;
+  return std::nan("");
+}
+
+class VtuArrays {
+ public:
+  explicit VtuArrays(std::string& out) : out_(out) {}
+  template <class Value>
+  void add(const char* name, const char* type, int components, int count, Value&& value) {
+    fmt::format_to(std::back_inserter(out_), "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n",
+                   type, name, components);
+    for (int i = 0; i < count; ++i) {
+      for (int component = 0; component < components; ++component)
+        fmt::format_to(std::back_inserter(out_), "{} ", value(i, component));
+      out_ += '\n';
+    }
+    out_ += "</DataArray>\n";
+  }
+
+ private:
+  std::string& out_;
+};
+
+}  // namespace
+
+void write_whole(const std::string& path, const std::string& text) {
+  const std::filesystem::path target(path);
+  std::error_code ignored;
+  if (target.has_parent_path()) std::filesystem::create_directories(target.parent_path(), ignored);
+  const std::string draft = path + ".part";
+  std::ofstream stream(draft, std::ios::binary);
+  stream << text;
+  stream.close();
+  if (!stream) {
+    const std::string reason = std::strerror(errno);
+    std::filesystem::remove(draft, ignored);
+    throw InputError(path + ": cannot write: " + reason);
+  }
+  std::filesystem::rename(draft, target);
+}
+
+std::string json_text(const std::vector<Record>& records) {
+  Json runs = Json::array();
+  for (const Record& record : records) runs.push_back(to_json(record));
+  return Json{{"runs", runs}}.dump(1) + "\n";
+}
+
+std::string csv_text(const std::vector<Record>& records) {
+  std::vector<std::string> errors;
+  for (const Record& record : records)
+    for (const auto& [name, value] : record.errors)
+      if (std::find(errors.begin(), errors.end(), name) == errors.end()) errors.push_back(name);
+  std::string out = "scene,strategy,solver,outcome,molecules,connections,cells,threads";
+  for (const MeasureInfo& info : measure_list()) {
+    const std::string unit = si_unit(info.unit);
+    out += fmt::format(",{}{}", info.name, unit.empty() ? "" : " [" + unit + "]");
+  }
+  for (const std::string& name : errors) out += ",error " + name;
+  out += ",build [s],solve [s],iterations,linear_iterations,residual,zero_energy_modes,warnings\n";
+  for (const Record& record : records) {
+    const Run& run = record.run;
+    out += fmt::format("{},{},{},{},{},{},{},{}", csv_field(record.scene), csv_field(run.strategy), run.solver,
+                       run.suited ? name_of(run.outcome) : "unsuited", record.molecules, record.connections, record.cells,
+                       record.threads);
+    for (const MeasureInfo& info : measure_list()) out += "," + cell(run.measures.get(info.name));
+    for (const std::string& name : errors) out += "," + cell(find_value(record.errors, name));
+    std::string notes = run.cause;
+    for (const std::string& warning : run.warnings) notes += (notes.empty() ? "" : "; ") + warning;
+    out += fmt::format(",{},{},{},{},{},{},{}\n", cell(run.build_seconds), cell(run.solve_seconds), run.newton_iterations,
+                       run.linear_iterations, cell(run.residual), run.zero_energy_modes, csv_field(notes));
+  }
+  return out;
+}
+
+std::string curve_csv_text(const Record& record) {
+  std::string out = "load_factor";
+  for (const MeasureInfo& info : measure_list()) {
+    const std::string unit = si_unit(info.unit);
+    out += fmt::format(",{}{}", info.name, unit.empty() ? "" : " [" + unit + "]");
+  }
+  out += ",newton_iterations,linear_iterations,residual\n";
+  for (const CurvePoint& point : record.run.curve) {
+    out += cell(point.load_factor);
+    for (const MeasureInfo& info : measure_list()) out += "," + cell(point.measures.get(info.name));
+    out += fmt::format(",{},{},{}\n", point.newton_iterations, point.linear_iterations, cell(point.residual));
+  }
+  return out;
+}
+
+std::string vtu_text(const Body& body, const Positions& positions, const VectorX& constants) {
+  const int n = body.size(), m = body.connections.size();
+  const auto& [ends, rest_length] = body.connections;
+  VectorX length(m);
+  Positions force = Positions::Zero(3, n);
+  const auto tension = [&](int c) { return constants.size() ? constants[c] * (length[c] - rest_length[c]) : 0.; };
+  for (int c = 0; c < m; ++c) {
+    const Vector3 d = positions.col(ends[c][1]) - positions.col(ends[c][0]);
+    length[c] = d.norm();
+    if (length[c] == 0) continue;
+    force.col(ends[c][0]) += tension(c) / length[c] * d;
+    force.col(ends[c][1]) -= tension(c) / length[c] * d;
+  }
+  std::string out = fmt::format(
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+      "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n",
+      n, m);
+  VtuArrays arrays(out);
+  arrays.add("positions", "Float64", 3, n, [&](int i, int k) { return positions(k, i); });
+  out += "</Points>\n<PointData Vectors=\"displacement\">\n";
+  arrays.add("displacement", "Float64", 3, n, [&](int i, int k) { return positions(k, i) - body.rest(k, i); });
+  if (constants.size()) arrays.add("elastic_force", "Float64", 3, n, [&](int i, int k) { return force(k, i); });
+  arrays.add("radius", "Float64", 1, n, [&](int i, int) { return body.radius[i]; });
+  arrays.add("mass", "Float64", 1, n, [&](int i, int) { return body.mass[i]; });
+  out += "</PointData>\n<CellData Scalars=\"strain\">\n";
+  arrays.add("strain", "Float64", 1, m, [&](int c, int) { return length[c] / rest_length[c] - 1; });
+  if (constants.size()) {
+    arrays.add("tension", "Float64", 1, m, [&](int c, int) { return tension(c); });
+    arrays.add("constant", "Float64", 1, m, [&](int c, int) { return constants[c]; });
+  }
+  out += "</CellData>\n<Cells>\n";
+  arrays.add("connectivity", "Int32", 2, m, [&](int c, int k) { return ends[c][k]; });
+  arrays.add("offsets", "Int32", 1, m, [&](int c, int) { return 2 * c + 2; });
+  arrays.add("types", "UInt8", 1, m, [](int, int) { return 3; });
+  return out + "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+}
+
+void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run) {
+  std::string collection = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
+  for (std::size_t step = 0; step <= run.states.size(); ++step) {
+    const std::string file = fmt::format("{}-{:03}.vtu", name, step);
+    const Positions& positions = step == 0 ? body.rest : run.states[step - 1].positions;
+    write_whole(folder + "/" + file, vtu_text(body, positions, run.constants));
+    collection += fmt::format("<DataSet timestep=\"{}\" file=\"{}\"/>\n", step == 0 ? 0. : run.curve[step - 1].load_factor, file);
+  }
+  write_whole(folder + "/" + name + ".pvd", collection + "</Collection>\n</VTKFile>\n");
+}
+
+}  // namespace elastin

@@ -1,0 +1,28 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "report/records.h"
+
+namespace elastin {
+
+/// Writes a whole file or none: to a neighbour first, then in its place. Throws InputError naming the path.
+void write_whole(const std::string& path, const std::string& text);
+
+/// The JSON of README's "Files": {"runs": [...]}, SI units.
+std::string json_text(const std::vector<Record>& records);
+
+/// One row a run; columns scene, strategy, …, every measure, every error, seconds.
+std::string csv_text(const std::vector<Record>& records);
+
+/// One row a load step of one run.
+std::string curve_csv_text(const Record& record);
+
+/// A VTU file of one state: molecules as points (displacement, radius, mass, force), connections as lines (tension,
+/// strain, constant).
+std::string vtu_text(const Body& body, const Positions& positions, const VectorX& constants);
+
+/// Writes NAME.pvd and one NAME-STEP.vtu a load step into a folder, for ParaView.
+void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run);
+
+}  // namespace elastin

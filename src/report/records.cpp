@@ -1,0 +1,48 @@
+#include "report/records.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "elastin/base/threads.h"
+
+namespace elastin {
+
+bool Record::good() const {
+  return !run.suited || (run.outcome == Outcome::converged &&
+                         std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.holds || !v.judged; }));
+}
+
+Record make_record(const Scene& scene, Run run) {
+  const Material& material = scene.specimen.material;
+  const Body& body = scene.specimen.body;
+  Record record;
+  record.scene = scene.name;
+  record.path = scene.path;
+  record.title = scene.title;
+  record.molecules = body.size();
+  record.connections = body.connections.size();
+  record.cells = static_cast<int>(body.tetrahedra.size() + body.triangles.size());
+  record.threads = threads();
+  record.prescribed = fmt::format("E = {:g} Pa, nu = {:g}", material.youngs_modulus, material.poissons_ratio);
+  const auto add_error = [&](const std::string& name, double error) {
+    if (std::isfinite(error)) record.errors.emplace_back(name, error);
+  };
+  add_error("effective_modulus", run.measures.get("effective_modulus") / material.youngs_modulus - 1);
+  add_error("poissons_ratio", run.measures.get("poissons_ratio") - material.poissons_ratio);
+  for (const Reference& reference : scene.references)
+    add_error(reference.measure + "_to_reference", run.measures.get(reference.measure) / reference.value - 1);
+  for (const Expectation& expectation : scene.expectations) {
+    if (!run.suited || (!expectation.strategy.empty() && expectation.strategy != run.strategy)) continue;
+    Verdict verdict{expectation, run.strategy, run.measures.get(expectation.measure), 0, false, expectation.not_reproduced.empty()};
+    const double off = verdict.measured - expectation.value;
+    verdict.difference = off / std::abs(expectation.value);
+    verdict.holds = std::abs(off) <= expectation.absolute + expectation.relative * std::abs(expectation.value);
+    record.verdicts.push_back(std::move(verdict));
+  }
+  record.run = std::move(run);
+  return record;
+}
+
+}  // namespace elastin

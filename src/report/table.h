@@ -1,0 +1,48 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "elastin/base/units.h"
+#include "report/records.h"
+
+namespace elastin {
+
+enum class Tone { plain, good, poor, bad, faint, bold };
+
+struct TableCell {
+  std::string text;
+  Tone tone = Tone::plain;
+  bool right = false;  ///< flush right, as numbers are
+};
+
+/// Rows of cells, aligned by what a terminal shows. Colours only if asked for.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> head) : head_(std::move(head)) {}
+  void add(std::vector<TableCell> row) { rows_.push_back(std::move(row)); }
+  bool empty() const { return rows_.empty(); }
+  std::string text(bool colours, const std::string& indent = "  ") const;
+
+ private:
+  std::vector<std::string> head_;
+  std::vector<std::vector<TableCell>> rows_;
+};
+
+std::string painted(const std::string& text, Tone tone, bool colours);
+
+/// "4.9945 kPa", "3.3333 mm": a value in SI units with a prefix that keeps it readable.
+std::string readable(double value, const Dimension& dimension, int digits = 5);
+
+/// "+0.02 %" with as many digits as the size asks for; "" for NaN.
+std::string percent(double ratio);
+
+/// "1.2 ms"
+std::string readable_seconds(double seconds);
+
+/// The comparison of one scene: a row a strategy, what was expected, warnings, and which strategy to take.
+std::string comparison_text(const std::vector<Record>& records, bool colours);
+
+/// One run in full: every measure, its curve, expectations, warnings.
+std::string run_text(const Record& record, bool colours);
+
+}  // namespace elastin

@@ -1,0 +1,159 @@
+#include <algorithm>
+#include <filesystem>
+
+#include "elastin/model/mesh_file.h"
+#include "elastin/model/shapes.h"
+#include "scene/parts.h"
+
+namespace elastin {
+namespace {
+
+/// More molecules than this is a slip of the pen, not a scene.
+constexpr double kMostMolecules = 5e7;
+
+void check_count(const Reader& reader, const std::array<int, 3>& counts, double per_cell) {
+  const double molecules = per_cell * counts[0] * counts[1] * counts[2];
+  if (molecules > kMostMolecules) reader.fail("that is " + std::to_string(molecules) + " molecules; at most 5e7 are taken");
+}
+
+CubicPattern read_pattern(const Reader& reader) {
+  CubicPattern pattern{false, false, false};
+  for (const Reader& item : reader.items())
+    *item.choice<bool*>({{"axis", &pattern.axis}, {"face", &pattern.face}, {"space", &pattern.space}}) = true;
+  return pattern;
+}
+
+/// connections: {within: 12 mm} on any body.
+std::optional<double> read_reach(std::optional<Reader> connections) {
+  if (!connections || !connections->is_map()) return std::nullopt;
+  const double reach = connections->at("within").quantity(dimension::length, kPositive);
+  connections->finish();
+  return reach;
+}
+
+Body read_lattice(Reader reader) {
+  enum class Kind { cubic, body_centred, face_centred };
+  const Kind kind = reader.at("kind").choice<Kind>(
+      {{"cubic", Kind::cubic}, {"body_centred", Kind::body_centred}, {"face_centred", Kind::face_centred}});
+  const double spacing = reader.at("spacing").quantity(dimension::length, kPositive);
+  const auto connections = reader.find("connections");
+  const std::optional<double> reach = read_reach(connections);
+  Body body;
+  if (kind == Kind::cubic) {
+    const auto molecules = reader.at("molecules").wholes(1);
+    check_count(reader, molecules, 1);
+    body = cubic_lattice(molecules, spacing, connections && !reach ? read_pattern(*connections) : CubicPattern{});
+  } else {
+    const auto cells = reader.at("cells").wholes(1);
+    check_count(reader, cells, kind == Kind::body_centred ? 2 : 4);
+    const bool second = connections && !reach && connections->choice<bool>({{"nearest", false}, {"second", true}});
+    body = kind == Kind::body_centred ? body_centred_lattice(cells, spacing, second)
+                                      : face_centred_lattice(cells, spacing, second);
+  }
+  if (reach) body.connections = connections_within(body.rest, *reach);
+  reader.finish();
+  return body;
+}
+
+Body read_packing(Reader reader) {
+  const Vector3 size = reader.at("size").vector(dimension::length, kPositive);
+  const double distance = reader.at("distance").quantity(dimension::length, kPositive);
+  const double molecules = size.prod() / std::pow(distance, 3);
+  if (molecules > kMostMolecules / 10) reader.fail("the size holds too many molecules at this distance");
+  const int seed = reader.has("seed") ? reader.at("seed").whole(0) : 1;
+  const auto reach = read_reach(reader.find("connections"));
+  reader.finish();
+  return random_packing(size, distance, reach.value_or(1.5 * distance), static_cast<std::uint64_t>(seed));
+}
+
+Body read_tetrahedra(Reader reader) {
+  const BlockKind kind = reader.at("kind").choice<BlockKind>(
+      {{"kuhn", BlockKind::kuhn}, {"alternating", BlockKind::alternating}, {"body_centred", BlockKind::body_centred}});
+  const auto cubes = reader.at("cubes").wholes(1);
+  check_count(reader, cubes, 2);
+  const Vector3 size = reader.at("size").vector(dimension::length, kPositive);
+  reader.finish();
+  return tetrahedral_block(kind, cubes, size);
+}
+
+/// "mm": what one unit of a file's numbers is in metres.
+double read_length_unit(const Reader& reader) {
+  return reader.located([&] { return parse_quantity("1 " + reader.text(), dimension::length).value; });
+}
+
+Body read_mesh(Reader reader) {
+  const std::string file = reader.at("file").text();
+  const double unit = read_length_unit(reader.at("length_unit"));
+  reader.finish();
+  const std::filesystem::path beside = std::filesystem::path(reader.file_path()).parent_path() / file;
+  Mesh mesh = load_mesh(beside.string());
+  Body body;
+  body.rest = unit * mesh.points;
+  body.triangles = std::move(mesh.triangles);
+  body.tetrahedra = std::move(mesh.tetrahedra);
+  body.connections = connections_of_cells(body.rest, body.triangles, body.tetrahedra);
+  return body;
+}
+
+Body read_list(const Reader& molecules, std::optional<Reader> connections) {
+  std::vector<Vector3> places;
+  for (const Reader& item : molecules.items()) places.push_back(item.vector(dimension::length));
+  if (places.empty()) molecules.fail("a body needs at least one molecule");
+  std::vector<std::array<int, 2>> pairs;
+  const auto reach = read_reach(connections);
+  const int last = static_cast<int>(places.size()) - 1;
+  if (connections && !reach)
+    for (const Reader& item : connections->items()) {
+      const auto ends = item.items(2);
+      pairs.push_back({ends[0].whole(0, last), ends[1].whole(0, last)});
+      if (pairs.back()[0] == pairs.back()[1]) item.fail("a connection needs two different molecules");
+    }
+  Body body = listed_body(places, pairs);
+  if (reach) body.connections = connections_within(body.rest, *reach);
+  return body;
+}
+
+Body read_shape(Reader& reader) {
+  const std::vector<std::string> shapes{"lattice", "packing", "tetrahedra", "mesh", "molecules"};
+  std::optional<Reader> shape;
+  std::string name;
+  for (const std::string& key : shapes)
+    if (auto found = reader.find(key)) {
+      if (shape) found->fail("the body has a shape already (" + shape->path() + "); give one of lattice, packing, …");
+      shape = found;
+      name = key;
+    }
+  if (!shape) {
+    reader.has("radius"), reader.has("jitter"), reader.has("connections");
+    reader.finish();
+    reader.fail("needs a shape: lattice, packing, tetrahedra, mesh or molecules");
+  }
+  if (name == "lattice") return read_lattice(*shape);
+  if (name == "packing") return read_packing(*shape);
+  if (name == "tetrahedra") return read_tetrahedra(*shape);
+  if (name == "mesh") return read_mesh(*shape);
+  return read_list(*shape, reader.find("connections"));
+}
+
+}  // namespace
+
+Body read_body(Reader reader, const Material& material) {
+  Body body = reader.located([&] { return read_shape(reader); });
+  const auto& lengths = body.connections.rest_length;
+  const double shortest = lengths.empty() ? 0 : *std::min_element(lengths.begin(), lengths.end());
+  if (auto jitter = reader.find("jitter")) {
+    const double amount = jitter->at("amount").quantity(dimension::none, {0, 0.5, false});
+    const int seed = jitter->has("seed") ? jitter->at("seed").whole(0) : 1;
+    jitter->finish();
+    add_jitter(body, amount * shortest, static_cast<std::uint64_t>(seed));
+  }
+  const auto radius = reader.find("radius");
+  reader.finish();
+  const double r = radius ? radius->quantity(dimension::length, kPositive) : shortest / 2;
+  const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
+  const double volume = size.prod() > 0 ? size.prod() : body.size() * std::pow(2 * r, 3);
+  set_matter(body, r, material.density, material.thickness, volume);
+  return body;
+}
+
+}  // namespace elastin

@@ -1,0 +1,154 @@
+#include "scene/parts.h"
+
+#include <cmath>
+
+#include "experiment/faces.h"
+
+namespace elastin {
+
+Material read_material(Reader reader) {
+  Material material;
+  material.youngs_modulus = reader.at("youngs_modulus").quantity(dimension::pressure, kPositive);
+  if (auto value = reader.find("poissons_ratio")) material.poissons_ratio = value->quantity(dimension::none, {-0.99, 0.4999, false});
+  if (auto value = reader.find("density")) material.density = value->quantity(dimension::density, kPositive);
+  if (auto value = reader.find("thickness")) material.thickness = value->quantity(dimension::length, kPositive);
+  reader.finish();
+  return material;
+}
+
+StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
+  if (reader.is_text()) return reader.located([&] { return choose_strategy(catalog, reader.text()); });
+  const Reader name = reader.at("strategy");
+  StrategyChoice choice = name.located([&] { return choose_strategy(catalog, name.text()); });
+  for (const ParameterInfo& info : choice.strategy.parameters)
+    if (auto value = reader.find(info.name)) {
+      const double number = value->quantity(info.unit);
+      value->located([&] { return detail::checked_parameter(choice.strategy, info.name, number); });
+      choice.values[info.name] = number;
+    }
+  if (auto label = reader.find("label")) choice.label = label->text();
+  reader.finish();
+  return choice;
+}
+
+Vector3 read_direction(const Reader& reader) {
+  if (!reader.is_text()) {
+    const Vector3 direction = reader.vector(dimension::none);
+    if (!(direction.norm() > 0)) reader.fail("a direction must not be zero");
+    return direction.normalized();
+  }
+  return reader.choice<Vector3>({{"x", Vector3::UnitX()}, {"y", Vector3::UnitY()}, {"z", Vector3::UnitZ()},
+                                 {"-x", -Vector3::UnitX()}, {"-y", -Vector3::UnitY()}, {"-z", -Vector3::UnitZ()}});
+}
+
+Matrix3 read_rotation(Reader reader) {
+  const Vector3 axis = read_direction(reader.at("axis"));
+  const double angle = reader.at("angle").quantity(dimension::none);
+  reader.finish();
+  return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+}
+
+TensionSetup read_tension(Reader reader) {
+  TensionSetup setup;
+  const bool compression = reader.at("kind").choice<bool>({{"tension", false}, {"compression", true}});
+  const double sign = compression ? -1 : 1;
+  if (auto axis = reader.find("axis")) setup.axis = read_direction(*axis);
+  if (auto force = reader.find("force")) setup.force = sign * force->quantity(dimension::force);
+  if (auto way = reader.find("displacement")) setup.displacement = sign * way->quantity(dimension::length);
+  const std::vector<std::pair<std::string, Grip>> grips{{"clamped", Grip::clamped}, {"sliding", Grip::sliding}};
+  if (auto grip = reader.find("fixed_grip")) setup.fixed_grip = grip->choice(grips);
+  if (auto grip = reader.find("loaded_grip")) setup.loaded_grip = grip->choice(grips);
+  if (auto sharing = reader.find("load_sharing"))
+    setup.sharing = sharing->choice<LoadSharing>({{"area", LoadSharing::area}, {"molecules", LoadSharing::molecules}});
+  if (auto reading = reader.find("reading"))
+    setup.reading = reading->choice<Reading>({{"mean", Reading::mean}, {"corner", Reading::corner}});
+  if (auto area = reader.find("cross_section")) setup.cross_section = area->quantity(dimension::area, kPositive);
+  if (auto length = reader.find("gauge_length")) setup.gauge_length = length->quantity(dimension::length, kPositive);
+  if (auto gauge = reader.find("gauge")) {
+    const auto planes = gauge->items(2);
+    setup.gauge = {planes[0].quantity(dimension::length, kNotNegative), planes[1].quantity(dimension::length, kPositive)};
+  }
+  if (auto depth = reader.find("grip_depth")) setup.grip_depth = depth->quantity(dimension::length, kPositive);
+  if (auto steps = reader.find("load_steps")) setup.load_steps = steps->whole(1, 100000);
+  reader.finish();
+  if (setup.force.has_value() == setup.displacement.has_value()) reader.fail("give either force or displacement");
+  if (setup.force.value_or(1) == 0 || setup.displacement.value_or(1) == 0)
+    reader.fail("a load of zero stretches nothing: no modulus can be measured");
+  return setup;
+}
+
+StaticOptions read_solver(Reader reader) {
+  StaticOptions options;
+  if (auto value = reader.find("displacements")) options.linear = value->choice<bool>({{"large", false}, {"small", true}});
+  if (auto value = reader.find("linear_solver"))
+    options.method = value->choice<LinearMethod>(
+        {{"automatic", LinearMethod::automatic}, {"pcg", LinearMethod::pcg}, {"direct", LinearMethod::direct}});
+  if (auto value = reader.find("tolerance")) options.tolerance = value->quantity(dimension::none, {1e-14, 0.1, false});
+  if (auto value = reader.find("newton_limit")) options.newton_limit = value->whole(1, 100000);
+  reader.finish();
+  return options;
+}
+
+namespace {
+
+using MakeLoad = std::function<std::unique_ptr<Load>(const Body&)>;
+
+MakeLoad read_drag(Reader reader) {
+  const bool stokes = reader.at("kind").choice<bool>({{"stokes", true}, {"quadratic", false}});
+  if (stokes) {
+    const double viscosity = reader.at("viscosity").quantity(dimension::viscosity, kNotNegative);
+    reader.finish();
+    return [=](const Body& body) { return make_stokes_drag(body, viscosity); };
+  }
+  const double density = reader.at("density").quantity(dimension::density, kNotNegative);
+  const double coefficient = reader.at("drag_coefficient").quantity(dimension::none, kNotNegative);
+  reader.finish();
+  return [=](const Body& body) { return make_quadratic_drag(body, density, coefficient); };
+}
+
+MakeLoad read_point(Reader reader, const Body& body, const Matrix3& rotation) {
+  std::vector<int> molecules;
+  for (const Reader& item : reader.at("molecules").items()) molecules.push_back(item.whole(0, body.size() - 1));
+  const Vector3 force = rotation * reader.at("force").vector(dimension::force);
+  reader.finish();
+  return [=](const Body& loaded) {
+    return std::make_unique<PointLoads>(loaded, molecules, force.replicate(1, static_cast<Eigen::Index>(molecules.size())));
+  };
+}
+
+MakeLoad read_face(Reader reader, const Body& body, const Matrix3& rotation) {
+  const Vector3 side = rotation * read_direction(reader.at("side"));
+  const Vector3 traction = rotation * reader.at("traction").vector(dimension::pressure);
+  reader.finish();
+  const Face face = reader.located([&] { return end_face(body, side, 0); });
+  if (!(face.area > 0)) reader.fail("the molecules on this side span no area");
+  return [=](const Body& loaded) {
+    return std::make_unique<PointLoads>(loaded, face.molecules, face.area * traction * face.share.transpose());
+  };
+}
+
+}  // namespace
+
+MakeLoad read_load(Reader reader, const Body& body, const Matrix3& rotation, std::vector<std::string>& warnings) {
+  MakeLoad load;
+  if (auto part = reader.find("gravity")) {
+    const Vector3 acceleration = rotation * part->vector(dimension::acceleration);
+    load = [=](const Body& loaded) { return make_gravity(loaded, acceleration); };
+  } else if (auto drag = reader.find("drag")) {
+    load = read_drag(*drag);
+  } else if (auto damping = reader.find("damping")) {
+    const double coefficient = damping->quantity(dimension::damping, kNotNegative);
+    load = [=](const Body& loaded) { return make_damping(loaded, coefficient); };
+  } else if (auto point = reader.find("point")) {
+    load = read_point(*point, body, rotation);
+  } else if (auto face = reader.find("face")) {
+    load = read_face(*face, body, rotation);
+  }
+  reader.finish();
+  if (!load) reader.fail("a load is one of gravity, drag, damping, point, face");
+  if (!load(body)->acts_at_rest())
+    warnings.push_back(reader.path() + ": acts on moving bodies only; it changes nothing in a static experiment");
+  return load;
+}
+
+}  // namespace elastin

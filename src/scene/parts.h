@@ -1,0 +1,24 @@
+#pragma once
+#include "elastin/simulation/catalog.h"
+#include "experiment/specimen.h"
+#include "experiment/tension.h"
+#include "scene/reader.h"
+
+namespace elastin {
+
+/// The parts of a scene, each from its own key. All throw InputError with place and key.
+Material read_material(Reader reader);
+/// Masses and radii are set too. The body is as written: rotated later, with the experiment.
+Body read_body(Reader reader, const Material& material);
+StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
+TensionSetup read_tension(Reader reader);
+StaticOptions read_solver(Reader reader);
+/// One load; `rotation` turns its directions with the scene.
+std::function<std::unique_ptr<Load>(const Body&)> read_load(Reader reader, const Body& body, const Matrix3& rotation,
+                                                            std::vector<std::string>& warnings);
+Matrix3 read_rotation(Reader reader);
+
+/// "x", "-y" or a list of three numbers.
+Vector3 read_direction(const Reader& reader);
+
+}  // namespace elastin

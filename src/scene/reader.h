@@ -1,0 +1,100 @@
+#pragma once
+#include <yaml-cpp/yaml.h>
+
+#include <array>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "elastin/base/error.h"
+#include "elastin/base/types.h"
+#include "elastin/base/units.h"
+
+namespace elastin {
+
+/// What all keys of one scene file share: its path, and how its dimensional values are written.
+struct SceneFile {
+  std::string path;
+  std::optional<Place> first_unit;            ///< first dimensional value written with a unit
+  std::optional<InputError> first_plain;      ///< first one written as a plain number, as the error it is if units are used
+};
+
+struct Range {
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+  bool open_low = false;  ///< low itself is not allowed
+};
+inline constexpr Range kPositive{0, std::numeric_limits<double>::infinity(), true};
+inline constexpr Range kNotNegative{0, std::numeric_limits<double>::infinity(), false};
+
+/// One value of a scene with its path of keys and its place in the file. Maps remember which keys were asked for, so that
+/// finish() can name the ones that nobody knows.
+class Reader {
+ public:
+  Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path, std::optional<Place> key_place = {});
+
+  bool has(const std::string& key);
+  /// The value of a key that must be there; throws InputError naming the keys that were expected.
+  Reader at(const std::string& key);
+  std::optional<Reader> find(const std::string& key);
+  /// Throws InputError on the first key that was never asked for, with the nearest one that was.
+  void finish() const;
+
+  bool is_map() const { return node_.IsMap(); }
+  bool is_list() const { return node_.IsSequence(); }
+  bool is_text() const { return node_.IsScalar(); }
+  std::vector<std::string> keys() const;
+  std::vector<Reader> items() const;
+  std::vector<Reader> items(std::size_t count) const;
+
+  std::string text() const;
+  double quantity(const Dimension& dimension, const Range& range = {}) const;
+  int whole(int low, int high = std::numeric_limits<int>::max()) const;
+  bool yes_or_no() const;
+  Vector3 vector(const Dimension& dimension, const Range& range = {}) const;
+  std::array<int, 3> wholes(int low) const;
+  /// A word out of a fixed set.
+  template <class Value>
+  Value choice(const std::vector<std::pair<std::string, Value>>& choices) const {
+    const std::string word = text();
+    std::vector<std::string> names;
+    for (const auto& [name, value] : choices) {
+      if (name == word) return value;
+      names.push_back(name);
+    }
+    fail("'" + word + "' is not known here" + suggestion(word, names));
+  }
+
+  /// Throws if the file writes some dimensional values with units and others as plain numbers: one of them is a slip.
+  void check_units() const;
+
+  /// Throws InputError with this value's place and key.
+  [[noreturn]] void fail(const std::string& message) const;
+  /// Runs build() and puts this value's place and key before an error that has none.
+  template <class Build>
+  auto located(Build&& build) const {
+    try {
+      return build();
+    } catch (const InputError& error) {
+      if (error.placed()) throw;
+      fail(error.what());
+    }
+  }
+  const std::string& path() const { return path_; }
+  const std::string& file_path() const { return file_->path; }
+
+ private:
+  Place place() const;
+  std::shared_ptr<SceneFile> file_;
+  YAML::Node node_;
+  std::string path_;  ///< "experiment.force"
+  std::optional<Place> key_place_;
+  std::shared_ptr<std::vector<std::string>> asked_ = std::make_shared<std::vector<std::string>>();
+};
+
+/// Reads a YAML file and puts `key.path=value` overrides in. Throws InputError: file:line:column.
+Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides);
+
+}  // namespace elastin

@@ -1,0 +1,88 @@
+#include "scene/scene.h"
+
+#include <chrono>
+#include <filesystem>
+
+#include "elastin/model/shapes.h"
+#include "scene/parts.h"
+
+namespace elastin {
+namespace {
+
+Expectation read_expectation(Reader reader, const Catalog& catalog) {
+  Expectation expectation;
+  const Reader measure = reader.at("measure");
+  const MeasureInfo info = measure.located([&] { return find_measure(measure.text()); });
+  expectation.measure = info.name;
+  expectation.value = reader.at("value").quantity(info.unit);
+  if (auto strategy = reader.find("strategy")) {
+    expectation.strategy = strategy->text();
+    strategy->located([&] { return choose_strategy(catalog, expectation.strategy); });
+  }
+  expectation.source = reader.at("source").text();
+  if (auto tolerance = reader.find("tolerance")) expectation.relative = tolerance->quantity(dimension::none, kPositive);
+  if (auto tolerance = reader.find("absolute")) expectation.absolute = tolerance->quantity(info.unit, kPositive);
+  if (auto why = reader.find("not_reproduced")) expectation.not_reproduced = why->text();
+  reader.finish();
+  const bool judged = expectation.not_reproduced.empty();
+  if (judged && expectation.relative == 0 && expectation.absolute == 0)
+    reader.fail("an expectation needs a tolerance (relative), an absolute tolerance, or not_reproduced with the reason");
+  return expectation;
+}
+
+Reference read_reference(Reader reader) {
+  Reference reference;
+  const Reader measure = reader.at("measure");
+  const MeasureInfo info = measure.located([&] { return find_measure(measure.text()); });
+  reference.measure = info.name;
+  reference.value = reader.at("value").quantity(info.unit);
+  reference.source = reader.at("source").text();
+  reader.finish();
+  return reference;
+}
+
+std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const StrategyChoice& stiffness,
+                                            const Catalog& catalog) {
+  if (!reader) return {stiffness};
+  if (reader->is_text() && reader->text() == "all") return all_strategies(catalog);
+  std::vector<StrategyChoice> strategies;
+  for (const Reader& item : reader->items()) strategies.push_back(read_strategy(item, catalog));
+  if (strategies.empty()) reader->fail("names no strategy; write a list of them or all");
+  return strategies;
+}
+
+}  // namespace
+
+std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog, const std::vector<std::string>& overrides) {
+  const auto start = std::chrono::steady_clock::now();
+  Reader reader = open_scene_file(path, overrides);
+  auto scene = std::make_unique<Scene>();
+  scene->path = path;
+  scene->name = std::filesystem::path(path).stem().string();
+  scene->title = reader.has("title") ? reader.at("title").text() : scene->name;
+  scene->specimen.material = read_material(reader.at("material"));
+  const Reader body = reader.at("body");
+  scene->specimen.body = read_body(body, scene->specimen.material);
+  const Matrix3 rotation = reader.has("rotate") ? read_rotation(reader.at("rotate")) : Matrix3(Matrix3::Identity());
+  if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
+  scene->stiffness = read_strategy(reader.at("stiffness"), catalog);
+  scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog);
+  const Reader experiment = reader.at("experiment");
+  TensionSetup setup = read_tension(experiment);
+  setup.axis = rotation * setup.axis;
+  if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver);
+  if (auto loads = reader.find("loads"))
+    for (const Reader& item : loads->items())
+      scene->specimen.loads.push_back(read_load(item, scene->specimen.body, rotation, scene->warnings));
+  if (auto expect = reader.find("expect"))
+    for (const Reader& item : expect->items()) scene->expectations.push_back(read_expectation(item, catalog));
+  if (auto references = reader.find("reference"))
+    for (const Reader& item : references->items()) scene->references.push_back(read_reference(item));
+  reader.finish();
+  reader.check_units();
+  scene->experiment = experiment.located([&] { return make_tension(scene->specimen.body, setup); });
+  scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return scene;
+}
+
+}  // namespace elastin

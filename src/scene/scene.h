@@ -1,0 +1,45 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiment/specimen.h"
+
+namespace elastin {
+
+/// What a published or independent source says a measure is.
+struct Expectation {
+  std::string strategy;   ///< the strategy it is about; empty = every one
+  std::string measure;
+  double value = 0;       ///< SI
+  double relative = 0, absolute = 0;  ///< tolerance: |difference| ≤ absolute + relative |value|
+  std::string source;
+  std::string not_reproduced;  ///< why it is printed but not judged; empty = judged
+};
+
+/// A value of the same boundary-value problem from elsewhere, to measure errors against.
+struct Reference {
+  std::string measure;
+  double value = 0;
+  std::string source;
+};
+
+/// One scene file, read, checked and built.
+struct Scene {
+  std::string path, name, title;
+  Specimen specimen;
+  std::unique_ptr<Experiment> experiment;
+  StrategyChoice stiffness;                 ///< what `run` uses
+  std::vector<StrategyChoice> strategies;   ///< what `compare` uses
+  StaticOptions statics;
+  std::vector<Expectation> expectations;
+  std::vector<Reference> references;
+  std::vector<std::string> warnings;        ///< of the scene as a whole
+  double build_seconds = 0;                 ///< body and experiment
+};
+
+/// Reads a scene and builds its body and experiment. `overrides` are key.path=value. Throws InputError.
+std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,
+                                  const std::vector<std::string>& overrides = {});
+
+}  // namespace elastin

@@ -1,0 +1,88 @@
+#include "elastin/simulation/catalog.h"
+
+#include <cstdio>
+#include <utility>
+
+#include "stiffness/angles.h"
+#include "stiffness/angles_update.h"
+#include "stiffness/divided.h"
+#include "stiffness/lattice.h"
+#include "stiffness/lloyd.h"
+#include "stiffness/standard.h"
+#include "stiffness/statistical.h"
+#include "stiffness/uniform.h"
+#include "stiffness/van_gelder.h"
+#include "stiffness/van_gelder_simplified.h"
+
+namespace elastin {
+
+Catalog built_in_catalog() {
+  Catalog catalog;
+  catalog.add<Standard>();
+  catalog.add<Divided>();
+  catalog.add<Angles>();
+  catalog.add<AnglesUpdate>();
+  catalog.add<Statistical>();
+  catalog.add<VanGelder>();
+  catalog.add<VanGelderSimplified>();
+  catalog.add<Lloyd>();
+  catalog.add<Lattice>();
+  catalog.add<Uniform>();
+  Strategy calibrated;
+  calibrated.name = "calibrated";
+  calibrated.summary = "any spring rule, times E / E measured by one linear solve of the scene: calibrated:RULE";
+  calibrated.source = "[M03]'s divisor found by hand, made automatic";
+  calibrated.kind = StrategyKind::wrapper;
+  catalog.add(std::move(calibrated));
+  return catalog;
+}
+
+const char* name_of(StrategyKind kind) {
+  switch (kind) {
+    case StrategyKind::spring_rule: return "spring rule";
+    case StrategyKind::updated_spring_rule: return "spring rule, updated";
+    case StrategyKind::cell_law: return "cell law";
+    case StrategyKind::wrapper: return "wrapper";
+  }
+  return "";
+}
+
+void Catalog::add(Strategy strategy) {
+  for (const Strategy& other : strategies_)
+    if (other.name == strategy.name) throw InputError("the catalog has a strategy '" + strategy.name + "' already");
+  strategies_.push_back(std::move(strategy));
+}
+
+const Strategy& Catalog::find(const std::string& name) const {
+  for (const Strategy& strategy : strategies_)
+    if (strategy.name == name) return strategy;
+  throw InputError("unknown strategy '" + name + "'" + suggestion(name, names()));
+}
+
+std::vector<std::string> Catalog::names() const {
+  std::vector<std::string> names;
+  for (const Strategy& strategy : strategies_) names.push_back(strategy.name);
+  return names;
+}
+
+namespace detail {
+
+const ParameterInfo& checked_parameter(const Strategy& strategy, const std::string& name, double value) {
+  std::vector<std::string> names;
+  for (const ParameterInfo& info : strategy.parameters) {
+    if (info.name != name) {
+      names.push_back(info.name);
+      continue;
+    }
+    if (value >= info.low && value <= info.high) return info;
+    char text[160];
+    std::snprintf(text, sizeof text, "%g is out of range: %g to %g %s", value, info.low, info.high,
+                  si_unit(info.unit).c_str());
+    throw InputError(strategy.name + "." + name + ": " + text + " (" + info.text + ")");
+  }
+  if (names.empty()) throw InputError("'" + name + "': strategy " + strategy.name + " takes no parameters");
+  throw InputError("unknown parameter '" + name + "' of strategy " + strategy.name + suggestion(name, names));
+}
+
+}  // namespace detail
+}  // namespace elastin

@@ -1,0 +1,96 @@
+#include <Eigen/SparseCholesky>
+#include <cmath>
+
+#include "solve/linear_solver.h"
+#include "solve/sparse_stiffness.h"
+
+namespace elastin {
+namespace {
+
+class Direct final : public LinearSolver {
+ public:
+  const char* name() const override { return "direct"; }
+
+  LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs, double tolerance,
+                     Positions& x) override {
+    const int n = static_cast<int>(rhs.cols());
+    x.setZero(3, n);
+    LinearResult result;
+    const double size = ordered_norm(rhs);
+    if (size == 0) return result;
+    // A tiny shift lets the factorisation pass zero-energy modes; refinement with the true K takes its effect away again.
+    const double scale = stiffness_scale(tangent), shift = 1e-9 * scale;
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(sparse_stiffness(tangent, supports, shift, scale));
+    if (factor.info() != Eigen::Success) {
+      result.status = LinearStatus::zero_mode;
+      x = rhs / scale;
+      result.residual = 1;
+      return result;
+    }
+    result.negative_modes = static_cast<int>((factor.vectorD().array() < 0).count());
+    Positions r = rhs, kx(3, n);
+    double last = size;
+    constexpr int limit = 30;
+    while (true) {
+      const VectorX correction = factor.solve(Eigen::Map<const VectorX>(r.data(), r.size()));
+      const Positions previous = x;
+      x += Eigen::Map<const Positions>(correction.data(), 3, n);
+      keep_free(supports, x);
+      ++result.iterations;
+      tangent.apply(x, kx);
+      keep_free(supports, kx);
+      r = rhs - kx;
+      const double now = ordered_norm(r);
+      result.residual = now / size;
+      if (now <= tolerance * size) break;
+      if (!(now < 0.5 * last) || result.iterations == limit) {
+        // No more progress: a right-hand side in the range of K gets there, unless rounding stops it first.
+        if (!(now < last)) x = previous;
+        result.status = result.residual > 1e-6 ? LinearStatus::zero_mode : LinearStatus::limit_reached;
+        break;
+      }
+      last = now;
+    }
+    if (result.negative_modes > 0 && result.status == LinearStatus::solved) result.status = LinearStatus::negative_mode;
+    return result;
+  }
+};
+
+}  // namespace
+
+double stiffness_scale(const Tangent& tangent) {
+  double sum = 0;
+  const auto blocks = tangent.diagonal();
+  for (const Matrix3& block : blocks) sum += std::abs(block.trace()) / 3;
+  return blocks.empty() || sum == 0 ? 1 : sum / static_cast<double>(blocks.size());
+}
+
+Eigen::SparseMatrix<double> sparse_stiffness(const Tangent& tangent, const std::vector<Support>& supports, double shift,
+                                             double scale) {
+  const int n = tangent.model().body().size();
+  std::vector<const Support*> support_of(n, nullptr);
+  for (const Support& support : supports) support_of[support.molecule] = &support;
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&](int a, int b, const Matrix3& block) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        if (block(i, j) != 0) entries.emplace_back(3 * a + i, 3 * b + j, block(i, j));
+  };
+  tangent.visit_blocks([&](int a, int b, const Matrix3& part) {
+    Matrix3 block = part;
+    if (support_of[a]) block = (support_of[a]->free * block).eval();
+    if (support_of[b]) block = (block * support_of[b]->free).eval();
+    add(a, b, block);
+  });
+  for (int molecule = 0; molecule < n; ++molecule) {
+    const Matrix3 free = support_of[molecule] ? support_of[molecule]->free : Matrix3::Identity();
+    add(molecule, molecule, shift * free + scale * (Matrix3::Identity() - free));
+  }
+  Eigen::SparseMatrix<double> matrix(3 * n, 3 * n);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+std::unique_ptr<LinearSolver> make_direct() { return std::make_unique<Direct>(); }
+
+}  // namespace elastin

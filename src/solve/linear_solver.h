@@ -1,0 +1,47 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "forces/tangent.h"
+
+namespace elastin {
+
+enum class LinearStatus {
+  solved,
+  limit_reached,      ///< the iteration limit, or no further progress in this precision
+  zero_mode,          ///< the right-hand side works on a direction without stiffness
+  negative_mode,      ///< a direction of negative stiffness was met
+};
+
+struct LinearResult {
+  LinearStatus status = LinearStatus::solved;
+  int iterations = 0;
+  double residual = 0;       ///< ‖b − K x‖ / ‖b‖
+  int negative_modes = -1;   ///< eigenvalues of K below zero, −1 where the solver cannot count them
+};
+
+/// Solves K x = b for the free directions of a supported body. Zero-energy modes are no failure as long as b has no part
+/// in them: x then has none of them either, up to rounding.
+class LinearSolver {
+ public:
+  virtual ~LinearSolver() = default;
+  virtual const char* name() const = 0;
+  /// `rhs` must lie in the free directions; `solution` is overwritten. On negative_mode or zero_mode it holds a descent
+  /// direction of ½ xᵀKx − bᵀx, to be used with a line search.
+  virtual LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
+                             double tolerance, Positions& solution) = 0;
+};
+
+/// Conjugate gradients without a matrix, preconditioned by the 3×3 blocks of each molecule.
+std::unique_ptr<LinearSolver> make_pcg();
+
+/// A sparse LDLᵀ factorisation with iterative refinement: for small bodies, indefinite stiffness and mode counts.
+std::unique_ptr<LinearSolver> make_direct();
+
+/// Takes out the held part of each supported molecule's column.
+void keep_free(const std::vector<Support>& supports, Positions& vectors);
+
+/// ‖v‖ with the same bits on any number of threads.
+double ordered_norm(const Positions& vectors);
+
+}  // namespace elastin

@@ -1,0 +1,99 @@
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "solve/linear_solver.h"
+
+namespace elastin {
+namespace {
+
+/// Inverse of a symmetric block on the directions where it has stiffness, zero on the others. Blocks of negative
+/// stiffness are taken by size, which keeps the preconditioner positive.
+Matrix3 pseudo_inverse(const Matrix3& block) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3> eigen(block);
+  const Vector3 values = eigen.eigenvalues().cwiseAbs();
+  const double threshold = 1e-10 * values.maxCoeff();
+  const Vector3 inverse = (values.array() > threshold).select(values.cwiseInverse(), 0);
+  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+std::vector<Matrix3> block_preconditioner(const Tangent& tangent, const std::vector<Support>& supports) {
+  std::vector<Matrix3> blocks = tangent.diagonal();
+  for (const Support& support : supports) {
+    Matrix3& block = blocks[support.molecule];
+    block = (support.free * block * support.free).eval();
+  }
+  parallel_for(static_cast<int>(blocks.size()), [&](int molecule) { blocks[molecule] = pseudo_inverse(blocks[molecule]); });
+  return blocks;
+}
+
+class Pcg final : public LinearSolver {
+ public:
+  const char* name() const override { return "pcg"; }
+
+  LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs, double tolerance,
+                     Positions& x) override {
+    const int n = static_cast<int>(rhs.cols());
+    const std::vector<Matrix3> inverse = block_preconditioner(tangent, supports);
+    Positions r = rhs, z(3, n), p(3, n), kp(3, n);
+    x.setZero(3, n);
+    // r·z and r·r in one pass; moved = 0 leaves x and r as they are.
+    const auto advance = [&](double step) {
+      return ordered_sum<Eigen::Vector2d>(
+          n,
+          [&](int i) {
+            if (step != 0) {
+              x.col(i) += step * p.col(i);
+              r.col(i) -= step * kp.col(i);
+            }
+            z.col(i) = inverse[i] * r.col(i);
+            return Eigen::Vector2d(r.col(i).dot(z.col(i)), r.col(i).squaredNorm());
+          },
+          Eigen::Vector2d::Zero());
+    };
+    Eigen::Vector2d now = advance(0);
+    const double first = now[1];
+    LinearResult result;
+    if (first == 0) return result;
+    p = z;
+    double size_of_p = now[0];  // pᵀ M p, M the preconditioner: what pᵀ K p is small or large against
+    const int limit = 10000 + 3 * n / 10;
+    while (true) {
+      tangent.apply(p, kp);
+      keep_free(supports, kp);
+      const double curvature = ordered_sum(n, [&](int i) { return p.col(i).dot(kp.col(i)); });
+      if (!(curvature > 1e-13 * size_of_p)) {
+        result.status = curvature < -1e-10 * size_of_p ? LinearStatus::negative_mode : LinearStatus::zero_mode;
+        if (result.iterations == 0) x = p;
+        break;
+      }
+      const double before = now[0];
+      now = advance(before / curvature);
+      ++result.iterations;
+      if (now[1] <= tolerance * tolerance * first) break;
+      if (result.iterations >= limit || !std::isfinite(now[1])) {
+        result.status = LinearStatus::limit_reached;
+        break;
+      }
+      const double beta = now[0] / before;
+      parallel_for(n, [&](int i) { p.col(i) = z.col(i) + beta * p.col(i); });
+      size_of_p = now[0] + beta * beta * size_of_p;
+    }
+    result.residual = std::sqrt(now[1] / first);
+    return result;
+  }
+};
+
+}  // namespace
+
+void keep_free(const std::vector<Support>& supports, Positions& vectors) {
+  for (const Support& support : supports) vectors.col(support.molecule) = support.free * vectors.col(support.molecule);
+}
+
+double ordered_norm(const Positions& vectors) {
+  return std::sqrt(ordered_sum(static_cast<int>(vectors.cols()), [&](int i) { return vectors.col(i).squaredNorm(); }));
+}
+
+std::unique_ptr<LinearSolver> make_pcg() { return std::make_unique<Pcg>(); }
+
+}  // namespace elastin

@@ -1,0 +1,28 @@
+#pragma once
+#include <string>
+
+#include "elastin/stiffness/law.h"
+
+namespace elastin {
+
+/// The constants k ≥ 0 with which every molecule comes nearest to passing the linear patch test: under any uniform strain
+/// ε its connections balance what the surrounding solid exerts on its part A_i of the surface (outward area vector [m²],
+/// 0 inside),
+///   Σ_j k_ij L_ij n n n = −C : A_i,  C_ijkl = 0.4 E (δ_ij δ_kl + δ_ik δ_jl + δ_il δ_jk):
+/// 10 equations a molecule, solved by non-negative least squares. Where they hold exactly (cubic lattices with face
+/// diagonals), E comes out as asked and ν = ¼; ν itself is not used. Where they can't (too few connections, strong
+/// disorder), the body is softer than asked: calibrate.
+/// Where many constants pass, those nearest to one constant for all are taken.
+struct Patch {
+  static constexpr std::string_view name = "patch";
+  static constexpr std::string_view summary = "fitted so that every molecule passes the patch test; any connection graph";
+  static constexpr std::string_view source = "patch test of finite elements; Cauchy relations (physics.md)";
+
+  /// The surface areas come from tetrahedra, or else from the cubes of a lattice.
+  static std::string unsuited(const Body& body);
+
+  /// k [N/m], ≥ 0, one a connection. About a second for 1e5 connections.
+  VectorX constants(const Body& body, const Material& material) const;
+};
+
+}  // namespace elastin

@@ -1,0 +1,61 @@
+#pragma once
+#include "stiffness/simplex.h"
+
+namespace elastin {
+
+/// S = λ tr(E) I + 2μ E, E = ½ (C − I): linear in the squared lengths, so that q = K (s − s⁰) with a constant symmetric K,
+/// K_cd = V/2 (λ tr B_c tr B_d + 2μ B_c : B_d), V the volume, or thickness times area. [L03, D08]
+/// Exact linear elasticity at small strain; under strong compression it softens, and it lets a cell fall flat (C → 0) at
+/// finite energy.
+template <int cell_corners>
+struct StVenantKirchhoffCell {
+  static constexpr int corners = cell_corners;
+  static constexpr std::string_view name = corners == 4 ? "st_venant_kirchhoff" : "st_venant_kirchhoff_membrane";
+  static constexpr std::string_view summary =
+      corners == 4 ? "linear stress over Lagrangian strain, tetrahedra: small strain, large rotation"
+                   : "linear plane stress over Lagrangian strain, triangles (biquadratic springs)";
+  static constexpr std::string_view source = corners == 4 ? "[L03]" : "[D08]";
+
+  static std::string unsuited(const Body& body) {
+    if constexpr (corners == 4) return body.tetrahedra.empty() ? "needs tetrahedra" : "";
+    return body.triangles.empty() ? "needs triangles" : "";
+  }
+
+  struct Constants {
+    CellMatrix<corners> stiffness;     ///< K [N/m³]
+    CellVector<corners> rest_squared;  ///< s⁰ [m²]
+  };
+
+  /// @param rest corners [m], not flat. Throws InputError unless −1 < ν < ½.
+  Constants constants(const Eigen::Matrix<double, 3, corners>& rest, const Material& material) const {
+    const Simplex<corners> cell(rest);
+    const auto [lambda, mu] = lame<corners>(material);
+    const double volume = cell.measure * (corners == 4 ? 1 : material.thickness);
+    CellMatrix<corners> K;
+    for (int c = 0; c < K.rows(); ++c)
+      for (int d = 0; d < K.cols(); ++d) {
+        const auto Bc = cell.basis(c), Bd = cell.basis(d);
+        K(c, d) = volume / 2 * (lambda * Bc.trace() * Bd.trace() + 2 * mu * Bc.cwiseProduct(Bd).sum());
+      }
+    return {K, cell.squared_lengths};
+  }
+
+  /// q [N/m] from squared lengths s [m²].
+  CellVector<corners> force_densities(const Constants& k, const CellVector<corners>& s) const {
+    return k.stiffness * (s - k.rest_squared);
+  }
+
+  /// ∂q/∂s [N/m³].
+  CellMatrix<corners> slope(const Constants& k, const CellVector<corners>&) const { return k.stiffness; }
+
+  /// W = ¼ (s − s⁰)ᵀ K (s − s⁰) [J].
+  double energy(const Constants& k, const CellVector<corners>& s) const {
+    const CellVector<corners> change = s - k.rest_squared;
+    return change.dot(k.stiffness * change) / 4;
+  }
+};
+
+using StVenantKirchhoff = StVenantKirchhoffCell<4>;
+using StVenantKirchhoffMembrane = StVenantKirchhoffCell<3>;
+
+}  // namespace elastin
