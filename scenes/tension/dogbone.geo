@@ -10,6 +10,7 @@ Mesh.ElementOrder = 1;
 Mesh.Algorithm = 6;
 Mesh.Algorithm3D = 1;
 Mesh.Optimize = 1;
+Mesh.OptimizeThreshold = 0.5;
 Mesh.RandomSeed = 1;
 General.NumThreads = 1;
 

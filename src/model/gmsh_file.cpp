@@ -120,6 +120,13 @@ void begin_data(Cursor& in, const Format& format) {
   in.begin_binary(format.order);
 }
 
+void read_tag(Cursor& in, NumberType width, Tags& tags) {
+  const std::size_t at = in.next_at();
+  const long long tag = in.integer("a point's number", width);
+  if (tag < 1) in.fail(at, "expected a point's number, from 1 to 2⁶³−1; found " + std::to_string(tag));
+  tags.add(tag, at);
+}
+
 void add_point(Cursor& in, MeshBuilder& mesh) {
   Vector3 place;
   for (double& coordinate : place) coordinate = in.real("a coordinate");
@@ -130,8 +137,7 @@ void read_points_22(Cursor& in, const Format& format, Tags& tags, MeshBuilder& m
   const std::size_t count = in.count("the number of points");
   begin_data(in, format);
   for (std::size_t point = 0; point < count; ++point) {
-    const std::size_t at = in.next_at();
-    tags.add(in.integer("a point's number"), at);
+    read_tag(in, int32, tags);
     add_point(in, mesh);
   }
 }
@@ -147,10 +153,7 @@ void read_points_41(Cursor& in, const Format& format, Tags& tags, MeshBuilder& m
     in.skip_numbers(1, int32);  // the entity's tag
     const bool parametric = in.integer("0 or 1 for parametric points") != 0;
     const std::size_t count = in.count("the number of points of a block", uint64);
-    for (std::size_t point = 0; point < count; ++point) {
-      const std::size_t at = in.next_at();
-      tags.add(in.integer("a point's number", uint64), at);
-    }
+    for (std::size_t point = 0; point < count; ++point) read_tag(in, uint64, tags);
     for (std::size_t point = 0; point < count; ++point) {
       add_point(in, mesh);
       if (parametric && dimension > 0) in.skip_numbers(static_cast<std::size_t>(std::min(dimension, 3LL)), float64);

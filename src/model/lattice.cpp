@@ -40,6 +40,31 @@ Body centred_lattice(const std::array<int, 3>& cells, double spacing, const std:
   return body;
 }
 
+/// Every face of a cube is shared by two pyramids, tips in the middles of the cubes on both sides; the pair is cut into
+/// four equal tetrahedra around the line between the tips (12 a cube in all). A pyramid on the surface is cut in two.
+/// The middle of cube c will be molecule body.size() + c.
+void add_body_centred(const std::array<int, 3>& cubes, Body& body) {
+  const int count = static_cast<int>(body.cubes.size());
+  const std::array<int, 3> stride{1, cubes[0], cubes[0] * cubes[1]};
+  for (int c = 0; c < count; ++c) {
+    const auto& cube = body.cubes[static_cast<std::size_t>(c)];
+    const int middle = body.size() + c;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int side : {0, 1}) {
+        const int u = 1 << (axis + 1) % 3, v = 1 << (axis + 2) % 3, base = side << axis;
+        const std::array<int, 4> ring{cube[base], cube[base | u], cube[base | u | v], cube[base | v]};
+        const int place = c / stride[axis] % cubes[axis];
+        if (place + (side ? 1 : -1) < 0 || place + (side ? 1 : -1) >= cubes[axis]) {
+          body.tetrahedra.push_back({middle, ring[0], ring[1], ring[2]});
+          body.tetrahedra.push_back({middle, ring[0], ring[2], ring[3]});
+        } else if (side == 1) {  // each inner face once, from the cube below it
+          for (int i = 0; i < 4; ++i)
+            body.tetrahedra.push_back({middle, middle + stride[axis], ring[i], ring[(i + 1) % 4]});
+        }
+      }
+  }
+}
+
 }  // namespace
 
 Body cubic_lattice(const std::array<int, 3>& molecules, double spacing, const CubicPattern& pattern) {
@@ -95,10 +120,6 @@ Body tetrahedral_block(BlockKind kind, const std::array<int, 3>& cubes, const Ve
                                                           {0, 4, 5, 7}, {0, 6, 4, 7}}};
   static constexpr std::array<std::array<int, 4>, 5> five{{{0, 1, 2, 4}, {3, 2, 1, 7}, {5, 1, 4, 7}, {6, 4, 2, 7},
                                                            {1, 2, 4, 7}}};
-  // Two triangles a face, outward; with the cube's middle each makes a tetrahedron.
-  static constexpr std::array<std::array<int, 3>, 12> faces{{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4},
-                                                             {1, 5, 4}, {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6},
-                                                             {1, 3, 5}, {3, 7, 5}}};
   std::vector<Vector3> middles;
   for (std::size_t c = 0; c < body.cubes.size(); ++c) {
     const auto& cube = body.cubes[c];
@@ -113,11 +134,10 @@ Body tetrahedral_block(BlockKind kind, const std::array<int, 3>& cubes, const Ve
         body.tetrahedra.push_back({cube[t[0]], cube[t[1]], cube[t[2]], cube[t[3]]});
       }
     } else {
-      const int middle = body.size() + static_cast<int>(middles.size());
       middles.push_back((body.rest.col(cube[0]) + body.rest.col(cube[7])) / 2);
-      for (const auto& f : faces) body.tetrahedra.push_back({middle, cube[f[0]], cube[f[1]], cube[f[2]]});
     }
   }
+  if (kind == BlockKind::body_centred) add_body_centred(cubes, body);
   body.rest.conservativeResize(3, body.rest.cols() + static_cast<Eigen::Index>(middles.size()));
   for (std::size_t m = 0; m < middles.size(); ++m)
     body.rest.col(body.rest.cols() - static_cast<Eigen::Index>(middles.size() - m)) = middles[m];

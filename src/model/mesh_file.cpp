@@ -172,7 +172,7 @@ Mesh read_mesh(const File& file) {
 }  // namespace mesh_format
 
 Mesh load_mesh(const std::string& path) {
-  mesh_format::reader_for(path);
+  mesh_format::reader_for(path);  // an unknown ending is told first, whether the file exists or not
   return mesh_format::read_mesh(mesh_format::load_file(path));
 }
 

@@ -115,11 +115,21 @@ struct Trial {
   State state;
   Balance forces;
   double energy;
+  double noise;  ///< what rounding of the positions does to the energy [J]
 };
 
 Trial evaluate(const Model& model, State state, bool with_energy) {
-  Trial trial{std::move(state), {}, 0};
-  if (with_energy) trial.energy = model.elastic_energy(trial.state.positions) + model.load_energy(trial.state);
+  Trial trial{std::move(state), {}, 0, 0};
+  const Positions& positions = trial.state.positions;
+  if (with_energy) {
+    trial.energy = model.elastic_energy(positions) + model.load_energy(trial.state);
+    const VectorX densities = model.force_densities(positions);
+    const auto& ends = model.body().connections.ends;
+    const double pull = ordered_sum(model.body().connections.size(), [&](int c) {
+      return std::abs(densities[c]) * (positions.col(ends[c][1]) - positions.col(ends[c][0])).norm();
+    });
+    trial.noise = 4 * std::numeric_limits<double>::epsilon() * positions.cwiseAbs().maxCoeff() * pull;
+  }
   if (std::isfinite(trial.energy)) trial.forces = balance(model, trial.state);
   return trial;
 }
@@ -139,7 +149,7 @@ bool line_search(const Model& model, const Positions& motion, bool with_energy, 
     const bool falls = with_energy && slope < 0 && trial.energy <= now.energy + 1e-4 * step * slope;
     const bool calmer = trial.forces.norm < (1 - 1e-4 * step) * now.forces.norm;
     // Near the answer the energy differs by less than its rounding; far from it, a calmer force alone may be a saddle.
-    const bool same_energy = !with_energy || trial.energy - now.energy <= 1e-12 * (std::abs(now.energy) + std::abs(slope));
+    const bool same_energy = !with_energy || trial.energy - now.energy <= trial.noise;
     if (falls || (calmer && same_energy)) {
       now = std::move(trial);
       return true;

@@ -148,15 +148,15 @@ struct PatchTest {
 
 /// The y ≥ 0 of least |sums(y) − wanted|² + pull |y − uniform|²: conjugate gradients on the positive unknowns; a step that
 /// would turn some negative is projected and followed by a step of fixed length down the free gradient; unknowns held at
-/// zero are let go together once their gradient outweighs the free one (MPRGP) [Dostál 2009, ch. 5; Kružík 2020].
+/// zero are let go together once their gradient outweighs the free one (MPRGP) [Dostál 2009, ch. 5].
 /// Ends when the projected gradient is small, or, where no constants pass the patch test, when 100 steps no longer lower
-/// the misfit by 1 %: going on would take ten times as long to gain as much again.
+/// the misfit by 1 %: at 1e5 connections and 15 % jitter four times as many steps would gain 2 % more.
 VectorX non_negative_least_squares(const PatchTest& test) {
   constexpr double pull = 1e-6, tolerance = 1e-7, worthwhile = 0.99;
   constexpr int most_steps = 5000, window = 100;
   const auto apply = [&](const VectorX& v) -> VectorX { return test.gather(test.sums(v)) + pull * v; };
   const VectorX right = test.gather(test.wanted) + pull * test.uniform;
-  const double fixed_step = 1.95 / (test.largest_eigenvalue() + pull);  // below 2/|H|: never uphill
+  const double fixed_step = 1.95 / (test.largest_eigenvalue() + pull);  // 2 is where it could go uphill
   VectorX y = test.uniform, gradient = apply(y) - right;
   const auto free_part = [&]() -> VectorX { return (y.array() > 0).select(gradient, 0.); };
   VectorX direction = free_part();
@@ -173,19 +173,17 @@ VectorX non_negative_least_squares(const PatchTest& test) {
     if (release) direction = held;
     const VectorX change = apply(direction);
     const double curvature = direction.dot(change), length = gradient.dot(direction) / curvature;
-    const VectorX target = y - length * direction;
-    if (target.minCoeff() < 0) {
-      y = target.cwiseMax(0);
-      gradient = apply(y) - right;
-      y = (y - fixed_step * free_part()).cwiseMax(0);
+    y -= length * direction;
+    gradient -= length * change;
+    if (y.minCoeff() < 0) {
+      y = y.cwiseMax(0).eval();
+      y = (y - fixed_step * free_part()).cwiseMax(0).eval();
       gradient = apply(y) - right;
       direction = free_part();
-      continue;
+    } else {
+      const VectorX left = free_part();
+      direction = release ? left : VectorX(left - left.dot(change) / curvature * direction);
     }
-    y = target;
-    gradient -= length * change;
-    const VectorX left = free_part();
-    direction = release ? left : VectorX(left - left.dot(change) / curvature * direction);
   }
   return y;
 }

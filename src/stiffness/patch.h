@@ -10,9 +10,9 @@ namespace elastin {
 /// 0 inside),
 ///   Σ_j k_ij L_ij n n n = −C : A_i,  C_ijkl = 0.4 E (δ_ij δ_kl + δ_ik δ_jl + δ_il δ_jk):
 /// 10 equations a molecule, solved by non-negative least squares. Where they hold exactly (cubic lattices with face
-/// diagonals), E comes out as asked and ν = ¼; ν itself is not used. Where they can't (too few connections, strong
-/// disorder), the body is softer than asked: calibrate.
-/// Where many constants pass, those nearest to one constant for all are taken.
+/// diagonals), E comes out as asked and ν = ¼; the material's ν is not used. Where they can't (disorder, or the 14
+/// neighbours of a tetrahedral mesh, which Van Gelder's rule serves better), the body is softer than asked: calibrate.
+/// Where many constants pass, those nearest to one constant for all are taken; k may be 0.
 struct Patch {
   static constexpr std::string_view name = "patch";
   static constexpr std::string_view summary = "fitted so that every molecule passes the patch test; any connection graph";
@@ -21,7 +21,7 @@ struct Patch {
   /// The surface areas come from tetrahedra, or else from the cubes of a lattice.
   static std::string unsuited(const Body& body);
 
-  /// k [N/m], ≥ 0, one a connection. About a second for 1e5 connections.
+  /// k [N/m], ≥ 0, one a connection. Seconds for 1e5 connections.
   VectorX constants(const Body& body, const Material& material) const;
 };
 

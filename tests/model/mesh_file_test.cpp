@@ -252,6 +252,8 @@ TEST_CASE("Gmsh files: what is wrong is told by line and column", "[mesh_file]")
       {"a.msh", replaced(one_41, "3 1 0 4", "3 1 0 -4"),
        "a.msh:6:7: expected the number of points of a block, at most"},
       {"a.msh", replaced(one_41, "\n2\n3\n", "\n2\n2\n"), "a.msh:9:1: point 2 stands here a second time"},
+      {"a.msh", replaced(one_41, "\n2\n3\n", "\n-2\n3\n"),
+       "a.msh:8:1: expected a point's number, from 1 to 2⁶³−1; found -2"},
       {"a.msh", replaced(one_41, "$EndNodes", "$EndNode"), "a.msh:15:1: expected $EndNodes, found '$EndNode'"},
       {"a.msh", replaced(one_41, "1 1 7 7", "1 2 7 7"),
        "a.msh:17:3: expected the number of cells, but the blocks hold 1"},
@@ -416,14 +418,16 @@ TEST_CASE("a file with random damage fails with a place, or gives a sound mesh",
   std::mt19937 random(20240501);  // the same damage on every machine: no distributions, which differ
   const auto below = [&](std::size_t limit) { return static_cast<std::size_t>(random()) % limit; };
   const std::string letters = "0123456789-.+e$<>\"=_ \n\xff" + std::string(3, '\0');
+  const std::vector<std::string> words = {
+      "-1", "99999999999", "-9223372036854775807", "18446744073709551615", "nan", "1e308", "==", "$Nodes"};
   int loaded = 0, refused = 0;
   for (const std::string& name : fixtures) {
     const File whole = fixture(name);
-    for (int round = 0; round < 300; ++round) {
+    for (int round = 0; round < 2000; ++round) {
       File damaged = whole;
       for (std::size_t change = 0; change < 1 + below(3); ++change) {
         const std::size_t at = below(damaged.bytes.size());
-        switch (below(5)) {
+        switch (below(6)) {
           case 0:
             damaged.bytes[at] ^= static_cast<char>(1 << below(8));
             break;
@@ -435,6 +439,9 @@ TEST_CASE("a file with random damage fails with a place, or gives a sound mesh",
             break;
           case 3:
             damaged.bytes.erase(at, 1 + below(20));
+            break;
+          case 4:
+            damaged.bytes.replace(at, below(8), words[below(words.size())]);
             break;
           default:
             damaged.bytes.insert(at, damaged.bytes.substr(below(damaged.bytes.size()), 1 + below(40)));

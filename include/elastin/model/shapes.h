@@ -34,7 +34,7 @@ Body random_packing(const Vector3& size, double distance, double reach, std::uin
 enum class BlockKind { kuhn, alternating, body_centred };
 
 /// A block of `cubes` cubes filled with tetrahedra: Kuhn 6 a cube, alternating 5 a cube (mirrored in every second cube),
-/// body-centred 12 a cube (a molecule in the middle of each). The connections are their edges.
+/// body-centred 12 a cube (a molecule in the middle of each; all alike but those on the surface). The connections are their edges.
 Body tetrahedral_block(BlockKind kind, const std::array<int, 3>& cubes, const Vector3& size);
 
 /// A body from given places and pairs; rest lengths are the distances.
