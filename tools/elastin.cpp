@@ -57,7 +57,8 @@ void write_files(const Options& options, const std::vector<Record>& records) {
   if (!options.json.empty() && options.json != "-") write_whole(options.json, json_text(records));
 }
 
-std::vector<StrategyChoice> chosen_strategies(const Options& options, const Catalog& catalog, const Scene& scene, bool compare) {
+std::vector<StrategyChoice> chosen_strategies(const Options& options, const Catalog& catalog, const Scene& scene,
+                                              bool compare) {
   if (options.strategies.empty()) return compare ? scene.strategies : std::vector{scene.stiffness};
   if (options.strategies == "all") return all_strategies(catalog);
   std::vector<StrategyChoice> choices;
@@ -92,7 +93,9 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
       RunOptions run_options;
       run_options.statics = scene.statics;
       run_options.keep_states = !options.out.empty();
-      run_options.progress = [&](const std::string& doing) { progress.set(scene.name + ", " + choice.label + ": " + doing); };
+      run_options.progress = [&](const std::string& doing) {
+        progress.set(scene.name + ", " + choice.label + ": " + doing);
+      };
       Record record = make_record(scene, run_strategy(scene.specimen, *scene.experiment, choice, run_options));
       progress.pause();
       // `run` names its one strategy: that it cannot run is a failure; in a comparison it is a row.
@@ -114,7 +117,8 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
     scenes[i].reset();
   }
   if (options.json == "-") fmt::print("{}", json_text(all));
-  if (to_screen && !options.out.empty()) fmt::print("  files in {}/: runs.csv, runs.json, curves, and .pvd for ParaView\n", options.out);
+  if (to_screen && !options.out.empty())
+    fmt::print("  files in {}/: runs.csv, runs.json, curves, and .pvd for ParaView\n", options.out);
   return good ? 0 : 1;
 }
 
@@ -136,9 +140,12 @@ int list_catalog(const Catalog& catalog) {
 
 void add_scene_options(CLI::App& command, Options& options) {
   command.add_option("scenes", options.scenes, "Scene files (YAML)")->required();
-  command.add_option("--set", options.overrides, "Set a key of the scene: KEY.PATH=VALUE; a plain number is SI. May be repeated")
+  command
+      .add_option("--set", options.overrides,
+                  "Set a key of the scene: KEY.PATH=VALUE; a plain number is SI. May be repeated")
       ->take_all();
-  command.add_option("--threads", options.threads, "Threads for large bodies; 0 = one a core. Same bits for any number")
+  command
+      .add_option("--threads", options.threads, "Threads for large bodies; 0 = one a core. Same bits for any number")
       ->check(CLI::Range(0, 4096));
   command.add_flag("--quiet", options.quiet, "Print nothing but errors");
 }
@@ -158,8 +165,10 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   Options options;
   CLI::App* run = app.add_subcommand("run", "Run a scene with its own stiffness strategy; print every measure");
-  CLI::App* compare = app.add_subcommand("compare", "Run a scene with many strategies; print measured modulus, error and cost");
-  CLI::App* check = app.add_subcommand("check", "Say what a scene's body is: counts, loose parts, overlaps, zero-energy modes");
+  CLI::App* compare =
+      app.add_subcommand("compare", "Run a scene with many strategies; print measured modulus, error and cost");
+  CLI::App* check =
+      app.add_subcommand("check", "Say what a scene's body is: counts, loose parts, overlaps, zero-energy modes");
   CLI::App* list = app.add_subcommand("list", "List strategies, their parameters, and measures");
   add_run_options(*run, options);
   add_run_options(*compare, options);

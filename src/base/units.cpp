@@ -36,9 +36,17 @@ constexpr std::array kUnits{Unit{"m", 1, dimension::length, true},
                             Unit{"deg", std::numbers::pi / 180, dimension::none, false},
                             Unit{"°", std::numbers::pi / 180, dimension::none, false},
                             Unit{"%", 1e-2, dimension::none, false}};
-constexpr std::array<std::pair<std::string_view, double>, 11> kPrefixes{
-    {{"n", 1e-9}, {"u", 1e-6}, {"µ", 1e-6}, {"μ", 1e-6}, {"m", 1e-3}, {"c", 1e-2}, {"d", 1e-1}, {"h", 1e2}, {"k", 1e3},
-     {"M", 1e6}, {"G", 1e9}}};
+constexpr std::array<std::pair<std::string_view, double>, 11> kPrefixes{{{"n", 1e-9},
+                                                                         {"u", 1e-6},
+                                                                         {"µ", 1e-6},
+                                                                         {"μ", 1e-6},
+                                                                         {"m", 1e-3},
+                                                                         {"c", 1e-2},
+                                                                         {"d", 1e-1},
+                                                                         {"h", 1e2},
+                                                                         {"k", 1e3},
+                                                                         {"M", 1e6},
+                                                                         {"G", 1e9}}};
 
 /// A unit's factor and dimension; names without prefix come first, so that "m" is metre and "min" minute.
 std::optional<std::pair<double, Dimension>> find_unit(std::string_view name) {
@@ -73,7 +81,8 @@ std::pair<double, Dimension> parse_unit(std::string_view text, const Dimension& 
       ++at;
       continue;
     }
-    const std::size_t end = std::min(text.find_first_of(" */^0123456789-", at), text.size());
+    const std::size_t end =
+        std::min({text.find_first_of(" */^0123456789-", at), text.find("·", at), text.size()});
     std::string_view name = text.substr(at, end - at);
     at = end;
     int power = 1;
@@ -112,21 +121,24 @@ Quantity parse_quantity(std::string_view text, const Dimension& wanted) {
   if (unit.empty()) return {number, false};
   const auto [factor, dimension] = parse_unit(unit, wanted);
   if (dimension != wanted)
-    throw InputError(with_examples("'" + std::string(unit) + "' is " +
-                                       (dimension == dimension::none ? "a ratio or angle" : "in " + si_unit(dimension)) +
-                                       ", not " + (wanted == dimension::none ? "a plain number" : "in " + si_unit(wanted)),
-                                   wanted));
+    throw InputError(
+        with_examples("'" + std::string(unit) + "' is " +
+                          (dimension == dimension::none ? "a ratio or angle" : "in " + si_unit(dimension)) + ", not " +
+                          (wanted == dimension::none ? "a plain number" : "in " + si_unit(wanted)),
+                      wanted));
   return {number * factor, true};
 }
 
 std::string si_unit(const Dimension& wanted) {
-  for (const auto& [dimension, name] :
-       {std::pair{dimension::force, "N"}, {dimension::pressure, "Pa"}, {dimension::stiffness, "N/m"},
-        {dimension::damping, "N s/m"}, {dimension::viscosity, "Pa s"}, {dimension::energy, "J"}})
+  for (const auto& [dimension, name] : {std::pair{dimension::force, "N"},
+                                        {dimension::pressure, "Pa"},
+                                        {dimension::stiffness, "N/m"},
+                                        {dimension::damping, "N s/m"},
+                                        {dimension::viscosity, "Pa s"},
+                                        {dimension::energy, "J"}})
     if (dimension == wanted) return name;
   std::string above, below;
-  for (const auto& [name, power] :
-       {std::pair{"kg", wanted.mass}, {"m", wanted.length}, {"s", wanted.time}}) {
+  for (const auto& [name, power] : {std::pair{"kg", wanted.mass}, {"m", wanted.length}, {"s", wanted.time}}) {
     if (power == 0) continue;
     std::string& side = power > 0 ? above : below;
     side += (side.empty() ? "" : " ") + std::string(name) +
@@ -136,12 +148,18 @@ std::string si_unit(const Dimension& wanted) {
 }
 
 std::string unit_examples(const Dimension& wanted) {
-  for (const auto& [dimension, examples] :
-       {std::pair{dimension::none, "0.3, 20 %, 30 deg"}, {dimension::length, "15 mm, 2 cm, 0.1 m"},
-        {dimension::area, "9 cm2, 1 m^2"}, {dimension::mass, "5 g, 0.1 kg"}, {dimension::time, "2 ms, 1 s"},
-        {dimension::force, "1 N, 5 kN"}, {dimension::pressure, "5 kPa, 1.2 MPa"},
-        {dimension::density, "1000 kg/m3, 1.1 g/cm3"}, {dimension::acceleration, "9.81 m/s2"},
-        {dimension::stiffness, "200 N/m"}, {dimension::damping, "0.1 N s/m"}, {dimension::viscosity, "1 mPa s"}})
+  for (const auto& [dimension, examples] : {std::pair{dimension::none, "0.3, 20 %, 30 deg"},
+                                            {dimension::length, "15 mm, 2 cm, 0.1 m"},
+                                            {dimension::area, "9 cm2, 1 m^2"},
+                                            {dimension::mass, "5 g, 0.1 kg"},
+                                            {dimension::time, "2 ms, 1 s"},
+                                            {dimension::force, "1 N, 5 kN"},
+                                            {dimension::pressure, "5 kPa, 1.2 MPa"},
+                                            {dimension::density, "1000 kg/m3, 1.1 g/cm3"},
+                                            {dimension::acceleration, "9.81 m/s2"},
+                                            {dimension::stiffness, "200 N/m"},
+                                            {dimension::damping, "0.1 N s/m"},
+                                            {dimension::viscosity, "1 mPa s"}})
     if (dimension == wanted) return examples;
   return "1 " + si_unit(wanted);
 }

@@ -62,7 +62,7 @@ struct Run {
 struct RunOptions {
   StaticOptions statics;
   bool keep_states = false;
-  std::function<void(const std::string& doing)> progress;  ///< called before each load step; may be empty
+  std::function<void(const std::string& doing)> progress = {};  ///< called before each load step; may be empty
 };
 
 /// Builds the strategy on the specimen, solves every load step and measures. Numerical trouble is an outcome in the

@@ -117,7 +117,7 @@ class Tension final : public Experiment {
       for (int c = 0; c < body_.connections.size(); ++c) {
         const auto& [a, b] = body_.connections.ends[c];
         const double part = (at - height_[a]) / (height_[b] - height_[a]);
-        if (part >= 0 && part < 1) crossings_[plane].push_back({c, part});
+        if (part >= -1e-9 && part <= 1 + 1e-9) crossings_[plane].push_back({c, part});
       }
       if (crossings_[plane].empty()) throw InputError("gauge: no connection crosses the plane");
     }

@@ -87,8 +87,9 @@ class VtuArrays {
   explicit VtuArrays(std::string& out) : out_(out) {}
   template <class Value>
   void add(const char* name, const char* type, int components, int count, Value&& value) {
-    fmt::format_to(std::back_inserter(out_), "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n",
-                   type, name, components);
+    fmt::format_to(std::back_inserter(out_),
+                   "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n", type, name,
+                   components);
     for (int i = 0; i < count; ++i) {
       for (int component = 0; component < components; ++component)
         fmt::format_to(std::back_inserter(out_), "{} ", value(i, component));
@@ -140,14 +141,15 @@ std::string csv_text(const std::vector<Record>& records) {
   for (const Record& record : records) {
     const Run& run = record.run;
     out += fmt::format("{},{},{},{},{},{},{},{}", csv_field(record.scene), csv_field(run.strategy), run.solver,
-                       run.suited ? name_of(run.outcome) : "unsuited", record.molecules, record.connections, record.cells,
-                       record.threads);
+                       run.suited ? name_of(run.outcome) : "unsuited", record.molecules, record.connections,
+                       record.cells, record.threads);
     for (const MeasureInfo& info : measure_list()) out += "," + cell(run.measures.get(info.name));
     for (const std::string& name : errors) out += "," + cell(find_value(record.errors, name));
     std::string notes = run.cause;
     for (const std::string& warning : run.warnings) notes += (notes.empty() ? "" : "; ") + warning;
-    out += fmt::format(",{},{},{},{},{},{},{}\n", cell(run.build_seconds), cell(run.solve_seconds), run.newton_iterations,
-                       run.linear_iterations, cell(run.residual), run.zero_energy_modes, csv_field(notes));
+    out +=
+        fmt::format(",{},{},{},{},{},{},{}\n", cell(run.build_seconds), cell(run.solve_seconds), run.newton_iterations,
+                    run.linear_iterations, cell(run.residual), run.zero_energy_modes, csv_field(notes));
   }
   return out;
 }
@@ -210,7 +212,8 @@ void write_states(const std::string& folder, const std::string& name, const Body
     const std::string file = fmt::format("{}-{:03}.vtu", name, step);
     const Positions& positions = step == 0 ? body.rest : run.states[step - 1].positions;
     write_whole(folder + "/" + file, vtu_text(body, positions, run.constants));
-    collection += fmt::format("<DataSet timestep=\"{}\" file=\"{}\"/>\n", step == 0 ? 0. : run.curve[step - 1].load_factor, file);
+    collection +=
+        fmt::format("<DataSet timestep=\"{}\" file=\"{}\"/>\n", step == 0 ? 0. : run.curve[step - 1].load_factor, file);
   }
   write_whole(folder + "/" + name + ".pvd", collection + "</Collection>\n</VTKFile>\n");
 }

@@ -10,8 +10,9 @@
 namespace elastin {
 
 bool Record::good() const {
-  return !run.suited || (run.outcome == Outcome::converged &&
-                         std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.holds || !v.judged; }));
+  return !run.suited ||
+         (run.outcome == Outcome::converged &&
+          std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.holds || !v.judged; }));
 }
 
 Record make_record(const Scene& scene, Run run) {
@@ -35,7 +36,8 @@ Record make_record(const Scene& scene, Run run) {
     add_error(reference.measure + "_to_reference", run.measures.get(reference.measure) / reference.value - 1);
   for (const Expectation& expectation : scene.expectations) {
     if (!run.suited || (!expectation.strategy.empty() && expectation.strategy != run.strategy)) continue;
-    Verdict verdict{expectation, run.strategy, run.measures.get(expectation.measure), 0, false, expectation.not_reproduced.empty()};
+    Verdict verdict{expectation, run.strategy, run.measures.get(expectation.measure),
+                    0,           false,        expectation.not_reproduced.empty()};
     const double off = verdict.measured - expectation.value;
     verdict.difference = off / std::abs(expectation.value);
     verdict.holds = std::abs(off) <= expectation.absolute + expectation.relative * std::abs(expectation.value);

@@ -9,11 +9,11 @@ namespace elastin {
 /// How one expectation of a scene came out.
 struct Verdict {
   Expectation expectation;
-  std::string strategy;      ///< the run it was held against
-  double measured = 0;       ///< NaN if the run has no such measure
-  double difference = 0;     ///< relative to the expected value
+  std::string strategy;   ///< the run it was held against
+  double measured = 0;    ///< NaN if the run has no such measure
+  double difference = 0;  ///< relative to the expected value
   bool holds = false;
-  bool judged = true;        ///< false: the scene says that it is not reproduced
+  bool judged = true;  ///< false: the scene says that it is not reproduced
 };
 
 /// One run with what the scene said about it: a row of every table and file.
@@ -21,8 +21,9 @@ struct Record {
   std::string scene, path, title;
   Run run;
   int molecules = 0, connections = 0, cells = 0, threads = 1;
-  std::string prescribed;                              ///< "E = 5000 Pa, nu = 0.25"
-  std::vector<std::pair<std::string, double>> errors;  ///< by measure; effective_modulus relative, poissons_ratio a difference
+  std::string prescribed;  ///< "E = 5000 Pa, nu = 0.25"
+  std::vector<std::pair<std::string, double>>
+      errors;  ///< by measure; effective_modulus relative, poissons_ratio a difference
   std::vector<Verdict> verdicts;
   /// Converged, and every judged expectation holds.
   bool good() const;

@@ -18,7 +18,11 @@ std::size_t shown_width(const std::string& text) {
 
 std::string painted(const std::string& text, Tone tone, bool colours) {
   if (!colours || tone == Tone::plain) return text;
-  const char* code = tone == Tone::good ? "32" : tone == Tone::poor ? "33" : tone == Tone::bad ? "31" : tone == Tone::bold ? "1" : "2";
+  const char* code = tone == Tone::good   ? "32"
+                     : tone == Tone::poor ? "33"
+                     : tone == Tone::bad  ? "31"
+                     : tone == Tone::bold ? "1"
+                                          : "2";
   return fmt::format("\033[{}m{}\033[0m", code, text);
 }
 
@@ -40,7 +44,8 @@ std::string Table::text(bool colours, const std::string& indent) const {
   };
   std::vector<TableCell> head;
   for (std::size_t column = 0; column < head_.size(); ++column) {
-    const bool right = std::any_of(rows_.begin(), rows_.end(), [&](const auto& row) { return column < row.size() && row[column].right; });
+    const bool right = std::any_of(rows_.begin(), rows_.end(),
+                                   [&](const auto& row) { return column < row.size() && row[column].right; });
     head.push_back({head_[column], Tone::bold, right});
   }
   add_row(head);
@@ -53,8 +58,10 @@ std::string readable(double value, const Dimension& dimension, int digits) {
   const std::string unit = si_unit(dimension);
   if (unit.empty()) return fmt::format("{:.4f}", value);
   // Prefixes fit units that stand alone: not m^2 or kg/m^3.
-  if (unit != "m" && unit != "Pa" && unit != "N" && unit != "J" && unit != "N/m") return fmt::format("{:.{}g} {}", value, digits, unit);
-  static constexpr std::pair<double, const char*> prefixes[]{{1e9, "G"}, {1e6, "M"}, {1e3, "k"}, {1, ""}, {1e-3, "m"}, {1e-6, "µ"}, {1e-9, "n"}};
+  if (unit != "m" && unit != "Pa" && unit != "N" && unit != "J" && unit != "N/m")
+    return fmt::format("{:.{}g} {}", value, digits, unit);
+  static constexpr std::pair<double, const char*> prefixes[]{{1e9, "G"},  {1e6, "M"},  {1e3, "k"}, {1, ""},
+                                                             {1e-3, "m"}, {1e-6, "µ"}, {1e-9, "n"}};
   for (const auto& [factor, prefix] : prefixes)
     if (std::abs(value) >= factor * (1 - 0.5 * std::pow(10., -digits))) {
       const double scaled = value / factor;

@@ -26,7 +26,8 @@ std::string head_text(const Record& record, bool colours) {
   std::string counts = fmt::format("{} molecules, {} connections", record.molecules, record.connections);
   if (record.cells) counts += fmt::format(", {} cells", record.cells);
   return painted(record.scene, Tone::bold, colours) + "  " + (record.title == record.scene ? "" : record.title) + "\n" +
-         painted(fmt::format("  {}; asked: {}; {} thread{}", counts, record.prescribed, record.threads, record.threads == 1 ? "" : "s"),
+         painted(fmt::format("  {}; asked: {}; {} thread{}", counts, record.prescribed, record.threads,
+                             record.threads == 1 ? "" : "s"),
                  Tone::faint, colours) +
          "\n";
 }
@@ -43,8 +44,12 @@ std::string verdicts_text(const std::vector<const Verdict*>& verdicts, bool colo
                {readable(verdict->expectation.value, unit, 6), Tone::plain, true},
                {missing ? "none" : readable(verdict->measured, unit, 6), Tone::plain, true},
                {percent(verdict->difference), Tone::plain, true},
-               {!verdict->judged ? "not reproduced" : verdict->holds ? "holds" : "FAILS", tone},
-               {verdict->expectation.source + (verdict->judged ? "" : ": " + verdict->expectation.not_reproduced), Tone::faint}});
+               {!verdict->judged ? "not reproduced"
+                : verdict->holds ? "holds"
+                                 : "FAILS",
+                tone},
+               {verdict->expectation.source + (verdict->judged ? "" : ": " + verdict->expectation.not_reproduced),
+                Tone::faint}});
   }
   return "\n" + table.text(colours);
 }
@@ -55,8 +60,8 @@ std::string notes_of(const Run& run) {
   return notes;
 }
 
-/// The strategy to take: near enough to E (0.1 %, or the best there is), no mechanism; then the nearest Poisson's ratio;
-/// then the fastest.
+/// The strategy to take: near enough to E (0.1 %, or the best there is), no mechanism; then the nearest Poisson's
+/// ratio; then the fastest.
 const Record* best_of(const std::vector<Record>& records) {
   double least = INFINITY;
   for (const Record& record : records)
@@ -65,7 +70,8 @@ const Record* best_of(const std::vector<Record>& records) {
   const Record* best = nullptr;
   const auto rank = [](const Record& record) {
     const double nu = error_of(record, "poissons_ratio");
-    return std::tuple{std::isfinite(nu) ? std::round(std::abs(nu) * 1000) : 1e9, record.run.build_seconds + record.run.solve_seconds};
+    return std::tuple{std::isfinite(nu) ? std::round(std::abs(nu) * 1000) : 1e9,
+                      record.run.build_seconds + record.run.solve_seconds};
   };
   for (const Record& record : records) {
     if (!solved(record) || record.run.zero_energy_modes > 0) continue;
@@ -80,7 +86,8 @@ const Record* best_of(const std::vector<Record>& records) {
 std::string comparison_text(const std::vector<Record>& records, bool colours) {
   if (records.empty()) return "";
   const bool referenced = std::isfinite(error_of(records.front(), "effective_modulus_to_reference"));
-  std::vector<std::string> head{"strategy", "E measured", "error of E", "Poisson's ratio", "elongation", "iterations", "build", "solve", ""};
+  std::vector<std::string> head{
+      "strategy", "E measured", "error of E", "Poisson's ratio", "elongation", "iterations", "build", "solve", ""};
   if (referenced) head.insert(head.begin() + 3, "to reference");
   Table table(head);
   const Record* best = best_of(records);
@@ -93,7 +100,8 @@ std::string comparison_text(const std::vector<Record>& records, bool colours) {
     const double error = error_of(record, "effective_modulus");
     std::vector<TableCell> row{
         {run.strategy, &record == best ? Tone::bold : Tone::plain},
-        {solved(record) ? readable(run.measures.get("effective_modulus"), dimension::pressure) : "—", Tone::plain, true},
+        {solved(record) ? readable(run.measures.get("effective_modulus"), dimension::pressure) : "—", Tone::plain,
+         true},
         {percent(error), tone_of_error(error), true},
         {readable(run.measures.get("poissons_ratio"), dimension::none), Tone::plain, true},
         {readable(run.measures.get("elongation"), dimension::length), Tone::plain, true},
@@ -111,9 +119,11 @@ std::string comparison_text(const std::vector<Record>& records, bool colours) {
     for (const Verdict& verdict : record.verdicts) verdicts.push_back(&verdict);
   out += verdicts_text(verdicts, colours);
   if (best && records.size() > 1)
-    out += fmt::format("\n  take {}: E {}, Poisson's ratio {} (asked: {}), {}\n", painted(best->run.strategy, Tone::bold, colours),
-                       percent(error_of(*best, "effective_modulus")),
-                       std::isfinite(best->run.measures.get("poissons_ratio")) ? readable(best->run.measures.get("poissons_ratio"), dimension::none) : "not measured",
+    out += fmt::format("\n  take {}: E {}, Poisson's ratio {} (asked: {}), {}\n",
+                       painted(best->run.strategy, Tone::bold, colours), percent(error_of(*best, "effective_modulus")),
+                       std::isfinite(best->run.measures.get("poissons_ratio"))
+                           ? readable(best->run.measures.get("poissons_ratio"), dimension::none)
+                           : "not measured",
                        best->prescribed, readable_seconds(best->run.build_seconds + best->run.solve_seconds));
   return out + "\n";
 }
@@ -121,18 +131,22 @@ std::string comparison_text(const std::vector<Record>& records, bool colours) {
 std::string run_text(const Record& record, bool colours) {
   const Run& run = record.run;
   std::string out = head_text(record, colours);
-  out += fmt::format("  {}: {}{}, {} Newton and {} linear iterations, residual {:.1e}, built in {}, solved in {}\n\n", run.strategy,
-                     run.suited ? name_of(run.outcome) : "cannot run here: " + run.cause, run.solver.empty() ? "" : " by " + run.solver,
-                     run.newton_iterations, run.linear_iterations, run.residual, readable_seconds(run.build_seconds),
-                     readable_seconds(run.solve_seconds));
+  out += fmt::format("  {}: {}{}, {} Newton and {} linear iterations, residual {:.1e}, built in {}, solved in {}\n\n",
+                     run.strategy, run.suited ? name_of(run.outcome) : "cannot run here: " + run.cause,
+                     run.solver.empty() ? "" : " by " + run.solver, run.newton_iterations, run.linear_iterations,
+                     run.residual, readable_seconds(run.build_seconds), readable_seconds(run.solve_seconds));
   Table table({"measure", "value", "error", ""});
   for (const auto& [name, value] : run.measures.all()) {
     const MeasureInfo& info = find_measure(name);
     const double error = error_of(record, name);
-    const std::string off = !std::isfinite(error) ? "" : name == "poissons_ratio" ? fmt::format("{:+.4f}", error) : percent(error);
+    const std::string off = !std::isfinite(error)      ? ""
+                            : name == "poissons_ratio" ? fmt::format("{:+.4f}", error)
+                                                       : percent(error);
     const bool tiny = info.unit == dimension::none && value != 0 && std::abs(value) < 0.001;
-    table.add({{name}, {tiny ? fmt::format("{:.4e}", value) : readable(value, info.unit, 6), Tone::plain, true},
-               {off, tone_of_error(error), true}, {std::string(info.text), Tone::faint}});
+    table.add({{name},
+               {tiny ? fmt::format("{:.4e}", value) : readable(value, info.unit, 6), Tone::plain, true},
+               {off, tone_of_error(error), true},
+               {std::string(info.text), Tone::faint}});
   }
   if (!table.empty()) out += table.text(colours);
   if (run.curve.size() > 1) {
@@ -150,8 +164,10 @@ std::string run_text(const Record& record, bool colours) {
   std::vector<const Verdict*> verdicts;
   for (const Verdict& verdict : record.verdicts) verdicts.push_back(&verdict);
   out += verdicts_text(verdicts, colours);
-  if (!run.cause.empty() && run.suited) out += "\n  " + painted(std::string(name_of(run.outcome)) + ": " + run.cause, Tone::bad, colours) + "\n";
-  for (const std::string& warning : run.warnings) out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";
+  if (!run.cause.empty() && run.suited)
+    out += "\n  " + painted(std::string(name_of(run.outcome)) + ": " + run.cause, Tone::bad, colours) + "\n";
+  for (const std::string& warning : run.warnings)
+    out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";
   return out + "\n";
 }
 

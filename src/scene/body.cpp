@@ -1,4 +1,4 @@
-#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 
 #include "elastin/model/mesh_file.h"
@@ -11,9 +11,14 @@ namespace {
 /// More molecules than this is a slip of the pen, not a scene.
 constexpr double kMostMolecules = 5e7;
 
-void check_count(const Reader& reader, const std::array<int, 3>& counts, double per_cell) {
+/// Three counts along the axes, of cells that hold `per_cell` molecules each.
+std::array<int, 3> read_counts(const Reader& reader, double per_cell) {
+  const auto counts = reader.wholes(1);
   const double molecules = per_cell * counts[0] * counts[1] * counts[2];
-  if (molecules > kMostMolecules) reader.fail("that is " + std::to_string(molecules) + " molecules; at most 5e7 are taken");
+  char text[80];
+  std::snprintf(text, sizeof text, "that is %.3g molecules; at most %g are taken", molecules, kMostMolecules);
+  if (molecules > kMostMolecules) reader.fail(text);
+  return counts;
 }
 
 CubicPattern read_pattern(const Reader& reader) {
@@ -40,12 +45,10 @@ Body read_lattice(Reader reader) {
   const std::optional<double> reach = read_reach(connections);
   Body body;
   if (kind == Kind::cubic) {
-    const auto molecules = reader.at("molecules").wholes(1);
-    check_count(reader, molecules, 1);
+    const auto molecules = read_counts(reader.at("molecules"), 1);
     body = cubic_lattice(molecules, spacing, connections && !reach ? read_pattern(*connections) : CubicPattern{});
   } else {
-    const auto cells = reader.at("cells").wholes(1);
-    check_count(reader, cells, kind == Kind::body_centred ? 2 : 4);
+    const auto cells = read_counts(reader.at("cells"), kind == Kind::body_centred ? 2 : 4);
     const bool second = connections && !reach && connections->choice<bool>({{"nearest", false}, {"second", true}});
     body = kind == Kind::body_centred ? body_centred_lattice(cells, spacing, second)
                                       : face_centred_lattice(cells, spacing, second);
@@ -69,24 +72,26 @@ Body read_packing(Reader reader) {
 Body read_tetrahedra(Reader reader) {
   const BlockKind kind = reader.at("kind").choice<BlockKind>(
       {{"kuhn", BlockKind::kuhn}, {"alternating", BlockKind::alternating}, {"body_centred", BlockKind::body_centred}});
-  const auto cubes = reader.at("cubes").wholes(1);
-  check_count(reader, cubes, 2);
+  const auto cubes = read_counts(reader.at("cubes"), 2);
   const Vector3 size = reader.at("size").vector(dimension::length, kPositive);
   reader.finish();
   return tetrahedral_block(kind, cubes, size);
 }
 
-/// "mm": what one unit of a file's numbers is in metres.
-double read_length_unit(const Reader& reader) {
-  return reader.located([&] { return parse_quantity("1 " + reader.text(), dimension::length).value; });
-}
-
 Body read_mesh(Reader reader) {
-  const std::string file = reader.at("file").text();
-  const double unit = read_length_unit(reader.at("length_unit"));
+  const Reader file = reader.at("file");
+  const double unit =
+      reader.at("length_unit").choice<double>({{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}});
   reader.finish();
-  const std::filesystem::path beside = std::filesystem::path(reader.file_path()).parent_path() / file;
-  Mesh mesh = load_mesh(beside.string());
+  const std::string path = (std::filesystem::path(reader.file_path()).parent_path() / file.text()).string();
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) file.fail("'" + file.text() + "': " + missing_file(path));
+  Mesh mesh;
+  try {
+    mesh = load_mesh(path);
+  } catch (const InputError& error) {
+    file.fail(error.what());
+  }
   Body body;
   body.rest = unit * mesh.points;
   body.triangles = std::move(mesh.triangles);
@@ -119,7 +124,7 @@ Body read_shape(Reader& reader) {
   std::string name;
   for (const std::string& key : shapes)
     if (auto found = reader.find(key)) {
-      if (shape) found->fail("the body has a shape already (" + shape->path() + "); give one of lattice, packing, …");
+      if (shape) found->fail("the body has a shape already: " + shape->path());
       shape = found;
       name = key;
     }
@@ -139,8 +144,9 @@ Body read_shape(Reader& reader) {
 
 Body read_body(Reader reader, const Material& material) {
   Body body = reader.located([&] { return read_shape(reader); });
-  const auto& lengths = body.connections.rest_length;
-  const double shortest = lengths.empty() ? 0 : *std::min_element(lengths.begin(), lengths.end());
+  double shortest = 0;
+  for (const double length : body.connections.rest_length)
+    if (length > 0 && (shortest == 0 || length < shortest)) shortest = length;
   if (auto jitter = reader.find("jitter")) {
     const double amount = jitter->at("amount").quantity(dimension::none, {0, 0.5, false});
     const int seed = jitter->has("seed") ? jitter->at("seed").whole(0) : 1;
@@ -149,6 +155,7 @@ Body read_body(Reader reader, const Material& material) {
   }
   const auto radius = reader.find("radius");
   reader.finish();
+  if (!radius && shortest == 0) reader.fail("give a radius: there is no connection of which to take half the length");
   const double r = radius ? radius->quantity(dimension::length, kPositive) : shortest / 2;
   const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
   const double volume = size.prod() > 0 ? size.prod() : body.size() * std::pow(2 * r, 3);

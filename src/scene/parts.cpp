@@ -9,7 +9,8 @@ namespace elastin {
 Material read_material(Reader reader) {
   Material material;
   material.youngs_modulus = reader.at("youngs_modulus").quantity(dimension::pressure, kPositive);
-  if (auto value = reader.find("poissons_ratio")) material.poissons_ratio = value->quantity(dimension::none, {-0.99, 0.4999, false});
+  if (auto value = reader.find("poissons_ratio"))
+    material.poissons_ratio = value->quantity(dimension::none, {-0.99, 0.4999, false});
   if (auto value = reader.find("density")) material.density = value->quantity(dimension::density, kPositive);
   if (auto value = reader.find("thickness")) material.thickness = value->quantity(dimension::length, kPositive);
   reader.finish();
@@ -21,11 +22,7 @@ StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
   const Reader name = reader.at("strategy");
   StrategyChoice choice = name.located([&] { return choose_strategy(catalog, name.text()); });
   for (const ParameterInfo& info : choice.strategy.parameters)
-    if (auto value = reader.find(info.name)) {
-      const double number = value->quantity(info.unit);
-      value->located([&] { return detail::checked_parameter(choice.strategy, info.name, number); });
-      choice.values[info.name] = number;
-    }
+    if (auto value = reader.find(info.name)) choice.values[info.name] = value->quantity(info.unit, {info.low, info.high});
   if (auto label = reader.find("label")) choice.label = label->text();
   reader.finish();
   return choice;
@@ -37,8 +34,12 @@ Vector3 read_direction(const Reader& reader) {
     if (!(direction.norm() > 0)) reader.fail("a direction must not be zero");
     return direction.normalized();
   }
-  return reader.choice<Vector3>({{"x", Vector3::UnitX()}, {"y", Vector3::UnitY()}, {"z", Vector3::UnitZ()},
-                                 {"-x", -Vector3::UnitX()}, {"-y", -Vector3::UnitY()}, {"-z", -Vector3::UnitZ()}});
+  return reader.choice<Vector3>({{"x", Vector3::UnitX()},
+                                 {"y", Vector3::UnitY()},
+                                 {"z", Vector3::UnitZ()},
+                                 {"-x", -Vector3::UnitX()},
+                                 {"-y", -Vector3::UnitY()},
+                                 {"-z", -Vector3::UnitZ()}});
 }
 
 Matrix3 read_rotation(Reader reader) {
@@ -51,10 +52,15 @@ Matrix3 read_rotation(Reader reader) {
 TensionSetup read_tension(Reader reader) {
   TensionSetup setup;
   const bool compression = reader.at("kind").choice<bool>({{"tension", false}, {"compression", true}});
-  const double sign = compression ? -1 : 1;
   if (auto axis = reader.find("axis")) setup.axis = read_direction(*axis);
-  if (auto force = reader.find("force")) setup.force = sign * force->quantity(dimension::force);
-  if (auto way = reader.find("displacement")) setup.displacement = sign * way->quantity(dimension::length);
+  const auto force = reader.find("force"), displacement = reader.find("displacement");
+  const auto load = [&](const Reader& value, const Dimension& dimension) {
+    const double amount = value.quantity(dimension);
+    if (amount == 0) value.fail("a load of zero stretches nothing: no modulus can be measured");
+    return compression ? -amount : amount;
+  };
+  if (force) setup.force = load(*force, dimension::force);
+  if (displacement) setup.displacement = load(*displacement, dimension::length);
   const std::vector<std::pair<std::string, Grip>> grips{{"clamped", Grip::clamped}, {"sliding", Grip::sliding}};
   if (auto grip = reader.find("fixed_grip")) setup.fixed_grip = grip->choice(grips);
   if (auto grip = reader.find("loaded_grip")) setup.loaded_grip = grip->choice(grips);
@@ -66,20 +72,21 @@ TensionSetup read_tension(Reader reader) {
   if (auto length = reader.find("gauge_length")) setup.gauge_length = length->quantity(dimension::length, kPositive);
   if (auto gauge = reader.find("gauge")) {
     const auto planes = gauge->items(2);
-    setup.gauge = {planes[0].quantity(dimension::length, kNotNegative), planes[1].quantity(dimension::length, kPositive)};
+    setup.gauge = {planes[0].quantity(dimension::length, kNotNegative),
+                   planes[1].quantity(dimension::length, kPositive)};
   }
   if (auto depth = reader.find("grip_depth")) setup.grip_depth = depth->quantity(dimension::length, kPositive);
   if (auto steps = reader.find("load_steps")) setup.load_steps = steps->whole(1, 100000);
   reader.finish();
-  if (setup.force.has_value() == setup.displacement.has_value()) reader.fail("give either force or displacement");
-  if (setup.force.value_or(1) == 0 || setup.displacement.value_or(1) == 0)
-    reader.fail("a load of zero stretches nothing: no modulus can be measured");
+  if (force && displacement) displacement->fail("there is a force already; give one of them");
+  if (!force && !displacement) reader.fail("give a force or a displacement");
   return setup;
 }
 
 StaticOptions read_solver(Reader reader) {
   StaticOptions options;
-  if (auto value = reader.find("displacements")) options.linear = value->choice<bool>({{"large", false}, {"small", true}});
+  if (auto value = reader.find("displacements"))
+    options.linear = value->choice<bool>({{"large", false}, {"small", true}});
   if (auto value = reader.find("linear_solver"))
     options.method = value->choice<LinearMethod>(
         {{"automatic", LinearMethod::automatic}, {"pcg", LinearMethod::pcg}, {"direct", LinearMethod::direct}});
@@ -112,7 +119,8 @@ MakeLoad read_point(Reader reader, const Body& body, const Matrix3& rotation) {
   const Vector3 force = rotation * reader.at("force").vector(dimension::force);
   reader.finish();
   return [=](const Body& loaded) {
-    return std::make_unique<PointLoads>(loaded, molecules, force.replicate(1, static_cast<Eigen::Index>(molecules.size())));
+    return std::make_unique<PointLoads>(loaded, molecules,
+                                        force.replicate(1, static_cast<Eigen::Index>(molecules.size())));
   };
 }
 
@@ -130,22 +138,25 @@ MakeLoad read_face(Reader reader, const Body& body, const Matrix3& rotation) {
 }  // namespace
 
 MakeLoad read_load(Reader reader, const Body& body, const Matrix3& rotation, std::vector<std::string>& warnings) {
+  const auto gravity = reader.find("gravity"), drag = reader.find("drag"), damping = reader.find("damping"),
+             point = reader.find("point"), face = reader.find("face");
+  reader.finish();
+  if (gravity.has_value() + drag.has_value() + damping.has_value() + point.has_value() + face.has_value() != 1)
+    reader.fail("a load is one of gravity, drag, damping, point, face; write each as an item of its own");
   MakeLoad load;
-  if (auto part = reader.find("gravity")) {
-    const Vector3 acceleration = rotation * part->vector(dimension::acceleration);
+  if (gravity) {
+    const Vector3 acceleration = rotation * gravity->vector(dimension::acceleration);
     load = [=](const Body& loaded) { return make_gravity(loaded, acceleration); };
-  } else if (auto drag = reader.find("drag")) {
+  } else if (drag) {
     load = read_drag(*drag);
-  } else if (auto damping = reader.find("damping")) {
+  } else if (damping) {
     const double coefficient = damping->quantity(dimension::damping, kNotNegative);
     load = [=](const Body& loaded) { return make_damping(loaded, coefficient); };
-  } else if (auto point = reader.find("point")) {
+  } else if (point) {
     load = read_point(*point, body, rotation);
-  } else if (auto face = reader.find("face")) {
+  } else {
     load = read_face(*face, body, rotation);
   }
-  reader.finish();
-  if (!load) reader.fail("a load is one of gravity, drag, damping, point, face");
   if (!load(body)->acts_at_rest())
     warnings.push_back(reader.path() + ": acts on moving bodies only; it changes nothing in a static experiment");
   return load;

@@ -1,62 +1,101 @@
 #include "scene/reader.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cstring>
 #include <cerrno>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <functional>
 #include <utility>
 
 namespace elastin {
 namespace {
 
-/// Values that came from --set carry this tag and no place of their own.
+/// Keys and values that came from --set carry this tag: their marks are not places in the file.
 constexpr const char* kOverrideTag = "!override";
 
 std::string kind_of(const YAML::Node& node) {
   return node.IsMap() ? "a map of keys" : node.IsSequence() ? "a list" : node.IsScalar() ? "a single value" : "nothing";
 }
 
+/// Refuses what YAML forbids or never ends, and yaml-cpp lets pass: a key that stands twice in a map, an alias inside its
+/// own anchor. `place_of` says where a node stands.
+void check_tree(const YAML::Node& node, const std::function<Place(const YAML::Node&)>& place_of, int depth = 0) {
+  if (depth > 40) throw InputError(place_of(node), "nested too deeply; does an alias stand inside its own anchor?");
+  if (node.IsMap()) {
+    std::vector<std::string> seen;
+    for (const auto& entry : node) {
+      const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+      if (key.empty()) throw InputError(place_of(entry.first), "a key must be a word");
+      if (std::find(seen.begin(), seen.end(), key) != seen.end())
+        throw InputError(place_of(entry.first), "key '" + key + "' stands here twice");
+      seen.push_back(key);
+      check_tree(entry.second, place_of, depth + 1);
+    }
+  } else if (node.IsSequence()) {
+    for (const auto& item : node) check_tree(item, place_of, depth + 1);
+  }
+}
+
+void mark_override(YAML::Node node) {
+  node.SetTag(kOverrideTag);
+  for (auto entry : node) {
+    if (!node.IsMap()) {
+      mark_override(entry);
+      continue;
+    }
+    entry.first.SetTag(kOverrideTag);
+    mark_override(entry.second);
+  }
+}
+
 void put_override(YAML::Node root, const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
-  const std::string place = "--set " + assignment;
-  if (equals == std::string::npos || equals == 0)
-    throw InputError(place + ": write key=value, for example --set material.youngs_modulus='10 kPa'");
+  const Place place{"--set " + assignment};
+  std::string path = assignment.substr(0, equals);
+  if (equals == std::string::npos || ("." + path + ".").find("..") != std::string::npos)
+    throw InputError(place, "write key=value, for example --set material.youngs_modulus='10 kPa'");
   YAML::Node value;
   try {
     value = YAML::Load(assignment.substr(equals + 1));
   } catch (const YAML::Exception& error) {
-    throw InputError(place + ": the value is not valid YAML: " + error.msg);
+    throw InputError(place, "the value is not valid YAML: " + error.msg);
   }
-  if (value.IsScalar()) value.SetTag(kOverrideTag);
-  std::string path = assignment.substr(0, equals);
+  check_tree(value, [&](const YAML::Node&) { return place; });
+  mark_override(value);
   YAML::Node node = root;
   for (std::size_t dot; (dot = path.find('.')) != std::string::npos; path = path.substr(dot + 1)) {
-    YAML::Node next = node[path.substr(0, dot)];
+    const std::string key = path.substr(0, dot);
+    YAML::Node next = node[key];
     if (next.IsDefined() && !next.IsMap())
-      throw InputError(place + ": '" + path.substr(0, dot) + "' is " + kind_of(next) + " in the scene, not a map of keys");
-    if (!next.IsDefined()) node[path.substr(0, dot)] = next = YAML::Node(YAML::NodeType::Map);
+      throw InputError(place, "'" + key + "' is " + kind_of(next) + " in the scene, not a map of keys");
+    if (!next.IsDefined()) node[key] = next = YAML::Node(YAML::NodeType::Map);
     node.reset(next);
   }
   node[path] = value;
 }
 
-/// The first key that stands twice in a map, which YAML forbids and yaml-cpp lets pass.
-void refuse_double_keys(const SceneFile& file, const YAML::Node& node) {
-  if (node.IsMap()) {
-    std::vector<std::string> seen;
-    for (const auto& entry : node) {
-      const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
-      const YAML::Mark mark = entry.first.Mark();
-      const Place place{file.path, mark.line + 1, mark.column + 1};
-      if (key.empty()) throw InputError(place, "a key must be a word");
-      if (std::find(seen.begin(), seen.end(), key) != seen.end()) throw InputError(place, "key '" + key + "' stands here twice");
-      seen.push_back(key);
-      refuse_double_keys(file, entry.second);
-    }
-  } else if (node.IsSequence()) {
-    for (const auto& item : node) refuse_double_keys(file, item);
+/// The only document of a scene's text.
+YAML::Node load_document(const std::string& path, const std::string& text) {
+  const Place start{path, 1, 1};
+  if (text.empty()) throw InputError(start, "the scene is empty");
+  std::vector<YAML::Node> documents;
+  try {
+    documents = YAML::LoadAll(text);
+  } catch (const YAML::Exception& error) {
+    throw InputError(Place{path, error.mark.line + 1, error.mark.column + 1}, "not valid YAML: " + error.msg);
   }
+  if (documents.size() > 1) throw InputError(start, "a scene is one YAML document; here are " + std::to_string(documents.size()));
+  if (documents.empty() || !documents[0].IsMap())
+    throw InputError(start, "a scene is a map of keys (body, material, experiment, …)");
+  check_tree(documents[0], [&](const YAML::Node& node) {
+    return Place{path, node.Mark().line + 1, node.Mark().column + 1};
+  });
+  return documents[0];
 }
 
 std::string range_text(const Range& range, const Dimension& dimension) {
@@ -77,11 +116,15 @@ std::string range_text(const Range& range, const Dimension& dimension) {
 Reader::Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path, std::optional<Place> key_place)
     : file_(std::move(file)), node_(std::move(node)), path_(std::move(path)), key_place_(std::move(key_place)) {}
 
+Place Reader::place_of(const YAML::Node& node) const {
+  const YAML::Mark mark = node.Mark();
+  if (node.Tag() == kOverrideTag || mark.is_null()) return {"--set"};
+  return {file_->path, mark.line + 1, mark.column + 1};
+}
+
 Place Reader::place() const {
-  if (node_.Tag() == kOverrideTag) return {"--set", 0, 0};
-  const YAML::Mark mark = node_.Mark();
-  if (!mark.is_null() && !node_.IsNull()) return {file_->path, mark.line + 1, mark.column + 1};
-  return key_place_.value_or(Place{file_->path, 1, 1});
+  if (node_.IsNull() && node_.Tag() != kOverrideTag) return key_place_.value_or(Place{file_->path, 1, 1});
+  return place_of(node_);
 }
 
 void Reader::fail(const std::string& message) const {
@@ -92,12 +135,15 @@ bool Reader::has(const std::string& key) { return find(key).has_value(); }
 
 std::optional<Reader> Reader::find(const std::string& key) {
   if (!node_.IsMap()) fail("expected a map of keys, found " + kind_of(node_));
-  asked_->push_back(key);
-  const std::string path = path_.empty() ? key : path_ + "." + key;
+  asked_->keys.push_back(key);
+  return value_of(key, key);
+}
+
+/// The value that stands under the key `given`, as the one of `key`.
+std::optional<Reader> Reader::value_of(const std::string& given, const std::string& key) const {
   for (const auto& entry : node_)
-    if (entry.first.Scalar() == key) {
-      const YAML::Mark mark = entry.first.Mark();
-      Reader found(file_, entry.second, path, mark.is_null() ? Place{"--set"} : Place{file_->path, mark.line + 1, mark.column + 1});
+    if (entry.first.Scalar() == given) {
+      Reader found(file_, entry.second, path_.empty() ? key : path_ + "." + key, place_of(entry.first));
       if (entry.second.IsNull()) found.fail("has no value");
       return found;
     }
@@ -106,24 +152,28 @@ std::optional<Reader> Reader::find(const std::string& key) {
 
 Reader Reader::at(const std::string& key) {
   if (auto found = find(key)) return *found;
-  // A misspelt key is better named than a missing one.
+  // A misspelt key is read as what it must be: finish() then names it beside every key that is known.
+  std::vector<std::string> unknown;
   for (const std::string& given : keys())
-    if (std::find(asked_->begin(), asked_->end(), given) == asked_->end() && nearest_name(given, {key}) == key) finish();
-  fail("key '" + key + "' is missing");
+    if (std::find(asked_->keys.begin(), asked_->keys.end(), given) == asked_->keys.end()) unknown.push_back(given);
+  const std::string misspelt = nearest_name(key, unknown);
+  if (misspelt.empty()) fail("key '" + key + "' is missing");
+  asked_->misspelt.emplace_back(misspelt, key);
+  return *value_of(misspelt, key);
 }
 
 void Reader::finish() const {
   if (!node_.IsMap()) return;
   std::vector<std::string> known;
-  for (const std::string& key : *asked_)
+  for (const std::string& key : asked_->keys)
     if (std::find(known.begin(), known.end(), key) == known.end()) known.push_back(key);
   for (const auto& entry : node_) {
     const std::string key = entry.first.Scalar();
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    const YAML::Mark mark = entry.first.Mark();
-    const Place place = mark.is_null() ? Place{"--set"} : Place{file_->path, mark.line + 1, mark.column + 1};
-    throw InputError(place, (path_.empty() ? "" : path_ + ": ") + "unknown key '" + key + "'" + suggestion(key, known));
+    throw InputError(place_of(entry.first),
+                     (path_.empty() ? "" : path_ + ": ") + "unknown key '" + key + "'" + suggestion(key, known));
   }
+  for (const auto& [misspelt, key] : asked_->misspelt) fail("key '" + key + "' is missing");
 }
 
 std::vector<std::string> Reader::keys() const {
@@ -136,14 +186,14 @@ std::vector<std::string> Reader::keys() const {
 std::vector<Reader> Reader::items() const {
   if (!node_.IsSequence()) fail("expected a list, found " + kind_of(node_));
   std::vector<Reader> items;
-  for (const auto& item : node_) items.emplace_back(file_, item, path_ + "[" + std::to_string(items.size()) + "]", place());
+  for (const auto& item : node_)
+    items.emplace_back(file_, item, path_ + "[" + std::to_string(items.size()) + "]", place());
   return items;
 }
 
 std::vector<Reader> Reader::items(std::size_t count) const {
   std::vector<Reader> list = items();
-  if (list.size() != count)
-    fail("expected " + std::to_string(count) + " values, found " + std::to_string(list.size()));
+  if (list.size() != count) fail("expected " + std::to_string(count) + " values, found " + std::to_string(list.size()));
   return list;
 }
 
@@ -157,13 +207,20 @@ double Reader::quantity(const Dimension& dimension, const Range& range) const {
   const Quantity quantity = located([&] { return parse_quantity(given, dimension); });
   if (quantity.value < range.low || quantity.value > range.high || (range.open_low && quantity.value == range.low))
     fail("'" + given + "' is out of range: must be " + range_text(range, dimension));
-  if (dimension != dimension::none && node_.Tag() != kOverrideTag) {
-    if (quantity.has_unit && !file_->first_unit) file_->first_unit = place();
-    if (!quantity.has_unit && quantity.value != 0 && !file_->first_plain)
-      file_->first_plain = InputError(place(), path_ + ": '" + given + "' has no unit; write for example " +
-                                                   unit_examples(dimension));
-  }
+  if (dimension != dimension::none && node_.Tag() != kOverrideTag) note_unit(given, dimension, quantity);
   return quantity.value;
+}
+
+/// Throws if the file writes some dimensional values with units and others as plain numbers: one of them is a slip.
+void Reader::note_unit(const std::string& given, const Dimension& dimension, const Quantity& quantity) const {
+  auto& [path, first_unit, first_plain] = *file_;
+  if (quantity.has_unit && !first_unit) first_unit = place();
+  if (!quantity.has_unit && quantity.value != 0 && !first_plain)
+    first_plain = {place(), path_ + ": '" + given + "' has no unit; write for example " + unit_examples(dimension)};
+  if (first_unit && first_plain)
+    throw InputError(first_plain->first, first_plain->second +
+                                             " (plain SI numbers are taken only where no value has a unit, and " +
+                                             first_unit->text() + " has one)");
 }
 
 int Reader::whole(int low, int high) const {
@@ -176,8 +233,6 @@ int Reader::whole(int low, int high) const {
   return value;
 }
 
-bool Reader::yes_or_no() const { return choice<bool>({{"true", true}, {"false", false}, {"yes", true}, {"no", false}}); }
-
 Vector3 Reader::vector(const Dimension& dimension, const Range& range) const {
   const auto list = items(3);
   return {list[0].quantity(dimension, range), list[1].quantity(dimension, range), list[2].quantity(dimension, range)};
@@ -188,28 +243,29 @@ std::array<int, 3> Reader::wholes(int low) const {
   return {list[0].whole(low), list[1].whole(low), list[2].whole(low)};
 }
 
-void Reader::check_units() const {
-  if (!file_->first_unit || !file_->first_plain) return;
-  throw InputError(std::string(file_->first_plain->what()) + " (plain SI numbers are taken only where no value has a unit, and " +
-                   file_->first_unit->text() + " has one)");
+std::string missing_file(const std::string& path) {
+  const std::filesystem::path wanted(path);
+  std::vector<std::string> names;
+  std::error_code ignored;
+  const auto folder = wanted.has_parent_path() ? wanted.parent_path() : std::filesystem::path(".");
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  const std::string near = nearest_name(wanted.filename().string(), names);
+  return "no such file" + (near.empty() ? "" : "; did you mean '" + near + "'?");
 }
 
 Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides) {
-  auto file = std::make_shared<SceneFile>(SceneFile{path, {}, {}});
+  const Place place{path};
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) throw InputError(place, missing_file(path));
+  if (std::filesystem::is_directory(path, ignored)) throw InputError(place, "is a folder; name a scene file in it");
   std::ifstream stream(path);
-  std::string text((std::istreambuf_iterator<char>(stream)), {});
-  if (!stream.good() && !stream.eof()) throw InputError(path + ": cannot read the scene: " + std::strerror(errno));
-  if (text.empty()) throw InputError(Place{path, 1, 1}, "the scene is empty");
-  YAML::Node root;
-  try {
-    root = YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw InputError(Place{path, error.mark.line + 1, error.mark.column + 1}, "not valid YAML: " + error.msg);
-  }
-  if (!root.IsMap()) throw InputError(Place{path, 1, 1}, "a scene is a map of keys (body, material, experiment, …)");
-  refuse_double_keys(*file, root);
+  if (!stream) throw InputError(place, std::string("cannot read the scene: ") + std::strerror(errno));
+  const std::string text((std::istreambuf_iterator<char>(stream)), {});
+  const YAML::Node root = load_document(path, text);
   for (const std::string& assignment : overrides) put_override(root, assignment);
-  return {file, root, ""};
+  return {std::make_shared<SceneFile>(SceneFile{path, {}, {}}), root, ""};
 }
 
 }  // namespace elastin

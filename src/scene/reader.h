@@ -2,11 +2,11 @@
 #include <yaml-cpp/yaml.h>
 
 #include <array>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "elastin/base/error.h"
@@ -18,8 +18,9 @@ namespace elastin {
 /// What all keys of one scene file share: its path, and how its dimensional values are written.
 struct SceneFile {
   std::string path;
-  std::optional<Place> first_unit;            ///< first dimensional value written with a unit
-  std::optional<InputError> first_plain;      ///< first one written as a plain number, as the error it is if units are used
+  std::optional<Place> first_unit;        ///< first dimensional value written with a unit
+  /// First one written as a plain number, and the message that it is if units are used.
+  std::optional<std::pair<Place, std::string>> first_plain;
 };
 
 struct Range {
@@ -29,30 +30,29 @@ struct Range {
 inline constexpr Range kPositive{0, std::numeric_limits<double>::infinity(), true};
 inline constexpr Range kNotNegative{0, std::numeric_limits<double>::infinity(), false};
 
-/// One value of a scene with its path of keys and its place in the file. Maps remember which keys were asked for, so that
-/// finish() can name the ones that nobody knows.
+/// One value of a scene with its path of keys and its place in the file. Maps remember which keys were asked for, so
+/// that finish() can name the ones that nobody knows.
 class Reader {
  public:
   Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path, std::optional<Place> key_place = {});
 
   bool has(const std::string& key);
-  /// The value of a key that must be there; throws InputError naming the keys that were expected.
+  /// The value of a key that must be there; throws InputError if it is not. A misspelt one is read too: finish() names it.
   Reader at(const std::string& key);
   std::optional<Reader> find(const std::string& key);
   /// Throws InputError on the first key that was never asked for, with the nearest one that was.
   void finish() const;
 
   bool is_map() const { return node_.IsMap(); }
-  bool is_list() const { return node_.IsSequence(); }
   bool is_text() const { return node_.IsScalar(); }
   std::vector<std::string> keys() const;
   std::vector<Reader> items() const;
   std::vector<Reader> items(std::size_t count) const;
 
   std::string text() const;
+  /// In SI units. Throws if it has no unit where other values of the file have one, or the other way round.
   double quantity(const Dimension& dimension, const Range& range = {}) const;
   int whole(int low, int high = std::numeric_limits<int>::max()) const;
-  bool yes_or_no() const;
   Vector3 vector(const Dimension& dimension, const Range& range = {}) const;
   std::array<int, 3> wholes(int low) const;
   /// A word out of a fixed set.
@@ -66,9 +66,6 @@ class Reader {
     }
     fail("'" + word + "' is not known here" + suggestion(word, names));
   }
-
-  /// Throws if the file writes some dimensional values with units and others as plain numbers: one of them is a slip.
-  void check_units() const;
 
   /// Throws InputError with this value's place and key.
   [[noreturn]] void fail(const std::string& message) const;
@@ -86,13 +83,24 @@ class Reader {
   const std::string& file_path() const { return file_->path; }
 
  private:
+  /// Keys that were asked for, and those that stood in for a missing one: as written, and as meant.
+  struct Asked {
+    std::vector<std::string> keys;
+    std::vector<std::pair<std::string, std::string>> misspelt;
+  };
   Place place() const;
+  Place place_of(const YAML::Node& node) const;
+  std::optional<Reader> value_of(const std::string& given, const std::string& key) const;
+  void note_unit(const std::string& given, const Dimension& dimension, const Quantity& quantity) const;
   std::shared_ptr<SceneFile> file_;
   YAML::Node node_;
   std::string path_;  ///< "experiment.force"
   std::optional<Place> key_place_;
-  std::shared_ptr<std::vector<std::string>> asked_ = std::make_shared<std::vector<std::string>>();
+  std::shared_ptr<Asked> asked_ = std::make_shared<Asked>();
 };
+
+/// "no such file; did you mean 'x'?", of the files that stand beside it.
+std::string missing_file(const std::string& path);
 
 /// Reads a YAML file and puts `key.path=value` overrides in. Throws InputError: file:line:column.
 Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides);

@@ -1,5 +1,6 @@
 #include "scene/scene.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 
@@ -9,7 +10,8 @@
 namespace elastin {
 namespace {
 
-Expectation read_expectation(Reader reader, const Catalog& catalog) {
+/// `strategies` are those of the scene: an expectation may name one by its label.
+Expectation read_expectation(Reader reader, const std::vector<StrategyChoice>& strategies, const Catalog& catalog) {
   Expectation expectation;
   const Reader measure = reader.at("measure");
   const MeasureInfo info = measure.located([&] { return find_measure(measure.text()); });
@@ -17,7 +19,8 @@ Expectation read_expectation(Reader reader, const Catalog& catalog) {
   expectation.value = reader.at("value").quantity(info.unit);
   if (auto strategy = reader.find("strategy")) {
     expectation.strategy = strategy->text();
-    strategy->located([&] { return choose_strategy(catalog, expectation.strategy); });
+    if (!find_strategy(strategies, expectation.strategy))
+      strategy->located([&] { return choose_strategy(catalog, expectation.strategy); });
   }
   expectation.source = reader.at("source").text();
   if (auto tolerance = reader.find("tolerance")) expectation.relative = tolerance->quantity(dimension::none, kPositive);
@@ -26,7 +29,8 @@ Expectation read_expectation(Reader reader, const Catalog& catalog) {
   reader.finish();
   const bool judged = expectation.not_reproduced.empty();
   if (judged && expectation.relative == 0 && expectation.absolute == 0)
-    reader.fail("an expectation needs a tolerance (relative), an absolute tolerance, or not_reproduced with the reason");
+    reader.fail(
+        "an expectation needs a tolerance (relative), an absolute tolerance, or not_reproduced with the reason");
   return expectation;
 }
 
@@ -45,15 +49,27 @@ std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const 
                                             const Catalog& catalog) {
   if (!reader) return {stiffness};
   if (reader->is_text() && reader->text() == "all") return all_strategies(catalog);
+  if (reader->is_text()) reader->fail("write a list of strategies, or all");
   std::vector<StrategyChoice> strategies;
-  for (const Reader& item : reader->items()) strategies.push_back(read_strategy(item, catalog));
-  if (strategies.empty()) reader->fail("names no strategy; write a list of them or all");
+  for (const Reader& item : reader->items()) {
+    StrategyChoice choice = read_strategy(item, catalog);
+    if (find_strategy(strategies, choice.label))
+      item.fail("'" + choice.label + "' is in the list already; give this one a label of its own");
+    strategies.push_back(std::move(choice));
+  }
+  if (strategies.empty()) reader->fail("names no strategy; write a list of them, or all");
   return strategies;
 }
 
 }  // namespace
 
-std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog, const std::vector<std::string>& overrides) {
+const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, const std::string& label) {
+  const auto found = std::find_if(choices.begin(), choices.end(), [&](const auto& choice) { return choice.label == label; });
+  return found == choices.end() ? nullptr : &*found;
+}
+
+std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,
+                                  const std::vector<std::string>& overrides) {
   const auto start = std::chrono::steady_clock::now();
   Reader reader = open_scene_file(path, overrides);
   auto scene = std::make_unique<Scene>();
@@ -74,12 +90,14 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   if (auto loads = reader.find("loads"))
     for (const Reader& item : loads->items())
       scene->specimen.loads.push_back(read_load(item, scene->specimen.body, rotation, scene->warnings));
+  std::vector<StrategyChoice> known = scene->strategies;
+  known.push_back(scene->stiffness);
   if (auto expect = reader.find("expect"))
-    for (const Reader& item : expect->items()) scene->expectations.push_back(read_expectation(item, catalog));
+    for (const Reader& item : expect->items())
+      scene->expectations.push_back(read_expectation(item, known, catalog));
   if (auto references = reader.find("reference"))
     for (const Reader& item : references->items()) scene->references.push_back(read_reference(item));
   reader.finish();
-  reader.check_units();
   scene->experiment = experiment.located([&] { return make_tension(scene->specimen.body, setup); });
   scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return scene;

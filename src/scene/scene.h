@@ -9,9 +9,9 @@ namespace elastin {
 
 /// What a published or independent source says a measure is.
 struct Expectation {
-  std::string strategy;   ///< the strategy it is about; empty = every one
+  std::string strategy;  ///< the strategy it is about; empty = every one
   std::string measure;
-  double value = 0;       ///< SI
+  double value = 0;                   ///< SI
   double relative = 0, absolute = 0;  ///< tolerance: |difference| ≤ absolute + relative |value|
   std::string source;
   std::string not_reproduced;  ///< why it is printed but not judged; empty = judged
@@ -29,14 +29,17 @@ struct Scene {
   std::string path, name, title;
   Specimen specimen;
   std::unique_ptr<Experiment> experiment;
-  StrategyChoice stiffness;                 ///< what `run` uses
-  std::vector<StrategyChoice> strategies;   ///< what `compare` uses
+  StrategyChoice stiffness;                ///< what `run` uses
+  std::vector<StrategyChoice> strategies;  ///< what `compare` uses
   StaticOptions statics;
   std::vector<Expectation> expectations;
   std::vector<Reference> references;
-  std::vector<std::string> warnings;        ///< of the scene as a whole
-  double build_seconds = 0;                 ///< body and experiment
+  std::vector<std::string> warnings;  ///< of the scene as a whole
+  double build_seconds = 0;           ///< body and experiment
 };
+
+/// The one with this label, or nullptr.
+const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, const std::string& label);
 
 /// Reads a scene and builds its body and experiment. `overrides` are key.path=value. Throws InputError.
 std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,

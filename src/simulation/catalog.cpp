@@ -8,8 +8,12 @@
 #include "stiffness/divided.h"
 #include "stiffness/lattice.h"
 #include "stiffness/lloyd.h"
+#include "stiffness/neo_hookean.h"
+#include "stiffness/patch.h"
+#include "stiffness/st_venant_kirchhoff.h"
 #include "stiffness/standard.h"
 #include "stiffness/statistical.h"
+#include "stiffness/two_parameter.h"
 #include "stiffness/uniform.h"
 #include "stiffness/van_gelder.h"
 #include "stiffness/van_gelder_simplified.h"
@@ -27,7 +31,12 @@ Catalog built_in_catalog() {
   catalog.add<VanGelderSimplified>();
   catalog.add<Lloyd>();
   catalog.add<Lattice>();
+  catalog.add<Patch>();
   catalog.add<Uniform>();
+  catalog.add<StVenantKirchhoff>();
+  catalog.add<StVenantKirchhoffMembrane>();
+  catalog.add<NeoHookean>();
+  catalog.add<TwoParameter>();
   Strategy calibrated;
   calibrated.name = "calibrated";
   calibrated.summary = "any spring rule, times E / E measured by one linear solve of the scene: calibrated:RULE";

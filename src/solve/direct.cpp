@@ -28,28 +28,30 @@ class Direct final : public LinearSolver {
       return result;
     }
     result.negative_modes = static_cast<int>((factor.vectorD().array() < 0).count());
-    Positions r = rhs, kx(3, n);
-    double last = size;
+    Positions r = rhs, better = x, kx(3, n);
+    double now = size;
     constexpr int limit = 30;
-    while (true) {
+    for (bool progress = true; progress && now > tolerance * size && result.iterations < limit; ++result.iterations) {
       const VectorX correction = factor.solve(Eigen::Map<const VectorX>(r.data(), r.size()));
-      const Positions previous = x;
-      x += Eigen::Map<const Positions>(correction.data(), 3, n);
-      keep_free(supports, x);
-      ++result.iterations;
-      tangent.apply(x, kx);
+      better = x + Eigen::Map<const Positions>(correction.data(), 3, n);
+      keep_free(supports, better);
+      tangent.apply(better, kx);
       keep_free(supports, kx);
-      r = rhs - kx;
-      const double now = ordered_norm(r);
-      result.residual = now / size;
-      if (now <= tolerance * size) break;
-      if (!(now < 0.5 * last) || result.iterations == limit) {
-        // No more progress: a right-hand side in the range of K gets there, unless rounding stops it first.
-        if (!(now < last)) x = previous;
-        result.status = result.residual > 1e-6 ? LinearStatus::zero_mode : LinearStatus::limit_reached;
-        break;
-      }
-      last = now;
+      const Positions left = rhs - kx;
+      const double then = ordered_norm(left);
+      progress = then < 0.5 * now;
+      if (!(then < now)) continue;
+      x = better;
+      r = left;
+      now = then;
+    }
+    result.residual = now / size;
+    if (result.residual > std::max(tolerance, 1e-6)) {
+      // A right-hand side in the range of K would have got there: what is left works on directions without stiffness.
+      result.status = LinearStatus::zero_mode;
+      x += r / scale;
+    } else if (result.residual > tolerance) {
+      result.status = LinearStatus::limit_reached;
     }
     if (result.negative_modes > 0 && result.status == LinearStatus::solved) result.status = LinearStatus::negative_mode;
     return result;

@@ -3,6 +3,7 @@
 
 #include "base/parallel.h"
 #include "solve/linear_solver.h"
+#include "solve/sparse_stiffness.h"
 
 namespace elastin {
 namespace {
@@ -64,7 +65,11 @@ class Pcg final : public LinearSolver {
       const double curvature = ordered_sum(n, [&](int i) { return p.col(i).dot(kp.col(i)); });
       if (!(curvature > 1e-13 * size_of_p)) {
         result.status = curvature < -1e-10 * size_of_p ? LinearStatus::negative_mode : LinearStatus::zero_mode;
-        if (result.iterations == 0) x = p;
+        // The way on: down the negative direction, or along what is left of the force where there is no stiffness.
+        if (result.status == LinearStatus::zero_mode)
+          x += r / stiffness_scale(tangent);
+        else if (result.iterations == 0)
+          x = p;
         break;
       }
       const double before = now[0];

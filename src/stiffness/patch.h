@@ -15,7 +15,8 @@ namespace elastin {
 /// Where many constants pass, those nearest to one constant for all are taken; k may be 0.
 struct Patch {
   static constexpr std::string_view name = "patch";
-  static constexpr std::string_view summary = "fitted so that every molecule passes the patch test; any connection graph";
+  static constexpr std::string_view summary =
+      "fitted so that every molecule passes the patch test; any connection graph";
   static constexpr std::string_view source = "patch test of finite elements; Cauchy relations (physics.md)";
 
   /// The surface areas come from tetrahedra, or else from the cubes of a lattice.

@@ -190,7 +190,8 @@ TEMPLATE_TEST_CASE("a rigid motion leaves a cell without force", "[cell_law]", S
   for (int trial = 0; trial < 100; ++trial) {
     const Places<corners> rest = random_cell<corners>(random);
     const auto k = TestType{}.constants(rest, material_of(5000, 0.3));
-    const CellVector<corners> s = squared_lengths<corners>((random.rotation() * rest).colwise() + 0.01 * random.matrix<3, 1>());
+    const Places<corners> places = (random.rotation() * rest).colwise() + 0.01 * random.matrix<3, 1>();
+    const CellVector<corners> s = squared_lengths<corners>(places);
     // Against what lengthening every connection by a tenth gives.
     const double scale = TestType{}.force_densities(k, 1.21 * s).norm();
     CHECK(TestType{}.force_densities(k, s).norm() < 1e-12 * scale);
@@ -243,7 +244,7 @@ TEST_CASE("a neo-Hookean cell that falls flat pushes apart and has no finite ene
   }
 }
 
-TEST_CASE("two_parameter is plane stress at small strain, on any triangle", "[cell_law]") {
+TEST_CASE("two_parameter and the membrane are plane stress at small strain, on any triangle", "[cell_law]") {
   Random random(7);
   int obtuse = 0;
   for (int trial = 0; trial < 1000; ++trial) {
@@ -260,6 +261,9 @@ TEST_CASE("two_parameter is plane stress at small strain, on any triangle", "[ce
     const Places<3> expected = plane_stress_forces(rest, displacement, material);
     const Places<3> linear = forces<3>(rest, TwoParameter{}.slope(k, s0) * change);
     CHECK((linear - expected).norm() < 1e-12 * expected.norm());
+    const auto membrane = StVenantKirchhoffMembrane{}.constants(rest, material);
+    const Places<3> biquadratic = forces<3>(rest, StVenantKirchhoffMembrane{}.slope(membrane, s0) * change);
+    CHECK((biquadratic - expected).norm() < 1e-12 * expected.norm());
 
     // And the law itself, not its slope: what is left shrinks with the strain (1e-6, over the triangle's thinness).
     const Places<3> places = rest + 1e-6 * displacement;

@@ -118,7 +118,8 @@ TEST_CASE("patch constants balance a uniform strain at every molecule of a latti
     force.col(molecule) = stress * lattice_surface(body.rest.col(molecule), size, spacing);
   for (int c = 0; c < body.connections.size(); ++c) {
     const auto [a, b] = body.connections.ends[c];
-    const Vector3 gap = body.rest.col(b) - body.rest.col(a), tension = k[c] * gap * gap.dot(strain * gap) / gap.squaredNorm();
+    const Vector3 gap = body.rest.col(b) - body.rest.col(a);
+    const Vector3 tension = k[c] * gap * gap.dot(strain * gap) / gap.squaredNorm();
     force.col(a) += tension;
     force.col(b) -= tension;
   }
@@ -163,11 +164,12 @@ TEST_CASE("patch constants don't depend on direction and scale as E times length
 
 TEST_CASE("patch on one regular tetrahedron is the fit done by hand", "[patch]") {
   // All six k are equal by symmetry. At a corner, the three connections n_j with n_i · n_j = ½ (i ≠ j) meet the outward
-  // area A, a third of the opposite face √3/4 L², with n_j · A = −√(2/3) |A|. Least squares of k L Σ n n n + 0.4 E (δ A + …):
-  // k L (3 + 6/8) = 0.4 E · 3 · 3 √(2/3) · √3/12 L², so k = 0.08 √2 E L.
+  // area A, a third of the opposite face √3/4 L², with n_j · A = −√(2/3) |A|. Least squares of
+  // k L Σ n n n + 0.4 E (δ A + …):  k L (3 + 6/8) = 0.4 E · 3 · 3 √(2/3) · √3/12 L², so k = 0.08 √2 E L.
   constexpr double side = 0.03, E = 5000;
   const double h = side / std::sqrt(8.);
-  Body body = listed_body({{h, h, h}, {h, -h, -h}, {-h, h, -h}, {-h, -h, h}}, {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}});
+  Body body = listed_body({{h, h, h}, {h, -h, -h}, {-h, h, -h}, {-h, -h, h}},
+                          {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}});
   body.tetrahedra = {{0, 2, 1, 3}};
   REQUIRE(signed_volume(body.rest, body.tetrahedra[0]) > 0);
   const VectorX k = Patch{}.constants(body, material_of(E));

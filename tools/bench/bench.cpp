@@ -1,1 +1,68 @@
-int main() { return 0; }
+// Benchmarks: how long Elastin takes and what it needs, beside peers that run in the same process in turn.
+//   elastin_bench                                    every case, some minutes
+//   elastin_bench forces --sizes 22,47 --csv out.csv
+//   elastin_bench --list
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "measure.h"
+
+namespace {
+
+struct Case {
+  const char* name;
+  const char* summary;
+  std::vector<bench::Row> (*run)(const bench::Settings&);
+};
+
+constexpr Case kCases[] = {
+    {"static", "tension cube to a relative residual of 1e-8; peer: Eigen's conjugate gradients on the assembled matrix",
+     bench::run_static},
+    {"forces", "elastic force pass; peer: a plain loop over the connections, each thread with its own forces", bench::run_forces},
+    {"rules", "setting the constants of every spring rule, 22 molecules a side", bench::run_rules},
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Benchmarks of Elastin. Ratios are of minima, at the same number of threads: above 1 is faster than the peer."};
+  std::vector<std::string> names;
+  for (const Case& one : kCases) names.emplace_back(one.name);
+  std::vector<std::string> chosen = names;
+  bench::Settings settings;
+  std::string csv;
+  bool list = false;
+  app.add_option("case", chosen, "what to run; all if none is named")->check(CLI::IsMember(names));
+  app.add_option("--repeats", settings.repeats, "measured runs of each, after one to warm up")->check(CLI::Range(1, 1000));
+  app.add_option("--sizes", settings.sides, "molecules along the cube's side: 10,22,47")->delimiter(',')->check(CLI::Range(3, 200));
+  app.add_option("--threads", settings.threads, "numbers of threads: 1,2")->delimiter(',')->check(CLI::Range(1, 256));
+  app.add_option("--csv", csv, "file for all rows, SI units");
+  app.add_flag("--list", list, "name the cases and stop");
+  CLI11_PARSE(app, argc, argv);
+  if (list) {
+    for (const Case& one : kCases) fmt::print("{:8} {}\n", one.name, one.summary);
+    return 0;
+  }
+  try {
+    fmt::print("{}; threads {}; repeats {}\n", bench::machine(), fmt::join(settings.threads, ", "), settings.repeats);
+    std::vector<bench::Row> all;
+    for (const Case& one : kCases) {
+      if (std::find(chosen.begin(), chosen.end(), one.name) == chosen.end()) continue;
+      const std::vector<bench::Row> rows = one.run(settings);
+      fmt::print("\n{}: {}\n", one.name, one.summary);
+      bench::print_rows(rows);
+      all.insert(all.end(), rows.begin(), rows.end());
+      if (!csv.empty()) bench::write_csv(csv, all);
+    }
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "elastin_bench: {}\n", error.what());
+    return 1;
+  }
+  return 0;
+}

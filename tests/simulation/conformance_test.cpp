@@ -1,0 +1,155 @@
+// What every strategy of the catalog must keep, on every body that it can run on.
+
+#include <catch2/catch.hpp>
+
+#include "bodies.h"
+#include "elastin/base/error.h"
+#include "elastin/forces/model.h"
+#include "elastin/simulation/catalog.h"
+#include "forces/tangent.h"
+
+using namespace elastin;
+using namespace elastin::testing;
+
+namespace {
+
+const Material kMaterial{.youngs_modulus = 2e4, .poissons_ratio = 0.3, .density = 1000, .thickness = 0.001};
+
+/// Calls test(strategy, body, model) for each strategy and body that go together.
+template <class Test>
+void for_each_pair(Test test) {
+  const std::vector<std::pair<std::string, Body>> bodies{
+      {"lattice", jittered_lattice()}, {"block", jittered_block()}, {"sheet", sheet(kMaterial.thickness)}};
+  const Catalog catalog = built_in_catalog();
+  for (const Strategy& strategy : catalog.strategies()) {
+    if (strategy.kind == StrategyKind::wrapper) continue;
+    int bodies_used = 0;
+    for (const auto& [name, body] : bodies) {
+      if (!strategy.unsuited(body).empty()) continue;
+      ++bodies_used;
+      INFO(strategy.name << " on " << name);
+      Model model(body);
+      model.add(strategy.make(body, kMaterial, {}));
+      test(strategy, body, model);
+    }
+    INFO(strategy.name);
+    CHECK(bodies_used > 0);  // a strategy that no body here suits is not tested at all
+  }
+}
+
+}  // namespace
+
+TEST_CASE("every strategy: forces are minus the gradient of the energy", "[conformance]") {
+  for_each_pair([](const Strategy&, const Body& body, Model& model) {
+    if (!model.has_energy()) return;
+    const Positions places = deformed(body, 2e-4);
+    const Positions forces = model.elastic_forces(places), motion = random_motion(body, 21);
+    const double predicted = -forces.cwiseProduct(motion).sum(), h = 1e-7;
+    // Fourth-order differences: their error is far below the rounding of the energy.
+    const auto energy = [&](double step) { return model.elastic_energy(places + step * motion); };
+    const double measured = (8 * (energy(h) - energy(-h)) - (energy(2 * h) - energy(-2 * h))) / (12 * h);
+    CHECK(measured == Approx(predicted).epsilon(1e-6));
+  });
+}
+
+TEST_CASE("every strategy: the tangent is the difference of forces", "[conformance]") {
+  for_each_pair([](const Strategy&, const Body& body, Model& model) {
+    const Positions places = deformed(body, 2e-4), motion = random_motion(body, 22);
+    const Tangent tangent(model, places);
+    Positions predicted(3, body.size());
+    tangent.apply(motion, predicted);
+    const double h = 1e-8;
+    const Positions measured = -(model.elastic_forces(places + h * motion) - model.elastic_forces(places - h * motion)) / (2 * h);
+    if (model.has_full_tangent()) CHECK((predicted - measured).norm() <= 1e-5 * measured.norm());
+    // The parts of the blocks add up to the same operator, and the diagonal to its own.
+    Positions assembled = Positions::Zero(3, body.size());
+    tangent.visit_blocks([&](int a, int b, const Matrix3& part) { assembled.col(a) += part * motion.col(b); });
+    CHECK((assembled - predicted).norm() <= 1e-11 * predicted.norm());
+    const auto diagonal = tangent.diagonal();
+    Positions unit = Positions::Zero(3, body.size()), column(3, body.size());
+    unit(1, 3) = 1;
+    tangent.apply(unit, column);
+    CHECK((column.col(3) - diagonal[3].col(1)).norm() <= 1e-11 * diagonal[3].norm());
+    if (model.has_energy()) {
+      const Positions other = random_motion(body, 23);
+      Positions image(3, body.size());
+      tangent.apply(other, image);
+      CHECK(predicted.cwiseProduct(other).sum() == Approx(image.cwiseProduct(motion).sum()).epsilon(1e-9));
+    }
+  });
+}
+
+TEST_CASE("every strategy: no total force, no total torque, none at rest, and it turns with the body", "[conformance]") {
+  const Matrix3 turn = Eigen::AngleAxisd(1.1, Vector3(1, 2, -1).normalized()).toRotationMatrix();
+  for_each_pair([&](const Strategy&, const Body& body, Model& model) {
+    const Positions places = deformed(body, 2e-4), forces = model.elastic_forces(places);
+    const double size = forces.colwise().norm().sum();
+    REQUIRE(size > 0);
+    CHECK(forces.rowwise().sum().norm() <= 1e-13 * size);
+    Vector3 torque = Vector3::Zero();
+    for (int i = 0; i < body.size(); ++i) torque += Vector3(places.col(i)).cross(Vector3(forces.col(i)));
+    CHECK(torque.norm() <= 1e-13 * size * places.cwiseAbs().maxCoeff() * 3);
+    CHECK(model.elastic_forces(body.rest).norm() <= 1e-10 * size);
+    Positions moved = turn * places;
+    moved.colwise() += Vector3(0.1, -0.2, 0.05);
+    CHECK((model.elastic_forces(moved) - turn * forces).norm() <= 1e-9 * size);
+  });
+}
+
+TEST_CASE("every strategy: stiffness scales with E and not with the order of molecules", "[conformance]") {
+  for_each_pair([](const Strategy& strategy, const Body& body, Model& model) {
+    if (strategy.name == "uniform") return;  // its constant is given, not made from E
+    const Positions places = deformed(body, 2e-4), forces = model.elastic_forces(places);
+    Material twice = kMaterial;
+    twice.youngs_modulus *= 2;
+    Model stiffer(body);
+    stiffer.add(strategy.make(body, twice, {}));
+    CHECK((stiffer.elastic_forces(places) - 2 * forces).norm() <= 1e-13 * forces.norm());
+
+    // The same body with its molecules numbered backwards.
+    const int last = body.size() - 1;
+    Body reversed = body;
+    reversed.rest = body.rest.rowwise().reverse();
+    reversed.radius = body.radius.reverse();
+    for (auto& [a, b] : reversed.connections.ends) a = last - a, b = last - b;
+    for (auto& cell : reversed.tetrahedra)
+      for (int& molecule : cell) molecule = last - molecule;
+    for (auto& cell : reversed.triangles)
+      for (int& molecule : cell) molecule = last - molecule;
+    for (auto& cell : reversed.cubes)
+      for (int& molecule : cell) molecule = last - molecule;
+    Model other(reversed);
+    other.add(strategy.make(reversed, kMaterial, {}));
+    const Positions back = other.elastic_forces(places.rowwise().reverse()).rowwise().reverse();
+    const double tolerance = strategy.name == "patch" ? 1e-6 : 1e-12;  // its least squares are iterated to 1e-7
+    CHECK((back - forces).norm() <= tolerance * forces.norm());
+  });
+}
+
+TEST_CASE("the catalog names what it has and what is wrong", "[catalog]") {
+  Catalog catalog = built_in_catalog();
+  CHECK_THROWS_WITH(catalog.find("standrad"), Catch::Contains("did you mean 'standard'"));
+  CHECK_THROWS_WITH(catalog.add(catalog.find("standard")), Catch::Contains("already"));
+  const Body body = jittered_lattice();
+  CHECK_THROWS_WITH(catalog.find("divided").make(body, kMaterial, {{"divisor", -1}}), Catch::Contains("out of range"));
+  CHECK_THROWS_WITH(catalog.find("divided").make(body, kMaterial, {{"divisr", 1}}), Catch::Contains("did you mean 'divisor'"));
+  CHECK_THROWS_WITH(catalog.find("standard").make(body, kMaterial, {{"x", 1}}), Catch::Contains("takes no parameters"));
+}
+
+namespace {
+/// A host's own rule: one struct, one line.
+struct Twice {
+  static constexpr std::string_view name = "twice", summary = "2 E", source = "test";
+  VectorX constants(const Body& body, const Material& material) const {
+    return VectorX::Constant(body.connections.size(), 2 * material.youngs_modulus);
+  }
+};
+}  // namespace
+
+TEST_CASE("a program adds its own rule in one line", "[catalog]") {
+  Catalog catalog = built_in_catalog();
+  catalog.add<Twice>();
+  const Body body = jittered_lattice();
+  CHECK(catalog.find("twice").constants(body, kMaterial, {})[0] == 4e4);
+  CHECK(catalog.find("twice").kind == StrategyKind::spring_rule);
+}

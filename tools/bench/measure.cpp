@@ -1,0 +1,168 @@
+#include "measure.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <thread>
+
+#include "elastin/model/shapes.h"
+#include "report/table.h"
+
+namespace bench {
+namespace {
+
+struct Column {
+  const char* key;   // in the CSV, with its SI unit
+  const char* head;  // of the table
+  double Figures::*value;
+  std::string (*text)(double);
+};
+
+std::string millions(double value) { return fmt::format("{:.1f}", value / 1e6); }
+
+constexpr Column kColumns[] = {
+    {"springs", "springs", &Figures::springs, [](double v) { return fmt::format("{:.0f}", v); }},
+    {"build_s", "build", &Figures::build, elastin::readable_seconds},
+    {"minimum_s", "minimum", &Figures::minimum, elastin::readable_seconds},
+    {"median_s", "median", &Figures::median, elastin::readable_seconds},
+    {"springs_per_s", "Mspring/s", &Figures::rate, millions},
+    {"bandwidth_B_per_s", "GB/s", &Figures::bandwidth, [](double v) { return fmt::format("{:.1f}", v / 1e9); }},
+    {"springs_per_s_allowed", "memory allows", &Figures::allowed, millions},
+    {"peer_over_this", "peer/this", &Figures::ratio, [](double v) { return fmt::format("{:.2f}", v); }},
+    {"newton_iterations", "Newton", &Figures::newton, [](double v) { return fmt::format("{:.0f}", v); }},
+    {"cg_iterations", "CG", &Figures::iterations, [](double v) { return fmt::format("{:.0f}", v); }},
+    {"residual", "residual", &Figures::residual, [](double v) { return fmt::format("{:.1e}", v); }},
+    {"peak_B", "peak MB", &Figures::peak, millions},
+};
+
+std::string processor() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  return "unknown processor";
+}
+
+std::string quoted(std::string text) {
+  std::replace(text.begin(), text.end(), '"', '\'');
+  return '"' + text + '"';
+}
+
+}  // namespace
+
+elastin::Body make_cube(int side) {
+  return elastin::cubic_lattice({side, side, side}, kCubeLength / (side - 1), {.axis = true, .face = true, .space = false});
+}
+
+Sample summary(std::vector<double> seconds) {
+  std::sort(seconds.begin(), seconds.end());
+  const std::size_t half = seconds.size() / 2;
+  return {seconds.front(), seconds.size() % 2 ? seconds[half] : (seconds[half - 1] + seconds[half]) / 2};
+}
+
+double seconds_of(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::vector<Sample> interleaved(const std::vector<std::function<void()>>& contenders, int repeats) {
+  for (const auto& contender : contenders) contender();
+  std::vector<std::vector<double>> seconds(contenders.size());
+  for (int repeat = 0; repeat < repeats; ++repeat)
+    for (std::size_t i = 0; i < contenders.size(); ++i) seconds[i].push_back(seconds_of(contenders[i]));
+  std::vector<Sample> samples;
+  for (auto& times : seconds) samples.push_back(summary(std::move(times)));
+  return samples;
+}
+
+std::vector<Figures> in_child(const std::function<std::vector<Figures>()>& work) {
+  int ends[2];
+  if (pipe(ends) != 0) throw std::runtime_error("no pipe");
+  std::fflush(nullptr);
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("no child process");
+  if (child == 0) {
+    close(ends[0]);
+    try {
+      const std::vector<Figures> found = work();
+      const std::size_t bytes = found.size() * sizeof(Figures);
+      _exit(write(ends[1], found.data(), bytes) == static_cast<ssize_t>(bytes) ? 0 : 1);
+    } catch (const std::exception& error) {
+      fmt::print(stderr, "{}\n", error.what());
+      _exit(1);
+    }
+  }
+  close(ends[1]);
+  std::vector<Figures> found;
+  for (Figures one; read(ends[0], &one, sizeof one) == static_cast<ssize_t>(sizeof one);) found.push_back(one);
+  close(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) throw std::runtime_error(WIFSIGNALED(status) ? fmt::format("a measurement died of signal {}", WTERMSIG(status)) : "a measurement failed");
+  return found;
+}
+
+double peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024. * static_cast<double>(usage.ru_maxrss);
+}
+
+std::string machine() {
+  return fmt::format("{}, {} cores; compiler {}; {}", processor(), std::thread::hardware_concurrency(), __VERSION__,
+                     ELASTIN_BENCH_FLAGS);
+}
+
+void print_rows(const std::vector<Row>& rows) {
+  std::vector<const Column*> shown;
+  for (const Column& column : kColumns)
+    if (std::any_of(rows.begin(), rows.end(), [&](const Row& row) { return !std::isnan(row.figures.*column.value); }))
+      shown.push_back(&column);
+  std::vector<std::string> head{"side", "method", "threads", "repeats"};
+  for (const Column* column : shown) head.push_back(column->head);
+  head.push_back("");
+  elastin::Table table(head);
+  for (const Row& row : rows) {
+    std::vector<elastin::TableCell> cells{{row.side ? std::to_string(row.side) : "", {}, true},
+                                          {row.method},
+                                          {std::to_string(row.threads), {}, true},
+                                          {std::to_string(row.repeats), {}, true}};
+    for (const Column* column : shown) {
+      const double value = row.figures.*column->value;
+      cells.push_back({std::isnan(value) ? "" : column->text(value), {}, true});
+    }
+    cells.push_back({row.note});
+    table.add(std::move(cells));
+  }
+  fmt::print("{}\n", table.text(false));
+}
+
+void write_csv(const std::string& path, const std::vector<Row>& rows) {
+  std::ofstream file(path);
+  file << "case,side,method,threads,repeats";
+  for (const Column& column : kColumns) file << ',' << column.key;
+  file << ",note,machine\n";
+  for (const Row& row : rows) {
+    file << fmt::format("{},{},{},{},{}", row.scenario, row.side, quoted(row.method), row.threads, row.repeats);
+    for (const Column& column : kColumns) {
+      const double value = row.figures.*column.value;
+      file << ',' << (std::isnan(value) ? "" : fmt::format("{:.6g}", value));
+    }
+    file << ',' << quoted(row.note) << ',' << quoted(machine()) << '\n';
+  }
+  if (!file.flush()) throw std::runtime_error("cannot write " + path);
+}
+
+void say(const std::string& doing) { fmt::print(stderr, "{} …\n", doing); }
+
+}  // namespace bench

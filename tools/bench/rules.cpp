@@ -1,0 +1,57 @@
+#include "elastin/model/shapes.h"
+#include "elastin/simulation/catalog.h"
+#include "measure.h"
+
+namespace bench {
+namespace {
+
+using namespace elastin;
+
+constexpr int kSide = 22;
+
+/// One strategy on one body: its constants, or, where they are set anew at every evaluation, one evaluation.
+std::vector<Figures> time_rule(const Strategy& strategy, const Body& body, int repeats) {
+  VectorX constants;
+  std::function<void()> work = [&] { constants = strategy.constants(body, kMaterial, {}); };
+  std::unique_ptr<Elasticity> updated;
+  if (!strategy.constants) {
+    updated = strategy.make(body, kMaterial, {});
+    work = [&] { updated->add_force_densities(body.rest, constants); };
+    constants = VectorX::Zero(body.connections.size());
+  }
+  const Sample sample = interleaved({work}, repeats).front();
+  Figures figures;
+  figures.springs = body.connections.size();
+  figures.minimum = sample.minimum;
+  figures.median = sample.median;
+  figures.rate = figures.springs / sample.minimum;
+  return {figures};
+}
+
+}  // namespace
+
+std::vector<Row> run_rules(const Settings& settings) {
+  const Body cube = make_cube(kSide);
+  const Body block = tetrahedral_block(BlockKind::kuhn, {kSide - 1, kSide - 1, kSide - 1}, Vector3::Constant(kCubeLength));
+  std::vector<Row> rows;
+  const Catalog catalog = built_in_catalog();
+  for (const Strategy& strategy : catalog.strategies()) {
+    if (strategy.kind != StrategyKind::spring_rule && strategy.kind != StrategyKind::updated_spring_rule) continue;
+    Row row{"rules", strategy.name, kSide, 1, settings.repeats, {}, ""};
+    const bool on_cube = strategy.unsuited(cube).empty();
+    const std::string hindrance = on_cube ? "" : strategy.unsuited(block);
+    if (!hindrance.empty()) {
+      row.note = hindrance;
+    } else {
+      say("rules, " + strategy.name);
+      // Seconds-long fits need no repeats to be seen above the noise.
+      row.figures = in_child([&] { return time_rule(strategy, on_cube ? cube : block, settings.repeats); }).front();
+      row.note = on_cube ? "" : "on tetrahedra (Kuhn)";
+      if (!strategy.constants) row.note += "one evaluation";
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace bench
