@@ -4,8 +4,10 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <string_view>
 
 #include "elastin/base/error.h"
 #include "elastin/base/threads.h"
@@ -41,10 +43,11 @@ struct Options {
 
 bool colours(int stream) { return isatty(stream) && !std::getenv("NO_COLOR"); }
 
+/// Names of a run's files: of scene and strategy, without letters that mean something in a path or in XML.
 std::string file_name(const Record& record) {
   std::string name = record.scene + "-" + record.run.strategy;
   for (char& c : name)
-    if (c == ':' || c == '/') c = '-';
+    if (std::string_view(":/\\ \"'<>&").find(c) != std::string_view::npos) c = '-';
   return name;
 }
 
@@ -62,27 +65,40 @@ std::vector<StrategyChoice> chosen_strategies(const Options& options, const Cata
   if (options.strategies.empty()) return compare ? scene.strategies : std::vector{scene.stiffness};
   if (options.strategies == "all") return all_strategies(catalog);
   std::vector<StrategyChoice> choices;
-  for (const std::string& label : CLI::detail::split(options.strategies, ',')) {
+  for (std::string label : CLI::detail::split(options.strategies, ',')) {
+    CLI::detail::trim(label);
+    if (find_strategy(choices, label)) continue;
     // A strategy that the scene names keeps the scene's parameters.
-    StrategyChoice choice = choose_strategy(catalog, label);
-    for (const StrategyChoice& known : scene.strategies)
-      if (known.label == label) choice = known;
-    if (scene.stiffness.label == label && !scene.stiffness.values.empty()) choice = scene.stiffness;
-    choices.push_back(choice);
+    const StrategyChoice* known = find_strategy(scene.strategies, label);
+    if (scene.stiffness.label == label && (!known || known->values.empty())) known = &scene.stiffness;
+    try {
+      choices.push_back(known ? *known : choose_strategy(catalog, label));
+    } catch (const InputError& error) {
+      throw InputError(std::string("--strategies: ") + error.what());
+    }
   }
   return choices;
+}
+
+/// Reads all scenes before anything runs: a slip in the last one must not cost the others' time.
+std::vector<std::unique_ptr<Scene>> load_scenes(const Options& options, const Catalog& catalog) {
+  std::vector<std::unique_ptr<Scene>> scenes;
+  for (const std::string& path : options.scenes) {
+    scenes.push_back(load_scene(path, catalog, options.overrides));
+    for (std::size_t i = 0; i + 1 < scenes.size() && !options.out.empty(); ++i)
+      if (scenes[i]->name == scenes.back()->name)
+        throw InputError("--out: " + scenes[i]->path + " and " + path + " have one name: so would their files");
+  }
+  return scenes;
 }
 
 /// Runs every chosen strategy on every scene; `compare` prints one table a scene, `run` one page a run.
 int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
   const bool to_screen = !options.quiet && options.json != "-";
-  // All scenes are read before anything runs: a slip in the last one must not cost the others' time.
-  std::vector<std::unique_ptr<Scene>> scenes;
+  std::vector<std::unique_ptr<Scene>> scenes = load_scenes(options, catalog);
   std::vector<std::vector<StrategyChoice>> choices;
-  for (const std::string& path : options.scenes) {
-    scenes.push_back(load_scene(path, catalog, options.overrides));
-    choices.push_back(chosen_strategies(options, catalog, *scenes.back(), compare));
-  }
+  for (const auto& scene : scenes) choices.push_back(chosen_strategies(options, catalog, *scene, compare));
+  write_files(options, {});  // a folder that cannot be written to is said before the work
   Progress progress(to_screen && isatty(STDERR_FILENO));
   std::vector<Record> all;
   bool good = true;
@@ -143,7 +159,8 @@ void add_scene_options(CLI::App& command, Options& options) {
   command
       .add_option("--set", options.overrides,
                   "Set a key of the scene: KEY.PATH=VALUE; a plain number is SI. May be repeated")
-      ->take_all();
+      ->take_all()
+      ->allow_extra_args(false);
   command
       .add_option("--threads", options.threads, "Threads for large bodies; 0 = one a core. Same bits for any number")
       ->check(CLI::Range(0, 4096));
@@ -157,10 +174,38 @@ void add_run_options(CLI::App& command, Options& options) {
   command.add_option("--json", options.json, "JSON file; - for standard output, and nothing else there");
 }
 
+/// "unknown option '--thread'; did you mean …", of the first command or option that there is not; "" if there are all.
+std::string unknown_word(const CLI::App& app, int argc, char** argv) {
+  std::vector<std::string> commands, options;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    commands.push_back(command->get_name());
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& name : option->get_lnames())
+        if (std::find(options.begin(), options.end(), "--" + name) == options.end()) options.push_back("--" + name);
+  }
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = std::string(argv[i]).substr(0, std::string_view(argv[i]).find('='));
+    const bool option = word.starts_with("--");
+    const std::vector<std::string>& known = option ? options : commands;
+    if ((option || i == 1) && std::find(known.begin(), known.end(), word) == known.end())
+      return std::string("unknown ") + (option ? "option '" : "command '") + word + "'" + suggestion(word, known);
+  }
+  return "";
+}
+
 }  // namespace
 
+/// Threads that wait must sleep: one that spins keeps a busy machine from running the one it waits for, and a pass over
+/// the body then takes 20 times as long. OpenMP reads its setting once, before main, so the command starts itself anew.
+void let_threads_sleep(char** argv) {
+  if (std::getenv("OMP_WAIT_POLICY")) return;
+  setenv("OMP_WAIT_POLICY", "passive", 1);
+  execv("/proc/self/exe", argv);  // comes back only if it cannot: then threads spin
+}
+
 int main(int argc, char** argv) {
-  CLI::App app{"Elastin: soft tissue as molecules and connections, and the modulus it really has."};
+  let_threads_sleep(argv);
+  CLI::App app{"Elastin: soft tissue as molecules and connections, and the modulus it really has.", "elastin"};
   app.footer(kExamples);
   app.require_subcommand(1);
   Options options;
@@ -177,7 +222,10 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    const std::string unknown = unknown_word(app, argc, argv);
+    if (error.get_exit_code() == 0 || unknown.empty()) return app.exit(error) == 0 ? 0 : 2;
+    fmt::print(stderr, "elastin: {}\n", unknown);
+    return 2;
   }
   try {
     set_threads(options.threads);

@@ -7,8 +7,8 @@
 
 namespace elastin {
 
-/// Below this many items a loop stays on one thread: waking the others costs more than they give (design.md §5).
-inline constexpr int kParallelThreshold = 20000;
+/// Below this many items a loop stays on one thread: waking the others costs more than they give.
+inline constexpr int kParallelThreshold = 50000;
 
 /// Items in one block of an ordered sum. Fixed, so that the order of additions never depends on the thread count.
 inline constexpr int kSumBlock = 4096;

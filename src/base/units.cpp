@@ -71,18 +71,21 @@ std::pair<double, Dimension> parse_unit(std::string_view text, const Dimension& 
   Dimension dimension;
   int sign = 1;
   std::size_t at = 0;
+  const auto unknown = [&](std::string_view name) {
+    return InputError(with_examples("unknown unit '" + std::string(name) + "'", wanted));
+  };
   while (at < text.size()) {
     if (text[at] == ' ' || text[at] == '*' || text.substr(at, 2) == "·") {
       at += text[at] == ' ' || text[at] == '*' ? 1 : 2;
       continue;
     }
     if (text[at] == '/') {
+      if (sign < 0) throw unknown(text);
       sign = -1;
       ++at;
       continue;
     }
-    const std::size_t end =
-        std::min({text.find_first_of(" */^0123456789-", at), text.find("·", at), text.size()});
+    const std::size_t end = std::min({text.find_first_of(" */^0123456789-", at), text.find("·", at), text.size()});
     std::string_view name = text.substr(at, end - at);
     at = end;
     int power = 1;
@@ -95,14 +98,14 @@ std::pair<double, Dimension> parse_unit(std::string_view text, const Dimension& 
     const auto [rest, problem] = std::from_chars(text.data() + at, text.data() + text.size(), power);
     if (problem == std::errc()) at = static_cast<std::size_t>(rest - text.data());
     const auto unit = find_unit(name);
-    if (!unit || power == 0 || std::abs(power) > 9)
-      throw InputError(with_examples("unknown unit '" + std::string(name.empty() ? text : name) + "'", wanted));
+    if (!unit || power == 0 || std::abs(power) > 9) throw unknown(name.empty() ? text : name);
     factor *= std::pow(unit->first, sign * power);
     dimension.length += sign * power * unit->second.length;
     dimension.mass += sign * power * unit->second.mass;
     dimension.time += sign * power * unit->second.time;
     sign = 1;
   }
+  if (sign < 0) throw unknown(text);
   return {factor, dimension};
 }
 
@@ -111,7 +114,7 @@ std::pair<double, Dimension> parse_unit(std::string_view text, const Dimension& 
 Quantity parse_quantity(std::string_view text, const Dimension& wanted) {
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
   while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  const bool plus = !text.empty() && text.front() == '+';
+  const bool plus = text.starts_with('+') && !text.starts_with("+-");
   double number = 0;
   const auto [end, problem] = std::from_chars(text.data() + plus, text.data() + text.size(), number);
   if (problem != std::errc() || !std::isfinite(number))
@@ -121,11 +124,11 @@ Quantity parse_quantity(std::string_view text, const Dimension& wanted) {
   if (unit.empty()) return {number, false};
   const auto [factor, dimension] = parse_unit(unit, wanted);
   if (dimension != wanted)
-    throw InputError(
-        with_examples("'" + std::string(unit) + "' is " +
-                          (dimension == dimension::none ? "a ratio or angle" : "in " + si_unit(dimension)) + ", not " +
-                          (wanted == dimension::none ? "a plain number" : "in " + si_unit(wanted)),
-                      wanted));
+    throw InputError(with_examples("'" + std::string(unit) + "' cannot be converted to " +
+                                       (wanted == dimension::none ? "a plain number" : si_unit(wanted)),
+                                   wanted));
+  if (!std::isfinite(number * factor))
+    throw InputError(with_examples("'" + std::string(text) + "' is too large a number", wanted));
   return {number * factor, true};
 }
 

@@ -13,7 +13,9 @@ Eigen::Matrix<double, 3, 2> across(const Vector3& axis);
 struct Face {
   std::vector<int> molecules;
   double area = 0;  ///< of their hull, seen along the direction [m²]; 0 where they lie on a line
-  VectorX share;    ///< part of the area nearest to each, sum 1; equal parts where there is no area
+  /// What part of the area each carries, sum 1: a third of its triangles on the face where the body has tetrahedra (the
+  /// consistent load of linear cells), else the part of the hull nearest to it; equal parts where there is no area.
+  VectorX share;
 };
 
 /// The molecules furthest along `direction` (unit), and those less than `depth` [m] behind them; 0 = the end plane alone,

@@ -104,7 +104,10 @@ void solve_curve(Model& model, Experiment& experiment, const RunOptions& options
     state = next;
     run.curve.push_back({static_cast<double>(step) / steps, experiment.measure(model, state, solved),
                          solved.newton_iterations, solved.linear_iterations, solved.residual});
-    if (options.keep_states) run.states.push_back(state);
+    if (options.keep_states) {
+      run.states.push_back(state);
+      run.densities.push_back(model.force_densities(state.positions));
+    }
   }
   run.measures = run.curve.back().measures;
   if (steps > 1 && model.has_full_tangent()) {

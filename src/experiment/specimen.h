@@ -50,6 +50,7 @@ struct Run {
   Measures measures;                ///< of the last converged load step
   std::vector<CurvePoint> curve;    ///< one point a converged load step
   std::vector<State> states;        ///< of each point, if asked for
+  std::vector<VectorX> densities;   ///< force density of each connection [N/m] at each of those states
   VectorX constants;                ///< spring constants [N/m]; empty for laws without
   double build_seconds = 0, solve_seconds = 0;
   int newton_iterations = 0, linear_iterations = 0;

@@ -26,6 +26,12 @@ void add_line(std::string& out, const std::string& name, const std::string& text
   out += fmt::format("  {:<22}{}\n", name, text);
 }
 
+/// "5.0000 mm", or "5.0000 mm to 7.0000 mm".
+std::string span(double low, double high) {
+  const std::string from = readable(low, dimension::length), to = readable(high, dimension::length);
+  return from == to ? from : from + " to " + to;
+}
+
 void add_shape(std::string& out, const Body& body) {
   std::vector<int> neighbours(body.size(), 0);
   for (const auto& [a, b] : body.connections.ends) ++neighbours[a], ++neighbours[b];
@@ -33,15 +39,15 @@ void add_shape(std::string& out, const Body& body) {
   const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
   const auto metres = [](double value) { return readable(value, dimension::length); };
   add_line(out, "molecules",
-           fmt::format("{}, radius {} to {}, mass {}", body.size(), metres(body.radius.minCoeff()),
-                       metres(body.radius.maxCoeff()), readable(body.mass.sum(), dimension::mass)));
+           fmt::format("{}, radius {}, mass {}", body.size(), span(body.radius.minCoeff(), body.radius.maxCoeff()),
+                       readable(body.mass.sum(), dimension::mass)));
   add_line(out, "size", fmt::format("{} × {} × {}", metres(size.x()), metres(size.y()), metres(size.z())));
   const auto& lengths = body.connections.rest_length;
   if (lengths.empty()) return add_line(out, "connections", "none");
   const auto [shortest, longest] = std::minmax_element(lengths.begin(), lengths.end());
   add_line(out, "connections",
-           fmt::format("{}, {} to {} long; {} to {} a molecule, {:.1f} in the mean", body.connections.size(),
-                       metres(*shortest), metres(*longest), *least, *most, 2. * body.connections.size() / body.size()));
+           fmt::format("{}, {} long; {} to {} a molecule, {:.1f} in the mean", body.connections.size(),
+                       span(*shortest, *longest), *least, *most, 2. * body.connections.size() / body.size()));
   if (!body.tetrahedra.empty()) add_line(out, "tetrahedra", number(static_cast<int>(body.tetrahedra.size())));
   if (!body.triangles.empty()) add_line(out, "triangles", number(static_cast<int>(body.triangles.size())));
 }
@@ -86,12 +92,14 @@ void add_modes(std::string& out, Scene& scene) {
            fmt::format("{}{}", report.rigid_motions, report.rigid_motions ? " (left by the grips; no mechanism)" : ""));
   if (report.zero_energy_modes == 0 && report.counted) return add_line(out, "zero-energy modes", "0");
   add_line(out, "ZERO-ENERGY MODES",
-           fmt::format("mechanism: {}{} zero-energy mode{} in {} group{}{}", report.counted ? "" : "at least ",
-                       report.zero_energy_modes, report.zero_energy_modes == 1 ? "" : "s", report.modes.size(),
-                       report.modes.size() == 1 ? "" : "s", report.counted ? "" : " (too large a part to count)"));
+           fmt::format("mechanism: {}{} in {}{}", report.counted ? "" : "at least ",
+                       counted(report.zero_energy_modes, "zero-energy mode"),
+                       counted(static_cast<int>(report.modes.size()), "group"),
+                       report.counted ? "" : " (too large a part to count)"));
   constexpr std::size_t shown = 24;
   for (std::size_t i = 0; i < std::min(shown, report.modes.size()); ++i) add_line(out, "", report.modes[i].text);
-  if (report.modes.size() > shown) add_line(out, "", fmt::format("and {} more groups", report.modes.size() - shown));
+  if (report.modes.size() > shown)
+    add_line(out, "", "and " + counted(static_cast<int>(report.modes.size() - shown), "more group"));
 }
 
 }  // namespace
@@ -99,23 +107,21 @@ void add_modes(std::string& out, Scene& scene) {
 CheckReport check_scene(Scene& scene, const Catalog& catalog) {
   const Body& body = scene.specimen.body;
   CheckReport report;
-  report.text = fmt::format("{}  {}\n", scene.name, scene.title);
+  report.text = scene.name + (scene.title == scene.name ? "" : "  " + scene.title) + "\n";
   add_shape(report.text, body);
   report.sound = add_faults(report.text, body);
   add_modes(report.text, scene);
-  std::vector<std::string> suited, unsuited;
+  std::vector<std::string> suited;
+  std::map<std::string, std::vector<std::string>> unsuited;  // by what they lack
   for (const Strategy& strategy : catalog.strategies()) {
     const std::string why = strategy.unsuited(body);
-    if (why.empty())
-      suited.push_back(strategy.name);
-    else
-      unsuited.push_back(strategy.name + " (" + why + ")");
+    (why.empty() ? suited : unsuited[why]).push_back(strategy.name);
   }
   add_line(report.text, "strategies", fmt::format("{}", fmt::join(suited, ", ")));
-  if (!unsuited.empty()) add_line(report.text, "not on this body", fmt::format("{}", fmt::join(unsuited, ", ")));
+  for (const auto& [why, names] : unsuited)
+    add_line(report.text, "not on this body", fmt::format("{} ({})", fmt::join(names, ", "), why));
   std::string objects = fmt::format("{} experiment, 1 elasticity", scene.experiment->name());
-  if (!scene.specimen.loads.empty())
-    objects += fmt::format(", {} load{}", scene.specimen.loads.size(), scene.specimen.loads.size() == 1 ? "" : "s");
+  if (!scene.specimen.loads.empty()) objects += ", " + counted(static_cast<int>(scene.specimen.loads.size()), "load");
   add_line(report.text, "the scene builds",
            objects + (scene.statics.linear ? "; small displacements" : "; large displacements"));
   for (const std::string& warning : scene.warnings) add_line(report.text, "warning", warning);

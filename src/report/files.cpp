@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "elastin/base/error.h"
 
@@ -54,7 +54,7 @@ Json to_json(const Record& record) {
               {"linear_iterations", run.linear_iterations},
               {"residual", run.residual},
               {"zero_energy_modes", run.zero_energy_modes},
-              {"warnings", run.warnings}};
+              {"warnings", record.warnings}};
   object["curve"] = Json::array();
   for (const CurvePoint& point : run.curve) {
     Json row = to_json(point.measures.all());
@@ -67,7 +67,7 @@ Json to_json(const Record& record) {
 }
 
 /// A number with all its digits, or nothing: files never hold NaN.
-std::string cell(double value) { return std::isfinite(value) ? fmt::format("{:.17g}", value) : ""; }
+std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
@@ -106,24 +106,30 @@ class VtuArrays {
 
 void write_whole(const std::string& path, const std::string& text) {
   const std::filesystem::path target(path);
-  std::error_code ignored;
-  if (target.has_parent_path()) std::filesystem::create_directories(target.parent_path(), ignored);
-  const std::string draft = path + ".part";
+  std::error_code problem;
+  if (target.has_parent_path()) std::filesystem::create_directories(target.parent_path(), problem);
+  if (problem) throw InputError(path + ": cannot make its folder: " + problem.message());
+  // A pipe or a device is not replaced by a file.
+  const bool special = std::filesystem::exists(target, problem) && !std::filesystem::is_regular_file(target, problem);
+  const std::string draft = special ? path : path + ".part";
+  problem.clear();
   std::ofstream stream(draft, std::ios::binary);
   stream << text;
   stream.close();
-  if (!stream) {
-    const std::string reason = std::strerror(errno);
-    std::filesystem::remove(draft, ignored);
-    throw InputError(path + ": cannot write: " + reason);
-  }
-  std::filesystem::rename(draft, target);
+  if (!stream)
+    problem = std::error_code(errno, std::generic_category());
+  else if (!special)
+    std::filesystem::rename(draft, target, problem);
+  if (!problem) return;
+  std::error_code ignored;
+  if (!special) std::filesystem::remove(draft, ignored);
+  throw InputError(path + ": cannot write: " + problem.message());
 }
 
 std::string json_text(const std::vector<Record>& records) {
   Json runs = Json::array();
   for (const Record& record : records) runs.push_back(to_json(record));
-  return Json{{"runs", runs}}.dump(1) + "\n";
+  return Json{{"runs", runs}}.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string csv_text(const std::vector<Record>& records) {
@@ -146,7 +152,7 @@ std::string csv_text(const std::vector<Record>& records) {
     for (const MeasureInfo& info : measure_list()) out += "," + cell(run.measures.get(info.name));
     for (const std::string& name : errors) out += "," + cell(find_value(record.errors, name));
     std::string notes = run.cause;
-    for (const std::string& warning : run.warnings) notes += (notes.empty() ? "" : "; ") + warning;
+    for (const std::string& warning : record.warnings) notes += (notes.empty() ? "" : "; ") + warning;
     out +=
         fmt::format(",{},{},{},{},{},{},{}\n", cell(run.build_seconds), cell(run.solve_seconds), run.newton_iterations,
                     run.linear_iterations, cell(run.residual), run.zero_energy_modes, csv_field(notes));
@@ -194,7 +200,8 @@ std::string vtu_text(const Body& body, const Positions& positions, const VectorX
   arrays.add("radius", "Float64", 1, n, [&](int i, int) { return body.radius[i]; });
   arrays.add("mass", "Float64", 1, n, [&](int i, int) { return body.mass[i]; });
   out += "</PointData>\n<CellData Scalars=\"strain\">\n";
-  arrays.add("strain", "Float64", 1, m, [&](int c, int) { return length[c] / rest_length[c] - 1; });
+  arrays.add("strain", "Float64", 1, m,
+             [&](int c, int) { return rest_length[c] > 0 ? length[c] / rest_length[c] - 1 : 0; });
   if (constants.size()) {
     arrays.add("tension", "Float64", 1, m, [&](int c, int) { return tension(c); });
     arrays.add("constant", "Float64", 1, m, [&](int c, int) { return constants[c]; });

@@ -6,13 +6,13 @@
 #include <cmath>
 
 #include "elastin/base/threads.h"
+#include "report/table.h"
 
 namespace elastin {
 
 bool Record::good() const {
-  return !run.suited ||
-         (run.outcome == Outcome::converged &&
-          std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.holds || !v.judged; }));
+  return (!run.suited || run.outcome == Outcome::converged) &&
+         std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.holds || !v.judged; });
 }
 
 Record make_record(const Scene& scene, Run run) {
@@ -26,7 +26,8 @@ Record make_record(const Scene& scene, Run run) {
   record.connections = body.connections.size();
   record.cells = static_cast<int>(body.tetrahedra.size() + body.triangles.size());
   record.threads = threads();
-  record.prescribed = fmt::format("E = {:g} Pa, nu = {:g}", material.youngs_modulus, material.poissons_ratio);
+  record.prescribed =
+      fmt::format("E = {}, nu = {:g}", readable(material.youngs_modulus, dimension::pressure), material.poissons_ratio);
   const auto add_error = [&](const std::string& name, double error) {
     if (std::isfinite(error)) record.errors.emplace_back(name, error);
   };
@@ -35,7 +36,7 @@ Record make_record(const Scene& scene, Run run) {
   for (const Reference& reference : scene.references)
     add_error(reference.measure + "_to_reference", run.measures.get(reference.measure) / reference.value - 1);
   for (const Expectation& expectation : scene.expectations) {
-    if (!run.suited || (!expectation.strategy.empty() && expectation.strategy != run.strategy)) continue;
+    if (expectation.strategy.empty() ? !run.suited : expectation.strategy != run.strategy) continue;
     Verdict verdict{expectation, run.strategy, run.measures.get(expectation.measure),
                     0,           false,        expectation.not_reproduced.empty()};
     const double off = verdict.measured - expectation.value;
@@ -43,6 +44,8 @@ Record make_record(const Scene& scene, Run run) {
     verdict.holds = std::abs(off) <= expectation.absolute + expectation.relative * std::abs(expectation.value);
     record.verdicts.push_back(std::move(verdict));
   }
+  record.warnings = scene.warnings;
+  record.warnings.insert(record.warnings.end(), run.warnings.begin(), run.warnings.end());
   record.run = std::move(run);
   return record;
 }

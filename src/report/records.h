@@ -25,7 +25,8 @@ struct Record {
   std::vector<std::pair<std::string, double>>
       errors;  ///< by measure; effective_modulus relative, poissons_ratio a difference
   std::vector<Verdict> verdicts;
-  /// Converged, and every judged expectation holds.
+  std::vector<std::string> warnings;  ///< of the scene and of the run
+  /// Not failed: converged, or the body does not suit the strategy; and every judged expectation holds.
   bool good() const;
 };
 

@@ -56,7 +56,7 @@ std::string Table::text(bool colours, const std::string& indent) const {
 std::string readable(double value, const Dimension& dimension, int digits) {
   if (!std::isfinite(value)) return "";
   const std::string unit = si_unit(dimension);
-  if (unit.empty()) return fmt::format("{:.4f}", value);
+  if (unit.empty()) return fmt::format("{:.4f}", std::abs(value) < 5e-5 ? 0. : value);
   // Prefixes fit units that stand alone: not m^2 or kg/m^3.
   if (unit != "m" && unit != "Pa" && unit != "N" && unit != "J" && unit != "N/m")
     return fmt::format("{:.{}g} {}", value, digits, unit);
@@ -65,7 +65,8 @@ std::string readable(double value, const Dimension& dimension, int digits) {
   for (const auto& [factor, prefix] : prefixes)
     if (std::abs(value) >= factor * (1 - 0.5 * std::pow(10., -digits))) {
       const double scaled = value / factor;
-      const int whole = std::abs(scaled) >= 100 ? 3 : std::abs(scaled) >= 10 ? 2 : 1;
+      const double rounded = std::abs(scaled) * (1 + 0.5 * std::pow(10., -digits));
+      const int whole = rounded >= 100 ? 3 : rounded >= 10 ? 2 : 1;
       return fmt::format("{:.{}f} {}{}", scaled, std::max(0, digits - whole), prefix, unit);
     }
   return fmt::format("{:.{}g} {}", value, digits, unit);
@@ -75,11 +76,17 @@ std::string percent(double ratio) {
   if (!std::isfinite(ratio)) return "";
   const double size = std::abs(100 * ratio);
   if (size < 5e-5) return "0.0000 %";
+  if (size >= 1e6) return fmt::format("{:+.1e} %", 100 * ratio);
   return fmt::format("{:+.{}f} %", 100 * ratio, size < 0.01 ? 4 : size < 1 ? 3 : size < 100 ? 2 : 0);
 }
 
+std::string counted(int count, const std::string& singular, const std::string& plural) {
+  return fmt::format("{} {}", count, count == 1 ? singular : plural.empty() ? singular + "s" : plural);
+}
+
 std::string readable_seconds(double seconds) {
-  if (seconds < 1e-3) return fmt::format("{:.2f} ms", 1e3 * seconds);
+  if (!std::isfinite(seconds)) return "";
+  if (seconds < 1e-3) return fmt::format("{:.0f} µs", 1e6 * seconds);
   if (seconds < 1) return fmt::format("{:.1f} ms", 1e3 * seconds);
   return fmt::format("{:.2f} s", seconds);
 }

@@ -36,7 +36,10 @@ std::string readable(double value, const Dimension& dimension, int digits = 5);
 /// "+0.02 %" with as many digits as the size asks for; "" for NaN.
 std::string percent(double ratio);
 
-/// "1.2 ms"
+/// "1 connection", "2 connections"; `plural` is needed only where it does not end in an s of its own.
+std::string counted(int count, const std::string& singular, const std::string& plural = "");
+
+/// "120 µs", "1.2 ms", "3.40 s"
 std::string readable_seconds(double seconds);
 
 /// The comparison of one scene: a row a strategy, what was expected, warnings, and which strategy to take.

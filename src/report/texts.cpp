@@ -9,9 +9,12 @@
 namespace elastin {
 namespace {
 
+/// An error of E up to here is fit for use.
+constexpr double kNear = 0.05;
+
 Tone tone_of_error(double error) {
   const double size = std::abs(error);
-  return size <= 1e-3 ? Tone::good : size <= 0.05 ? Tone::plain : size <= 0.25 ? Tone::poor : Tone::bad;
+  return size <= 1e-3 ? Tone::good : size <= kNear ? Tone::plain : size <= 0.25 ? Tone::poor : Tone::bad;
 }
 
 double error_of(const Record& record, const std::string& name) {
@@ -23,13 +26,11 @@ double error_of(const Record& record, const std::string& name) {
 bool solved(const Record& record) { return record.run.suited && record.run.outcome == Outcome::converged; }
 
 std::string head_text(const Record& record, bool colours) {
-  std::string counts = fmt::format("{} molecules, {} connections", record.molecules, record.connections);
-  if (record.cells) counts += fmt::format(", {} cells", record.cells);
-  return painted(record.scene, Tone::bold, colours) + "  " + (record.title == record.scene ? "" : record.title) + "\n" +
-         painted(fmt::format("  {}; asked: {}; {} thread{}", counts, record.prescribed, record.threads,
-                             record.threads == 1 ? "" : "s"),
-                 Tone::faint, colours) +
-         "\n";
+  std::string counts = counted(record.molecules, "molecule") + ", " + counted(record.connections, "connection");
+  if (record.cells) counts += ", " + counted(record.cells, "cell");
+  counts += "; asked: " + record.prescribed + "; " + counted(record.threads, "thread");
+  return painted(record.scene, Tone::bold, colours) + (record.title == record.scene ? "" : "  " + record.title) +
+         "\n  " + painted(counts, Tone::faint, colours) + "\n";
 }
 
 std::string verdicts_text(const std::vector<const Verdict*>& verdicts, bool colours) {
@@ -54,18 +55,31 @@ std::string verdicts_text(const std::vector<const Verdict*>& verdicts, bool colo
   return "\n" + table.text(colours);
 }
 
-std::string notes_of(const Run& run) {
-  std::string notes = run.outcome != Outcome::converged ? std::string(name_of(run.outcome)) + ": " + run.cause : "";
-  for (const std::string& warning : run.warnings) notes += (notes.empty() ? "" : "; ") + warning;
+/// "limit reached", "not suited": an outcome in words.
+std::string outcome_text(const Run& run) {
+  std::string text = run.suited ? name_of(run.outcome) : "not suited";
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
+}
+
+/// What a row says beside its numbers: why there are none, and the first words of each warning.
+std::string notes_of(const Record& record) {
+  const Run& run = record.run;
+  std::string notes = solved(record) ? "" : outcome_text(run) + ": " + run.cause;
+  for (const std::string& warning : run.warnings) {
+    std::string first = warning.substr(0, warning.find_first_of(";("));
+    first.erase(first.find_last_not_of(' ') + 1);
+    notes += (notes.empty() ? "" : "; ") + first;
+  }
   return notes;
 }
 
-/// The strategy to take: near enough to E (0.1 %, or the best there is), no mechanism; then the nearest Poisson's
+/// The strategy to take: near enough to E (0.1 %, or the best there is), nothing to warn of; then the nearest Poisson's
 /// ratio; then the fastest.
 const Record* best_of(const std::vector<Record>& records) {
   double least = INFINITY;
   for (const Record& record : records)
-    if (solved(record) && record.run.zero_energy_modes == 0)
+    if (solved(record) && record.run.warnings.empty())
       least = std::min(least, std::abs(error_of(record, "effective_modulus")));
   const Record* best = nullptr;
   const auto rank = [](const Record& record) {
@@ -74,7 +88,7 @@ const Record* best_of(const std::vector<Record>& records) {
                       record.run.build_seconds + record.run.solve_seconds};
   };
   for (const Record& record : records) {
-    if (!solved(record) || record.run.zero_energy_modes > 0) continue;
+    if (!solved(record) || !record.run.warnings.empty()) continue;
     if (!(std::abs(error_of(record, "effective_modulus")) <= std::max(1e-3, least))) continue;
     if (!best || rank(record) < rank(*best)) best = &record;
   }
@@ -93,22 +107,22 @@ std::string comparison_text(const std::vector<Record>& records, bool colours) {
   const Record* best = best_of(records);
   for (const Record& record : records) {
     const Run& run = record.run;
-    if (!run.suited) {
-      table.add({{run.strategy, Tone::faint}, {"—", Tone::faint, true}, {run.cause, Tone::faint}});
-      continue;
-    }
     const double error = error_of(record, "effective_modulus");
     std::vector<TableCell> row{
-        {run.strategy, &record == best ? Tone::bold : Tone::plain},
+        {run.strategy, &record == best ? Tone::bold
+                       : run.suited    ? Tone::plain
+                                       : Tone::faint},
         {solved(record) ? readable(run.measures.get("effective_modulus"), dimension::pressure) : "—", Tone::plain,
          true},
         {percent(error), tone_of_error(error), true},
         {readable(run.measures.get("poissons_ratio"), dimension::none), Tone::plain, true},
         {readable(run.measures.get("elongation"), dimension::length), Tone::plain, true},
-        {fmt::format("{} / {}", run.newton_iterations, run.linear_iterations), Tone::plain, true},
-        {readable_seconds(run.build_seconds), Tone::plain, true},
-        {readable_seconds(run.solve_seconds), Tone::plain, true},
-        {notes_of(run), solved(record) ? Tone::poor : Tone::bad}};
+        {run.suited ? fmt::format("{} / {}", run.newton_iterations, run.linear_iterations) : "", Tone::plain, true},
+        {run.suited ? readable_seconds(run.build_seconds) : "", Tone::plain, true},
+        {run.suited ? readable_seconds(run.solve_seconds) : "", Tone::plain, true},
+        {notes_of(record), solved(record) ? Tone::poor
+                           : run.suited   ? Tone::bad
+                                          : Tone::faint}};
     if (referenced)
       row.insert(row.begin() + 3, {percent(error_of(record, "effective_modulus_to_reference")), Tone::plain, true});
     table.add(std::move(row));
@@ -118,23 +132,30 @@ std::string comparison_text(const std::vector<Record>& records, bool colours) {
   for (const Record& record : records)
     for (const Verdict& verdict : record.verdicts) verdicts.push_back(&verdict);
   out += verdicts_text(verdicts, colours);
-  if (best && records.size() > 1)
-    out += fmt::format("\n  take {}: E {}, Poisson's ratio {} (asked: {}), {}\n",
-                       painted(best->run.strategy, Tone::bold, colours), percent(error_of(*best, "effective_modulus")),
-                       std::isfinite(best->run.measures.get("poissons_ratio"))
-                           ? readable(best->run.measures.get("poissons_ratio"), dimension::none)
-                           : "not measured",
-                       best->prescribed, readable_seconds(best->run.build_seconds + best->run.solve_seconds));
+  if (!best && records.size() > 1) out += "\n  none to take: each one failed or has a warning\n";
+  if (best && records.size() > 1) {
+    const double error = error_of(*best, "effective_modulus"), nu = best->run.measures.get("poissons_ratio");
+    out += fmt::format("\n  {} {}: E {}, Poisson's ratio {} (asked: {}), {}\n",
+                       std::abs(error) <= kNear ? "take" : "none is near E; the nearest is",
+                       painted(best->run.strategy, Tone::bold, colours), percent(error),
+                       std::isfinite(nu) ? readable(nu, dimension::none) : "not measured", best->prescribed,
+                       readable_seconds(best->run.build_seconds + best->run.solve_seconds));
+  }
   return out + "\n";
 }
 
 std::string run_text(const Record& record, bool colours) {
   const Run& run = record.run;
   std::string out = head_text(record, colours);
-  out += fmt::format("  {}: {}{}, {} Newton and {} linear iterations, residual {:.1e}, built in {}, solved in {}\n\n",
-                     run.strategy, run.suited ? name_of(run.outcome) : "cannot run here: " + run.cause,
-                     run.solver.empty() ? "" : " by " + run.solver, run.newton_iterations, run.linear_iterations,
-                     run.residual, readable_seconds(run.build_seconds), readable_seconds(run.solve_seconds));
+  out += fmt::format(
+      "  {}: {}\n", run.strategy,
+      solved(record) ? outcome_text(run) : painted(outcome_text(run) + ": " + run.cause, Tone::bad, colours));
+  if (!run.solver.empty())
+    out += fmt::format("  {}, {}, {} linear, residual {:.1e}, built in {}, solved in {}\n", run.solver,
+                       counted(run.newton_iterations, "Newton iteration"), run.linear_iterations, run.residual,
+                       readable_seconds(run.build_seconds), readable_seconds(run.solve_seconds));
+  for (const std::string& warning : run.warnings)
+    out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";
   Table table({"measure", "value", "error", ""});
   for (const auto& [name, value] : run.measures.all()) {
     const MeasureInfo& info = find_measure(name);
@@ -142,20 +163,20 @@ std::string run_text(const Record& record, bool colours) {
     const std::string off = !std::isfinite(error)      ? ""
                             : name == "poissons_ratio" ? fmt::format("{:+.4f}", error)
                                                        : percent(error);
-    const bool tiny = info.unit == dimension::none && value != 0 && std::abs(value) < 0.001;
+    const bool tiny = info.unit == dimension::none && std::abs(value) > 1e-14 && std::abs(value) < 0.1;
     table.add({{name},
-               {tiny ? fmt::format("{:.4e}", value) : readable(value, info.unit, 6), Tone::plain, true},
+               {tiny ? fmt::format("{:.5g}", value) : readable(value, info.unit, 6), Tone::plain, true},
                {off, tone_of_error(error), true},
                {std::string(info.text), Tone::faint}});
   }
-  if (!table.empty()) out += table.text(colours);
+  if (!table.empty()) out += "\n" + table.text(colours);
   if (run.curve.size() > 1) {
     Table curve({"load", "force", "elongation", "strain", "stress", "E secant", "Newton"});
     for (const CurvePoint& point : run.curve)
       curve.add({{fmt::format("{:.4g}", point.load_factor), Tone::plain, true},
                  {readable(point.measures.get("force"), dimension::force), Tone::plain, true},
                  {readable(point.measures.get("elongation"), dimension::length), Tone::plain, true},
-                 {percent(point.measures.get("strain")), Tone::plain, true},
+                 {fmt::format("{:.5g} %", 100 * point.measures.get("strain")), Tone::plain, true},
                  {readable(point.measures.get("stress"), dimension::pressure), Tone::plain, true},
                  {readable(point.measures.get("effective_modulus"), dimension::pressure), Tone::plain, true},
                  {std::to_string(point.newton_iterations), Tone::plain, true}});
@@ -164,10 +185,6 @@ std::string run_text(const Record& record, bool colours) {
   std::vector<const Verdict*> verdicts;
   for (const Verdict& verdict : record.verdicts) verdicts.push_back(&verdict);
   out += verdicts_text(verdicts, colours);
-  if (!run.cause.empty() && run.suited)
-    out += "\n  " + painted(std::string(name_of(run.outcome)) + ": " + run.cause, Tone::bad, colours) + "\n";
-  for (const std::string& warning : run.warnings)
-    out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";
   return out + "\n";
 }
 

@@ -22,7 +22,8 @@ StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
   const Reader name = reader.at("strategy");
   StrategyChoice choice = name.located([&] { return choose_strategy(catalog, name.text()); });
   for (const ParameterInfo& info : choice.strategy.parameters)
-    if (auto value = reader.find(info.name)) choice.values[info.name] = value->quantity(info.unit, {info.low, info.high});
+    if (auto value = reader.find(info.name))
+      choice.values[info.name] = value->quantity(info.unit, {info.low, info.high});
   if (auto label = reader.find("label")) choice.label = label->text();
   reader.finish();
   return choice;

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -22,8 +20,8 @@ std::string kind_of(const YAML::Node& node) {
   return node.IsMap() ? "a map of keys" : node.IsSequence() ? "a list" : node.IsScalar() ? "a single value" : "nothing";
 }
 
-/// Refuses what YAML forbids or never ends, and yaml-cpp lets pass: a key that stands twice in a map, an alias inside its
-/// own anchor. `place_of` says where a node stands.
+/// Refuses what YAML forbids or never ends, and yaml-cpp lets pass: a key that stands twice in a map, an alias inside
+/// its own anchor. `place_of` says where a node stands.
 void check_tree(const YAML::Node& node, const std::function<Place(const YAML::Node&)>& place_of, int depth = 0) {
   if (depth > 40) throw InputError(place_of(node), "nested too deeply; does an alias stand inside its own anchor?");
   if (node.IsMap()) {
@@ -89,7 +87,8 @@ YAML::Node load_document(const std::string& path, const std::string& text) {
   } catch (const YAML::Exception& error) {
     throw InputError(Place{path, error.mark.line + 1, error.mark.column + 1}, "not valid YAML: " + error.msg);
   }
-  if (documents.size() > 1) throw InputError(start, "a scene is one YAML document; here are " + std::to_string(documents.size()));
+  if (documents.size() > 1)
+    throw InputError(start, "a scene is one YAML document; here are " + std::to_string(documents.size()));
   if (documents.empty() || !documents[0].IsMap())
     throw InputError(start, "a scene is a map of keys (body, material, experiment, …)");
   check_tree(documents[0], [&](const YAML::Node& node) {

@@ -18,7 +18,7 @@ namespace elastin {
 /// What all keys of one scene file share: its path, and how its dimensional values are written.
 struct SceneFile {
   std::string path;
-  std::optional<Place> first_unit;        ///< first dimensional value written with a unit
+  std::optional<Place> first_unit;  ///< first dimensional value written with a unit
   /// First one written as a plain number, and the message that it is if units are used.
   std::optional<std::pair<Place, std::string>> first_plain;
 };
@@ -37,7 +37,8 @@ class Reader {
   Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path, std::optional<Place> key_place = {});
 
   bool has(const std::string& key);
-  /// The value of a key that must be there; throws InputError if it is not. A misspelt one is read too: finish() names it.
+  /// The value of a key that must be there; throws InputError if it is not. A misspelt one is read too: finish() names
+  /// it.
   Reader at(const std::string& key);
   std::optional<Reader> find(const std::string& key);
   /// Throws InputError on the first key that was never asked for, with the nearest one that was.

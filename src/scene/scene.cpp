@@ -64,7 +64,8 @@ std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const 
 }  // namespace
 
 const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, const std::string& label) {
-  const auto found = std::find_if(choices.begin(), choices.end(), [&](const auto& choice) { return choice.label == label; });
+  const auto found =
+      std::find_if(choices.begin(), choices.end(), [&](const auto& choice) { return choice.label == label; });
   return found == choices.end() ? nullptr : &*found;
 }
 
@@ -93,8 +94,7 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   std::vector<StrategyChoice> known = scene->strategies;
   known.push_back(scene->stiffness);
   if (auto expect = reader.find("expect"))
-    for (const Reader& item : expect->items())
-      scene->expectations.push_back(read_expectation(item, known, catalog));
+    for (const Reader& item : expect->items()) scene->expectations.push_back(read_expectation(item, known, catalog));
   if (auto references = reader.find("reference"))
     for (const Reader& item : references->items()) scene->references.push_back(read_reference(item));
   reader.finish();

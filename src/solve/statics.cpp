@@ -10,7 +10,7 @@
 namespace elastin {
 namespace {
 
-/// Below this many molecules a factorisation beats iterations; above the second limit it is never tried (design.md §6).
+/// Below this many molecules a factorisation beats iterations; above the second limit it is never tried.
 constexpr int kTinyBody = 60, kDirectLimit = 2500;
 
 std::unique_ptr<LinearSolver> make_solver(LinearMethod method, int molecules) {

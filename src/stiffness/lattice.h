@@ -13,7 +13,7 @@ namespace elastin {
 struct Lattice {
   static constexpr std::string_view name = "lattice";
   static constexpr std::string_view summary = "exact on simple cubic lattices with diagonals: E itself and nu = 1/4";
-  static constexpr std::string_view source = "affine lattice sums, physics of central springs (Cauchy)";
+  static constexpr std::string_view source = "affine lattice sums; Cauchy relations of central springs";
   double face_part = 0.5;
   static constexpr std::array parameters{
       Parameter<Lattice>{"face_part", &Lattice::face_part, dimension::none, 0.01, 0.99,

@@ -17,7 +17,7 @@ struct Patch {
   static constexpr std::string_view name = "patch";
   static constexpr std::string_view summary =
       "fitted so that every molecule passes the patch test; any connection graph";
-  static constexpr std::string_view source = "patch test of finite elements; Cauchy relations (physics.md)";
+  static constexpr std::string_view source = "patch test of finite elements; Cauchy relations";
 
   /// The surface areas come from tetrahedra, or else from the cubes of a lattice.
   static std::string unsuited(const Body& body);

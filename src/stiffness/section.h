@@ -3,7 +3,7 @@
 
 namespace elastin {
 
-/// Cross-section of a molecule (2 r)² [m²]: the square that reproduces the tables of [M03] (physics.md §4).
+/// Cross-section of a molecule (2 r)² [m²]: the square that reproduces the tables of [M03]; see README.
 inline double section(const Body& body, int molecule) { return 4 * body.radius[molecule] * body.radius[molecule]; }
 
 /// Cross-section of a connection [m²]: the mean of its two molecules'.

@@ -8,7 +8,7 @@ namespace elastin {
 
 /// Tetrahedra: k = E Σ V(T) / L² over the tetrahedra on the connection [VG98; M03 eq. 15]. Triangles, thickness t:
 /// k = Σ E t/(1+ν) |T|/c² + E t ν/(1−ν²) (a²+b²−c²)/(8|T|), c the connection's side [TP eq. 1]; negative where the angle
-/// across is obtuse enough. Not exact on any mesh: blocks measure 0.9 to 1.2 E (physics.md §2).
+/// across is obtuse enough. Not exact on any mesh: blocks measure 0.9 to 1.2 E.
 struct VanGelder {
   static constexpr std::string_view name = "van_gelder";
   static constexpr std::string_view summary = "k = E sum of V/L^2 over the cells on the connection (areas on membranes)";

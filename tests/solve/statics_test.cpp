@@ -154,7 +154,7 @@ TEST_CASE("forces and solutions have the same bits on any number of threads", "[
       if (body.rest(2, i) == 0) model.supports.push_back({i, kHeld, Vector3::Zero()});
     State state = state_at_rest(body);
     const Positions now = model.elastic_forces(deformed(body, 1e-4));
-    REQUIRE(solve_static(model, state, {.tolerance = 1e-6}).outcome == Outcome::converged);
+    REQUIRE(solve_static(model, state, {.tolerance = 1e-3}).outcome == Outcome::converged);
     if (count == 1) forces = now, places = state.positions;
     CHECK(now == forces);
     CHECK(state.positions == places);

@@ -86,7 +86,7 @@ Material material_of(double E, double nu) {
 
 Matrix3 edges(const Places<4>& places) { return places.rightCols<3>().colwise() - places.col(0); }
 
-/// Second Piola–Kirchhoff stress [Pa] from the deformation gradient, as physics.md §3 states the two solids.
+/// Second Piola–Kirchhoff stress [Pa] from the deformation gradient.
 Matrix3 textbook_stress(StVenantKirchhoff, const Matrix3& F, double lambda, double mu) {
   const Matrix3 strain = (F.transpose() * F - Matrix3::Identity()) / 2;
   return lambda * strain.trace() * Matrix3::Identity() + 2 * mu * strain;
@@ -200,7 +200,7 @@ TEMPLATE_TEST_CASE("a rigid motion leaves a cell without force", "[cell_law]", S
 }
 
 TEST_CASE("neo-Hookean uniaxial tension", "[cell_law]") {
-  // [L03], physics.md §4: E = 1, nominal stress and lateral stretch to the printed digits.
+  // [L03]: E = 1, nominal stress and lateral stretch to the printed digits.
   const auto [nu, stretch, nominal, lateral] = GENERATE(table<double, double, double, double>(
       {{.3, .5, -0.833333, 1.154701}, {.3, .8, -0.235620, 1.063057}, {.3, 1.2, 0.176170, 0.943583},
        {.3, 2, 0.652380, 0.779503}, {.45, .5, -1.070463, 1.342450}, {.45, .8, -0.249496, 1.104006},

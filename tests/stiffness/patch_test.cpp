@@ -131,7 +131,7 @@ TEST_CASE("patch gives a cubic lattice its E and one quarter", "[patch]") {
   const bool space_diagonals = GENERATE(false, true);
   const Body body = cube(6, space_diagonals);
   const auto [modulus, poissons_ratio] = pull(body, Patch{}.constants(body, material_of(1)));
-  // physics.md §2: 0.9999 and 0.2505; exactly 1 and ¼ where the patch test holds exactly.
+  // An independent prototype: 0.9999 and 0.2505; exactly 1 and ¼ where the patch test holds exactly.
   CHECK(modulus == Approx(1).epsilon(2e-4));
   CHECK(poissons_ratio == Approx(0.25).epsilon(2e-3));
 }
@@ -140,7 +140,7 @@ TEST_CASE("patch softens a disordered lattice by a few per cent", "[patch]") {
   const Body body = cube(7, true, 0.15, GENERATE(1, 2, 3));
   const VectorX k = Patch{}.constants(body, material_of(1));
   CHECK(k.minCoeff() >= 0);
-  // physics.md §2 has 0.952 for one such body; another size and other random numbers move it by a per cent or so.
+  // An independent prototype had 0.952 for one such body; another size and other random numbers move it by a per cent or so.
   CHECK(pull(body, k).modulus == Approx(0.952).margin(0.02));
 }
 

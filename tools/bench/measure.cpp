@@ -21,6 +21,12 @@
 namespace bench {
 namespace {
 
+#ifdef __clang__
+constexpr const char* kCompiler = "clang++";
+#else
+constexpr const char* kCompiler = "g++";
+#endif
+
 struct Column {
   const char* key;   // in the CSV, with its SI unit
   const char* head;  // of the table
@@ -28,17 +34,27 @@ struct Column {
   std::string (*text)(double);
 };
 
+/// Three digits, from nanoseconds to minutes.
+std::string seconds_text(double seconds) {
+  for (const auto& [unit, name] : {std::pair{1., "s"}, {1e-3, "ms"}, {1e-6, "µs"}})
+    if (seconds >= 0.9995 * unit) return fmt::format("{:#.3g} {}", seconds / unit, name);
+  return fmt::format("{:#.3g} ns", seconds * 1e9);
+}
+
 std::string millions(double value) { return fmt::format("{:.1f}", value / 1e6); }
 
 constexpr Column kColumns[] = {
     {"springs", "springs", &Figures::springs, [](double v) { return fmt::format("{:.0f}", v); }},
-    {"build_s", "build", &Figures::build, elastin::readable_seconds},
-    {"minimum_s", "minimum", &Figures::minimum, elastin::readable_seconds},
-    {"median_s", "median", &Figures::median, elastin::readable_seconds},
+    {"build_s", "build", &Figures::build, seconds_text},
+    {"minimum_s", "minimum", &Figures::minimum, seconds_text},
+    {"median_s", "median", &Figures::median, seconds_text},
+    {"s_per_spring", "a spring", &Figures::each, seconds_text},
     {"springs_per_s", "Mspring/s", &Figures::rate, millions},
     {"bandwidth_B_per_s", "GB/s", &Figures::bandwidth, [](double v) { return fmt::format("{:.1f}", v / 1e9); }},
     {"springs_per_s_allowed", "memory allows", &Figures::allowed, millions},
     {"peer_over_this", "peer/this", &Figures::ratio, [](double v) { return fmt::format("{:.2f}", v); }},
+    {"peer_over_this_with_build", "with build", &Figures::whole_ratio,
+     [](double v) { return fmt::format("{:.2f}", v); }},
     {"newton_iterations", "Newton", &Figures::newton, [](double v) { return fmt::format("{:.0f}", v); }},
     {"cg_iterations", "CG", &Figures::iterations, [](double v) { return fmt::format("{:.0f}", v); }},
     {"residual", "residual", &Figures::residual, [](double v) { return fmt::format("{:.1e}", v); }},
@@ -59,8 +75,15 @@ std::string quoted(std::string text) {
 
 }  // namespace
 
+void set_matter(elastin::Body& body, int side) {
+  elastin::set_matter(body, kCubeLength / (side - 1) / 2, kMaterial.density, 0, std::pow(kCubeLength, 3));
+}
+
 elastin::Body make_cube(int side) {
-  return elastin::cubic_lattice({side, side, side}, kCubeLength / (side - 1), {.axis = true, .face = true, .space = false});
+  elastin::Body cube = elastin::cubic_lattice({side, side, side}, kCubeLength / (side - 1),
+                                              {.axis = true, .face = true, .space = false});
+  set_matter(cube, side);
+  return cube;
 }
 
 Sample summary(std::vector<double> seconds) {
@@ -108,7 +131,9 @@ std::vector<Figures> in_child(const std::function<std::vector<Figures>()>& work)
   close(ends[0]);
   int status = 0;
   waitpid(child, &status, 0);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) throw std::runtime_error(WIFSIGNALED(status) ? fmt::format("a measurement died of signal {}", WTERMSIG(status)) : "a measurement failed");
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    throw std::runtime_error(WIFSIGNALED(status) ? fmt::format("a measurement died of signal {}", WTERMSIG(status))
+                                                 : "a measurement failed");
   return found;
 }
 
@@ -119,8 +144,10 @@ double peak_memory() {
 }
 
 std::string machine() {
-  return fmt::format("{}, {} cores; compiler {}; {}", processor(), std::thread::hardware_concurrency(), __VERSION__,
-                     ELASTIN_BENCH_FLAGS);
+  double load = kNone;
+  getloadavg(&load, 1);
+  return fmt::format("{}, {} cores, load {:.1f} before; {} {}; {}", processor(), std::thread::hardware_concurrency(),
+                     load, kCompiler, __VERSION__, ELASTIN_BENCH_FLAGS);
 }
 
 void print_rows(const std::vector<Row>& rows) {
@@ -147,7 +174,7 @@ void print_rows(const std::vector<Row>& rows) {
   fmt::print("{}\n", table.text(false));
 }
 
-void write_csv(const std::string& path, const std::vector<Row>& rows) {
+void write_csv(const std::string& path, const std::string& machine, const std::vector<Row>& rows) {
   std::ofstream file(path);
   file << "case,side,method,threads,repeats";
   for (const Column& column : kColumns) file << ',' << column.key;
@@ -158,7 +185,7 @@ void write_csv(const std::string& path, const std::vector<Row>& rows) {
       const double value = row.figures.*column.value;
       file << ',' << (std::isnan(value) ? "" : fmt::format("{:.6g}", value));
     }
-    file << ',' << quoted(row.note) << ',' << quoted(machine()) << '\n';
+    file << ',' << quoted(row.note) << ',' << quoted(machine) << '\n';
   }
   if (!file.flush()) throw std::runtime_error("cannot write " + path);
 }

@@ -12,26 +12,29 @@ namespace bench {
 
 inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// What was measured, in SI units; NaN where it does not apply. Trivially copyable: it comes from a child through a pipe.
+/// What was measured, in SI units; NaN where it does not apply. Trivially copyable: it comes from a child through a
+/// pipe.
 struct Figures {
   double springs = kNone;
-  double build = kNone;      ///< median [s] of making all that the solve needs: body, constants, model, matrix
-  double minimum = kNone;    ///< [s]
-  double median = kNone;     ///< [s]
-  double rate = kNone;       ///< springs a second, at the minimum
-  double bandwidth = kNone;  ///< [B/s], at the minimum
-  double allowed = kNone;    ///< springs a second that the measured bandwidth allows
-  double ratio = kNone;      ///< the peer's minimum over this one's, same number of threads: > 1 is faster than the peer
-  double newton = kNone;     ///< Newton iterations
-  double iterations = kNone; ///< of conjugate gradients, all Newton iterations together
-  double residual = kNone;   ///< ‖b − K x‖/‖b‖ with the assembled matrix; of Newton, unbalanced force over loads
-  double peak = kNone;       ///< [B]: how far the peak of the process's resident memory grew
+  double build = kNone;        ///< median [s] of making all that the solve needs: body, constants, model, matrix
+  double minimum = kNone;      ///< [s]
+  double median = kNone;       ///< [s]
+  double each = kNone;         ///< the minimum a spring [s]
+  double rate = kNone;         ///< springs a second, at the minimum
+  double bandwidth = kNone;    ///< [B/s], at the minimum
+  double allowed = kNone;      ///< springs a second that the measured bandwidth allows
+  double ratio = kNone;        ///< the peer's best minimum on no more threads over this minimum: > 1 is faster
+  double whole_ratio = kNone;  ///< the same of build + solve medians: what one solve costs from nothing
+  double newton = kNone;       ///< Newton iterations
+  double iterations = kNone;   ///< of conjugate gradients, all Newton iterations together
+  double residual = kNone;  ///< ‖b − K x‖/‖b‖ with the assembled matrix; of Newton, unbalanced force over loads
+  double peak = kNone;      ///< [B]: how far the peak of the process's resident memory grew
 };
 
 struct Row {
   std::string scenario;  ///< the case, "static"
   std::string method;
-  int side = 0;          ///< molecules along the cube's side
+  int side = 0;  ///< molecules along the cube's side
   int threads = 1, repeats = 1;
   Figures figures;
   std::string note;
@@ -42,9 +45,11 @@ struct Settings {
   std::vector<int> sides{10, 22, 47}, threads{1, 2};
 };
 
+/// Gives each molecule the radius and mass that a scene would.
+void set_matter(elastin::Body& body, int side);
 /// The body of scenes/tension/cube-1000.yaml with `side`³ molecules: a cube of 86 cm, axis and face connections.
 elastin::Body make_cube(int side);
-inline constexpr double kCubeLength = 0.86;                      // m
+inline constexpr double kCubeLength = 0.86;  // m
 inline constexpr elastin::Material kMaterial{.youngs_modulus = 1e5};
 
 struct Sample {
@@ -63,10 +68,10 @@ std::vector<Figures> in_child(const std::function<std::vector<Figures>()>& work)
 /// Peak resident memory of this process so far [B].
 double peak_memory();
 
-/// One line: processor, cores, compiler, flags.
+/// One line: processor, cores, how busy they were, compiler, flags.
 std::string machine();
 void print_rows(const std::vector<Row>& rows);
-void write_csv(const std::string& path, const std::vector<Row>& rows);
+void write_csv(const std::string& path, const std::string& machine, const std::vector<Row>& rows);
 /// A line on stderr about what runs now.
 void say(const std::string& doing);
 

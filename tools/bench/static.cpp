@@ -1,5 +1,6 @@
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCholesky>
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 
@@ -68,7 +69,10 @@ Solved elastin_newton(Problem& problem, const Sparse&) {
   const StaticOptions options{.method = LinearMethod::pcg, .tolerance = kTolerance};
   const StaticResult result = solve_static(problem.model, state, options);
   if (result.outcome != Outcome::converged) throw std::runtime_error(result.cause);
-  return {{}, static_cast<double>(result.newton_iterations), static_cast<double>(result.linear_iterations), result.residual};
+  return {{},
+          static_cast<double>(result.newton_iterations),
+          static_cast<double>(result.linear_iterations),
+          result.residual};
 }
 
 Solved eigen_cg(Problem& problem, const Sparse& matrix) {
@@ -101,7 +105,7 @@ struct Contender {
   int most_threads, largest_side;
 };
 
-// Eigen's factorisation takes minutes where iterations take a tenth of a second (design.md §6): small bodies only.
+// Eigen's factorisation takes minutes where iterations take a tenth of a second: small bodies only.
 constexpr Contender kContenders[] = {
     {"elastin, small displacements", elastin_linear, false, true, 1 << 10, 1 << 20},
     {"Eigen ConjugateGradient", eigen_cg, true, true, 1 << 10, 47},
@@ -125,7 +129,8 @@ std::vector<Figures> race(int side, const std::vector<Entry>& entries, int repea
     problem.reset();
     build.push_back(seconds_of([&] { problem = std::make_unique<Problem>(side); }));
     // Without a peer of this size the matrix still serves to check the answer.
-    if (repeat == 0 || side <= kPeer.largest_side) assembly.push_back(seconds_of([&] { matrix = assembled(*problem); }));
+    if (repeat == 0 || side <= kPeer.largest_side)
+      assembly.push_back(seconds_of([&] { matrix = assembled(*problem); }));
   }
   const VectorX loads = free_loads(*problem);
   std::vector<Figures> found(entries.size());
@@ -147,7 +152,8 @@ std::vector<Figures> race(int side, const std::vector<Entry>& entries, int repea
     found[i].iterations = solved[i].iterations;
     const VectorX& motion = solved[i].motion;
     found[i].residual = motion.size() ? (loads - matrix * motion).norm() / loads.norm() : solved[i].residual;
-    if (!(found[i].residual <= 2 * kTolerance)) throw std::runtime_error(std::string(entries[i].contender->name) + ": not solved");
+    if (!(found[i].residual <= 2 * kTolerance))
+      throw std::runtime_error(std::string(entries[i].contender->name) + ": not solved");
   }
   return found;
 }
@@ -178,11 +184,18 @@ std::vector<Row> run_static(const Settings& settings) {
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const Contender& contender = *entries[i].contender;
       found[i].peak = in_child([&] { return memory(side, entries[i]); }).front().peak;
+      double peer = kNone, whole = kNone;
       for (std::size_t j = 0; j < entries.size(); ++j)
-        if (contender.compared && entries[j].contender == &kPeer && entries[j].threads == entries[i].threads)
-          found[i].ratio = found[j].minimum / found[i].minimum;
+        if (entries[j].contender == &kPeer && entries[j].threads <= entries[i].threads) {
+          peer = std::fmin(peer, found[j].minimum);  // fmin takes the number where the other is none
+          whole = std::fmin(whole, found[j].build + found[j].median);
+        }
+      if (contender.compared) {
+        found[i].ratio = peer / found[i].minimum;
+        found[i].whole_ratio = whole / (found[i].build + found[i].median);
+      }
       rows.push_back({"static", contender.name, side, entries[i].threads, settings.repeats, found[i],
-                      contender.assembles ? "peak is that of assembly from triplets" : ""});
+                      contender.assembles ? "peak: assembly from triplets" : ""});
     }
   }
   return rows;

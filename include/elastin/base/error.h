@@ -33,7 +33,8 @@ class InputError : public std::runtime_error {
 /// (more than a third of the letters, at least two, would change).
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates);
 
-/// " — did you mean 'x'?" or "", followed by the list of what is allowed: the tail of every "unknown name" message.
+/// "; did you mean 'x'? (allowed: x, y)", or "; allowed: x, y" if none is near: the tail of every "unknown name"
+/// message.
 std::string suggestion(std::string_view word, const std::vector<std::string>& candidates);
 
 }  // namespace elastin

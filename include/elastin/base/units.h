@@ -18,12 +18,13 @@ inline constexpr Dimension none{}, length{1, 0, 0}, area{2, 0, 0}, volume{3, 0, 
 
 /// A number with what stood behind it.
 struct Quantity {
-  double value = 0;        ///< in SI units
-  bool has_unit = false;   ///< false: a plain number, taken as SI
+  double value = 0;       ///< in SI units
+  bool has_unit = false;  ///< false: a plain number, taken as SI
 };
 
-/// Reads "15 mm", "9 cm^2", "9 cm2", "1000 kg/m3", "2 N s/m", "30 deg", "0.2 %" or a plain number, and checks that its unit
-/// has the wanted dimension. Prefixes n µ u m c d h k M G. Throws InputError: what was given, which units are allowed.
+/// Reads "15 mm", "9 cm^2", "9 cm2", "1000 kg/m3", "2 N s/m", "30 deg", "0.2 %" or a plain number, and checks that its
+/// unit has the wanted dimension. Prefixes n µ u m c d h k M G. Throws InputError: what was given, which units are
+/// allowed.
 Quantity parse_quantity(std::string_view text, const Dimension& wanted);
 
 /// "m", "N", "Pa", "kg/m^3" …: the SI unit of a dimension; "" for none.
