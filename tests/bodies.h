@@ -29,7 +29,8 @@ inline Body sheet(double thickness) {
   std::vector<Vector3> places;
   const auto wobble = [&] { return 0.002 * (static_cast<double>(generator() >> 11) * 0x1p-53 - 0.5); };
   for (int y = 0; y < n; ++y)
-    for (int x = 0; x < n; ++x) places.emplace_back(0.01 * x + wobble(), 0.01 * y + wobble(), 0.2 * 0.0001 * x * x + wobble());
+    for (int x = 0; x < n; ++x)
+      places.emplace_back(0.01 * x + wobble(), 0.01 * y + wobble(), 0.2 * 0.0001 * x * x + wobble());
   Body body = listed_body(places, {});
   for (int y = 0; y + 1 < n; ++y)
     for (int x = 0; x + 1 < n; ++x) {

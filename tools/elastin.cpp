@@ -108,7 +108,7 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
     for (const StrategyChoice& choice : choices[i]) {
       RunOptions run_options;
       run_options.statics = scene.statics;
-      run_options.keep_states = !options.out.empty();
+      run_options.keep_snapshots = !options.out.empty();
       run_options.progress = [&](const std::string& doing) {
         progress.set(scene.name + ", " + choice.label + ": " + doing);
       };
@@ -119,7 +119,7 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
       if (!options.out.empty() && !record.run.curve.empty()) {
         write_whole(options.out + "/" + file_name(record) + "-curve.csv", curve_csv_text(record));
         write_states(options.out, file_name(record), scene.specimen.body, record.run);
-        record.run.states.clear();
+        record.run.snapshots.clear();
       }
       if (to_screen && !compare) fmt::print("{}", run_text(record, colours(STDOUT_FILENO)));
       records.push_back(record);
@@ -195,12 +195,12 @@ std::string unknown_word(const CLI::App& app, int argc, char** argv) {
 
 }  // namespace
 
-/// Threads that wait must sleep: one that spins keeps a busy machine from running the one it waits for, and a pass over
+/// Threads that wait must soon sleep: one that spins keeps a busy machine from running the one it waits for, and a pass over
 /// the body then takes 20 times as long. OpenMP reads its setting once, before main, so the command starts itself anew.
 void let_threads_sleep(char** argv) {
-  if (std::getenv("OMP_WAIT_POLICY")) return;
-  setenv("OMP_WAIT_POLICY", "passive", 1);
-  execv("/proc/self/exe", argv);  // comes back only if it cannot: then threads spin
+  if (std::getenv("OMP_WAIT_POLICY") || std::getenv("GOMP_SPINCOUNT")) return;
+  setenv("GOMP_SPINCOUNT", "3000", 1);
+  execv("/proc/self/exe", argv);  // comes back only if it cannot: then threads spin on
 }
 
 int main(int argc, char** argv) {

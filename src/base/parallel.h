@@ -18,8 +18,8 @@ namespace detail {
 void run_ranges(int count, void* context, void (*range)(void*, int, int));
 }  // namespace detail
 
-/// Calls work(i) once for each i in 0 … count−1; each i must write only what it owns. Below `threshold` items one thread
-/// does it all.
+/// Calls work(i) once for each i in 0 … count−1; each i must write only what it owns. Below `threshold` items one
+/// thread does it all.
 template <class Work>
 void parallel_for(int count, Work&& work, int threshold = kParallelThreshold) {
   if (count < threshold || threads() == 1) {

@@ -28,7 +28,8 @@ bool meet(fcl::CollisionObjectd* one, fcl::CollisionObjectd* other, void* contex
   Query& query = *static_cast<Query*>(context);
   const int a = std::min(molecule_of(one), molecule_of(other)), b = std::max(molecule_of(one), molecule_of(other));
   const double depth = query.body.radius[a] + query.body.radius[b] - (query.places.col(b) - query.places.col(a)).norm();
-  if (depth > query.tolerance * std::min(query.body.radius[a], query.body.radius[b])) query.found.push_back({a, b, depth});
+  if (depth > query.tolerance * std::min(query.body.radius[a], query.body.radius[b]))
+    query.found.push_back({a, b, depth});
   return false;
 }
 
@@ -49,11 +50,15 @@ std::vector<Overlap> find_overlaps(const Body& body, const Positions& places, do
   tree.collide(&query, &meet);
 
   std::unordered_set<std::uint64_t> joined;
-  const auto key = [](int a, int b) { return static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint32_t>(std::max(a, b)); };
+  const auto key = [](int a, int b) {
+    return static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint32_t>(std::max(a, b));
+  };
   for (const auto& [a, b] : body.connections.ends) joined.insert(key(a, b));
-  std::erase_if(query.found, [&](const Overlap& overlap) { return joined.contains(key(overlap.first, overlap.second)); });
-  std::sort(query.found.begin(), query.found.end(),
-            [](const Overlap& x, const Overlap& y) { return std::pair{x.first, x.second} < std::pair{y.first, y.second}; });
+  std::erase_if(query.found,
+                [&](const Overlap& overlap) { return joined.contains(key(overlap.first, overlap.second)); });
+  std::sort(query.found.begin(), query.found.end(), [](const Overlap& x, const Overlap& y) {
+    return std::pair{x.first, x.second} < std::pair{y.first, y.second};
+  });
   return std::move(query.found);
 }
 

@@ -18,8 +18,8 @@ struct Face {
   VectorX share;
 };
 
-/// The molecules furthest along `direction` (unit), and those less than `depth` [m] behind them; 0 = the end plane alone,
-/// to 1e-6 of the body's length. Throws InputError if that is the whole body.
+/// The molecules furthest along `direction` (unit), and those less than `depth` [m] behind them; 0 = the end plane
+/// alone, to 1e-6 of the body's length. Throws InputError if that is the whole body.
 Face end_face(const Body& body, const Vector3& direction, double depth);
 
 }  // namespace elastin

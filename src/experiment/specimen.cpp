@@ -46,7 +46,8 @@ double calibration_factor(const Specimen& specimen, Experiment& experiment, cons
     run.cause = "calibration: " + solved.cause;
     return 1;
   }
-  const double measured = experiment.measure(model, state, solved).get("effective_modulus");
+  const Start rest{specimen.body.rest, Positions::Zero(3, solved.reactions.cols())};
+  const double measured = experiment.measure(model, rest, state, solved).get("effective_modulus");
   if (measured > 0) return specimen.material.youngs_modulus / measured;
   run.outcome = Outcome::diverged;
   run.cause = "calibration: the linear solve measures no positive modulus";
@@ -69,45 +70,71 @@ void count_modes(const Model& model, Run& run) {
   const ModeReport report = find_zero_energy_modes(model.body(), model.supports, stiff);
   run.zero_energy_modes = report.zero_energy_modes;
   if (report.zero_energy_modes > 0)
-    run.warnings.push_back("mechanism: " + counted(report.zero_energy_modes, "zero-energy mode", "zero-energy modes") +
-                           (report.counted ? "" : " at least") + "; the load is solved in the range of the stiffness");
+    run.warnings.push_back("mechanism: " + std::string(report.counted ? "" : "at least ") +
+                           counted(report.zero_energy_modes, "zero-energy mode", "zero-energy modes") +
+                           "; the load is solved in the range of the stiffness");
+}
+
+/// Adds what one solve cost and said to the run; returns whether it converged.
+bool note_solve(const StaticResult& solved, const std::string& where, Run& run) {
+  run.solver = solved.solver;
+  run.newton_iterations += solved.newton_iterations;
+  run.linear_iterations += solved.linear_iterations;
+  run.residual = solved.residual;
+  const std::string unstable = "the equilibrium is not stable: directions of negative stiffness";
+  if (solved.unstable && (run.warnings.empty() || run.warnings.back() != unstable)) run.warnings.push_back(unstable);
+  if (solved.outcome == Outcome::converged) return true;
+  run.outcome = solved.outcome;
+  run.cause = solved.cause + where;
+  return false;
+}
+
+/// The body before the experiment's load: at rest, or in equilibrium with the scene's other loads. False if that fails.
+bool find_start(Model& model, Experiment& experiment, const RunOptions& options, State& state, Start& start, Run& run) {
+  start = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
+  experiment.set_load(model, 0);
+  if (model.load_forces(state).isZero(0)) return true;
+  if (options.progress) options.progress("the scene's own loads");
+  const StaticResult solved = solve_static(model, state, options.statics);
+  start = {state.positions, solved.reactions};
+  return note_solve(solved, " (under the scene's own loads)", run);
 }
 
 /// Solves load step after load step, each started where the last two lead.
 void solve_curve(Model& model, Experiment& experiment, const RunOptions& options, Run& run) {
   State state = state_at_rest(model.body());
+  Start start;
+  if (!find_start(model, experiment, options, state, start, run)) return;
+  const auto keep = [&](double load_factor) {
+    if (options.keep_snapshots)
+      run.snapshots.push_back({load_factor, state.positions, model.force_densities(state.positions)});
+  };
+  keep(0);
   Positions before = state.positions;
   const int steps = experiment.load_steps();
   for (int step = 1; step <= steps; ++step) {
-    if (options.progress) options.progress(steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "solving");
-    experiment.set_load(model, static_cast<double>(step) / steps);
+    const std::string place = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "";
+    if (options.progress) options.progress(place.empty() ? "solving" : place);
+    const double load_factor = static_cast<double>(step) / steps;
+    experiment.set_load(model, load_factor);
     State next = state;
     if (step > 1 && !options.statics.linear) {
       next.positions += state.positions - before;
       if (!std::isfinite(model.elastic_energy(next.positions))) next = state;
     }
     const StaticResult solved = solve_static(model, next, options.statics);
-    run.solver = solved.solver;
-    run.newton_iterations += solved.newton_iterations;
-    run.linear_iterations += solved.linear_iterations;
-    run.residual = solved.residual;
-    if (solved.unstable) {
-      const std::string text = "the equilibrium is not stable: directions of negative stiffness";
-      if (run.warnings.empty() || run.warnings.back() != text) run.warnings.push_back(text);
-    }
-    if (solved.outcome != Outcome::converged) {
-      run.outcome = solved.outcome;
-      run.cause = solved.cause + (steps > 1 ? " (load step " + std::to_string(step) + " of " + std::to_string(steps) + ")" : "");
+    if (!note_solve(solved, place.empty() ? "" : " (" + place + ")", run)) return;
+    const Measures measures = experiment.measure(model, start, next, solved);
+    if (measures.get("strain") <= -1) {
+      run.outcome = Outcome::inverted;
+      run.cause =
+          "the load presses the body through itself: strain below −100 %" + (place.empty() ? "" : " (" + place + ")");
       return;
     }
     before = state.positions;
     state = next;
-    run.curve.push_back({static_cast<double>(step) / steps, experiment.measure(model, state, solved),
-                         solved.newton_iterations, solved.linear_iterations, solved.residual});
-    if (options.keep_states) {
-      run.states.push_back(state);
-      run.densities.push_back(model.force_densities(state.positions));
-    }
+    run.curve.push_back({load_factor, measures, solved.newton_iterations, solved.linear_iterations, solved.residual});
+    keep(load_factor);
   }
   run.measures = run.curve.back().measures;
   if (steps > 1 && model.has_full_tangent()) {
@@ -137,11 +164,13 @@ std::vector<StrategyChoice> all_strategies(const Catalog& catalog) {
   for (const Strategy& strategy : catalog.strategies())
     if (strategy.kind != StrategyKind::wrapper) choices.push_back({strategy.name, strategy, false, {}});
   for (const Strategy& strategy : catalog.strategies())
-    if (strategy.kind == StrategyKind::spring_rule) choices.push_back(choose_strategy(catalog, "calibrated:" + strategy.name));
+    if (strategy.kind == StrategyKind::spring_rule)
+      choices.push_back(choose_strategy(catalog, "calibrated:" + strategy.name));
   return choices;
 }
 
-Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice, const RunOptions& options) {
+Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                 const RunOptions& options) {
   Run run;
   run.strategy = choice.label;
   run.cause = choice.strategy.unsuited(specimen.body);
@@ -154,7 +183,8 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
   std::unique_ptr<Elasticity> elasticity;
   if (choice.strategy.constants) {
     run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
-    if (choice.calibrated) run.constants *= calibration_factor(specimen, experiment, run.constants, options.statics, run);
+    if (choice.calibrated)
+      run.constants *= calibration_factor(specimen, experiment, run.constants, options.statics, run);
     if (!run.constants.allFinite()) {
       run.outcome = Outcome::diverged;
       run.cause = "a spring constant is not finite: a connection of no length?";

@@ -14,13 +14,14 @@ namespace elastin {
 
 /// A strategy as a scene or a command line names it: "standard", "calibrated:angles", with its parameters.
 struct StrategyChoice {
-  std::string label;        ///< as it was named
-  Strategy strategy;        ///< the rule or law itself; for calibrated:RULE the rule
+  std::string label;  ///< as it was named
+  Strategy strategy;  ///< the rule or law itself; for calibrated:RULE the rule
   bool calibrated = false;
   ParameterValues values;
 };
 
-/// Reads "NAME" or "calibrated:RULE" ("calibrated" alone is calibrated:standard). Throws InputError with the nearest name.
+/// Reads "NAME" or "calibrated:RULE" ("calibrated" alone is calibrated:standard). Throws InputError with the nearest
+/// name.
 StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label);
 
 /// Every strategy of the catalog, and every spring rule calibrated too.
@@ -41,6 +42,13 @@ struct CurvePoint {
   double residual = 0;
 };
 
+/// A state to be looked at.
+struct Snapshot {
+  double load_factor = 0;
+  Positions positions;  ///< [m]
+  VectorX densities;    ///< force density of each connection [N/m]
+};
+
 /// What came of one strategy on one specimen. Everything in SI units.
 struct Run {
   std::string strategy;
@@ -49,25 +57,25 @@ struct Run {
   std::string cause;
   Measures measures;                ///< of the last converged load step
   std::vector<CurvePoint> curve;    ///< one point a converged load step
-  std::vector<State> states;        ///< of each point, if asked for
-  std::vector<VectorX> densities;   ///< force density of each connection [N/m] at each of those states
+  std::vector<Snapshot> snapshots;  ///< of the start and of each point, if asked for
   VectorX constants;                ///< spring constants [N/m]; empty for laws without
   double build_seconds = 0, solve_seconds = 0;
   int newton_iterations = 0, linear_iterations = 0;
   double residual = 0;
   int zero_energy_modes = 0;
   std::vector<std::string> warnings;
-  bool suited = true;               ///< false: the strategy cannot run on this body; cause says why
+  bool suited = true;  ///< false: the strategy cannot run on this body; cause says why
 };
 
 struct RunOptions {
   StaticOptions statics;
-  bool keep_states = false;
+  bool keep_snapshots = false;
   std::function<void(const std::string& doing)> progress = {};  ///< called before each load step; may be empty
 };
 
 /// Builds the strategy on the specimen, solves every load step and measures. Numerical trouble is an outcome in the
 /// result; wrong parameters throw InputError.
-Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice, const RunOptions& options);
+Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                 const RunOptions& options);
 
 }  // namespace elastin

@@ -19,7 +19,9 @@ class Tension final : public Experiment {
     Face loaded = end_face(body, setup_.axis, setup.grip_depth);
     loaded_ = std::move(loaded.molecules);
     fixed_ = end_face(body, -setup_.axis, setup.grip_depth).molecules;
-    const auto equal = [](std::size_t count) { return VectorX::Constant(static_cast<Eigen::Index>(count), 1. / static_cast<double>(count)); };
+    const auto equal = [](std::size_t count) {
+      return VectorX::Constant(static_cast<Eigen::Index>(count), 1. / static_cast<double>(count));
+    };
     share_ = setup.sharing == LoadSharing::area ? std::move(loaded.share) : VectorX(equal(loaded_.size()));
     fixed_share_ = equal(fixed_.size());
     const Points2 seen = plane_.transpose() * body.rest;
@@ -41,7 +43,8 @@ class Tension final : public Experiment {
     first_loaded_support_ = model.supports.size();
     if (setup_.displacement || setup_.loaded_grip == Grip::clamped)
       for (const int molecule : loaded_) {
-        const Matrix3 free = (setup_.displacement ? nothing : along) + (setup_.loaded_grip == Grip::clamped ? nothing : sideways);
+        const Matrix3 free =
+            (setup_.displacement ? nothing : along) + (setup_.loaded_grip == Grip::clamped ? nothing : sideways);
         model.supports.push_back({molecule, free, Vector3::Zero()});
       }
     load_ = nullptr;
@@ -60,10 +63,11 @@ class Tension final : public Experiment {
         model.supports[i].displacement = factor * *setup_.displacement * setup_.axis;
   }
 
-  Measures measure(const Model& model, const State& state, const StaticResult& solved) const override {
+  Measures measure(const Model& model, const Start& start, const State& state,
+                   const StaticResult& solved) const override {
     Measures measures;
-    const Positions motion = state.positions - body_.rest;
-    const double force = setup_.force ? factor_ * *setup_.force : loaded_reaction(solved.reactions);
+    const Positions motion = state.positions - start.positions;
+    const double force = setup_.force ? factor_ * *setup_.force : loaded_reaction(solved.reactions - start.reactions);
     const double elongation = read_elongation(motion), strain = elongation / gauge_length_, stress = force / area_;
     const double lateral = lateral_strain(motion);
     measures.set("effective_modulus", stress / strain);
@@ -75,11 +79,13 @@ class Tension final : public Experiment {
     measures.set("lateral_strain", lateral);
     if (model.has_energy() && !solved.linear) measures.set("energy", model.elastic_energy(state.positions));
     const Positions loads = model.load_forces(state);
-    measures.set("reaction_balance", (loads.rowwise().sum() + solved.reactions.rowwise().sum()).norm() / std::abs(force));
+    measures.set("reaction_balance",
+                 (loads.rowwise().sum() + solved.reactions.rowwise().sum()).norm() / std::abs(force));
     return measures;
   }
 
-  double tangent_modulus(Model& model, const State& state, const StaticOptions& options, int& iterations) const override {
+  double tangent_modulus(Model& model, const State& state, const StaticOptions& options,
+                         int& iterations) const override {
     Positions load = Positions::Zero(3, body_.size()), way = load;
     for (std::size_t i = 0; i < loaded_.size(); ++i) {
       if (setup_.force) load.col(loaded_[i]) = share_[static_cast<Eigen::Index>(i)] * setup_.axis;
@@ -123,7 +129,8 @@ class Tension final : public Experiment {
     }
   }
 
-  /// Molecules within one mean connection of mid height (between the gauge planes, if any): theirs is the lateral strain.
+  /// Molecules within one mean connection of mid height (between the gauge planes, if any): theirs is the lateral
+  /// strain.
   void choose_middle(double middle) {
     if (setup_.gauge) middle = height_.minCoeff() + ((*setup_.gauge)[0] + (*setup_.gauge)[1]) / 2;
     double shortest = std::numeric_limits<double>::infinity(), mean = 0;
@@ -138,7 +145,8 @@ class Tension final : public Experiment {
 
   double mean_height(const std::vector<int>& molecules, const VectorX& weights) const {
     double mean = 0;
-    for (std::size_t i = 0; i < molecules.size(); ++i) mean += weights[static_cast<Eigen::Index>(i)] * height_[molecules[i]];
+    for (std::size_t i = 0; i < molecules.size(); ++i)
+      mean += weights[static_cast<Eigen::Index>(i)] * height_[molecules[i]];
     return mean;
   }
 
@@ -162,12 +170,13 @@ class Tension final : public Experiment {
   double read_elongation(const Positions& motion) const {
     if (setup_.gauge) return plane_motion(1, motion) - plane_motion(0, motion);
     const double start = mean_along(fixed_, fixed_share_, motion);
-    if (setup_.reading == Reading::corner) return setup_.axis.dot(motion.col(loaded_[static_cast<std::size_t>(corner_)])) - start;
+    if (setup_.reading == Reading::corner)
+      return setup_.axis.dot(motion.col(loaded_[static_cast<std::size_t>(corner_)])) - start;
     return mean_along(loaded_, share_, motion) - start;
   }
 
-  /// Half the trace of the in-plane displacement gradient fitted to the molecules at mid height; NaN if they do not span
-  /// the plane. Does not depend on which directions span it.
+  /// Half the trace of the in-plane displacement gradient fitted to the molecules at mid height; NaN if they do not
+  /// span the plane. Does not depend on which directions span it.
   double lateral_strain(const Positions& motion) const {
     const auto count = static_cast<Eigen::Index>(middle_.size());
     Eigen::MatrixX3d places(count, 3);
@@ -197,20 +206,21 @@ class Tension final : public Experiment {
   const Body& body_;
   TensionSetup setup_;
   Eigen::Matrix<double, 3, 2> plane_;
-  VectorX height_;                    // of each molecule along the axis
+  VectorX height_;  // of each molecule along the axis
   std::vector<int> fixed_, loaded_, middle_;
-  VectorX share_, fixed_share_;       // of the load, sum 1
+  VectorX share_, fixed_share_;  // of the load, sum 1
   double area_ = 0, gauge_length_ = 0, factor_ = 1;
-  Eigen::Index corner_ = 0;           // index into loaded_
+  Eigen::Index corner_ = 0;  // index into loaded_
   std::array<std::vector<std::pair<int, double>>, 2> crossings_;
-  PointLoads* load_ = nullptr;        // owned by the model that was held last
+  PointLoads* load_ = nullptr;  // owned by the model that was held last
   std::size_t first_loaded_support_ = 0;
 };
 
 }  // namespace
 
 std::unique_ptr<Experiment> make_tension(const Body& body, const TensionSetup& setup) {
-  if (body.size() < 2) throw InputError("the body has " + std::to_string(body.size()) + " molecules; tension needs at least 2");
+  if (body.size() < 2)
+    throw InputError("tension needs at least 2 molecules; the body has " + std::to_string(body.size()));
   return std::make_unique<Tension>(body, setup);
 }
 

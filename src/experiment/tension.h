@@ -6,9 +6,9 @@
 
 namespace elastin {
 
-enum class Grip { clamped, sliding };           ///< held sideways, or free to slide sideways
-enum class LoadSharing { molecules, area };     ///< equal parts, or by the area nearest to each molecule
-enum class Reading { mean, corner };            ///< elongation: mean of the loaded end by load share, or one corner molecule
+enum class Grip { clamped, sliding };        ///< held sideways, or free to slide sideways
+enum class LoadSharing { molecules, area };  ///< equal parts, or by the area nearest to each molecule
+enum class Reading { mean, corner };  ///< elongation: mean of the loaded end by load share, or one corner molecule
 
 /// A bar pulled or pressed along an axis: one end's molecules are held along it, the other end's are loaded.
 struct TensionSetup {
@@ -18,10 +18,10 @@ struct TensionSetup {
   Grip fixed_grip = Grip::sliding, loaded_grip = Grip::sliding;
   LoadSharing sharing = LoadSharing::area;
   Reading reading = Reading::mean;
-  double cross_section = 0;            ///< A [m²]; 0 = the hull of all molecules seen along the axis
-  double gauge_length = 0;             ///< l₀ [m]; 0 = distance between the ends' molecules
+  double cross_section = 0;                    ///< A [m²]; 0 = the hull of all molecules seen along the axis
+  double gauge_length = 0;                     ///< l₀ [m]; 0 = distance between the ends' molecules
   std::optional<std::array<double, 2>> gauge;  ///< planes [m] from the fixed end between which elongation is read
-  double grip_depth = 0;               ///< [m]: molecules this close to an end belong to it; 0 = those in the end plane
+  double grip_depth = 0;  ///< [m]: molecules this close to an end belong to it; 0 = those in the end plane
   int load_steps = 1;
 };
 

@@ -35,7 +35,8 @@ class Buckets {
  public:
   explicit Buckets(const Points2& points) : low_(points.rowwise().minCoeff()) {
     const Point spread = points.rowwise().maxCoeff() - low_;
-    side_ = std::max(spread.maxCoeff() * 1e-6, std::sqrt(2 * std::max(spread.prod(), 1e-300) / static_cast<double>(points.cols())));
+    side_ = std::max(spread.maxCoeff() * 1e-6,
+                     std::sqrt(2 * std::max(spread.prod(), 1e-300) / static_cast<double>(points.cols())));
     nx_ = static_cast<int>(spread.x() / side_) + 1;
     ny_ = static_cast<int>(spread.y() / side_) + 1;
     members_.resize(static_cast<std::size_t>(nx_) * ny_);
@@ -76,7 +77,8 @@ Points2 convex_hull(const Points2& points) {
   for (int side = 0; side < 2; ++side) {  // lower chain, then upper [Andrew 1979]
     const std::size_t start = hull.size();
     for (const Point& p : sorted) {
-      while (hull.size() >= start + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= flat) hull.pop_back();
+      while (hull.size() >= start + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= flat)
+        hull.pop_back();
       hull.push_back(p);
     }
     if (!hull.empty()) hull.pop_back();

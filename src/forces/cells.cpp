@@ -5,7 +5,8 @@
 
 namespace elastin {
 
-CellGraph::CellGraph(const Body& body, int corners) : sides(connections_of_cell(corners)), connections_(body.connections.size()) {
+CellGraph::CellGraph(const Body& body, int corners)
+    : sides(connections_of_cell(corners)), connections_(body.connections.size()) {
   const auto append = [&](const auto& cells) {
     for (const auto& cell : cells) slot_connection.insert(slot_connection.end(), cell.begin(), cell.end());
   };

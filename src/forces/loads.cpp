@@ -41,13 +41,15 @@ class QuadraticDrag final : public Load {
       : factor_(0.5 * density * drag_coefficient * std::numbers::pi * body.radius.array().square()) {}
   void add_forces(const State& state, Positions& forces) const override {
     for (int molecule = 0; molecule < factor_.size(); ++molecule)
-      forces.col(molecule) -= factor_[molecule] * state.velocities.col(molecule).norm() * state.velocities.col(molecule);
+      forces.col(molecule) -=
+          factor_[molecule] * state.velocities.col(molecule).norm() * state.velocities.col(molecule);
   }
   void add_change(const State& state, const Positions&, const Positions& change, Positions& forces) const override {
     for (int molecule = 0; molecule < factor_.size(); ++molecule) {
       const Vector3 velocity = state.velocities.col(molecule), delta = change.col(molecule);
       const double speed = velocity.norm();
-      if (speed > 0) forces.col(molecule) -= factor_[molecule] * (speed * delta + velocity * (velocity.dot(delta) / speed));
+      if (speed > 0)
+        forces.col(molecule) -= factor_[molecule] * (speed * delta + velocity * (velocity.dot(delta) / speed));
     }
   }
   bool acts_at_rest() const override { return false; }
@@ -62,7 +64,8 @@ class Damping final : public Load {
 
   void add_forces(const State& state, Positions& forces) const override {
     for (const auto& [a, b] : connections_.ends) {
-      const Vector3 d = state.positions.col(b) - state.positions.col(a), v = state.velocities.col(b) - state.velocities.col(a);
+      const Vector3 d = state.positions.col(b) - state.positions.col(a),
+                    v = state.velocities.col(b) - state.velocities.col(a);
       const double square = d.squaredNorm();
       if (square == 0) continue;
       const Vector3 force = coefficient_ * d.dot(v) / square * d;
@@ -73,7 +76,8 @@ class Damping final : public Load {
 
   void add_change(const State& state, const Positions& dx, const Positions& dv, Positions& forces) const override {
     for (const auto& [a, b] : connections_.ends) {
-      const Vector3 d = state.positions.col(b) - state.positions.col(a), v = state.velocities.col(b) - state.velocities.col(a);
+      const Vector3 d = state.positions.col(b) - state.positions.col(a),
+                    v = state.velocities.col(b) - state.velocities.col(a);
       const double square = d.squaredNorm();
       if (square == 0) continue;
       const Vector3 delta_d = dx.col(b) - dx.col(a), delta_v = dv.col(b) - dv.col(a);
@@ -104,7 +108,8 @@ void PointLoads::add_forces(const State&, Positions& forces) const {
 double PointLoads::energy(const State& state) const {
   double work = 0;
   for (std::size_t i = 0; i < molecules_.size(); ++i)
-    work += forces_.col(static_cast<Eigen::Index>(i)).dot(state.positions.col(molecules_[i]) - body_.rest.col(molecules_[i]));
+    work += forces_.col(static_cast<Eigen::Index>(i))
+                .dot(state.positions.col(molecules_[i]) - body_.rest.col(molecules_[i]));
   return -factor_ * work;
 }
 

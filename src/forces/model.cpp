@@ -52,9 +52,8 @@ Positions Model::load_forces(const State& state) const {
 }
 
 void Model::gather(const Positions& positions, const VectorX& densities, Positions& forces) const {
-  add_flows(body_->connections, graph_ ? &graph_->incident : nullptr, forces, [&](int c, int a, int b) -> Vector3 {
-    return densities[c] * (positions.col(b) - positions.col(a));
-  });
+  add_flows(body_->connections, graph_ ? &graph_->incident : nullptr, forces,
+            [&](int c, int a, int b) -> Vector3 { return densities[c] * (positions.col(b) - positions.col(a)); });
 }
 
 }  // namespace elastin

@@ -28,7 +28,8 @@ template <class CellList>
 void add_edges(const CellList& cells, std::vector<std::array<int, 2>>& ends) {
   for (const auto& cell : cells)
     for (std::size_t i = 0; i < cell.size(); ++i)
-      for (std::size_t j = i + 1; j < cell.size(); ++j) ends.push_back({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
+      for (std::size_t j = i + 1; j < cell.size(); ++j)
+        ends.push_back({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
 }
 
 }  // namespace
@@ -38,7 +39,8 @@ Connections connections_within(const Positions& places, double reach) {
     return (places.col(molecule) / reach).array().floor().cast<int>();
   };
   std::unordered_map<std::uint64_t, std::vector<int>> buckets;
-  for (int molecule = 0; molecule < places.cols(); ++molecule) buckets[bucket_key(bucket_of(molecule))].push_back(molecule);
+  for (int molecule = 0; molecule < places.cols(); ++molecule)
+    buckets[bucket_key(bucket_of(molecule))].push_back(molecule);
 
   std::vector<std::array<int, 2>> ends;
   for (int first = 0; first < places.cols(); ++first) {
@@ -99,7 +101,8 @@ BodyFindings inspect(const Body& body) {
     ++degree[a], ++degree[b];
     const int low = std::min(root(a), root(b)), high = std::max(root(a), root(b));
     parent[high] = low;
-    if (!(body.connections.rest_length[connection] > 1e-12 * size)) findings.zero_length_connections.push_back(connection);
+    if (!(body.connections.rest_length[connection] > 1e-12 * size))
+      findings.zero_length_connections.push_back(connection);
     sorted.push_back({{std::min(a, b), std::max(a, b)}, connection});
   }
   std::sort(sorted.begin(), sorted.end());
@@ -110,8 +113,10 @@ BodyFindings inspect(const Body& body) {
   findings.piece_of.assign(n, -1);
   for (int molecule = 0; molecule < n; ++molecule) {
     const int first = root(molecule);
-    if (first == molecule) findings.piece_of[molecule] = findings.pieces++;
-    else findings.piece_of[molecule] = findings.piece_of[first];
+    if (first == molecule)
+      findings.piece_of[molecule] = findings.pieces++;
+    else
+      findings.piece_of[molecule] = findings.piece_of[first];
     if (degree[molecule] == 0) findings.loose_molecules.push_back(molecule);
   }
   for (std::size_t cell = 0; cell < body.tetrahedra.size(); ++cell) {

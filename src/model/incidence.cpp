@@ -23,7 +23,8 @@ Rows rows_by_target(int rows, std::span<const int> targets) {
   for (int row = 0; row < rows; ++row) result.start[row + 1] += result.start[row];
   result.entries.resize(targets.size());
   std::vector<int> next(result.start.begin(), result.start.end() - 1);
-  for (std::size_t slot = 0; slot < targets.size(); ++slot) result.entries[next[targets[slot]]++] = static_cast<int>(slot);
+  for (std::size_t slot = 0; slot < targets.size(); ++slot)
+    result.entries[next[targets[slot]]++] = static_cast<int>(slot);
   return result;
 }
 

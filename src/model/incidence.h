@@ -9,7 +9,7 @@ namespace elastin {
 
 /// Rows of integers of different length, one behind the other.
 struct Rows {
-  std::vector<int> start;   ///< row r is entries[start[r]] … entries[start[r+1]−1]
+  std::vector<int> start;  ///< row r is entries[start[r]] … entries[start[r+1]−1]
   std::vector<int> entries;
   std::span<const int> operator[](int row) const {
     return {entries.data() + start[row], static_cast<std::size_t>(start[row + 1] - start[row])};

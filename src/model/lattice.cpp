@@ -87,8 +87,9 @@ Body cubic_lattice(const std::array<int, 3>& molecules, double spacing, const Cu
           if (inside(x + o.x(), y + o.y(), z + o.z()))
             body.connections.ends.push_back({here, index(x + o.x(), y + o.y(), z + o.z())});
         if (inside(x + 1, y + 1, z + 1))
-          body.cubes.push_back({here, index(x + 1, y, z), index(x, y + 1, z), index(x + 1, y + 1, z), index(x, y, z + 1),
-                                index(x + 1, y, z + 1), index(x, y + 1, z + 1), index(x + 1, y + 1, z + 1)});
+          body.cubes.push_back({here, index(x + 1, y, z), index(x, y + 1, z), index(x + 1, y + 1, z),
+                                index(x, y, z + 1), index(x + 1, y, z + 1), index(x, y + 1, z + 1),
+                                index(x + 1, y + 1, z + 1)});
       }
   measure_rest_lengths(body);
   return body;
@@ -99,7 +100,8 @@ Body body_centred_lattice(const std::array<int, 3>& cells, double spacing, bool 
 }
 
 Body face_centred_lattice(const std::array<int, 3>& cells, double spacing, bool second) {
-  return centred_lattice(cells, spacing, {{0, 0, 0}, {.5, .5, 0}, {.5, 0, .5}, {0, .5, .5}}, second ? 1 : std::sqrt(.5));
+  return centred_lattice(cells, spacing, {{0, 0, 0}, {.5, .5, 0}, {.5, 0, .5}, {0, .5, .5}},
+                         second ? 1 : std::sqrt(.5));
 }
 
 Body listed_body(const std::vector<Vector3>& places, const std::vector<std::array<int, 2>>& pairs) {
@@ -116,10 +118,10 @@ Body tetrahedral_block(BlockKind kind, const std::array<int, 3>& cubes, const Ve
   const Vector3 side = size.array() / Vector3(cubes[0], cubes[1], cubes[2]).array();
   Body body = cubic_lattice({cubes[0] + 1, cubes[1] + 1, cubes[2] + 1}, 1, {});
   // Corner c of a cube sits at (c & 1, c >> 1 & 1, c >> 2).
-  static constexpr std::array<std::array<int, 4>, 6> kuhn{{{0, 1, 3, 7}, {0, 5, 1, 7}, {0, 3, 2, 7}, {0, 2, 6, 7},
-                                                          {0, 4, 5, 7}, {0, 6, 4, 7}}};
-  static constexpr std::array<std::array<int, 4>, 5> five{{{0, 1, 2, 4}, {3, 2, 1, 7}, {5, 1, 4, 7}, {6, 4, 2, 7},
-                                                           {1, 2, 4, 7}}};
+  static constexpr std::array<std::array<int, 4>, 6> kuhn{
+      {{0, 1, 3, 7}, {0, 5, 1, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 6, 4, 7}}};
+  static constexpr std::array<std::array<int, 4>, 5> five{
+      {{0, 1, 2, 4}, {3, 2, 1, 7}, {5, 1, 4, 7}, {6, 4, 2, 7}, {1, 2, 4, 7}}};
   std::vector<Vector3> middles;
   for (std::size_t c = 0; c < body.cubes.size(); ++c) {
     const auto& cube = body.cubes[c];

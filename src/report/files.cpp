@@ -175,18 +175,16 @@ std::string curve_csv_text(const Record& record) {
   return out;
 }
 
-std::string vtu_text(const Body& body, const Positions& positions, const VectorX& constants) {
+std::string vtu_text(const Body& body, const Positions& positions, const VectorX& densities, const VectorX& constants) {
   const int n = body.size(), m = body.connections.size();
   const auto& [ends, rest_length] = body.connections;
   VectorX length(m);
   Positions force = Positions::Zero(3, n);
-  const auto tension = [&](int c) { return constants.size() ? constants[c] * (length[c] - rest_length[c]) : 0.; };
   for (int c = 0; c < m; ++c) {
     const Vector3 d = positions.col(ends[c][1]) - positions.col(ends[c][0]);
     length[c] = d.norm();
-    if (length[c] == 0) continue;
-    force.col(ends[c][0]) += tension(c) / length[c] * d;
-    force.col(ends[c][1]) -= tension(c) / length[c] * d;
+    force.col(ends[c][0]) += densities[c] * d;
+    force.col(ends[c][1]) -= densities[c] * d;
   }
   std::string out = fmt::format(
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
@@ -196,16 +194,15 @@ std::string vtu_text(const Body& body, const Positions& positions, const VectorX
   arrays.add("positions", "Float64", 3, n, [&](int i, int k) { return positions(k, i); });
   out += "</Points>\n<PointData Vectors=\"displacement\">\n";
   arrays.add("displacement", "Float64", 3, n, [&](int i, int k) { return positions(k, i) - body.rest(k, i); });
-  if (constants.size()) arrays.add("elastic_force", "Float64", 3, n, [&](int i, int k) { return force(k, i); });
+  arrays.add("elastic_force", "Float64", 3, n, [&](int i, int k) { return force(k, i); });
   arrays.add("radius", "Float64", 1, n, [&](int i, int) { return body.radius[i]; });
   arrays.add("mass", "Float64", 1, n, [&](int i, int) { return body.mass[i]; });
   out += "</PointData>\n<CellData Scalars=\"strain\">\n";
   arrays.add("strain", "Float64", 1, m,
              [&](int c, int) { return rest_length[c] > 0 ? length[c] / rest_length[c] - 1 : 0; });
-  if (constants.size()) {
-    arrays.add("tension", "Float64", 1, m, [&](int c, int) { return tension(c); });
-    arrays.add("constant", "Float64", 1, m, [&](int c, int) { return constants[c]; });
-  }
+  arrays.add("tension", "Float64", 1, m, [&](int c, int) { return densities[c] * length[c]; });
+  arrays.add("force_density", "Float64", 1, m, [&](int c, int) { return densities[c]; });
+  if (constants.size()) arrays.add("constant", "Float64", 1, m, [&](int c, int) { return constants[c]; });
   out += "</CellData>\n<Cells>\n";
   arrays.add("connectivity", "Int32", 2, m, [&](int c, int k) { return ends[c][k]; });
   arrays.add("offsets", "Int32", 1, m, [&](int c, int) { return 2 * c + 2; });
@@ -215,12 +212,11 @@ std::string vtu_text(const Body& body, const Positions& positions, const VectorX
 
 void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run) {
   std::string collection = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
-  for (std::size_t step = 0; step <= run.states.size(); ++step) {
+  for (std::size_t step = 0; step < run.snapshots.size(); ++step) {
+    const auto& [load_factor, positions, densities] = run.snapshots[step];
     const std::string file = fmt::format("{}-{:03}.vtu", name, step);
-    const Positions& positions = step == 0 ? body.rest : run.states[step - 1].positions;
-    write_whole(folder + "/" + file, vtu_text(body, positions, run.constants));
-    collection +=
-        fmt::format("<DataSet timestep=\"{}\" file=\"{}\"/>\n", step == 0 ? 0. : run.curve[step - 1].load_factor, file);
+    write_whole(folder + "/" + file, vtu_text(body, positions, densities, run.constants));
+    collection += fmt::format("<DataSet timestep=\"{}\" file=\"{}\"/>\n", load_factor, file);
   }
   write_whole(folder + "/" + name + ".pvd", collection + "</Collection>\n</VTKFile>\n");
 }

@@ -48,10 +48,14 @@ Catalog built_in_catalog() {
 
 const char* name_of(StrategyKind kind) {
   switch (kind) {
-    case StrategyKind::spring_rule: return "spring rule";
-    case StrategyKind::updated_spring_rule: return "spring rule, updated";
-    case StrategyKind::cell_law: return "cell law";
-    case StrategyKind::wrapper: return "wrapper";
+    case StrategyKind::spring_rule:
+      return "spring rule";
+    case StrategyKind::updated_spring_rule:
+      return "spring rule, updated";
+    case StrategyKind::cell_law:
+      return "cell law";
+    case StrategyKind::wrapper:
+      return "wrapper";
   }
   return "";
 }

@@ -11,14 +11,15 @@ class Direct final : public LinearSolver {
  public:
   const char* name() const override { return "direct"; }
 
-  LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs, double tolerance,
-                     Positions& x) override {
+  LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
+                     double tolerance, Positions& x) override {
     const int n = static_cast<int>(rhs.cols());
     x.setZero(3, n);
     LinearResult result;
     const double size = ordered_norm(rhs);
     if (size == 0) return result;
-    // A tiny shift lets the factorisation pass zero-energy modes; refinement with the true K takes its effect away again.
+    // A tiny shift lets the factorisation pass zero-energy modes; refinement with the true K takes its effect away
+    // again.
     const double scale = stiffness_scale(tangent), shift = 1e-9 * scale;
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(sparse_stiffness(tangent, supports, shift, scale));
     if (factor.info() != Eigen::Success) {

@@ -8,20 +8,20 @@ namespace elastin {
 
 enum class LinearStatus {
   solved,
-  limit_reached,      ///< the iteration limit, or no further progress in this precision
-  zero_mode,          ///< the right-hand side works on a direction without stiffness
-  negative_mode,      ///< a direction of negative stiffness was met
+  limit_reached,  ///< the iteration limit, or no further progress in this precision
+  zero_mode,      ///< the right-hand side works on a direction without stiffness
+  negative_mode,  ///< a direction of negative stiffness was met
 };
 
 struct LinearResult {
   LinearStatus status = LinearStatus::solved;
   int iterations = 0;
-  double residual = 0;       ///< ‖b − K x‖ / ‖b‖
-  int negative_modes = -1;   ///< eigenvalues of K below zero, −1 where the solver cannot count them
+  double residual = 0;      ///< ‖b − K x‖ / ‖b‖
+  int negative_modes = -1;  ///< eigenvalues of K below zero, −1 where the solver cannot count them
 };
 
-/// Solves K x = b for the free directions of a supported body. Zero-energy modes are no failure as long as b has no part
-/// in them: x then has none of them either, up to rounding.
+/// Solves K x = b for the free directions of a supported body. Zero-energy modes are no failure as long as b has no
+/// part in them: x then has none of them either, up to rounding.
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;

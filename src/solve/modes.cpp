@@ -76,8 +76,8 @@ class Search {
   }
   Vector3 link(int c) const { return body_.rest.col(links_.ends[c][1]) - body_.rest.col(links_.ends[c][0]); }
 
-  /// Holds the rigid motions that the supports leave, at as few molecules as can: the first, one joined to it, one joined
-  /// to both. Each pin takes exactly one rigid motion, so the count of other modes stays as it is.
+  /// Holds the rigid motions that the supports leave, at as few molecules as can: the first, one joined to it, one
+  /// joined to both. Each pin takes exactly one rigid motion, so the count of other modes stays as it is.
   int pin_rigid_motions() {
     const int n = body_.size();
     if (n == 0) return 0;
@@ -86,7 +86,8 @@ class Search {
     Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
     for (int m = 0; m < n; ++m)
       for (int i = 0; i < held_[m].count; ++i) {
-        const Eigen::Matrix<double, 1, 6> row = held_[m].basis.col(i).transpose() * rigid_rows(body_.rest.col(m), centre, size);
+        const Eigen::Matrix<double, 1, 6> row =
+            held_[m].basis.col(i).transpose() * rigid_rows(body_.rest.col(m), centre, size);
         gram += row.transpose() * row;
       }
     // Rotations about the line of a body on a line move nothing: they are no motion at all.
@@ -139,7 +140,9 @@ class Search {
     return order;
   }
 
-  int other_end(int c, int molecule) const { return links_.ends[c][0] == molecule ? links_.ends[c][1] : links_.ends[c][0]; }
+  int other_end(int c, int molecule) const {
+    return links_.ends[c][0] == molecule ? links_.ends[c][1] : links_.ends[c][0];
+  }
   bool joined(int a, int b) const {
     return std::any_of(incident_[a].begin(), incident_[a].end(), [&](int c) { return other_end(c, a) == b; });
   }
@@ -205,7 +208,8 @@ class Search {
     std::vector<int> molecule_of(unknowns);
     for (int m = 0; m < n; ++m)
       for (int u = first_unknown[m]; u < first_unknown[m + 1]; ++u) molecule_of[u] = m;
-    for (const auto& [_, group] : groups) settle_group(group.first, group.second, rows, molecule_of, first_unknown, report);
+    for (const auto& [_, group] : groups)
+      settle_group(group.first, group.second, rows, molecule_of, first_unknown, report);
   }
 
   void settle_group(const std::vector<int>& unknowns, const std::vector<int>& row_numbers,
@@ -248,7 +252,8 @@ class Search {
       for (const int r : row_numbers)
         for (const auto& [u, x] : rows[r])
           for (const auto& [v, y] : rows[r]) entries.emplace_back(local[u], local[v], x * y);
-      for (int i = 0; i < size; ++i) entries.emplace_back(i, i, -1e-9);  // Sylvester: negative pivots = modes below this
+      for (int i = 0; i < size; ++i)
+        entries.emplace_back(i, i, -1e-9);  // Sylvester: negative pivots = modes below this
       Eigen::SparseMatrix<double> gram(size, size);
       gram.setFromTriplets(entries.begin(), entries.end());
       const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(gram);
@@ -281,12 +286,14 @@ class Search {
       text += (i ? ", " : "") + std::to_string(mode.molecules[i]);
     if (mode.molecules.size() > shown) text += " and " + std::to_string(mode.molecules.size() - shown) + " more";
     if (mode.direction == Vector3::Zero())
-      return text + (mode.count > 1 ? ": " + std::to_string(mode.count) + " independent motions" : ": one joint motion");
+      return text +
+             (mode.count > 1 ? ": " + std::to_string(mode.count) + " independent motions" : ": one joint motion");
     text += mode.molecules.size() == 1 ? " moves along " : " slide together along ";
     for (int axis = 0; axis < 3; ++axis)
       if (mode.direction[axis] > 1 - 1e-9) return text + "xyz"[axis];
     char buffer[64];
-    std::snprintf(buffer, sizeof buffer, "(%.3f, %.3f, %.3f)", mode.direction.x(), mode.direction.y(), mode.direction.z());
+    std::snprintf(buffer, sizeof buffer, "(%.3f, %.3f, %.3f)", mode.direction.x(), mode.direction.y(),
+                  mode.direction.z());
     return text + buffer;
   }
 
@@ -299,7 +306,8 @@ class Search {
 
 }  // namespace
 
-ModeReport find_zero_energy_modes(const Body& body, const std::vector<Support>& supports, const std::vector<char>& stiff) {
+ModeReport find_zero_energy_modes(const Body& body, const std::vector<Support>& supports,
+                                  const std::vector<char>& stiff) {
   return Search(body, supports, stiff).run();
 }
 

@@ -24,7 +24,8 @@ std::vector<Matrix3> block_preconditioner(const Tangent& tangent, const std::vec
     Matrix3& block = blocks[support.molecule];
     block = (support.free * block * support.free).eval();
   }
-  parallel_for(static_cast<int>(blocks.size()), [&](int molecule) { blocks[molecule] = pseudo_inverse(blocks[molecule]); });
+  parallel_for(static_cast<int>(blocks.size()),
+               [&](int molecule) { blocks[molecule] = pseudo_inverse(blocks[molecule]); });
   return blocks;
 }
 
@@ -32,8 +33,8 @@ class Pcg final : public LinearSolver {
  public:
   const char* name() const override { return "pcg"; }
 
-  LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs, double tolerance,
-                     Positions& x) override {
+  LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
+                     double tolerance, Positions& x) override {
     const int n = static_cast<int>(rhs.cols());
     const std::vector<Matrix3> inverse = block_preconditioner(tangent, supports);
     Positions r = rhs, z(3, n), p(3, n), kp(3, n);

@@ -91,8 +91,7 @@ void follow_supports(Model& model, State& state, const StaticOptions& options, S
   if (way.cwiseAbs().maxCoeff() == 0) return;
   StaticOptions rough = options;
   rough.tolerance = 1e-3;
-  const StaticResponse response =
-      static_response(model, state.positions, Positions::Zero(3, way.cols()), way, rough);
+  const StaticResponse response = static_response(model, state.positions, Positions::Zero(3, way.cols()), way, rough);
   result.linear_iterations += response.result.linear_iterations;
   const Positions stretched = state.positions + response.motion;
   const bool usable = response.motion.allFinite() && std::isfinite(model.elastic_energy(stretched));
@@ -178,7 +177,8 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
     if (now.forces.norm <= goal) break;
     if (result.newton_iterations == options.newton_limit) {
       result.outcome = Outcome::limit_reached;
-      result.cause = "no equilibrium within " + std::to_string(options.newton_limit) + " Newton iterations";
+      result.cause = "no equilibrium within " + std::to_string(options.newton_limit) + " Newton iteration" +
+                     (options.newton_limit == 1 ? "" : "s");
       break;
     }
     // Solve each step no further than the next unbalanced force can use. [Eisenstat & Walker 1996, choice 2]
@@ -186,7 +186,8 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
     forcing = std::max(forcing, 0.1 * goal / now.forces.norm);
     last = now.forces.norm;
     Positions motion;
-    const LinearResult linear = solve_linear(tangent, model.supports, now.forces.unbalanced, forcing, options, motion, used);
+    const LinearResult linear =
+        solve_linear(tangent, model.supports, now.forces.unbalanced, forcing, options, motion, used);
     result.linear_iterations += linear.iterations;
     ++result.newton_iterations;
     result.unstable = linear.status == LinearStatus::negative_mode || linear.negative_modes > 0;
@@ -220,11 +221,16 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
 
 const char* name_of(Outcome outcome) {
   switch (outcome) {
-    case Outcome::converged: return "converged";
-    case Outcome::limit_reached: return "limit_reached";
-    case Outcome::inverted: return "inverted";
-    case Outcome::diverged: return "diverged";
-    case Outcome::mechanism: return "mechanism";
+    case Outcome::converged:
+      return "converged";
+    case Outcome::limit_reached:
+      return "limit_reached";
+    case Outcome::inverted:
+      return "inverted";
+    case Outcome::diverged:
+      return "diverged";
+    case Outcome::mechanism:
+      return "mechanism";
   }
   return "";
 }

@@ -9,17 +9,17 @@
 
 namespace elastin {
 
-/// k₀ = (E A / l₀) / (1 + Σ cos_i (l_i/l₀)^p): the neighbours of a connection carry part of its load, each by the cosine
-/// of the angle between them. [M03, eq. 16]; eq. 17 is lost, this is the reading of its text (p = 1: k_i/l_i equal).
-/// The sum runs over the connections that share an end with 0 and open to the same side (cos_i > 0); the sums of the two
-/// ends are averaged.
+/// k₀ = (E A / l₀) / (1 + Σ cos_i (l_i/l₀)^p): the neighbours of a connection carry part of its load, each by the
+/// cosine of the angle between them. [M03, eq. 16]; eq. 17 is lost, this is the reading of its text (p = 1: k_i/l_i
+/// equal). The sum runs over the connections that share an end with 0 and open to the same side (cos_i > 0); the sums
+/// of the two ends are averaged.
 struct Angles {
   static constexpr std::string_view name = "angles";
   static constexpr std::string_view summary = "standard, less what connections at an angle carry (cosine-weighted)";
   static constexpr std::string_view source = "[M03] eq. 16 (eq. 17 is lost: a reading)";
   double exponent = 1;
-  static constexpr std::array parameters{Parameter<Angles>{
-      "exponent", &Angles::exponent, dimension::none, -4, 4, "p of (l_i/l0)^p; 1 is the paper's derivation"}};
+  static constexpr std::array parameters{Parameter<Angles>{"exponent", &Angles::exponent, dimension::none, -4, 4,
+                                                           "p of (l_i/l0)^p; 1 is the paper's derivation"}};
 
   VectorX constants(const Body& body, const Material& material) const { return constants(body, material, body.rest); }
 

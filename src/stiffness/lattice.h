@@ -7,9 +7,10 @@
 
 namespace elastin {
 
-/// Exact on simple cubic lattices: each connection is shared among the cubes that it bounds (axis ¼ a cube, face diagonal
-/// ½, space diagonal 1). Full constants k₁ (axis), k₂ (face), k₃ (space) make an isotropic body when k₁ = k₂ + 8/3 k₃;
-/// then E = 2.5 (k₂ + 4/3 k₃)/a and ν = ¼. With face and space diagonals both there one number is free: `face_part`.
+/// Exact on simple cubic lattices: each connection is shared among the cubes that it bounds (axis ¼ a cube, face
+/// diagonal ½, space diagonal 1). Full constants k₁ (axis), k₂ (face), k₃ (space) make an isotropic body when k₁ = k₂ +
+/// 8/3 k₃; then E = 2.5 (k₂ + 4/3 k₃)/a and ν = ¼. With face and space diagonals both there one number is free:
+/// `face_part`.
 struct Lattice {
   static constexpr std::string_view name = "lattice";
   static constexpr std::string_view summary = "exact on simple cubic lattices with diagonals: E itself and nu = 1/4";
@@ -23,7 +24,8 @@ struct Lattice {
     if (body.cubes.empty()) return "needs a simple cubic lattice";
     const auto present = kinds(body);
     if (!present[0]) return "needs the lattice's axis connections";
-    if (!present[1] && !present[2]) return "needs face or space diagonals: a lattice of axes alone has no shear stiffness";
+    if (!present[1] && !present[2])
+      return "needs face or space diagonals: a lattice of axes alone has no shear stiffness";
     return "";
   }
 
@@ -41,7 +43,8 @@ struct Lattice {
   }
 
  private:
-  /// Calls share(connection, kind) for each cube and each connection between two of its corners; kind 0 axis, 1 face, 2 space.
+  /// Calls share(connection, kind) for each cube and each connection between two of its corners; kind 0 axis, 1 face, 2
+  /// space.
   template <class Share>
   static void each_share(const Body& body, Share share) {
     const Rows incident = connections_of_molecules(body.size(), body.connections);

@@ -7,7 +7,8 @@
 namespace elastin {
 
 /// Springs fitted to the linear finite-element stiffness of equilateral cells, applied to any. [LSH07]
-/// Triangles: k = Σ E t √3/4 |T|/|T₀|, |T₀| = √3/4 c² the equilateral triangle on side c. Tetrahedra: 24/25 of Van Gelder's.
+/// Triangles: k = Σ E t √3/4 |T|/|T₀|, |T₀| = √3/4 c² the equilateral triangle on side c. Tetrahedra: 24/25 of Van
+/// Gelder's.
 struct Lloyd {
   static constexpr std::string_view name = "lloyd";
   static constexpr std::string_view summary = "springs fitted to the linear finite elements of regular cells";
@@ -20,7 +21,8 @@ struct Lloyd {
     const auto tetrahedra = connections_of_each_cell<4>(body.connections, body.tetrahedra);
     for (std::size_t cell = 0; cell < tetrahedra.size(); ++cell)
       for (const int c : tetrahedra[cell])
-        k[c] += 24. / 25 * material.youngs_modulus * signed_volume(body.rest, body.tetrahedra[cell]) / (length[c] * length[c]);
+        k[c] += 24. / 25 * material.youngs_modulus * signed_volume(body.rest, body.tetrahedra[cell]) /
+                (length[c] * length[c]);
     const double root3 = std::sqrt(3.);
     const auto triangles = connections_of_each_cell<3>(body.connections, body.triangles);
     for (std::size_t cell = 0; cell < triangles.size(); ++cell) {

@@ -8,11 +8,11 @@ namespace elastin {
 
 /// S = λ J (J − 1) C⁻¹ + μ (I − C⁻¹), W = V (μ/2 (tr C − 3) − μ ln J + λ/2 (J − 1)²). [L03]
 ///
-/// With G_ab = b_aᵀ C⁻¹ b_b, which are the dot products of the *present* gradients of the barycentric coordinates and thus
-/// follow from the present lengths alone, and G⁰_ab = b_aᵀ b_b those at rest:
+/// With G_ab = b_aᵀ C⁻¹ b_b, which are the dot products of the *present* gradients of the barycentric coordinates and
+/// thus follow from the present lengths alone, and G⁰_ab = b_aᵀ b_b those at rest:
 ///   q_ab = −V (g G_ab + μ G⁰_ab),  g = λ J (J − 1) − μ,  tr C = −Σ s_ab G⁰_ab.
-/// Cannot tell an inverted cell from its mirror image; see forces/elastic. A cell so flat that rounding decides the sign of
-/// det C (at or below 1e-14) has energy +∞; its q and slope are finite, as if J were 1e-7: a strong push apart.
+/// Cannot tell an inverted cell from its mirror image; see forces/elastic. A cell so flat that rounding decides the
+/// sign of det C (at or below 1e-14) has energy +∞; its q and slope are finite, as if J were 1e-7: a strong push apart.
 struct NeoHookean {
   static constexpr int corners = 4;
   static constexpr std::string_view name = "neo_hookean";

@@ -146,11 +146,11 @@ struct PatchTest {
   }
 };
 
-/// The y ≥ 0 of least |sums(y) − wanted|² + pull |y − uniform|²: conjugate gradients on the positive unknowns; a step that
-/// would turn some negative is projected and followed by a step of fixed length down the free gradient; unknowns held at
-/// zero are let go together once their gradient outweighs the free one (MPRGP) [Dostál 2009, ch. 5].
-/// Ends when the projected gradient is small, or, where no constants pass the patch test, when 100 steps no longer lower
-/// the misfit by 1 %: at 1e5 connections and 15 % jitter four times as many steps would gain 2 % more.
+/// The y ≥ 0 of least |sums(y) − wanted|² + pull |y − uniform|²: conjugate gradients on the positive unknowns; a step
+/// that would turn some negative is projected and followed by a step of fixed length down the free gradient; unknowns
+/// held at zero are let go together once their gradient outweighs the free one (MPRGP) [Dostál 2009, ch. 5]. Ends when
+/// the projected gradient is small, or, where no constants pass the patch test, when 100 steps no longer lower the
+/// misfit by 1 %: at 1e5 connections and 15 % jitter four times as many steps would gain 2 % more.
 VectorX non_negative_least_squares(const PatchTest& test) {
   constexpr double pull = 1e-6, tolerance = 1e-7, worthwhile = 0.99;
   constexpr int most_steps = 5000, window = 100;

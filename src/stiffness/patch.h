@@ -5,9 +5,9 @@
 
 namespace elastin {
 
-/// The constants k ≥ 0 with which every molecule comes nearest to passing the linear patch test: under any uniform strain
-/// ε its connections balance what the surrounding solid exerts on its part A_i of the surface (outward area vector [m²],
-/// 0 inside),
+/// The constants k ≥ 0 with which every molecule comes nearest to passing the linear patch test: under any uniform
+/// strain ε its connections balance what the surrounding solid exerts on its part A_i of the surface (outward area
+/// vector [m²], 0 inside),
 ///   Σ_j k_ij L_ij n n n = −C : A_i,  C_ijkl = 0.4 E (δ_ij δ_kl + δ_ik δ_jl + δ_il δ_jk):
 /// 10 equations a molecule, solved by non-negative least squares. Where they hold exactly (cubic lattices with face
 /// diagonals), E comes out as asked and ν = ¼; the material's ν is not used. Where they can't (disorder, or the 14

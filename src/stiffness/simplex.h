@@ -30,9 +30,10 @@ template <int corners>
 struct Simplex {
   static constexpr int dimensions = corners - 1;
 
-  Eigen::Matrix<double, dimensions, corners> gradients;  ///< b_a of the barycentric coordinates [1/m], a column a corner
-  double measure;                                        ///< volume [m³] or area [m²], > 0
-  CellVector<corners> squared_lengths;                   ///< s⁰ [m²]
+  Eigen::Matrix<double, dimensions, corners>
+      gradients;                        ///< b_a of the barycentric coordinates [1/m], a column a corner
+  double measure;                       ///< volume [m³] or area [m²], > 0
+  CellVector<corners> squared_lengths;  ///< s⁰ [m²]
 
   /// @param rest places of the corners [m], a column a corner.
   explicit Simplex(const Eigen::Matrix<double, 3, corners>& rest) {
@@ -52,8 +53,8 @@ struct Simplex {
     gradients.col(0) = -gradients.template rightCols<dimensions>().rowwise().sum();
   }
 
-  /// B_c = −½ (b_a b_bᵀ + b_b b_aᵀ) [1/m²] of connection c = ab. The right Cauchy–Green tensor is C = Σ_c s_c B_c, hence
-  /// q_c = 2 ∂W/∂s_c = V S : B_c for any energy W = V w(C), S = 2 ∂w/∂C.
+  /// B_c = −½ (b_a b_bᵀ + b_b b_aᵀ) [1/m²] of connection c = ab. The right Cauchy–Green tensor is C = Σ_c s_c B_c,
+  /// hence q_c = 2 ∂W/∂s_c = V S : B_c for any energy W = V w(C), S = 2 ∂w/∂C.
   Eigen::Matrix<double, dimensions, dimensions> basis(int connection) const {
     const auto [a, b] = corner_pairs<corners>()[connection];
     return -0.5 * (gradients.col(a) * gradients.col(b).transpose() + gradients.col(b) * gradients.col(a).transpose());

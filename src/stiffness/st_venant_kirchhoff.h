@@ -3,10 +3,10 @@
 
 namespace elastin {
 
-/// S = λ tr(E) I + 2μ E, E = ½ (C − I): linear in the squared lengths, so that q = K (s − s⁰) with a constant symmetric K,
-/// K_cd = V/2 (λ tr B_c tr B_d + 2μ B_c : B_d), V the volume, or thickness times area. [L03, D08]
-/// Exact linear elasticity at small strain; under strong compression it softens, and it lets a cell fall flat (J → 0) at
-/// finite energy.
+/// S = λ tr(E) I + 2μ E, E = ½ (C − I): linear in the squared lengths, so that q = K (s − s⁰) with a constant symmetric
+/// K, K_cd = V/2 (λ tr B_c tr B_d + 2μ B_c : B_d), V the volume, or thickness times area. [L03, D08] Exact linear
+/// elasticity at small strain; under strong compression it softens, and it lets a cell fall flat (J → 0) at finite
+/// energy.
 template <int cell_corners>
 struct StVenantKirchhoffCell {
   static constexpr int corners = cell_corners;

@@ -9,8 +9,8 @@ namespace elastin {
 /// Tension of side b, a and c the other two:  F_b = Q b₀ (a₀² q_a − b₀² q_b + c₀² q_c),
 ///   Q = E t/(8 (1−ν²) |T₀|),  q_s = ε_n(s) + ν ε_τ(s),  ε_τ = s/s₀ − 1,  ε_n = h/h₀ − 1, h the height on side s.
 /// At small strain it is plane stress, on any triangle; at finite strain it has no energy: ∂q/∂s is not symmetric.
-/// A triangle falling flat has finite forces, but its heights change ever faster: below an area of 2.5e-8 (a²+b²+c²) the
-/// slope is the one at that area. A side shorter than 1e-8 of its rest length counts as that long.
+/// A triangle falling flat has finite forces, but its heights change ever faster: below an area of 2.5e-8 (a²+b²+c²)
+/// the slope is the one at that area. A side shorter than 1e-8 of its rest length counts as that long.
 struct TwoParameter {
   static constexpr int corners = 3;
   static constexpr std::string_view name = "two_parameter";

@@ -13,9 +13,12 @@ struct Uniform {
   static constexpr std::string_view source = "user";
   double constant = 1;
   static constexpr std::array parameters{Parameter<Uniform>{"constant", &Uniform::constant, dimension::stiffness, -1e12,
-                                                            1e12, "k of every connection; negative is allowed and said"}};
+                                                            1e12,
+                                                            "k of every connection; negative is allowed and said"}};
 
-  VectorX constants(const Body& body, const Material&) const { return VectorX::Constant(body.connections.size(), constant); }
+  VectorX constants(const Body& body, const Material&) const {
+    return VectorX::Constant(body.connections.size(), constant);
+  }
 };
 
 }  // namespace elastin

@@ -7,11 +7,12 @@
 namespace elastin {
 
 /// Tetrahedra: k = E Σ V(T) / L² over the tetrahedra on the connection [VG98; M03 eq. 15]. Triangles, thickness t:
-/// k = Σ E t/(1+ν) |T|/c² + E t ν/(1−ν²) (a²+b²−c²)/(8|T|), c the connection's side [TP eq. 1]; negative where the angle
-/// across is obtuse enough. Not exact on any mesh: blocks measure 0.9 to 1.2 E.
+/// k = Σ E t/(1+ν) |T|/c² + E t ν/(1−ν²) (a²+b²−c²)/(8|T|), c the connection's side [TP eq. 1]; negative where the
+/// angle across is obtuse enough. Not exact on any mesh: blocks measure 0.9 to 1.2 E.
 struct VanGelder {
   static constexpr std::string_view name = "van_gelder";
-  static constexpr std::string_view summary = "k = E sum of V/L^2 over the cells on the connection (areas on membranes)";
+  static constexpr std::string_view summary =
+      "k = E sum of V/L^2 over the cells on the connection (areas on membranes)";
   static constexpr std::string_view source = "[VG98], [M03] eq. 15, [TP] eq. 1";
 
   static std::string unsuited(const Body& body) {
@@ -36,8 +37,7 @@ struct VanGelder {
       for (const int c : sides) sixteen_area_squared -= 2 * squared(c) * squared(c);
       const double area = std::sqrt(sixteen_area_squared) / 4;
       for (const int c : sides)
-        k[c] += E * t / (1 + nu) * area / squared(c) +
-                E * t * nu / (1 - nu * nu) * (sum - 2 * squared(c)) / (8 * area);
+        k[c] += E * t / (1 + nu) * area / squared(c) + E * t * nu / (1 - nu * nu) * (sum - 2 * squared(c)) / (8 * area);
     }
     return k;
   }

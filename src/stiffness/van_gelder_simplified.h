@@ -9,7 +9,9 @@ struct VanGelderSimplified {
   static constexpr std::string_view summary = "van_gelder with nu = 0: never negative";
   static constexpr std::string_view source = "[TP] eq. 2";
   static std::string unsuited(const Body& body) { return VanGelder::unsuited(body); }
-  VectorX constants(const Body& body, const Material& material) const { return VanGelder::constants(body, material, 0); }
+  VectorX constants(const Body& body, const Material& material) const {
+    return VanGelder::constants(body, material, 0);
+  }
 };
 
 }  // namespace elastin

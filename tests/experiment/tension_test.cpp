@@ -32,7 +32,8 @@ TensionSetup gentle_pull(double area, double E = 1e4) {
   return setup;
 }
 
-Run pull(const Specimen& specimen, const TensionSetup& setup, const std::string& strategy, const StaticOptions& statics = {}) {
+Run pull(const Specimen& specimen, const TensionSetup& setup, const std::string& strategy,
+         const StaticOptions& statics = {}) {
   const auto experiment = make_tension(specimen.body, setup);
   Run run = run_strategy(specimen, *experiment, choose_strategy(kCatalog, strategy), {.statics = statics});
   INFO(strategy << ": " << run.cause);
@@ -50,7 +51,8 @@ TEST_CASE("the published tables, judged as the scenes say", "[tension][M03]") {
   for (const std::string name : {"table1-a", "table1-b", "table1-c", "table1-d", "table2"}) {
     const auto scene = load_scene(std::string(ELASTIN_SOURCE_DIR) + "/scenes/tension/" + name + ".yaml", kCatalog);
     for (const StrategyChoice& choice : scene->strategies) {
-      const Record record = make_record(*scene, run_strategy(scene->specimen, *scene->experiment, choice, {.statics = scene->statics}));
+      const Record record =
+          make_record(*scene, run_strategy(scene->specimen, *scene->experiment, choice, {.statics = scene->statics}));
       for (const Verdict& verdict : record.verdicts) {
         INFO(name << " " << choice.label << ": " << verdict.measured << " for " << verdict.expectation.value);
         CHECK(std::isfinite(verdict.measured));
@@ -70,10 +72,19 @@ TEST_CASE("elongations of the papers' lattices as computed elsewhere", "[tension
     std::string scene, strategy;
     double elongation;
   };
-  for (const Case& c : {Case{"table1-a", "standard", 3.3333}, {"table1-a", "statistical", 1.6667}, {"table1-b", "standard", 3.3333},
-                        {"table1-b", "statistical", 5.735}, {"table1-c", "standard", 1.3359}, {"table1-c", "statistical", 4.5811},
-                        {"table1-c", "angles", 3.973}, {"table1-d", "standard", 0.8046}, {"table1-d", "statistical", 3.3981},
-                        {"table2", "standard", 2.2995}, {"table2", "statistical", 11.3832}, {"table2", "angles", 8.589}, {"table2", "divided", 8.5917}}) {
+  for (const Case& c : {Case{"table1-a", "standard", 3.3333},
+                        {"table1-a", "statistical", 1.6667},
+                        {"table1-b", "standard", 3.3333},
+                        {"table1-b", "statistical", 5.735},
+                        {"table1-c", "standard", 1.3359},
+                        {"table1-c", "statistical", 4.5811},
+                        {"table1-c", "angles", 3.973},
+                        {"table1-d", "standard", 0.8046},
+                        {"table1-d", "statistical", 3.3981},
+                        {"table2", "standard", 2.2995},
+                        {"table2", "statistical", 11.3832},
+                        {"table2", "angles", 8.589},
+                        {"table2", "divided", 8.5917}}) {
     const auto scene = load_scene(std::string(ELASTIN_SOURCE_DIR) + "/scenes/tension/" + c.scene + ".yaml", kCatalog);
     const Run run = run_strategy(scene->specimen, *scene->experiment, choose_strategy(kCatalog, c.strategy), {});
     INFO(c.scene << " " << c.strategy);
@@ -93,7 +104,8 @@ TEST_CASE("lattice: E and nu = 1/4 on cubes of any size, by force and by displac
         CHECK(modulus(run) == Approx(1e4).epsilon(by_force ? 1e-4 : 1e-8));
         CHECK(run.measures.get("poissons_ratio") == Approx(0.25).epsilon(by_force ? 1e-4 : 1e-8));
         CHECK(run.measures.get("reaction_balance") < 1e-9);
-        // Axes and space diagonals alone leave two motions of one sublattice against the other, which tension never meets.
+        // Axes and space diagonals alone leave two motions of one sublattice against the other, which tension never
+        // meets.
         CHECK(run.zero_energy_modes == (pattern.face ? 0 : 2));
       }
     }
@@ -102,8 +114,10 @@ TEST_CASE("lattice: E and nu = 1/4 on cubes of any size, by force and by displac
 TEST_CASE("infinite lattices: standard and statistical tend to their closed forms", "[tension]") {
   // E over E A_mol/h² and nu of infinite lattices: axis + face 2.0938 (.227), with space 2.2480 (.317);
   // statistical .2991, .3459. Surfaces fade as 1/n: three sizes, extrapolated twice.
-  for (const auto& [space, rule, E, nu] : {std::tuple{false, "standard", 2.0938, .227}, {true, "standard", 2.2480, .317},
-                                          {false, "statistical", .2991, .227}, {true, "statistical", .3459, .317}}) {
+  for (const auto& [space, rule, E, nu] : {std::tuple{false, "standard", 2.0938, .227},
+                                           {true, "standard", 2.2480, .317},
+                                           {false, "statistical", .2991, .227},
+                                           {true, "statistical", .3459, .317}}) {
     std::array<double, 3> measured{}, ratio{};
     for (const std::size_t i : {0u, 1u, 2u}) {
       const int n = (8 << i) + 1;
@@ -121,7 +135,8 @@ TEST_CASE("infinite lattices: standard and statistical tend to their closed form
 }
 
 TEST_CASE("calibrated: every rule measures E on every body", "[tension]") {
-  std::vector<Specimen> specimens{cube(4, {true, true, false}), cube(4, {true, true, true}), cube(3, {true, false, false})};
+  std::vector<Specimen> specimens{cube(4, {true, true, false}), cube(4, {true, true, true}),
+                                  cube(3, {true, false, false})};
   Specimen block;
   block.material.youngs_modulus = 1e4;
   block.body = jittered_block();
@@ -145,8 +160,9 @@ TEST_CASE("calibrated: every rule measures E on every body", "[tension]") {
 
 TEST_CASE("Van Gelder's rule tends to its closed forms on the three blocks of tetrahedra", "[tension]") {
   // Infinite meshes: Kuhn 1.0345 E, .034; alternating 6/5, 1/5; body-centred 6/7, 2/7. Surfaces fade as 1/n.
-  for (const auto& [kind, E, nu] : {std::tuple{BlockKind::kuhn, 1.0345, .034}, {BlockKind::alternating, 1.2, .2},
-                                   {BlockKind::body_centred, 6. / 7, 2. / 7}}) {
+  for (const auto& [kind, E, nu] : {std::tuple{BlockKind::kuhn, 1.0345, .034},
+                                    {BlockKind::alternating, 1.2, .2},
+                                    {BlockKind::body_centred, 6. / 7, 2. / 7}}) {
     std::array<double, 3> measured{}, ratio{};
     for (const int i : {0, 1, 2}) {
       const int n = 4 << i;
@@ -193,7 +209,8 @@ TEST_CASE("a clamped block tends to the converged finite elements of the same pr
     TensionSetup setup;
     setup.force = 1;
     setup.fixed_grip = Grip::clamped;
-    error[static_cast<std::size_t>(i)] = modulus(pull(specimen, setup, "lattice", {.linear = true})) / 5000 / 1.04069778 - 1;
+    error[static_cast<std::size_t>(i)] =
+        modulus(pull(specimen, setup, "lattice", {.linear = true})) / 5000 / 1.04069778 - 1;
   }
   INFO("errors " << error[0] << " " << error[1] << " " << error[2]);
   CHECK(std::abs(error[2]) < 0.001);
@@ -256,6 +273,28 @@ TEST_CASE("measured moduli have the same bits on 1, 2 and 3 threads", "[tension]
   CHECK(measured[0] == measured[2]);
 }
 
+TEST_CASE("the scene's own loads are there before the experiment: weight does not change the modulus", "[tension]") {
+  Specimen specimen = cube(5, {true, true, false});
+  const double plain = modulus(pull(specimen, gentle_pull(0.0016), "lattice", {.linear = true}));
+  specimen.loads.push_back([](const Body& body) { return make_gravity(body, {0, 0, -9.81}); });
+  for (const bool linear : {true, false}) {
+    const Run run = pull(specimen, gentle_pull(0.0016), "lattice", {.linear = linear});
+    CHECK(modulus(run) == Approx(plain).epsilon(linear ? 1e-6 : 0.1));  // weight strains it by 1 %: other lengths
+    CHECK(run.measures.get("reaction_balance") < 1e-3);  // of the small pull; the weight is 1e3 times as large
+  }
+}
+
+TEST_CASE("a body pressed through itself is no result", "[tension]") {
+  const Specimen specimen = cube(3, {true, false, false});
+  TensionSetup setup;
+  setup.force = -100;
+  const auto experiment = make_tension(specimen.body, setup);
+  const Run run =
+      run_strategy(specimen, *experiment, choose_strategy(kCatalog, "standard"), {.statics = {.linear = true}});
+  CHECK(run.outcome == Outcome::inverted);
+  CHECK_THAT(run.cause, Catch::Contains("through itself"));
+}
+
 TEST_CASE("one connection's curve: secant, tangent and average modulus by hand", "[tension]") {
   // Force control of a linear spring: every secant and the tangent are k l₀ / A.
   Specimen specimen;
@@ -268,7 +307,8 @@ TEST_CASE("one connection's curve: secant, tangent and average modulus by hand",
   setup.load_steps = 4;
   const Run run = pull(specimen, setup, "standard");
   REQUIRE(run.curve.size() == 4);
-  for (const CurvePoint& point : run.curve) CHECK(point.measures.get("effective_modulus") == Approx(5000).epsilon(1e-9));
+  for (const CurvePoint& point : run.curve)
+    CHECK(point.measures.get("effective_modulus") == Approx(5000).epsilon(1e-9));
   CHECK(run.measures.get("tangent_modulus") == Approx(5000).epsilon(1e-9));
   CHECK(run.measures.get("average_modulus") == Approx(5000).epsilon(1e-9));
   CHECK(run.measures.get("energy") == Approx(0.5 * 1 / 300.).epsilon(1e-9));
@@ -311,7 +351,8 @@ TEST_CASE("clamped grips hold sideways, sliding ones do not; both balance", "[te
   TensionSetup setup;
   setup.displacement = 0.004;
   double last = 0;
-  for (const auto& [fixed, loaded] : {std::pair{Grip::sliding, Grip::sliding}, {Grip::clamped, Grip::sliding}, {Grip::clamped, Grip::clamped}}) {
+  for (const auto& [fixed, loaded] :
+       {std::pair{Grip::sliding, Grip::sliding}, {Grip::clamped, Grip::sliding}, {Grip::clamped, Grip::clamped}}) {
     setup.fixed_grip = fixed;
     setup.loaded_grip = loaded;
     const Run run = pull(specimen, setup, "lattice");
@@ -329,6 +370,7 @@ TEST_CASE("a strategy that cannot run is a row, not an error; wrong setups are e
   CHECK_FALSE(run.suited);
   CHECK_FALSE(run.cause.empty());
   CHECK_THROWS_WITH(make_tension(cubic_lattice({1, 1, 2}, 1, {}), gentle_pull(1)), Catch::Contains("cross_section"));
-  CHECK_THROWS_WITH(make_tension(cubic_lattice({2, 2, 1}, 1, {}), gentle_pull(1)), Catch::Contains("length along the axis"));
+  CHECK_THROWS_WITH(make_tension(cubic_lattice({2, 2, 1}, 1, {}), gentle_pull(1)),
+                    Catch::Contains("length along the axis"));
   CHECK_THROWS_WITH(choose_strategy(kCatalog, "calibrated:angles_update"), Catch::Contains("only a spring rule"));
 }

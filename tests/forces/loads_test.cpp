@@ -51,7 +51,8 @@ TEST_CASE("internal damping works along connections only and never adds energy",
   // A rigid motion is not damped.
   State rigid = state;
   const Vector3 spin(1, -2, 0.5);
-  for (int i = 0; i < body.size(); ++i) rigid.velocities.col(i) = Vector3(3, 1, 2) + spin.cross(Vector3(state.positions.col(i)));
+  for (int i = 0; i < body.size(); ++i)
+    rigid.velocities.col(i) = Vector3(3, 1, 2) + spin.cross(Vector3(state.positions.col(i)));
   CHECK(forces_of(*damping, rigid).norm() <= 1e-12 * forces.norm());
   // Two molecules by hand: F = −b (Δv·u) u.
   Body pair = listed_body({{0, 0, 0}, {2, 0, 0}}, {{0, 1}});
@@ -75,7 +76,8 @@ TEST_CASE("loads: energies and changes agree with differences", "[loads]") {
     State plus = state, minus = state;
     plus.positions += h * dx, minus.positions -= h * dx;
     if (load->acts_at_rest())
-      CHECK(-(load->energy(plus) - load->energy(minus)) / (2 * h) == Approx(forces_of(*load, state).cwiseProduct(dx).sum()).epsilon(1e-7));
+      CHECK(-(load->energy(plus) - load->energy(minus)) / (2 * h) ==
+            Approx(forces_of(*load, state).cwiseProduct(dx).sum()).epsilon(1e-7));
     plus.velocities += h * dv, minus.velocities -= h * dv;
     const Positions measured = (forces_of(*load, plus) - forces_of(*load, minus)) / (2 * h);
     Positions predicted = Positions::Zero(3, body.size());

@@ -20,7 +20,8 @@ double shortest_distance(const Positions& places) {
 
 std::vector<int> neighbour_counts(const Body& body) {
   std::vector<int> counts(static_cast<std::size_t>(body.size()), 0);
-  for (const auto& [a, b] : body.connections.ends) ++counts[static_cast<std::size_t>(a)], ++counts[static_cast<std::size_t>(b)];
+  for (const auto& [a, b] : body.connections.ends)
+    ++counts[static_cast<std::size_t>(a)], ++counts[static_cast<std::size_t>(b)];
   return counts;
 }
 
@@ -33,8 +34,8 @@ TEST_CASE("cubic lattices have the molecules and connections of the papers", "[m
     int connections;
   };
   // 27 and 1000 molecules: [M03] Tables 1 and 2; 22^3 and 47^3: 3n²(n−1) axis and 6n(n−1)² face connections.
-  const std::vector<Case> cases{{{1, 1, 2}, {true, false, false}, 1},   {{3, 3, 3}, {true, false, false}, 54},
-                                {{3, 3, 3}, {true, true, false}, 126},  {{3, 3, 3}, {true, true, true}, 158},
+  const std::vector<Case> cases{{{1, 1, 2}, {true, false, false}, 1},      {{3, 3, 3}, {true, false, false}, 54},
+                                {{3, 3, 3}, {true, true, false}, 126},     {{3, 3, 3}, {true, true, true}, 158},
                                 {{10, 10, 10}, {true, true, false}, 7560}, {{22, 22, 22}, {true, true, false}, 88704}};
   for (const Case& c : cases) {
     const Body body = cubic_lattice(c.molecules, 0.5, c.pattern);
@@ -66,7 +67,8 @@ TEST_CASE("body- and face-centred lattices have their coordination numbers insid
 
 TEST_CASE("tetrahedral blocks fill their box with positive cells that share whole faces", "[model]") {
   const Vector3 size(0.2, 0.3, 0.4);
-  for (const auto& [kind, inner_cells] : {std::pair{BlockKind::kuhn, 6}, {BlockKind::alternating, 5}, {BlockKind::body_centred, 12}}) {
+  for (const auto& [kind, inner_cells] :
+       {std::pair{BlockKind::kuhn, 6}, {BlockKind::alternating, 5}, {BlockKind::body_centred, 12}}) {
     const Body body = tetrahedral_block(kind, {4, 3, 2}, size);
     double volume = 0;
     std::vector<std::array<int, 3>> faces;
@@ -87,7 +89,10 @@ TEST_CASE("tetrahedral blocks fill their box with positive cells that share whol
     std::sort(faces.begin(), faces.end());
     double surface = 0;
     for (std::size_t i = 0; i < faces.size();) {
-      const std::size_t same = static_cast<std::size_t>(std::upper_bound(faces.begin() + static_cast<long>(i), faces.end(), faces[i]) - faces.begin()) - i;
+      const std::size_t same =
+          static_cast<std::size_t>(std::upper_bound(faces.begin() + static_cast<long>(i), faces.end(), faces[i]) -
+                                   faces.begin()) -
+          i;
       REQUIRE(same <= 2);
       if (same == 1) {
         const auto& [a, b, c] = faces[i];
@@ -107,7 +112,8 @@ TEST_CASE("tetrahedral blocks fill their box with positive cells that share whol
 TEST_CASE("a random packing keeps its distance, its density and its seed", "[model]") {
   const Vector3 size(0.012, 0.010, 0.014);
   const double distance = 0.001;
-  const Body one = random_packing(size, distance, 1.5 * distance, 7), same = random_packing(size, distance, 1.5 * distance, 7),
+  const Body one = random_packing(size, distance, 1.5 * distance, 7),
+             same = random_packing(size, distance, 1.5 * distance, 7),
              other = random_packing(size, distance, 1.5 * distance, 8);
   CHECK(shortest_distance(one.rest) >= distance);
   CHECK(one.rest == same.rest);

@@ -252,8 +252,9 @@ TEST_CASE("a VTU file holds molecules as points and connections as lines", "[fil
   Runs runs = run(kBar, "standard");
   const Body& body = runs.scene->specimen.body;
   const Run& last = runs.records.front().run;
-  REQUIRE(last.states.size() == 4);
-  const std::string text = vtu_text(body, last.states.back().positions, last.constants);
+  REQUIRE(last.snapshots.size() == 5);
+  const Snapshot& end = last.snapshots.back();
+  const std::string text = vtu_text(body, end.positions, end.densities, last.constants);
   CHECK(all_finite(text));
   const Vtu vtu(text);
   CHECK(vtu.piece.attribute("NumberOfPoints").as_int() == 2);
@@ -281,7 +282,8 @@ TEST_CASE("the arrays of a VTU file fit together on any body", "[files]") {
   body.connections.rest_length.push_back(0);
   const int n = body.size(), m = body.connections.size();
   const bool springs = GENERATE(true, false);
-  const std::string text = vtu_text(body, 1.1 * body.rest, springs ? VectorX(VectorX::Constant(m, 3)) : VectorX());
+  const std::string text =
+      vtu_text(body, 1.1 * body.rest, VectorX::Constant(m, 2), springs ? VectorX(VectorX::Constant(m, 3)) : VectorX());
   CHECK(all_finite(text));
   const Vtu vtu(text);
   CHECK(vtu.piece.attribute("NumberOfPoints").as_int() == n);
@@ -293,7 +295,7 @@ TEST_CASE("the arrays of a VTU file fit together on any body", "[files]") {
   for (const pugi::xml_node array : vtu.piece.child("CellData").children())
     CHECK(static_cast<int>(numbers(vtu.piece.child("CellData"), array.attribute("Name").value(), 1).size()) == m);
   CHECK(std::string(vtu.piece.child("CellData").attribute("Scalars").value()) == "strain");
-  CHECK(static_cast<bool>(vtu.piece.child("CellData").find_child_by_attribute("Name", "tension")) == springs);
+  CHECK(static_cast<bool>(vtu.piece.child("CellData").find_child_by_attribute("Name", "constant")) == springs);
   const auto strain = numbers(vtu.piece.child("CellData"), "strain", 1);
   CHECK(strain.front() == Approx(0.1));
   CHECK(strain.back() == 0);

@@ -59,7 +59,8 @@ TEST_CASE("every strategy: the tangent is the difference of forces", "[conforman
     Positions predicted(3, body.size());
     tangent.apply(motion, predicted);
     const double h = 1e-8;
-    const Positions measured = -(model.elastic_forces(places + h * motion) - model.elastic_forces(places - h * motion)) / (2 * h);
+    const Positions measured =
+        -(model.elastic_forces(places + h * motion) - model.elastic_forces(places - h * motion)) / (2 * h);
     if (model.has_full_tangent()) CHECK((predicted - measured).norm() <= 1e-5 * measured.norm());
     // The parts of the blocks add up to the same operator, and the diagonal to its own.
     Positions assembled = Positions::Zero(3, body.size());
@@ -79,7 +80,8 @@ TEST_CASE("every strategy: the tangent is the difference of forces", "[conforman
   });
 }
 
-TEST_CASE("every strategy: no total force, no total torque, none at rest, and it turns with the body", "[conformance]") {
+TEST_CASE("every strategy: no total force, no total torque, none at rest, and it turns with the body",
+          "[conformance]") {
   const Matrix3 turn = Eigen::AngleAxisd(1.1, Vector3(1, 2, -1).normalized()).toRotationMatrix();
   for_each_pair([&](const Strategy&, const Body& body, Model& model) {
     const Positions places = deformed(body, 2e-4), forces = model.elastic_forces(places);
@@ -132,7 +134,8 @@ TEST_CASE("the catalog names what it has and what is wrong", "[catalog]") {
   CHECK_THROWS_WITH(catalog.add(catalog.find("standard")), Catch::Contains("already"));
   const Body body = jittered_lattice();
   CHECK_THROWS_WITH(catalog.find("divided").make(body, kMaterial, {{"divisor", -1}}), Catch::Contains("out of range"));
-  CHECK_THROWS_WITH(catalog.find("divided").make(body, kMaterial, {{"divisr", 1}}), Catch::Contains("did you mean 'divisor'"));
+  CHECK_THROWS_WITH(catalog.find("divided").make(body, kMaterial, {{"divisr", 1}}),
+                    Catch::Contains("did you mean 'divisor'"));
   CHECK_THROWS_WITH(catalog.find("standard").make(body, kMaterial, {{"x", 1}}), Catch::Contains("takes no parameters"));
 }
 

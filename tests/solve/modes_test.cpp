@@ -62,12 +62,18 @@ std::vector<Support> hold_layer(const Body& body, const Matrix3& free) {
 TEST_CASE("zero-energy modes equal those of a dense rank count", "[modes]") {
   const Matrix3 held = Matrix3::Zero();
   const Matrix3 sliding = Matrix3::Identity() - Vector3::UnitZ() * Vector3::UnitZ().transpose();
-  std::vector<Body> bodies{cubic_lattice({3, 3, 3}, 1, {true, false, false}), cubic_lattice({3, 3, 3}, 1, {true, true, false}),
-                           cubic_lattice({4, 3, 2}, 1, {false, true, false}), cubic_lattice({3, 3, 3}, 1, {true, false, true}),
-                           cubic_lattice({3, 3, 3}, 1, {false, false, true}), body_centred_lattice({2, 2, 2}, 1, false),
-                           face_centred_lattice({2, 2, 2}, 1, false),         tetrahedral_block(BlockKind::alternating, {2, 2, 2}, {1, 1, 1}),
-                           cubic_lattice({1, 1, 2}, 1, {}),                   cubic_lattice({1, 1, 5}, 1, {}),
-                           cubic_lattice({3, 1, 3}, 1, {true, true, false}),  listed_body({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {3, 3, 3}}, {{0, 1}, {1, 2}})};
+  std::vector<Body> bodies{cubic_lattice({3, 3, 3}, 1, {true, false, false}),
+                           cubic_lattice({3, 3, 3}, 1, {true, true, false}),
+                           cubic_lattice({4, 3, 2}, 1, {false, true, false}),
+                           cubic_lattice({3, 3, 3}, 1, {true, false, true}),
+                           cubic_lattice({3, 3, 3}, 1, {false, false, true}),
+                           body_centred_lattice({2, 2, 2}, 1, false),
+                           face_centred_lattice({2, 2, 2}, 1, false),
+                           tetrahedral_block(BlockKind::alternating, {2, 2, 2}, {1, 1, 1}),
+                           cubic_lattice({1, 1, 2}, 1, {}),
+                           cubic_lattice({1, 1, 5}, 1, {}),
+                           cubic_lattice({3, 1, 3}, 1, {true, true, false}),
+                           listed_body({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {3, 3, 3}}, {{0, 1}, {1, 2}})};
   // Random graphs: a packing with ever fewer of its connections.
   for (const int keep : {10, 6, 5, 4}) {
     Body body = random_packing({3, 3, 3}, 0.9, 1.4, 5);
@@ -81,7 +87,8 @@ TEST_CASE("zero-energy modes equal those of a dense rank count", "[modes]") {
     for (const int support : {0, 1, 2})
       for (const bool turned : {false, true}) {
         Body body = bodies[i];
-        std::vector<Support> supports = support == 0 ? std::vector<Support>{} : hold_layer(body, support == 1 ? held : sliding);
+        std::vector<Support> supports =
+            support == 0 ? std::vector<Support>{} : hold_layer(body, support == 1 ? held : sliding);
         if (turned) {
           rotate(body, turn);
           for (Support& s : supports) s.free = turn * s.free * turn.transpose();
@@ -112,7 +119,8 @@ TEST_CASE("springs of constant zero leave what they held", "[modes]") {
   const auto supports = hold_layer(body, Matrix3::Zero());
   CHECK(find_zero_energy_modes(body, supports).zero_energy_modes == 0);
   std::vector<char> stiff(static_cast<std::size_t>(body.connections.size()), 1);
-  for (int c = 0; c < body.connections.size(); ++c) stiff[static_cast<std::size_t>(c)] = body.connections.rest_length[static_cast<std::size_t>(c)] < 1.1;
+  for (int c = 0; c < body.connections.size(); ++c)
+    stiff[static_cast<std::size_t>(c)] = body.connections.rest_length[static_cast<std::size_t>(c)] < 1.1;
   CHECK(find_zero_energy_modes(body, supports, stiff).zero_energy_modes == 12);
 }
 

@@ -102,7 +102,8 @@ TEST_CASE("negative constants: a stable body is solved, an unstable one is said 
     Body body = listed_body({{0, 0, 0}, {1, 0, 0}}, {{0, 1}, {0, 1}});
     Model model(body);
     model.add(make_springs(body, Eigen::Vector2d(one, other)));
-    model.supports = {{0, kHeld, Vector3::Zero()}, {1, Vector3::UnitX() * Vector3::UnitX().transpose(), Vector3::Zero()}};
+    model.supports = {{0, kHeld, Vector3::Zero()},
+                      {1, Vector3::UnitX() * Vector3::UnitX().transpose(), Vector3::Zero()}};
     model.add(std::make_unique<PointLoads>(body, std::vector<int>{1}, Vector3(0.1, 0, 0)));
     State state = state_at_rest(body);
     const StaticResult result = solve_static(model, state);
@@ -120,19 +121,25 @@ TEST_CASE("pcg and the factorisation agree, on springs and on cells, with slante
     Model model(body);
     model.add(built_in_catalog().find(name).make(body, material, {}));
     for (int i = 0; i < body.size(); ++i) {
-      if (body.rest(2, i) == 0) model.supports.push_back({i, i % 2 ? kHeld : Matrix3(Matrix3::Identity() - normal * normal.transpose()), Vector3::Zero()});
-      if (body.rest(2, i) == 0.02) model.supports.push_back({i, Matrix3::Identity() - normal * normal.transpose(), 0.002 * normal});
+      if (body.rest(2, i) == 0)
+        model.supports.push_back(
+            {i, i % 2 ? kHeld : Matrix3(Matrix3::Identity() - normal * normal.transpose()), Vector3::Zero()});
+      if (body.rest(2, i) == 0.02)
+        model.supports.push_back({i, Matrix3::Identity() - normal * normal.transpose(), 0.002 * normal});
     }
     for (const bool linear : {true, false}) {
       State one = state_at_rest(body), other = one;
-      const StaticResult a = solve_static(model, one, {.linear = linear, .method = LinearMethod::pcg, .tolerance = 1e-12});
-      const StaticResult b = solve_static(model, other, {.linear = linear, .method = LinearMethod::direct, .tolerance = 1e-12});
+      const StaticResult a =
+          solve_static(model, one, {.linear = linear, .method = LinearMethod::pcg, .tolerance = 1e-12});
+      const StaticResult b =
+          solve_static(model, other, {.linear = linear, .method = LinearMethod::direct, .tolerance = 1e-12});
       REQUIRE(a.outcome == Outcome::converged);
       REQUIRE(b.outcome == Outcome::converged);
       CHECK((one.positions - other.positions).norm() <= 1e-8 * (one.positions - body.rest).norm());
       CHECK((a.reactions - b.reactions).norm() <= 1e-7 * a.reactions.norm());
       for (const Support& support : model.supports) {
-        const Vector3 motion = one.positions.col(support.molecule) - body.rest.col(support.molecule) - support.displacement;
+        const Vector3 motion =
+            one.positions.col(support.molecule) - body.rest.col(support.molecule) - support.displacement;
         REQUIRE((motion - support.free * motion).norm() <= 1e-16);
       }
     }

@@ -140,7 +140,8 @@ TEST_CASE("patch softens a disordered lattice by a few per cent", "[patch]") {
   const Body body = cube(7, true, 0.15, GENERATE(1, 2, 3));
   const VectorX k = Patch{}.constants(body, material_of(1));
   CHECK(k.minCoeff() >= 0);
-  // An independent prototype had 0.952 for one such body; another size and other random numbers move it by a per cent or so.
+  // An independent prototype had 0.952 for one such body; another size and other random numbers move it by a per cent
+  // or so.
   CHECK(pull(body, k).modulus == Approx(0.952).margin(0.02));
 }
 
@@ -168,8 +169,8 @@ TEST_CASE("patch on one regular tetrahedron is the fit done by hand", "[patch]")
   // k L Σ n n n + 0.4 E (δ A + …):  k L (3 + 6/8) = 0.4 E · 3 · 3 √(2/3) · √3/12 L², so k = 0.08 √2 E L.
   constexpr double side = 0.03, E = 5000;
   const double h = side / std::sqrt(8.);
-  Body body = listed_body({{h, h, h}, {h, -h, -h}, {-h, h, -h}, {-h, -h, h}},
-                          {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}});
+  Body body =
+      listed_body({{h, h, h}, {h, -h, -h}, {-h, h, -h}, {-h, -h, h}}, {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}});
   body.tetrahedra = {{0, 2, 1, 3}};
   REQUIRE(signed_volume(body.rest, body.tetrahedra[0]) > 0);
   const VectorX k = Patch{}.constants(body, material_of(E));

@@ -27,13 +27,24 @@ Body pair_of_molecules() {
 
 TEST_CASE("a lone connection: E A / L, and twice that by the statistical rule", "[rules]") {
   // [M03] Table 1 a: A = 9 cm², L = 15 mm: 300 N/m.
-  for (const auto& [rule, k] : {std::pair{"standard", 300.}, {"divided", 80.}, {"angles", 300.}, {"statistical", 600.}, {"uniform", 1.}})
+  for (const auto& [rule, k] :
+       {std::pair{"standard", 300.}, {"divided", 80.}, {"angles", 300.}, {"statistical", 600.}, {"uniform", 1.}})
     CHECK(constants(rule, pair_of_molecules())[0] == Approx(k).epsilon(1e-14));
 }
 
 TEST_CASE("the statistical rule's sharers, as printed, with its two gaps filled as said", "[rules]") {
-  for (const auto& [connections, sharers] : {std::pair{1, 1.}, {3, 3.}, {7, 7.}, {8, 7.}, {9, 8.}, {11, 10.}, {12, 8.}, {13, 9.},
-                                            {18, 14.}, {19, 15.}, {20, 10.}, {26, 13.}})
+  for (const auto& [connections, sharers] : {std::pair{1, 1.},
+                                             {3, 3.},
+                                             {7, 7.},
+                                             {8, 7.},
+                                             {9, 8.},
+                                             {11, 10.},
+                                             {12, 8.},
+                                             {13, 9.},
+                                             {18, 14.},
+                                             {19, 15.},
+                                             {20, 10.},
+                                             {26, 13.}})
     CHECK(Statistical::sharers(connections) == sharers);
 }
 
@@ -49,7 +60,8 @@ TEST_CASE("the angles rule by hand: a right angle and one of 60 degrees", "[rule
   // A neighbour of twice the length counts twice as much with p = 1, the same with p = 0, half with p = −1.
   body.rest.col(3) *= 2;
   for (const auto& [exponent, share] : {std::pair{1., 0.5}, {0., 0.25}, {-1., 0.125}})
-    CHECK(constants("angles", body, kMaterial, {{"exponent", exponent}})[0] == Approx(5000 / (1 + share)).epsilon(1e-12));
+    CHECK(constants("angles", body, kMaterial, {{"exponent", exponent}})[0] ==
+          Approx(5000 / (1 + share)).epsilon(1e-12));
 }
 
 TEST_CASE("van_gelder: one regular tetrahedron and one right triangle by hand", "[rules]") {

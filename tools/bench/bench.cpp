@@ -51,7 +51,11 @@ int main(int argc, char** argv) {
   app.add_option("--threads", settings.threads, "numbers of threads: 1,2")->delimiter(',')->check(CLI::Range(1, 256));
   app.add_option("--csv", csv, "file for all rows, SI units");
   app.add_flag("--list", list, "name the cases and stop");
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) ? 2 : 0;
+  }
   if (list) {
     for (const Case& one : kCases) fmt::print("{:8} {}\n", one.name, one.summary);
     return 0;

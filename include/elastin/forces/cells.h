@@ -20,9 +20,9 @@ struct CellGraph {
   void gather(const VectorX& slots, VectorX& densities) const;
   int cells() const { return static_cast<int>(slot_connection.size()) / sides; }
 
-  int sides;                          ///< connections of one cell
-  std::vector<int> slot_connection;   ///< connection of slot cell · sides + side
-  std::vector<int> start, slots_of;   ///< slots of each connection, ascending
+  int sides;                         ///< connections of one cell
+  std::vector<int> slot_connection;  ///< connection of slot cell · sides + side
+  std::vector<int> start, slots_of;  ///< slots of each connection, ascending
 
  private:
   int connections_;
@@ -41,7 +41,8 @@ class CellElasticity final : public Elasticity {
   using Slope = Eigen::Matrix<double, sides, sides, Eigen::RowMajor>;
 
  public:
-  CellElasticity(const Body& body, const Material& material, Law law) : body_(body), law_(std::move(law)), graph_(body, corners) {
+  CellElasticity(const Body& body, const Material& material, Law law)
+      : body_(body), law_(std::move(law)), graph_(body, corners) {
     constants_.reserve(cells().size());
     for (const auto& cell : cells()) {
       Eigen::Matrix<double, 3, corners> rest;

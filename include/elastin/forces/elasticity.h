@@ -9,8 +9,8 @@
 
 namespace elastin {
 
-/// A stiffness strategy at work on one body. Everything elastic is one number per connection, its force density q [N/m]:
-/// the force on molecule a is Σ_b q_ab (x_b − x_a). [Schek 1974]
+/// A stiffness strategy at work on one body. Everything elastic is one number per connection, its force density q
+/// [N/m]: the force on molecule a is Σ_b q_ab (x_b − x_a). [Schek 1974]
 ///
 /// Tangent: with s = |d|² and d = x_b − x_a, the change of a connection's force is δq d + q δd, δq = Σ (∂q/∂s) δs,
 /// δs = 2 d·δd. Springs have a slope of their own; cells couple the connections of one cell.

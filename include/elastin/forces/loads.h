@@ -16,8 +16,8 @@ class Load {
   /// Potential energy [J], zero at rest; 0 for forces that have none (drag, damping).
   virtual double energy(const State&) const { return 0; }
   /// Adds the change of the forces under small changes of positions [m] and velocities [m/s].
-  virtual void add_change(const State&, const Positions& /*change_of_positions*/, const Positions& /*change_of_velocities*/,
-                          Positions& /*change_of_forces*/) const {}
+  virtual void add_change(const State&, const Positions& /*change_of_positions*/,
+                          const Positions& /*change_of_velocities*/, Positions& /*change_of_forces*/) const {}
   /// Whether the load acts on a body that does not move. Drag and damping do not.
   virtual bool acts_at_rest() const { return true; }
 };
@@ -25,7 +25,8 @@ class Load {
 /// Weight: F = m g, `acceleration` [m/s²].
 std::unique_ptr<Load> make_gravity(const Body& body, const Vector3& acceleration);
 
-/// Dead forces on molecules: `forces` [N], 3 × the number of molecules named, times a factor that may change between steps.
+/// Dead forces on molecules: `forces` [N], 3 × the number of molecules named, times a factor that may change between
+/// steps.
 class PointLoads final : public Load {
  public:
   PointLoads(const Body& body, std::vector<int> molecules, Positions forces);
@@ -48,7 +49,8 @@ std::unique_ptr<Load> make_stokes_drag(const Body& body, double viscosity);
 /// Ambient friction F = −½ ρ C π r² |V| V, ρ = `density` [kg/m³] of the medium, C = `drag_coefficient`. [M03, reading]
 std::unique_ptr<Load> make_quadratic_drag(const Body& body, double density, double drag_coefficient);
 
-/// Internal damping: each connection resists its own lengthening, F = −b [(V_e − V_p)·u] u, b = `coefficient` [N s/m]. [M03]
+/// Internal damping: each connection resists its own lengthening, F = −b [(V_e − V_p)·u] u, b = `coefficient` [N s/m].
+/// [M03]
 std::unique_ptr<Load> make_damping(const Body& body, double coefficient);
 
 }  // namespace elastin

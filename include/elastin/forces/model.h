@@ -14,8 +14,8 @@ namespace elastin {
 /// directions that are held.
 struct Support {
   int molecule = 0;
-  Matrix3 free = Matrix3::Zero();           ///< projector on the free directions; zero = held in all
-  Vector3 displacement = Vector3::Zero();   ///< from rest; only its held part counts
+  Matrix3 free = Matrix3::Zero();          ///< projector on the free directions; zero = held in all
+  Vector3 displacement = Vector3::Zero();  ///< from rest; only its held part counts
 };
 
 /// A body with everything that acts on it. The body must outlive the model.

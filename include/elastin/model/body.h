@@ -30,28 +30,30 @@ struct Body {
   int size() const { return static_cast<int>(rest.cols()); }
 };
 
-/// Every pair of molecules at most `reach` [m] apart, ascending (first, second), with its present length as rest length.
-/// Cost O(n) for bodies of even density (grid of buckets).
+/// Every pair of molecules at most `reach` [m] apart, ascending (first, second), with its present length as rest
+/// length. Cost O(n) for bodies of even density (grid of buckets).
 Connections connections_within(const Positions& places, double reach);
 
 /// The edges of the body's cells, each once, ascending, with its present length as rest length.
 Connections connections_of_cells(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra);
 
-/// Lumped masses [kg]: a quarter of each tetrahedron's mass, a third of each triangle's (thickness t [m]) to its molecules.
+/// Lumped masses [kg]: a quarter of each tetrahedron's mass, a third of each triangle's (thickness t [m]) to its
+/// molecules.
 VectorX lumped_mass(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra, double density,
                     double thickness);
 
-/// Signed volume of a tetrahedron [m³], positive when corners 1, 2, 3 turn counter-clockwise seen from corner 0's far side.
+/// Signed volume of a tetrahedron [m³], positive when corners 1, 2, 3 turn counter-clockwise seen from corner 0's far
+/// side.
 double signed_volume(const Positions& places, const std::array<int, 4>& tetrahedron);
 
 /// What is wrong or odd with a body as a graph, in words a user can act on.
 struct BodyFindings {
-  int pieces = 0;                             ///< connected parts, loose molecules included
-  std::vector<int> piece_of;                  ///< the part each molecule belongs to, parts numbered by first molecule
-  std::vector<int> loose_molecules;           ///< molecules without any connection
-  std::vector<int> zero_length_connections;   ///< rest length below 1e-12 of the body's size
-  std::vector<int> duplicate_connections;     ///< the second and later ones of a pair
-  std::vector<int> flat_or_inverted_cells;    ///< tetrahedra whose volume is not above 1e-12 L³ of their longest side L
+  int pieces = 0;                            ///< connected parts, loose molecules included
+  std::vector<int> piece_of;                 ///< the part each molecule belongs to, parts numbered by first molecule
+  std::vector<int> loose_molecules;          ///< molecules without any connection
+  std::vector<int> zero_length_connections;  ///< rest length below 1e-12 of the body's size
+  std::vector<int> duplicate_connections;    ///< the second and later ones of a pair
+  std::vector<int> flat_or_inverted_cells;   ///< tetrahedra whose volume is not above 1e-12 L³ of their longest side L
 };
 BodyFindings inspect(const Body& body);
 

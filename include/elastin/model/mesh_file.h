@@ -7,10 +7,10 @@ namespace elastin {
 
 /// What a mesh file holds that Elastin uses.
 struct Mesh {
-  Positions points;      ///< in the file's own length unit; points that no kept cell uses are left out
-  Cells<3> triangles;    ///< of the file; kept only where the file has no tetrahedra (else they are its boundary faces)
-  Cells<4> tetrahedra;   ///< re-ordered to positive volume where the file has the mirrored order
-  std::string comment;   ///< what was left out, e.g. "12 lines, 3 points and 4 unused points left out"; empty if nothing
+  Positions points;     ///< in the file's own length unit; points that no kept cell uses are left out
+  Cells<3> triangles;   ///< of the file; kept only where the file has no tetrahedra (else they are its boundary faces)
+  Cells<4> tetrahedra;  ///< re-ordered to positive volume where the file has the mirrored order
+  std::string comment;  ///< what was left out, e.g. "12 lines, 3 points and 4 unused points left out"; empty if nothing
 };
 
 /// Reads Gmsh .msh (2.2 and 4.1, ASCII and binary), legacy VTK .vtk (unstructured grid, ASCII and binary) and VTK XML

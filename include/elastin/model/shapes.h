@@ -26,15 +26,16 @@ Body body_centred_lattice(const std::array<int, 3>& cells, double spacing, bool 
 Body face_centred_lattice(const std::array<int, 3>& cells, double spacing, bool second);
 
 /// Random close packing: equal spheres whose centres fill a box from the origin, no two closer than `distance` [m].
-/// Molecules are dropped at random (seeded), pushed apart, and the few that still overlap are taken out, so the distance
-/// is kept exactly; centres that touch a wall lie on it. Joined within `reach` [m] (1.5 · distance is about 13
+/// Molecules are dropped at random (seeded), pushed apart, and the few that still overlap are taken out, so the
+/// distance is kept exactly; centres that touch a wall lie on it. Joined within `reach` [m] (1.5 · distance is about 13
 /// neighbours). The same seed gives the same body.
 Body random_packing(const Vector3& size, double distance, double reach, std::uint64_t seed);
 
 enum class BlockKind { kuhn, alternating, body_centred };
 
-/// A block of `cubes` cubes filled with tetrahedra: Kuhn 6 a cube, alternating 5 a cube (mirrored in every second cube),
-/// body-centred 12 a cube (a molecule in the middle of each; all alike but those on the surface). The connections are their edges.
+/// A block of `cubes` cubes filled with tetrahedra: Kuhn 6 a cube, alternating 5 a cube (mirrored in every second
+/// cube), body-centred 12 a cube (a molecule in the middle of each; all alike but those on the surface). The
+/// connections are their edges.
 Body tetrahedral_block(BlockKind kind, const std::array<int, 3>& cubes, const Vector3& size);
 
 /// A body from given places and pairs; rest lengths are the distances.

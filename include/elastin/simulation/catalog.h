@@ -64,7 +64,7 @@ class Catalog {
  public:
   /// Adds a spring rule, an updated one or a cell law; its name must be new. Strong guarantee.
   template <class Law>
-    requires SpringRule<Law> || UpdatedSpringRule<Law> || CellLaw<Law>
+  requires SpringRule<Law> || UpdatedSpringRule<Law> || CellLaw<Law>
   void add();
   /// Adds a strategy that the caller describes in full.
   void add(Strategy strategy);
@@ -82,7 +82,7 @@ class Catalog {
 Catalog built_in_catalog();
 
 template <class Law>
-  requires SpringRule<Law> || UpdatedSpringRule<Law> || CellLaw<Law>
+requires SpringRule<Law> || UpdatedSpringRule<Law> || CellLaw<Law>
 void Catalog::add() {
   Strategy strategy;
   strategy.name = Law::name;
@@ -93,7 +93,8 @@ void Catalog::add() {
   const Strategy described = strategy;  // what the two functions below need of it, without a pointer to a moving vector
   if constexpr (SpringRule<Law>) {
     strategy.kind = StrategyKind::spring_rule;
-    strategy.constants = [described](const Body& body, const Material& material, const ParameterValues& values) -> VectorX {
+    strategy.constants = [described](const Body& body, const Material& material,
+                                     const ParameterValues& values) -> VectorX {
       return detail::law_with<Law>(described, values).constants(body, material);
     };
     strategy.make = [described](const Body& body, const Material& material, const ParameterValues& values) {

@@ -20,23 +20,24 @@ struct StaticOptions {
 
 struct StaticResult {
   Outcome outcome = Outcome::converged;
-  std::string cause;           ///< why it did not converge; empty if it did
-  std::string solver;          ///< "newton pcg", "linear direct" …
-  bool linear = false;         ///< small displacements were assumed
+  std::string cause;    ///< why it did not converge; empty if it did
+  std::string solver;   ///< "newton pcg", "linear direct" …
+  bool linear = false;  ///< small displacements were assumed
   int newton_iterations = 0;
   int linear_iterations = 0;
-  double residual = 0;         ///< unbalanced force over the size of loads and reactions
-  bool unstable = false;       ///< the equilibrium found has a direction of negative stiffness: it is not a minimum
-  Positions reactions;         ///< what holds each support in its held directions [N], shape 3 × supports
+  double residual = 0;    ///< unbalanced force over the size of loads and reactions
+  bool unstable = false;  ///< the equilibrium found has a direction of negative stiffness: it is not a minimum
+  Positions reactions;    ///< what holds each support in its held directions [N], shape 3 × supports
 };
 
-/// Finds the equilibrium of the loads, supports and elastic forces. Starts from `state.positions`, which must be finite,
-/// and leaves the equilibrium there; velocities stay. Never throws on numerical trouble: the outcome says it.
+/// Finds the equilibrium of the loads, supports and elastic forces. Starts from `state.positions`, which must be
+/// finite, and leaves the equilibrium there; velocities stay. Never throws on numerical trouble: the outcome says it.
 /// Zero-energy modes that the loads do not work on are left where they are; one that they do work on is followed with
 /// large displacements (it may stiffen) and ends as `mechanism` in the linear mode.
 StaticResult solve_static(Model& model, State& state, const StaticOptions& options = {});
 
-/// Small motion about the state `at` under changed loads [N] and moved supports (the held parts of `way` [m]), both 3 × n.
+/// Small motion about the state `at` under changed loads [N] and moved supports (the held parts of `way` [m]), both 3 ×
+/// n.
 struct StaticResponse {
   StaticResult result;  ///< its reactions are the changes of the reactions
   Positions motion;     ///< [m], 3 × n

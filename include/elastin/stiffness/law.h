@@ -28,10 +28,10 @@ concept SpringRule = StiffnessLaw<Law> && requires(const Law& law, const Body& b
 
 /// A constant k [N/m] for each connection, set again from the present places at every evaluation. Has no energy.
 template <class Law>
-concept UpdatedSpringRule =
-    StiffnessLaw<Law> && requires(const Law& law, const Body& body, const Material& material, const Positions& places) {
-      { law.constants(body, material, places) } -> std::convertible_to<VectorX>;
-    };
+concept UpdatedSpringRule = StiffnessLaw<Law> &&
+    requires(const Law& law, const Body& body, const Material& material, const Positions& places) {
+  { law.constants(body, material, places) } -> std::convertible_to<VectorX>;
+};
 
 /// Connections of a triangle (order 01 02 12) or a tetrahedron (order 01 02 03 12 13 23).
 constexpr int connections_of_cell(int corners) { return corners * (corners - 1) / 2; }
@@ -39,14 +39,19 @@ constexpr int connections_of_cell(int corners) { return corners * (corners - 1) 
 /// Force densities q [N/m] of a cell's connections from their squared lengths s [m²]; ∂q/∂s is their slope. A law with
 /// an energy W has q = 2 ∂W/∂s.
 template <class Law>
-concept CellLaw = StiffnessLaw<Law> && requires(const Law& law, const typename Law::Constants& constants,
-                                               const Eigen::Matrix<double, 3, Law::corners>& rest, const Material& material,
-                                               const Eigen::Matrix<double, connections_of_cell(Law::corners), 1>& s) {
+concept CellLaw = StiffnessLaw<Law> &&
+    requires(const Law& law, const typename Law::Constants& constants,
+             const Eigen::Matrix<double, 3, Law::corners>& rest, const Material& material,
+             const Eigen::Matrix<double, connections_of_cell(Law::corners), 1>& s) {
   requires Law::corners == 3 || Law::corners == 4;
   { law.constants(rest, material) } -> std::same_as<typename Law::Constants>;
-  { law.force_densities(constants, s) } -> std::convertible_to<Eigen::Matrix<double, connections_of_cell(Law::corners), 1>>;
-  { law.slope(constants, s) } -> std::convertible_to<
-      Eigen::Matrix<double, connections_of_cell(Law::corners), connections_of_cell(Law::corners)>>;
+  {
+    law.force_densities(constants, s)
+    } -> std::convertible_to<Eigen::Matrix<double, connections_of_cell(Law::corners), 1>>;
+  {
+    law.slope(constants, s)
+    }
+    -> std::convertible_to<Eigen::Matrix<double, connections_of_cell(Law::corners), connections_of_cell(Law::corners)>>;
 };
 
 template <class Law>
