@@ -11,7 +11,7 @@ namespace elastin {
 inline constexpr int kParallelThreshold = 50000;
 
 /// Items in one block of an ordered sum. Fixed, so that the order of additions never depends on the thread count.
-inline constexpr int kSumBlock = 4096;
+inline constexpr int kSumBlock = 1024;
 
 namespace detail {
 /// Runs range(begin, end) over disjoint ranges that cover 0 … count−1.
@@ -35,7 +35,7 @@ void parallel_for(int count, Work&& work, int threshold = kParallelThreshold) {
 /// Σ term(i) over 0 … count−1 in a fixed order: the same bits on any number of threads. Value is a number, or a small
 /// vector where several sums share a pass.
 template <class Value = double, class Term>
-Value ordered_sum(int count, Term&& term, Value zero = Value(0)) {
+Value ordered_sum(int count, Term&& term, Value zero = Value(0), int threshold = kParallelThreshold) {
   const int blocks = (count + kSumBlock - 1) / kSumBlock;
   const auto block_sum = [&](int block) {
     Value sum = zero;
@@ -44,7 +44,7 @@ Value ordered_sum(int count, Term&& term, Value zero = Value(0)) {
   };
   if (blocks == 1) return block_sum(0);
   std::vector<Value> sums(blocks, zero);
-  if (count < kParallelThreshold || threads() == 1) {
+  if (count < threshold || threads() == 1) {
     for (int block = 0; block < blocks; ++block) sums[block] = block_sum(block);
   } else {
     auto work = [&](int block) { sums[block] = block_sum(block); };

@@ -61,6 +61,17 @@ std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const 
   return strategies;
 }
 
+void warn_of_pieces(const Body& body, std::vector<std::string>& warnings) {
+  const BodyFindings findings = inspect(body);
+  if (findings.pieces <= 1) return;
+  const auto loose = findings.loose_molecules.size();
+  warnings.push_back("the body hangs apart: " + std::to_string(findings.pieces) + " pieces" +
+                     (loose == 0   ? ""
+                      : loose == 1 ? ", one of them a loose molecule"
+                                   : ", " + std::to_string(loose) + " of them loose molecules") +
+                     "; `elastin check` names them");
+}
+
 }  // namespace
 
 const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, const std::string& label) {
@@ -80,6 +91,9 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   scene->specimen.material = read_material(reader.at("material"));
   const Reader body = reader.at("body");
   scene->specimen.body = read_body(body, scene->specimen.material);
+  if (!scene->specimen.body.triangles.empty() && scene->specimen.material.thickness == 0)
+    reader.at("material").fail("key 'thickness' is missing: a body of triangles is a membrane");
+  warn_of_pieces(scene->specimen.body, scene->warnings);
   const Matrix3 rotation = reader.has("rotate") ? read_rotation(reader.at("rotate")) : Matrix3(Matrix3::Identity());
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
   scene->stiffness = read_strategy(reader.at("stiffness"), catalog);

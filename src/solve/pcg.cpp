@@ -29,6 +29,9 @@ std::vector<Matrix3> block_preconditioner(const Tangent& tangent, const std::vec
   return blocks;
 }
 
+/// A molecule's share of a pass costs as much as ten connections.
+constexpr int kMoleculeThreshold = kParallelThreshold / 10;
+
 class Pcg final : public LinearSolver {
  public:
   const char* name() const override { return "pcg"; }
@@ -51,7 +54,7 @@ class Pcg final : public LinearSolver {
             z.col(i) = inverse[i] * r.col(i);
             return Eigen::Vector2d(r.col(i).dot(z.col(i)), r.col(i).squaredNorm());
           },
-          Eigen::Vector2d::Zero());
+          Eigen::Vector2d(0, 0), kMoleculeThreshold);
     };
     Eigen::Vector2d now = advance(0);
     const double first = now[1];
@@ -63,7 +66,8 @@ class Pcg final : public LinearSolver {
     while (true) {
       tangent.apply(p, kp);
       keep_free(supports, kp);
-      const double curvature = ordered_sum(n, [&](int i) { return p.col(i).dot(kp.col(i)); });
+      const double curvature = ordered_sum(
+          n, [&](int i) { return p.col(i).dot(kp.col(i)); }, 0., kMoleculeThreshold);
       if (!(curvature > 1e-13 * size_of_p)) {
         result.status = curvature < -1e-10 * size_of_p ? LinearStatus::negative_mode : LinearStatus::zero_mode;
         // The way on: down the negative direction, or along what is left of the force where there is no stiffness.
@@ -82,7 +86,8 @@ class Pcg final : public LinearSolver {
         break;
       }
       const double beta = now[0] / before;
-      parallel_for(n, [&](int i) { p.col(i) = z.col(i) + beta * p.col(i); });
+      parallel_for(
+          n, [&](int i) { p.col(i) = z.col(i) + beta * p.col(i); }, kMoleculeThreshold);
       size_of_p = now[0] + beta * beta * size_of_p;
     }
     result.residual = std::sqrt(now[1] / first);

@@ -16,7 +16,7 @@ namespace elastin {
 struct Patch {
   static constexpr std::string_view name = "patch";
   static constexpr std::string_view summary =
-      "fitted so that every molecule passes the patch test; any connection graph";
+      "k >= 0 fitted so that every molecule passes the patch test, on cubic lattices and tetrahedra";
   static constexpr std::string_view source = "patch test of finite elements; Cauchy relations";
 
   /// The surface areas come from tetrahedra, or else from the cubes of a lattice.
