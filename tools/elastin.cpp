@@ -214,7 +214,7 @@ int main(int argc, char** argv) {
   CLI::App* compare =
       app.add_subcommand("compare", "Run a scene with many strategies; print measured modulus, error and cost");
   CLI::App* check =
-      app.add_subcommand("check", "Say what a scene's body is: counts, loose parts, overlaps, zero-energy modes");
+      app.add_subcommand("check", "Say what a scene's body is: counts, loose parts, zero-energy modes");
   CLI::App* list = app.add_subcommand("list", "List strategies, their parameters, and measures");
   add_run_options(*run, options);
   add_run_options(*compare, options);
