@@ -129,7 +129,7 @@ TEST_CASE("exit code 2: wrong use or input, told on standard error alone", "[com
   }
 }
 
-TEST_CASE("--json - gives JSON and nothing else", "[command]") {
+TEST_CASE("the option --json - gives JSON and nothing else", "[command]") {
   const Said said = say("compare '" + kTension + "table1-a.yaml' '" + kTension + "table1-b.yaml' --json -");
   CHECK(said.code == 0);
   CHECK(said.err.empty());
@@ -140,7 +140,7 @@ TEST_CASE("--json - gives JSON and nothing else", "[command]") {
   CHECK(json["runs"][7]["zero_energy_modes"] == 12);
 }
 
-TEST_CASE("--json FILE and --quiet print nothing", "[command]") {
+TEST_CASE("the option --json FILE and --quiet print nothing", "[command]") {
   const TemporaryFolder folder;
   const std::string cube = folder.write("cube.yaml", kCube), file = folder.path("runs.json");
   const Said said = say("compare " + cube + " --quiet --json " + file);
@@ -156,7 +156,7 @@ TEST_CASE("--json FILE and --quiet print nothing", "[command]") {
   CHECK((failed.out + failed.err).empty());
 }
 
-TEST_CASE("--help explains with examples", "[command]") {
+TEST_CASE("the option --help explains with examples", "[command]") {
   for (const std::string command : {"", "run ", "compare ", "check ", "list "}) {
     INFO(command);
     const Said said = say(command + "--help");
@@ -237,7 +237,7 @@ TEST_CASE("several scenes are told one after the other", "[command]") {
   CHECK_THAT(checked.out, Contains("table1-a  ") && Contains("table1-c  "));
 }
 
-TEST_CASE("--out leaves every file whole", "[command]") {
+TEST_CASE("the option --out leaves every file whole", "[command]") {
   const TemporaryFolder folder;
   const std::string cube =
       folder.write("cube.yaml", replaced(kCube, "lattice, van", "{strategy: divided, label: 'a/b & c'}, van"));
@@ -269,7 +269,7 @@ TEST_CASE("--out leaves every file whole", "[command]") {
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 4);
 }
 
-TEST_CASE("--strategies takes names of the catalog and labels of the scene, with the scene's parameters", "[command]") {
+TEST_CASE("the option --strategies takes names of the catalog and labels of the scene, with the scene's parameters", "[command]") {
   const TemporaryFolder folder;
   const std::string cube = folder.write(
       "cube.yaml",

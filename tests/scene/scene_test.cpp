@@ -405,7 +405,7 @@ TEST_CASE("a scene may be in plain SI numbers throughout, but not in both", "[sc
                                 Contains(path + ":5:53 has one"));
 }
 
-TEST_CASE("--set changes keys, and its slips are named", "[scene]") {
+TEST_CASE("the option --set changes keys, and its slips are named", "[scene]") {
   const TemporaryFolder folder;
   const std::string path = folder.write("right.yaml", kScene);
   SECTION("values") {
