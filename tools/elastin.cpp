@@ -11,6 +11,7 @@
 
 #include "elastin/base/error.h"
 #include "elastin/base/threads.h"
+#include "elastin/contact/overlaps.h"
 #include "report/check.h"
 #include "report/files.h"
 #include "report/progress.h"
@@ -142,7 +143,8 @@ int check_scenes(const Options& options, const Catalog& catalog) {
   bool sound = true;
   for (const std::string& path : options.scenes) {
     const auto scene = load_scene(path, catalog, options.overrides);
-    const CheckReport report = check_scene(*scene, catalog);
+    const Body& body = scene->specimen.body;
+    const CheckReport report = check_scene(*scene, catalog, find_overlaps(body, body.rest));
     if (!options.quiet) fmt::print("{}\n", report.text);
     sound &= report.sound;
   }
@@ -213,8 +215,7 @@ int main(int argc, char** argv) {
   CLI::App* run = app.add_subcommand("run", "Run a scene with its own stiffness strategy; print every measure");
   CLI::App* compare =
       app.add_subcommand("compare", "Run a scene with many strategies; print measured modulus, error and cost");
-  CLI::App* check =
-      app.add_subcommand("check", "Say what a scene's body is: counts, loose parts, zero-energy modes");
+  CLI::App* check = app.add_subcommand("check", "Say what a scene's body is: counts, loose parts, zero-energy modes");
   CLI::App* list = app.add_subcommand("list", "List strategies, their parameters, and measures");
   add_run_options(*run, options);
   add_run_options(*compare, options);

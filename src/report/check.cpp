@@ -83,6 +83,18 @@ bool add_faults(std::string& out, const Body& body) {
          findings.flat_or_inverted_cells.empty();
 }
 
+/// Spheres that run into each other at rest: no fault of a model that has no contact, but the user should know.
+void add_overlaps(std::string& out, const std::vector<Overlap>& overlaps) {
+  if (overlaps.empty()) return;
+  double deepest = 0;
+  for (const Overlap& overlap : overlaps) deepest = std::max(deepest, overlap.depth);
+  const auto name = [](const Overlap& overlap) { return fmt::format("{}–{}", overlap.first, overlap.second); };
+  add_line(out, "overlapping spheres",
+           fmt::format("{} not joined by a connection, up to {} deep: {}",
+                       counted(static_cast<int>(overlaps.size()), "pair"), readable(deepest, dimension::length),
+                       first_few(overlaps, name)));
+}
+
 void add_modes(std::string& out, Scene& scene) {
   Model model(scene.specimen.body);
   scene.experiment->hold(model);
@@ -104,12 +116,13 @@ void add_modes(std::string& out, Scene& scene) {
 
 }  // namespace
 
-CheckReport check_scene(Scene& scene, const Catalog& catalog) {
+CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<Overlap>& overlaps) {
   const Body& body = scene.specimen.body;
   CheckReport report;
   report.text = scene.name + (scene.title == scene.name ? "" : "  " + scene.title) + "\n";
   add_shape(report.text, body);
   report.sound = add_faults(report.text, body);
+  add_overlaps(report.text, overlaps);
   add_modes(report.text, scene);
   std::vector<std::string> suited;
   std::map<std::string, std::vector<std::string>> unsuited;  // by what they lack

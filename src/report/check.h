@@ -1,6 +1,8 @@
 #pragma once
 #include <string>
+#include <vector>
 
+#include "elastin/contact/overlaps.h"
 #include "scene/scene.h"
 
 namespace elastin {
@@ -12,8 +14,8 @@ struct CheckReport {
 };
 
 /// Counts, neighbours, pieces, faults by number, zero-energy modes by name, what the scene builds, and which strategies
-/// can run on the body.
-CheckReport check_scene(Scene& scene, const Catalog& catalog);
+/// can run on the body. `overlaps` are those of the body at rest.
+CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<Overlap>& overlaps);
 
 /// What `elastin list` says.
 std::string catalog_text(const Catalog& catalog, bool colours);

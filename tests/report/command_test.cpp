@@ -212,6 +212,9 @@ experiment: {kind: tension, axis: z, force: 1 mN}
   CHECK_THAT(said.out, Contains("piece 0: 4 molecules: 0, 1, 2, 3\n") && Contains("piece 1: 2 molecules: 4, 5\n"));
   CHECK_THAT(said.out, Contains("LOOSE MOLECULES       1: 6\n"));
   CHECK_THAT(said.out, Contains("DUPLICATE CONNECTIONS 1: 7 (3–0)\n"));
+  CHECK_THAT(said.out, !Contains("overlapping spheres"));
+  CHECK_THAT(say("check " + scene + " --set body.radius=0.016").out,
+             Contains("overlapping spheres   1 pair not joined by a connection, up to 2.0000 mm deep: 5–6"));
   // One fault alone is enough.
   const std::string twice = folder.write("twice.yaml", R"(body:
   molecules: [[0, 0, 0], [1 cm, 0, 0], [0, 1 cm, 0], [0, 0, 1 cm], [0, 0, 1 cm]]
@@ -269,7 +272,8 @@ TEST_CASE("the option --out leaves every file whole", "[command]") {
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 4);
 }
 
-TEST_CASE("the option --strategies takes names of the catalog and labels of the scene, with the scene's parameters", "[command]") {
+TEST_CASE("the option --strategies takes names of the catalog and labels of the scene, with the scene's parameters",
+          "[command]") {
   const TemporaryFolder folder;
   const std::string cube = folder.write(
       "cube.yaml",

@@ -147,7 +147,7 @@ TEST_CASE("pcg and the factorisation agree, on springs and on cells, with slante
 }
 
 TEST_CASE("forces and solutions have the same bits on any number of threads", "[threads]") {
-  Body body = cubic_lattice({22, 22, 22}, 0.01, {true, true, false});
+  Body body = cubic_lattice({19, 19, 19}, 0.01, {true, true, false});
   set_matter(body, 0.005, 1000, 0, 1);
   REQUIRE(body.connections.size() > 50000);  // large enough for several threads to be used
   const VectorX constants = built_in_catalog().find("lattice").constants(body, {.youngs_modulus = 1e4}, {});
@@ -161,7 +161,7 @@ TEST_CASE("forces and solutions have the same bits on any number of threads", "[
       if (body.rest(2, i) == 0) model.supports.push_back({i, kHeld, Vector3::Zero()});
     State state = state_at_rest(body);
     const Positions now = model.elastic_forces(deformed(body, 1e-4));
-    REQUIRE(solve_static(model, state, {.tolerance = 1e-3}).outcome == Outcome::converged);
+    REQUIRE(solve_static(model, state, {.newton_limit = 2}).newton_iterations == 2);  // the same bits all the way
     if (count == 1) forces = now, places = state.positions;
     CHECK(now == forces);
     CHECK(state.positions == places);
