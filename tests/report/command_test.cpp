@@ -213,8 +213,8 @@ experiment: {kind: tension, axis: z, force: 1 mN}
   CHECK_THAT(said.out, Contains("LOOSE MOLECULES       1: 6\n"));
   CHECK_THAT(said.out, Contains("DUPLICATE CONNECTIONS 1: 7 (3–0)\n"));
   CHECK_THAT(said.out, !Contains("overlapping spheres"));
-  CHECK_THAT(say("check " + scene + " --set body.radius=0.016").out,
-             Contains("overlapping spheres   1 pair not joined by a connection, up to 2.0000 mm deep: 5–6"));
+  CHECK_THAT(say("check " + scene + " --set body.radius=0.0155").out,
+             Contains("overlapping spheres   1 pair not joined by a connection, up to 1.0000 mm deep: 5–6"));
   // One fault alone is enough.
   const std::string twice = folder.write("twice.yaml", R"(body:
   molecules: [[0, 0, 0], [1 cm, 0, 0], [0, 1 cm, 0], [0, 0, 1 cm], [0, 0, 1 cm]]
