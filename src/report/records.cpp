@@ -4,11 +4,31 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "elastin/base/threads.h"
 #include "report/table.h"
 
 namespace elastin {
+
+Neighbours neighbours_inside(const Body& body) {
+  const auto& [ends, lengths] = body.connections;
+  if (ends.empty()) return {};
+  std::vector<int> count(static_cast<std::size_t>(body.size()));
+  for (const auto& pair : ends)
+    for (const int end : pair) ++count[static_cast<std::size_t>(end)];
+  const double longest = *std::max_element(lengths.begin(), lengths.end());
+  const Vector3 low = body.rest.rowwise().minCoeff(), high = body.rest.rowwise().maxCoeff();
+  std::vector<int> inside;
+  for (int molecule = 0; molecule < body.size(); ++molecule) {
+    const auto place = body.rest.col(molecule);
+    if ((place - low).minCoeff() > longest && (high - place).minCoeff() > longest)
+      inside.push_back(count[static_cast<std::size_t>(molecule)]);
+  }
+  const std::vector<int>& counted = inside.empty() ? count : inside;
+  return {std::accumulate(counted.begin(), counted.end(), 0.) / static_cast<double>(counted.size()),
+          *std::min_element(counted.begin(), counted.end())};
+}
 
 bool Record::good() const {
   return (!run.suited || run.outcome == Outcome::converged) &&
@@ -26,6 +46,7 @@ Record make_record(const Scene& scene, Run run) {
   record.connections = body.connections.size();
   record.cells = static_cast<int>(body.tetrahedra.size() + body.triangles.size());
   record.threads = threads();
+  record.neighbours = neighbours_inside(body);
   record.prescribed =
       fmt::format("E = {}, nu = {:g}", readable(material.youngs_modulus, dimension::pressure), material.poissons_ratio);
   const auto add_error = [&](const std::string& name, double error) {
