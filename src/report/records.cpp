@@ -12,12 +12,13 @@
 namespace elastin {
 
 Neighbours neighbours_inside(const Body& body) {
-  const auto& [ends, lengths] = body.connections;
-  if (ends.empty()) return {};
+  const int proper = body.connections.proper();
+  if (proper == 0) return {};
+  const auto& lengths = body.connections.rest_length;
   std::vector<int> count(static_cast<std::size_t>(body.size()));
-  for (const auto& pair : ends)
-    for (const int end : pair) ++count[static_cast<std::size_t>(end)];
-  const double longest = *std::max_element(lengths.begin(), lengths.end());
+  for (int c = 0; c < proper; ++c)
+    for (const int end : body.connections.ends[c]) ++count[static_cast<std::size_t>(end)];
+  const double longest = *std::max_element(lengths.begin(), lengths.begin() + proper);
   const Vector3 low = body.rest.rowwise().minCoeff(), high = body.rest.rowwise().maxCoeff();
   std::vector<int> inside;
   for (int molecule = 0; molecule < body.size(); ++molecule) {
@@ -43,7 +44,8 @@ Record make_record(const Scene& scene, Run run) {
   record.path = scene.path;
   record.title = scene.title;
   record.molecules = body.size();
-  record.connections = body.connections.size();
+  record.connections = body.connections.proper();
+  record.cell_sides = body.connections.cell_sides;
   record.cells = static_cast<int>(body.tetrahedra.size() + body.triangles.size());
   record.threads = threads();
   record.neighbours = neighbours_inside(body);
