@@ -15,6 +15,7 @@
 #include "report/check.h"
 #include "report/files.h"
 #include "report/progress.h"
+#include "report/summary.h"
 #include "report/table.h"
 #include "scene/scene.h"
 
@@ -26,6 +27,7 @@ constexpr const char* kExamples = R"(
 Examples:
   elastin compare scenes/tension/cube-1000.yaml                 every stiffness strategy of the scene, side by side
   elastin compare scenes/tension/*.yaml --strategies all        all that the catalog has, on every scene
+  elastin compare scenes/zoo/*.yaml --summary                   what each strategy is worth over all bodies
   elastin run scenes/tension/dogbone.yaml --out out             one strategy, all measures; files for ParaView in out/
   elastin run scenes/tension/cube-27-face.yaml --set stiffness=lattice --set material.youngs_modulus='10 kPa'
   elastin run scenes/tension/cube-1000.yaml --json - | jq .runs[0].measures
@@ -39,7 +41,7 @@ struct Options {
   std::vector<std::string> scenes, overrides;
   std::string strategies, out, json;
   int threads = 0;
-  bool quiet = false;
+  bool quiet = false, summary = false;
 };
 
 bool colours(int stream) { return isatty(stream) && !std::getenv("NO_COLOR"); }
@@ -82,9 +84,10 @@ std::vector<StrategyChoice> chosen_strategies(const Options& options, const Cata
 }
 
 /// Reads all scenes before anything runs: a slip in the last one must not cost the others' time.
-std::vector<std::unique_ptr<Scene>> load_scenes(const Options& options, const Catalog& catalog) {
+std::vector<std::unique_ptr<Scene>> load_scenes(const Options& options, const Catalog& catalog, Progress& progress) {
   std::vector<std::unique_ptr<Scene>> scenes;
   for (const std::string& path : options.scenes) {
+    progress.set("reading " + path);
     scenes.push_back(load_scene(path, catalog, options.overrides));
     for (std::size_t i = 0; i + 1 < scenes.size() && !options.out.empty(); ++i)
       if (scenes[i]->name == scenes.back()->name)
@@ -93,17 +96,21 @@ std::vector<std::unique_ptr<Scene>> load_scenes(const Options& options, const Ca
   return scenes;
 }
 
-/// Runs every chosen strategy on every scene; `compare` prints one table a scene, `run` one page a run.
+/// Runs every chosen strategy on every scene; `compare` prints one table a scene and, of several, a summary; `run` one
+/// page a run.
 int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
   const bool to_screen = !options.quiet && options.json != "-";
-  std::vector<std::unique_ptr<Scene>> scenes = load_scenes(options, catalog);
+  Progress progress(to_screen && isatty(STDERR_FILENO));
+  std::vector<std::unique_ptr<Scene>> scenes = load_scenes(options, catalog, progress);
+  progress.pause();
   std::vector<std::vector<StrategyChoice>> choices;
   for (const auto& scene : scenes) choices.push_back(chosen_strategies(options, catalog, *scene, compare));
   write_files(options, {});  // a folder that cannot be written to is said before the work
-  Progress progress(to_screen && isatty(STDERR_FILENO));
   std::vector<Record> all;
   bool good = true;
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
+  const bool tables = to_screen && compare && !options.summary;
+  const std::size_t count = scenes.size();
+  for (std::size_t i = 0; i < count; ++i) {
     Scene& scene = *scenes[i];
     std::vector<Record> records;
     for (const StrategyChoice& choice : choices[i]) {
@@ -127,12 +134,14 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
       all.push_back(std::move(record));
       write_files(options, all);
     }
-    if (to_screen && compare) fmt::print("{}", comparison_text(records, colours(STDOUT_FILENO)));
-    if (to_screen)
+    if (tables) fmt::print("{}", comparison_text(records, colours(STDOUT_FILENO)));
+    if (to_screen && !options.summary)
       for (const std::string& warning : scene.warnings) fmt::print("  warning: {}\n", warning);
     std::fflush(stdout);
     scenes[i].reset();
   }
+  if (to_screen && compare && (options.summary || count > 1))
+    fmt::print("{}", summary_text(all, colours(STDOUT_FILENO)));
   if (options.json == "-") fmt::print("{}", json_text(all));
   if (to_screen && !options.out.empty())
     fmt::print("  files in {}/: runs.csv, runs.json, curves, and .pvd for ParaView\n", options.out);
@@ -219,6 +228,7 @@ int main(int argc, char** argv) {
   CLI::App* list = app.add_subcommand("list", "List strategies, their parameters, and measures");
   add_run_options(*run, options);
   add_run_options(*compare, options);
+  compare->add_flag("--summary", options.summary, "Print only the summary over all scenes: by strategy, by body");
   add_scene_options(*check, options);
   for (CLI::App* command : {run, compare, check, list}) command->footer(kExamples);
   try {

@@ -54,6 +54,15 @@ double calibration_factor(const Specimen& specimen, Experiment& experiment, cons
   return 1;
 }
 
+/// Whether the strategy needs the triangles or tetrahedra of a body that it suits.
+bool needs_cells(const Strategy& strategy, const Body& body) {
+  if (body.triangles.empty() && body.tetrahedra.empty()) return false;
+  Body bare = body;
+  bare.triangles.clear();
+  bare.tetrahedra.clear();
+  return !strategy.unsuited(bare).empty();
+}
+
 void note_negative_constants(Run& run) {
   const int negative = static_cast<int>((run.constants.array() < 0).count());
   if (negative > 0)
@@ -80,6 +89,7 @@ bool note_solve(const StaticResult& solved, const std::string& where, Run& run) 
   run.solver = solved.solver;
   run.newton_iterations += solved.newton_iterations;
   run.linear_iterations += solved.linear_iterations;
+  run.cut_steps += solved.cut_steps;
   run.residual = solved.residual;
   const std::string unstable = "the equilibrium is not stable: directions of negative stiffness";
   if (solved.unstable && (run.warnings.empty() || run.warnings.back() != unstable)) run.warnings.push_back(unstable);
@@ -177,6 +187,15 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
   if (!run.cause.empty()) {
     run.suited = false;
     return run;
+  }
+  run.uses_cells = needs_cells(choice.strategy, specimen.body);
+  if (run.uses_cells) {
+    const std::vector<int> cells = flat_or_inverted_cells(specimen.body, specimen.body.rest);
+    if (!cells.empty()) {
+      run.outcome = Outcome::inverted;
+      run.cause = flat_or_inverted_text(cells, specimen.body.tetrahedra.size()) + " at rest";
+      return run;
+    }
   }
   if (options.progress) options.progress("building");
   const Stopwatch build;

@@ -61,10 +61,12 @@ struct Run {
   VectorX constants;                ///< spring constants [N/m]; empty for laws without
   double build_seconds = 0, solve_seconds = 0;
   int newton_iterations = 0, linear_iterations = 0;
+  int cut_steps = 0;  ///< Newton steps that were shortened because they would have turned a cell over
   double residual = 0;
   int zero_energy_modes = 0;
   std::vector<std::string> warnings;
-  bool suited = true;  ///< false: the strategy cannot run on this body; cause says why
+  bool uses_cells = false;  ///< the strategy could not run without the body's triangles or tetrahedra
+  bool suited = true;       ///< false: the strategy cannot run on this body; cause says why
 };
 
 struct RunOptions {

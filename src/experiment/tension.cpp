@@ -69,7 +69,7 @@ class Tension final : public Experiment {
     const Positions motion = state.positions - start.positions;
     const double force = setup_.force ? factor_ * *setup_.force : loaded_reaction(solved.reactions - start.reactions);
     const double elongation = read_elongation(motion), strain = elongation / gauge_length_, stress = force / area_;
-    const double lateral = lateral_strain(motion);
+    const double lateral = lateral_strain(motion, solved.linear);
     measures.set("effective_modulus", stress / strain);
     measures.set("elongation", elongation);
     measures.set("poissons_ratio", -lateral / strain);
@@ -176,9 +176,10 @@ class Tension final : public Experiment {
     return mean_along(loaded_, share_, motion) - start;
   }
 
-  /// Half the trace of the in-plane displacement gradient fitted to the molecules at mid height; NaN if they do not
-  /// span the plane. Does not depend on which directions span it.
-  double lateral_strain(const Positions& motion) const {
+  /// Mean of the two in-plane principal strains of the molecules at mid height, from the displacement gradient fitted
+  /// to them; NaN if they do not span the plane. Large displacements may turn them: then it is the mean of the
+  /// principal stretches less one, which turning does not change.
+  double lateral_strain(const Positions& motion, bool small) const {
     const auto count = static_cast<Eigen::Index>(middle_.size());
     Eigen::MatrixX3d places(count, 3);
     Eigen::MatrixX2d moves(count, 2);
@@ -193,7 +194,9 @@ class Tension final : public Experiment {
     const Eigen::Matrix2d spread = places.leftCols<2>().transpose() * places.leftCols<2>();
     if (!(spread.determinant() > 1e-12 * std::pow(spread.trace(), 2))) return std::numeric_limits<double>::quiet_NaN();
     const Eigen::Matrix2d gradient = spread.inverse() * places.leftCols<2>().transpose() * moves;
-    return gradient.trace() / 2;
+    if (small) return gradient.trace() / 2;
+    const Eigen::Matrix2d stretch = Eigen::Matrix2d::Identity() + gradient;
+    return std::sqrt(stretch.squaredNorm() + 2 * stretch.determinant()) / 2 - 1;
   }
 
   /// Force along the axis with which the loaded supports pull [N].

@@ -129,6 +129,27 @@ double signed_volume(const Positions& places, const std::array<int, 4>& tetrahed
   return a.dot(b.cross(c)) / 6;
 }
 
+std::vector<int> flat_or_inverted_cells(const Body& body, const Positions& places) {
+  std::vector<int> cells;
+  for (std::size_t cell = 0; cell < body.tetrahedra.size(); ++cell) {
+    const auto& corners = body.tetrahedra[cell];
+    double longest = 0;
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < i; ++j) longest = std::max(longest, (places.col(corners[i]) - places.col(corners[j])).norm());
+    if (!(signed_volume(places, corners) > 1e-12 * longest * longest * longest))
+      cells.push_back(static_cast<int>(cell));
+  }
+  return cells;
+}
+
+std::string flat_or_inverted_text(const std::vector<int>& cells, std::size_t of) {
+  constexpr std::size_t shown = 10;
+  std::string text = cells.size() == 1 ? "cell" : "cells";
+  for (std::size_t i = 0; i < std::min(shown, cells.size()); ++i) text += (i ? ", " : " ") + std::to_string(cells[i]);
+  if (cells.size() > shown) text += " and " + std::to_string(cells.size() - shown) + " more";
+  return text + " of " + std::to_string(of) + (cells.size() == 1 ? " is" : " are") + " flat or turned over";
+}
+
 BodyFindings inspect(const Body& body) {
   BodyFindings findings;
   const int n = body.size();
@@ -163,15 +184,7 @@ BodyFindings inspect(const Body& body) {
       findings.piece_of[molecule] = findings.piece_of[first];
     if (degree[molecule] == 0) findings.loose_molecules.push_back(molecule);
   }
-  for (std::size_t cell = 0; cell < body.tetrahedra.size(); ++cell) {
-    const auto& corners = body.tetrahedra[cell];
-    double longest = 0;
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < i; ++j)
-        longest = std::max(longest, (body.rest.col(corners[i]) - body.rest.col(corners[j])).norm());
-    if (!(signed_volume(body.rest, corners) > 1e-12 * longest * longest * longest))
-      findings.flat_or_inverted_cells.push_back(static_cast<int>(cell));
-  }
+  findings.flat_or_inverted_cells = flat_or_inverted_cells(body, body.rest);
   return findings;
 }
 

@@ -53,6 +53,7 @@ Json to_json(const Record& record) {
               {"seconds", {{"build", run.build_seconds}, {"solve", run.solve_seconds}}},
               {"iterations", run.newton_iterations},
               {"linear_iterations", run.linear_iterations},
+              {"cut_steps", run.cut_steps},
               {"residual", run.residual},
               {"zero_energy_modes", run.zero_energy_modes},
               {"warnings", record.warnings}};

@@ -4,11 +4,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "elastin/base/threads.h"
 #include "report/table.h"
 
 namespace elastin {
+
+Neighbours neighbours_inside(const Body& body) {
+  const int proper = body.connections.proper();
+  if (proper == 0) return {};
+  const auto& lengths = body.connections.rest_length;
+  std::vector<int> count(static_cast<std::size_t>(body.size()));
+  for (int c = 0; c < proper; ++c)
+    for (const int end : body.connections.ends[c]) ++count[static_cast<std::size_t>(end)];
+  const double longest = *std::max_element(lengths.begin(), lengths.begin() + proper);
+  const Vector3 low = body.rest.rowwise().minCoeff(), high = body.rest.rowwise().maxCoeff();
+  std::vector<int> inside;
+  for (int molecule = 0; molecule < body.size(); ++molecule) {
+    const auto place = body.rest.col(molecule);
+    if ((place - low).minCoeff() > longest && (high - place).minCoeff() > longest)
+      inside.push_back(count[static_cast<std::size_t>(molecule)]);
+  }
+  const std::vector<int>& counted = inside.empty() ? count : inside;
+  return {std::accumulate(counted.begin(), counted.end(), 0.) / static_cast<double>(counted.size()),
+          *std::min_element(counted.begin(), counted.end())};
+}
 
 bool Record::good() const {
   return (!run.suited || run.outcome == Outcome::converged) &&
@@ -27,6 +48,7 @@ Record make_record(const Scene& scene, Run run) {
   record.cell_sides = body.connections.cell_sides;
   record.cells = static_cast<int>(body.tetrahedra.size() + body.triangles.size());
   record.threads = threads();
+  record.neighbours = neighbours_inside(body);
   record.prescribed =
       fmt::format("E = {}, nu = {:g}", readable(material.youngs_modulus, dimension::pressure), material.poissons_ratio);
   const auto add_error = [&](const std::string& name, double error) {

@@ -16,11 +16,20 @@ struct Verdict {
   bool judged = true;  ///< false: the scene says that it is not reproduced
 };
 
+/// Connections a molecule has away from the body's surface: of those further from the bounding box's faces than the
+/// longest connection, or of all where there are none.
+struct Neighbours {
+  double mean = 0;
+  int least = 0;
+};
+Neighbours neighbours_inside(const Body& body);
+
 /// One run with what the scene said about it: a row of every table and file.
 struct Record {
   std::string scene, path, title;
   Run run;
   int molecules = 0, connections = 0, cells = 0, threads = 1;
+  Neighbours neighbours;
   int cell_sides = 0;      ///< beside the connections: those that are sides of cells only
   std::string prescribed;  ///< "E = 5000 Pa, nu = 0.25"
   std::vector<std::pair<std::string, double>>

@@ -156,6 +156,7 @@ std::string run_text(const Record& record, bool colours) {
     out += fmt::format("  {}, {}, {} linear, residual {:.1e}, built in {}, solved in {}\n", run.solver,
                        counted(run.newton_iterations, "Newton iteration"), run.linear_iterations, run.residual,
                        readable_seconds(run.build_seconds), readable_seconds(run.solve_seconds));
+  if (run.cut_steps) out += fmt::format("  {} cut: a cell would have turned over\n", counted(run.cut_steps, "step"));
   for (const std::string& warning : run.warnings)
     out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";
   Table table({"measure", "value", "error", ""});

@@ -113,15 +113,15 @@ StaticResult solve_linear_statics(Model& model, State& state, const StaticOption
 struct Trial {
   State state;
   Balance forces;
-  double energy;
-  double noise;  ///< what rounding of the positions does to the energy [J]
+  double energy;  ///< +infinity where a cell is flat or turned over
+  double noise;   ///< what rounding of the positions does to the energy [J]
 };
 
 Trial evaluate(const Model& model, State state, bool with_energy) {
   Trial trial{std::move(state), {}, 0, 0};
   const Positions& positions = trial.state.positions;
-  if (with_energy) {
-    trial.energy = model.elastic_energy(positions) + model.load_energy(trial.state);
+  trial.energy = model.elastic_energy(positions) + model.load_energy(trial.state);
+  if (with_energy && std::isfinite(trial.energy)) {
     const VectorX densities = model.force_densities(positions);
     const auto& ends = model.body().connections.ends;
     const double pull = ordered_sum(model.body().connections.size(), [&](int c) {
@@ -134,7 +134,7 @@ Trial evaluate(const Model& model, State state, bool with_energy) {
 }
 
 /// Halves the step until the energy falls (Armijo) or, where rounding hides that or there is no energy, the unbalanced
-/// force does. Returns false if no step helps.
+/// force does; and while a cell is turned over, with or without an energy. Returns false if no step helps.
 bool line_search(const Model& model, const Positions& motion, bool with_energy, Trial& now, bool& inverted) {
   const double slope = -ordered_sum(static_cast<int>(motion.cols()),
                                     [&](int i) { return now.forces.unbalanced.col(i).dot(motion.col(i)); });
@@ -164,7 +164,10 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
   Trial now = evaluate(model, state, with_energy);
   if (!std::isfinite(now.energy)) {
     result.outcome = Outcome::inverted;
-    result.cause = "a cell is flat or turned over at the start of the step";
+    const std::vector<int> cells = flat_or_inverted_cells(model.body(), now.state.positions);
+    result.cause = (cells.empty() ? "a cell is flat or turned over"
+                                  : flat_or_inverted_text(cells, model.body().tetrahedra.size())) +
+                   " at the start of the step";
     return result;
   }
   std::string used = options.method == LinearMethod::direct ? "direct" : "pcg";
@@ -202,7 +205,9 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
     // A full answer of an indefinite stiffness leads to a saddle of the energy: there only the force can be a guide.
     const bool to_saddle = linear.negative_modes > 0;
     bool inverted = false;
-    if (!motion.allFinite() || !line_search(model, motion, with_energy && !to_saddle, now, inverted)) {
+    const bool found = motion.allFinite() && line_search(model, motion, with_energy && !to_saddle, now, inverted);
+    result.cut_steps += inverted;
+    if (!found) {
       const bool mechanism = linear.status == LinearStatus::zero_mode;
       result.outcome = mechanism ? Outcome::mechanism : inverted ? Outcome::inverted : Outcome::diverged;
       result.cause = mechanism  ? "the loads work on a zero-energy mode that does not stiffen"

@@ -90,6 +90,25 @@ TEST_CASE("exit code 1: an expectation or the run failed", "[command]") {
   CHECK_THAT(stopped.out, Contains("lattice: limit reached: no equilibrium within 1 Newton iteration"));
 }
 
+TEST_CASE("run says how many steps were cut, and which cells are turned over at rest", "[command]") {
+  const TemporaryFolder folder;
+  const std::string block = folder.write("block.yaml", R"(body:
+  tetrahedra: {kind: kuhn, cubes: [3, 3, 3], size: [3 cm, 3 cm, 3 cm]}
+material: {youngs_modulus: 5 kPa, poissons_ratio: 0.3}
+stiffness: neo_hookean
+experiment: {kind: compression, axis: z, force: 9 N}
+)");
+  const Said cut = say("run " + block);
+  CHECK(cut.code == 0);
+  CHECK_THAT(cut.out, Contains("cut: a cell would have turned over\n"));
+  CHECK(nlohmann::json::parse(say("run --json - " + block).out)["runs"][0]["cut_steps"] > 0);
+  const Said gentle = say("run " + block + " --set experiment.force=0.001");
+  CHECK_THAT(gentle.out, !Contains("cut"));
+  const Said turned = say("run " + block + " --set body.jitter.amount=0.5");
+  CHECK(turned.code == 1);
+  CHECK_THAT(turned.out, Contains("neo_hookean: inverted: cells ") && Contains(" are flat or turned over at rest\n"));
+}
+
 TEST_CASE("exit code 2: wrong use or input, told on standard error alone", "[command]") {
   const TemporaryFolder folder;
   const std::string cube = folder.write("cube.yaml", kCube);
@@ -238,6 +257,19 @@ TEST_CASE("several scenes are told one after the other", "[command]") {
   CHECK_THAT(said.out, Contains("2 molecules, 1 connection;"));
   const Said checked = say("check '" + kTension + "table1-a.yaml' '" + kTension + "table1-c.yaml'");
   CHECK_THAT(checked.out, Contains("table1-a  ") && Contains("table1-c  "));
+}
+
+TEST_CASE("several scenes end with a summary, and the option --summary gives nothing else", "[command]") {
+  const std::string scenes = "'" + kTension + "table1-c.yaml' '" + kTension + "cube-27-face.yaml'";
+  const Said all = say("compare " + scenes), only = say("compare --summary " + scenes);
+  CHECK(all.code == only.code);
+  CHECK_THAT(all.out, StartsWith("table1-c  ") && Contains("Summary  2 bodies\n"));
+  CHECK_THAT(only.out, StartsWith("Summary  2 bodies\n") && Contains("  table1-c ") && Contains("  cube-27-face "));
+  CHECK(only.err.empty());
+  CHECK_THAT(say("compare '" + kTension + "table1-a.yaml'").out, !Contains("Summary"));
+  // JSON hides nothing.
+  CHECK(nlohmann::json::parse(say("compare --summary --json - " + scenes).out)["runs"].size() ==
+        nlohmann::json::parse(say("compare --json - " + scenes).out)["runs"].size());
 }
 
 TEST_CASE("the option --out leaves every file whole", "[command]") {

@@ -27,6 +27,13 @@ constexpr Case kCases[] = {
      bench::run_static},
     {"forces", "elastic force pass; peer: a plain loop over the connections, each thread with its own forces",
      bench::run_forces},
+    {"laws",
+     "force and tangent pass of springs and of every cell law on some 1e5 cells; peer: a plain loop over springs",
+     bench::run_laws},
+    {"convergence", "clamped tension of blocks T1 and T2 under refinement, against converged finite elements",
+     bench::run_convergence},
+    {"calculix", "the neo-Hookean static solve at some 1e5 cells; peer: CalculiX (ccx 2.20, package calculix-ccx)",
+     bench::run_calculix},
     {"rules", "setting the constants of every spring rule, 22 molecules a side", bench::run_rules},
 };
 
@@ -57,7 +64,7 @@ int main(int argc, char** argv) {
     return app.exit(error) ? 2 : 0;
   }
   if (list) {
-    for (const Case& one : kCases) fmt::print("{:8} {}\n", one.name, one.summary);
+    for (const Case& one : kCases) fmt::print("{:11} {}\n", one.name, one.summary);
     return 0;
   }
   try {

@@ -1,109 +1,17 @@
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <stdexcept>
-#include <thread>
 
 #include "elastin/base/threads.h"
 #include "elastin/forces/model.h"
 #include "elastin/simulation/catalog.h"
 #include "measure.h"
+#include "plain_loop.h"
 
 namespace bench {
 namespace {
 
 using namespace elastin;
-
-/// Where a fixed number of threads wait for each other. Looks for a while before it sleeps: sleeping and waking costs
-/// more than a small pass, and looking forever starves the rest of a busy machine.
-class Gate {
- public:
-  explicit Gate(int size) : size_(size) {}
-  void arrive_and_wait() {
-    const int round = round_.load();
-    if (arrived_.fetch_add(1) + 1 == size_) {
-      arrived_ = 0;
-      round_ = round + 1;
-      round_.notify_all();
-      return;
-    }
-    for (int look = 0; look < 20000; ++look)
-      if (round_.load() != round) return;
-    round_.wait(round);
-  }
-
- private:
-  int size_;
-  std::atomic<int> arrived_{0}, round_{0};
-};
-
-/// Threads that wait for work: starting one a pass would cost more than a small pass itself.
-class Team {
- public:
-  explicit Team(int size) : size_(size), start_(size), end_(size) {
-    for (int member = 1; member < size; ++member)
-      others_.emplace_back([this, member] {
-        for (start_.arrive_and_wait(); work_; start_.arrive_and_wait()) {
-          (*work_)(member);
-          end_.arrive_and_wait();
-        }
-      });
-  }
-  ~Team() {
-    work_ = nullptr;
-    start_.arrive_and_wait();
-  }
-  int size() const { return size_; }
-  /// Calls work(member) once for each member, each on its own thread.
-  void run(const std::function<void(int member)>& work) {
-    work_ = &work;
-    start_.arrive_and_wait();
-    work(0);
-    end_.arrive_and_wait();
-  }
-  /// Where a member's part of `count` items begins; it ends where the next one's begins.
-  int begin(int member, int count) const { return static_cast<int>(static_cast<long long>(count) * member / size_); }
-
- private:
-  int size_;
-  Gate start_, end_;
-  const std::function<void(int)>* work_ = nullptr;
-  std::vector<std::jthread> others_;
-};
-
-struct Springs {
-  const Connections& connections;
-  const VectorX& constants;
-};
-
-/// What one writes by hand: one loop over the connections that adds ± k (1 − L/l) d to both ends.
-void add_plain(const Springs& springs, const Positions& positions, int begin, int end, Positions& forces) {
-  const double* x = positions.data();
-  double* f = forces.data();
-  for (int c = begin; c < end; ++c) {
-    const auto [a, b] = springs.connections.ends[c];
-    const double dx = x[3 * b] - x[3 * a], dy = x[3 * b + 1] - x[3 * a + 1], dz = x[3 * b + 2] - x[3 * a + 2];
-    const double q =
-        springs.constants[c] * (1 - springs.connections.rest_length[c] / std::sqrt(dx * dx + dy * dy + dz * dz));
-    f[3 * a] += q * dx, f[3 * a + 1] += q * dy, f[3 * a + 2] += q * dz;
-    f[3 * b] -= q * dx, f[3 * b + 1] -= q * dy, f[3 * b + 2] -= q * dz;
-  }
-}
-
-/// The same on several threads, each with forces of its own, added up afterwards. forces[0] is the result.
-void plain_forces(Team& team, const Springs& springs, const Positions& positions, std::vector<Positions>& forces) {
-  const int count = springs.connections.size(), molecules = static_cast<int>(positions.cols());
-  team.run([&](int member) {
-    forces[member].setZero(3, molecules);
-    add_plain(springs, positions, team.begin(member, count), team.begin(member + 1, count), forces[member]);
-  });
-  if (team.size() == 1) return;
-  team.run([&](int member) {
-    const int begin = team.begin(member, molecules), width = team.begin(member + 1, molecules) - begin;
-    for (int other = 1; other < team.size(); ++other)
-      forces[0].middleCols(begin, width) += forces[other].middleCols(begin, width);
-  });
-}
 
 /// Elastin and the plain loop in turn, at each number of threads: two figures for each of them.
 std::vector<Figures> race(int side, const Settings& settings) {

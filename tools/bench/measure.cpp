@@ -45,10 +45,12 @@ std::string millions(double value) { return fmt::format("{:.1f}", value / 1e6); 
 
 constexpr Column kColumns[] = {
     {"springs", "springs", &Figures::springs, [](double v) { return fmt::format("{:.0f}", v); }},
+    {"cells", "cells", &Figures::cells, [](double v) { return fmt::format("{:.0f}", v); }},
     {"build_s", "build", &Figures::build, seconds_text},
     {"minimum_s", "minimum", &Figures::minimum, seconds_text},
     {"median_s", "median", &Figures::median, seconds_text},
     {"s_per_spring", "a spring", &Figures::each, seconds_text},
+    {"s_per_cell", "a cell", &Figures::each_cell, seconds_text},
     {"springs_per_s", "Mspring/s", &Figures::rate, millions},
     {"bandwidth_B_per_s", "GB/s", &Figures::bandwidth, [](double v) { return fmt::format("{:.1f}", v / 1e9); }},
     {"springs_per_s_allowed", "memory allows", &Figures::allowed, millions},
@@ -58,6 +60,9 @@ constexpr Column kColumns[] = {
     {"newton_iterations", "Newton", &Figures::newton, [](double v) { return fmt::format("{:.0f}", v); }},
     {"cg_iterations", "CG", &Figures::iterations, [](double v) { return fmt::format("{:.0f}", v); }},
     {"residual", "residual", &Figures::residual, [](double v) { return fmt::format("{:.1e}", v); }},
+    {"over_reference", "/reference", &Figures::value, [](double v) { return fmt::format("{:.6f}", v); }},
+    {"error", "error", &Figures::error, [](double v) { return fmt::format("{:.4f} %", 100 * v); }},
+    {"order", "order", &Figures::order, [](double v) { return fmt::format("{:.2f}", v); }},
     {"peak_B", "peak MB", &Figures::peak, millions},
 };
 

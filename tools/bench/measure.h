@@ -16,10 +16,12 @@ inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 /// pipe.
 struct Figures {
   double springs = kNone;
+  double cells = kNone;
   double build = kNone;        ///< median [s] of making all that the solve needs: body, constants, model, matrix
   double minimum = kNone;      ///< [s]
   double median = kNone;       ///< [s]
   double each = kNone;         ///< the minimum a spring [s]
+  double each_cell = kNone;    ///< the minimum a cell [s]
   double rate = kNone;         ///< springs a second, at the minimum
   double bandwidth = kNone;    ///< [B/s], at the minimum
   double allowed = kNone;      ///< springs a second that the measured bandwidth allows
@@ -28,13 +30,16 @@ struct Figures {
   double newton = kNone;       ///< Newton iterations
   double iterations = kNone;   ///< of conjugate gradients, all Newton iterations together
   double residual = kNone;  ///< ‖b − K x‖/‖b‖ with the assembled matrix; of Newton, unbalanced force over loads
+  double value = kNone;     ///< what was solved for over its reference
+  double error = kNone;     ///< |value − 1|
+  double order = kNone;     ///< log₂ of the error of twice the spacing over this one
   double peak = kNone;      ///< [B]: how far the peak of the process's resident memory grew
 };
 
 struct Row {
   std::string scenario;  ///< the case, "static"
   std::string method;
-  int side = 0;  ///< molecules along the cube's side
+  int side = 0;  ///< molecules along the cube's side; of blocks of tetrahedra, cubes along the shortest side
   int threads = 1, repeats = 1;
   Figures figures;
   std::string note;
@@ -78,5 +83,8 @@ void say(const std::string& doing);
 std::vector<Row> run_static(const Settings& settings);
 std::vector<Row> run_forces(const Settings& settings);
 std::vector<Row> run_rules(const Settings& settings);
+std::vector<Row> run_laws(const Settings& settings);
+std::vector<Row> run_convergence(const Settings& settings);
+std::vector<Row> run_calculix(const Settings& settings);
 
 }  // namespace bench

@@ -64,6 +64,11 @@ VectorX lumped_mass(const Positions& places, const Cells<3>& triangles, const Ce
 /// side.
 double signed_volume(const Positions& places, const std::array<int, 4>& tetrahedron);
 
+/// Tetrahedra that are flat or turned over at these places: their volume is not above 1e-12 L³ of their longest side L.
+std::vector<int> flat_or_inverted_cells(const Body& body, const Positions& places);
+/// "cell 3 is flat or turned over", "cells 3, 7 are …": the first ten by number, how many others, and of how many.
+std::string flat_or_inverted_text(const std::vector<int>& cells, std::size_t of);
+
 /// What is wrong or odd with a body as a graph of its connections proper, in words a user can act on.
 struct BodyFindings {
   int pieces = 0;                            ///< connected parts, loose molecules included
@@ -71,7 +76,7 @@ struct BodyFindings {
   std::vector<int> loose_molecules;          ///< molecules without any connection
   std::vector<int> zero_length_connections;  ///< rest length below 1e-12 of the body's size
   std::vector<int> duplicate_connections;    ///< the second and later ones of a pair
-  std::vector<int> flat_or_inverted_cells;   ///< tetrahedra whose volume is not above 1e-12 L³ of their longest side L
+  std::vector<int> flat_or_inverted_cells;   ///< at rest
 };
 BodyFindings inspect(const Body& body);
 

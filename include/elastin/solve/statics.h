@@ -25,6 +25,7 @@ struct StaticResult {
   bool linear = false;  ///< small displacements were assumed
   int newton_iterations = 0;
   int linear_iterations = 0;
+  int cut_steps = 0;      ///< steps that were shortened because they would have turned a cell over
   double residual = 0;    ///< unbalanced force over the size of loads and reactions
   bool unstable = false;  ///< the equilibrium found has a direction of negative stiffness: it is not a minimum
   Positions reactions;    ///< what holds each support in its held directions [N], shape 3 × supports

@@ -1,0 +1,233 @@
+#include "report/summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "report/table.h"
+
+namespace elastin {
+namespace {
+
+/// From here on a molecule has connections enough for a goal to be asked for.
+constexpr double kEnoughNeighbours = 12;
+
+double error_of(const Record& record, const std::string& name) {
+  for (const auto& [known, value] : record.errors)
+    if (known == name) return value;
+  return std::nan("");
+}
+
+bool solved(const Record& record) { return record.run.suited && record.run.outcome == Outcome::converged; }
+
+double whole_seconds(const Run& run) { return run.build_seconds + run.solve_seconds; }
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::nan("");
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+ErrorSpread spread_of(const std::vector<const Record*>& runs, const std::string& measure) {
+  ErrorSpread spread{std::nan(""), std::nan(""), ""};
+  std::vector<double> sizes;
+  for (const Record* record : runs) {
+    const double size = std::abs(error_of(*record, measure));
+    if (!std::isfinite(size)) continue;
+    sizes.push_back(size);
+    if (!(size <= spread.worst)) spread.worst = size, spread.worst_scene = record->scene;
+  }
+  spread.median = median(std::move(sizes));
+  return spread;
+}
+
+/// How far a run is from the goals, the further of the two; a body that shows no Poisson's ratio is judged by E alone.
+double distance_from_goal(const Record& record) {
+  const double modulus = std::abs(error_of(record, "effective_modulus")) / kModulusGoal;
+  return std::fmax(modulus, std::abs(error_of(record, "poissons_ratio")) / kRatioGoal);
+}
+
+bool within_goal(const Record& record) { return distance_from_goal(record) <= 1; }
+
+const Record* best_cell_free(const std::vector<const Record*>& runs) {
+  const auto rank = [](const Record& record) {
+    return std::tuple{std::round(100 * distance_from_goal(record)), whole_seconds(record.run)};
+  };
+  const Record* best = nullptr;
+  for (const Record* record : runs)
+    if (solved(*record) && !record->run.uses_cells && record->run.warnings.empty() &&
+        std::isfinite(distance_from_goal(*record)) && (!best || rank(*record) < rank(*best)))
+      best = record;
+  return best;
+}
+
+/// Runs in groups of one key, in the order in which the keys first come.
+template <class Key>
+std::vector<std::vector<const Record*>> grouped(const std::vector<Record>& records, const Key& key) {
+  std::vector<std::vector<const Record*>> groups;
+  for (const Record& record : records) {
+    const auto group = std::find_if(groups.begin(), groups.end(),
+                                    [&](const auto& other) { return key(*other.front()) == key(record); });
+    if (group == groups.end())
+      groups.push_back({&record});
+    else
+      group->push_back(&record);
+  }
+  return groups;
+}
+
+StrategySummary summary_of(const std::vector<const Record*>& runs, const std::vector<Record>& all) {
+  StrategySummary summary;
+  summary.strategy = runs.front()->run.strategy;
+  std::vector<const Record*> good;
+  std::vector<double> solve, whole;
+  for (const Record* record : runs) {
+    ++summary.bodies;
+    summary.unsuited += !record->run.suited;
+    summary.failed += record->run.suited && !solved(*record);
+    summary.mechanisms += record->run.zero_energy_modes > 0;
+    summary.uses_cells |= record->run.uses_cells;
+    if (!solved(*record)) continue;
+    good.push_back(record);
+    const auto standard = std::find_if(all.begin(), all.end(), [&](const Record& other) {
+      return other.path == record->path && other.run.strategy == "standard" && solved(other);
+    });
+    if (standard == all.end()) continue;
+    solve.push_back(record->run.solve_seconds / standard->run.solve_seconds);
+    whole.push_back(whole_seconds(record->run) / whole_seconds(standard->run));
+  }
+  summary.modulus = spread_of(good, "effective_modulus");
+  summary.ratio = spread_of(good, "poissons_ratio");
+  summary.solve = median(std::move(solve));
+  summary.whole = median(std::move(whole));
+  return summary;
+}
+
+std::string size_text(double size) {
+  const std::string text = percent(size);
+  return text.starts_with('+') ? text.substr(1) : text;
+}
+
+std::string number_text(double value, const char* format) {
+  return std::isfinite(value) ? fmt::format(fmt::runtime(format), value) : "";
+}
+
+std::string count_text(int count) { return count ? std::to_string(count) : ""; }
+
+Tone tone_of(double error, double goal) {
+  return !(error <= 25 * goal) ? Tone::bad : error <= goal ? Tone::good : error <= 5 * goal ? Tone::plain : Tone::poor;
+}
+
+std::string strategies_text(const Summary& summary, bool colours) {
+  Table table({"strategy", "ran", "unsuited", "failed", "|error of E|", "worst", "on", "|nu - asked|", "worst", "on",
+               "solve", "with build", "mechanisms", "best on"});
+  std::string nowhere;
+  for (const StrategySummary& row : summary.strategies) {
+    if (row.unsuited == row.bodies) {
+      nowhere += (nowhere.empty() ? "  suited to none of these bodies: " : ", ") + row.strategy;
+      continue;
+    }
+    const int ran = row.bodies - row.unsuited - row.failed;
+    table.add({{row.strategy + (row.uses_cells ? " *" : ""), ran ? Tone::plain : Tone::faint},
+               {fmt::format("{} of {}", ran, row.bodies), Tone::plain, true},
+               {count_text(row.unsuited), Tone::faint, true},
+               {count_text(row.failed), Tone::bad, true},
+               {size_text(row.modulus.median), tone_of(row.modulus.median, kModulusGoal), true},
+               {size_text(row.modulus.worst), tone_of(row.modulus.worst, kModulusGoal), true},
+               {row.modulus.worst_scene, Tone::faint},
+               {number_text(row.ratio.median, "{:.4f}"), tone_of(row.ratio.median, kRatioGoal), true},
+               {number_text(row.ratio.worst, "{:.4f}"), tone_of(row.ratio.worst, kRatioGoal), true},
+               {row.ratio.worst_scene, Tone::faint},
+               {number_text(row.solve, "{:.2f}"), Tone::plain, true},
+               {number_text(row.whole, "{:.2f}"), Tone::plain, true},
+               {count_text(row.mechanisms), Tone::poor, true},
+               {count_text(row.best_on), Tone::bold, true}});
+  }
+  if (!nowhere.empty()) nowhere += '\n';
+  return table.text(colours) +
+         painted(
+             nowhere +
+                 "  errors: median and worst over the bodies on which it ran; solve: median of its time over that of "
+                 "standard; * needs cells; best on: bodies on which it is the best without cells\n",
+             Tone::faint, colours);
+}
+
+std::string bodies_text(const Summary& summary, bool colours) {
+  Table table({"body", "molecules", "neighbours inside", "least", "best without cells", "error of E", "nu",
+               "nu - asked", "within 1 %, 0.01"});
+  int asked = 0, held = 0;
+  for (const BodySummary& row : summary.bodies) {
+    const bool good = row.best && within_goal(*row.best), enough = row.neighbours.mean >= kEnoughNeighbours;
+    asked += enough;
+    held += enough && good;
+    const double modulus = row.best ? error_of(*row.best, "effective_modulus") : std::nan("");
+    const double ratio = row.best ? error_of(*row.best, "poissons_ratio") : std::nan("");
+    table.add({{row.scene},
+               {std::to_string(row.molecules), Tone::plain, true},
+               {fmt::format("{:.1f}", row.neighbours.mean), enough ? Tone::plain : Tone::faint, true},
+               {std::to_string(row.neighbours.least), enough ? Tone::plain : Tone::faint, true},
+               {row.best ? row.best->run.strategy : "none without a warning", row.best ? Tone::bold : Tone::bad},
+               {percent(modulus), tone_of(std::abs(modulus), kModulusGoal), true},
+               {row.best ? number_text(row.best->run.measures.get("poissons_ratio"), "{:.4f}") : "", Tone::plain, true},
+               {number_text(ratio, "{:+.4f}"), tone_of(std::abs(ratio), kRatioGoal), true},
+               {good ? "yes" : "no", good     ? Tone::good
+                                     : enough ? Tone::bad
+                                              : Tone::poor}});
+  }
+  return table.text(colours) +
+         fmt::format("\n  without cells within 1 % of E and 0.01 of nu: {} of the {} with {:.0f} neighbours or more\n",
+                     held, counted(asked, "body", "bodies"), kEnoughNeighbours);
+}
+
+/// Each run and expectation that failed, a line each.
+std::string failures_text(const std::vector<Record>& records, bool colours) {
+  int held = 0, judged = 0;
+  std::string out;
+  for (const Record& record : records) {
+    const std::string who = "  " + record.scene + ", " + record.run.strategy + ": ";
+    if (record.run.suited && !solved(record)) {
+      std::string outcome = name_of(record.run.outcome);
+      std::replace(outcome.begin(), outcome.end(), '_', ' ');
+      out += painted(who + outcome + ": " + record.run.cause, Tone::bad, colours) + "\n";
+    }
+    for (const Verdict& verdict : record.verdicts) {
+      judged += verdict.judged;
+      held += verdict.judged && verdict.holds;
+      if (verdict.judged && !verdict.holds)
+        out += painted(who + verdict.expectation.measure + " " + percent(verdict.difference) + " from expected",
+                       Tone::bad, colours) +
+               "\n";
+    }
+  }
+  if (judged) out += fmt::format("  {} of {} expectations hold\n", held, judged);
+  return out;
+}
+
+}  // namespace
+
+Summary summarise(const std::vector<Record>& records) {
+  Summary summary;
+  for (const auto& runs : grouped(records, [](const Record& record) { return record.run.strategy; }))
+    summary.strategies.push_back(summary_of(runs, records));
+  for (const auto& runs : grouped(records, [](const Record& record) { return record.path; })) {
+    const Record& first = *runs.front();
+    summary.bodies.push_back({first.scene, first.molecules, first.neighbours, best_cell_free(runs)});
+    for (StrategySummary& row : summary.strategies)
+      if (const Record* best = summary.bodies.back().best) row.best_on += row.strategy == best->run.strategy;
+  }
+  return summary;
+}
+
+std::string summary_text(const std::vector<Record>& records, bool colours) {
+  if (records.empty()) return "";
+  const Summary summary = summarise(records);
+  return painted("Summary", Tone::bold, colours) + "  " +
+         counted(static_cast<int>(summary.bodies.size()), "body", "bodies") + "\n\n" +
+         strategies_text(summary, colours) + "\n" + bodies_text(summary, colours) + failures_text(records, colours) +
+         "\n";
+}
+
+}  // namespace elastin

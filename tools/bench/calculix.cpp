@@ -1,0 +1,224 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+
+#include "blocks.h"
+#include "elastin/base/threads.h"
+#include "experiment/faces.h"
+#include "measure.h"
+
+namespace bench {
+namespace {
+
+using namespace elastin;
+
+constexpr int kThreads = 2;
+constexpr double kPoissonsRatio = 0.3;
+
+/// What is asked of both programs: block T1 of Kuhn tetrahedra under a part of its load.
+struct Task {
+  const char* name;
+  double part;
+  double reference;      ///< elongation under the whole load [m]
+  bool calculix_agrees;  ///< its neo-Hookean solid has the same answer, to well below the mesh's error
+};
+// CalculiX's solid is C10 (Ī₁ − 3) + (J − 1)²/D1 with C10 = μ/2, D1 = 2/K; ours ½ μ (F : F − 3) − μ ln J + ½ λ (J −
+// 1)². They share E and ν; at a strain of 1e-5 their answers, and the linear one, differ by some 1e-5.
+constexpr Task kTasks[] = {{"T1, 1/20000 of its load", 5e-5, 0.00314180381, true},
+                           {"T1, whole load", 1, 0.0036002, false}};
+
+/// A mesh as CalculiX wants it: numbers from 1, corners first.
+struct Mesh {
+  std::string type;  // C3D4, C3D10
+  std::vector<Vector3> places;
+  std::vector<std::vector<int>> cells;
+  std::map<int, double> share;  // of the load by place on the loaded face, sum 1
+  std::vector<int> held;
+};
+
+Mesh linear_mesh(const Body& body) {
+  Mesh mesh{.type = "C3D4", .places = {}, .cells = {}, .share = {}, .held = {}};
+  for (int molecule = 0; molecule < body.size(); ++molecule) mesh.places.push_back(body.rest.col(molecule));
+  for (const auto& cell : body.tetrahedra) mesh.cells.emplace_back(cell.begin(), cell.end());
+  const Face loaded = end_face(body, Vector3::UnitZ(), 0);
+  for (std::size_t i = 0; i < loaded.molecules.size(); ++i)
+    mesh.share[loaded.molecules[i]] = loaded.share[static_cast<Eigen::Index>(i)];
+  mesh.held = end_face(body, -Vector3::UnitZ(), 0).molecules;
+  return mesh;
+}
+
+/// The same body with a place in the middle of each connection: quadratic tetrahedra.
+Mesh quadratic_mesh(const Body& body) {
+  Mesh mesh = linear_mesh(body);
+  mesh.type = "C3D10";
+  std::map<std::pair<int, int>, int> middle;
+  const double top = body.rest.row(2).maxCoeff(), bottom = body.rest.row(2).minCoeff();
+  for (const auto& [a, b] : body.connections.ends) {
+    const int number = static_cast<int>(mesh.places.size());
+    middle[{a, b}] = middle[{b, a}] = number;
+    mesh.places.push_back((body.rest.col(a) + body.rest.col(b)) / 2);
+    if (mesh.places.back().z() < bottom + 1e-9) mesh.held.push_back(number);
+  }
+  mesh.share.clear();
+  double area = 0;
+  for (auto& cell : mesh.cells) {
+    static constexpr std::array<std::array<int, 2>, 6> sides{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
+    for (const auto& [i, j] : sides) cell.push_back(middle.at({cell[i], cell[j]}));
+    std::vector<int> face;
+    for (int corner = 0; corner < 4; ++corner)
+      if (mesh.places[cell[corner]].z() > top - 1e-9) face.push_back(cell[corner]);
+    if (face.size() < 3) continue;
+    // Uniform traction on six places: a third of the triangle's to each middle of a side.
+    const Vector3 a = mesh.places[face[0]], b = mesh.places[face[1]], c = mesh.places[face[2]];
+    const double part = (b - a).cross(c - a).norm() / 2;
+    area += part;
+    for (int i = 0; i < 3; ++i) mesh.share[middle.at({face[i], face[(i + 1) % 3]})] += part / 3;
+  }
+  for (auto& [place, share] : mesh.share) share /= area;
+  return mesh;
+}
+
+void write_input(const Mesh& mesh, const Block& block, double part, const std::string& path) {
+  const double mu = block.modulus / (2 * (1 + kPoissonsRatio)), bulk = block.modulus / (3 * (1 - 2 * kPoissonsRatio));
+  std::ofstream file(path);
+  file << "*NODE, NSET=ALL\n";
+  for (std::size_t i = 0; i < mesh.places.size(); ++i)
+    file << fmt::format("{},{:.15g},{:.15g},{:.15g}\n", i + 1, mesh.places[i].x(), mesh.places[i].y(),
+                        mesh.places[i].z());
+  file << "*ELEMENT, TYPE=" << mesh.type << ", ELSET=BODY\n";
+  for (std::size_t i = 0; i < mesh.cells.size(); ++i) {
+    file << i + 1;
+    for (const int corner : mesh.cells[i]) file << ',' << corner + 1;
+    file << '\n';
+  }
+  const auto write_set = [&](const char* name, const auto& numbers) {
+    file << "*NSET, NSET=" << name << '\n';
+    for (const int number : numbers) file << number + 1 << ",\n";
+  };
+  std::vector<int> loaded;
+  for (const auto& [place, share] : mesh.share) loaded.push_back(place);
+  write_set("HELD", mesh.held);
+  write_set("LOADED", loaded);
+  file << fmt::format("*MATERIAL, NAME=GEL\n*HYPERELASTIC, NEO HOOKE\n{:.15g},{:.15g}\n", mu / 2, 2 / bulk)
+       << "*SOLID SECTION, ELSET=BODY, MATERIAL=GEL\n*BOUNDARY\nHELD,1,3\n*STEP, NLGEOM, INC=1000\n"
+       << "*STATIC, SOLVER=SPOOLES\n"
+       << (part < 0.01 ? "1.,1.\n" : "0.25,1.\n") << "*CLOAD\n";
+  for (const auto& [place, share] : mesh.share)
+    file << fmt::format("{},3,{:.15g}\n", place + 1, part * block.force * share);
+  file << "*NODE PRINT, NSET=LOADED, FREQUENCY=1000\nU\n*END STEP\n";
+  if (!file.flush()) throw std::runtime_error("cannot write " + path);
+}
+
+/// Mean of the loaded face's last printed displacements along z [m].
+double read_elongation(const Mesh& mesh, const std::string& path) {
+  std::ifstream file(path);
+  double sum = 0, found = 0;
+  for (std::string line; std::getline(file, line);) {
+    if (line.find("displacements") != std::string::npos) sum = found = 0;
+    std::istringstream numbers(line);
+    int place = 0;
+    double x, y, z;
+    if (!(numbers >> place >> x >> y >> z)) continue;
+    sum += mesh.share.at(place - 1) * z;
+    found += mesh.share.at(place - 1);
+  }
+  if (std::abs(found - 1) > 1e-6) throw std::runtime_error("CalculiX left no answer in " + path);
+  return sum;
+}
+
+class WorkFolder {
+ public:
+  WorkFolder() : path_((std::filesystem::temp_directory_path() / fmt::format("elastin-bench-{}", getpid())).string()) {
+    std::filesystem::create_directories(path_);
+  }
+  ~WorkFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  std::string path(const std::string& name) const { return path_ + "/" + name; }
+
+ private:
+  std::string path_;
+};
+
+/// One program on one mesh: a run as a whole process, and the elongation that it found.
+struct Contender {
+  std::string name;
+  double cells;
+  std::function<double()> run;
+  double elongation = 0;
+};
+
+std::vector<Contender> contenders_of(const Task& task, int level, const WorkFolder& folder) {
+  const auto elastin_run = [&task, level] {
+    return in_child([&] {
+             set_threads(kThreads);
+             BlockProblem problem(kBlock1, BlockKind::kuhn, level, "neo_hookean", kPoissonsRatio, task.part);
+             Figures figures;
+             figures.value = problem.elongation(false, 1e-8);
+             return std::vector{figures};
+           })
+        .front()
+        .value;
+  };
+  const auto calculix_run = [&task, &folder](Mesh mesh) {
+    const std::string job = folder.path(mesh.type);
+    write_input(mesh, kBlock1, task.part, job + ".inp");
+    return [mesh = std::move(mesh), job] {
+      const std::string line = fmt::format("cd '{}' && OMP_NUM_THREADS={} ccx -i '{}' > '{}.log' 2>&1",
+                                           std::filesystem::path(job).parent_path().string(), kThreads, job, job);
+      if (std::system(line.c_str()) != 0) throw std::runtime_error("ccx failed: " + line);
+      return read_elongation(mesh, job + ".dat");
+    };
+  };
+  const Body fine = tetrahedral_block(BlockKind::kuhn, kBlock1.cubes(level), kBlock1.size);
+  const Body coarse = tetrahedral_block(BlockKind::kuhn, kBlock1.cubes(level / 2), kBlock1.size);
+  return {{"elastin", static_cast<double>(fine.tetrahedra.size()), elastin_run},
+          {"CalculiX C3D4", static_cast<double>(fine.tetrahedra.size()), calculix_run(linear_mesh(fine))},
+          {"CalculiX C3D10, as many places", static_cast<double>(coarse.tetrahedra.size()),
+           calculix_run(quadratic_mesh(coarse))}};
+}
+
+}  // namespace
+
+std::vector<Row> run_calculix(const Settings& settings) {
+  if (std::system("command -v ccx > /dev/null 2>&1") != 0)
+    return {{"calculix", "CalculiX", 0, kThreads, 0, {}, "skipped: ccx is not here; apt-get install calculix-ccx"}};
+  constexpr int level = 16;
+  std::vector<Row> rows;
+  for (const Task& task : kTasks) {
+    const WorkFolder folder;
+    std::vector<Contender> contenders = contenders_of(task, level, folder);
+    const int repeats = std::min(settings.repeats, 3);  // CalculiX takes half a minute
+    std::vector<std::function<void()>> works;
+    for (Contender& contender : contenders)
+      works.push_back([&] {
+        say(fmt::format("calculix, {}, {}", task.name, contender.name));
+        contender.elongation = contender.run();
+      });
+    const std::vector<Sample> samples = interleaved(works, repeats);
+    for (std::size_t i = 0; i < contenders.size(); ++i) {
+      Figures figures;
+      figures.cells = contenders[i].cells;
+      figures.minimum = samples[i].minimum;
+      figures.median = samples[i].median;
+      figures.ratio = samples[1].median / samples[i].median;
+      const bool comparable = i == 0 || task.calculix_agrees;
+      const double value = task.reference * task.part / contenders[i].elongation;
+      if (comparable) figures.value = value, figures.error = std::abs(value - 1);
+      rows.push_back(
+          {"calculix", fmt::format("{}: {}", task.name, contenders[i].name), level, kThreads, repeats, figures,
+           comparable ? "" : fmt::format("another neo-Hookean solid: elongation {:.6g} m", contenders[i].elongation)});
+    }
+  }
+  return rows;
+}
+
+}  // namespace bench

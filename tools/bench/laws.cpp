@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <memory>
+
+#include "elastin/base/threads.h"
+#include "elastin/forces/model.h"
+#include "elastin/model/shapes.h"
+#include "elastin/simulation/catalog.h"
+#include "forces/tangent.h"
+#include "measure.h"
+#include "plain_loop.h"
+
+namespace bench {
+namespace {
+
+using namespace elastin;
+
+constexpr int kCubes = 26, kSquares = 224;  // 6 · 26³ = 105 456 tetrahedra, 2 · 224² = 100 352 triangles
+
+Body make_block() {
+  Body block = tetrahedral_block(BlockKind::kuhn, {kCubes, kCubes, kCubes}, Vector3::Constant(kCubeLength));
+  bench::set_matter(block, kCubes + 1);
+  return block;
+}
+
+Body make_sheet() {
+  std::vector<Vector3> places;
+  for (int y = 0; y <= kSquares; ++y)
+    for (int x = 0; x <= kSquares; ++x) places.emplace_back(x * kCubeLength / kSquares, y * kCubeLength / kSquares, 0);
+  Body sheet = listed_body(places, {});
+  for (int y = 0; y < kSquares; ++y)
+    for (int x = 0; x < kSquares; ++x) {
+      const int a = x + (kSquares + 1) * y, b = a + 1, c = a + kSquares + 1, d = c + 1;
+      sheet.triangles.push_back({a, b, d});
+      sheet.triangles.push_back({a, d, c});
+    }
+  sheet.connections = connections_of_cells(sheet.rest, sheet.triangles, {});
+  elastin::set_matter(sheet, kCubeLength / kSquares / 2, kMaterial.density, 1e-3, 0);
+  return sheet;
+}
+
+Material membrane() {
+  Material material = kMaterial;
+  material.thickness = 1e-3;
+  return material;
+}
+
+/// Stretched, sheared and bent a little, so that nothing is at rest.
+Positions deformed(const Body& body) {
+  Positions positions = body.rest;
+  positions.row(1) *= 1.01;
+  positions.row(0) += 0.02 * positions.row(1) + 0.01 * positions.row(1).cwiseAbs2();
+  positions.row(2) += 0.01 * positions.row(0).cwiseAbs2();
+  return positions;
+}
+
+enum class Pass { force, tangent, product };
+constexpr const char* kPasses[] = {"force", "tangent", "tangent times motion"};
+
+/// One law's passes at each number of threads, in turn: figures by pass, then by threads.
+std::vector<Figures> time_law(const Body& body, Model& model, const Settings& settings) {
+  const Positions positions = deformed(body);
+  const Positions motion = Positions::Random(3, body.size());
+  const Tangent tangent(model, positions);
+  std::vector<std::function<void()>> works;
+  Positions result(3, body.size());
+  for (const Pass pass : {Pass::force, Pass::tangent, Pass::product})
+    for (const int count : settings.threads)
+      works.push_back([&, pass, count] {
+        set_threads(count);
+        if (pass == Pass::force) result = model.elastic_forces(positions);
+        if (pass == Pass::tangent) Tangent(model, positions);
+        if (pass == Pass::product) tangent.apply(motion, result);
+      });
+  std::vector<Figures> found;
+  for (const Sample& sample : interleaved(works, settings.repeats)) {
+    Figures figures;
+    figures.springs = body.connections.size();
+    figures.minimum = sample.minimum;
+    figures.median = sample.median;
+    figures.each = sample.minimum / figures.springs;
+    const auto cells = static_cast<double>(body.tetrahedra.size() + body.triangles.size());
+    if (cells > 0) figures.cells = cells, figures.each_cell = sample.minimum / cells;
+    found.push_back(figures);
+  }
+  return found;
+}
+
+/// Springs as the command has them, without the block's cells, and the plain loop.
+std::vector<Figures> time_springs(const Settings& settings) {
+  Body block = make_block();
+  const VectorX constants = built_in_catalog().find("standard").constants(block, kMaterial, {});
+  block.tetrahedra.clear();
+  Model model(block);
+  model.add(make_springs(block, constants));
+  return time_law(block, model, settings);
+}
+
+std::vector<Figures> time_plain_loop(const Settings& settings) {
+  const Body block = make_block();
+  const VectorX constants = built_in_catalog().find("standard").constants(block, kMaterial, {});
+  const Positions positions = deformed(block);
+  const Springs springs{block.connections, constants};
+  std::vector<std::unique_ptr<Team>> teams;
+  std::vector<std::vector<Positions>> forces;
+  std::vector<std::function<void()>> works;
+  for (const int count : settings.threads) {
+    teams.push_back(std::make_unique<Team>(count));
+    forces.emplace_back(count);
+  }
+  for (std::size_t i = 0; i < teams.size(); ++i)
+    works.push_back([&, i] { plain_forces(*teams[i], springs, positions, forces[i]); });
+  std::vector<Figures> found;
+  for (const Sample& sample : interleaved(works, settings.repeats)) {
+    found.emplace_back();
+    found.back().springs = block.connections.size();
+    found.back().minimum = sample.minimum;
+    found.back().median = sample.median;
+    found.back().each = sample.minimum / found.back().springs;
+  }
+  return found;
+}
+
+void add_rows(const std::string& name, const std::vector<Figures>& found, const Settings& settings, const char* note,
+              std::vector<Row>& rows) {
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const std::size_t threads = settings.threads.size();
+    rows.push_back({"laws", name + ", " + kPasses[i / threads], 0, settings.threads[i % threads], settings.repeats,
+                    found[i], note});
+  }
+}
+
+}  // namespace
+
+std::vector<Row> run_laws(const Settings& settings) {
+  std::vector<Row> rows;
+  say("laws, springs");
+  add_rows("plain loop", in_child([&] { return time_plain_loop(settings); }), settings, "edges of tetrahedra", rows);
+  add_rows("springs", in_child([&] { return time_springs(settings); }), settings, "edges of tetrahedra", rows);
+  const Body block = make_block(), sheet = make_sheet();
+  const Catalog catalog = built_in_catalog();
+  for (const Strategy& strategy : catalog.strategies()) {
+    if (strategy.kind != StrategyKind::cell_law) continue;
+    const bool solid = strategy.unsuited(block).empty();
+    say("laws, " + strategy.name);
+    const auto found = in_child([&] {
+      const Body& body = solid ? block : sheet;
+      Model model(body);
+      model.add(strategy.make(body, solid ? kMaterial : membrane(), {}));
+      return time_law(body, model, settings);
+    });
+    add_rows(strategy.name, found, settings, solid ? "tetrahedra" : "triangles", rows);
+  }
+  return rows;
+}
+
+}  // namespace bench
