@@ -53,7 +53,8 @@ std::vector<Overlap> find_overlaps(const Body& body, const Positions& places, do
   const auto key = [](int a, int b) {
     return static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint32_t>(std::max(a, b));
   };
-  for (const auto& [a, b] : body.connections.ends) joined.insert(key(a, b));
+  for (int c = 0; c < body.connections.proper(); ++c)
+    joined.insert(key(body.connections.ends[c][0], body.connections.ends[c][1]));
   std::erase_if(query.found,
                 [&](const Overlap& overlap) { return joined.contains(key(overlap.first, overlap.second)); });
   std::sort(query.found.begin(), query.found.end(), [](const Overlap& x, const Overlap& y) {

@@ -120,7 +120,7 @@ class Tension final : public Experiment {
     if (setup_.gauge_length == 0) gauge_length_ = second - first;
     for (const int plane : {0, 1}) {
       const double at = low + (*setup_.gauge)[static_cast<std::size_t>(plane)];
-      for (int c = 0; c < body_.connections.size(); ++c) {
+      for (int c = 0; c < body_.connections.proper(); ++c) {
         const auto& [a, b] = body_.connections.ends[c];
         const double part = (at - height_[a]) / (height_[b] - height_[a]);
         if (part >= -1e-9 && part <= 1 + 1e-9) crossings_[plane].push_back({c, part});
@@ -134,9 +134,10 @@ class Tension final : public Experiment {
   void choose_middle(double middle) {
     if (setup_.gauge) middle = height_.minCoeff() + ((*setup_.gauge)[0] + (*setup_.gauge)[1]) / 2;
     double shortest = std::numeric_limits<double>::infinity(), mean = 0;
-    for (const double length : body_.connections.rest_length) {
+    for (int c = 0; c < body_.connections.proper(); ++c) {
+      const double length = body_.connections.rest_length[c];
       shortest = std::min(shortest, length);
-      mean += length / body_.connections.size();
+      mean += length / body_.connections.proper();
     }
     const double reach = (body_.cubes.empty() ? mean : shortest) * (1 + 1e-6);
     for (int molecule = 0; molecule < body_.size(); ++molecule)

@@ -18,7 +18,7 @@ std::uint64_t bucket_key(const Eigen::Vector3i& bucket) {
 Connections with_present_lengths(const Positions& places, std::vector<std::array<int, 2>> ends) {
   std::sort(ends.begin(), ends.end());
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
-  Connections connections{std::move(ends), {}};
+  Connections connections{std::move(ends), {}, 0};
   connections.rest_length.reserve(connections.ends.size());
   for (const auto& [a, b] : connections.ends) connections.rest_length.push_back((places.col(b) - places.col(a)).norm());
   return connections;
@@ -66,6 +66,50 @@ Connections connections_of_cells(const Positions& places, const Cells<3>& triang
   return with_present_lengths(places, std::move(ends));
 }
 
+void set_present_lengths(Body& body) {
+  auto& [ends, lengths, _] = body.connections;
+  lengths.resize(ends.size());
+  for (std::size_t c = 0; c < ends.size(); ++c)
+    lengths[c] = (body.rest.col(ends[c][1]) - body.rest.col(ends[c][0])).norm();
+}
+
+std::vector<std::array<int, 2>> sides_of(const Cells<4>& tetrahedra) {
+  std::vector<std::array<int, 2>> sides;
+  sides.reserve(6 * tetrahedra.size());
+  add_edges(tetrahedra, sides);
+  std::sort(sides.begin(), sides.end());
+  sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
+  return sides;
+}
+
+void add_cell_sides(Body& body, const std::vector<std::array<int, 2>>& sides) {
+  const auto ascending = [](const std::array<int, 2>& pair) {
+    return std::array{std::min(pair[0], pair[1]), std::max(pair[0], pair[1])};
+  };
+  Connections& connections = body.connections;
+  std::vector<std::array<int, 2>> known, added;
+  for (int c = 0; c < connections.proper(); ++c) known.push_back(ascending(connections.ends[c]));
+  for (const auto& side : sides) added.push_back(ascending(side));
+  added.insert(added.end(), connections.ends.begin() + connections.proper(), connections.ends.end());
+  std::sort(known.begin(), known.end());
+  std::erase_if(added, [&](const auto& pair) { return std::binary_search(known.begin(), known.end(), pair); });
+  const Connections tail = with_present_lengths(body.rest, std::move(added));
+
+  const auto proper = static_cast<std::size_t>(connections.proper());
+  connections.ends.resize(proper), connections.rest_length.resize(proper);
+  connections.ends.insert(connections.ends.end(), tail.ends.begin(), tail.ends.end());
+  connections.rest_length.insert(connections.rest_length.end(), tail.rest_length.begin(), tail.rest_length.end());
+  connections.cell_sides = tail.size();
+}
+
+Body without_cell_sides(const Body& body) {
+  Body proper = body;
+  proper.connections.ends.resize(static_cast<std::size_t>(body.connections.proper()));
+  proper.connections.rest_length.resize(static_cast<std::size_t>(body.connections.proper()));
+  proper.connections.cell_sides = 0;
+  return proper;
+}
+
 VectorX lumped_mass(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra, double density,
                     double thickness) {
   VectorX mass = VectorX::Zero(places.cols());
@@ -96,7 +140,7 @@ BodyFindings inspect(const Body& body) {
   };
   const double size = n ? (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).norm() : 0;
   std::vector<std::pair<std::array<int, 2>, int>> sorted;
-  for (int connection = 0; connection < body.connections.size(); ++connection) {
+  for (int connection = 0; connection < body.connections.proper(); ++connection) {
     auto [a, b] = body.connections.ends[connection];
     ++degree[a], ++degree[b];
     const int low = std::min(root(a), root(b)), high = std::max(root(a), root(b));

@@ -18,13 +18,6 @@ std::vector<Eigen::Vector3i> half_neighbours(int nonzero) {
   return offsets;
 }
 
-void measure_rest_lengths(Body& body) {
-  auto& [ends, lengths] = body.connections;
-  lengths.resize(ends.size());
-  for (std::size_t c = 0; c < ends.size(); ++c)
-    lengths[c] = (body.rest.col(ends[c][1]) - body.rest.col(ends[c][0])).norm();
-}
-
 /// The Bravais lattices share everything but their basis and reach.
 Body centred_lattice(const std::array<int, 3>& cells, double spacing, const std::vector<Vector3>& basis, double reach) {
   std::vector<Vector3> places;
@@ -91,7 +84,7 @@ Body cubic_lattice(const std::array<int, 3>& molecules, double spacing, const Cu
                                 index(x, y, z + 1), index(x + 1, y, z + 1), index(x, y + 1, z + 1),
                                 index(x + 1, y + 1, z + 1)});
       }
-  measure_rest_lengths(body);
+  set_present_lengths(body);
   return body;
 }
 
@@ -110,7 +103,7 @@ Body listed_body(const std::vector<Vector3>& places, const std::vector<std::arra
   for (std::size_t molecule = 0; molecule < places.size(); ++molecule)
     body.rest.col(static_cast<Eigen::Index>(molecule)) = places[molecule];
   body.connections.ends = pairs;
-  measure_rest_lengths(body);
+  set_present_lengths(body);
   return body;
 }
 

@@ -97,9 +97,7 @@ void add_jitter(Body& body, double amount, std::uint64_t seed) {
       double& place = body.rest(axis, molecule);
       if (place > low[axis] + tolerance && place < high[axis] - tolerance) place += move;
     }
-  auto& [ends, lengths] = body.connections;
-  for (std::size_t c = 0; c < ends.size(); ++c)
-    lengths[c] = (body.rest.col(ends[c][1]) - body.rest.col(ends[c][0])).norm();
+  set_present_lengths(body);
 }
 
 void rotate(Body& body, const Matrix3& rotation) { body.rest = (rotation * body.rest).eval(); }

@@ -34,7 +34,9 @@ std::string span(double low, double high) {
 
 void add_shape(std::string& out, const Body& body) {
   std::vector<int> neighbours(body.size(), 0);
-  for (const auto& [a, b] : body.connections.ends) ++neighbours[a], ++neighbours[b];
+  const int proper = body.connections.proper();
+  for (int c = 0; c < proper; ++c)
+    for (const int molecule : body.connections.ends[c]) ++neighbours[molecule];
   const auto [least, most] = std::minmax_element(neighbours.begin(), neighbours.end());
   const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
   const auto metres = [](double value) { return readable(value, dimension::length); };
@@ -44,10 +46,14 @@ void add_shape(std::string& out, const Body& body) {
   add_line(out, "size", fmt::format("{} × {} × {}", metres(size.x()), metres(size.y()), metres(size.z())));
   const auto& lengths = body.connections.rest_length;
   if (lengths.empty()) return add_line(out, "connections", "none");
-  const auto [shortest, longest] = std::minmax_element(lengths.begin(), lengths.end());
+  const auto [shortest, longest] = std::minmax_element(lengths.begin(), lengths.begin() + proper);
   add_line(out, "connections",
-           fmt::format("{}, {} long; {} to {} a molecule, {:.1f} in the mean", body.connections.size(),
-                       span(*shortest, *longest), *least, *most, 2. * body.connections.size() / body.size()));
+           proper == 0 ? "none"
+                       : fmt::format("{}, {} long; {} to {} a molecule, {:.1f} in the mean", proper,
+                                     span(*shortest, *longest), *least, *most, 2. * proper / body.size()));
+  if (body.connections.cell_sides > 0)
+    add_line(out, "sides of cells only",
+             fmt::format("{} more; only strategies that work on cells use them", body.connections.cell_sides));
   if (!body.tetrahedra.empty()) add_line(out, "tetrahedra", number(static_cast<int>(body.tetrahedra.size())));
   if (!body.triangles.empty()) add_line(out, "triangles", number(static_cast<int>(body.triangles.size())));
 }
@@ -86,7 +92,10 @@ bool add_faults(std::string& out, const Body& body) {
 void add_modes(std::string& out, Scene& scene) {
   Model model(scene.specimen.body);
   scene.experiment->hold(model);
-  const ModeReport report = find_zero_energy_modes(scene.specimen.body, model.supports);
+  const Connections& connections = scene.specimen.body.connections;
+  std::vector<char> stiff(static_cast<std::size_t>(connections.size()), 0);
+  std::fill_n(stiff.begin(), connections.proper(), 1);
+  const ModeReport report = find_zero_energy_modes(scene.specimen.body, model.supports, stiff);
   add_line(out, "held molecules", number(static_cast<int>(model.supports.size())));
   add_line(out, "free rigid motions",
            fmt::format("{}{}", report.rigid_motions, report.rigid_motions ? " (left by the grips; no mechanism)" : ""));

@@ -45,6 +45,7 @@ Json to_json(const Record& record) {
               {"cause", run.cause},
               {"molecules", record.molecules},
               {"connections", record.connections},
+              {"cell_sides", record.cell_sides},
               {"cells", record.cells},
               {"threads", record.threads},
               {"measures", to_json(run.measures.all())},
@@ -177,7 +178,7 @@ std::string curve_csv_text(const Record& record) {
 
 std::string vtu_text(const Body& body, const Positions& positions, const VectorX& densities, const VectorX& constants) {
   const int n = body.size(), m = body.connections.size();
-  const auto& [ends, rest_length] = body.connections;
+  const auto& [ends, rest_length, _] = body.connections;
   VectorX length(m);
   Positions force = Positions::Zero(3, n);
   for (int c = 0; c < m; ++c) {

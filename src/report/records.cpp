@@ -23,7 +23,8 @@ Record make_record(const Scene& scene, Run run) {
   record.path = scene.path;
   record.title = scene.title;
   record.molecules = body.size();
-  record.connections = body.connections.size();
+  record.connections = body.connections.proper();
+  record.cell_sides = body.connections.cell_sides;
   record.cells = static_cast<int>(body.tetrahedra.size() + body.triangles.size());
   record.threads = threads();
   record.prescribed =

@@ -21,6 +21,7 @@ struct Record {
   std::string scene, path, title;
   Run run;
   int molecules = 0, connections = 0, cells = 0, threads = 1;
+  int cell_sides = 0;      ///< beside the connections: those that are sides of cells only
   std::string prescribed;  ///< "E = 5000 Pa, nu = 0.25"
   std::vector<std::pair<std::string, double>>
       errors;  ///< by measure; effective_modulus relative, poissons_ratio a difference

@@ -27,6 +27,8 @@ bool solved(const Record& record) { return record.run.suited && record.run.outco
 
 std::string head_text(const Record& record, bool colours) {
   std::string counts = counted(record.molecules, "molecule") + ", " + counted(record.connections, "connection");
+  if (record.cell_sides)
+    counts += fmt::format(" (+ {})", counted(record.cell_sides, "side of cells", "sides of cells"));
   if (record.cells) counts += ", " + counted(record.cells, "cell");
   counts += "; asked: " + record.prescribed + "; " + counted(record.threads, "thread");
   return painted(record.scene, Tone::bold, colours) + (record.title == record.scene ? "" : "  " + record.title) +

@@ -80,6 +80,16 @@ std::vector<std::string> Catalog::names() const {
 
 namespace detail {
 
+std::shared_ptr<const Body> proper_part(const Body& body) {
+  if (body.connections.cell_sides == 0) return {std::shared_ptr<void>(), &body};
+  return std::make_shared<const Body>(without_cell_sides(body));
+}
+
+VectorX with_cell_sides(VectorX constants, const Body& body) {
+  constants.conservativeResizeLike(VectorX::Zero(body.connections.size()));
+  return constants;
+}
+
 const ParameterInfo& checked_parameter(const Strategy& strategy, const std::string& name, double value) {
   std::vector<std::string> names;
   for (const ParameterInfo& info : strategy.parameters) {

@@ -13,6 +13,7 @@ struct Lloyd {
   static constexpr std::string_view name = "lloyd";
   static constexpr std::string_view summary = "springs fitted to the linear finite elements of regular cells";
   static constexpr std::string_view source = "[LSH07], [TP] eq. 4";
+  static constexpr bool on_cells = true;
   static std::string unsuited(const Body& body) { return VanGelder::unsuited(body); }
 
   VectorX constants(const Body& body, const Material& material) const {

@@ -14,6 +14,7 @@ struct VanGelder {
   static constexpr std::string_view summary =
       "k = E sum of V/L^2 over the cells on the connection (areas on membranes)";
   static constexpr std::string_view source = "[VG98], [M03] eq. 15, [TP] eq. 1";
+  static constexpr bool on_cells = true;
 
   static std::string unsuited(const Body& body) {
     return body.tetrahedra.empty() && body.triangles.empty() ? "needs tetrahedra or triangles" : "";

@@ -8,6 +8,7 @@ struct VanGelderSimplified {
   static constexpr std::string_view name = "van_gelder_simplified";
   static constexpr std::string_view summary = "van_gelder with nu = 0: never negative";
   static constexpr std::string_view source = "[TP] eq. 2";
+  static constexpr bool on_cells = true;
   static std::string unsuited(const Body& body) { return VanGelder::unsuited(body); }
   VectorX constants(const Body& body, const Material& material) const {
     return VanGelder::constants(body, material, 0);

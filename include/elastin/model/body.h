@@ -11,7 +11,12 @@ namespace elastin {
 struct Connections {
   std::vector<std::array<int, 2>> ends;
   std::vector<double> rest_length;  ///< [m], > 0, one a connection
+  /// The last so many are sides of cells and nothing else: cells that were put over a body need them for their force
+  /// densities. Only laws and rules that work on cells give them stiffness; see add_cell_sides.
+  int cell_sides = 0;
   int size() const { return static_cast<int>(ends.size()); }
+  /// Connections that are more than sides of cells; they come first.
+  int proper() const { return size() - cell_sides; }
 };
 
 template <int corners>
@@ -37,6 +42,19 @@ Connections connections_within(const Positions& places, double reach);
 /// The edges of the body's cells, each once, ascending, with its present length as rest length.
 Connections connections_of_cells(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra);
 
+/// Makes the present length of each connection its rest length.
+void set_present_lengths(Body& body);
+
+/// The two molecules of each side of each tetrahedron, each once, ascending.
+std::vector<std::array<int, 2>> sides_of(const Cells<4>& tetrahedra);
+
+/// Makes connections of those of the pairs that are none yet, as sides of cells only (Connections::cell_sides); those
+/// come last, ascending, with their present length as rest length.
+void add_cell_sides(Body& body, const std::vector<std::array<int, 2>>& sides);
+
+/// The body with its connections proper alone: what a rule sees that does not work on cells.
+Body without_cell_sides(const Body& body);
+
 /// Lumped masses [kg]: a quarter of each tetrahedron's mass, a third of each triangle's (thickness t [m]) to its
 /// molecules.
 VectorX lumped_mass(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra, double density,
@@ -46,7 +64,7 @@ VectorX lumped_mass(const Positions& places, const Cells<3>& triangles, const Ce
 /// side.
 double signed_volume(const Positions& places, const std::array<int, 4>& tetrahedron);
 
-/// What is wrong or odd with a body as a graph, in words a user can act on.
+/// What is wrong or odd with a body as a graph of its connections proper, in words a user can act on.
 struct BodyFindings {
   int pieces = 0;                            ///< connected parts, loose molecules included
   std::vector<int> piece_of;                 ///< the part each molecule belongs to, parts numbered by first molecule

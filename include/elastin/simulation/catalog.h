@@ -46,6 +46,26 @@ std::vector<ParameterInfo> describe_parameters() {
   return infos;
 }
 
+/// The body as a rule sees it that does not work on cells: itself, or a copy without the sides of cells. `body` must
+/// outlive it.
+std::shared_ptr<const Body> proper_part(const Body& body);
+/// The constants of the sides of cells only are zero.
+VectorX with_cell_sides(VectorX constants, const Body& body);
+
+template <class Law>
+constexpr bool works_on_cells() {
+  if constexpr (requires { Law::on_cells; })
+    return Law::on_cells;
+  else
+    return CellLaw<Law>;
+}
+
+/// The body as the law sees it.
+template <class Law>
+std::shared_ptr<const Body> seen_by(const Body& body) {
+  return works_on_cells<Law>() ? std::shared_ptr<const Body>(std::shared_ptr<void>(), &body) : proper_part(body);
+}
+
 template <class Law>
 Law law_with(const Strategy& strategy, const ParameterValues& values) {
   Law law;
@@ -89,22 +109,27 @@ void Catalog::add() {
   strategy.summary = Law::summary;
   strategy.source = Law::source;
   strategy.parameters = detail::describe_parameters<Law>();
-  if constexpr (requires(const Body& body) { Law::unsuited(body); }) strategy.unsuited = &Law::unsuited;
+  if constexpr (requires(const Body& body) { Law::unsuited(body); })
+    strategy.unsuited = [](const Body& body) { return Law::unsuited(*detail::seen_by<Law>(body)); };
   const Strategy described = strategy;  // what the two functions below need of it, without a pointer to a moving vector
   if constexpr (SpringRule<Law>) {
     strategy.kind = StrategyKind::spring_rule;
     strategy.constants = [described](const Body& body, const Material& material,
                                      const ParameterValues& values) -> VectorX {
-      return detail::law_with<Law>(described, values).constants(body, material);
+      const Law law = detail::law_with<Law>(described, values);
+      return detail::with_cell_sides(law.constants(*detail::seen_by<Law>(body), material), body);
     };
-    strategy.make = [described](const Body& body, const Material& material, const ParameterValues& values) {
-      return make_springs(body, detail::law_with<Law>(described, values).constants(body, material));
+    strategy.make = [constants = strategy.constants](const Body& body, const Material& material,
+                                                     const ParameterValues& values) {
+      return make_springs(body, constants(body, material, values));
     };
   } else if constexpr (UpdatedSpringRule<Law>) {
     strategy.kind = StrategyKind::updated_spring_rule;
     strategy.make = [described](const Body& body, const Material& material, const ParameterValues& values) {
-      return make_updated_springs(body, [law = detail::law_with<Law>(described, values), &body, material](
-                                            const Positions& places) { return law.constants(body, material, places); });
+      return make_updated_springs(body, [law = detail::law_with<Law>(described, values), &body, material,
+                                         seen = detail::seen_by<Law>(body)](const Positions& places) {
+        return detail::with_cell_sides(law.constants(*seen, material, places), body);
+      });
     };
   } else {
     strategy.kind = StrategyKind::cell_law;
