@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "elastin/solve/modes.h"
 
@@ -29,26 +30,38 @@ Model make_model(const Specimen& specimen, Experiment& experiment, std::unique_p
   return model;
 }
 
-/// E / E measured by one linear solve of the experiment alone, without the scene's other loads.
+/// The measure to which a rule is calibrated: the first that the material prescribes a value for. Null if there is
+/// none.
+std::optional<MainMeasure> calibrated_measure(const Experiment& experiment, const Material& material) {
+  for (const MainMeasure& measure : experiment.main_measures(material))
+    if (std::isfinite(measure.prescribed)) return measure;
+  return std::nullopt;
+}
+
+/// Prescribed modulus / modulus measured by one linear solve of the experiment alone, without the scene's other loads.
+/// A small load, so that ways which are curved (of torsion) are straight too.
 double calibration_factor(const Specimen& specimen, Experiment& experiment, const VectorX& constants,
                           const StaticOptions& options, Run& run) {
+  const auto target = calibrated_measure(experiment, specimen.material);
   Model model(specimen.body);
   model.add(make_springs(specimen.body, constants));
   experiment.hold(model);
-  experiment.set_load(model, 1);
+  experiment.set_load(model, 0x1p-10);
   State state = state_at_rest(specimen.body);
   StaticOptions linear = options;
   linear.linear = true;
-  const StaticResult solved = solve_static(model, state, linear);
+  StaticResult solved = solve_static(model, state, linear);
+  const Start rest{specimen.body.rest, Positions::Zero(3, solved.reactions.cols())};
+  Measures measures;
+  if (solved.outcome == Outcome::converged) measures = experiment.measure(model, rest, state, linear, solved);
   run.linear_iterations += solved.linear_iterations;
   if (solved.outcome != Outcome::converged) {
     run.outcome = solved.outcome;
     run.cause = "calibration: " + solved.cause;
     return 1;
   }
-  const Start rest{specimen.body.rest, Positions::Zero(3, solved.reactions.cols())};
-  const double measured = experiment.measure(model, rest, state, solved).get("effective_modulus");
-  if (measured > 0) return specimen.material.youngs_modulus / measured;
+  const double measured = measures.get(target->name);
+  if (measured > 0) return target->prescribed / measured;
   run.outcome = Outcome::diverged;
   run.cause = "calibration: the linear solve measures no positive modulus";
   return 1;
@@ -100,6 +113,17 @@ bool find_start(Model& model, Experiment& experiment, const RunOptions& options,
   return note_solve(solved, " (under the scene's own loads)", run);
 }
 
+/// Where the last step's way leads if it goes on: a start near the next equilibrium, unless a cell turns over or, under
+/// loads, the energy is higher than where the body stands (a bar that turns far would be torn).
+State going_on(const Model& model, const State& state, const Positions& before) {
+  State next = state;
+  next.positions += state.positions - before;
+  const double gain = model.elastic_energy(next.positions) + model.load_energy(next) -
+                      model.elastic_energy(state.positions) - model.load_energy(state);
+  const bool loaded = model.has_energy() && !model.load_forces(state).isZero(0);
+  return std::isfinite(gain) && !(loaded && gain > 0) ? next : state;
+}
+
 /// Solves load step after load step, each started where the last two lead.
 void solve_curve(Model& model, Experiment& experiment, const RunOptions& options, Run& run) {
   State state = state_at_rest(model.body());
@@ -118,14 +142,13 @@ void solve_curve(Model& model, Experiment& experiment, const RunOptions& options
     const double load_factor = static_cast<double>(step) / steps;
     experiment.set_load(model, load_factor);
     State next = state;
-    if (step > 1 && !options.statics.linear) {
-      next.positions += state.positions - before;
-      if (!std::isfinite(model.elastic_energy(next.positions))) next = state;
-    }
-    const StaticResult solved = solve_static(model, next, options.statics);
+    if (step > 1 && !options.statics.linear) next = going_on(model, state, before);
+    StaticResult solved = solve_static(model, next, options.statics);
+    Measures measures;
+    if (solved.outcome == Outcome::converged)
+      measures = experiment.measure(model, start, next, options.statics, solved);
     if (!note_solve(solved, place.empty() ? "" : " (" + place + ")", run)) return;
-    const Measures measures = experiment.measure(model, start, next, solved);
-    if (measures.get("strain") <= -1) {
+    if (measures.get("elongation") < 0 && measures.get("strain") <= -1) {
       run.outcome = Outcome::inverted;
       run.cause =
           "the load presses the body through itself: strain below −100 %" + (place.empty() ? "" : " (" + place + ")");
@@ -137,9 +160,9 @@ void solve_curve(Model& model, Experiment& experiment, const RunOptions& options
     keep(load_factor);
   }
   run.measures = run.curve.back().measures;
+  run.remark = experiment.remark(run.measures);
   if (steps > 1 && model.has_full_tangent()) {
-    run.measures.set("tangent_modulus",
-                     experiment.tangent_modulus(model, state, options.statics, run.linear_iterations));
+    experiment.measure_end(model, state, options.statics, run.measures, run.linear_iterations);
     double sum = 0;
     for (const CurvePoint& point : run.curve) sum += point.measures.get("effective_modulus");
     run.measures.set("average_modulus", sum / steps);
@@ -174,6 +197,8 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
   Run run;
   run.strategy = choice.label;
   run.cause = choice.strategy.unsuited(specimen.body);
+  if (choice.calibrated && run.cause.empty() && !calibrated_measure(experiment, specimen.material))
+    run.cause = "a " + experiment.name() + " experiment on this body measures no modulus to calibrate to";
   if (!run.cause.empty()) {
     run.suited = false;
     return run;
