@@ -38,11 +38,14 @@ std::optional<Measures> measure_linear(const Specimen& specimen, Experiment& exp
   Model model(specimen.body);
   model.add(std::move(elasticity));
   experiment.hold(model);
-  experiment.set_load(model, 1);
+  experiment.set_load(model, 0x1p-10);
   State state = state_at_rest(specimen.body);
   StaticOptions linear = options;
   linear.linear = true;
-  const StaticResult solved = solve_static(model, state, linear);
+  StaticResult solved = solve_static(model, state, linear);
+  const Start rest{specimen.body.rest, Positions::Zero(3, solved.reactions.cols())};
+  Measures measures;
+  if (solved.outcome == Outcome::converged) measures = experiment.measure(model, rest, state, linear, solved);
   run.linear_iterations += solved.linear_iterations;
   if (solved.outcome != Outcome::converged) {
     run.outcome = solved.outcome;
@@ -157,6 +160,17 @@ bool find_start(Model& model, Experiment& experiment, const RunOptions& options,
   return note_solve(solved, " (under the scene's own loads)", run);
 }
 
+/// Where the last step's way leads if it goes on: a start near the next equilibrium, unless a cell turns over or, under
+/// loads, the energy is higher than where the body stands (a bar that turns far would be torn).
+State going_on(const Model& model, const State& state, const Positions& before) {
+  State next = state;
+  next.positions += state.positions - before;
+  const double gain = model.elastic_energy(next.positions) + model.load_energy(next) -
+                      model.elastic_energy(state.positions) - model.load_energy(state);
+  const bool loaded = model.has_energy() && !model.load_forces(state).isZero(0);
+  return std::isfinite(gain) && !(loaded && gain > 0) ? next : state;
+}
+
 /// Solves load step after load step, each started where the last two lead.
 void solve_curve(Model& model, Experiment& experiment, const RunOptions& options, Run& run) {
   State state = state_at_rest(model.body());
@@ -175,14 +189,13 @@ void solve_curve(Model& model, Experiment& experiment, const RunOptions& options
     const double load_factor = static_cast<double>(step) / steps;
     experiment.set_load(model, load_factor);
     State next = state;
-    if (step > 1 && !options.statics.linear) {
-      next.positions += state.positions - before;
-      if (!std::isfinite(model.elastic_energy(next.positions))) next = state;
-    }
-    const StaticResult solved = solve_static(model, next, options.statics);
+    if (step > 1 && !options.statics.linear) next = going_on(model, state, before);
+    StaticResult solved = solve_static(model, next, options.statics);
+    Measures measures;
+    if (solved.outcome == Outcome::converged)
+      measures = experiment.measure(model, start, next, options.statics, solved);
     if (!note_solve(solved, place.empty() ? "" : " (" + place + ")", run)) return;
-    const Measures measures = experiment.measure(model, start, next, solved);
-    if (measures.get("strain") <= -1) {
+    if (measures.get("elongation") < 0 && measures.get("strain") <= -1) {
       run.outcome = Outcome::inverted;
       run.cause =
           "the load presses the body through itself: strain below −100 %" + (place.empty() ? "" : " (" + place + ")");
@@ -194,9 +207,9 @@ void solve_curve(Model& model, Experiment& experiment, const RunOptions& options
     keep(load_factor);
   }
   run.measures = run.curve.back().measures;
+  run.remark = experiment.remark(run.measures);
   if (steps > 1 && model.has_full_tangent()) {
-    run.measures.set("tangent_modulus",
-                     experiment.tangent_modulus(model, state, options.statics, run.linear_iterations));
+    experiment.measure_end(model, state, options.statics, run.measures, run.linear_iterations);
     double sum = 0;
     for (const CurvePoint& point : run.curve) sum += point.measures.get("effective_modulus");
     run.measures.set("average_modulus", sum / steps);
@@ -239,6 +252,8 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
   Run run;
   run.strategy = choice.label;
   run.cause = choice.strategy.unsuited(specimen.body);
+  if (choice.calibrated && run.cause.empty() && !calibrated_measure(experiment, specimen.material))
+    run.cause = "a " + experiment.name() + " experiment on this body measures no modulus to calibrate to";
   if (!run.cause.empty()) {
     run.suited = false;
     return run;
