@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ class Experiment {
  public:
   virtual ~Experiment() = default;
   virtual std::string name() const = 0;
+  /// Unit direction of the uniaxial stress that it makes; none if it makes another.
+  virtual std::optional<Vector3> axis() const { return std::nullopt; }
   /// Adds the experiment's supports and loads to a model of its body. Called once for each model.
   virtual void hold(Model& model) = 0;
   /// Sets the load to `factor` (0 … 1) of the whole, on the model that was held last.

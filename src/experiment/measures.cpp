@@ -19,6 +19,7 @@ const std::vector<MeasureInfo>& measure_list() {
       {"lateral_strain", none, "mean in-plane strain of the molecules at mid height"},
       {"tangent_modulus", pressure, "d stress / d strain at the last load step, from a linear solve there"},
       {"average_modulus", pressure, "mean of the secant moduli over the load steps"},
+      {"curve_error", none, "largest |stress - the material's at that strain| over the largest such stress"},
       {"energy", energy, "elastic energy stored"},
       {"reaction_balance", none, "| loads + reactions | / | F |: 0 for a body in balance"}};
   return list;

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "elastin/simulation/fibres.h"
 #include "elastin/solve/modes.h"
 
 namespace elastin {
@@ -100,8 +101,21 @@ bool find_start(Model& model, Experiment& experiment, const RunOptions& options,
   return note_solve(solved, " (under the scene's own loads)", run);
 }
 
+/// Where the material says what stress belongs to a strain: the largest difference to it, over the largest such stress.
+void note_curve_error(const Experiment& experiment, const Material& material, Run& run) {
+  const auto axis = experiment.axis();
+  double difference = 0, largest = 0;
+  for (const CurvePoint& point : run.curve) {
+    const auto given = axis ? uniaxial_stress(material, *axis, point.measures.get("strain")) : std::nullopt;
+    if (!given) return;
+    difference = std::max(difference, std::abs(point.measures.get("stress") - *given));
+    largest = std::max(largest, std::abs(*given));
+  }
+  run.measures.set("curve_error", difference / largest);
+}
+
 /// Solves load step after load step, each started where the last two lead.
-void solve_curve(Model& model, Experiment& experiment, const RunOptions& options, Run& run) {
+void solve_curve(Model& model, Experiment& experiment, const Material& material, const RunOptions& options, Run& run) {
   State state = state_at_rest(model.body());
   Start start;
   if (!find_start(model, experiment, options, state, start, run)) return;
@@ -137,6 +151,7 @@ void solve_curve(Model& model, Experiment& experiment, const RunOptions& options
     keep(load_factor);
   }
   run.measures = run.curve.back().measures;
+  note_curve_error(experiment, material, run);
   if (steps > 1 && model.has_full_tangent()) {
     run.measures.set("tangent_modulus",
                      experiment.tangent_modulus(model, state, options.statics, run.linear_iterations));
@@ -174,6 +189,7 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
   Run run;
   run.strategy = choice.label;
   run.cause = choice.strategy.unsuited(specimen.body);
+  if (run.cause.empty()) run.cause = fibres_unsuited(choice.strategy, specimen.body, specimen.material);
   if (!run.cause.empty()) {
     run.suited = false;
     return run;
@@ -191,16 +207,19 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
     }
     if (run.outcome != Outcome::converged) return run;
     note_negative_constants(run);
-    elasticity = make_springs(specimen.body, run.constants);
+    elasticity = make_springs(specimen.body, run.constants, specimen.material);
   } else {
     elasticity = choice.strategy.make(specimen.body, specimen.material, choice.values);
   }
   Model model = make_model(specimen, experiment, std::move(elasticity));
+  if (auto fibres = make_fibres(choice.strategy, specimen.body, specimen.material)) model.add(std::move(fibres));
+  if (specimen.material.curve && !choice.strategy.follows_curve)
+    run.warnings.push_back("does not follow the material's curve: it takes its slope at no strain alone");
   run.build_seconds = build.seconds();
   count_modes(model, run);
 
   const Stopwatch solve;
-  solve_curve(model, experiment, options, run);
+  solve_curve(model, experiment, specimen.material, options, run);
   run.solve_seconds = solve.seconds();
   return run;
 }

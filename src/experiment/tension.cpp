@@ -33,6 +33,7 @@ class Tension final : public Experiment {
   }
 
   std::string name() const override { return "tension"; }
+  std::optional<Vector3> axis() const override { return setup_.axis; }
   int load_steps() const override { return setup_.load_steps; }
 
   void hold(Model& model) override {

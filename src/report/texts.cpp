@@ -102,7 +102,11 @@ std::string comparison_text(const std::vector<Record>& records, bool colours) {
   const bool referenced = std::isfinite(error_of(records.front(), "effective_modulus_to_reference"));
   std::vector<std::string> head{
       "strategy", "E measured", "error of E", "Poisson's ratio", "elongation", "iterations", "build", "solve", ""};
+  const bool curved = std::any_of(records.begin(), records.end(), [](const Record& record) {
+    return std::isfinite(record.run.measures.get("curve_error"));
+  });
   if (referenced) head.insert(head.begin() + 3, "to reference");
+  if (curved) head.insert(head.begin() + 3, "curve error");
   Table table(head);
   const Record* best = best_of(records);
   for (const Record& record : records) {
@@ -125,6 +129,9 @@ std::string comparison_text(const std::vector<Record>& records, bool colours) {
                                           : Tone::faint}};
     if (referenced)
       row.insert(row.begin() + 3, {percent(error_of(record, "effective_modulus_to_reference")), Tone::plain, true});
+    const double off = run.measures.get("curve_error");
+    if (curved)
+      row.insert(row.begin() + 3, {std::isfinite(off) ? fmt::format("{:.2g} %", 100 * off) : "", Tone::plain, true});
     table.add(std::move(row));
   }
   std::string out = head_text(records.front(), colours) + "\n" + table.text(colours);

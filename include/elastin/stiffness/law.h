@@ -12,7 +12,8 @@ namespace elastin {
 
 /// Every stiffness strategy says its name, one line for `elastin list` and its source.
 /// It may add `static constexpr std::array parameters` (of Parameter<Law>), and
-/// `static std::string unsuited(const Body&)`: why it cannot run on a body, or "".
+/// `static std::string unsuited(const Body&)`: why it cannot run on a body, or "". A cell law that takes the material's
+/// stress-strain curve has `static constexpr bool follows_curve = true`.
 template <class Law>
 concept StiffnessLaw = requires {
   { Law::name } -> std::convertible_to<std::string_view>;
