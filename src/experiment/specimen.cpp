@@ -5,6 +5,7 @@
 
 #include "elastin/simulation/fibres.h"
 #include "elastin/solve/modes.h"
+#include "experiment/curve_fit.h"
 
 namespace elastin {
 namespace {
@@ -161,6 +162,48 @@ void solve_curve(Model& model, Experiment& experiment, const Material& material,
   }
 }
 
+/// What calibrated springs follow: a curve with which the body, pulled without the scene's other loads and without
+/// fibres, shows the material's.
+StressStrain fitted_curve(const Specimen& specimen, Experiment& experiment, const RunOptions& options, Run& run) {
+  const Material& material = specimen.material;
+  RunOptions quiet;
+  quiet.statics = options.statics;
+  const CurveFit fit = fit_curve(*material.curve, [&](const StressStrain& springs) {
+    if (options.progress) options.progress("fitting the springs' curve");
+    Model model(specimen.body);
+    model.add(make_curve_springs(specimen.body, run.constants / material.youngs_modulus, springs));
+    experiment.hold(model);
+    Run trial;
+    solve_curve(model, experiment, material, quiet, trial);
+    run.linear_iterations += trial.linear_iterations;
+    std::vector<StressStrain::Point> shown;
+    for (const CurvePoint& point : trial.curve)
+      shown.push_back({point.measures.get("strain"), point.measures.get("stress")});
+    return shown;
+  });
+  if (fit.error > 0.01)
+    run.warnings.push_back("the springs' curve could not be fitted: the body's is " +
+                           std::to_string(static_cast<int>(std::round(100 * fit.error))) + " % off the material's");
+  return fit.springs;
+}
+
+std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                                      const RunOptions& options, Run& run) {
+  const Material& material = specimen.material;
+  run.constants = choice.strategy.constants(specimen.body, material, choice.values);
+  if (choice.calibrated) run.constants *= calibration_factor(specimen, experiment, run.constants, options.statics, run);
+  if (!run.constants.allFinite()) {
+    run.outcome = Outcome::diverged;
+    run.cause = "a spring constant is not finite: a connection of no length?";
+  }
+  if (run.outcome != Outcome::converged) return nullptr;
+  note_negative_constants(run);
+  if (!choice.calibrated || !material.curve || options.statics.linear)
+    return make_springs(specimen.body, run.constants, material);
+  return make_curve_springs(specimen.body, run.constants / material.youngs_modulus,
+                            fitted_curve(specimen, experiment, options, run));
+}
+
 }  // namespace
 
 StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label) {
@@ -196,21 +239,10 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
   }
   if (options.progress) options.progress("building");
   const Stopwatch build;
-  std::unique_ptr<Elasticity> elasticity;
-  if (choice.strategy.constants) {
-    run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
-    if (choice.calibrated)
-      run.constants *= calibration_factor(specimen, experiment, run.constants, options.statics, run);
-    if (!run.constants.allFinite()) {
-      run.outcome = Outcome::diverged;
-      run.cause = "a spring constant is not finite: a connection of no length?";
-    }
-    if (run.outcome != Outcome::converged) return run;
-    note_negative_constants(run);
-    elasticity = make_springs(specimen.body, run.constants, specimen.material);
-  } else {
-    elasticity = choice.strategy.make(specimen.body, specimen.material, choice.values);
-  }
+  std::unique_ptr<Elasticity> elasticity = choice.strategy.constants
+                                               ? make_rule(specimen, experiment, choice, options, run)
+                                               : choice.strategy.make(specimen.body, specimen.material, choice.values);
+  if (!elasticity) return run;
   Model model = make_model(specimen, experiment, std::move(elasticity));
   if (auto fibres = make_fibres(choice.strategy, specimen.body, specimen.material)) model.add(std::move(fibres));
   if (specimen.material.curve && !choice.strategy.follows_curve)

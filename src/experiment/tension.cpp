@@ -176,8 +176,9 @@ class Tension final : public Experiment {
     return mean_along(loaded_, share_, motion) - start;
   }
 
-  /// Half the trace of the in-plane displacement gradient fitted to the molecules at mid height; NaN if they do not
-  /// span the plane. Does not depend on which directions span it.
+  /// Mean in-plane stretch less 1 of the molecules at mid height, of the linear motion fitted to them; NaN if they do
+  /// not span the plane. Neither the directions that span it nor a turn about the axis, which sliding grips leave free,
+  /// change it: with F = I + gradient, the stretches add up to √((F_xx + F_yy)² + (F_xy − F_yx)²).
   double lateral_strain(const Positions& motion) const {
     const auto count = static_cast<Eigen::Index>(middle_.size());
     Eigen::MatrixX3d places(count, 3);
@@ -193,7 +194,8 @@ class Tension final : public Experiment {
     const Eigen::Matrix2d spread = places.leftCols<2>().transpose() * places.leftCols<2>();
     if (!(spread.determinant() > 1e-12 * std::pow(spread.trace(), 2))) return std::numeric_limits<double>::quiet_NaN();
     const Eigen::Matrix2d gradient = spread.inverse() * places.leftCols<2>().transpose() * moves;
-    return gradient.trace() / 2;
+    const double sum = gradient.trace(), turn = gradient(0, 1) - gradient(1, 0);
+    return (sum * (4 + sum) + turn * turn) / (2 * (std::hypot(2 + sum, turn) + 2));
   }
 
   /// Force along the axis with which the loaded supports pull [N].
