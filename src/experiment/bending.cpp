@@ -63,7 +63,7 @@ class Bending final : public Experiment {
     return measures;
   }
 
-  std::vector<MainMeasure> main_measures(const Material& material) const override {
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
     return {{"effective_modulus", material.youngs_modulus}, {"tip_deflection"}, {"tip_shortening"}};
   }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ class Experiment {
  public:
   virtual ~Experiment() = default;
   virtual std::string name() const = 0;
+  /// Unit direction of the uniaxial stress that it makes; none if it makes another.
+  virtual std::optional<Vector3> axis() const { return std::nullopt; }
   /// Adds the experiment's supports and loads to a model of its body. Called once for each model.
   virtual void hold(Model& model) = 0;
   /// Sets the load to `factor` (0 … 1) of the whole, on the model that was held last.
@@ -41,8 +44,10 @@ class Experiment {
   /// Adds what is measured once, at the last of several load steps, and the linear iterations that it takes.
   virtual void measure_end(Model& /*model*/, const State& /*state*/, const StaticOptions& /*options*/,
                            Measures& /*measures*/, int& /*iterations*/) const {}
-  /// The most telling measure first. `calibrated` scales a rule to the first that has a prescribed value.
-  virtual std::vector<MainMeasure> main_measures(const Material& material) const = 0;
+  /// The most telling measure first, with what the material asks for where this was measured (a curve asks for another
+  /// secant modulus at every strain); nothing measured = at no strain. `calibrated` scales a rule to the first that has
+  /// a prescribed value.
+  virtual std::vector<MainMeasure> main_measures(const Material& material, const Measures& measured) const = 0;
   /// What limits the meaning of these measures, in words; "" if nothing does. No fault of the strategy.
   virtual std::string remark(const Measures& /*measures*/) const { return ""; }
 };

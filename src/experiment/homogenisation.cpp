@@ -60,7 +60,7 @@ class Homogenisation final : public Driven {
     return measures;
   }
 
-  std::vector<MainMeasure> main_measures(const Material& material) const override {
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
     return {{"effective_modulus", material.youngs_modulus},
             {"poissons_ratio", material.poissons_ratio},
             {"shear_modulus", elastin::shear_modulus(material)},

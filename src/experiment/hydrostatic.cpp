@@ -50,7 +50,7 @@ class Hydrostatic final : public Driven {
     return measures;
   }
 
-  std::vector<MainMeasure> main_measures(const Material& material) const override {
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
     return {{"bulk_modulus", elastin::bulk_modulus(material)}, {"pressure"}};
   }
 

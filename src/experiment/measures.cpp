@@ -38,6 +38,8 @@ const std::vector<MeasureInfo>& measure_list() {
       {"stiffness_asymmetry", none, "| C - C transposed | / | C | of the stiffness matrix"},
       {"tangent_modulus", pressure, "d stress / d strain at the last load step, from a linear solve there"},
       {"average_modulus", pressure, "mean of the secant moduli over the load steps"},
+      {"curve_error", none, "largest |stress - the material's at that strain| over the largest such stress",
+       "curve error"},
       {"energy", dimension::energy, "elastic energy stored"},
       {"reaction_balance", none, "| loads + reactions | / | F |: 0 for a body in balance"}};
   return list;

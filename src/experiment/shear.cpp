@@ -44,7 +44,7 @@ class Shear final : public Driven {
     return measures;
   }
 
-  std::vector<MainMeasure> main_measures(const Material& material) const override {
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
     return {{"shear_modulus", elastin::shear_modulus(material)}, {"force"}, {"axial_force"}};
   }
 

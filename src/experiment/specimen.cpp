@@ -1,12 +1,13 @@
 #include "experiment/specimen.h"
 
 #include <chrono>
-#include <cmath>
 #include <optional>
+#include <string>
 
-#include "elastin/forces/volume.h"
+#include "elastin/simulation/fibres.h"
 #include "elastin/solve/modes.h"
-#include "experiment/volume_fit.h"
+#include "experiment/calibration.h"
+#include "experiment/load_curve.h"
 
 namespace elastin {
 namespace {
@@ -21,87 +22,6 @@ class Stopwatch {
 
 std::string counted(int count, const std::string& singular, const std::string& plural) {
   return std::to_string(count) + " " + (count == 1 ? singular : plural);
-}
-
-/// A model of the specimen, held by the experiment.
-Model make_model(const Specimen& specimen, Experiment& experiment, std::unique_ptr<Elasticity> elasticity) {
-  Model model(specimen.body);
-  model.add(std::move(elasticity));
-  for (const auto& make_load : specimen.loads) model.add(make_load(specimen.body));
-  experiment.hold(model);
-  return model;
-}
-
-/// What one linear solve of the experiment alone measures, without the scene's other loads; nothing if it fails.
-std::optional<Measures> measure_linear(const Specimen& specimen, Experiment& experiment,
-                                       std::unique_ptr<Elasticity> elasticity, const StaticOptions& options, Run& run) {
-  Model model(specimen.body);
-  model.add(std::move(elasticity));
-  experiment.hold(model);
-  experiment.set_load(model, 0x1p-10);
-  State state = state_at_rest(specimen.body);
-  StaticOptions linear = options;
-  linear.linear = true;
-  StaticResult solved = solve_static(model, state, linear);
-  const Start rest{specimen.body.rest, Positions::Zero(3, solved.reactions.cols())};
-  Measures measures;
-  if (solved.outcome == Outcome::converged) measures = experiment.measure(model, rest, state, linear, solved);
-  run.linear_iterations += solved.linear_iterations;
-  if (solved.outcome != Outcome::converged) {
-    run.outcome = solved.outcome;
-    run.cause = "calibration: " + solved.cause;
-    return std::nullopt;
-  }
-  const Start rest{specimen.body.rest, Positions::Zero(3, solved.reactions.cols())};
-  return experiment.measure(model, rest, state, solved);
-}
-
-void fail_calibration(Run& run, const std::string& cause) {
-  if (run.outcome != Outcome::converged) return;
-  run.outcome = Outcome::diverged;
-  run.cause = "calibration: " + cause;
-}
-
-/// Scales the run's spring constants to E / E measured.
-void calibrate(const Specimen& specimen, Experiment& experiment, const StaticOptions& options, Run& run) {
-  const auto measures = measure_linear(specimen, experiment, make_springs(specimen.body, run.constants), options, run);
-  const double measured = measures ? measures->get("effective_modulus") : 0;
-  if (!(measured > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
-  run.calibration_factor = specimen.material.youngs_modulus / measured;
-  run.constants *= run.calibration_factor;
-}
-
-/// Fits the run's spring constants and volume term to E and ν.
-void calibrate_with_volume(const Specimen& specimen, Experiment& experiment, const StaticOptions& options, Run& run) {
-  const auto fit = fit_volume(specimen.material, [&](double modulus) -> std::optional<std::pair<double, double>> {
-    auto elasticity = make_sum(make_springs(specimen.body, run.constants), make_volume(specimen.body, modulus));
-    const auto measures = measure_linear(specimen, experiment, std::move(elasticity), options, run);
-    if (!measures) return std::nullopt;
-    return std::pair{measures->get("effective_modulus"), measures->get("poissons_ratio")};
-  });
-  if (!fit) return fail_calibration(run, "the linear solves measure no positive modulus, or no Poisson's ratio");
-  run.calibration_factor = fit->spring_factor;
-  run.constants *= fit->spring_factor;
-  run.volume_modulus = fit->volume_modulus;
-  if (std::abs(fit->poissons_ratio - specimen.material.poissons_ratio) > 0.002)
-    run.warnings.push_back("calibration reaches no nearer Poisson's ratio than " + std::to_string(fit->poissons_ratio));
-}
-
-/// The springs of a rule, calibrated if asked for, with their volume term if any. Null if that fails: the run says why.
-std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
-                                      const StaticOptions& options, Run& run) {
-  const bool with_volume = static_cast<bool>(choice.strategy.volume_modulus);
-  run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
-  if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
-  if (choice.calibrated) (with_volume ? calibrate_with_volume : calibrate)(specimen, experiment, options, run);
-  if (!run.constants.allFinite()) {
-    run.outcome = Outcome::diverged;
-    run.cause = "a spring constant is not finite: a connection of no length?";
-  }
-  if (run.outcome != Outcome::converged) return nullptr;
-  auto springs = make_springs(specimen.body, run.constants);
-  return with_volume ? make_sum(std::move(springs), make_volume(specimen.body, run.volume_modulus))
-                     : std::move(springs);
 }
 
 /// Whether the strategy needs the triangles or tetrahedra of a body that it suits.
@@ -134,126 +54,40 @@ void count_modes(const Model& model, Run& run) {
                            "; the load is solved in the range of the stiffness");
 }
 
-/// Adds what one solve cost and said to the run; returns whether it converged.
-bool note_solve(const StaticResult& solved, const std::string& where, Run& run) {
-  run.solver = solved.solver;
-  run.newton_iterations += solved.newton_iterations;
-  run.linear_iterations += solved.linear_iterations;
-  run.cut_steps += solved.cut_steps;
-  run.residual = solved.residual;
-  const std::string unstable = "the equilibrium is not stable: directions of negative stiffness";
-  if (solved.unstable && (run.warnings.empty() || run.warnings.back() != unstable)) run.warnings.push_back(unstable);
-  if (solved.outcome == Outcome::converged) return true;
-  run.outcome = solved.outcome;
-  run.cause = solved.cause + where;
-  return false;
+/// Why a strategy cannot run here, or "".
+std::string unsuited(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice) {
+  std::string reason = choice.strategy.unsuited(specimen.body);
+  if (reason.empty()) reason = fibres_unsuited(choice.strategy, specimen.body, specimen.material);
+  if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen.material);
+  return reason;
 }
 
-/// The body before the experiment's load: at rest, or in equilibrium with the scene's other loads. False if that fails.
-bool find_start(Model& model, Experiment& experiment, const RunOptions& options, State& state, Start& start, Run& run) {
-  start = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
-  experiment.set_load(model, 0);
-  if (model.load_forces(state).isZero(0)) return true;
-  if (options.progress) options.progress("the scene's own loads");
-  const StaticResult solved = solve_static(model, state, options.statics);
-  start = {state.positions, solved.reactions};
-  return note_solve(solved, " (under the scene's own loads)", run);
-}
-
-/// Where the last step's way leads if it goes on: a start near the next equilibrium, unless a cell turns over or, under
-/// loads, the energy is higher than where the body stands (a bar that turns far would be torn).
-State going_on(const Model& model, const State& state, const Positions& before) {
-  State next = state;
-  next.positions += state.positions - before;
-  const double gain = model.elastic_energy(next.positions) + model.load_energy(next) -
-                      model.elastic_energy(state.positions) - model.load_energy(state);
-  const bool loaded = model.has_energy() && !model.load_forces(state).isZero(0);
-  return std::isfinite(gain) && !(loaded && gain > 0) ? next : state;
-}
-
-/// Solves load step after load step, each started where the last two lead.
-void solve_curve(Model& model, Experiment& experiment, const RunOptions& options, Run& run) {
-  State state = state_at_rest(model.body());
-  Start start;
-  if (!find_start(model, experiment, options, state, start, run)) return;
-  const auto keep = [&](double load_factor) {
-    if (options.keep_snapshots)
-      run.snapshots.push_back({load_factor, state.positions, model.force_densities(state.positions)});
-  };
-  keep(0);
-  Positions before = state.positions;
-  const int steps = experiment.load_steps();
-  for (int step = 1; step <= steps; ++step) {
-    const std::string place = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "";
-    if (options.progress) options.progress(place.empty() ? "solving" : place);
-    const double load_factor = static_cast<double>(step) / steps;
-    experiment.set_load(model, load_factor);
-    State next = state;
-    if (step > 1 && !options.statics.linear) next = going_on(model, state, before);
-    StaticResult solved = solve_static(model, next, options.statics);
-    Measures measures;
-    if (solved.outcome == Outcome::converged)
-      measures = experiment.measure(model, start, next, options.statics, solved);
-    if (!note_solve(solved, place.empty() ? "" : " (" + place + ")", run)) return;
-    if (measures.get("elongation") < 0 && measures.get("strain") <= -1) {
-      run.outcome = Outcome::inverted;
-      run.cause =
-          "the load presses the body through itself: strain below −100 %" + (place.empty() ? "" : " (" + place + ")");
-      return;
-    }
-    before = state.positions;
-    state = next;
-    run.curve.push_back({load_factor, measures, solved.newton_iterations, solved.linear_iterations, solved.residual});
-    keep(load_factor);
-  }
-  run.measures = run.curve.back().measures;
-  run.remark = experiment.remark(run.measures);
-  if (steps > 1 && model.has_full_tangent()) {
-    experiment.measure_end(model, state, options.statics, run.measures, run.linear_iterations);
-    double sum = 0;
-    for (const CurvePoint& point : run.curve) sum += point.measures.get("effective_modulus");
-    run.measures.set("average_modulus", sum / steps);
-  }
+/// The strategy at work on the specimen with the scene's loads, held by the experiment; nothing if that fails: the run
+/// says why.
+std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                                const RunOptions& options, Run& run) {
+  const auto& [body, material, loads] = specimen;
+  auto elasticity = choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
+                                              : choice.strategy.make(body, material, choice.values);
+  if (!elasticity) return std::nullopt;
+  note_negative_constants(run);
+  if (material.curve && !choice.strategy.follows_curve)
+    run.warnings.push_back("does not follow the material's curve: it takes its slope at no strain alone");
+  std::optional<Model> model(body);
+  model->add(std::move(elasticity));
+  if (auto fibres = make_fibres(choice.strategy, body, material)) model->add(std::move(fibres));
+  for (const auto& make_load : loads) model->add(make_load(body));
+  experiment.hold(*model);
+  return model;
 }
 
 }  // namespace
-
-StrategyChoice with_volume(StrategyChoice choice) {
-  choice.strategy = with_volume(choice.strategy);
-  choice.label += "+volume";
-  return choice;
-}
-
-StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label) {
-  const std::string prefix = "calibrated:", suffix = "+volume";
-  if (label.ends_with(suffix))
-    return with_volume(choose_strategy(catalog, label.substr(0, label.size() - suffix.size())));
-  if (label == "calibrated") return choose_strategy(catalog, prefix + "standard");
-  if (!label.starts_with(prefix)) return {label, catalog.find(label), false, {}};
-  StrategyChoice choice{label, catalog.find(label.substr(prefix.size())), true, {}};
-  if (choice.strategy.kind != StrategyKind::spring_rule)
-    throw InputError("'" + label + "': only a spring rule can be calibrated, and " + choice.strategy.name + " is a " +
-                     name_of(choice.strategy.kind));
-  return choice;
-}
-
-std::vector<StrategyChoice> all_strategies(const Catalog& catalog) {
-  std::vector<StrategyChoice> choices;
-  for (const Strategy& strategy : catalog.strategies())
-    if (strategy.kind != StrategyKind::wrapper) choices.push_back({strategy.name, strategy, false, {}});
-  for (const Strategy& strategy : catalog.strategies())
-    if (strategy.kind == StrategyKind::spring_rule)
-      choices.push_back(choose_strategy(catalog, "calibrated:" + strategy.name));
-  return choices;
-}
 
 Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
                  const RunOptions& options) {
   Run run;
   run.strategy = choice.label;
-  run.cause = choice.strategy.unsuited(specimen.body);
-  if (choice.calibrated && run.cause.empty() && !calibrated_measure(experiment, specimen.material))
-    run.cause = "a " + experiment.name() + " experiment on this body measures no modulus to calibrate to";
+  run.cause = unsuited(specimen, experiment, choice);
   if (!run.cause.empty()) {
     run.suited = false;
     return run;
@@ -269,20 +103,13 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
   }
   if (options.progress) options.progress("building");
   const Stopwatch build;
-  std::unique_ptr<Elasticity> elasticity;
-  if (choice.strategy.constants) {
-    elasticity = make_rule(specimen, experiment, choice, options.statics, run);
-    if (!elasticity) return run;
-    note_negative_constants(run);
-  } else {
-    elasticity = choice.strategy.make(specimen.body, specimen.material, choice.values);
-  }
-  Model model = make_model(specimen, experiment, std::move(elasticity));
+  std::optional<Model> model = make_model(specimen, experiment, choice, options, run);
+  if (!model) return run;
   run.build_seconds = build.seconds();
-  count_modes(model, run);
+  count_modes(*model, run);
 
   const Stopwatch solve;
-  solve_curve(model, experiment, options, run);
+  solve_load_curve(*model, experiment, specimen.material, options, run);
   run.solve_seconds = solve.seconds();
   return run;
 }

@@ -33,6 +33,7 @@ class Tension final : public Experiment {
   }
 
   std::string name() const override { return "tension"; }
+  std::optional<Vector3> axis() const override { return setup_.axis; }
   int load_steps() const override { return setup_.load_steps; }
 
   void hold(Model& model) override {
@@ -98,9 +99,15 @@ class Tension final : public Experiment {
     measures.set("tangent_modulus", force / area_ / (read_elongation(response.motion) / gauge_length_));
   }
 
-  std::vector<MainMeasure> main_measures(const Material& material) const override {
-    return {
-        {"effective_modulus", material.youngs_modulus}, {"poissons_ratio", material.poissons_ratio}, {"elongation"}};
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& measured) const override {
+    UniaxialResponse asked = uniaxial_response(material, setup_.axis);
+    const double strain = measured.get("strain");
+    if (std::isfinite(strain) && strain != 0)  // the secant of a curve
+      if (const auto stress = uniaxial_stress(material, setup_.axis, strain)) asked.youngs_modulus = *stress / strain;
+    std::vector<MainMeasure> measures{
+        {"effective_modulus", asked.youngs_modulus}, {"poissons_ratio", asked.poissons_ratio}, {"elongation"}};
+    if (material.curve || material.fibre) measures.push_back({"curve_error"});
+    return measures;
   }
 
  private:
@@ -181,9 +188,10 @@ class Tension final : public Experiment {
     return mean_along(loaded_, share_, motion) - start;
   }
 
-  /// Mean of the two in-plane principal strains of the molecules at mid height, from the displacement gradient fitted
-  /// to them; NaN if they do not span the plane. Large displacements may turn them: then it is the mean of the
-  /// principal stretches less one, which turning does not change.
+  /// Mean in-plane stretch less 1 of the molecules at mid height, of the linear motion fitted to them; NaN if they do
+  /// not span the plane. Neither the directions that span it nor, with large displacements, a turn about the axis,
+  /// which sliding grips leave free, change it: with F = I + gradient, the stretches add up to √((F_xx + F_yy)² + (F_xy
+  /// − F_yx)²).
   double lateral_strain(const Positions& motion, bool small) const {
     const auto count = static_cast<Eigen::Index>(middle_.size());
     Eigen::MatrixX3d places(count, 3);
@@ -199,9 +207,8 @@ class Tension final : public Experiment {
     const Eigen::Matrix2d spread = places.leftCols<2>().transpose() * places.leftCols<2>();
     if (!(spread.determinant() > 1e-12 * std::pow(spread.trace(), 2))) return std::numeric_limits<double>::quiet_NaN();
     const Eigen::Matrix2d gradient = spread.inverse() * places.leftCols<2>().transpose() * moves;
-    if (small) return gradient.trace() / 2;
-    const Eigen::Matrix2d stretch = Eigen::Matrix2d::Identity() + gradient;
-    return std::sqrt(stretch.squaredNorm() + 2 * stretch.determinant()) / 2 - 1;
+    const double sum = gradient.trace(), turn = small ? 0 : gradient(0, 1) - gradient(1, 0);
+    return (sum * (4 + sum) + turn * turn) / (2 * (std::hypot(2 + sum, turn) + 2));
   }
 
   /// Force along the axis with which the loaded supports pull [N].

@@ -54,7 +54,7 @@ class Torsion final : public Driven {
     return measures;
   }
 
-  std::vector<MainMeasure> main_measures(const Material& material) const override {
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
     std::vector<MainMeasure> measures{{"torque"}, {"axial_force"}};
     if (section_ > 0) measures.insert(measures.begin(), {"shear_modulus", elastin::shear_modulus(material)});
     return measures;

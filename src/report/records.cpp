@@ -10,6 +10,26 @@
 #include "report/table.h"
 
 namespace elastin {
+namespace {
+
+double angle_to_fibres(const Scene& scene) {
+  const double cosine = std::abs(scene.experiment->axis()->dot(scene.specimen.material.fibre->direction));
+  return std::acos(std::min(1., cosine)) * 180 / 3.14159265358979323846;
+}
+
+std::string prescribed_text(const Scene& scene) {
+  const Material& material = scene.specimen.material;
+  std::string text =
+      fmt::format("E = {}, nu = {:g}", readable(material.youngs_modulus, dimension::pressure), material.poissons_ratio);
+  if (material.curve) text += ", stress-strain curve";
+  if (material.fibre)
+    text +=
+        fmt::format(", fibres of {}{}", readable(material.fibre->curve.modulus(0), dimension::pressure),
+                    scene.experiment->axis() ? fmt::format(" at {:.3g} deg to the load", angle_to_fibres(scene)) : "");
+  return text;
+}
+
+}  // namespace
 
 Neighbours neighbours_inside(const Body& body) {
   const int proper = body.connections.proper();
@@ -43,7 +63,6 @@ double Record::error(std::string_view name) const {
 }
 
 Record make_record(const Scene& scene, Run run) {
-  const Material& material = scene.specimen.material;
   const Body& body = scene.specimen.body;
   Record record;
   record.scene = scene.name;
@@ -55,12 +74,13 @@ Record make_record(const Scene& scene, Run run) {
   record.cells = static_cast<int>(body.tetrahedra.size() + body.triangles.size());
   record.threads = threads();
   record.neighbours = neighbours_inside(body);
-  record.prescribed =
-      fmt::format("E = {}, nu = {:g}", readable(material.youngs_modulus, dimension::pressure), material.poissons_ratio);
+  record.prescribed = prescribed_text(scene);
   const auto add_error = [&](const std::string& name, double error) {
     if (std::isfinite(error)) record.errors.emplace_back(name, error);
   };
-  record.main_measures = scene.experiment->main_measures(material);
+  record.main_measures = scene.experiment->main_measures(scene.specimen.material, run.measures);
+  if (scene.specimen.material.fibre && !scene.experiment->axis())  // moduli of the matrix alone are not the body's
+    for (MainMeasure& measure : record.main_measures) measure.prescribed = std::nan("");
   for (const auto& [name, prescribed] : record.main_measures) {
     const bool ratio = find_measure(std::string(name)).unit == dimension::none;
     const double measured = run.measures.get(name);

@@ -6,17 +6,6 @@
 
 namespace elastin {
 
-Material read_material(Reader reader) {
-  Material material;
-  material.youngs_modulus = reader.at("youngs_modulus").quantity(dimension::pressure, kPositive);
-  if (auto value = reader.find("poissons_ratio"))
-    material.poissons_ratio = value->quantity(dimension::none, {-0.99, 0.4999, false});
-  if (auto value = reader.find("density")) material.density = value->quantity(dimension::density, kPositive);
-  if (auto value = reader.find("thickness")) material.thickness = value->quantity(dimension::length, kPositive);
-  reader.finish();
-  return material;
-}
-
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
   if (reader.is_text()) return reader.located([&] { return choose_strategy(catalog, reader.text()); });
   const Reader name = reader.at("strategy");

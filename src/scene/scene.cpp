@@ -105,6 +105,7 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   warn_of_pieces(scene->specimen.body, scene->warnings);
   const Matrix3 rotation = reader.has("rotate") ? read_rotation(reader.at("rotate")) : Matrix3(Matrix3::Identity());
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
+  if (auto& fibre = scene->specimen.material.fibre) fibre->direction = rotation * fibre->direction;
   scene->stiffness = read_strategy(reader.at("stiffness"), catalog);
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog);
   const Reader experiment = reader.at("experiment");

@@ -6,6 +6,7 @@
 #include "elastin/forces/volume.h"
 #include "stiffness/angles.h"
 #include "stiffness/angles_update.h"
+#include "stiffness/curve.h"
 #include "stiffness/divided.h"
 #include "stiffness/lattice.h"
 #include "stiffness/lloyd.h"
@@ -37,6 +38,7 @@ Catalog built_in_catalog() {
   catalog.add<StVenantKirchhoff>();
   catalog.add<StVenantKirchhoffMembrane>();
   catalog.add<NeoHookean>();
+  catalog.add<Curve>();
   catalog.add<TwoParameter>();
   Strategy calibrated;
   calibrated.name = "calibrated";

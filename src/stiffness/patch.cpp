@@ -80,17 +80,19 @@ Positions surface_areas(const Body& body) {
 }
 
 /// The patch test as a linear least-squares problem, without units: unknown y = k L/(E ℓ²), ℓ² the mean L², and
-/// residual Σ_j y n n n + 0.4 (δ A + …)/ℓ² for each molecule.
+/// residual Σ_j y n n n + C : A/(E ℓ²) for each molecule.
 struct PatchTest {
   const Connections& connections;
   Rows incident;
   Tensors direction;  ///< n n n from the first to the second end
   Tensors wanted;     ///< right-hand side of each molecule
-  VectorX uniform;    ///< y of the one constant for all that has the body's mean stiffness
+  VectorX uniform;    ///< where y is drawn to: the one constant for all that has the body's mean stiffness, or 0
   double length2;     ///< ℓ² [m²]
   VectorX length;     ///< L [m]
 
-  explicit PatchTest(const Body& body)
+  /// @param target C : A/E [m²] of an outward area vector A.
+  template <class Target>
+  PatchTest(const Body& body, const Target& target)
       : connections(body.connections),
         incident(connections_of_molecules(body.size(), body.connections)),
         direction(kComponents, body.connections.size()),
@@ -105,7 +107,7 @@ struct PatchTest {
     length2 = length.squaredNorm() / static_cast<double>(length.size());
     const Positions areas = surface_areas(body);
     for (int molecule = 0; molecule < body.size(); ++molecule)
-      wanted.col(molecule) = -0.4 / length2 * with_identity(areas.col(molecule));
+      wanted.col(molecule) = -target(areas.col(molecule)) / length2;
     // The trace of the patch test, summed over the body, is Σ k L² = 6 E V; and 3 V = Σ x · A.
     const double volume = body.rest.cwiseProduct(areas).sum() / 3;
     uniform = 6 * volume / length.squaredNorm() / length2 * length;
@@ -195,9 +197,16 @@ std::string Patch::unsuited(const Body& body) {
 }
 
 VectorX Patch::constants(const Body& body, const Material& material) const {
-  const PatchTest test(body);
+  const PatchTest test(body, [](const Vector3& area) -> Tensor { return 0.4 * with_identity(area); });
   const VectorX y = non_negative_least_squares(test);
   return material.youngs_modulus * test.length2 * y.cwiseQuotient(test.length);
+}
+
+VectorX fibre_sections(const Body& body, const Vector3& direction) {
+  const Tensor aaa = triple(direction);
+  PatchTest test(body, [&](const Vector3& area) -> Tensor { return direction.dot(area) * aaa; });
+  test.uniform.setZero();
+  return test.length2 * non_negative_least_squares(test).cwiseQuotient(test.length);
 }
 
 }  // namespace elastin

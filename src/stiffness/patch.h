@@ -26,4 +26,9 @@ struct Patch {
   VectorX constants(const Body& body, const Material& material) const;
 };
 
+/// Sections w ≥ 0 [m], one a connection, with which springs of tension w L P(ε) stand for fibres of nominal stress P
+/// along the unit vector a: the same patch test with C = a a a a. Exact where connections run along a (all others get
+/// 0) and on what else passes; on the rest the nearest there is. Needs what Patch needs.
+VectorX fibre_sections(const Body& body, const Vector3& direction);
+
 }  // namespace elastin

@@ -7,6 +7,7 @@
 
 #include "elastin/base/types.h"
 #include "elastin/model/body.h"
+#include "elastin/model/material.h"
 
 namespace elastin {
 
@@ -49,6 +50,13 @@ class Elasticity {
 
 /// Springs: q = k (1 − L/l), energy ½ k (l − L)². `constants` [N/m], one a connection, may be negative.
 std::unique_ptr<Elasticity> make_springs(const Body& body, VectorX constants);
+
+/// Springs that follow a curve P of their own strain ε: tension w L P(ε). `sections` w [m], one a connection: the
+/// spring constant at rest is w P′(0).
+std::unique_ptr<Elasticity> make_curve_springs(const Body& body, VectorX sections, const StressStrain& curve);
+
+/// Springs of these constants [N/m] at rest, each following the material's curve of its own strain; linear without one.
+std::unique_ptr<Elasticity> make_springs(const Body& body, VectorX constants, const Material& material);
 
 /// Springs whose constants are set anew from the present places; the tangent leaves their change out.
 using ConstantsAt = std::function<VectorX(const Positions&)>;

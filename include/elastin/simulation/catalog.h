@@ -26,11 +26,13 @@ struct Strategy {
   std::string name, summary, source;
   StrategyKind kind = StrategyKind::spring_rule;
   std::vector<ParameterInfo> parameters;
+  int corners = 0;             ///< of the cells of a cell law
+  bool follows_curve = false;  ///< whether it takes the material's stress-strain curve, not its first slope alone
   /// Why it cannot run on a body, or "".
   std::function<std::string(const Body&)> unsuited = [](const Body&) { return std::string(); };
   /// Spring rules only: the constants [N/m]. Throws InputError on parameters out of range or unknown.
   std::function<VectorX(const Body&, const Material&, const ParameterValues&)> constants;
-  /// The strategy at work. The body must outlive it. Empty for wrappers.
+  /// The strategy at work, without the material's fibres (see fibres.h). The body must outlive it. Empty for wrappers.
   using Make = std::function<std::unique_ptr<Elasticity>(const Body&, const Material&, const ParameterValues&)>;
   Make make;
   /// Cell laws that can leave λ/2 (J − 1)² to a volume term: the law without it.
@@ -127,6 +129,7 @@ void Catalog::add() {
   const Strategy described = strategy;  // what the two functions below need of it, without a pointer to a moving vector
   if constexpr (SpringRule<Law>) {
     strategy.kind = StrategyKind::spring_rule;
+    strategy.follows_curve = true;
     strategy.constants = [described](const Body& body, const Material& material,
                                      const ParameterValues& values) -> VectorX {
       const Law law = detail::law_with<Law>(described, values);
@@ -134,7 +137,7 @@ void Catalog::add() {
     };
     strategy.make = [constants = strategy.constants](const Body& body, const Material& material,
                                                      const ParameterValues& values) {
-      return make_springs(body, constants(body, material, values));
+      return make_springs(body, constants(body, material, values), material);
     };
   } else if constexpr (UpdatedSpringRule<Law>) {
     strategy.kind = StrategyKind::updated_spring_rule;
@@ -146,6 +149,8 @@ void Catalog::add() {
     };
   } else {
     strategy.kind = StrategyKind::cell_law;
+    strategy.corners = Law::corners;
+    if constexpr (requires { Law::follows_curve; }) strategy.follows_curve = Law::follows_curve;
     strategy.make = [described](const Body& body, const Material& material,
                                 const ParameterValues& values) -> std::unique_ptr<Elasticity> {
       return std::make_unique<CellElasticity<Law>>(body, material, detail::law_with<Law>(described, values));

@@ -14,7 +14,8 @@ namespace elastin {
 /// It may add `static constexpr std::array parameters` (of Parameter<Law>),
 /// `static std::string unsuited(const Body&)`: why it cannot run on a body, or "", and, if a spring rule,
 /// `static constexpr bool on_cells = true`: its constants come from cells. Other rules are not shown the connections
-/// that are sides of cells only (Connections::cell_sides), neither here nor in unsuited(): those get 0.
+/// that are sides of cells only (Connections::cell_sides), neither here nor in unsuited(): those get 0. A cell law that
+/// takes the material's stress-strain curve has `static constexpr bool follows_curve = true`.
 template <class Law>
 concept StiffnessLaw = requires {
   { Law::name } -> std::convertible_to<std::string_view>;

@@ -1,0 +1,138 @@
+#include "experiment/calibration.h"
+
+#include <cmath>
+#include <optional>
+
+#include "elastin/forces/volume.h"
+#include "experiment/curve_fit.h"
+#include "experiment/load_curve.h"
+#include "experiment/volume_fit.h"
+
+namespace elastin {
+namespace {
+
+Material without_fibres(const Material& material) {
+  Material matrix = material;
+  matrix.fibre.reset();
+  return matrix;
+}
+
+/// The measure to which a rule is calibrated: the first that the material prescribes a value for.
+std::optional<MainMeasure> calibrated_measure(const Experiment& experiment, const Material& material) {
+  for (const MainMeasure& measure : experiment.main_measures(without_fibres(material), {}))
+    if (std::isfinite(measure.prescribed)) return measure;
+  return std::nullopt;
+}
+
+void fail_calibration(Run& run, const std::string& cause) {
+  if (run.outcome != Outcome::converged) return;  // the solve itself has said why
+  run.outcome = Outcome::diverged;
+  run.cause = "calibration: " + cause;
+}
+
+/// What one linear solve under a small load measures; nothing if it fails.
+std::optional<Measures> measure_linear(const Specimen& specimen, Experiment& experiment,
+                                       std::unique_ptr<Elasticity> elasticity, const StaticOptions& options, Run& run) {
+  Model model(specimen.body);
+  model.add(std::move(elasticity));
+  experiment.hold(model);
+  experiment.set_load(model, 0x1p-10);
+  State state = state_at_rest(specimen.body);
+  StaticOptions linear = options;
+  linear.linear = true;
+  StaticResult solved = solve_static(model, state, linear);
+  const Start rest{specimen.body.rest, Positions::Zero(3, solved.reactions.cols())};
+  Measures measures;
+  if (solved.outcome == Outcome::converged) measures = experiment.measure(model, rest, state, linear, solved);
+  run.linear_iterations += solved.linear_iterations;
+  if (solved.outcome == Outcome::converged) return measures;
+  run.outcome = solved.outcome;
+  run.cause = "calibration: " + solved.cause;
+  return std::nullopt;
+}
+
+/// Scales the run's constants to the modulus prescribed / measured.
+void calibrate(const Specimen& specimen, Experiment& experiment, const StaticOptions& options, Run& run) {
+  const auto measures = measure_linear(specimen, experiment, make_springs(specimen.body, run.constants), options, run);
+  const auto target = calibrated_measure(experiment, specimen.material);
+  const double measured = measures ? measures->get(target->name) : 0;
+  if (!(measured > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
+  run.calibration_factor = target->prescribed / measured;
+  run.constants *= run.calibration_factor;
+}
+
+/// Fits the run's constants and volume term to E and ν.
+void calibrate_with_volume(const Specimen& specimen, Experiment& experiment, const StaticOptions& options, Run& run) {
+  const auto fit = fit_volume(specimen.material, [&](double modulus) -> std::optional<std::pair<double, double>> {
+    auto elasticity = make_sum(make_springs(specimen.body, run.constants), make_volume(specimen.body, modulus));
+    const auto measures = measure_linear(specimen, experiment, std::move(elasticity), options, run);
+    if (!measures) return std::nullopt;
+    return std::pair{measures->get("effective_modulus"), measures->get("poissons_ratio")};
+  });
+  if (!fit) return fail_calibration(run, "the linear solves measure no positive E, or no Poisson's ratio");
+  run.calibration_factor = fit->spring_factor;
+  run.constants *= fit->spring_factor;
+  run.volume_modulus = fit->volume_modulus;
+  if (std::abs(fit->poissons_ratio - specimen.material.poissons_ratio) > 0.002)
+    run.warnings.push_back("calibration reaches no nearer Poisson's ratio than " + std::to_string(fit->poissons_ratio));
+}
+
+/// The springs of the run's constants, all on one curve if there is one, and its volume term.
+std::unique_ptr<Elasticity> assembled(const Specimen& specimen, const StrategyChoice& choice, const Run& run,
+                                      const std::optional<StressStrain>& curve) {
+  auto springs = curve ? make_curve_springs(specimen.body, run.constants / specimen.material.youngs_modulus, *curve)
+                       : make_springs(specimen.body, run.constants);
+  if (!choice.strategy.volume_modulus) return springs;
+  return make_sum(std::move(springs), make_volume(specimen.body, run.volume_modulus));
+}
+
+/// A curve of the springs with which the body shows the material's.
+StressStrain fitted_curve(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                          const RunOptions& options, Run& run) {
+  const Material matrix = without_fibres(specimen.material);
+  RunOptions quiet;
+  quiet.statics = options.statics;
+  const CurveFit fit = fit_curve(*matrix.curve, [&](const StressStrain& springs) {
+    if (options.progress) options.progress("fitting the springs' curve");
+    Model model(specimen.body);
+    model.add(assembled(specimen, choice, run, springs));
+    experiment.hold(model);
+    Run trial;
+    solve_load_curve(model, experiment, matrix, quiet, trial);
+    run.linear_iterations += trial.linear_iterations;
+    std::vector<StressStrain::Point> shown;
+    for (const CurvePoint& point : trial.curve)
+      shown.push_back({point.measures.get("strain"), point.measures.get("stress")});
+    return shown;
+  });
+  if (fit.error > 0.01)
+    run.warnings.push_back("the springs' curve could not be fitted: the body's is " +
+                           std::to_string(static_cast<int>(std::round(100 * fit.error))) + " % off the material's");
+  return fit.springs;
+}
+
+}  // namespace
+
+std::string calibration_unsuited(const Experiment& experiment, const Material& material) {
+  if (calibrated_measure(experiment, material)) return "";
+  return "a " + experiment.name() + " experiment on this body measures no modulus to calibrate to";
+}
+
+std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                                      const RunOptions& options, Run& run) {
+  const bool with_volume = static_cast<bool>(choice.strategy.volume_modulus);
+  run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
+  if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
+  if (choice.calibrated) (with_volume ? calibrate_with_volume : calibrate)(specimen, experiment, options.statics, run);
+  if (!run.constants.allFinite()) {
+    run.outcome = Outcome::diverged;
+    run.cause = "a spring constant is not finite: a connection of no length?";
+  }
+  if (run.outcome != Outcome::converged) return nullptr;
+  std::optional<StressStrain> curve = specimen.material.curve;
+  if (curve && choice.calibrated && !options.statics.linear && experiment.axis())
+    curve = fitted_curve(specimen, experiment, choice, options, run);
+  return assembled(specimen, choice, run, curve);
+}
+
+}  // namespace elastin

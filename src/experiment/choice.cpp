@@ -1,0 +1,36 @@
+#include "experiment/choice.h"
+
+#include "elastin/base/error.h"
+
+namespace elastin {
+
+StrategyChoice with_volume(StrategyChoice choice) {
+  choice.strategy = with_volume(choice.strategy);
+  choice.label += "+volume";
+  return choice;
+}
+
+StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label) {
+  const std::string prefix = "calibrated:", suffix = "+volume";
+  if (label.ends_with(suffix))
+    return with_volume(choose_strategy(catalog, label.substr(0, label.size() - suffix.size())));
+  if (label == "calibrated") return choose_strategy(catalog, prefix + "standard");
+  if (!label.starts_with(prefix)) return {label, catalog.find(label), false, {}};
+  StrategyChoice choice{label, catalog.find(label.substr(prefix.size())), true, {}};
+  if (choice.strategy.kind != StrategyKind::spring_rule)
+    throw InputError("'" + label + "': only a spring rule can be calibrated, and " + choice.strategy.name + " is a " +
+                     name_of(choice.strategy.kind));
+  return choice;
+}
+
+std::vector<StrategyChoice> all_strategies(const Catalog& catalog) {
+  std::vector<StrategyChoice> choices;
+  for (const Strategy& strategy : catalog.strategies())
+    if (strategy.kind != StrategyKind::wrapper) choices.push_back({strategy.name, strategy, false, {}});
+  for (const Strategy& strategy : catalog.strategies())
+    if (strategy.kind == StrategyKind::spring_rule)
+      choices.push_back(choose_strategy(catalog, "calibrated:" + strategy.name));
+  return choices;
+}
+
+}  // namespace elastin

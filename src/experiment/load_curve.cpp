@@ -1,0 +1,107 @@
+#include "experiment/load_curve.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastin {
+namespace {
+
+/// Adds what one solve cost and said to the run; returns whether it converged.
+bool note_solve(const StaticResult& solved, const std::string& where, Run& run) {
+  run.solver = solved.solver;
+  run.newton_iterations += solved.newton_iterations;
+  run.linear_iterations += solved.linear_iterations;
+  run.cut_steps += solved.cut_steps;
+  run.residual = solved.residual;
+  const std::string unstable = "the equilibrium is not stable: directions of negative stiffness";
+  if (solved.unstable && (run.warnings.empty() || run.warnings.back() != unstable)) run.warnings.push_back(unstable);
+  if (solved.outcome == Outcome::converged) return true;
+  run.outcome = solved.outcome;
+  run.cause = solved.cause + where;
+  return false;
+}
+
+/// The body before the experiment's load: at rest, or in equilibrium with the scene's other loads. False if that fails.
+bool find_start(Model& model, Experiment& experiment, const RunOptions& options, State& state, Start& start, Run& run) {
+  start = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
+  experiment.set_load(model, 0);
+  if (model.load_forces(state).isZero(0)) return true;
+  if (options.progress) options.progress("the scene's own loads");
+  const StaticResult solved = solve_static(model, state, options.statics);
+  start = {state.positions, solved.reactions};
+  return note_solve(solved, " (under the scene's own loads)", run);
+}
+
+/// Where the last step's way leads if it goes on: a start near the next equilibrium, unless a cell turns over or, under
+/// loads, the energy is higher than where the body stands (a bar that turns far would be torn).
+State going_on(const Model& model, const State& state, const Positions& before) {
+  State next = state;
+  next.positions += state.positions - before;
+  const double gain = model.elastic_energy(next.positions) + model.load_energy(next) -
+                      model.elastic_energy(state.positions) - model.load_energy(state);
+  const bool loaded = model.has_energy() && !model.load_forces(state).isZero(0);
+  return std::isfinite(gain) && !(loaded && gain > 0) ? next : state;
+}
+
+/// Where the material says what stress belongs to a strain: the largest difference to it, over the largest such stress.
+void note_curve_error(const Experiment& experiment, const Material& material, Run& run) {
+  const auto axis = experiment.axis();
+  double difference = 0, largest = 0;
+  for (const CurvePoint& point : run.curve) {
+    const auto given = axis ? uniaxial_stress(material, *axis, point.measures.get("strain")) : std::nullopt;
+    if (!given) return;
+    difference = std::max(difference, std::abs(point.measures.get("stress") - *given));
+    largest = std::max(largest, std::abs(*given));
+  }
+  run.measures.set("curve_error", difference / largest);
+}
+
+}  // namespace
+
+void solve_load_curve(Model& model, Experiment& experiment, const Material& material, const RunOptions& options,
+                      Run& run) {
+  State state = state_at_rest(model.body());
+  Start start;
+  if (!find_start(model, experiment, options, state, start, run)) return;
+  const auto keep = [&](double load_factor) {
+    if (options.keep_snapshots)
+      run.snapshots.push_back({load_factor, state.positions, model.force_densities(state.positions)});
+  };
+  keep(0);
+  Positions before = state.positions;
+  const int steps = experiment.load_steps();
+  for (int step = 1; step <= steps; ++step) {
+    const std::string place = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "";
+    if (options.progress) options.progress(place.empty() ? "solving" : place);
+    const double load_factor = static_cast<double>(step) / steps;
+    experiment.set_load(model, load_factor);
+    State next = state;
+    if (step > 1 && !options.statics.linear) next = going_on(model, state, before);
+    StaticResult solved = solve_static(model, next, options.statics);
+    Measures measures;
+    if (solved.outcome == Outcome::converged)
+      measures = experiment.measure(model, start, next, options.statics, solved);
+    if (!note_solve(solved, place.empty() ? "" : " (" + place + ")", run)) return;
+    if (measures.get("elongation") < 0 && measures.get("strain") <= -1) {
+      run.outcome = Outcome::inverted;
+      run.cause =
+          "the load presses the body through itself: strain below −100 %" + (place.empty() ? "" : " (" + place + ")");
+      return;
+    }
+    before = state.positions;
+    state = next;
+    run.curve.push_back({load_factor, measures, solved.newton_iterations, solved.linear_iterations, solved.residual});
+    keep(load_factor);
+  }
+  run.measures = run.curve.back().measures;
+  run.remark = experiment.remark(run.measures);
+  note_curve_error(experiment, material, run);
+  if (steps > 1 && model.has_full_tangent()) {
+    experiment.measure_end(model, state, options.statics, run.measures, run.linear_iterations);
+    double sum = 0;
+    for (const CurvePoint& point : run.curve) sum += point.measures.get("effective_modulus");
+    run.measures.set("average_modulus", sum / steps);
+  }
+}
+
+}  // namespace elastin

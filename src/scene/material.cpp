@@ -1,0 +1,78 @@
+#include <cmath>
+#include <cstdio>
+
+#include "scene/parts.h"
+
+namespace elastin {
+namespace {
+
+/// points: [[0, 0 Pa], [2 %, 1 kPa], …]
+StressStrain read_points(const Reader& reader) {
+  std::vector<StressStrain::Point> points;
+  const std::vector<Reader> items = reader.items();
+  for (const Reader& item : items) {
+    const auto pair = item.items(2);
+    points.push_back({pair[0].quantity(dimension::none), pair[1].quantity(dimension::pressure)});
+  }
+  if (const auto wrong = StressStrain::fault(points))
+    (wrong->first < items.size() ? items[wrong->first] : reader).fail(wrong->second);
+  return StressStrain::through(points);
+}
+
+/// {points: …} | {toe_strain, toe_modulus, modulus} | {tension, compression, smoothing}
+StressStrain read_curve(Reader reader) {
+  if (!reader.is_map())
+    reader.fail(
+        "write {points: [[strain, stress], ...]}, {toe_strain, toe_modulus, modulus} or {tension, compression}");
+  const auto modulus = [&](const char* key) { return reader.at(key).quantity(dimension::pressure, kPositive); };
+  const auto finished = [&](const StressStrain& curve) {
+    reader.finish();
+    return curve;
+  };
+  if (auto points = reader.find("points")) return finished(read_points(*points));
+  if (auto tension = reader.find("tension")) {
+    const auto smoothing = reader.find("smoothing");
+    return finished(StressStrain::bilinear(tension->quantity(dimension::pressure, kPositive), modulus("compression"),
+                                           smoothing ? smoothing->quantity(dimension::none, {1e-9, 1, false}) : 1e-4));
+  }
+  const double toe = reader.at("toe_strain").quantity(dimension::none, kPositive);
+  return finished(StressStrain::toe(toe, modulus("toe_modulus"), modulus("modulus")));
+}
+
+Fibre read_fibre(Reader reader) {
+  const Vector3 direction = read_direction(reader.at("direction"));
+  const auto modulus = reader.find("youngs_modulus"), curve = reader.find("curve"),
+             pressed = reader.find("compression");
+  if (!modulus && !curve) reader.at("youngs_modulus");
+  if (modulus && curve) curve->fail("there is a youngs_modulus already; give one of them");
+  const StressStrain own =
+      curve ? read_curve(*curve) : StressStrain::linear(modulus->quantity(dimension::pressure, kPositive));
+  const bool compression = !pressed || pressed->choice<bool>({{"true", true}, {"false", false}});
+  reader.finish();
+  return {direction, compression ? own : own.without_compression()};
+}
+
+}  // namespace
+
+Material read_material(Reader reader) {
+  Material material;
+  if (auto curve = reader.find("curve")) material.curve = read_curve(*curve);
+  const auto modulus = material.curve ? reader.find("youngs_modulus") : std::optional(reader.at("youngs_modulus"));
+  if (modulus) material.youngs_modulus = modulus->quantity(dimension::pressure, kPositive);
+  if (material.curve) {
+    const double first = material.curve->modulus(0);
+    char text[120];
+    std::snprintf(text, sizeof text, "the curve begins with a slope of %.6g Pa; give that, or leave this out", first);
+    if (modulus && std::abs(material.youngs_modulus - first) > 1e-3 * first) modulus->fail(text);
+    material.youngs_modulus = first;
+  }
+  if (auto value = reader.find("poissons_ratio"))
+    material.poissons_ratio = value->quantity(dimension::none, {-0.99, 0.4999, false});
+  if (auto value = reader.find("density")) material.density = value->quantity(dimension::density, kPositive);
+  if (auto value = reader.find("thickness")) material.thickness = value->quantity(dimension::length, kPositive);
+  if (auto fibre = reader.find("fibre")) material.fibre = read_fibre(*fibre);
+  reader.finish();
+  return material;
+}
+
+}  // namespace elastin
