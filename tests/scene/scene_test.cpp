@@ -290,6 +290,61 @@ TEST_CASE("a value that cannot be is named with what can", "[scene]") {
   });
 }
 
+TEST_CASE("a material's curve and fibres are read, and their slips named", "[scene][material]") {
+  const TemporaryFolder folder;
+  const std::string plain = "material: {youngs_modulus: 5 kPa, poissons_ratio: 0.25, density: 1000 kg/m3}";
+  const auto with = [&](const std::string& material) {
+    return replaced(kScene, plain, "material: {" + material + "}");
+  };
+  const auto material = [&](const std::string& text) {
+    return load(folder.write("right.yaml", with(text)))->specimen.material;
+  };
+  const Material toe = material("curve: {toe_strain: 3 %, toe_modulus: 10 kPa, modulus: 100 kPa}");
+  CHECK(toe.youngs_modulus == Approx(1e4));
+  CHECK(toe.curve->stress(0.04) == Approx(0.03 * 55e3 + 0.01 * 1e5));
+  CHECK_FALSE(toe.fibre);
+  const Material table =
+      material("youngs_modulus: 50 kPa, curve: {points: [[-10 %, -5 kPa], [0, 0 Pa], [2 %, 1 kPa]]}");
+  CHECK(table.curve->stress(-0.1) == Approx(-5e3));
+  CHECK(material("curve: {tension: 1 kPa, compression: 3 kPa}").youngs_modulus == Approx(2e3));
+  // 30° about x take z to (0, −1/2, √3/2): the fibres are turned with the body.
+  const Material fibres = material("youngs_modulus: 5 kPa, fibre: {direction: [0, 0, 2], youngs_modulus: 1 MPa}");
+  CHECK((fibres.fibre->direction - Vector3(0, -0.5, std::sqrt(3.) / 2)).norm() < 1e-14);
+  CHECK(fibres.fibre->curve.stress(-0.1) == Approx(-1e5));
+  CHECK(material("youngs_modulus: 5 kPa, fibre: {direction: x, compression: false, curve: {toe_strain: 3 %, "
+                 "toe_modulus: 1 kPa, modulus: 9 kPa}}")
+            .fibre->curve.stress(-0.1) == 0);
+
+  const auto slip = [&](const std::string& wrong, const std::string& path, const std::vector<std::string>& says) {
+    check_slips({{plain, "material: {" + wrong + "}", path, says}});
+  };
+  slip("youngs_modulus: @40 kPa, curve: {toe_strain: 3 %, toe_modulus: 10 kPa, modulus: 1 MPa}",
+       "material.youngs_modulus: the curve begins with a slope of 10000 Pa", {"leave this out"});
+  slip("curve: {points: [[0, 0 Pa], [2 %, 2 kPa], @[3 %, 2 kPa]]}", "material.curve.points",
+       {"the stress must be greater"});
+  slip("curve: {points: [[0, 0 Pa], [2 %, 2 kPa], @[2 %, 3 kPa]]}", "material.curve.points",
+       {"the strain must be greater"});
+  slip("curve: {points: [@[1 %, 1 kPa], [2 %, 2 kPa]]}", "material.curve.points", {"the origin"});
+  slip("curve: {points: [[0, 0 Pa], @[2 %, 1 kPa, 3 kPa]]}", "material.curve.points", {});
+  slip("curve: {points: [[0, 0 Pa], [2 %, @1 mm]]}", "material.curve.points", {"Pa"});
+  slip("curve: {@toe_strian: 3 %, toe_modulus: 1 kPa, modulus: 2 kPa}", "material.curve: unknown key 'toe_strian'",
+       {"did you mean 'toe_strain'"});
+  slip("curve: {tension: 3 kPa, @compresion: 1 kPa}", "material.curve: unknown key 'compresion'",
+       {"did you mean 'compression'"});
+  slip("curve: {tension: @-3 kPa, compression: 1 kPa}", "material.curve.tension", {"out of range"});
+  slip("curve: @10 kPa", "material.curve", {"points", "toe_strain", "tension"});
+  slip("youngs_modulus: 5 kPa, fibre: @{direction: z}", "material.fibre: key 'youngs_modulus' is missing", {});
+  slip("youngs_modulus: 5 kPa, fibre: @{youngs_modulus: 1 MPa}", "material.fibre: key 'direction' is missing", {});
+  slip("youngs_modulus: 5 kPa, fibre: {direction: @[0, 0, 0], youngs_modulus: 1 MPa}", "material.fibre.direction",
+       {"must not be zero"});
+  slip("youngs_modulus: 5 kPa, fibre: {direction: z, youngs_modulus: 1 MPa, compression: @no}",
+       "material.fibre.compression", {"true", "false"});
+  slip(
+      "youngs_modulus: 5 kPa, fibre: {direction: z, youngs_modulus: 1 MPa, curve: @{tension: 1 kPa, compression: 1 "
+      "kPa}}",
+      "material.fibre.curve", {"give one of them"});
+}
+
 TEST_CASE("keys that are missing or do not go together are named", "[scene]") {
   const std::string expectation = "{strategy: halved, measure: effective_modulus, value: 5 kPa, ";
   check_slips({

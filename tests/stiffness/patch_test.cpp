@@ -177,6 +177,47 @@ TEST_CASE("patch on one regular tetrahedron is the fit done by hand", "[patch]")
   CHECK((k.array() / (0.08 * std::sqrt(2.) * E * side) - 1).abs().maxCoeff() < 1e-5);
 }
 
+TEST_CASE("fibres as springs lie on the connections along them, with their share of the section", "[patch][fibre]") {
+  const bool space_diagonals = GENERATE(false, true);
+  constexpr double spacing = 0.02;
+  const Vector3 size = spacing * Vector3(2, 3, 4);
+  const Body body = cubic_lattice({3, 4, 5}, spacing, {true, true, space_diagonals});
+  const VectorX sections = fibre_sections(body, Vector3::UnitZ());
+  for (int c = 0; c < body.connections.size(); ++c) {
+    const auto [a, b] = body.connections.ends[c];
+    const Vector3 gap = body.rest.col(b) - body.rest.col(a), side = sides(body.rest.col(a), size);
+    // A row of connections has the section h² in the body, half of it on a face, a quarter on an edge: w = section/h.
+    const double share = 1 / std::pow(2, side.head<2>().squaredNorm());
+    const double expected = std::abs(gap.z()) > 0.99 * gap.norm() ? share * spacing : 0;
+    CHECK(sections[c] == Approx(expected).margin(1e-5 * spacing));
+  }
+}
+
+TEST_CASE("fibres as springs balance a uniform strain along a face diagonal too", "[patch][fibre]") {
+  constexpr double spacing = 0.02;
+  const Vector3 size = spacing * Vector3(3, 4, 5), a = Vector3(1, 1, 0).normalized();
+  const Body body = cubic_lattice({4, 5, 6}, spacing, {true, true, false});
+  const VectorX sections = fibre_sections(body, a);
+  Matrix3 strain;
+  strain << 1, .3, -.7, .3, -.4, .5, -.7, .5, .2;
+  const Matrix3 stress = a.dot(strain * a) * a * a.transpose();
+  Positions force(3, body.size());
+  for (int molecule = 0; molecule < body.size(); ++molecule)
+    force.col(molecule) = stress * lattice_surface(body.rest.col(molecule), size, spacing);
+  for (int c = 0; c < body.connections.size(); ++c) {
+    const auto [first, second] = body.connections.ends[c];
+    const Vector3 gap = body.rest.col(second) - body.rest.col(first);
+    const Vector3 tension = sections[c] * gap * gap.dot(strain * gap) / gap.squaredNorm();
+    force.col(first) += tension;
+    force.col(second) -= tension;
+  }
+  double worst = 0;
+  for (int molecule = 0; molecule < body.size(); ++molecule)
+    if (sides(body.rest.col(molecule), size).isZero(0)) worst = std::max(worst, force.col(molecule).norm());
+  // Inside. On the edges of the body a diagonal has no neighbour to share its load with.
+  CHECK(worst < 2e-5 * stress.norm() * spacing * spacing);
+}
+
 TEST_CASE("patch says what it needs", "[patch]") {
   CHECK(Patch::unsuited(cube(3, false)).empty());
   CHECK(Patch::unsuited(tetrahedral_block(BlockKind::kuhn, {1, 1, 1}, {1, 1, 1})).empty());
