@@ -17,6 +17,7 @@
 #include "report/summary.h"
 #include "report/table.h"
 #include "scene/scene.h"
+#include "waiting_threads.h"
 
 namespace {
 
@@ -203,15 +204,6 @@ std::string unknown_word(const CLI::App& app, int argc, char** argv) {
 }
 
 }  // namespace
-
-/// Threads that wait must soon sleep: one that spins keeps a busy machine from running the one it waits for, and a pass
-/// over the body then takes 20 times as long. OpenMP reads its setting once, before main, so the command starts itself
-/// anew.
-void let_threads_sleep(char** argv) {
-  if (std::getenv("OMP_WAIT_POLICY") || std::getenv("GOMP_SPINCOUNT")) return;
-  setenv("GOMP_SPINCOUNT", "3000", 1);
-  execv("/proc/self/exe", argv);  // comes back only if it cannot: then threads spin on
-}
 
 int main(int argc, char** argv) {
   let_threads_sleep(argv);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "measure.h"
+#include "waiting_threads.h"
 
 namespace {
 
@@ -40,6 +41,7 @@ constexpr Case kCases[] = {
 }  // namespace
 
 int main(int argc, char** argv) {
+  let_threads_sleep(argv);  // as the command does: what is measured is what its user gets
   CLI::App app{
       "Benchmarks of Elastin. Ratios are of minima, against the peer at its best on no more threads: above 1 is "
       "faster."};
