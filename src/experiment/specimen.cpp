@@ -2,8 +2,11 @@
 
 #include <chrono>
 #include <cmath>
+#include <optional>
 
+#include "elastin/forces/volume.h"
 #include "elastin/solve/modes.h"
+#include "experiment/volume_fit.h"
 
 namespace elastin {
 namespace {
@@ -29,11 +32,11 @@ Model make_model(const Specimen& specimen, Experiment& experiment, std::unique_p
   return model;
 }
 
-/// E / E measured by one linear solve of the experiment alone, without the scene's other loads.
-double calibration_factor(const Specimen& specimen, Experiment& experiment, const VectorX& constants,
-                          const StaticOptions& options, Run& run) {
+/// What one linear solve of the experiment alone measures, without the scene's other loads; nothing if it fails.
+std::optional<Measures> measure_linear(const Specimen& specimen, Experiment& experiment,
+                                       std::unique_ptr<Elasticity> elasticity, const StaticOptions& options, Run& run) {
   Model model(specimen.body);
-  model.add(make_springs(specimen.body, constants));
+  model.add(std::move(elasticity));
   experiment.hold(model);
   experiment.set_load(model, 1);
   State state = state_at_rest(specimen.body);
@@ -44,14 +47,58 @@ double calibration_factor(const Specimen& specimen, Experiment& experiment, cons
   if (solved.outcome != Outcome::converged) {
     run.outcome = solved.outcome;
     run.cause = "calibration: " + solved.cause;
-    return 1;
+    return std::nullopt;
   }
   const Start rest{specimen.body.rest, Positions::Zero(3, solved.reactions.cols())};
-  const double measured = experiment.measure(model, rest, state, solved).get("effective_modulus");
-  if (measured > 0) return specimen.material.youngs_modulus / measured;
+  return experiment.measure(model, rest, state, solved);
+}
+
+void fail_calibration(Run& run, const std::string& cause) {
+  if (run.outcome != Outcome::converged) return;
   run.outcome = Outcome::diverged;
-  run.cause = "calibration: the linear solve measures no positive modulus";
-  return 1;
+  run.cause = "calibration: " + cause;
+}
+
+/// Scales the run's spring constants to E / E measured.
+void calibrate(const Specimen& specimen, Experiment& experiment, const StaticOptions& options, Run& run) {
+  const auto measures = measure_linear(specimen, experiment, make_springs(specimen.body, run.constants), options, run);
+  const double measured = measures ? measures->get("effective_modulus") : 0;
+  if (!(measured > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
+  run.calibration_factor = specimen.material.youngs_modulus / measured;
+  run.constants *= run.calibration_factor;
+}
+
+/// Fits the run's spring constants and volume term to E and ν.
+void calibrate_with_volume(const Specimen& specimen, Experiment& experiment, const StaticOptions& options, Run& run) {
+  const auto fit = fit_volume(specimen.material, [&](double modulus) -> std::optional<std::pair<double, double>> {
+    auto elasticity = make_sum(make_springs(specimen.body, run.constants), make_volume(specimen.body, modulus));
+    const auto measures = measure_linear(specimen, experiment, std::move(elasticity), options, run);
+    if (!measures) return std::nullopt;
+    return std::pair{measures->get("effective_modulus"), measures->get("poissons_ratio")};
+  });
+  if (!fit) return fail_calibration(run, "the linear solves measure no positive modulus, or no Poisson's ratio");
+  run.calibration_factor = fit->spring_factor;
+  run.constants *= fit->spring_factor;
+  run.volume_modulus = fit->volume_modulus;
+  if (std::abs(fit->poissons_ratio - specimen.material.poissons_ratio) > 0.002)
+    run.warnings.push_back("calibration reaches no nearer Poisson's ratio than " + std::to_string(fit->poissons_ratio));
+}
+
+/// The springs of a rule, calibrated if asked for, with their volume term if any. Null if that fails: the run says why.
+std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                                      const StaticOptions& options, Run& run) {
+  const bool with_volume = static_cast<bool>(choice.strategy.volume_modulus);
+  run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
+  if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
+  if (choice.calibrated) (with_volume ? calibrate_with_volume : calibrate)(specimen, experiment, options, run);
+  if (!run.constants.allFinite()) {
+    run.outcome = Outcome::diverged;
+    run.cause = "a spring constant is not finite: a connection of no length?";
+  }
+  if (run.outcome != Outcome::converged) return nullptr;
+  auto springs = make_springs(specimen.body, run.constants);
+  return with_volume ? make_sum(std::move(springs), make_volume(specimen.body, run.volume_modulus))
+                     : std::move(springs);
 }
 
 /// Whether the strategy needs the triangles or tetrahedra of a body that it suits.
@@ -158,8 +205,16 @@ void solve_curve(Model& model, Experiment& experiment, const RunOptions& options
 
 }  // namespace
 
+StrategyChoice with_volume(StrategyChoice choice) {
+  choice.strategy = with_volume(choice.strategy);
+  choice.label += "+volume";
+  return choice;
+}
+
 StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label) {
-  const std::string prefix = "calibrated:";
+  const std::string prefix = "calibrated:", suffix = "+volume";
+  if (label.ends_with(suffix))
+    return with_volume(choose_strategy(catalog, label.substr(0, label.size() - suffix.size())));
   if (label == "calibrated") return choose_strategy(catalog, prefix + "standard");
   if (!label.starts_with(prefix)) return {label, catalog.find(label), false, {}};
   StrategyChoice choice{label, catalog.find(label.substr(prefix.size())), true, {}};
@@ -201,16 +256,9 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
   const Stopwatch build;
   std::unique_ptr<Elasticity> elasticity;
   if (choice.strategy.constants) {
-    run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
-    if (choice.calibrated)
-      run.constants *= calibration_factor(specimen, experiment, run.constants, options.statics, run);
-    if (!run.constants.allFinite()) {
-      run.outcome = Outcome::diverged;
-      run.cause = "a spring constant is not finite: a connection of no length?";
-    }
-    if (run.outcome != Outcome::converged) return run;
+    elasticity = make_rule(specimen, experiment, choice, options.statics, run);
+    if (!elasticity) return run;
     note_negative_constants(run);
-    elasticity = make_springs(specimen.body, run.constants);
   } else {
     elasticity = choice.strategy.make(specimen.body, specimen.material, choice.values);
   }

@@ -12,17 +12,21 @@
 
 namespace elastin {
 
-/// A strategy as a scene or a command line names it: "standard", "calibrated:angles", with its parameters.
+/// A strategy as a scene or a command line names it: "standard", "lattice+volume", "calibrated:angles", with its
+/// parameters.
 struct StrategyChoice {
   std::string label;  ///< as it was named
-  Strategy strategy;  ///< the rule or law itself; for calibrated:RULE the rule
+  Strategy strategy;  ///< the rule or law itself, with its volume term if any; for calibrated:RULE the rule
   bool calibrated = false;
   ParameterValues values;
 };
 
-/// Reads "NAME" or "calibrated:RULE" ("calibrated" alone is calibrated:standard). Throws InputError with the nearest
-/// name.
+/// Reads "NAME" or "calibrated:RULE" ("calibrated" alone is calibrated:standard), either with "+volume" behind it.
+/// Throws InputError with the nearest name.
 StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label);
+
+/// The same choice with a volume term, "+volume" added to its label. Throws InputError if it cannot have one.
+StrategyChoice with_volume(StrategyChoice choice);
 
 /// Every strategy of the catalog, and every spring rule calibrated too.
 std::vector<StrategyChoice> all_strategies(const Catalog& catalog);
@@ -59,6 +63,8 @@ struct Run {
   std::vector<CurvePoint> curve;    ///< one point a converged load step
   std::vector<Snapshot> snapshots;  ///< of the start and of each point, if asked for
   VectorX constants;                ///< spring constants [N/m]; empty for laws without
+  double calibration_factor = 1;    ///< what calibration has multiplied the rule's constants with
+  double volume_modulus = 0;        ///< κ of the springs' volume term [Pa]; 0 without
   double build_seconds = 0, solve_seconds = 0;
   int newton_iterations = 0, linear_iterations = 0;
   int cut_steps = 0;  ///< Newton steps that were shortened because they would have turned a cell over

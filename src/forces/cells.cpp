@@ -5,13 +5,23 @@
 
 namespace elastin {
 
-CellGraph::CellGraph(const Body& body, int corners)
-    : sides(connections_of_cell(corners)), connections_(body.connections.size()) {
+CellGraph::CellGraph(const Body& body, int corners) : sides(connections_of_cell(corners)) {
   const auto append = [&](const auto& cells) {
     for (const auto& cell : cells) slot_connection.insert(slot_connection.end(), cell.begin(), cell.end());
   };
   if (corners == 3) append(connections_of_each_cell<3>(body.connections, body.triangles));
   if (corners == 4) append(connections_of_each_cell<4>(body.connections, body.tetrahedra));
+  set_slots(body.connections.size());
+}
+
+CellGraph::CellGraph(const Connections& connections, const Cells<4>& tetrahedra) : sides(6) {
+  for (const auto& cell : connections_of_each_cell<4>(connections, tetrahedra))
+    slot_connection.insert(slot_connection.end(), cell.begin(), cell.end());
+  set_slots(connections.size());
+}
+
+void CellGraph::set_slots(int connections) {
+  connections_ = connections;
   Rows rows = rows_by_target(connections_, slot_connection);
   start = std::move(rows.start);
   slots_of = std::move(rows.entries);

@@ -43,7 +43,7 @@ void Tangent::apply(const Positions& motion, Positions& result) const {
   });
 }
 
-void Tangent::visit_blocks(const std::function<void(int, int, const Matrix3&)>& visit) const {
+void Tangent::visit_link_and_cell_blocks(const BlockVisitor& visit) const {
   const auto& ends = model_.body().connections.ends;
   const auto visit_pair = [&](int c, int other, const Matrix3& block) {
     for (const int i : {0, 1})
@@ -63,11 +63,17 @@ void Tangent::visit_blocks(const std::function<void(int, int, const Matrix3&)>& 
     });
 }
 
+void Tangent::visit_blocks(const BlockVisitor& visit) const {
+  visit_link_and_cell_blocks(visit);
+  for (const auto& part : model_.elasticity()) part->visit_blocks(visit);
+}
+
 std::vector<Matrix3> Tangent::diagonal() const {
   std::vector<Matrix3> blocks(model_.body().size(), Matrix3::Zero());
-  visit_blocks([&](int a, int b, const Matrix3& part) {
+  visit_link_and_cell_blocks([&](int a, int b, const Matrix3& part) {
     if (a == b) blocks[a] += part;
   });
+  for (const auto& part : model_.elasticity()) part->add_diagonal(blocks);
   return blocks;
 }
 

@@ -1,5 +1,4 @@
 #pragma once
-#include <functional>
 #include <vector>
 
 #include "elastin/forces/model.h"
@@ -17,7 +16,8 @@ class Tangent {
   void apply(const Positions& motion, Positions& result) const;
 
   /// Calls visit(a, b, K_ab part) for every part of every 3×3 block, both triangles; the blocks are the sums.
-  void visit_blocks(const std::function<void(int a, int b, const Matrix3& part)>& visit) const;
+  using BlockVisitor = Elasticity::BlockVisitor;
+  void visit_blocks(const BlockVisitor& visit) const;
 
   /// The diagonal blocks K_aa [N/m].
   std::vector<Matrix3> diagonal() const;
@@ -30,6 +30,7 @@ class Tangent {
     double density;  ///< q [N/m]
     double slope;    ///< 2 ∂q/∂s [N/m³]: the change of q is slope · d·δd
   };
+  void visit_link_and_cell_blocks(const BlockVisitor& visit) const;
   const Model& model_;
   std::vector<Link> links_;
   bool coupled_ = false;

@@ -21,6 +21,13 @@ StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
   if (reader.is_text()) return reader.located([&] { return choose_strategy(catalog, reader.text()); });
   const Reader name = reader.at("strategy");
   StrategyChoice choice = name.located([&] { return choose_strategy(catalog, name.text()); });
+  if (auto volume = reader.find("volume")) {
+    const bool springs = choice.strategy.kind != StrategyKind::cell_law;
+    const auto words = springs ? std::vector<std::pair<std::string, bool>>{{"true", true}, {"false", false}}
+                               : std::vector<std::pair<std::string, bool>>{{"averaged", true}, {"cells", false}};
+    if (choice.strategy.volume_modulus) volume->fail("'" + choice.label + "' says it already");
+    if (volume->choice(words)) choice = volume->located([&] { return with_volume(std::move(choice)); });
+  }
   for (const ParameterInfo& info : choice.strategy.parameters)
     if (auto value = reader.find(info.name))
       choice.values[info.name] = value->quantity(info.unit, {info.low, info.high});
@@ -114,6 +121,14 @@ MakeLoad read_drag(Reader reader) {
   return [=](const Body& body) { return make_quadratic_drag(body, density, coefficient); };
 }
 
+MakeLoad read_cell_damping(Reader reader, const Body& body) {
+  const double bulk = reader.at("bulk").quantity(dimension::viscosity, kNotNegative);
+  const double shear = reader.at("shear").quantity(dimension::viscosity, kNotNegative);
+  reader.finish();
+  if (body.tetrahedra.empty()) reader.fail("needs a body with tetrahedra; `damping` works on connections");
+  return [=](const Body& damped) { return make_cell_damping(damped, bulk, shear); };
+}
+
 MakeLoad read_point(Reader reader, const Body& body, const Matrix3& rotation) {
   std::vector<int> molecules;
   for (const Reader& item : reader.at("molecules").items()) molecules.push_back(item.whole(0, body.size() - 1));
@@ -140,10 +155,12 @@ MakeLoad read_face(Reader reader, const Body& body, const Matrix3& rotation) {
 
 MakeLoad read_load(Reader reader, const Body& body, const Matrix3& rotation, std::vector<std::string>& warnings) {
   const auto gravity = reader.find("gravity"), drag = reader.find("drag"), damping = reader.find("damping"),
-             point = reader.find("point"), face = reader.find("face");
+             cell_damping = reader.find("cell_damping"), point = reader.find("point"), face = reader.find("face");
   reader.finish();
-  if (gravity.has_value() + drag.has_value() + damping.has_value() + point.has_value() + face.has_value() != 1)
-    reader.fail("a load is one of gravity, drag, damping, point, face; write each as an item of its own");
+  if (gravity.has_value() + drag.has_value() + damping.has_value() + cell_damping.has_value() + point.has_value() +
+          face.has_value() !=
+      1)
+    reader.fail("a load is one of gravity, drag, damping, cell_damping, point, face; write each as an item of its own");
   MakeLoad load;
   if (gravity) {
     const Vector3 acceleration = rotation * gravity->vector(dimension::acceleration);
@@ -153,6 +170,8 @@ MakeLoad read_load(Reader reader, const Body& body, const Matrix3& rotation, std
   } else if (damping) {
     const double coefficient = damping->quantity(dimension::damping, kNotNegative);
     load = [=](const Body& loaded) { return make_damping(loaded, coefficient); };
+  } else if (cell_damping) {
+    load = read_cell_damping(*cell_damping, body);
   } else if (point) {
     load = read_point(*point, body, rotation);
   } else {

@@ -61,6 +61,15 @@ std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const 
   return strategies;
 }
 
+/// A strategy's volume term takes not every Poisson's ratio that a material may have.
+void check_volume_range(Reader material, const Material& values, const std::vector<StrategyChoice>& strategies) {
+  for (const StrategyChoice& choice : strategies)
+    if (choice.strategy.volume_modulus)
+      (material.has("poissons_ratio") ? material.at("poissons_ratio") : material).located([&] {
+        return choice.strategy.volume_modulus(values);
+      });
+}
+
 void warn_of_pieces(const Body& body, std::vector<std::string>& warnings) {
   const BodyFindings findings = inspect(body);
   if (findings.pieces <= 1) return;
@@ -107,6 +116,7 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
       scene->specimen.loads.push_back(read_load(item, scene->specimen.body, rotation, scene->warnings));
   std::vector<StrategyChoice> known = scene->strategies;
   known.push_back(scene->stiffness);
+  check_volume_range(reader.at("material"), scene->specimen.material, known);
   if (auto expect = reader.find("expect"))
     for (const Reader& item : expect->items()) scene->expectations.push_back(read_expectation(item, known, catalog));
   if (auto references = reader.find("reference"))

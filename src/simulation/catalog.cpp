@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "elastin/forces/volume.h"
 #include "stiffness/angles.h"
 #include "stiffness/angles_update.h"
 #include "stiffness/divided.h"
@@ -44,6 +45,53 @@ Catalog built_in_catalog() {
   calibrated.kind = StrategyKind::wrapper;
   catalog.add(std::move(calibrated));
   return catalog;
+}
+
+namespace {
+
+double volume_modulus(const Material& material, bool of_springs) {
+  const double E = material.youngs_modulus, nu = material.poissons_ratio;
+  if (!(nu >= 0 && nu <= 0.4999)) {
+    char text[100];
+    std::snprintf(text, sizeof text, "poissons_ratio %g is out of range: a volume term takes 0 to 0.4999", nu);
+    throw InputError(text);
+  }
+  return E / ((1 + nu) * (1 - 2 * nu)) * (of_springs ? (4 * nu - 1) / 2 : nu);
+}
+
+/// The material whose springs have the shear modulus of the one asked for.
+Material shear_material(Material material) {
+  material.youngs_modulus *= 1.25 / (1 + material.poissons_ratio);
+  return material;
+}
+
+}  // namespace
+
+Strategy with_volume(const Strategy& strategy) {
+  const bool springs = strategy.kind == StrategyKind::spring_rule || strategy.kind == StrategyKind::updated_spring_rule;
+  if (strategy.volume_modulus) throw InputError("'" + strategy.name + "' has a volume term already");
+  if (!springs && !strategy.make_without_volume)
+    throw InputError("'" + strategy.name + "': a volume term goes with a spring rule or neo_hookean");
+  Strategy result = strategy;
+  result.name += "+volume";
+  result.summary += "; with a volume term";
+  result.make_without_volume = nullptr;
+  result.volume_modulus = [springs](const Material& material) { return volume_modulus(material, springs); };
+  result.unsuited = [strategy](const Body& body) {
+    const std::string why = strategy.unsuited(body);
+    return why.empty() ? unsuited_for_volumes(body) : why;
+  };
+  if (strategy.constants)
+    result.constants = [strategy](const Body& body, const Material& material, const ParameterValues& values) {
+      return strategy.constants(body, shear_material(material), values);
+    };
+  result.make = [strategy, springs, modulus = result.volume_modulus](const Body& body, const Material& material,
+                                                                     const ParameterValues& values) {
+    auto shape = springs ? strategy.make(body, shear_material(material), values)
+                         : strategy.make_without_volume(body, material, values);
+    return make_sum(std::move(shape), make_volume(body, modulus(material)));
+  };
+  return result;
 }
 
 const char* name_of(StrategyKind kind) {

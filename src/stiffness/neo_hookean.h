@@ -19,6 +19,8 @@ struct NeoHookean {
   static constexpr std::string_view summary = "compressible rubber, tetrahedra: the finite-element solid at any strain";
   static constexpr std::string_view source = "[L03]";
   static std::string unsuited(const Body& body) { return body.tetrahedra.empty() ? "needs tetrahedra" : ""; }
+  /// Leaves λ/2 (J − 1)² to a volume term around each molecule: `volume: averaged`, against locking near ν = ½.
+  bool volume_apart = false;
 
   struct Constants {
     CellVector<4> rest_products;  ///< G⁰ of each connection [1/m²]
@@ -29,7 +31,7 @@ struct NeoHookean {
   Constants constants(const Eigen::Matrix<double, 3, 4>& rest, const Material& material) const {
     const Simplex<4> cell(rest);
     const auto [lambda, mu] = lame<4>(material);
-    Constants k{{}, cell.measure, lambda, mu};
+    Constants k{{}, cell.measure, volume_apart ? 0 : lambda, mu};
     for (int c = 0; c < 6; ++c) k.rest_products[c] = -cell.basis(c).trace();
     return k;
   }

@@ -31,13 +31,18 @@ struct StVenantKirchhoffCell {
     const Simplex<corners> cell(rest);
     const auto [lambda, mu] = lame<corners>(material);
     const double volume = cell.measure * (corners == 4 ? 1 : material.thickness);
+    return {stiffness(cell, volume, lambda, mu), cell.squared_lengths};
+  }
+
+  /// K [N/m³] from λ and μ [Pa].
+  static CellMatrix<corners> stiffness(const Simplex<corners>& cell, double volume, double lambda, double mu) {
     CellMatrix<corners> K;
     for (int c = 0; c < K.rows(); ++c)
       for (int d = 0; d < K.cols(); ++d) {
         const auto Bc = cell.basis(c), Bd = cell.basis(d);
         K(c, d) = volume / 2 * (lambda * Bc.trace() * Bd.trace() + 2 * mu * Bc.cwiseProduct(Bd).sum());
       }
-    return {K, cell.squared_lengths};
+    return K;
   }
 
   /// q [N/m] from squared lengths s [m²].

@@ -16,6 +16,7 @@ struct CellGraph {
   using Sides = std::vector<std::array<int, static_cast<std::size_t>(connections_of_cell(corners))>>;
 
   CellGraph(const Body& body, int corners);
+  CellGraph(const Connections& connections, const Cells<4>& tetrahedra);
   /// Adds each connection's slots in ascending cell order: one owner a connection, the same bits on any thread count.
   void gather(const VectorX& slots, VectorX& densities) const;
   int cells() const { return static_cast<int>(slot_connection.size()) / sides; }
@@ -25,7 +26,8 @@ struct CellGraph {
   std::vector<int> start, slots_of;  ///< slots of each connection, ascending
 
  private:
-  int connections_;
+  void set_slots(int connections);
+  int connections_ = 0;
 };
 
 namespace detail {

@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "elastin/base/types.h"
 #include "elastin/model/body.h"
@@ -38,6 +39,12 @@ class Elasticity {
   /// Calls visit(connections, slopes) for each cell; slopes row by row, rows = whose q.
   using CellVisitor = std::function<void(std::span<const int> connections, const double* slopes)>;
   virtual void visit_cells(const CellVisitor&) const {}
+  /// For couplings too wide for dense slopes: calls visit(a, b, part) for parts of the 3×3 blocks of the stiffness
+  /// [N/m], without what the force densities and own slopes give. A law has either this or visit_cells.
+  using BlockVisitor = std::function<void(int a, int b, const Matrix3& part)>;
+  virtual void visit_blocks(const BlockVisitor&) const {}
+  /// Adds the diagonal ones of those blocks.
+  virtual void add_diagonal(std::vector<Matrix3>& /*blocks*/) const {}
 };
 
 /// Springs: q = k (1 − L/l), energy ½ k (l − L)². `constants` [N/m], one a connection, may be negative.
@@ -46,5 +53,8 @@ std::unique_ptr<Elasticity> make_springs(const Body& body, VectorX constants);
 /// Springs whose constants are set anew from the present places; the tangent leaves their change out.
 using ConstantsAt = std::function<VectorX(const Positions&)>;
 std::unique_ptr<Elasticity> make_updated_springs(const Body& body, ConstantsAt constants);
+
+/// Both at once.
+std::unique_ptr<Elasticity> make_sum(std::unique_ptr<Elasticity> first, std::unique_ptr<Elasticity> second);
 
 }  // namespace elastin

@@ -53,4 +53,9 @@ std::unique_ptr<Load> make_quadratic_drag(const Body& body, double density, doub
 /// [M03]
 std::unique_ptr<Load> make_damping(const Body& body, double coefficient);
 
+/// Internal damping of tetrahedra: stress S = φ tr(Ė) I + 2ψ Ė of the Lagrangian strain rate Ė, φ = `bulk` and ψ =
+/// `shear` [Pa s], ≥ 0. With ṡ the rates of the squared lengths, q = K(φ, ψ) ṡ, K that of st_venant_kirchhoff: a rigid
+/// motion is not damped. [L03]
+std::unique_ptr<Load> make_cell_damping(const Body& body, double bulk, double shear);
+
 }  // namespace elastin

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "elastin/base/error.h"
@@ -30,8 +31,20 @@ struct Strategy {
   /// Spring rules only: the constants [N/m]. Throws InputError on parameters out of range or unknown.
   std::function<VectorX(const Body&, const Material&, const ParameterValues&)> constants;
   /// The strategy at work. The body must outlive it. Empty for wrappers.
-  std::function<std::unique_ptr<Elasticity>(const Body&, const Material&, const ParameterValues&)> make;
+  using Make = std::function<std::unique_ptr<Elasticity>(const Body&, const Material&, const ParameterValues&)>;
+  Make make;
+  /// Cell laws that can leave λ/2 (J − 1)² to a volume term: the law without it.
+  Make make_without_volume;
+  /// With a volume term (see with_volume): its modulus κ [Pa]. Else empty. Throws InputError unless 0 ≤ ν ≤ 0.4999.
+  std::function<double(const Material&)> volume_modulus;
 };
+
+/// A strategy with a volume term (see make_volume), named "NAME+volume": any Poisson's ratio from 0 to 0.4999, without
+/// locking. Throws InputError for a strategy that cannot have one.
+///   * Spring rules: springs alone have λ = μ, so theirs are scaled from E to μ = E/(2(1+ν)), by 1.25/(1+ν), and the
+///     volume term brings the rest of λ: κ = λ − μ = E (4ν−1)/(2(1+ν)(1−2ν)).
+///   * neo_hookean: κ = λ, on the mean volume around each molecule instead of every cell's own.
+Strategy with_volume(const Strategy& strategy);
 
 namespace detail {
 /// Finds a parameter by name and checks a value against its range; throws InputError naming what is allowed.
@@ -137,6 +150,13 @@ void Catalog::add() {
                                 const ParameterValues& values) -> std::unique_ptr<Elasticity> {
       return std::make_unique<CellElasticity<Law>>(body, material, detail::law_with<Law>(described, values));
     };
+    if constexpr (requires(Law law) { law.volume_apart = true; })
+      strategy.make_without_volume = [described](const Body& body, const Material& material,
+                                                 const ParameterValues& values) -> std::unique_ptr<Elasticity> {
+        Law law = detail::law_with<Law>(described, values);
+        law.volume_apart = true;
+        return std::make_unique<CellElasticity<Law>>(body, material, std::move(law));
+      };
   }
   add(std::move(strategy));
 }
