@@ -66,11 +66,13 @@ void write_files(const Options& options, const std::vector<Record>& records) {
 std::vector<StrategyChoice> chosen_strategies(const Options& options, const Catalog& catalog, const Scene& scene,
                                               bool compare) {
   if (options.strategies.empty()) return compare ? scene.strategies : std::vector{scene.stiffness};
-  if (options.strategies == "all") return all_strategies(catalog);
   std::vector<StrategyChoice> choices;
   for (std::string label : CLI::detail::split(options.strategies, ',')) {
     CLI::detail::trim(label);
-    if (find_strategy(choices, label)) continue;
+    if (label == "all")
+      for (StrategyChoice& choice : all_strategies(catalog))
+        if (!find_strategy(choices, choice.label)) choices.push_back(std::move(choice));
+    if (label == "all" || find_strategy(choices, label)) continue;
     // A strategy that the scene names keeps the scene's parameters.
     const StrategyChoice* known = find_strategy(scene.strategies, label);
     if (scene.stiffness.label == label && (!known || known->values.empty())) known = &scene.stiffness;
@@ -179,7 +181,8 @@ void add_scene_options(CLI::App& command, Options& options) {
 
 void add_run_options(CLI::App& command, Options& options) {
   add_scene_options(command, options);
-  command.add_option("--strategies", options.strategies, "Comma-separated names, or all; instead of the scene's own");
+  command.add_option("--strategies", options.strategies,
+                     "Comma-separated names, all among them; instead of the scene's own");
   command.add_option("--out", options.out, "Folder for CSV, JSON, curves and ParaView files");
   command.add_option("--json", options.json, "JSON file; - for standard output, and nothing else there");
 }

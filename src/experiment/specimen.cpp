@@ -59,9 +59,20 @@ void fail_calibration(Run& run, const std::string& cause) {
   run.cause = "calibration: " + cause;
 }
 
+/// Whether what was measured is rounding: the load meets a stiffness far below that of any single connection.
+bool meets_nothing(const Measures& measures, const VectorX& constants) {
+  const double stiffness = std::abs(measures.get("force") / measures.get("elongation"));
+  return stiffness < 1e-9 * constants.cwiseAbs().maxCoeff();
+}
+
 /// Scales the run's spring constants to E / E measured.
 void calibrate(const Specimen& specimen, Experiment& experiment, const StaticOptions& options, Run& run) {
   const auto measures = measure_linear(specimen, experiment, make_springs(specimen.body, run.constants), options, run);
+  if (measures && meets_nothing(*measures, run.constants)) {
+    run.suited = false;
+    run.cause = "nothing to calibrate: the body is a mechanism that does not resist this load";
+    return;
+  }
   const double measured = measures ? measures->get("effective_modulus") : 0;
   if (!(measured > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
   run.calibration_factor = specimen.material.youngs_modulus / measured;
@@ -95,7 +106,7 @@ std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& expe
     run.outcome = Outcome::diverged;
     run.cause = "a spring constant is not finite: a connection of no length?";
   }
-  if (run.outcome != Outcome::converged) return nullptr;
+  if (!run.suited || run.outcome != Outcome::converged) return nullptr;
   auto springs = make_springs(specimen.body, run.constants);
   return with_volume ? make_sum(std::move(springs), make_volume(specimen.body, run.volume_modulus))
                      : std::move(springs);
