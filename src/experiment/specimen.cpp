@@ -32,25 +32,34 @@ Model make_model(const Specimen& specimen, Experiment& experiment, std::unique_p
   return model;
 }
 
-/// What one linear solve of the experiment alone measures, without the scene's other loads; nothing if it fails.
+/// The measure to which a rule is calibrated: the first that the material prescribes a value for. Null if there is
+/// none.
+std::optional<MainMeasure> calibrated_measure(const Experiment& experiment, const Material& material) {
+  for (const MainMeasure& measure : experiment.main_measures(material))
+    if (std::isfinite(measure.prescribed)) return measure;
+  return std::nullopt;
+}
+
+/// What one linear solve of the experiment alone measures, without the scene's other loads; nothing if it fails. Under
+/// a small load, so that ways which are curved (of torsion) are straight too.
 std::optional<Measures> measure_linear(const Specimen& specimen, Experiment& experiment,
                                        std::unique_ptr<Elasticity> elasticity, const StaticOptions& options, Run& run) {
   Model model(specimen.body);
   model.add(std::move(elasticity));
   experiment.hold(model);
-  experiment.set_load(model, 1);
+  experiment.set_load(model, 0x1p-10);
   State state = state_at_rest(specimen.body);
   StaticOptions linear = options;
   linear.linear = true;
-  const StaticResult solved = solve_static(model, state, linear);
-  run.linear_iterations += solved.linear_iterations;
-  if (solved.outcome != Outcome::converged) {
-    run.outcome = solved.outcome;
-    run.cause = "calibration: " + solved.cause;
-    return std::nullopt;
-  }
+  StaticResult solved = solve_static(model, state, linear);
   const Start rest{specimen.body.rest, Positions::Zero(3, solved.reactions.cols())};
-  return experiment.measure(model, rest, state, solved);
+  Measures measures;
+  if (solved.outcome == Outcome::converged) measures = experiment.measure(model, rest, state, linear, solved);
+  run.linear_iterations += solved.linear_iterations;
+  if (solved.outcome == Outcome::converged) return measures;
+  run.outcome = solved.outcome;
+  run.cause = "calibration: " + solved.cause;
+  return std::nullopt;
 }
 
 void fail_calibration(Run& run, const std::string& cause) {
@@ -65,7 +74,7 @@ bool meets_nothing(const Measures& measures, const VectorX& constants) {
   return stiffness < 1e-9 * constants.cwiseAbs().maxCoeff();
 }
 
-/// Scales the run's spring constants to E / E measured.
+/// Scales the run's spring constants to the modulus prescribed over the one measured.
 void calibrate(const Specimen& specimen, Experiment& experiment, const StaticOptions& options, Run& run) {
   const auto measures = measure_linear(specimen, experiment, make_springs(specimen.body, run.constants), options, run);
   if (measures && meets_nothing(*measures, run.constants)) {
@@ -73,9 +82,10 @@ void calibrate(const Specimen& specimen, Experiment& experiment, const StaticOpt
     run.cause = "nothing to calibrate: the body is a mechanism that does not resist this load";
     return;
   }
-  const double measured = measures ? measures->get("effective_modulus") : 0;
+  const auto target = calibrated_measure(experiment, specimen.material);
+  const double measured = measures ? measures->get(target->name) : 0;
   if (!(measured > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
-  run.calibration_factor = specimen.material.youngs_modulus / measured;
+  run.calibration_factor = target->prescribed / measured;
   run.constants *= run.calibration_factor;
 }
 
@@ -168,6 +178,17 @@ bool find_start(Model& model, Experiment& experiment, const RunOptions& options,
   return note_solve(solved, " (under the scene's own loads)", run);
 }
 
+/// Where the last step's way leads if it goes on: a start near the next equilibrium, unless a cell turns over or, under
+/// loads, the energy is higher than where the body stands (a bar that turns far would be torn).
+State going_on(const Model& model, const State& state, const Positions& before) {
+  State next = state;
+  next.positions += state.positions - before;
+  const double gain = model.elastic_energy(next.positions) + model.load_energy(next) -
+                      model.elastic_energy(state.positions) - model.load_energy(state);
+  const bool loaded = model.has_energy() && !model.load_forces(state).isZero(0);
+  return std::isfinite(gain) && !(loaded && gain > 0) ? next : state;
+}
+
 /// Solves load step after load step, each started where the last two lead.
 void solve_curve(Model& model, Experiment& experiment, const RunOptions& options, Run& run) {
   State state = state_at_rest(model.body());
@@ -186,14 +207,13 @@ void solve_curve(Model& model, Experiment& experiment, const RunOptions& options
     const double load_factor = static_cast<double>(step) / steps;
     experiment.set_load(model, load_factor);
     State next = state;
-    if (step > 1 && !options.statics.linear) {
-      next.positions += state.positions - before;
-      if (!std::isfinite(model.elastic_energy(next.positions))) next = state;
-    }
-    const StaticResult solved = solve_static(model, next, options.statics);
+    if (step > 1 && !options.statics.linear) next = going_on(model, state, before);
+    StaticResult solved = solve_static(model, next, options.statics);
+    Measures measures;
+    if (solved.outcome == Outcome::converged)
+      measures = experiment.measure(model, start, next, options.statics, solved);
     if (!note_solve(solved, place.empty() ? "" : " (" + place + ")", run)) return;
-    const Measures measures = experiment.measure(model, start, next, solved);
-    if (measures.get("strain") <= -1) {
+    if (measures.get("elongation") < 0 && measures.get("strain") <= -1) {
       run.outcome = Outcome::inverted;
       run.cause =
           "the load presses the body through itself: strain below −100 %" + (place.empty() ? "" : " (" + place + ")");
@@ -205,9 +225,9 @@ void solve_curve(Model& model, Experiment& experiment, const RunOptions& options
     keep(load_factor);
   }
   run.measures = run.curve.back().measures;
+  run.remark = experiment.remark(run.measures);
   if (steps > 1 && model.has_full_tangent()) {
-    run.measures.set("tangent_modulus",
-                     experiment.tangent_modulus(model, state, options.statics, run.linear_iterations));
+    experiment.measure_end(model, state, options.statics, run.measures, run.linear_iterations);
     double sum = 0;
     for (const CurvePoint& point : run.curve) sum += point.measures.get("effective_modulus");
     run.measures.set("average_modulus", sum / steps);
@@ -250,6 +270,8 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
   Run run;
   run.strategy = choice.label;
   run.cause = choice.strategy.unsuited(specimen.body);
+  if (choice.calibrated && run.cause.empty() && !calibrated_measure(experiment, specimen.material))
+    run.cause = "a " + experiment.name() + " experiment on this body measures no modulus to calibrate to";
   if (!run.cause.empty()) {
     run.suited = false;
     return run;

@@ -71,6 +71,7 @@ struct Run {
   double residual = 0;
   int zero_energy_modes = 0;
   std::vector<std::string> warnings;
+  std::string remark;       ///< of the experiment on what its measures mean here; empty = nothing to say
   bool uses_cells = false;  ///< the strategy could not run without the body's triangles or tetrahedra
   bool suited = true;       ///< false: the strategy cannot run on this body; cause says why
 };

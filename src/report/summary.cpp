@@ -14,12 +14,6 @@ namespace {
 /// From here on a molecule has connections enough for a goal to be asked for.
 constexpr double kEnoughNeighbours = 12;
 
-double error_of(const Record& record, const std::string& name) {
-  for (const auto& [known, value] : record.errors)
-    if (known == name) return value;
-  return std::nan("");
-}
-
 bool solved(const Record& record) { return record.run.suited && record.run.outcome == Outcome::converged; }
 
 double whole_seconds(const Run& run) { return run.build_seconds + run.solve_seconds; }
@@ -35,7 +29,7 @@ ErrorSpread spread_of(const std::vector<const Record*>& runs, const std::string&
   ErrorSpread spread{std::nan(""), std::nan(""), ""};
   std::vector<double> sizes;
   for (const Record* record : runs) {
-    const double size = std::abs(error_of(*record, measure));
+    const double size = std::abs(record->error(measure));
     if (!std::isfinite(size)) continue;
     sizes.push_back(size);
     if (!(size <= spread.worst)) spread.worst = size, spread.worst_scene = record->scene;
@@ -46,8 +40,8 @@ ErrorSpread spread_of(const std::vector<const Record*>& runs, const std::string&
 
 /// How far a run is from the goals, the further of the two; a body that shows no Poisson's ratio is judged by E alone.
 double distance_from_goal(const Record& record) {
-  const double modulus = std::abs(error_of(record, "effective_modulus")) / kModulusGoal;
-  return std::fmax(modulus, std::abs(error_of(record, "poissons_ratio")) / kRatioGoal);
+  const double modulus = std::abs(record.error("effective_modulus")) / kModulusGoal;
+  return std::fmax(modulus, std::abs(record.error("poissons_ratio")) / kRatioGoal);
 }
 
 bool within_goal(const Record& record) { return distance_from_goal(record) <= 1; }
@@ -157,8 +151,8 @@ std::string strategies_text(const Summary& summary, bool colours) {
 
 /// Name and errors of the strategy to take: three cells.
 void add_best(const Record* best, std::vector<TableCell>& row) {
-  const double modulus = best ? error_of(*best, "effective_modulus") : std::nan("");
-  const double ratio = best ? error_of(*best, "poissons_ratio") : std::nan("");
+  const double modulus = best ? best->error("effective_modulus") : std::nan("");
+  const double ratio = best ? best->error("poissons_ratio") : std::nan("");
   row.push_back({best ? best->run.strategy : "none without a warning", best ? Tone::bold : Tone::bad});
   row.push_back({percent(modulus), tone_of(std::abs(modulus), kModulusGoal), true});
   row.push_back({number_text(ratio, "{:+.4f}"), tone_of(std::abs(ratio), kRatioGoal), true});
@@ -193,7 +187,7 @@ std::string calibrated_text(const std::vector<Record>& records) {
   int runs = 0, held = 0;
   std::string others;
   for (const Record& record : records) {
-    const double error = error_of(record, "effective_modulus");
+    const double error = record.error("effective_modulus");
     if (!record.run.strategy.starts_with("calibrated:") || !solved(record) || !std::isfinite(error)) continue;
     ++runs;
     held += std::abs(error) <= goal;

@@ -42,11 +42,12 @@ BlockProblem::BlockProblem(const Block& block, BlockKind kind, int level, const 
 
 double BlockProblem::elongation(bool linear, double tolerance, StaticResult* result) {
   State state = state_at_rest(body);
-  const StaticResult solved = solve_static(model, state, {.linear = linear, .tolerance = tolerance});
+  const StaticOptions options{.linear = linear, .tolerance = tolerance};
+  StaticResult solved = solve_static(model, state, options);
   if (solved.outcome != Outcome::converged) throw std::runtime_error(solved.cause);
   if (result) *result = solved;
   const Start start{body.rest, Positions::Zero(3, solved.reactions.cols())};
-  return experiment->measure(model, start, state, solved).get("elongation");
+  return experiment->measure(model, start, state, options, solved).get("elongation");
 }
 
 }  // namespace bench
