@@ -18,6 +18,7 @@
 #include "report/summary.h"
 #include "report/table.h"
 #include "scene/scene.h"
+#include "waiting_threads.h"
 
 namespace {
 
@@ -66,11 +67,13 @@ void write_files(const Options& options, const std::vector<Record>& records) {
 std::vector<StrategyChoice> chosen_strategies(const Options& options, const Catalog& catalog, const Scene& scene,
                                               bool compare) {
   if (options.strategies.empty()) return compare ? scene.strategies : std::vector{scene.stiffness};
-  if (options.strategies == "all") return all_strategies(catalog);
   std::vector<StrategyChoice> choices;
   for (std::string label : CLI::detail::split(options.strategies, ',')) {
     CLI::detail::trim(label);
-    if (find_strategy(choices, label)) continue;
+    if (label == "all")
+      for (StrategyChoice& choice : all_strategies(catalog))
+        if (!find_strategy(choices, choice.label)) choices.push_back(std::move(choice));
+    if (label == "all" || find_strategy(choices, label)) continue;
     // A strategy that the scene names keeps the scene's parameters.
     const StrategyChoice* known = find_strategy(scene.strategies, label);
     if (scene.stiffness.label == label && (!known || known->values.empty())) known = &scene.stiffness;
@@ -180,7 +183,8 @@ void add_scene_options(CLI::App& command, Options& options) {
 
 void add_run_options(CLI::App& command, Options& options) {
   add_scene_options(command, options);
-  command.add_option("--strategies", options.strategies, "Comma-separated names, or all; instead of the scene's own");
+  command.add_option("--strategies", options.strategies,
+                     "Comma-separated names, all among them; instead of the scene's own");
   command.add_option("--out", options.out, "Folder for CSV, JSON, curves and ParaView files");
   command.add_option("--json", options.json, "JSON file; - for standard output, and nothing else there");
 }
@@ -205,15 +209,6 @@ std::string unknown_word(const CLI::App& app, int argc, char** argv) {
 }
 
 }  // namespace
-
-/// Threads that wait must soon sleep: one that spins keeps a busy machine from running the one it waits for, and a pass
-/// over the body then takes 20 times as long. OpenMP reads its setting once, before main, so the command starts itself
-/// anew.
-void let_threads_sleep(char** argv) {
-  if (std::getenv("OMP_WAIT_POLICY") || std::getenv("GOMP_SPINCOUNT")) return;
-  setenv("GOMP_SPINCOUNT", "3000", 1);
-  execv("/proc/self/exe", argv);  // comes back only if it cannot: then threads spin on
-}
 
 int main(int argc, char** argv) {
   let_threads_sleep(argv);

@@ -51,9 +51,20 @@ std::optional<Measures> measure_linear(const Specimen& specimen, Experiment& exp
   return std::nullopt;
 }
 
+/// Whether what was measured is rounding: the load meets a stiffness far below that of any single connection.
+bool meets_nothing(const Measures& measures, const VectorX& constants) {
+  const double stiffness = std::abs(measures.get("force") / measures.get("elongation"));
+  return stiffness < 1e-9 * constants.cwiseAbs().maxCoeff();
+}
+
 /// Scales the run's constants to the modulus prescribed / measured.
 void calibrate(const Specimen& specimen, Experiment& experiment, const StaticOptions& options, Run& run) {
   const auto measures = measure_linear(specimen, experiment, make_springs(specimen.body, run.constants), options, run);
+  if (measures && meets_nothing(*measures, run.constants)) {
+    run.suited = false;
+    run.cause = "nothing to calibrate: the body is a mechanism that does not resist this load";
+    return;
+  }
   const auto target = calibrated_measure(experiment, specimen.material);
   const double measured = measures ? measures->get(target->name) : 0;
   if (!(measured > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
@@ -128,7 +139,7 @@ std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& expe
     run.outcome = Outcome::diverged;
     run.cause = "a spring constant is not finite: a connection of no length?";
   }
-  if (run.outcome != Outcome::converged) return nullptr;
+  if (!run.suited || run.outcome != Outcome::converged) return nullptr;
   std::optional<StressStrain> curve = specimen.material.curve;
   if (curve && choice.calibrated && !options.statics.linear && experiment.axis())
     curve = fitted_curve(specimen, experiment, choice, options, run);

@@ -14,12 +14,6 @@ namespace {
 /// From here on a molecule has connections enough for a goal to be asked for.
 constexpr double kEnoughNeighbours = 12;
 
-double error_of(const Record& record, const std::string& name) {
-  for (const auto& [known, value] : record.errors)
-    if (known == name) return value;
-  return std::nan("");
-}
-
 bool solved(const Record& record) { return record.run.suited && record.run.outcome == Outcome::converged; }
 
 double whole_seconds(const Run& run) { return run.build_seconds + run.solve_seconds; }
@@ -35,7 +29,7 @@ ErrorSpread spread_of(const std::vector<const Record*>& runs, const std::string&
   ErrorSpread spread{std::nan(""), std::nan(""), ""};
   std::vector<double> sizes;
   for (const Record* record : runs) {
-    const double size = std::abs(error_of(*record, measure));
+    const double size = std::abs(record->error(measure));
     if (!std::isfinite(size)) continue;
     sizes.push_back(size);
     if (!(size <= spread.worst)) spread.worst = size, spread.worst_scene = record->scene;
@@ -46,19 +40,19 @@ ErrorSpread spread_of(const std::vector<const Record*>& runs, const std::string&
 
 /// How far a run is from the goals, the further of the two; a body that shows no Poisson's ratio is judged by E alone.
 double distance_from_goal(const Record& record) {
-  const double modulus = std::abs(error_of(record, "effective_modulus")) / kModulusGoal;
-  return std::fmax(modulus, std::abs(error_of(record, "poissons_ratio")) / kRatioGoal);
+  const double modulus = std::abs(record.error("effective_modulus")) / kModulusGoal;
+  return std::fmax(modulus, std::abs(record.error("poissons_ratio")) / kRatioGoal);
 }
 
 bool within_goal(const Record& record) { return distance_from_goal(record) <= 1; }
 
-const Record* best_cell_free(const std::vector<const Record*>& runs) {
+const Record* best_of(const std::vector<const Record*>& runs, bool with_cells) {
   const auto rank = [](const Record& record) {
     return std::tuple{std::round(100 * distance_from_goal(record)), whole_seconds(record.run)};
   };
   const Record* best = nullptr;
   for (const Record* record : runs)
-    if (solved(*record) && !record->run.uses_cells && record->run.warnings.empty() &&
+    if (solved(*record) && (with_cells || !record->run.uses_cells) && record->run.warnings.empty() &&
         std::isfinite(distance_from_goal(*record)) && (!best || rank(*record) < rank(*best)))
       best = record;
   return best;
@@ -155,31 +149,52 @@ std::string strategies_text(const Summary& summary, bool colours) {
              Tone::faint, colours);
 }
 
+/// Name and errors of the strategy to take: three cells.
+void add_best(const Record* best, std::vector<TableCell>& row) {
+  const double modulus = best ? best->error("effective_modulus") : std::nan("");
+  const double ratio = best ? best->error("poissons_ratio") : std::nan("");
+  row.push_back({best ? best->run.strategy : "none without a warning", best ? Tone::bold : Tone::bad});
+  row.push_back({percent(modulus), tone_of(std::abs(modulus), kModulusGoal), true});
+  row.push_back({number_text(ratio, "{:+.4f}"), tone_of(std::abs(ratio), kRatioGoal), true});
+}
+
 std::string bodies_text(const Summary& summary, bool colours) {
-  Table table({"body", "molecules", "neighbours inside", "least", "best without cells", "error of E", "nu",
-               "nu - asked", "within 1 %, 0.01"});
+  Table table({"body", "molecules", "neighbours inside", "least", "best without cells", "error of E", "nu - asked",
+               "1 %, 0.01", "best of all", "error of E", "nu - asked"});
   int asked = 0, held = 0;
-  for (const BodySummary& row : summary.bodies) {
-    const bool good = row.best && within_goal(*row.best), enough = row.neighbours.mean >= kEnoughNeighbours;
+  for (const BodySummary& body : summary.bodies) {
+    const bool good = body.best && within_goal(*body.best), enough = body.neighbours.mean >= kEnoughNeighbours;
     asked += enough;
     held += enough && good;
-    const double modulus = row.best ? error_of(*row.best, "effective_modulus") : std::nan("");
-    const double ratio = row.best ? error_of(*row.best, "poissons_ratio") : std::nan("");
-    table.add({{row.scene},
-               {std::to_string(row.molecules), Tone::plain, true},
-               {fmt::format("{:.1f}", row.neighbours.mean), enough ? Tone::plain : Tone::faint, true},
-               {std::to_string(row.neighbours.least), enough ? Tone::plain : Tone::faint, true},
-               {row.best ? row.best->run.strategy : "none without a warning", row.best ? Tone::bold : Tone::bad},
-               {percent(modulus), tone_of(std::abs(modulus), kModulusGoal), true},
-               {row.best ? number_text(row.best->run.measures.get("poissons_ratio"), "{:.4f}") : "", Tone::plain, true},
-               {number_text(ratio, "{:+.4f}"), tone_of(std::abs(ratio), kRatioGoal), true},
-               {good ? "yes" : "no", good     ? Tone::good
-                                     : enough ? Tone::bad
-                                              : Tone::poor}});
+    const Tone tone = enough ? Tone::plain : Tone::faint;
+    std::vector<TableCell> row{{body.scene},
+                               {std::to_string(body.molecules), Tone::plain, true},
+                               {fmt::format("{:.1f}", body.neighbours.mean), tone, true},
+                               {std::to_string(body.neighbours.least), tone, true}};
+    add_best(body.best, row);
+    row.push_back({good ? "within" : "no", good ? Tone::good : enough ? Tone::bad : Tone::poor});
+    add_best(body.best_of_all, row);
+    table.add(std::move(row));
   }
   return table.text(colours) +
          fmt::format("\n  without cells within 1 % of E and 0.01 of nu: {} of the {} with {:.0f} neighbours or more\n",
                      held, counted(asked, "body", "bodies"), kEnoughNeighbours);
+}
+
+/// How many calibrated runs have the E that was asked for.
+std::string calibrated_text(const std::vector<Record>& records) {
+  constexpr double goal = 1e-3;
+  int runs = 0, held = 0;
+  std::string others;
+  for (const Record& record : records) {
+    const double error = record.error("effective_modulus");
+    if (!record.run.strategy.starts_with("calibrated:") || !solved(record) || !std::isfinite(error)) continue;
+    ++runs;
+    held += std::abs(error) <= goal;
+    if (!(std::abs(error) <= goal))
+      others += fmt::format("; {} on {}: {}", record.run.strategy, record.scene, percent(error));
+  }
+  return runs ? fmt::format("  calibrated within 0.1 % of E: {} of {} runs{}\n", held, runs, others) : "";
 }
 
 /// Each run and expectation that failed, a line each.
@@ -214,7 +229,8 @@ Summary summarise(const std::vector<Record>& records) {
     summary.strategies.push_back(summary_of(runs, records));
   for (const auto& runs : grouped(records, [](const Record& record) { return record.path; })) {
     const Record& first = *runs.front();
-    summary.bodies.push_back({first.scene, first.molecules, first.neighbours, best_cell_free(runs)});
+    summary.bodies.push_back(
+        {first.scene, first.molecules, first.neighbours, best_of(runs, false), best_of(runs, true)});
     for (StrategySummary& row : summary.strategies)
       if (const Record* best = summary.bodies.back().best) row.best_on += row.strategy == best->run.strategy;
   }
@@ -226,8 +242,8 @@ std::string summary_text(const std::vector<Record>& records, bool colours) {
   const Summary summary = summarise(records);
   return painted("Summary", Tone::bold, colours) + "  " +
          counted(static_cast<int>(summary.bodies.size()), "body", "bodies") + "\n\n" +
-         strategies_text(summary, colours) + "\n" + bodies_text(summary, colours) + failures_text(records, colours) +
-         "\n";
+         strategies_text(summary, colours) + "\n" + bodies_text(summary, colours) + calibrated_text(records) +
+         failures_text(records, colours) + "\n";
 }
 
 }  // namespace elastin

@@ -23,12 +23,12 @@ struct StrategySummary {
   double solve = 0, whole = 0;  ///< medians of solve, and of build + solve, over those of `standard`; NaN without it
 };
 
-/// One body and the cell-free strategy to take on it; null if none ran without a warning.
+/// One body, the cell-free strategy to take on it, and the one to take among all; null if none ran without a warning.
 struct BodySummary {
   std::string scene;
   int molecules = 0;
   Neighbours neighbours;
-  const Record* best = nullptr;
+  const Record *best = nullptr, *best_of_all = nullptr;
 };
 
 struct Summary {

@@ -52,6 +52,11 @@ std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const 
   if (reader->is_text()) reader->fail("write a list of strategies, or all");
   std::vector<StrategyChoice> strategies;
   for (const Reader& item : reader->items()) {
+    if (item.is_text() && item.text() == "all") {  // all that the list does not name before
+      for (StrategyChoice& choice : all_strategies(catalog))
+        if (!find_strategy(strategies, choice.label)) strategies.push_back(std::move(choice));
+      continue;
+    }
     StrategyChoice choice = read_strategy(item, catalog);
     if (find_strategy(strategies, choice.label))
       item.fail("'" + choice.label + "' is in the list already; give this one a label of its own");

@@ -85,6 +85,8 @@ TEST_CASE("the best strategy without cells is nearest to the goals for E and for
   Summary summary = summarise(all);
   REQUIRE(summary.bodies.size() == 3);
   CHECK(summary.bodies[0].best == &all[1]);
+  CHECK(summary.bodies[0].best_of_all == &all[2]);
+  CHECK(summary.bodies[1].best_of_all == &all[4]);
   CHECK(summary.bodies[1].best == &all[4]);  // 0.4 % and 0.02, against 50 % and 0.1
   CHECK(summary.bodies[2].best == &all[6]);  // the only one that ran
   CHECK(row_of(summary, "exact").best_on == 2);
@@ -104,11 +106,16 @@ TEST_CASE("the summary in words: rows, goals, what failed", "[summary]") {
   const std::string text = summary_text(all, false);
   CHECK_THAT(text, Contains("Summary  3 bodies") && Contains("law *") && Contains("2 of 3"));
   // b has 0.02, more than 0.01; c has no near one; a is within both.
+  CHECK_THAT(text, !Contains("calibrated within"));
   CHECK_THAT(text, Contains("within 1 % of E and 0.01 of nu: 1 of the 3 bodies with 12 neighbours or more"));
   CHECK_THAT(text, Contains("c, exact: diverged: no step helps\n") &&
                        Contains("a, exact: effective_modulus +50.00 % from expected\n") &&
                        Contains("0 of 1 expectations hold"));
   CHECK(summary_text({}, false).empty());
+  for (Record& one : all)
+    if (one.run.strategy == "exact") one.run.strategy = "calibrated:exact";
+  CHECK_THAT(summary_text(all, false),
+             Contains("calibrated within 0.1 % of E: 1 of 2 runs; calibrated:exact on b: +0.400 %\n"));
   for (Record& one : all) one.run.suited &= one.run.strategy != "law";
   CHECK_THAT(summary_text(all, false), Contains("suited to none of these bodies: law\n") && !Contains("law *"));
 }

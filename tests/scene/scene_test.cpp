@@ -441,6 +441,15 @@ TEST_CASE("keys that are missing or do not go together are named", "[scene]") {
   });
 }
 
+TEST_CASE("all in a list of strategies stands for those that the list does not name before", "[scene]") {
+  const TemporaryFolder folder;
+  const auto scene =
+      load(folder.write("all.yaml", replaced(kScene, "[standard, {", "[{strategy: uniform, constant: 2 N/m}, all, {")));
+  CHECK(scene->strategies.size() == all_strategies(built_in_catalog()).size() + 1);  // and halved
+  CHECK(scene->strategies.front().values.at("constant") == 2);
+  CHECK(scene->strategies.back().label == "halved");
+}
+
 TEST_CASE("a mesh file that is missing or broken is named with the place that names it", "[scene]") {
   const TemporaryFolder folder;
   const auto refused = [&](const std::string& mesh) {

@@ -1,43 +1,39 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
-#include "elastin/forces/model.h"
 #include "elastin/model/shapes.h"
-#include "elastin/solve/statics.h"
-#include "experiment/experiment.h"
+#include "experiment/specimen.h"
 
-/// The clamped blocks of which converged solutions are known: one end wholly held, the other under a uniform dead
-/// traction and else free; elongation is the mean of the loaded end.
+/// Boxes of tetrahedra whose converged solutions are known from other programs (dolfinx, CalculiX, GetFEM).
 namespace bench {
 
-struct Block {
-  const char* name;
-  elastin::Vector3 size;  ///< [m], pulled along z
-  double modulus, force;  ///< E [Pa], F [N]
-  /// Cubes along each side; `level` of them along the shortest.
+struct BlockCase {
+  std::string name;
+  elastin::Vector3 size;  ///< [m]
+  double modulus;         ///< E [Pa]
+  double poissons_ratio;
+  const char* law;  ///< "linear", or a cell law at large displacements
+  std::function<std::unique_ptr<elastin::Experiment>(const elastin::Body&, const elastin::Material&)> experiment;
+  const char* measure;
+  double reference;  ///< of the measure, SI
+  double error;      ///< of the reference, relative
+  int finest;        ///< cubes along the shortest side that make some 1e5 cells
+
+  /// A run on a grid with `level` cubes along the shortest side; throws std::runtime_error if it fails.
+  elastin::Run run(elastin::BlockKind kind, int level, double tolerance) const;
   std::array<int, 3> cubes(int level) const;
 };
-extern const Block kBlock1, kBlock2;
 
-/// A converged solution by other programs: elongation [m] under the block's force.
-struct BlockReference {
-  const Block* block;
-  const char* law;  ///< "linear", or a cell law at large displacements
-  double poissons_ratio, elongation, error;
-};
-extern const std::vector<BlockReference> kBlockReferences;
+/// Blocks of tension: T1 = 30 × 30 × 15 mm, 5 kPa, 1 N; T2 = 1 × 1 × 0.86 m, 100 kPa, 1 kN. One end is wholly held, the
+/// other under a uniform dead traction and else free; the elongation is the mean of the loaded end. `part` of the
+/// force.
+BlockCase tension_block1(const char* law, double poissons_ratio, double elongation, double error, double part = 1);
+BlockCase tension_block2(const char* law, double poissons_ratio, double elongation, double error);
 
-/// A block of tetrahedra, held and loaded; `part` of the block's force.
-struct BlockProblem {
-  BlockProblem(const Block& block, elastin::BlockKind kind, int level, const std::string& law, double poissons_ratio,
-               double part = 1);
-  /// Solves from rest and returns the elongation [m]; throws std::runtime_error if it fails.
-  double elongation(bool linear, double tolerance, elastin::StaticResult* result = nullptr);
-
-  elastin::Body body;
-  elastin::Model model;
-  std::unique_ptr<elastin::Experiment> experiment;
-};
+/// The cases of `convergence`.
+std::vector<BlockCase> block_cases();
 
 }  // namespace bench

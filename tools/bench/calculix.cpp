@@ -34,6 +34,10 @@ struct Task {
 constexpr Task kTasks[] = {{"T1, 1/20000 of its load", 5e-5, 0.00314180381, true},
                            {"T1, whole load", 1, 0.0036002, false}};
 
+BlockCase block_of(const Task& task) {
+  return tension_block1("neo_hookean", kPoissonsRatio, task.reference * task.part, 0, task.part);
+}
+
 /// A mesh as CalculiX wants it: numbers from 1, corners first.
 struct Mesh {
   std::string type;  // C3D4, C3D10
@@ -85,7 +89,7 @@ Mesh quadratic_mesh(const Body& body) {
   return mesh;
 }
 
-void write_input(const Mesh& mesh, const Block& block, double part, const std::string& path) {
+void write_input(const Mesh& mesh, const BlockCase& block, double part, const std::string& path) {
   const double mu = block.modulus / (2 * (1 + kPoissonsRatio)), bulk = block.modulus / (3 * (1 - 2 * kPoissonsRatio));
   std::ofstream file(path);
   file << "*NODE, NSET=ALL\n";
@@ -110,8 +114,7 @@ void write_input(const Mesh& mesh, const Block& block, double part, const std::s
        << "*SOLID SECTION, ELSET=BODY, MATERIAL=GEL\n*BOUNDARY\nHELD,1,3\n*STEP, NLGEOM, INC=1000\n"
        << "*STATIC, SOLVER=SPOOLES\n"
        << (part < 0.01 ? "1.,1.\n" : "0.25,1.\n") << "*CLOAD\n";
-  for (const auto& [place, share] : mesh.share)
-    file << fmt::format("{},3,{:.15g}\n", place + 1, part * block.force * share);
+  for (const auto& [place, share] : mesh.share) file << fmt::format("{},3,{:.15g}\n", place + 1, part * share);
   file << "*NODE PRINT, NSET=LOADED, FREQUENCY=1000\nU\n*END STEP\n";
   if (!file.flush()) throw std::runtime_error("cannot write " + path);
 }
@@ -160,9 +163,8 @@ std::vector<Contender> contenders_of(const Task& task, int level, const WorkFold
   const auto elastin_run = [&task, level] {
     return in_child([&] {
              set_threads(kThreads);
-             BlockProblem problem(kBlock1, BlockKind::kuhn, level, "neo_hookean", kPoissonsRatio, task.part);
              Figures figures;
-             figures.value = problem.elongation(false, 1e-8);
+             figures.value = block_of(task).run(BlockKind::kuhn, level, 1e-8).measures.get("elongation");
              return std::vector{figures};
            })
         .front()
@@ -170,7 +172,7 @@ std::vector<Contender> contenders_of(const Task& task, int level, const WorkFold
   };
   const auto calculix_run = [&task, &folder](Mesh mesh) {
     const std::string job = folder.path(mesh.type);
-    write_input(mesh, kBlock1, task.part, job + ".inp");
+    write_input(mesh, block_of(task), task.part, job + ".inp");
     return [mesh = std::move(mesh), job] {
       const std::string line = fmt::format("cd '{}' && OMP_NUM_THREADS={} ccx -i '{}' > '{}.log' 2>&1",
                                            std::filesystem::path(job).parent_path().string(), kThreads, job, job);
@@ -178,8 +180,9 @@ std::vector<Contender> contenders_of(const Task& task, int level, const WorkFold
       return read_elongation(mesh, job + ".dat");
     };
   };
-  const Body fine = tetrahedral_block(BlockKind::kuhn, kBlock1.cubes(level), kBlock1.size);
-  const Body coarse = tetrahedral_block(BlockKind::kuhn, kBlock1.cubes(level / 2), kBlock1.size);
+  const BlockCase block = block_of(task);
+  const Body fine = tetrahedral_block(BlockKind::kuhn, block.cubes(level), block.size);
+  const Body coarse = tetrahedral_block(BlockKind::kuhn, block.cubes(level / 2), block.size);
   return {{"elastin", static_cast<double>(fine.tetrahedra.size()), elastin_run},
           {"CalculiX C3D4", static_cast<double>(fine.tetrahedra.size()), calculix_run(linear_mesh(fine))},
           {"CalculiX C3D10, as many places", static_cast<double>(coarse.tetrahedra.size()),
