@@ -247,8 +247,12 @@ StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label)
   if (label.ends_with(suffix))
     return with_volume(choose_strategy(catalog, label.substr(0, label.size() - suffix.size())));
   if (label == "calibrated") return choose_strategy(catalog, prefix + "standard");
-  if (!label.starts_with(prefix)) return {label, catalog.find(label), false, {}};
-  StrategyChoice choice{label, catalog.find(label.substr(prefix.size())), true, {}};
+  const bool calibrated = label.starts_with(prefix);
+  const Strategy& strategy = catalog.find(calibrated ? label.substr(prefix.size()) : label);
+  if (!calibrated && strategy.kind == StrategyKind::wrapper)
+    throw InputError("'" + label + "' goes with a rule: lattice+" + label);
+  if (!calibrated) return {label, strategy, false, {}};
+  StrategyChoice choice{label, strategy, true, {}};
   if (choice.strategy.kind != StrategyKind::spring_rule)
     throw InputError("'" + label + "': only a spring rule can be calibrated, and " + choice.strategy.name + " is a " +
                      name_of(choice.strategy.kind));

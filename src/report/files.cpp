@@ -62,6 +62,8 @@ Json to_json(const Record& record) {
     for (const auto& row : run.measures.stiffness_matrix->rowwise())
       object["stiffness_matrix"].push_back(std::vector<double>(row.begin(), row.end()));
   }
+  if (run.calibration_factor != 1) object["calibration_factor"] = run.calibration_factor;
+  if (run.volume_modulus != 0) object["volume_modulus"] = run.volume_modulus;
   object["curve"] = Json::array();
   for (const CurvePoint& point : run.curve) {
     Json row = to_json(point.measures.all());

@@ -266,6 +266,10 @@ std::string run_text(const Record& record, bool colours) {
                        counted(run.newton_iterations, "Newton iteration"), run.linear_iterations, run.residual,
                        readable_seconds(run.build_seconds), readable_seconds(run.solve_seconds));
   if (run.cut_steps) out += fmt::format("  {} cut: a cell would have turned over\n", counted(run.cut_steps, "step"));
+  if (run.calibration_factor != 1)
+    out += fmt::format("  calibrated: spring constants times {:.6g}\n", run.calibration_factor);
+  if (run.volume_modulus != 0)
+    out += fmt::format("  volume term: {}\n", readable(run.volume_modulus, dimension::pressure, 6));
   for (const std::string& warning : run.warnings)
     out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";
   if (!run.remark.empty()) out += "  " + painted("remark: " + run.remark, Tone::poor, colours) + "\n";

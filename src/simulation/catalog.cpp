@@ -44,6 +44,12 @@ Catalog built_in_catalog() {
   calibrated.source = "[M03]'s divisor found by hand, made automatic";
   calibrated.kind = StrategyKind::wrapper;
   catalog.add(std::move(calibrated));
+  Strategy volume;
+  volume.name = "volume";
+  volume.summary = "any spring rule or neo_hookean on a solid, with a volume term: nu from 0 to 0.4999: RULE+volume";
+  volume.source = "Bonet & Burton 1998, averaged nodal volumes";
+  volume.kind = StrategyKind::wrapper;
+  catalog.add(std::move(volume));
   return catalog;
 }
 

@@ -13,19 +13,26 @@ namespace {
 /// Below this many molecules a factorisation beats iterations; above the second limit it is never tried.
 constexpr int kTinyBody = 60, kDirectLimit = 2500;
 
+/// Newton iterations in which a body that was stable at the start is followed down past negative modes before saddles
+/// are tried: nearly incompressible ones pass through pressures that are not there at the end.
+constexpr int kDownhillSteps = 25;
+
 std::unique_ptr<LinearSolver> make_solver(LinearMethod method, int molecules) {
   const bool direct = method == LinearMethod::direct || (method == LinearMethod::automatic && molecules <= kTinyBody);
   return direct ? make_direct() : make_pcg();
 }
 
-/// Falls back on the factorisation where iterations met what they cannot handle and the body is small enough for it.
+/// Falls back on the factorisation where iterations met what they cannot handle and the body is small enough for it; on
+/// a negative mode only if `through_saddles`: to go down it is the better way where it passes.
 LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
-                          double tolerance, const StaticOptions& options, Positions& solution, std::string& used) {
+                          double tolerance, const StaticOptions& options, bool through_saddles, Positions& solution,
+                          std::string& used) {
   const int molecules = tangent.model().body().size();
   auto solver = make_solver(options.method, molecules);
   LinearResult result = solver->solve(tangent, supports, rhs, tolerance, solution);
   const bool iterated = std::string(solver->name()) == "pcg";
-  if (result.status != LinearStatus::solved && iterated && options.method == LinearMethod::automatic &&
+  const bool downhill = result.status == LinearStatus::negative_mode && !through_saddles;
+  if (result.status != LinearStatus::solved && !downhill && iterated && options.method == LinearMethod::automatic &&
       molecules <= kDirectLimit) {
     Positions other;
     auto direct = make_direct();
@@ -171,6 +178,7 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
     return result;
   }
   std::string used = options.method == LinearMethod::direct ? "direct" : "pcg";
+  bool stable_start = false;
   double forcing = 1e-3, last = now.forces.norm;
   while (true) {
     const Tangent tangent(model, now.state.positions);
@@ -189,11 +197,13 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
     forcing = std::max(forcing, 0.1 * goal / now.forces.norm);
     last = now.forces.norm;
     Positions motion;
-    const LinearResult linear =
-        solve_linear(tangent, model.supports, now.forces.unbalanced, forcing, options, motion, used);
+    const LinearResult linear = solve_linear(tangent, model.supports, now.forces.unbalanced, forcing, options,
+                                             !stable_start || result.newton_iterations >= kDownhillSteps, motion, used);
+    const bool negative = linear.status == LinearStatus::negative_mode || linear.negative_modes > 0;
+    if (result.newton_iterations == 0) stable_start = with_energy && !negative;
     result.linear_iterations += linear.iterations;
     ++result.newton_iterations;
-    result.unstable = linear.status == LinearStatus::negative_mode || linear.negative_modes > 0;
+    result.unstable = negative;
     // A direction without stiffness has no length of its own: no molecule goes further than half its connections' mean.
     if (linear.status != LinearStatus::solved && linear.residual > 0.9) {
       const auto& lengths = model.body().connections.rest_length;
@@ -260,7 +270,8 @@ StaticResponse static_response(Model& model, const Positions& at, const Position
   const double held = held_parts(model.supports, rhs).norm();
   keep_free(model.supports, rhs);
   std::string used;
-  const LinearResult linear = solve_linear(tangent, model.supports, rhs, options.tolerance, options, motion, used);
+  const LinearResult linear =
+      solve_linear(tangent, model.supports, rhs, options.tolerance, options, true, motion, used);
   result.solver = "linear " + used;
   result.linear = true;
   result.newton_iterations = 1;

@@ -84,6 +84,7 @@ TEST_CASE("a volume term is named in short or refused with a reason", "[volume]"
   CHECK(choice.strategy.name == "standard+volume");
   CHECK_THROWS_WITH(choose_strategy(kCatalog, "standrad+volume"), Catch::Contains("did you mean 'standard'"));
   CHECK_THROWS_WITH(choose_strategy(kCatalog, "st_venant_kirchhoff+volume"), Catch::Contains("neo_hookean"));
+  CHECK_THROWS_WITH(choose_strategy(kCatalog, "volume"), Catch::Contains("lattice+volume"));
   CHECK_THROWS_WITH(choose_strategy(kCatalog, "standard+volume+volume"), Catch::Contains("already"));
   for (const double nu : {-0.1, 0.49995}) {
     const Specimen specimen = specimen_of(jittered_lattice(), nu);

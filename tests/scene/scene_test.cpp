@@ -133,6 +133,21 @@ TEST_CASE("a scene is read as it is written", "[scene]") {
   CHECK(size.z() == Approx(0.015 * (0.5 + std::sqrt(3) / 2)));
 }
 
+TEST_CASE("a volume term is asked for by key or in short, and named so", "[scene]") {
+  const TemporaryFolder folder;
+  const auto stiffness = [&](const std::string& value) {
+    return load(folder.write("volume.yaml", replaced(kScene, "stiffness: standard", "stiffness: " + value)))->stiffness;
+  };
+  for (const std::string value : {"standard+volume", "{strategy: standard, volume: true}"}) {
+    CHECK(stiffness(value).label == "standard+volume");
+    CHECK(stiffness(value).strategy.volume_modulus);
+  }
+  CHECK(stiffness("{strategy: neo_hookean, volume: averaged}").label == "neo_hookean+volume");
+  CHECK(stiffness("{strategy: 'calibrated:patch', volume: true}").label == "calibrated:patch+volume");
+  CHECK(stiffness("{strategy: standard, volume: true, label: any}").label == "any");
+  CHECK_FALSE(stiffness("{strategy: standard, volume: false}").strategy.volume_modulus);
+}
+
 TEST_CASE("every scene of the project loads", "[scene]") {
   int count = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(std::string(ELASTIN_SOURCE_DIR) + "/scenes")) {
@@ -186,7 +201,7 @@ TEST_CASE("a misspelt key is named with the nearest one and all that are known",
       {"gravity:",
        "@gravty:",
        "loads[0]: unknown key 'gravty'",
-       {"did you mean 'gravity'?", "(allowed: gravity, drag, damping, point, face)"}},
+       {"did you mean 'gravity'?", "(allowed: gravity, drag, damping, cell_damping, point, face)"}},
       {"viscosity:", "@viscousity:", "loads[1].drag: unknown key 'viscousity'", {"did you mean 'viscosity'?"}},
       {"traction:", "@tracton:", "loads[3].face: unknown key 'tracton'", {"did you mean 'traction'?"}},
       {"measure: eff",
@@ -256,6 +271,35 @@ TEST_CASE("a value that cannot be is named with what can", "[scene]") {
        "stiffness: unknown strategy 'standart'",
        {"did you mean 'standard'?", "(allowed: standard, divided, "}},
       {"stiffness: standard", "stiffness: @'calibrated:standart'", "stiffness: unknown strategy 'standart'", {}},
+      {"stiffness: standard",
+       "stiffness: {strategy: standard, volume: @averaged}",
+       "stiffness.volume: 'averaged' is not known here",
+       {"allowed: true, false"}},
+      {"stiffness: standard",
+       "stiffness: {strategy: neo_hookean, volume: @true}",
+       "stiffness.volume: 'true' is not known here",
+       {"allowed: averaged, cells"}},
+      {"stiffness: standard",
+       "stiffness: {strategy: st_venant_kirchhoff, volume: @averaged}",
+       "stiffness.volume: 'st_venant_kirchhoff': a volume term goes with",
+       {"neo_hookean"}},
+      {"stiffness: standard",
+       "stiffness: {strategy: standard+volume, volume: @true}",
+       "stiffness.volume: 'standard+volume' says it already",
+       {}},
+      {"stiffness: standard", "stiffness: @standard+volum", "stiffness: unknown strategy 'standard+volum'", {}},
+      {"0.25, density: 1000 kg/m3}\nrotate: {axis: [1, 0, 0], angle: 30 deg}\nstiffness: standard",
+       "@-0.1, density: 1000 kg/m3}\nrotate: {axis: [1, 0, 0], angle: 30 deg}\nstiffness: standard+volume",
+       "material.poissons_ratio: poissons_ratio -0.1 is out of range",
+       {"0 to 0.4999"}},
+      {"- gravity: [0, 0, -9.81 m/s2]",
+       "- cell_damping: @{bulk: 1 Pa s, shear: 2 Pa s}",
+       "loads[0].cell_damping: needs a body with tetrahedra",
+       {"damping"}},
+      {"- gravity: [0, 0, -9.81 m/s2]",
+       "- cell_damping: {bulk: @-1 Pa s, shear: 2 Pa s}",
+       "loads[0].cell_damping.bulk: '-1 Pa s' is out of range",
+       {}},
       {"strategy: divided",
        "strategy: @dividd",
        "strategies[1].strategy: unknown strategy 'dividd'",
@@ -333,7 +377,7 @@ TEST_CASE("keys that are missing or do not go together are named", "[scene]") {
        "body.packing: the size holds too many molecules",
        {}},
       {kGravity, "@" + kGravity + "\n    damping: 1 N s/m", "loads[0]: a load is one of gravity, drag", {"an item"}},
-      {kGravity, "@{}", "loads[0]: a load is one of gravity, drag, damping, point, face", {}},
+      {kGravity, "@{}", "loads[0]: a load is one of gravity, drag, damping, cell_damping, point, face", {}},
       {"[standard, {strategy: divided, divisor: 3.75, label: halved}]",
        "@[]",
        "strategies: names no strategy",
