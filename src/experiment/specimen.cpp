@@ -2,11 +2,14 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 
 #include "elastin/forces/volume.h"
+#include "elastin/model/voronoi.h"
 #include "elastin/solve/modes.h"
 #include "experiment/volume_fit.h"
+#include "stiffness/voronoi.h"
 
 namespace elastin {
 namespace {
@@ -128,7 +131,7 @@ bool needs_cells(const Strategy& strategy, const Body& body) {
   Body bare = body;
   bare.triangles.clear();
   bare.tetrahedra.clear();
-  return !strategy.unsuited(bare).empty();
+  return !strategy.unsuited(bare).empty() && !strategy.needs_voronoi(bare);
 }
 
 void note_negative_constants(Run& run) {
@@ -136,6 +139,16 @@ void note_negative_constants(Run& run) {
   if (negative > 0)
     run.warnings.push_back(counted(negative, "spring constant is", "spring constants are") + " negative (of " +
                            std::to_string(run.constants.size()) + "): the body may have no stable equilibrium");
+}
+
+void note_lost_faces(const Body& body, const Strategy& strategy, Run& run) {
+  if (strategy.name != Voronoi::name) return;
+  const double lost = lost_share(body, *body.voronoi);
+  char percent[16];
+  std::snprintf(percent, sizeof percent, "%.1f %%", 100 * lost);
+  if (lost > 0.01)
+    run.warnings.push_back(std::string(percent) +
+                           " of the body hangs on faces between molecules that no connection joins, or on the surface");
 }
 
 void count_modes(const Model& model, Run& run) {
@@ -160,6 +173,7 @@ bool note_solve(const StaticResult& solved, const std::string& where, Run& run) 
   run.cut_steps += solved.cut_steps;
   run.residual = solved.residual;
   const std::string unstable = "the equilibrium is not stable: directions of negative stiffness";
+  run.unstable |= solved.unstable;
   if (solved.unstable && (run.warnings.empty() || run.warnings.back() != unstable)) run.warnings.push_back(unstable);
   if (solved.outcome == Outcome::converged) return true;
   run.outcome = solved.outcome;
@@ -269,10 +283,16 @@ std::vector<StrategyChoice> all_strategies(const Catalog& catalog) {
   return choices;
 }
 
-Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
-                 const RunOptions& options) {
+void prepare(Body& body, const Strategy& strategy) {
+  if (!body.voronoi && strategy.needs_voronoi(body)) body.voronoi = voronoi_cells(body);
+}
+
+Run run_strategy(Specimen& specimen, Experiment& experiment, const StrategyChoice& choice, const RunOptions& options) {
   Run run;
   run.strategy = choice.label;
+  if (options.progress) options.progress("building");
+  const Stopwatch build;
+  prepare(specimen.body, choice.strategy);
   run.cause = choice.strategy.unsuited(specimen.body);
   if (choice.calibrated && run.cause.empty() && !calibrated_measure(experiment, specimen.material))
     run.cause = "a " + experiment.name() + " experiment on this body measures no modulus to calibrate to";
@@ -280,6 +300,7 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
     run.suited = false;
     return run;
   }
+  note_lost_faces(specimen.body, choice.strategy, run);
   run.uses_cells = needs_cells(choice.strategy, specimen.body);
   if (run.uses_cells) {
     const std::vector<int> cells = flat_or_inverted_cells(specimen.body, specimen.body.rest);
@@ -289,8 +310,6 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
       return run;
     }
   }
-  if (options.progress) options.progress("building");
-  const Stopwatch build;
   std::unique_ptr<Elasticity> elasticity;
   if (choice.strategy.constants) {
     elasticity = make_rule(specimen, experiment, choice, options.statics, run);

@@ -71,6 +71,7 @@ struct Run {
   double residual = 0;
   int zero_energy_modes = 0;
   std::vector<std::string> warnings;
+  bool unstable = false;    ///< an equilibrium was found that is no minimum
   std::string remark;       ///< of the experiment on what its measures mean here; empty = nothing to say
   bool uses_cells = false;  ///< the strategy could not run without the body's triangles or tetrahedra
   bool suited = true;       ///< false: the strategy cannot run on this body; cause says why
@@ -82,9 +83,11 @@ struct RunOptions {
   std::function<void(const std::string& doing)> progress = {};  ///< called before each load step; may be empty
 };
 
-/// Builds the strategy on the specimen, solves every load step and measures. Numerical trouble is an outcome in the
-/// result; wrong parameters throw InputError.
-Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
-                 const RunOptions& options);
+/// Gives the body what the strategy needs of it and it has not yet: its Voronoi cells. In the body's present pose.
+void prepare(Body& body, const Strategy& strategy);
+
+/// Prepares the body, builds the strategy on the specimen, solves every load step and measures. Numerical trouble is an
+/// outcome in the result; wrong parameters throw InputError.
+Run run_strategy(Specimen& specimen, Experiment& experiment, const StrategyChoice& choice, const RunOptions& options);
 
 }  // namespace elastin
