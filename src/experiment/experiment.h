@@ -1,9 +1,11 @@
 #pragma once
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "elastin/forces/model.h"
+#include "elastin/model/material.h"
 #include "elastin/solve/statics.h"
 #include "experiment/measures.h"
 
@@ -13,6 +15,13 @@ namespace elastin {
 struct Start {
   Positions positions;  ///< [m]
   Positions reactions;  ///< of the supports [N]
+};
+
+/// A measure by which strategies are compared.
+struct MainMeasure {
+  std::string_view name;
+  /// What the material asks for, SI; NaN = it asks for nothing, the measure is only shown.
+  double prescribed = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// A way to hold and load a body, and what is read off it. Made once for a body; serves every strategy on it.
@@ -25,12 +34,17 @@ class Experiment {
   /// Sets the load to `factor` (0 … 1) of the whole, on the model that was held last.
   virtual void set_load(Model& model, double factor) = 0;
   virtual int load_steps() const = 0;
-  /// Reads the state that a solve has left, as changes since the start.
-  virtual Measures measure(const Model& model, const Start& start, const State& state,
-                           const StaticResult& solved) const = 0;
-  /// Tangent modulus at a state, by one linear solve there; adds its linear iterations.
-  virtual double tangent_modulus(Model& model, const State& state, const StaticOptions& options,
-                                 int& iterations) const = 0;
+  /// Reads the state that a solve has left, as changes since the start. May solve for small motions about it, with
+  /// `options`: adds their cost to `solved`, and their outcome if one fails.
+  virtual Measures measure(Model& model, const Start& start, const State& state, const StaticOptions& options,
+                           StaticResult& solved) const = 0;
+  /// Adds what is measured once, at the last of several load steps, and the linear iterations that it takes.
+  virtual void measure_end(Model& /*model*/, const State& /*state*/, const StaticOptions& /*options*/,
+                           Measures& /*measures*/, int& /*iterations*/) const {}
+  /// The most telling measure first. `calibrated` scales a rule to the first that has a prescribed value.
+  virtual std::vector<MainMeasure> main_measures(const Material& material) const = 0;
+  /// What limits the meaning of these measures, in words; "" if nothing does. No fault of the strategy.
+  virtual std::string remark(const Measures& /*measures*/) const { return ""; }
 };
 
 }  // namespace elastin

@@ -1,5 +1,6 @@
 #include "experiment/measures.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -10,16 +11,34 @@ namespace elastin {
 const std::vector<MeasureInfo>& measure_list() {
   using namespace dimension;
   static const std::vector<MeasureInfo> list{
-      {"effective_modulus", pressure, "secant modulus E = F l0 / (A dl) of the loaded body"},
+      {"effective_modulus", pressure,
+       "Young's modulus: secant F l0 / (A dl) of a bar; of the beam that sinks so; Hill's mean of a material", "E"},
       {"elongation", length, "dl, read as the scene says; negative in compression"},
-      {"poissons_ratio", none, "- lateral strain at mid height / strain"},
-      {"force", force, "F on the loaded end along the axis; negative in compression"},
+      {"poissons_ratio", none, "- lateral strain at mid height / strain; Hill's mean of a material", "Poisson's ratio"},
+      {"shear_modulus", pressure, "secant modulus G = shear stress / strain, torque / twist; Hill's mean of a material",
+       "G"},
+      {"bulk_modulus", pressure, "secant modulus K = - pressure / volume strain; Hill's mean of a material", "K"},
+      {"force", force, "F on the loaded end, along the axis (negative in compression) or the shear"},
+      {"axial_force", force, "force of shear or torsion along the axis; positive = the plate pulls the body up"},
       {"stress", pressure, "F / A"},
-      {"strain", none, "dl / l0"},
+      {"strain", none, "dl / l0; shear: sideways way / height"},
       {"lateral_strain", none, "mean in-plane strain of the molecules at mid height"},
+      {"torque", dimension::energy, "about the axis, on the turned end", {}, "N m"},
+      {"angle", none, "by which the loaded end is turned [rad]"},
+      {"torsional_stiffness", dimension::energy, "torque / angle [a radian]", {}, "N m"},
+      {"pressure", pressure, "- mean of the normal stresses, volume mean"},
+      {"volume_strain", none, "volume / volume at rest - 1"},
+      {"tip_deflection", length, "way of the tip's centre along the load"},
+      {"tip_shortening", length, "way of the tip's centre back along the axis"},
+      {"youngs_modulus_x", pressure, "1 / compliance along x, of the stiffness matrix", "E along x"},
+      {"youngs_modulus_y", pressure, "along y", "E along y"},
+      {"youngs_modulus_z", pressure, "along z", "E along z"},
+      {"anisotropy_index", none, "universal: 5 G_V/G_R + K_V/K_R - 6; 0 = isotropic", "anisotropy"},
+      {"patch_residual", none, "largest force on an inner molecule under affine strain / on a surface one; 0 = exact"},
+      {"stiffness_asymmetry", none, "| C - C transposed | / | C | of the stiffness matrix"},
       {"tangent_modulus", pressure, "d stress / d strain at the last load step, from a linear solve there"},
       {"average_modulus", pressure, "mean of the secant moduli over the load steps"},
-      {"energy", energy, "elastic energy stored"},
+      {"energy", dimension::energy, "elastic energy stored"},
       {"reaction_balance", none, "| loads + reactions | / | F |: 0 for a body in balance"}};
   return list;
 }
@@ -32,6 +51,14 @@ const MeasureInfo& find_measure(const std::string& name) {
   }
   throw InputError("unknown measure '" + name + "'" + suggestion(name, names));
 }
+
+std::string MeasureInfo::label() const {
+  std::string words(symbol.empty() ? name : symbol);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
+std::string MeasureInfo::unit_text() const { return unit_name.empty() ? si_unit(unit) : std::string(unit_name); }
 
 void Measures::set(std::string_view name, double value) {
   if (!std::isfinite(value)) return;

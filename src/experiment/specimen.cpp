@@ -2,11 +2,9 @@
 
 #include <chrono>
 #include <cmath>
-#include <optional>
 
-#include "elastin/forces/volume.h"
 #include "elastin/solve/modes.h"
-#include "experiment/volume_fit.h"
+#include "experiment/calibration.h"
 
 namespace elastin {
 namespace {
@@ -32,73 +30,18 @@ Model make_model(const Specimen& specimen, Experiment& experiment, std::unique_p
   return model;
 }
 
-/// What one linear solve of the experiment alone measures, without the scene's other loads; nothing if it fails.
-std::optional<Measures> measure_linear(const Specimen& specimen, Experiment& experiment,
-                                       std::unique_ptr<Elasticity> elasticity, const StaticOptions& options, Run& run) {
-  Model model(specimen.body);
-  model.add(std::move(elasticity));
-  experiment.hold(model);
-  experiment.set_load(model, 1);
-  State state = state_at_rest(specimen.body);
-  StaticOptions linear = options;
-  linear.linear = true;
-  const StaticResult solved = solve_static(model, state, linear);
-  run.linear_iterations += solved.linear_iterations;
-  if (solved.outcome != Outcome::converged) {
-    run.outcome = solved.outcome;
-    run.cause = "calibration: " + solved.cause;
-    return std::nullopt;
-  }
-  const Start rest{specimen.body.rest, Positions::Zero(3, solved.reactions.cols())};
-  return experiment.measure(model, rest, state, solved);
-}
-
-void fail_calibration(Run& run, const std::string& cause) {
-  if (run.outcome != Outcome::converged) return;
-  run.outcome = Outcome::diverged;
-  run.cause = "calibration: " + cause;
-}
-
-/// Scales the run's spring constants to E / E measured.
-void calibrate(const Specimen& specimen, Experiment& experiment, const StaticOptions& options, Run& run) {
-  const auto measures = measure_linear(specimen, experiment, make_springs(specimen.body, run.constants), options, run);
-  const double measured = measures ? measures->get("effective_modulus") : 0;
-  if (!(measured > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
-  run.calibration_factor = specimen.material.youngs_modulus / measured;
-  run.constants *= run.calibration_factor;
-}
-
-/// Fits the run's spring constants and volume term to E and ν.
-void calibrate_with_volume(const Specimen& specimen, Experiment& experiment, const StaticOptions& options, Run& run) {
-  const auto fit = fit_volume(specimen.material, [&](double modulus) -> std::optional<std::pair<double, double>> {
-    auto elasticity = make_sum(make_springs(specimen.body, run.constants), make_volume(specimen.body, modulus));
-    const auto measures = measure_linear(specimen, experiment, std::move(elasticity), options, run);
-    if (!measures) return std::nullopt;
-    return std::pair{measures->get("effective_modulus"), measures->get("poissons_ratio")};
-  });
-  if (!fit) return fail_calibration(run, "the linear solves measure no positive modulus, or no Poisson's ratio");
-  run.calibration_factor = fit->spring_factor;
-  run.constants *= fit->spring_factor;
-  run.volume_modulus = fit->volume_modulus;
-  if (std::abs(fit->poissons_ratio - specimen.material.poissons_ratio) > 0.002)
-    run.warnings.push_back("calibration reaches no nearer Poisson's ratio than " + std::to_string(fit->poissons_ratio));
-}
-
 /// The springs of a rule, calibrated if asked for, with their volume term if any. Null if that fails: the run says why.
 std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
                                       const StaticOptions& options, Run& run) {
-  const bool with_volume = static_cast<bool>(choice.strategy.volume_modulus);
   run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
-  if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
-  if (choice.calibrated) (with_volume ? calibrate_with_volume : calibrate)(specimen, experiment, options, run);
+  if (choice.strategy.volume_modulus) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
+  if (choice.calibrated) calibrate(specimen, experiment, choice, options, run);
   if (!run.constants.allFinite()) {
     run.outcome = Outcome::diverged;
     run.cause = "a spring constant is not finite: a connection of no length?";
   }
   if (run.outcome != Outcome::converged) return nullptr;
-  auto springs = make_springs(specimen.body, run.constants);
-  return with_volume ? make_sum(std::move(springs), make_volume(specimen.body, run.volume_modulus))
-                     : std::move(springs);
+  return springs_of(specimen, choice, run, run.volume_modulus);
 }
 
 void note_negative_constants(Run& run) {
@@ -147,6 +90,17 @@ bool find_start(Model& model, Experiment& experiment, const RunOptions& options,
   return note_solve(solved, " (under the scene's own loads)", run);
 }
 
+/// Where the last step's way leads if it goes on: a start near the next equilibrium, unless a cell turns over or, under
+/// loads, the energy is higher than where the body stands (a bar that turns far would be torn).
+State going_on(const Model& model, const State& state, const Positions& before) {
+  State next = state;
+  next.positions += state.positions - before;
+  const double gain = model.elastic_energy(next.positions) + model.load_energy(next) -
+                      model.elastic_energy(state.positions) - model.load_energy(state);
+  const bool loaded = model.has_energy() && !model.load_forces(state).isZero(0);
+  return std::isfinite(gain) && !(loaded && gain > 0) ? next : state;
+}
+
 /// Solves load step after load step, each started where the last two lead.
 void solve_curve(Model& model, Experiment& experiment, const RunOptions& options, Run& run) {
   State state = state_at_rest(model.body());
@@ -165,14 +119,13 @@ void solve_curve(Model& model, Experiment& experiment, const RunOptions& options
     const double load_factor = static_cast<double>(step) / steps;
     experiment.set_load(model, load_factor);
     State next = state;
-    if (step > 1 && !options.statics.linear) {
-      next.positions += state.positions - before;
-      if (!std::isfinite(model.elastic_energy(next.positions))) next = state;
-    }
-    const StaticResult solved = solve_static(model, next, options.statics);
+    if (step > 1 && !options.statics.linear) next = going_on(model, state, before);
+    StaticResult solved = solve_static(model, next, options.statics);
+    Measures measures;
+    if (solved.outcome == Outcome::converged)
+      measures = experiment.measure(model, start, next, options.statics, solved);
     if (!note_solve(solved, place.empty() ? "" : " (" + place + ")", run)) return;
-    const Measures measures = experiment.measure(model, start, next, solved);
-    if (measures.get("strain") <= -1) {
+    if (measures.get("elongation") < 0 && measures.get("strain") <= -1) {
       run.outcome = Outcome::inverted;
       run.cause =
           "the load presses the body through itself: strain below −100 %" + (place.empty() ? "" : " (" + place + ")");
@@ -184,9 +137,9 @@ void solve_curve(Model& model, Experiment& experiment, const RunOptions& options
     keep(load_factor);
   }
   run.measures = run.curve.back().measures;
+  run.remark = experiment.remark(run.measures);
   if (steps > 1 && model.has_full_tangent()) {
-    run.measures.set("tangent_modulus",
-                     experiment.tangent_modulus(model, state, options.statics, run.linear_iterations));
+    experiment.measure_end(model, state, options.statics, run.measures, run.linear_iterations);
     double sum = 0;
     for (const CurvePoint& point : run.curve) sum += point.measures.get("effective_modulus");
     run.measures.set("average_modulus", sum / steps);
@@ -233,6 +186,8 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
   Run run;
   run.strategy = choice.label;
   run.cause = choice.strategy.unsuited(specimen.body);
+  if (choice.calibrated && run.cause.empty() && !calibrated_measure(experiment, specimen.material))
+    run.cause = "a " + experiment.name() + " experiment on this body measures no modulus to calibrate to";
   if (!run.cause.empty()) {
     run.suited = false;
     return run;

@@ -70,6 +70,7 @@ struct Run {
   double residual = 0;
   int zero_energy_modes = 0;
   std::vector<std::string> warnings;
+  std::string remark;  ///< of the experiment on what its measures mean here; empty = nothing to say
   bool suited = true;  ///< false: the strategy cannot run on this body; cause says why
 };
 

@@ -63,8 +63,8 @@ class Tension final : public Experiment {
         model.supports[i].displacement = factor * *setup_.displacement * setup_.axis;
   }
 
-  Measures measure(const Model& model, const Start& start, const State& state,
-                   const StaticResult& solved) const override {
+  Measures measure(Model& model, const Start& start, const State& state, const StaticOptions&,
+                   StaticResult& solved) const override {
     Measures measures;
     const Positions motion = state.positions - start.positions;
     const double force = setup_.force ? factor_ * *setup_.force : loaded_reaction(solved.reactions - start.reactions);
@@ -84,8 +84,8 @@ class Tension final : public Experiment {
     return measures;
   }
 
-  double tangent_modulus(Model& model, const State& state, const StaticOptions& options,
-                         int& iterations) const override {
+  void measure_end(Model& model, const State& state, const StaticOptions& options, Measures& measures,
+                   int& iterations) const override {
     Positions load = Positions::Zero(3, body_.size()), way = load;
     for (std::size_t i = 0; i < loaded_.size(); ++i) {
       if (setup_.force) load.col(loaded_[i]) = share_[static_cast<Eigen::Index>(i)] * setup_.axis;
@@ -93,9 +93,14 @@ class Tension final : public Experiment {
     }
     const StaticResponse response = static_response(model, state.positions, load, way, options);
     iterations += response.result.linear_iterations;
-    if (response.result.outcome != Outcome::converged) return std::numeric_limits<double>::quiet_NaN();
+    if (response.result.outcome != Outcome::converged) return;
     const double force = setup_.force ? 1 : loaded_reaction(response.result.reactions);
-    return force / area_ / (read_elongation(response.motion) / gauge_length_);
+    measures.set("tangent_modulus", force / area_ / (read_elongation(response.motion) / gauge_length_));
+  }
+
+  std::vector<MainMeasure> main_measures(const Material& material) const override {
+    return {
+        {"effective_modulus", material.youngs_modulus}, {"poissons_ratio", material.poissons_ratio}, {"elongation"}};
   }
 
  private:

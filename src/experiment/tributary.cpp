@@ -95,6 +95,19 @@ double polygon_area(const Points2& polygon) {
   return points.size() < 3 ? 0 : area(points);
 }
 
+double polygon_second_moment(const Points2& polygon) {
+  double twice_area = 0, first = 0, second = 0;
+  const Point start = polygon.cols() > 0 ? Point(polygon.col(0)) : Point(0, 0);  // near the polygon: fewer digits lost
+  for (int i = 0; i < polygon.cols(); ++i) {
+    const Point a = polygon.col(i) - start, b = polygon.col((i + 1) % polygon.cols()) - start;
+    const double part = cross(a, b);
+    twice_area += part;
+    first += part * (a.x() + b.x()) / 6;
+    second += part * (a.x() * a.x() + a.x() * b.x() + b.x() * b.x()) / 12;
+  }
+  return twice_area == 0 ? 0 : second - 2 * first * first / twice_area;
+}
+
 std::vector<double> tributary_areas(const Points2& points, const Points2& polygon) {
   std::vector<Point> outline;
   for (int i = 0; i < polygon.cols(); ++i) outline.push_back(polygon.col(i));

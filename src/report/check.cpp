@@ -155,7 +155,7 @@ std::string catalog_text(const Catalog& catalog, bool colours) {
          parameters.text(colours);
   Table measures({"measure", "unit", "meaning"});
   for (const MeasureInfo& info : measure_list())
-    measures.add({{std::string(info.name)}, {si_unit(info.unit)}, {std::string(info.text), Tone::faint}});
+    measures.add({{std::string(info.name)}, {info.unit_text()}, {std::string(info.text), Tone::faint}});
   return out + "\n" + painted("Measures", Tone::bold, colours) + "\n" + measures.text(colours);
 }
 

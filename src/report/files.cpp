@@ -58,6 +58,11 @@ Json to_json(const Record& record) {
               {"warnings", record.warnings}};
   if (run.calibration_factor != 1) object["calibration_factor"] = run.calibration_factor;
   if (run.volume_modulus != 0) object["volume_modulus"] = run.volume_modulus;
+  if (run.measures.stiffness_matrix) {
+    object["stiffness_matrix"] = Json::array();
+    for (const auto& row : run.measures.stiffness_matrix->rowwise())
+      object["stiffness_matrix"].push_back(std::vector<double>(row.begin(), row.end()));
+  }
   object["curve"] = Json::array();
   for (const CurvePoint& point : run.curve) {
     Json row = to_json(point.measures.all());
@@ -72,17 +77,17 @@ Json to_json(const Record& record) {
 /// A number with all its digits, or nothing: files never hold NaN.
 std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
+/// "elongation [m]"
+std::string headed(const MeasureInfo& info) {
+  const std::string unit = info.unit_text();
+  return std::string(info.name) + (unit.empty() ? "" : " [" + unit + "]");
+}
+
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
   return out + "\"";
-}
-
-double find_value(const std::vector<std::pair<std::string, double>>& values, const std::string& name) {
-  for (const auto& [known, value] : values)
-    if (known == name) return value;
-  return std::nan("");
 }
 
 class VtuArrays {
@@ -141,10 +146,7 @@ std::string csv_text(const std::vector<Record>& records) {
     for (const auto& [name, value] : record.errors)
       if (std::find(errors.begin(), errors.end(), name) == errors.end()) errors.push_back(name);
   std::string out = "scene,strategy,solver,outcome,molecules,connections,cells,threads";
-  for (const MeasureInfo& info : measure_list()) {
-    const std::string unit = si_unit(info.unit);
-    out += fmt::format(",{}{}", info.name, unit.empty() ? "" : " [" + unit + "]");
-  }
+  for (const MeasureInfo& info : measure_list()) out += "," + headed(info);
   for (const std::string& name : errors) out += ",error " + name;
   out += ",build [s],solve [s],iterations,linear_iterations,residual,zero_energy_modes,warnings\n";
   for (const Record& record : records) {
@@ -153,7 +155,7 @@ std::string csv_text(const std::vector<Record>& records) {
                        run.suited ? name_of(run.outcome) : "unsuited", record.molecules, record.connections,
                        record.cells, record.threads);
     for (const MeasureInfo& info : measure_list()) out += "," + cell(run.measures.get(info.name));
-    for (const std::string& name : errors) out += "," + cell(find_value(record.errors, name));
+    for (const std::string& name : errors) out += "," + cell(record.error(name));
     std::string notes = run.cause;
     for (const std::string& warning : record.warnings) notes += (notes.empty() ? "" : "; ") + warning;
     out +=
@@ -165,10 +167,7 @@ std::string csv_text(const std::vector<Record>& records) {
 
 std::string curve_csv_text(const Record& record) {
   std::string out = "load_factor";
-  for (const MeasureInfo& info : measure_list()) {
-    const std::string unit = si_unit(info.unit);
-    out += fmt::format(",{}{}", info.name, unit.empty() ? "" : " [" + unit + "]");
-  }
+  for (const MeasureInfo& info : measure_list()) out += "," + headed(info);
   out += ",newton_iterations,linear_iterations,residual\n";
   for (const CurvePoint& point : record.run.curve) {
     out += cell(point.load_factor);

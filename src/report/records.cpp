@@ -15,6 +15,12 @@ bool Record::good() const {
          std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.holds || !v.judged; });
 }
 
+double Record::error(std::string_view name) const {
+  for (const auto& [known, value] : errors)
+    if (known == name) return value;
+  return std::nan("");
+}
+
 Record make_record(const Scene& scene, Run run) {
   const Material& material = scene.specimen.material;
   const Body& body = scene.specimen.body;
@@ -32,8 +38,12 @@ Record make_record(const Scene& scene, Run run) {
   const auto add_error = [&](const std::string& name, double error) {
     if (std::isfinite(error)) record.errors.emplace_back(name, error);
   };
-  add_error("effective_modulus", run.measures.get("effective_modulus") / material.youngs_modulus - 1);
-  add_error("poissons_ratio", run.measures.get("poissons_ratio") - material.poissons_ratio);
+  record.main_measures = scene.experiment->main_measures(material);
+  for (const auto& [name, prescribed] : record.main_measures) {
+    const bool ratio = find_measure(std::string(name)).unit == dimension::none;
+    const double measured = run.measures.get(name);
+    add_error(std::string(name), ratio ? measured - prescribed : measured / prescribed - 1);
+  }
   for (const Reference& reference : scene.references)
     add_error(reference.measure + "_to_reference", run.measures.get(reference.measure) / reference.value - 1);
   for (const Expectation& expectation : scene.expectations) {
@@ -47,6 +57,7 @@ Record make_record(const Scene& scene, Run run) {
   }
   record.warnings = scene.warnings;
   record.warnings.insert(record.warnings.end(), run.warnings.begin(), run.warnings.end());
+  if (!run.remark.empty()) record.warnings.push_back(run.remark);
   record.run = std::move(run);
   return record;
 }

@@ -21,10 +21,14 @@ struct Record {
   std::string scene, path, title;
   Run run;
   int molecules = 0, connections = 0, cells = 0, threads = 1;
-  int cell_sides = 0;      ///< beside the connections: those that are sides of cells only
-  std::string prescribed;  ///< "E = 5000 Pa, nu = 0.25"
-  std::vector<std::pair<std::string, double>>
-      errors;  ///< by measure; effective_modulus relative, poissons_ratio a difference
+  int cell_sides = 0;                      ///< beside the connections: those that are sides of cells only
+  std::string prescribed;                  ///< "E = 5000 Pa, nu = 0.25"
+  std::vector<MainMeasure> main_measures;  ///< of the experiment, with what the material asks for
+  /// By measure, against what the material asks for: relative, or a difference where the measure is a ratio;
+  /// MEASURE_to_reference against the scene's reference, relative.
+  std::vector<std::pair<std::string, double>> errors;
+  /// NaN if there is no such error.
+  double error(std::string_view name) const;
   std::vector<Verdict> verdicts;
   std::vector<std::string> warnings;  ///< of the scene and of the run
   /// Not failed: converged, or the body does not suit the strategy; and every judged expectation holds.

@@ -53,12 +53,13 @@ std::string Table::text(bool colours, const std::string& indent) const {
   return out;
 }
 
-std::string readable(double value, const Dimension& dimension, int digits) {
+namespace {
+
+std::string readable(double value, const std::string& unit, int digits) {
   if (!std::isfinite(value)) return "";
-  const std::string unit = si_unit(dimension);
   if (unit.empty()) return fmt::format("{:.4f}", std::abs(value) < 5e-5 ? 0. : value);
   // Prefixes fit units that stand alone: not m^2 or kg/m^3.
-  if (unit != "m" && unit != "Pa" && unit != "N" && unit != "J" && unit != "N/m")
+  if (unit != "m" && unit != "Pa" && unit != "N" && unit != "J" && unit != "N/m" && unit != "N m")
     return fmt::format("{:.{}g} {}", value, digits, unit);
   static constexpr std::pair<double, const char*> prefixes[]{{1e9, "G"},  {1e6, "M"},  {1e3, "k"}, {1, ""},
                                                              {1e-3, "m"}, {1e-6, "µ"}, {1e-9, "n"}};
@@ -70,6 +71,16 @@ std::string readable(double value, const Dimension& dimension, int digits) {
       return fmt::format("{:.{}f} {}{}", scaled, std::max(0, digits - whole), prefix, unit);
     }
   return fmt::format("{:.{}g} {}", value, digits, unit);
+}
+
+}  // namespace
+
+std::string readable(double value, const Dimension& dimension, int digits) {
+  return readable(value, si_unit(dimension), digits);
+}
+
+std::string readable(double value, const MeasureInfo& measure, int digits) {
+  return readable(value, measure.unit_text(), digits);
 }
 
 std::string percent(double ratio) {

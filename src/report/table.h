@@ -32,6 +32,8 @@ std::string painted(const std::string& text, Tone tone, bool colours);
 
 /// "4.9945 kPa", "3.3333 mm": a value in SI units with a prefix that keeps it readable.
 std::string readable(double value, const Dimension& dimension, int digits = 5);
+/// The same of a measure, in its own unit ("N m" of a torque).
+std::string readable(double value, const MeasureInfo& measure, int digits = 5);
 
 /// "+0.02 %" with as many digits as the size asks for; "" for NaN.
 std::string percent(double ratio);

@@ -17,12 +17,6 @@ Tone tone_of_error(double error) {
   return size <= 1e-3 ? Tone::good : size <= kNear ? Tone::plain : size <= 0.25 ? Tone::poor : Tone::bad;
 }
 
-double error_of(const Record& record, const std::string& name) {
-  for (const auto& [known, value] : record.errors)
-    if (known == name) return value;
-  return std::nan("");
-}
-
 bool solved(const Record& record) { return record.run.suited && record.run.outcome == Outcome::converged; }
 
 std::string head_text(const Record& record, bool colours) {
@@ -39,13 +33,13 @@ std::string verdicts_text(const std::vector<const Verdict*>& verdicts, bool colo
   if (verdicts.empty()) return "";
   Table table({"strategy", "measure", "expected", "here", "difference", "", "source"});
   for (const Verdict* verdict : verdicts) {
-    const Dimension unit = find_measure(verdict->expectation.measure).unit;
+    const MeasureInfo& info = find_measure(verdict->expectation.measure);
     const bool missing = !std::isfinite(verdict->measured);
     const Tone tone = !verdict->judged ? Tone::faint : verdict->holds ? Tone::good : Tone::bad;
     table.add({{verdict->strategy},
                {verdict->expectation.measure},
-               {readable(verdict->expectation.value, unit, 6), Tone::plain, true},
-               {missing ? "none" : readable(verdict->measured, unit, 6), Tone::plain, true},
+               {readable(verdict->expectation.value, info, 6), Tone::plain, true},
+               {missing ? "none" : readable(verdict->measured, info, 6), Tone::plain, true},
                {percent(verdict->difference), Tone::plain, true},
                {!verdict->judged ? "not reproduced"
                 : verdict->holds ? "holds"
@@ -55,6 +49,12 @@ std::string verdicts_text(const std::vector<const Verdict*>& verdicts, bool colo
                 Tone::faint}});
   }
   return "\n" + table.text(colours);
+}
+
+/// A measure's value; small ratios with digits that tell them from nothing.
+std::string value_text(double value, const MeasureInfo& info, int digits = 5) {
+  const bool tiny = info.unit == dimension::none && std::abs(value) > 1e-14 && std::abs(value) < 0.1;
+  return tiny ? fmt::format("{:.5g}", value) : readable(value, info, digits);
 }
 
 /// "limit reached", "not suited": an outcome in words.
@@ -76,73 +76,182 @@ std::string notes_of(const Record& record) {
   return notes;
 }
 
-/// The strategy to take: near enough to E (0.1 %, or the best there is), nothing to warn of; then the nearest Poisson's
-/// ratio; then the fastest.
-const Record* best_of(const std::vector<Record>& records) {
+/// What strategies are ranked by: a measure, and which of its errors.
+struct Rank {
+  std::string measure, error;
+};
+
+/// The first main measure with a reference, which solves the same problem; else the first with a value of the material,
+/// which is met only where the grips do not disturb.
+Rank rank_of(const Record& record) {
+  for (const std::string end : {"_to_reference", ""})
+    for (const auto& [name, prescribed] : record.main_measures)
+      if (const std::string error = std::string(name) + end; std::isfinite(record.error(error)))
+        return {std::string(name), error};
+  return {};
+}
+
+/// Poisson's ratio and its like: the second thing to look at, in thousandths.
+double second_error(const Record& record, const Rank& rank) {
+  double sum = 0;
+  for (const auto& [name, prescribed] : record.main_measures)
+    if (name != rank.measure && std::isfinite(prescribed)) {
+      const double error = record.error(name);
+      sum += std::isfinite(error) ? std::round(std::abs(error) * 1000) : 1e9;
+    }
+  return sum;
+}
+
+/// The strategy to take: near enough in the first measure (0.1 %, or the best there is), nothing to warn of; then the
+/// nearest in the others that the material prescribes; then the fastest.
+const Record* best_of(const std::vector<Record>& records, const Rank& rank) {
   double least = INFINITY;
   for (const Record& record : records)
-    if (solved(record) && record.run.warnings.empty())
-      least = std::min(least, std::abs(error_of(record, "effective_modulus")));
+    if (solved(record) && record.run.warnings.empty()) least = std::min(least, std::abs(record.error(rank.error)));
   const Record* best = nullptr;
-  const auto rank = [](const Record& record) {
-    const double nu = error_of(record, "poissons_ratio");
-    return std::tuple{std::isfinite(nu) ? std::round(std::abs(nu) * 1000) : 1e9,
-                      record.run.build_seconds + record.run.solve_seconds};
+  const auto order = [&](const Record& record) {
+    return std::tuple{second_error(record, rank), record.run.build_seconds + record.run.solve_seconds};
   };
   for (const Record& record : records) {
     if (!solved(record) || !record.run.warnings.empty()) continue;
-    if (!(std::abs(error_of(record, "effective_modulus")) <= std::max(1e-3, least))) continue;
-    if (!best || rank(record) < rank(*best)) best = &record;
+    if (!(std::abs(record.error(rank.error)) <= std::max(1e-3, least))) continue;
+    if (!best || order(record) < order(*best)) best = &record;
   }
   return best;
+}
+
+/// Columns of one main measure: its value, its error against the material's own where there is one (a ratio's shows in
+/// the value; of the second and third modulus it says enough), and against a reference.
+struct MeasureColumns {
+  const MeasureInfo& info;
+  bool value, error, reference;
+};
+
+std::vector<MeasureColumns> columns_of(const std::vector<Record>& records) {
+  const auto any = [&](const auto& has) { return std::any_of(records.begin(), records.end(), has); };
+  const bool failed = !any(solved);
+  std::vector<MeasureColumns> columns;
+  for (const auto& [name, prescribed] : records.front().main_measures) {
+    const MeasureInfo& info = find_measure(std::string(name));
+    const std::string to_reference = std::string(name) + "_to_reference";
+    if (!failed && !any([&](const Record& r) { return std::isfinite(r.run.measures.get(info.name)); })) continue;
+    const bool error = std::isfinite(prescribed) && info.unit != dimension::none;
+    const bool reference = any([&](const Record& r) { return std::isfinite(r.error(to_reference)); });
+    columns.push_back({info, columns.empty() || !error || reference, error, reference});
+  }
+  return columns;
+}
+
+std::vector<std::string> comparison_head(const std::vector<MeasureColumns>& columns) {
+  std::vector<std::string> head{"strategy"};
+  for (const auto& [info, value, error, reference] : columns) {
+    if (value) head.push_back(info.label() + (error ? " measured" : ""));
+    if (error) head.push_back("error of " + info.label());
+    if (reference) head.push_back("to reference");
+  }
+  for (const char* name : {"iterations", "build", "solve", ""}) head.push_back(name);
+  return head;
+}
+
+std::vector<TableCell> comparison_row(const Record& record, const std::vector<MeasureColumns>& columns, bool best) {
+  const Run& run = record.run;
+  std::vector<TableCell> row{{run.strategy, best ? Tone::bold : run.suited ? Tone::plain : Tone::faint}};
+  for (const auto& [info, value, with_error, reference] : columns) {
+    const std::string shown = row.size() > 1 || solved(record) ? value_text(run.measures.get(info.name), info) : "—";
+    if (value) row.push_back({shown, Tone::plain, true});
+    const double error = record.error(info.name);
+    if (with_error) row.push_back({percent(error), tone_of_error(error), true});
+    if (reference) row.push_back({percent(record.error(std::string(info.name) + "_to_reference")), Tone::plain, true});
+  }
+  row.push_back(
+      {run.suited ? fmt::format("{} / {}", run.newton_iterations, run.linear_iterations) : "", Tone::plain, true});
+  row.push_back({run.suited ? readable_seconds(run.build_seconds) : "", Tone::plain, true});
+  row.push_back({run.suited ? readable_seconds(run.solve_seconds) : "", Tone::plain, true});
+  row.push_back({notes_of(record), solved(record) ? Tone::poor : run.suited ? Tone::bad : Tone::faint});
+  return row;
+}
+
+/// "take lattice: E +0.001 %, Poisson's ratio 0.2500 (asked: …), 3 ms".
+std::string advice_text(const std::vector<Record>& records, const Rank& rank, const Record* best, bool colours) {
+  if (records.size() < 2) return "";
+  if (!best) return "\n  none to take: each one failed or has a warning\n";
+  const double error = best->error(rank.error);
+  const std::string label = find_measure(rank.measure).label();
+  std::string found = label + " " + percent(error) + (rank.error == rank.measure ? "" : " to the reference");
+  for (const auto& [name, prescribed] : best->main_measures) {
+    const MeasureInfo& info = find_measure(std::string(name));
+    if (name == rank.measure || !std::isfinite(prescribed)) continue;
+    const double value = best->run.measures.get(name);
+    found += ", " + info.label() + " " +
+             (!std::isfinite(value)          ? "not measured"
+              : info.unit == dimension::none ? value_text(value, info)
+                                             : percent(best->error(name)));
+  }
+  return fmt::format("\n  {} {}: {} (asked: {}), {}\n",
+                     std::abs(error) <= kNear ? "take" : "none is near " + label + "; the nearest is",
+                     painted(best->run.strategy, Tone::bold, colours), found, best->prescribed,
+                     readable_seconds(best->run.build_seconds + best->run.solve_seconds));
+}
+
+std::string stiffness_text(const Stiffness6& stiffness, bool colours) {
+  constexpr const char* directions[] = {"xx", "yy", "zz", "yz", "xz", "xy"};
+  std::vector<std::string> head{"stiffness"};
+  for (const char* direction : directions) head.push_back(direction);
+  Table table(head);
+  const double negligible = 1e-9 * stiffness.cwiseAbs().maxCoeff();
+  for (int row = 0; row < 6; ++row) {
+    std::vector<TableCell> cells{{directions[row]}};
+    for (int column = 0; column < 6; ++column) {
+      const double value = stiffness(row, column);
+      const bool nothing = std::abs(value) < negligible;
+      cells.push_back(
+          {nothing ? "0" : readable(value, dimension::pressure), nothing ? Tone::faint : Tone::plain, true});
+    }
+    table.add(std::move(cells));
+  }
+  return "\n" + table.text(colours);
+}
+
+std::string curve_text(const std::vector<CurvePoint>& points, bool colours) {
+  std::vector<const MeasureInfo*> columns;
+  for (const auto& [name, value] : points.front().measures.all())
+    if (name != "energy" && name != "reaction_balance") columns.push_back(&find_measure(name));
+  std::vector<std::string> head{"load"};
+  for (const MeasureInfo* info : columns) head.push_back(info->label());
+  head.push_back("Newton");
+  Table table(head);
+  for (const CurvePoint& point : points) {
+    std::vector<TableCell> row{{fmt::format("{:.4g}", point.load_factor), Tone::plain, true}};
+    for (const MeasureInfo* info : columns)
+      row.push_back({value_text(point.measures.get(info->name), *info), Tone::plain, true});
+    row.push_back({std::to_string(point.newton_iterations), Tone::plain, true});
+    table.add(std::move(row));
+  }
+  return "\n" + table.text(colours);
 }
 
 }  // namespace
 
 std::string comparison_text(const std::vector<Record>& records, bool colours) {
   if (records.empty()) return "";
-  const bool referenced = std::isfinite(error_of(records.front(), "effective_modulus_to_reference"));
-  std::vector<std::string> head{
-      "strategy", "E measured", "error of E", "Poisson's ratio", "elongation", "iterations", "build", "solve", ""};
-  if (referenced) head.insert(head.begin() + 3, "to reference");
-  Table table(head);
-  const Record* best = best_of(records);
-  for (const Record& record : records) {
-    const Run& run = record.run;
-    const double error = error_of(record, "effective_modulus");
-    std::vector<TableCell> row{
-        {run.strategy, &record == best ? Tone::bold
-                       : run.suited    ? Tone::plain
-                                       : Tone::faint},
-        {solved(record) ? readable(run.measures.get("effective_modulus"), dimension::pressure) : "—", Tone::plain,
-         true},
-        {percent(error), tone_of_error(error), true},
-        {readable(run.measures.get("poissons_ratio"), dimension::none), Tone::plain, true},
-        {readable(run.measures.get("elongation"), dimension::length), Tone::plain, true},
-        {run.suited ? fmt::format("{} / {}", run.newton_iterations, run.linear_iterations) : "", Tone::plain, true},
-        {run.suited ? readable_seconds(run.build_seconds) : "", Tone::plain, true},
-        {run.suited ? readable_seconds(run.solve_seconds) : "", Tone::plain, true},
-        {notes_of(record), solved(record) ? Tone::poor
-                           : run.suited   ? Tone::bad
-                                          : Tone::faint}};
-    if (referenced)
-      row.insert(row.begin() + 3, {percent(error_of(record, "effective_modulus_to_reference")), Tone::plain, true});
-    table.add(std::move(row));
-  }
+  const std::vector<MeasureColumns> columns = columns_of(records);
+  Table table(comparison_head(columns));
+  Rank rank;
+  for (const Record& record : records)
+    if (rank.error.empty()) rank = rank_of(record);
+  const Record* best = best_of(records, rank);
+  for (const Record& record : records) table.add(comparison_row(record, columns, &record == best));
   std::string out = head_text(records.front(), colours) + "\n" + table.text(colours);
   std::vector<const Verdict*> verdicts;
-  for (const Record& record : records)
+  std::vector<std::string> remarks;
+  for (const Record& record : records) {
     for (const Verdict& verdict : record.verdicts) verdicts.push_back(&verdict);
-  out += verdicts_text(verdicts, colours);
-  if (!best && records.size() > 1) out += "\n  none to take: each one failed or has a warning\n";
-  if (best && records.size() > 1) {
-    const double error = error_of(*best, "effective_modulus"), nu = best->run.measures.get("poissons_ratio");
-    out += fmt::format("\n  {} {}: E {}, Poisson's ratio {} (asked: {}), {}\n",
-                       std::abs(error) <= kNear ? "take" : "none is near E; the nearest is",
-                       painted(best->run.strategy, Tone::bold, colours), percent(error),
-                       std::isfinite(nu) ? readable(nu, dimension::none) : "not measured", best->prescribed,
-                       readable_seconds(best->run.build_seconds + best->run.solve_seconds));
+    if (!record.run.remark.empty()) remarks.push_back(record.run.strategy + ": " + record.run.remark);
   }
+  out += verdicts_text(verdicts, colours);
+  const auto can_rank = [](const MeasureColumns& c) { return c.error || c.reference; };
+  if (std::any_of(columns.begin(), columns.end(), can_rank)) out += advice_text(records, rank, best, colours);
+  for (const std::string& remark : remarks) out += "  " + painted("remark: " + remark, Tone::faint, colours) + "\n";
   return out + "\n";
 }
 
@@ -162,32 +271,22 @@ std::string run_text(const Record& record, bool colours) {
     out += fmt::format("  volume term: {}\n", readable(run.volume_modulus, dimension::pressure, 6));
   for (const std::string& warning : run.warnings)
     out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";
+  if (!run.remark.empty()) out += "  " + painted("remark: " + run.remark, Tone::poor, colours) + "\n";
   Table table({"measure", "value", "error", ""});
   for (const auto& [name, value] : run.measures.all()) {
     const MeasureInfo& info = find_measure(name);
-    const double error = error_of(record, name);
-    const std::string off = !std::isfinite(error)      ? ""
-                            : name == "poissons_ratio" ? fmt::format("{:+.4f}", error)
-                                                       : percent(error);
-    const bool tiny = info.unit == dimension::none && std::abs(value) > 1e-14 && std::abs(value) < 0.1;
+    const double error = record.error(name);
+    const std::string off = !std::isfinite(error)          ? ""
+                            : info.unit == dimension::none ? fmt::format("{:+.4f}", error)
+                                                           : percent(error);
     table.add({{name},
-               {tiny ? fmt::format("{:.5g}", value) : readable(value, info.unit, 6), Tone::plain, true},
+               {value_text(value, info, 6), Tone::plain, true},
                {off, tone_of_error(error), true},
                {std::string(info.text), Tone::faint}});
   }
   if (!table.empty()) out += "\n" + table.text(colours);
-  if (run.curve.size() > 1) {
-    Table curve({"load", "force", "elongation", "strain", "stress", "E secant", "Newton"});
-    for (const CurvePoint& point : run.curve)
-      curve.add({{fmt::format("{:.4g}", point.load_factor), Tone::plain, true},
-                 {readable(point.measures.get("force"), dimension::force), Tone::plain, true},
-                 {readable(point.measures.get("elongation"), dimension::length), Tone::plain, true},
-                 {fmt::format("{:.5g} %", 100 * point.measures.get("strain")), Tone::plain, true},
-                 {readable(point.measures.get("stress"), dimension::pressure), Tone::plain, true},
-                 {readable(point.measures.get("effective_modulus"), dimension::pressure), Tone::plain, true},
-                 {std::to_string(point.newton_iterations), Tone::plain, true}});
-    out += "\n" + curve.text(colours);
-  }
+  if (run.measures.stiffness_matrix) out += stiffness_text(*run.measures.stiffness_matrix, colours);
+  if (run.curve.size() > 1) out += curve_text(run.curve, colours);
   std::vector<const Verdict*> verdicts;
   for (const Verdict& verdict : record.verdicts) verdicts.push_back(&verdict);
   out += verdicts_text(verdicts, colours);

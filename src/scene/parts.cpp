@@ -57,40 +57,6 @@ Matrix3 read_rotation(Reader reader) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 
-TensionSetup read_tension(Reader reader) {
-  TensionSetup setup;
-  const bool compression = reader.at("kind").choice<bool>({{"tension", false}, {"compression", true}});
-  if (auto axis = reader.find("axis")) setup.axis = read_direction(*axis);
-  const auto force = reader.find("force"), displacement = reader.find("displacement");
-  const auto load = [&](const Reader& value, const Dimension& dimension) {
-    const double amount = value.quantity(dimension);
-    if (amount == 0) value.fail("a load of zero stretches nothing: no modulus can be measured");
-    return compression ? -amount : amount;
-  };
-  if (force) setup.force = load(*force, dimension::force);
-  if (displacement) setup.displacement = load(*displacement, dimension::length);
-  const std::vector<std::pair<std::string, Grip>> grips{{"clamped", Grip::clamped}, {"sliding", Grip::sliding}};
-  if (auto grip = reader.find("fixed_grip")) setup.fixed_grip = grip->choice(grips);
-  if (auto grip = reader.find("loaded_grip")) setup.loaded_grip = grip->choice(grips);
-  if (auto sharing = reader.find("load_sharing"))
-    setup.sharing = sharing->choice<LoadSharing>({{"area", LoadSharing::area}, {"molecules", LoadSharing::molecules}});
-  if (auto reading = reader.find("reading"))
-    setup.reading = reading->choice<Reading>({{"mean", Reading::mean}, {"corner", Reading::corner}});
-  if (auto area = reader.find("cross_section")) setup.cross_section = area->quantity(dimension::area, kPositive);
-  if (auto length = reader.find("gauge_length")) setup.gauge_length = length->quantity(dimension::length, kPositive);
-  if (auto gauge = reader.find("gauge")) {
-    const auto planes = gauge->items(2);
-    setup.gauge = {planes[0].quantity(dimension::length, kNotNegative),
-                   planes[1].quantity(dimension::length, kPositive)};
-  }
-  if (auto depth = reader.find("grip_depth")) setup.grip_depth = depth->quantity(dimension::length, kPositive);
-  if (auto steps = reader.find("load_steps")) setup.load_steps = steps->whole(1, 100000);
-  reader.finish();
-  if (force && displacement) displacement->fail("there is a force already; give one of them");
-  if (!force && !displacement) reader.fail("give a force or a displacement");
-  return setup;
-}
-
 StaticOptions read_solver(Reader reader) {
   StaticOptions options;
   if (auto value = reader.find("displacements"))

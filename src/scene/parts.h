@@ -1,7 +1,6 @@
 #pragma once
 #include "elastin/simulation/catalog.h"
 #include "experiment/specimen.h"
-#include "experiment/tension.h"
 #include "scene/reader.h"
 
 namespace elastin {
@@ -11,7 +10,14 @@ Material read_material(Reader reader);
 /// Masses and radii are set too. The body is as written: rotated later, with the experiment.
 Body read_body(Reader reader, const Material& material);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
-TensionSetup read_tension(Reader reader);
+/// What an experiment needs to know of its scene. Directions of the scene are turned with it.
+struct ExperimentPlace {
+  const Body& body;  ///< rotated; must outlive the experiment
+  const Material& material;
+  Matrix3 rotation;
+  StaticOptions statics;
+};
+std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace& place);
 StaticOptions read_solver(Reader reader);
 /// One load; `rotation` turns its directions with the scene.
 std::function<std::unique_ptr<Load>(const Body&)> read_load(Reader reader, const Body& body, const Matrix3& rotation,

@@ -108,9 +108,9 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   scene->stiffness = read_strategy(reader.at("stiffness"), catalog);
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog);
   const Reader experiment = reader.at("experiment");
-  TensionSetup setup = read_tension(experiment);
-  setup.axis = rotation * setup.axis;
   if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver);
+  scene->experiment =
+      read_experiment(experiment, {scene->specimen.body, scene->specimen.material, rotation, scene->statics});
   if (auto loads = reader.find("loads"))
     for (const Reader& item : loads->items())
       scene->specimen.loads.push_back(read_load(item, scene->specimen.body, rotation, scene->warnings));
@@ -122,7 +122,6 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   if (auto references = reader.find("reference"))
     for (const Reader& item : references->items()) scene->references.push_back(read_reference(item));
   reader.finish();
-  scene->experiment = experiment.located([&] { return make_tension(scene->specimen.body, setup); });
   scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return scene;
 }

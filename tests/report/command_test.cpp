@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "elastin/simulation/catalog.h"
+#include "experiment/measures.h"
 #include "temporary_folder.h"
 
 using Catch::Matchers::Contains;
@@ -179,7 +180,9 @@ TEST_CASE("list names every strategy, parameter and measure", "[command]") {
     for (const elastin::ParameterInfo& info : strategy.parameters)
       CHECK_THAT(said.out, Contains("\n  " + strategy.name + "." + info.name + " ") && Contains(info.text));
   }
-  CHECK_THAT(said.out, Contains("effective_modulus  Pa ") && Contains("reaction_balance"));
+  for (const elastin::MeasureInfo& info : elastin::measure_list())
+    CHECK_THAT(said.out, Contains("\n  " + std::string(info.name) + " ") && Contains(std::string(info.text)));
+  CHECK_THAT(said.out, Contains("tangent_modulus      Pa  ") && Contains("torque               N m  "));
 }
 
 TEST_CASE("check names zero-energy modes and how many", "[command]") {
