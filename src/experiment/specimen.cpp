@@ -3,12 +3,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <optional>
 
-#include "elastin/forces/volume.h"
 #include "elastin/model/voronoi.h"
 #include "elastin/solve/modes.h"
-#include "experiment/volume_fit.h"
+#include "experiment/calibration.h"
 #include "stiffness/voronoi.h"
 
 namespace elastin {
@@ -35,94 +33,18 @@ Model make_model(const Specimen& specimen, Experiment& experiment, std::unique_p
   return model;
 }
 
-/// The measure to which a rule is calibrated: the first that the material prescribes a value for. Null if there is
-/// none.
-std::optional<MainMeasure> calibrated_measure(const Experiment& experiment, const Material& material) {
-  for (const MainMeasure& measure : experiment.main_measures(material))
-    if (std::isfinite(measure.prescribed)) return measure;
-  return std::nullopt;
-}
-
-/// What one linear solve of the experiment alone measures, without the scene's other loads; nothing if it fails. Under
-/// a small load, so that ways which are curved (of torsion) are straight too.
-std::optional<Measures> measure_linear(const Specimen& specimen, Experiment& experiment,
-                                       std::unique_ptr<Elasticity> elasticity, const StaticOptions& options, Run& run) {
-  Model model(specimen.body);
-  model.add(std::move(elasticity));
-  experiment.hold(model);
-  experiment.set_load(model, 0x1p-10);
-  State state = state_at_rest(specimen.body);
-  StaticOptions linear = options;
-  linear.linear = true;
-  StaticResult solved = solve_static(model, state, linear);
-  const Start rest{specimen.body.rest, Positions::Zero(3, solved.reactions.cols())};
-  Measures measures;
-  if (solved.outcome == Outcome::converged) measures = experiment.measure(model, rest, state, linear, solved);
-  run.linear_iterations += solved.linear_iterations;
-  if (solved.outcome == Outcome::converged) return measures;
-  run.outcome = solved.outcome;
-  run.cause = "calibration: " + solved.cause;
-  return std::nullopt;
-}
-
-void fail_calibration(Run& run, const std::string& cause) {
-  if (run.outcome != Outcome::converged) return;
-  run.outcome = Outcome::diverged;
-  run.cause = "calibration: " + cause;
-}
-
-/// Whether what was measured is rounding: the load meets a stiffness far below that of any single connection.
-bool meets_nothing(const Measures& measures, const VectorX& constants) {
-  const double stiffness = std::abs(measures.get("force") / measures.get("elongation"));
-  return stiffness < 1e-9 * constants.cwiseAbs().maxCoeff();
-}
-
-/// Scales the run's spring constants to the modulus prescribed over the one measured.
-void calibrate(const Specimen& specimen, Experiment& experiment, const StaticOptions& options, Run& run) {
-  const auto measures = measure_linear(specimen, experiment, make_springs(specimen.body, run.constants), options, run);
-  if (measures && meets_nothing(*measures, run.constants)) {
-    run.suited = false;
-    run.cause = "nothing to calibrate: the body is a mechanism that does not resist this load";
-    return;
-  }
-  const auto target = calibrated_measure(experiment, specimen.material);
-  const double measured = measures ? measures->get(target->name) : 0;
-  if (!(measured > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
-  run.calibration_factor = target->prescribed / measured;
-  run.constants *= run.calibration_factor;
-}
-
-/// Fits the run's spring constants and volume term to E and ν.
-void calibrate_with_volume(const Specimen& specimen, Experiment& experiment, const StaticOptions& options, Run& run) {
-  const auto fit = fit_volume(specimen.material, [&](double modulus) -> std::optional<std::pair<double, double>> {
-    auto elasticity = make_sum(make_springs(specimen.body, run.constants), make_volume(specimen.body, modulus));
-    const auto measures = measure_linear(specimen, experiment, std::move(elasticity), options, run);
-    if (!measures) return std::nullopt;
-    return std::pair{measures->get("effective_modulus"), measures->get("poissons_ratio")};
-  });
-  if (!fit) return fail_calibration(run, "the linear solves measure no positive modulus, or no Poisson's ratio");
-  run.calibration_factor = fit->spring_factor;
-  run.constants *= fit->spring_factor;
-  run.volume_modulus = fit->volume_modulus;
-  if (std::abs(fit->poissons_ratio - specimen.material.poissons_ratio) > 0.002)
-    run.warnings.push_back("calibration reaches no nearer Poisson's ratio than " + std::to_string(fit->poissons_ratio));
-}
-
 /// The springs of a rule, calibrated if asked for, with their volume term if any. Null if that fails: the run says why.
 std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
                                       const StaticOptions& options, Run& run) {
-  const bool with_volume = static_cast<bool>(choice.strategy.volume_modulus);
   run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
-  if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
-  if (choice.calibrated) (with_volume ? calibrate_with_volume : calibrate)(specimen, experiment, options, run);
+  if (choice.strategy.volume_modulus) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
+  if (choice.calibrated) calibrate(specimen, experiment, choice, options, run);
   if (!run.constants.allFinite()) {
     run.outcome = Outcome::diverged;
     run.cause = "a spring constant is not finite: a connection of no length?";
   }
   if (!run.suited || run.outcome != Outcome::converged) return nullptr;
-  auto springs = make_springs(specimen.body, run.constants);
-  return with_volume ? make_sum(std::move(springs), make_volume(specimen.body, run.volume_modulus))
-                     : std::move(springs);
+  return springs_of(specimen, choice, run, run.volume_modulus);
 }
 
 /// Whether the strategy needs the triangles or tetrahedra of a body that it suits.

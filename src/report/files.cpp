@@ -57,13 +57,13 @@ Json to_json(const Record& record) {
               {"residual", run.residual},
               {"zero_energy_modes", run.zero_energy_modes},
               {"warnings", record.warnings}};
+  if (run.calibration_factor != 1) object["calibration_factor"] = run.calibration_factor;
+  if (run.volume_modulus != 0) object["volume_modulus"] = run.volume_modulus;
   if (run.measures.stiffness_matrix) {
     object["stiffness_matrix"] = Json::array();
     for (const auto& row : run.measures.stiffness_matrix->rowwise())
       object["stiffness_matrix"].push_back(std::vector<double>(row.begin(), row.end()));
   }
-  if (run.calibration_factor != 1) object["calibration_factor"] = run.calibration_factor;
-  if (run.volume_modulus != 0) object["volume_modulus"] = run.volume_modulus;
   object["curve"] = Json::array();
   for (const CurvePoint& point : run.curve) {
     Json row = to_json(point.measures.all());
