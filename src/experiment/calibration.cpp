@@ -57,44 +57,58 @@ bool meets_nothing(const Measures& measures, const VectorX& constants) {
   return stiffness < 1e-9 * constants.cwiseAbs().maxCoeff();
 }
 
-/// Scales the run's constants to the modulus prescribed / measured.
-void calibrate(const Specimen& specimen, Experiment& experiment, const StaticOptions& options, Run& run) {
-  const auto measures = measure_linear(specimen, experiment, make_springs(specimen.body, run.constants), options, run);
+/// The springs of the run's constants, all on one curve if there is one, and a volume term of this modulus if the
+/// strategy has one.
+std::unique_ptr<Elasticity> assembled(const Specimen& specimen, const StrategyChoice& choice, const Run& run,
+                                      double volume_modulus, const std::optional<StressStrain>& curve = {}) {
+  auto springs = curve ? make_curve_springs(specimen.body, run.constants / specimen.material.youngs_modulus, *curve)
+                       : make_springs(specimen.body, run.constants);
+  if (!choice.strategy.volume_modulus) return springs;
+  return make_sum(std::move(springs), make_volume(specimen.body, volume_modulus));
+}
+
+void scale(Run& run, double factor, double volume_modulus) {
+  run.calibration_factor = factor;
+  run.constants *= factor;
+  run.volume_modulus = volume_modulus;
+}
+
+/// Scales the run's stiffness to the modulus prescribed / measured.
+void scale_to_modulus(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                      const StaticOptions& options, Run& run) {
+  const auto measures =
+      measure_linear(specimen, experiment, assembled(specimen, choice, run, run.volume_modulus), options, run);
   if (measures && meets_nothing(*measures, run.constants)) {
     run.suited = false;
     run.cause = "nothing to calibrate: the body is a mechanism that does not resist this load";
     return;
   }
-  const auto target = calibrated_measure(experiment, specimen.material);
-  const double measured = measures ? measures->get(target->name) : 0;
-  if (!(measured > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
-  run.calibration_factor = target->prescribed / measured;
-  run.constants *= run.calibration_factor;
+  const MainMeasure target = *calibrated_measure(experiment, specimen.material);
+  const double factor = measures ? target.prescribed / measures->get(target.name) : 0;
+  if (!(factor > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
+  scale(run, factor, factor * run.volume_modulus);
 }
 
 /// Fits the run's constants and volume term to E and ν.
-void calibrate_with_volume(const Specimen& specimen, Experiment& experiment, const StaticOptions& options, Run& run) {
+void fit_springs_and_volume(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                            const StaticOptions& options, Run& run) {
   const auto fit = fit_volume(specimen.material, [&](double modulus) -> std::optional<std::pair<double, double>> {
-    auto elasticity = make_sum(make_springs(specimen.body, run.constants), make_volume(specimen.body, modulus));
-    const auto measures = measure_linear(specimen, experiment, std::move(elasticity), options, run);
+    const auto measures = measure_linear(specimen, experiment, assembled(specimen, choice, run, modulus), options, run);
     if (!measures) return std::nullopt;
     return std::pair{measures->get("effective_modulus"), measures->get("poissons_ratio")};
   });
   if (!fit) return fail_calibration(run, "the linear solves measure no positive E, or no Poisson's ratio");
-  run.calibration_factor = fit->spring_factor;
-  run.constants *= fit->spring_factor;
-  run.volume_modulus = fit->volume_modulus;
+  scale(run, fit->spring_factor, fit->volume_modulus);
   if (std::abs(fit->poissons_ratio - specimen.material.poissons_ratio) > 0.002)
     run.warnings.push_back("calibration reaches no nearer Poisson's ratio than " + std::to_string(fit->poissons_ratio));
 }
 
-/// The springs of the run's constants, all on one curve if there is one, and its volume term.
-std::unique_ptr<Elasticity> assembled(const Specimen& specimen, const StrategyChoice& choice, const Run& run,
-                                      const std::optional<StressStrain>& curve) {
-  auto springs = curve ? make_curve_springs(specimen.body, run.constants / specimen.material.youngs_modulus, *curve)
-                       : make_springs(specimen.body, run.constants);
-  if (!choice.strategy.volume_modulus) return springs;
-  return make_sum(std::move(springs), make_volume(specimen.body, run.volume_modulus));
+/// Whether an experiment measures both E and ν of a material.
+bool measures_both(const Experiment& experiment, const Material& material) {
+  int found = 0;
+  for (const MainMeasure& measure : experiment.main_measures(material, {}))
+    found += measure.name == "effective_modulus" || measure.name == "poissons_ratio";
+  return found == 2;
 }
 
 /// A curve of the springs with which the body shows the material's.
@@ -106,7 +120,7 @@ StressStrain fitted_curve(const Specimen& specimen, Experiment& experiment, cons
   const CurveFit fit = fit_curve(*matrix.curve, [&](const StressStrain& springs) {
     if (options.progress) options.progress("fitting the springs' curve");
     Model model(specimen.body);
-    model.add(assembled(specimen, choice, run, springs));
+    model.add(assembled(specimen, choice, run, run.volume_modulus, springs));
     experiment.hold(model);
     Run trial;
     solve_load_curve(model, experiment, matrix, quiet, trial);
@@ -134,7 +148,10 @@ std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& expe
   const bool with_volume = static_cast<bool>(choice.strategy.volume_modulus);
   run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
   if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
-  if (choice.calibrated) (with_volume ? calibrate_with_volume : calibrate)(specimen, experiment, options.statics, run);
+  if (choice.calibrated) {
+    const bool both = with_volume && measures_both(experiment, specimen.material);
+    (both ? fit_springs_and_volume : scale_to_modulus)(specimen, experiment, choice, options.statics, run);
+  }
   if (!run.constants.allFinite()) {
     run.outcome = Outcome::diverged;
     run.cause = "a spring constant is not finite: a connection of no length?";
@@ -143,7 +160,7 @@ std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& expe
   std::optional<StressStrain> curve = specimen.material.curve;
   if (curve && choice.calibrated && !options.statics.linear && experiment.axis())
     curve = fitted_curve(specimen, experiment, choice, options, run);
-  return assembled(specimen, choice, run, curve);
+  return assembled(specimen, choice, run, run.volume_modulus, curve);
 }
 
 }  // namespace elastin

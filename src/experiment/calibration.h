@@ -14,7 +14,8 @@ std::string calibration_unsuited(const Experiment& experiment, const Material& m
 /// is fitted to the material by solves of the experiment alone, without the scene's other loads and without fibres:
 ///   * the constants to the first modulus that the experiment measures, by one linear solve of a small load (so that
 ///     ways which are curved are straight too);
-///   * with a volume term constants and term to E and ν, by two linear solves and at most two more;
+///   * with a volume term, and where the experiment measures both E and ν, constants and term to both, by two linear
+///     solves and at most two more;
 ///   * where the material has a stress–strain curve, then the springs' own curve to it (see curve_fit.h).
 /// Sets the run's constants and what calibration found. Null if a solve fails: the run says why.
 std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,

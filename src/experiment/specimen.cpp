@@ -1,13 +1,16 @@
 #include "experiment/specimen.h"
 
 #include <chrono>
+#include <cstdio>
 #include <optional>
 #include <string>
 
+#include "elastin/model/voronoi.h"
 #include "elastin/simulation/fibres.h"
 #include "elastin/solve/modes.h"
 #include "experiment/calibration.h"
 #include "experiment/load_curve.h"
+#include "stiffness/voronoi.h"
 
 namespace elastin {
 namespace {
@@ -38,6 +41,16 @@ void note_negative_constants(Run& run) {
   if (negative > 0)
     run.warnings.push_back(counted(negative, "spring constant is", "spring constants are") + " negative (of " +
                            std::to_string(run.constants.size()) + "): the body may have no stable equilibrium");
+}
+
+void note_lost_faces(const Body& body, const Strategy& strategy, Run& run) {
+  if (strategy.name != Voronoi::name) return;
+  const double lost = lost_share(body, *body.voronoi);
+  char percent[16];
+  std::snprintf(percent, sizeof percent, "%.1f %%", 100 * lost);
+  if (lost > 0.01)
+    run.warnings.push_back(std::string(percent) +
+                           " of the body hangs on faces between molecules that no connection joins, or on the surface");
 }
 
 void count_modes(const Model& model, Run& run) {
@@ -83,15 +96,23 @@ std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment
 
 }  // namespace
 
-Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
-                 const RunOptions& options) {
+void prepare(Body& body, const Strategy& strategy, const Material& material) {
+  if (body.voronoi) return;
+  if (strategy.needs_voronoi(body) || fibres_need_voronoi(strategy, body, material)) body.voronoi = voronoi_cells(body);
+}
+
+Run run_strategy(Specimen& specimen, Experiment& experiment, const StrategyChoice& choice, const RunOptions& options) {
   Run run;
   run.strategy = choice.label;
+  if (options.progress) options.progress("building");
+  const Stopwatch build;
+  prepare(specimen.body, choice.strategy, specimen.material);
   run.cause = unsuited(specimen, experiment, choice);
   if (!run.cause.empty()) {
     run.suited = false;
     return run;
   }
+  note_lost_faces(specimen.body, choice.strategy, run);
   run.uses_cells = needs_cells(choice.strategy, specimen.body);
   if (run.uses_cells) {
     const std::vector<int> cells = flat_or_inverted_cells(specimen.body, specimen.body.rest);
@@ -101,8 +122,6 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
       return run;
     }
   }
-  if (options.progress) options.progress("building");
-  const Stopwatch build;
   std::optional<Model> model = make_model(specimen, experiment, choice, options, run);
   if (!model) return run;
   run.build_seconds = build.seconds();

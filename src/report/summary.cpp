@@ -16,6 +16,13 @@ constexpr double kEnoughNeighbours = 12;
 
 bool solved(const Record& record) { return record.run.suited && record.run.outcome == Outcome::converged; }
 
+/// Solved, by a body that stands for itself: no mechanism, no negative constant, a minimum of the energy.
+bool sound(const Record& record) {
+  const Run& run = record.run;
+  return solved(record) && run.zero_energy_modes == 0 && !run.unstable &&
+         (run.constants.size() == 0 || run.constants.minCoeff() >= 0);
+}
+
 double whole_seconds(const Run& run) { return run.build_seconds + run.solve_seconds; }
 
 double median(std::vector<double> values) {
@@ -52,8 +59,8 @@ const Record* best_of(const std::vector<const Record*>& runs, bool with_cells) {
   };
   const Record* best = nullptr;
   for (const Record* record : runs)
-    if (solved(*record) && (with_cells || !record->run.uses_cells) && record->run.warnings.empty() &&
-        std::isfinite(distance_from_goal(*record)) && (!best || rank(*record) < rank(*best)))
+    if (sound(*record) && (with_cells || !record->run.uses_cells) && std::isfinite(distance_from_goal(*record)) &&
+        (!best || rank(*record) < rank(*best)))
       best = record;
   return best;
 }
@@ -153,7 +160,7 @@ std::string strategies_text(const Summary& summary, bool colours) {
 void add_best(const Record* best, std::vector<TableCell>& row) {
   const double modulus = best ? best->error("effective_modulus") : std::nan("");
   const double ratio = best ? best->error("poissons_ratio") : std::nan("");
-  row.push_back({best ? best->run.strategy : "none without a warning", best ? Tone::bold : Tone::bad});
+  row.push_back({best ? best->run.strategy : "none that is stable", best ? Tone::bold : Tone::bad});
   row.push_back({percent(modulus), tone_of(std::abs(modulus), kModulusGoal), true});
   row.push_back({number_text(ratio, "{:+.4f}"), tone_of(std::abs(ratio), kRatioGoal), true});
 }

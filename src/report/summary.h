@@ -23,7 +23,8 @@ struct StrategySummary {
   double solve = 0, whole = 0;  ///< medians of solve, and of build + solve, over those of `standard`; NaN without it
 };
 
-/// One body, the cell-free strategy to take on it, and the one to take among all; null if none ran without a warning.
+/// One body, the cell-free strategy to take on it, and the one to take among all; null if none ran without mechanism or
+/// instability.
 struct BodySummary {
   std::string scene;
   int molecules = 0;

@@ -94,10 +94,10 @@ TEST_CASE("exit code 1: an expectation or the run failed", "[command]") {
 TEST_CASE("run says how many steps were cut, and which cells are turned over at rest", "[command]") {
   const TemporaryFolder folder;
   const std::string block = folder.write("block.yaml", R"(body:
-  tetrahedra: {kind: kuhn, cubes: [3, 3, 3], size: [3 cm, 3 cm, 3 cm]}
+  tetrahedra: {kind: kuhn, cubes: [4, 4, 2], size: [6 cm, 6 cm, 1.5 cm]}
 material: {youngs_modulus: 5 kPa, poissons_ratio: 0.3}
 stiffness: neo_hookean
-experiment: {kind: compression, axis: z, force: 9 N}
+experiment: {kind: compression, axis: z, force: 27 N}
 )");
   const Said cut = say("run " + block);
   CHECK(cut.code == 0);

@@ -6,6 +6,9 @@
 
 namespace elastin {
 
+/// Whether the material's fibres need the body's Voronoi cells to join this strategy.
+bool fibres_need_voronoi(const Strategy& strategy, const Body& body, const Material& material);
+
 /// Why the material's fibres cannot join this strategy on this body, or ""; always "" for a material without fibres.
 std::string fibres_unsuited(const Strategy& strategy, const Body& body, const Material& material);
 
