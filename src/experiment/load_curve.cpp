@@ -14,6 +14,7 @@ bool note_solve(const StaticResult& solved, const std::string& where, Run& run) 
   run.cut_steps += solved.cut_steps;
   run.residual = solved.residual;
   const std::string unstable = "the equilibrium is not stable: directions of negative stiffness";
+  run.unstable |= solved.unstable;
   if (solved.unstable && (run.warnings.empty() || run.warnings.back() != unstable)) run.warnings.push_back(unstable);
   if (solved.outcome == Outcome::converged) return true;
   run.outcome = solved.outcome;

@@ -52,6 +52,7 @@ struct Run {
   int zero_energy_modes = 0;
   std::vector<std::string> warnings;
   std::string remark;       ///< of the experiment on what its measures mean here; empty = nothing to say
+  bool unstable = false;    ///< an equilibrium was found that is no minimum
   bool uses_cells = false;  ///< the strategy could not run without the body's triangles or tetrahedra
   bool suited = true;       ///< false: the strategy cannot run on this body; cause says why
 };

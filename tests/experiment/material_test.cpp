@@ -197,6 +197,6 @@ TEST_CASE("a turn about the axis of tension is no lateral strain", "[tension]") 
   state.positions = turn * Vector3(0.97, 0.99, 1.025).asDiagonal() * specimen.body.rest;
   StaticResult solved;
   solved.reactions = none;
-  const Measures measures = experiment->measure(model, {specimen.body.rest, none}, state, solved);
+  const Measures measures = experiment->measure(model, {specimen.body.rest, none}, state, {}, solved);
   CHECK(measures.get("lateral_strain") == Approx(-0.02).epsilon(1e-10));
 }
