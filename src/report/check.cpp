@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "elastin/simulation/fibres.h"
 #include "elastin/solve/modes.h"
 #include "report/table.h"
 
@@ -137,13 +138,15 @@ CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<
   std::vector<std::string> suited;
   std::map<std::string, std::vector<std::string>> unsuited;  // by what they lack
   for (const Strategy& strategy : catalog.strategies()) {
-    const std::string why = strategy.unsuited(body);
+    std::string why = strategy.unsuited(body);
+    if (why.empty()) why = fibres_unsuited(strategy, body, scene.specimen.material);
     (why.empty() ? suited : unsuited[why]).push_back(strategy.name);
   }
   add_line(report.text, "strategies", fmt::format("{}", fmt::join(suited, ", ")));
   for (const auto& [why, names] : unsuited)
     add_line(report.text, "not on this body", fmt::format("{} ({})", fmt::join(names, ", "), why));
-  std::string objects = fmt::format("{} experiment, 1 elasticity", scene.experiment->name());
+  std::string objects = fmt::format("{} experiment, 1 elasticity{}", scene.experiment->name(),
+                                    scene.specimen.material.fibre ? " and the material's fibres" : "");
   if (!scene.specimen.loads.empty()) objects += ", " + counted(static_cast<int>(scene.specimen.loads.size()), "load");
   add_line(report.text, "the scene builds",
            objects + (scene.statics.linear ? "; small displacements" : "; large displacements"));

@@ -14,8 +14,10 @@ namespace elastin {
 /// Without a curve it is linear elasticity in the frame that turns with the cell.
 ///
 /// Where tension and compression differ, Φ is the one of tension for s ≥ ½, that of compression for s ≤ −½, and in
-/// between Φ₋ + w(s) (Φ₊ − Φ₋), w = a smooth step; s = t/((1−2ν) q) is the trace of the linear stress over q: 1 in
-/// uniaxial tension, −1 in compression, 0 in shear. There W may lose its convexity if the two differ by much.
+/// between Φ₋ + w(s) (Φ₊ − Φ₋), w = the smooth step of continuous curvature; s = t/((1−2ν) q) is the trace of the
+/// linear stress over q: 1 in uniaxial tension, −1 in compression, 0 in shear. In between W is not convex once the two
+/// moduli differ by more than 13, 6, 2, 1 % at ν = 0, ¼, 0.4, 0.45: near uniaxial stress nothing comes of it, but a
+/// body in shear or clamped at large ν may then find no stable equilibrium, and the solver says so.
 struct Curve {
   static constexpr int corners = 4;
   static constexpr std::string_view name = "curve";

@@ -2,11 +2,13 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
 
 #include "bodies.h"
 #include "experiment/curve_fit.h"
 #include "experiment/specimen.h"
 #include "experiment/tension.h"
+#include "report/records.h"
 
 using namespace elastin;
 using namespace elastin::testing;
@@ -199,4 +201,18 @@ TEST_CASE("a turn about the axis of tension is no lateral strain", "[tension]") 
   solved.reactions = none;
   const Measures measures = experiment->measure(model, {specimen.body.rest, none}, state, {}, solved);
   CHECK(measures.get("lateral_strain") == Approx(-0.02).epsilon(1e-10));
+}
+
+TEST_CASE("the scenes of fibres and curves hold what they expect", "[material][scene]") {
+  for (const std::string name : {"ligament", "ligament-cells", "cartilage", "cartilage-springs", "bilinear",
+                                 "bilinear-pressed", "fibre-block-along", "fibre-block-across",
+                                 "fibre-block-along-cells", "fibre-block-across-cells", "fibre-block-askew-cells"}) {
+    const auto scene = load_scene(std::string(ELASTIN_SOURCE_DIR) + "/scenes/material/" + name + ".yaml", kCatalog);
+    const Record record = make_record(
+        *scene, run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics}));
+    INFO(name << ": " << record.run.cause);
+    CHECK(record.good());
+    CHECK_FALSE(record.verdicts.empty());
+    CHECK(std::abs(record.errors.at(0).second) < 0.01);  // E or the curve's secant, against theory
+  }
 }
