@@ -61,6 +61,7 @@ struct Run {
   VectorX constants;                ///< spring constants [N/m]; empty for laws without
   double build_seconds = 0, solve_seconds = 0;
   int newton_iterations = 0, linear_iterations = 0;
+  int halved_load_steps = 0;  ///< parts of the load that were gone in halves, lest a cell turn over
   double residual = 0;
   int zero_energy_modes = 0;
   std::vector<std::string> warnings;

@@ -52,6 +52,7 @@ Json to_json(const Record& record) {
               {"seconds", {{"build", run.build_seconds}, {"solve", run.solve_seconds}}},
               {"iterations", run.newton_iterations},
               {"linear_iterations", run.linear_iterations},
+              {"halved_load_steps", run.halved_load_steps},
               {"residual", run.residual},
               {"zero_energy_modes", run.zero_energy_modes},
               {"warnings", record.warnings}};

@@ -178,12 +178,13 @@ std::string advice_text(const std::vector<Record>& records, const Rank& rank, co
   std::string found = label + " " + percent(error) + (rank.error == rank.measure ? "" : " to the reference");
   for (const auto& [name, prescribed] : best->main_measures) {
     const MeasureInfo& info = find_measure(std::string(name));
-    if (name == rank.measure || !std::isfinite(prescribed)) continue;
     const double value = best->run.measures.get(name);
+    const bool modulus = info.unit != dimension::none;
+    if (name == rank.measure || !std::isfinite(prescribed) || (modulus && !std::isfinite(value))) continue;
     found += ", " + info.label() + " " +
-             (!std::isfinite(value)          ? "not measured"
-              : info.unit == dimension::none ? value_text(value, info)
-                                             : percent(best->error(name)));
+             (!std::isfinite(value) ? "not measured"
+              : modulus             ? percent(best->error(name))
+                                    : value_text(value, info));
   }
   return fmt::format("\n  {} {}: {} (asked: {}), {}\n",
                      std::abs(error) <= kNear ? "take" : "none is near " + label + "; the nearest is",
@@ -263,6 +264,8 @@ std::string run_text(const Record& record, bool colours) {
     out += fmt::format("  {}, {}, {} linear, residual {:.1e}, built in {}, solved in {}\n", run.solver,
                        counted(run.newton_iterations, "Newton iteration"), run.linear_iterations, run.residual,
                        readable_seconds(run.build_seconds), readable_seconds(run.solve_seconds));
+  if (run.halved_load_steps)
+    out += "  " + counted(run.halved_load_steps, "load step") + " gone in halves: a cell would have turned over\n";
   for (const std::string& warning : run.warnings)
     out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";
   if (!run.remark.empty()) out += "  " + painted("remark: " + run.remark, Tone::poor, colours) + "\n";

@@ -272,7 +272,8 @@ TEST_CASE("the option --out leaves every file whole", "[command]") {
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 4);
 }
 
-TEST_CASE("the option --strategies takes names of the catalog and labels of the scene, with the scene's parameters", "[command]") {
+TEST_CASE("the option --strategies takes names of the catalog and labels of the scene, with the scene's parameters",
+          "[command]") {
   const TemporaryFolder folder;
   const std::string cube = folder.write(
       "cube.yaml",
