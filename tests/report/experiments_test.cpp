@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "report/files.h"
+#include "report/ranking.h"
 #include "report/table.h"
 #include "temporary_folder.h"
 
@@ -57,6 +58,18 @@ TEST_CASE("strategies are ranked by the reference where the scene names one", "[
       records_of(experiment, "standard, lattice",
                  "reference: [{measure: pressure, value: " + std::to_string(stiff) + " Pa, source: me}]\n");
   CHECK_THAT(comparison_text(referenced, false), Contains("take standard: pressure ") && Contains("to the reference"));
+  CHECK(rank_strategies(referenced).best == &referenced[0]);
+  // Of two references the worse one counts: a strategy that hits one of them by luck is not taken.
+  std::vector<Record> two = referenced;
+  two[0].errors.emplace_back("bulk_modulus_to_reference", 3.);
+  two[1].errors.emplace_back("bulk_modulus_to_reference", 0.);
+  const Ranking ranking = rank_strategies(two);
+  CHECK(ranking.error(two[0]) == 3);
+  CHECK(ranking.best == &two[1]);
+  two[1].run.warnings.push_back("something is wrong");
+  CHECK(rank_strategies(two).best == &two[0]);
+  two[0].run.outcome = Outcome::diverged;
+  CHECK(rank_strategies(two).best == nullptr);
 }
 
 TEST_CASE("the stiffness matrix stands on the page and in the JSON", "[texts][files]") {
