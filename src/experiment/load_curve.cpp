@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "experiment/load_path.h"
 
 namespace elastin {
 namespace {
@@ -33,17 +36,6 @@ bool find_start(Model& model, Experiment& experiment, const RunOptions& options,
   return note_solve(solved, " (under the scene's own loads)", run);
 }
 
-/// Where the last step's way leads if it goes on: a start near the next equilibrium, unless a cell turns over or, under
-/// loads, the energy is higher than where the body stands (a bar that turns far would be torn).
-State going_on(const Model& model, const State& state, const Positions& before) {
-  State next = state;
-  next.positions += state.positions - before;
-  const double gain = model.elastic_energy(next.positions) + model.load_energy(next) -
-                      model.elastic_energy(state.positions) - model.load_energy(state);
-  const bool loaded = model.has_energy() && !model.load_forces(state).isZero(0);
-  return std::isfinite(gain) && !(loaded && gain > 0) ? next : state;
-}
-
 /// Where the material says what stress belongs to a strain: the largest difference to it, over the largest such stress.
 void note_curve_error(const Experiment& experiment, const Material& material, Run& run) {
   const auto axis = experiment.axis();
@@ -61,27 +53,25 @@ void note_curve_error(const Experiment& experiment, const Material& material, Ru
 
 void solve_load_curve(Model& model, Experiment& experiment, const Material& material, const RunOptions& options,
                       Run& run) {
-  State state = state_at_rest(model.body());
+  State at_start = state_at_rest(model.body());
   Start start;
-  if (!find_start(model, experiment, options, state, start, run)) return;
+  if (!find_start(model, experiment, options, at_start, start, run)) return;
+  LoadPath path(model, experiment, options.statics, std::move(at_start));
   const auto keep = [&](double load_factor) {
     if (options.keep_snapshots)
-      run.snapshots.push_back({load_factor, state.positions, model.force_densities(state.positions)});
+      run.snapshots.push_back({load_factor, path.state().positions, model.force_densities(path.state().positions)});
   };
   keep(0);
-  Positions before = state.positions;
   const int steps = experiment.load_steps();
   for (int step = 1; step <= steps; ++step) {
     const std::string place = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "";
     if (options.progress) options.progress(place.empty() ? "solving" : place);
     const double load_factor = static_cast<double>(step) / steps;
-    experiment.set_load(model, load_factor);
-    State next = state;
-    if (step > 1 && !options.statics.linear) next = going_on(model, state, before);
-    StaticResult solved = solve_static(model, next, options.statics);
+    StaticResult solved = path.advance(load_factor);
     Measures measures;
     if (solved.outcome == Outcome::converged)
-      measures = experiment.measure(model, start, next, options.statics, solved);
+      measures = experiment.measure(model, start, path.state(), options.statics, solved);
+    run.halved_load_steps = path.halvings();
     if (!note_solve(solved, place.empty() ? "" : " (" + place + ")", run)) return;
     if (measures.get("elongation") < 0 && measures.get("strain") <= -1) {
       run.outcome = Outcome::inverted;
@@ -89,8 +79,6 @@ void solve_load_curve(Model& model, Experiment& experiment, const Material& mate
           "the load presses the body through itself: strain below −100 %" + (place.empty() ? "" : " (" + place + ")");
       return;
     }
-    before = state.positions;
-    state = next;
     run.curve.push_back({load_factor, measures, solved.newton_iterations, solved.linear_iterations, solved.residual});
     keep(load_factor);
   }
@@ -98,7 +86,7 @@ void solve_load_curve(Model& model, Experiment& experiment, const Material& mate
   run.remark = experiment.remark(run.measures);
   note_curve_error(experiment, material, run);
   if (steps > 1 && model.has_full_tangent()) {
-    experiment.measure_end(model, state, options.statics, run.measures, run.linear_iterations);
+    experiment.measure_end(model, path.state(), options.statics, run.measures, run.linear_iterations);
     double sum = 0;
     for (const CurvePoint& point : run.curve) sum += point.measures.get("effective_modulus");
     run.measures.set("average_modulus", sum / steps);

@@ -47,7 +47,8 @@ struct Run {
   double volume_modulus = 0;        ///< κ of the springs' volume term [Pa]; 0 without
   double build_seconds = 0, solve_seconds = 0;
   int newton_iterations = 0, linear_iterations = 0;
-  int cut_steps = 0;  ///< Newton steps that were shortened because they would have turned a cell over
+  int cut_steps = 0;          ///< Newton steps that were shortened because they would have turned a cell over
+  int halved_load_steps = 0;  ///< parts of the load that were gone in halves, lest a cell turn over
   double residual = 0;
   int zero_energy_modes = 0;
   std::vector<std::string> warnings;

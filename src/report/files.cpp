@@ -54,6 +54,7 @@ Json to_json(const Record& record) {
               {"iterations", run.newton_iterations},
               {"linear_iterations", run.linear_iterations},
               {"cut_steps", run.cut_steps},
+              {"halved_load_steps", run.halved_load_steps},
               {"residual", run.residual},
               {"zero_energy_modes", run.zero_energy_modes},
               {"warnings", record.warnings}};

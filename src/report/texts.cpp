@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
+#include "report/ranking.h"
 #include "report/table.h"
 
 namespace elastin {
@@ -16,8 +16,6 @@ Tone tone_of_error(double error) {
   const double size = std::abs(error);
   return size <= 1e-3 ? Tone::good : size <= kNear ? Tone::plain : size <= 0.25 ? Tone::poor : Tone::bad;
 }
-
-bool solved(const Record& record) { return record.run.suited && record.run.outcome == Outcome::converged; }
 
 std::string head_text(const Record& record, bool colours) {
   std::string counts = counted(record.molecules, "molecule") + ", " + counted(record.connections, "connection");
@@ -76,50 +74,6 @@ std::string notes_of(const Record& record) {
   return notes;
 }
 
-/// What strategies are ranked by: a measure, and which of its errors.
-struct Rank {
-  std::string measure, error;
-};
-
-/// The first main measure with a reference, which solves the same problem; else the first with a value of the material,
-/// which is met only where the grips do not disturb.
-Rank rank_of(const Record& record) {
-  for (const std::string end : {"_to_reference", ""})
-    for (const auto& [name, prescribed] : record.main_measures)
-      if (const std::string error = std::string(name) + end; std::isfinite(record.error(error)))
-        return {std::string(name), error};
-  return {};
-}
-
-/// Poisson's ratio and its like: the second thing to look at, in thousandths.
-double second_error(const Record& record, const Rank& rank) {
-  double sum = 0;
-  for (const auto& [name, prescribed] : record.main_measures)
-    if (name != rank.measure && std::isfinite(prescribed)) {
-      const double error = record.error(name);
-      sum += std::isfinite(error) ? std::round(std::abs(error) * 1000) : 1e9;
-    }
-  return sum;
-}
-
-/// The strategy to take: near enough in the first measure (0.1 %, or the best there is), nothing to warn of; then the
-/// nearest in the others that the material prescribes; then the fastest.
-const Record* best_of(const std::vector<Record>& records, const Rank& rank) {
-  double least = INFINITY;
-  for (const Record& record : records)
-    if (solved(record) && record.run.warnings.empty()) least = std::min(least, std::abs(record.error(rank.error)));
-  const Record* best = nullptr;
-  const auto order = [&](const Record& record) {
-    return std::tuple{second_error(record, rank), record.run.build_seconds + record.run.solve_seconds};
-  };
-  for (const Record& record : records) {
-    if (!solved(record) || !record.run.warnings.empty()) continue;
-    if (!(std::abs(record.error(rank.error)) <= std::max(1e-3, least))) continue;
-    if (!best || order(record) < order(*best)) best = &record;
-  }
-  return best;
-}
-
 /// Columns of one main measure: its value, its error against the material's own where there is one (a ratio's shows in
 /// the value; of the second and third modulus it says enough), and against a reference.
 struct MeasureColumns {
@@ -172,23 +126,29 @@ std::vector<TableCell> comparison_row(const Record& record, const std::vector<Me
 }
 
 /// "take lattice: E +0.001 %, Poisson's ratio 0.2500 (asked: …), 3 ms".
-std::string advice_text(const std::vector<Record>& records, const Rank& rank, const Record* best, bool colours) {
-  if (records.size() < 2) return "";
+std::string advice_text(const Ranking& ranking, bool colours) {
+  const Record* best = ranking.best;
   if (!best) return "\n  none to take: each one failed or has a warning\n";
-  const double error = best->error(rank.error);
-  const std::string label = find_measure(rank.measure).label();
-  std::string found = label + " " + percent(error) + (rank.error == rank.measure ? "" : " to the reference");
+  std::string found, goal;
+  for (const std::string& name : ranking.measures) {
+    const std::string label = find_measure(name).label(), comma = found.empty() ? "" : ", ";
+    found += comma + label + " " + percent(best->error(ranking.error_name(name)));
+    goal += comma + label;
+  }
+  if (ranking.by_reference) found += " to the reference";
   for (const auto& [name, prescribed] : best->main_measures) {
     const MeasureInfo& info = find_measure(std::string(name));
-    if (name == rank.measure || !std::isfinite(prescribed)) continue;
     const double value = best->run.measures.get(name);
+    const bool modulus = info.unit != dimension::none;
+    const bool told = std::find(ranking.measures.begin(), ranking.measures.end(), name) != ranking.measures.end();
+    if (told || !std::isfinite(prescribed) || (modulus && !std::isfinite(value))) continue;
     found += ", " + info.label() + " " +
-             (!std::isfinite(value)          ? "not measured"
-              : info.unit == dimension::none ? value_text(value, info)
-                                             : percent(best->error(name)));
+             (!std::isfinite(value) ? "not measured"
+              : modulus             ? percent(best->error(name))
+                                    : value_text(value, info));
   }
   return fmt::format("\n  {} {}: {} (asked: {}), {}\n",
-                     std::abs(error) <= kNear ? "take" : "none is near " + label + "; the nearest is",
+                     ranking.error(*best) <= kNear ? "take" : "none is near " + goal + "; the nearest is",
                      painted(best->run.strategy, Tone::bold, colours), found, best->prescribed,
                      readable_seconds(best->run.build_seconds + best->run.solve_seconds));
 }
@@ -236,11 +196,8 @@ std::string comparison_text(const std::vector<Record>& records, bool colours) {
   if (records.empty()) return "";
   const std::vector<MeasureColumns> columns = columns_of(records);
   Table table(comparison_head(columns));
-  Rank rank;
-  for (const Record& record : records)
-    if (rank.error.empty()) rank = rank_of(record);
-  const Record* best = best_of(records, rank);
-  for (const Record& record : records) table.add(comparison_row(record, columns, &record == best));
+  const Ranking ranking = rank_strategies(records);
+  for (const Record& record : records) table.add(comparison_row(record, columns, &record == ranking.best));
   std::string out = head_text(records.front(), colours) + "\n" + table.text(colours);
   std::vector<const Verdict*> verdicts;
   std::vector<std::string> remarks;
@@ -250,7 +207,7 @@ std::string comparison_text(const std::vector<Record>& records, bool colours) {
   }
   out += verdicts_text(verdicts, colours);
   const auto can_rank = [](const MeasureColumns& c) { return c.error || c.reference; };
-  if (std::any_of(columns.begin(), columns.end(), can_rank)) out += advice_text(records, rank, best, colours);
+  if (records.size() > 1 && std::any_of(columns.begin(), columns.end(), can_rank)) out += advice_text(ranking, colours);
   for (const std::string& remark : remarks) out += "  " + painted("remark: " + remark, Tone::faint, colours) + "\n";
   return out + "\n";
 }
@@ -270,6 +227,8 @@ std::string run_text(const Record& record, bool colours) {
     out += fmt::format("  calibrated: spring constants times {:.6g}\n", run.calibration_factor);
   if (run.volume_modulus != 0)
     out += fmt::format("  volume term: {}\n", readable(run.volume_modulus, dimension::pressure, 6));
+  if (run.halved_load_steps)
+    out += "  " + counted(run.halved_load_steps, "load step") + " gone in halves: a cell would have turned over\n";
   for (const std::string& warning : run.warnings)
     out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";
   if (!run.remark.empty()) out += "  " + painted("remark: " + run.remark, Tone::poor, colours) + "\n";

@@ -55,3 +55,14 @@ TEST_CASE("points on a line have no area", "[tributary]") {
   for (int i = 0; i < 5; ++i) points.col(i) = Eigen::Vector2d(i, 2 * i);
   CHECK(polygon_area(convex_hull(points)) == 0);
 }
+
+TEST_CASE("second moments of area: rectangle, triangle, a shifted one", "[tributary]") {
+  Points2 rectangle(2, 4), triangle(2, 3);
+  rectangle << 0, 2, 2, 0, 0, 0, 3, 3;  // b h³/12 about its middle
+  triangle << 0, 6, 0, 0, 0, 4;         // b h³/36, h along the first coordinate
+  CHECK(polygon_second_moment(rectangle) == Approx(3 * 8 / 12.).epsilon(1e-12));
+  CHECK(polygon_second_moment(triangle) == Approx(4 * 216 / 36.).epsilon(1e-12));
+  triangle.colwise() += Eigen::Vector2d(1e4, -3e3);
+  CHECK(polygon_second_moment(triangle) == Approx(4 * 216 / 36.).epsilon(1e-10));
+  CHECK(polygon_second_moment(Points2(2, 0)) == 0);
+}

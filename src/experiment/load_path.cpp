@@ -1,0 +1,50 @@
+#include "experiment/load_path.h"
+
+#include <cmath>
+
+namespace elastin {
+
+LoadPath::LoadPath(Model& model, Experiment& experiment, const StaticOptions& options, State start)
+    : model_(model), experiment_(experiment), options_(options), state_(std::move(start)) {}
+
+/// Where the last way leads if it goes on: near the next equilibrium, unless a cell turns over or, under loads, the
+/// energy is higher than where the body stands (a bar that turns far would be torn).
+State LoadPath::start_of(double factor) const {
+  if (last_step_ == 0 || options_.linear) return state_;
+  State next = state_;
+  next.positions += (factor - factor_) / last_step_ * way_;
+  const double gain = model_.elastic_energy(next.positions) + model_.load_energy(next) -
+                      model_.elastic_energy(state_.positions) - model_.load_energy(state_);
+  const bool loaded = model_.has_energy() && !model_.load_forces(state_).isZero(0);
+  return std::isfinite(gain) && !(loaded && gain > 0) ? next : state_;
+}
+
+StaticResult LoadPath::advance(double factor) { return advance(factor, (factor - factor_) / 64); }
+
+StaticResult LoadPath::advance(double factor, double smallest) {
+  experiment_.set_load(model_, factor);
+  State next = start_of(factor);
+  StaticResult solved = solve_static(model_, next, options_);
+  if (solved.outcome == Outcome::converged) {
+    way_ = next.positions - state_.positions;
+    state_ = std::move(next);
+    last_step_ = factor - factor_;
+    factor_ = factor;
+    return solved;
+  }
+  const double half = (factor - factor_) / 2;
+  if (solved.outcome != Outcome::inverted || options_.linear || half < smallest) return solved;
+  ++halvings_;
+  const auto add_cost = [](StaticResult& result, const StaticResult& cost) {
+    result.newton_iterations += cost.newton_iterations;
+    result.linear_iterations += cost.linear_iterations;
+  };
+  StaticResult first = advance(factor_ + half, smallest);
+  add_cost(first, solved);
+  if (first.outcome != Outcome::converged) return first;
+  StaticResult second = advance(factor, smallest);
+  add_cost(second, first);
+  return second;
+}
+
+}  // namespace elastin
