@@ -2,9 +2,12 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 
+#include "elastin/model/voronoi.h"
 #include "elastin/solve/modes.h"
 #include "experiment/calibration.h"
+#include "stiffness/voronoi.h"
 
 namespace elastin {
 namespace {
@@ -49,6 +52,16 @@ void note_negative_constants(Run& run) {
   if (negative > 0)
     run.warnings.push_back(counted(negative, "spring constant is", "spring constants are") + " negative (of " +
                            std::to_string(run.constants.size()) + "): the body may have no stable equilibrium");
+}
+
+void note_lost_faces(const Body& body, const Strategy& strategy, Run& run) {
+  if (strategy.name != Voronoi::name) return;
+  const double lost = lost_share(body, *body.voronoi);
+  char percent[16];
+  std::snprintf(percent, sizeof percent, "%.1f %%", 100 * lost);
+  if (lost > 0.01)
+    run.warnings.push_back(std::string(percent) +
+                           " of the body hangs on faces between molecules that no connection joins, or on the surface");
 }
 
 void count_modes(const Model& model, Run& run) {
@@ -181,10 +194,16 @@ std::vector<StrategyChoice> all_strategies(const Catalog& catalog) {
   return choices;
 }
 
-Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
-                 const RunOptions& options) {
+void prepare(Body& body, const Strategy& strategy) {
+  if (!body.voronoi && strategy.needs_voronoi(body)) body.voronoi = voronoi_cells(body);
+}
+
+Run run_strategy(Specimen& specimen, Experiment& experiment, const StrategyChoice& choice, const RunOptions& options) {
   Run run;
   run.strategy = choice.label;
+  if (options.progress) options.progress("building");
+  const Stopwatch build;
+  prepare(specimen.body, choice.strategy);
   run.cause = choice.strategy.unsuited(specimen.body);
   if (choice.calibrated && run.cause.empty() && !calibrated_measure(experiment, specimen.material))
     run.cause = "a " + experiment.name() + " experiment on this body measures no modulus to calibrate to";
@@ -192,8 +211,7 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
     run.suited = false;
     return run;
   }
-  if (options.progress) options.progress("building");
-  const Stopwatch build;
+  note_lost_faces(specimen.body, choice.strategy, run);
   std::unique_ptr<Elasticity> elasticity;
   if (choice.strategy.constants) {
     elasticity = make_rule(specimen, experiment, choice, options.statics, run);

@@ -107,6 +107,20 @@ Body listed_body(const std::vector<Vector3>& places, const std::vector<std::arra
   return body;
 }
 
+void stretch(Body& body, const Vector3& factors) {
+  body.rest = factors.asDiagonal() * body.rest;
+  set_present_lengths(body);
+}
+
+void grade(Body& body, int axis, double ratio) {
+  const double low = body.rest.row(axis).minCoeff(), length = body.rest.row(axis).maxCoeff() - low;
+  const double growth = std::log(ratio);
+  if (!(length > 0) || growth == 0) return;
+  for (double& place : body.rest.row(axis))
+    place = low + length * std::expm1(growth * (place - low) / length) / std::expm1(growth);
+  set_present_lengths(body);
+}
+
 Body tetrahedral_block(BlockKind kind, const std::array<int, 3>& cubes, const Vector3& size) {
   const Vector3 side = size.array() / Vector3(cubes[0], cubes[1], cubes[2]).array();
   Body body = cubic_lattice({cubes[0] + 1, cubes[1] + 1, cubes[2] + 1}, 1, {});

@@ -114,6 +114,7 @@ void add_modes(std::string& out, Scene& scene) {
 }  // namespace
 
 CheckReport check_scene(Scene& scene, const Catalog& catalog) {
+  for (const Strategy& strategy : catalog.strategies()) prepare(scene.specimen.body, strategy);
   const Body& body = scene.specimen.body;
   CheckReport report;
   report.text = scene.name + (scene.title == scene.name ? "" : "  " + scene.title) + "\n";

@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "elastin/model/delaunay.h"
 #include "elastin/model/mesh_file.h"
 #include "elastin/model/shapes.h"
 #include "scene/parts.h"
@@ -40,7 +41,9 @@ Body read_lattice(Reader reader) {
   enum class Kind { cubic, body_centred, face_centred };
   const Kind kind = reader.at("kind").choice<Kind>(
       {{"cubic", Kind::cubic}, {"body_centred", Kind::body_centred}, {"face_centred", Kind::face_centred}});
-  const double spacing = reader.at("spacing").quantity(dimension::length, kPositive);
+  const Reader spacings = reader.at("spacing");  // one for all directions, or [x, y, z]
+  const bool equal = spacings.is_text();
+  const double spacing = equal ? spacings.quantity(dimension::length, kPositive) : 1;
   const auto connections = reader.find("connections");
   const std::optional<double> reach = read_reach(connections);
   Body body;
@@ -53,6 +56,7 @@ Body read_lattice(Reader reader) {
     body = kind == Kind::body_centred ? body_centred_lattice(cells, spacing, second)
                                       : face_centred_lattice(cells, spacing, second);
   }
+  if (!equal) stretch(body, spacings.vector(dimension::length, kPositive));
   if (reach) body.connections = connections_within(body.rest, *reach);
   reader.finish();
   return body;
@@ -129,7 +133,7 @@ Body read_shape(Reader& reader) {
       name = key;
     }
   if (!shape) {
-    reader.has("radius"), reader.has("jitter"), reader.has("connections");
+    for (const char* key : {"radius", "jitter", "grade", "cells", "connections"}) reader.has(key);
     reader.finish();
     reader.fail("needs a shape: lattice, packing, tetrahedra, mesh or molecules");
   }
@@ -140,21 +144,54 @@ Body read_shape(Reader& reader) {
   return read_list(*shape, reader.find("connections"));
 }
 
+/// Length of the shortest connection proper [m]; 0 if there is none.
+double shortest_connection(const Body& body) {
+  double shortest = 0;
+  for (int c = 0; c < body.connections.proper(); ++c) {
+    const double length = body.connections.rest_length[static_cast<std::size_t>(c)];
+    if (length > 0 && (shortest == 0 || length < shortest)) shortest = length;
+  }
+  return shortest;
+}
+
+void read_grade(Reader reader, Body& body) {
+  const int axis = reader.at("axis").choice<int>({{"x", 0}, {"y", 1}, {"z", 2}});
+  const double ratio = reader.at("ratio").quantity(dimension::none, {0.01, 100});
+  reader.finish();
+  grade(body, axis, ratio);
+}
+
+/// cells: delaunay. The sides that are no connections of the body's own become sides of cells only; all of them its
+/// connections where it has none.
+void read_cells(const Reader& reader, Body& body, std::vector<std::string>& warnings) {
+  reader.choice<int>({{"delaunay", 0}});
+  if (!body.tetrahedra.empty() || !body.triangles.empty()) reader.fail("the body has cells already");
+  body.tetrahedra = reader.located([&] { return delaunay_tetrahedra(body.rest); });
+  if (body.connections.size() == 0)
+    body.connections = connections_of_cells(body.rest, {}, body.tetrahedra);
+  else
+    add_cell_sides(body, sides_of(body.tetrahedra));
+  const auto flat = count_slivers(body.rest, body.tetrahedra);
+  if (flat > 0)
+    warnings.push_back(reader.path() + ": " + std::to_string(flat) + " of " + std::to_string(body.tetrahedra.size()) +
+                       " tetrahedra are nearly flat (below 1e-4 of the cube of their longest side)");
+}
+
 }  // namespace
 
-Body read_body(Reader reader, const Material& material) {
+Body read_body(Reader reader, const Material& material, std::vector<std::string>& warnings) {
   Body body = reader.located([&] { return read_shape(reader); });
-  double shortest = 0;
-  for (const double length : body.connections.rest_length)
-    if (length > 0 && (shortest == 0 || length < shortest)) shortest = length;
   if (auto jitter = reader.find("jitter")) {
     const double amount = jitter->at("amount").quantity(dimension::none, {0, 0.5, false});
     const int seed = jitter->has("seed") ? jitter->at("seed").whole(0) : 1;
     jitter->finish();
-    add_jitter(body, amount * shortest, static_cast<std::uint64_t>(seed));
+    add_jitter(body, amount * shortest_connection(body), static_cast<std::uint64_t>(seed));
   }
+  if (auto grading = reader.find("grade")) read_grade(*grading, body);
+  if (auto cells = reader.find("cells")) read_cells(*cells, body, warnings);
   const auto radius = reader.find("radius");
   reader.finish();
+  const double shortest = shortest_connection(body);
   if (!radius && shortest == 0) reader.fail("give a radius: there is no connection of which to take half the length");
   const double r = radius ? radius->quantity(dimension::length, kPositive) : shortest / 2;
   const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();

@@ -8,7 +8,7 @@ namespace elastin {
 /// The parts of a scene, each from its own key. All throw InputError with place and key.
 Material read_material(Reader reader);
 /// Masses and radii are set too. The body is as written: rotated later, with the experiment.
-Body read_body(Reader reader, const Material& material);
+Body read_body(Reader reader, const Material& material, std::vector<std::string>& warnings);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
 /// What an experiment needs to know of its scene. Directions of the scene are turned with it.
 struct ExperimentPlace {

@@ -99,7 +99,7 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   scene->title = reader.has("title") ? reader.at("title").text() : scene->name;
   scene->specimen.material = read_material(reader.at("material"));
   const Reader body = reader.at("body");
-  scene->specimen.body = read_body(body, scene->specimen.material);
+  scene->specimen.body = read_body(body, scene->specimen.material, scene->warnings);
   if (!scene->specimen.body.triangles.empty() && scene->specimen.material.thickness == 0)
     reader.at("material").fail("key 'thickness' is missing: a body of triangles is a membrane");
   warn_of_pieces(scene->specimen.body, scene->warnings);

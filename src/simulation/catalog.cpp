@@ -18,6 +18,7 @@
 #include "stiffness/uniform.h"
 #include "stiffness/van_gelder.h"
 #include "stiffness/van_gelder_simplified.h"
+#include "stiffness/voronoi.h"
 
 namespace elastin {
 
@@ -32,6 +33,7 @@ Catalog built_in_catalog() {
   catalog.add<VanGelderSimplified>();
   catalog.add<Lloyd>();
   catalog.add<Lattice>();
+  catalog.add<Voronoi>();
   catalog.add<Patch>();
   catalog.add<Uniform>();
   catalog.add<StVenantKirchhoff>();

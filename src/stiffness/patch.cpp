@@ -27,11 +27,20 @@ Tensor triple(const Vector3& n) {
                  kRoot3 * y * y * z, kRoot3 * x * z * z, kRoot3 * y * z * z, kRoot6 * x * y * z}};
 }
 
-/// δ_ij A_k + δ_jk A_i + δ_ik A_j.
-Tensor with_identity(const Vector3& A) {
-  return Tensor{{3 * A.x(), 3 * A.y(), 3 * A.z(), kRoot3 * A.y(), kRoot3 * A.z(), kRoot3 * A.x(), kRoot3 * A.z(),
-                 kRoot3 * A.x(), kRoot3 * A.y(), 0}};
+/// A fully symmetric fourth-order tensor as a map from vectors to third-order ones, C_ijkl A_l: all that central
+/// springs can have of a stiffness.
+using Stiffness = Eigen::Matrix<double, kComponents, 3>;
+
+/// δ_ij δ_kl + δ_ik δ_jl + δ_il δ_jk; C of the isotropic solid with ν = ¼ is 0.4 E of it.
+Stiffness isotropic() {
+  Stiffness C = Stiffness::Zero();
+  C.row(0)[0] = C.row(1)[1] = C.row(2)[2] = 3;
+  C.row(3)[1] = C.row(4)[2] = C.row(5)[0] = C.row(6)[2] = C.row(7)[0] = C.row(8)[1] = kRoot3;
+  return C;
 }
+
+/// What the surrounding solid asks of each molecule's connections: −C : A, A its surface [m²] over ℓ².
+Tensors wanted(const Stiffness& C, const Positions& areas, double length2) { return -C * areas / length2; }
 
 /// The faces that only one cell has; `faces` are corner numbers, counter-clockwise seen from outside.
 template <std::size_t corners, std::size_t face_count, std::size_t sides>
@@ -59,7 +68,10 @@ std::vector<std::array<int, sides>> surface(const std::vector<std::array<int, co
 
 /// Outward surface-area vector of each molecule [m²]: a third of each triangle outside; of a cube's face, the mean over
 /// the two ways to cut it into triangles (a quarter each, where it is a parallelogram). So Σ x_i A_iᵀ = V I exactly.
+/// Without cells, those of the Voronoi cells: there x A lacks the part of V that hangs on the molecules next to the
+/// surface but not in it.
 Positions surface_areas(const Body& body) {
+  if (Patch::needs_voronoi(body)) return body.voronoi->surface_area;
   Positions areas = Positions::Zero(3, body.size());
   const auto add_triangle = [&](int a, int b, int c, double part) {
     const Vector3 area = (body.rest.col(b) - body.rest.col(a)).cross(body.rest.col(c) - body.rest.col(a)) / 2;
@@ -85,7 +97,7 @@ struct PatchTest {
   const Connections& connections;
   Rows incident;
   Tensors direction;  ///< n n n from the first to the second end
-  Tensors wanted;     ///< right-hand side of each molecule
+  Tensors right;      ///< what each molecule is asked for
   VectorX uniform;    ///< y of the one constant for all that has the body's mean stiffness
   double length2;     ///< ℓ² [m²]
   VectorX length;     ///< L [m]
@@ -94,7 +106,6 @@ struct PatchTest {
       : connections(body.connections),
         incident(connections_of_molecules(body.size(), body.connections)),
         direction(kComponents, body.connections.size()),
-        wanted(kComponents, body.size()),
         length(body.connections.size()) {
     for (int c = 0; c < connections.size(); ++c) {
       const auto& [a, b] = connections.ends[c];
@@ -104,8 +115,7 @@ struct PatchTest {
     }
     length2 = length.squaredNorm() / static_cast<double>(length.size());
     const Positions areas = surface_areas(body);
-    for (int molecule = 0; molecule < body.size(); ++molecule)
-      wanted.col(molecule) = -0.4 / length2 * with_identity(areas.col(molecule));
+    right = wanted(0.4 * isotropic(), areas, length2);
     // The trace of the patch test, summed over the body, is Σ k L² = 6 E V; and 3 V = Σ x · A.
     const double volume = body.rest.cwiseProduct(areas).sum() / 3;
     uniform = 6 * volume / length.squaredNorm() / length2 * length;
@@ -113,8 +123,8 @@ struct PatchTest {
 
   /// Σ_j y n n n of each molecule.
   Tensors sums(const VectorX& y) const {
-    Tensors result(kComponents, wanted.cols());
-    parallel_for(static_cast<int>(wanted.cols()), [&](int molecule) {
+    Tensors result(kComponents, right.cols());
+    parallel_for(static_cast<int>(right.cols()), [&](int molecule) {
       Tensor sum = Tensor::Zero();
       for (const int c : incident[molecule])
         sum += (connections.ends[c][0] == molecule ? y[c] : -y[c]) * direction.col(c);
@@ -136,7 +146,7 @@ struct PatchTest {
   /// No eigenvalue of gather(sums(·)) is greater: a connection counts for two molecules.
   double largest_eigenvalue() const {
     double largest = 0;
-    for (int molecule = 0; molecule < wanted.cols(); ++molecule) {
+    for (int molecule = 0; molecule < right.cols(); ++molecule) {
       Eigen::Matrix<double, kComponents, kComponents> own = Eigen::Matrix<double, kComponents, kComponents>::Zero();
       for (const int c : incident[molecule]) own += direction.col(c) * direction.col(c).transpose();
       const Eigen::SelfAdjointEigenSolver<decltype(own)> solver(own, Eigen::EigenvaluesOnly);
@@ -146,7 +156,7 @@ struct PatchTest {
   }
 };
 
-/// The y ≥ 0 of least |sums(y) − wanted|² + pull |y − uniform|²: conjugate gradients on the positive unknowns; a step
+/// The y ≥ 0 of least |sums(y) − right|² + pull |y − uniform|²: conjugate gradients on the positive unknowns; a step
 /// that would turn some negative is projected and followed by a step of fixed length down the free gradient; unknowns
 /// held at zero are let go together once their gradient outweighs the free one (MPRGP) [Dostál 2009, ch. 5]. Ends when
 /// the projected gradient is small, or, where no constants pass the patch test, when 100 steps no longer lower the
@@ -155,7 +165,7 @@ VectorX non_negative_least_squares(const PatchTest& test) {
   constexpr double pull = 1e-6, tolerance = 1e-7, worthwhile = 0.99;
   constexpr int most_steps = 5000, window = 100;
   const auto apply = [&](const VectorX& v) -> VectorX { return test.gather(test.sums(v)) + pull * v; };
-  const VectorX right = test.gather(test.wanted) + pull * test.uniform;
+  const VectorX right = test.gather(test.right) + pull * test.uniform;
   const double fixed_step = 1.95 / (test.largest_eigenvalue() + pull);  // 2 is where it could go uphill
   VectorX y = test.uniform, gradient = apply(y) - right;
   const auto free_part = [&]() -> VectorX { return (y.array() > 0).select(gradient, 0.); };
@@ -165,7 +175,7 @@ VectorX non_negative_least_squares(const PatchTest& test) {
     const VectorX free = free_part(), held = (y.array() > 0).select(0., gradient.cwiseMin(0));
     if (!((free + held).norm() > tolerance * right.norm())) break;
     if (steps % window == 0) {
-      const double misfit = (test.sums(y) - test.wanted).norm();
+      const double misfit = (test.sums(y) - test.right).norm();
       if (misfit > worthwhile * last_misfit) break;
       last_misfit = misfit;
     }
@@ -191,7 +201,8 @@ VectorX non_negative_least_squares(const PatchTest& test) {
 }  // namespace
 
 std::string Patch::unsuited(const Body& body) {
-  return body.tetrahedra.empty() && body.cubes.empty() ? "needs a body with tetrahedra or cubes" : "";
+  if (!needs_voronoi(body)) return "";
+  return body.voronoi ? body.voronoi->problem : "needs tetrahedra, cubes or the Voronoi cells of its molecules";
 }
 
 VectorX Patch::constants(const Body& body, const Material& material) const {

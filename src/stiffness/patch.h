@@ -16,10 +16,11 @@ namespace elastin {
 struct Patch {
   static constexpr std::string_view name = "patch";
   static constexpr std::string_view summary =
-      "k >= 0 fitted so that every molecule passes the patch test, on cubic lattices and tetrahedra";
+      "k >= 0 fitted so that every molecule passes the patch test, on any connections";
   static constexpr std::string_view source = "patch test of finite elements; Cauchy relations";
 
-  /// The surface areas come from tetrahedra, or else from the cubes of a lattice.
+  /// The surface areas come from tetrahedra, or from the cubes of a lattice, or else from the Voronoi cells.
+  static bool needs_voronoi(const Body& body) { return body.tetrahedra.empty() && body.cubes.empty(); }
   static std::string unsuited(const Body& body);
 
   /// k [N/m], ≥ 0, one a connection. Seconds for 1e5 connections.

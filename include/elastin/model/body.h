@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,15 @@ struct Connections {
 template <int corners>
 using Cells = std::vector<std::array<int, corners>>;
 
+/// The part of the body's convex hull that is nearest to each molecule, as far as spring rules use it. Made by
+/// voronoi_cells (elastin/model/voronoi.h), which is not part of elastin::core.
+struct VoronoiCells {
+  std::string problem;  ///< why there are none, in words for a user; then the rest is empty
+  VectorX face_area;  ///< [m²], one a connection proper: the face between its molecules' cells; 0 if they don't touch
+  VectorX volume;     ///< [m³], one a molecule; they sum to the hull's
+  Positions surface_area;  ///< outward area vector of each molecule's cell on the hull [m²]
+};
+
 /// A piece of tissue: molecules (spheres) joined by connections, at rest. Never changes during a run.
 struct Body {
   Positions rest;  ///< places of the molecules, unstressed [m]
@@ -32,6 +42,7 @@ struct Body {
   Cells<4> tetrahedra;  ///< positively oriented: (x1−x0)·((x2−x0)×(x3−x0)) > 0
   /// The cubes of a simple cubic lattice, each by its eight molecules; only such lattices have them.
   Cells<8> cubes;
+  std::optional<VoronoiCells> voronoi;  ///< only where a strategy asks for them (Strategy::needs_voronoi)
   int size() const { return static_cast<int>(rest.cols()); }
 };
 

@@ -41,6 +41,14 @@ Body tetrahedral_block(BlockKind kind, const std::array<int, 3>& cubes, const Ve
 /// A body from given places and pairs; rest lengths are the distances.
 Body listed_body(const std::vector<Vector3>& places, const std::vector<std::array<int, 2>>& pairs);
 
+/// Stretches the whole body from the origin, along x, y, z; the present lengths become the rest lengths.
+void stretch(Body& body, const Vector3& factors);
+
+/// Grades the body along an axis (0, 1, 2): spacings grow smoothly along it, `ratio` (> 0) times as wide at the far end
+/// as at the near one, s(u) ∝ ratio^u; both ends stay where they are and planes across the axis stay plane. The present
+/// lengths become the rest lengths.
+void grade(Body& body, int axis, double ratio);
+
 /// Moves every molecule by up to ± `amount` [m] in each direction (uniform, seeded) and makes the present lengths the
 /// rest lengths. Molecules on the faces of the body's bounding box stay in their face, so that grips stay plane.
 void add_jitter(Body& body, double amount, std::uint64_t seed);

@@ -28,6 +28,8 @@ struct Strategy {
   std::vector<ParameterInfo> parameters;
   /// Why it cannot run on a body, or "".
   std::function<std::string(const Body&)> unsuited = [](const Body&) { return std::string(); };
+  /// Whether it needs the Voronoi cells of this body (Body::voronoi).
+  std::function<bool(const Body&)> needs_voronoi = [](const Body&) { return false; };
   /// Spring rules only: the constants [N/m]. Throws InputError on parameters out of range or unknown.
   std::function<VectorX(const Body&, const Material&, const ParameterValues&)> constants;
   /// The strategy at work. The body must outlive it. Empty for wrappers.
@@ -124,6 +126,7 @@ void Catalog::add() {
   strategy.parameters = detail::describe_parameters<Law>();
   if constexpr (requires(const Body& body) { Law::unsuited(body); })
     strategy.unsuited = [](const Body& body) { return Law::unsuited(*detail::seen_by<Law>(body)); };
+  if constexpr (requires(const Body& body) { Law::needs_voronoi(body); }) strategy.needs_voronoi = &Law::needs_voronoi;
   const Strategy described = strategy;  // what the two functions below need of it, without a pointer to a moving vector
   if constexpr (SpringRule<Law>) {
     strategy.kind = StrategyKind::spring_rule;

@@ -12,7 +12,8 @@ namespace elastin {
 
 /// Every stiffness strategy says its name, one line for `elastin list` and its source.
 /// It may add `static constexpr std::array parameters` (of Parameter<Law>),
-/// `static std::string unsuited(const Body&)`: why it cannot run on a body, or "", and, if a spring rule,
+/// `static std::string unsuited(const Body&)`: why it cannot run on a body, or "",
+/// `static bool needs_voronoi(const Body&)`: whether it works on Body::voronoi, and, if a spring rule,
 /// `static constexpr bool on_cells = true`: its constants come from cells. Other rules are not shown the connections
 /// that are sides of cells only (Connections::cell_sides), neither here nor in unsuited(): those get 0.
 template <class Law>
