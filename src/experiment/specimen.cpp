@@ -186,21 +186,30 @@ void prepare(Body& body, const Strategy& strategy) {
   if (!body.voronoi && strategy.needs_voronoi(body)) body.voronoi = voronoi_cells(body);
 }
 
-Run run_strategy(Specimen& specimen, Experiment& experiment, const StrategyChoice& choice, const RunOptions& options) {
+/// The body, or a copy with what the strategy needs of it.
+static std::shared_ptr<const Body> prepared(const Body& body, const Strategy& strategy) {
+  if (body.voronoi || !strategy.needs_voronoi(body)) return {std::shared_ptr<void>(), &body};
+  auto copy = std::make_shared<Body>(body);
+  prepare(*copy, strategy);
+  return copy;
+}
+
+Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                 const RunOptions& options) {
   Run run;
   run.strategy = choice.label;
   if (options.progress) options.progress("building");
   const Stopwatch build;
-  prepare(specimen.body, choice.strategy);
-  run.cause = choice.strategy.unsuited(specimen.body);
+  const std::shared_ptr<const Body> body = prepared(specimen.body, choice.strategy);
+  run.cause = choice.strategy.unsuited(*body);
   if (!run.cause.empty()) {
     run.suited = false;
     return run;
   }
-  note_lost_faces(specimen.body, choice.strategy, run);
+  note_lost_faces(*body, choice.strategy, run);
   std::unique_ptr<Elasticity> elasticity;
   if (choice.strategy.constants) {
-    run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
+    run.constants = choice.strategy.constants(*body, specimen.material, choice.values);
     if (choice.calibrated)
       run.constants *= calibration_factor(specimen, experiment, run.constants, options.statics, run);
     if (!run.constants.allFinite()) {
