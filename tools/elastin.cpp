@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
@@ -117,13 +118,18 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
     Scene& scene = *scenes[i];
     std::vector<Record> records;
     for (const StrategyChoice& choice : choices[i]) {
+      const auto start = std::chrono::steady_clock::now();
+      prepare(scene.specimen.body, choice.strategy, scene.specimen.material);
+      const std::chrono::duration<double> prepared = std::chrono::steady_clock::now() - start;
       RunOptions run_options;
       run_options.statics = scene.statics;
       run_options.keep_snapshots = !options.out.empty();
       run_options.progress = [&](const std::string& doing) {
         progress.set(scene.name + ", " + choice.label + ": " + doing);
       };
-      Record record = make_record(scene, run_strategy(scene.specimen, *scene.experiment, choice, run_options));
+      Run run = run_strategy(scene.specimen, *scene.experiment, choice, run_options);
+      run.build_seconds += prepared.count();  // once a body: the first strategy that needs it pays
+      Record record = make_record(scene, std::move(run));
       progress.pause();
       // `run` names its one strategy: that it cannot run is a failure; in a comparison it is a row.
       good &= record.good() && (compare || record.run.suited);

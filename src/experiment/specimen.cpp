@@ -67,6 +67,10 @@ void count_modes(const Model& model, Run& run) {
                            "; the load is solved in the range of the stiffness");
 }
 
+bool needs_voronoi(const Body& body, const Strategy& strategy, const Material& material) {
+  return !body.voronoi && (strategy.needs_voronoi(body) || fibres_need_voronoi(strategy, body, material));
+}
+
 /// Why a strategy cannot run here, or "".
 std::string unsuited(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice) {
   std::string reason = choice.strategy.unsuited(specimen.body);
@@ -97,16 +101,23 @@ std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment
 }  // namespace
 
 void prepare(Body& body, const Strategy& strategy, const Material& material) {
-  if (body.voronoi) return;
-  if (strategy.needs_voronoi(body) || fibres_need_voronoi(strategy, body, material)) body.voronoi = voronoi_cells(body);
+  if (needs_voronoi(body, strategy, material)) body.voronoi = voronoi_cells(body);
 }
 
-Run run_strategy(Specimen& specimen, Experiment& experiment, const StrategyChoice& choice, const RunOptions& options) {
+Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                 const RunOptions& options) {
+  const Stopwatch build;
+  if (needs_voronoi(specimen.body, choice.strategy, specimen.material)) {
+    Specimen prepared = specimen;
+    prepare(prepared.body, choice.strategy, specimen.material);
+    const double seconds = build.seconds();
+    Run run = run_strategy(prepared, experiment, choice, options);
+    run.build_seconds += seconds;
+    return run;
+  }
   Run run;
   run.strategy = choice.label;
   if (options.progress) options.progress("building");
-  const Stopwatch build;
-  prepare(specimen.body, choice.strategy, specimen.material);
   run.cause = unsuited(specimen, experiment, choice);
   if (!run.cause.empty()) {
     run.suited = false;

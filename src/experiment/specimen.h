@@ -7,8 +7,9 @@ namespace elastin {
 /// Gives the body what the strategy needs of it and it has not yet: its Voronoi cells. In the body's present pose.
 void prepare(Body& body, const Strategy& strategy, const Material& material);
 
-/// Prepares the body, builds the strategy on the specimen, solves every load step and measures. Numerical trouble is an
-/// outcome in the result; wrong parameters throw InputError.
-Run run_strategy(Specimen& specimen, Experiment& experiment, const StrategyChoice& choice, const RunOptions& options);
+/// Builds the strategy on the specimen, solves every load step and measures. Numerical trouble is an outcome in the
+/// result; wrong parameters throw InputError. A body that is not prepared is copied for the run.
+Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                 const RunOptions& options);
 
 }  // namespace elastin

@@ -5,6 +5,7 @@
 #include "bodies.h"
 #include "elastin/base/error.h"
 #include "elastin/forces/model.h"
+#include "elastin/model/voronoi.h"
 #include "elastin/simulation/catalog.h"
 #include "elastin/simulation/fibres.h"
 #include "forces/tangent.h"
@@ -38,8 +39,9 @@ bool add_strategy(Model& model, const Strategy& strategy, const Material& materi
 /// Calls test(strategy, body, model, number of the material) for each strategy, material and body that go together.
 template <class Test>
 void for_each_pair(Test test) {
-  const std::vector<std::pair<std::string, Body>> bodies{
+  std::vector<std::pair<std::string, Body>> bodies{
       {"lattice", jittered_lattice()}, {"block", jittered_block()}, {"sheet", sheet(kMaterial.thickness)}};
+  for (auto& [name, body] : bodies) body.voronoi = voronoi_cells(body);
   const std::vector<Material> all = materials();
   std::vector<Strategy> strategies = built_in_catalog().strategies();
   const std::size_t plain = strategies.size();
@@ -144,6 +146,7 @@ TEST_CASE("every strategy: stiffness scales with E and not with the order of mol
       for (int& molecule : cell) molecule = last - molecule;
     for (auto& cell : reversed.cubes)
       for (int& molecule : cell) molecule = last - molecule;
+    reversed.voronoi = voronoi_cells(reversed);
     Model other(reversed);
     REQUIRE(add_strategy(other, strategy, materials()[material]));
     const Positions back = other.elastic_forces(places.rowwise().reverse()).rowwise().reverse();
