@@ -107,7 +107,7 @@ TEST_CASE("only a rectangle's torsion constant is known", "[torsion]") {
   TorsionSetup setup;
   setup.angle = 0.1;
   const auto experiment = make_torsion(specimen.body, setup);
-  for (const MainMeasure& measure : experiment->main_measures(specimen.material))
+  for (const MainMeasure& measure : experiment->main_measures(specimen.material, {}))
     CHECK(measure.name != "shear_modulus");
   const Run run = run_strategy(specimen, *experiment, choose_strategy(built_in_catalog(), "calibrated:standard"), {});
   CHECK_FALSE(run.suited);
