@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "elastin/forces/volume.h"
 #include "elastin/model/voronoi.h"
 #include "elastin/solve/modes.h"
 #include "experiment/calibration.h"
@@ -53,6 +54,7 @@ bool needs_cells(const Strategy& strategy, const Body& body) {
   Body bare = body;
   bare.triangles.clear();
   bare.tetrahedra.clear();
+  if (strategy.volume_modulus && !unsuited_for_volumes(bare).empty()) return true;
   return !strategy.unsuited(bare).empty() && !strategy.needs_voronoi(bare);
 }
 
