@@ -116,6 +116,7 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
     Scene& scene = *scenes[i];
     std::vector<Record> records;
     for (const StrategyChoice& choice : choices[i]) {
+      prepare(scene.specimen.body, choice.strategy);
       RunOptions run_options;
       run_options.statics = scene.statics;
       run_options.keep_snapshots = !options.out.empty();

@@ -35,9 +35,9 @@ Model make_model(const Specimen& specimen, Experiment& experiment, std::unique_p
 }
 
 /// The springs of a rule, calibrated if asked for, with their volume term if any. Null if that fails: the run says why.
-std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
-                                      const StaticOptions& options, Run& run) {
-  run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
+std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Body& prepared_body, Experiment& experiment,
+                                      const StrategyChoice& choice, const StaticOptions& options, Run& run) {
+  run.constants = choice.strategy.constants(prepared_body, specimen.material, choice.values);
   if (choice.strategy.volume_modulus) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
   if (choice.calibrated) calibrate(specimen, experiment, choice, options, run);
   if (!run.constants.allFinite()) {
@@ -211,20 +211,29 @@ void prepare(Body& body, const Strategy& strategy) {
   if (!body.voronoi && strategy.needs_voronoi(body)) body.voronoi = voronoi_cells(body);
 }
 
-Run run_strategy(Specimen& specimen, Experiment& experiment, const StrategyChoice& choice, const RunOptions& options) {
+/// The body, or a copy with what the strategy needs of it.
+static std::shared_ptr<const Body> prepared(const Body& body, const Strategy& strategy) {
+  if (body.voronoi || !strategy.needs_voronoi(body)) return {std::shared_ptr<void>(), &body};
+  auto copy = std::make_shared<Body>(body);
+  prepare(*copy, strategy);
+  return copy;
+}
+
+Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                 const RunOptions& options) {
   Run run;
   run.strategy = choice.label;
   if (options.progress) options.progress("building");
   const Stopwatch build;
-  prepare(specimen.body, choice.strategy);
-  run.cause = choice.strategy.unsuited(specimen.body);
+  const std::shared_ptr<const Body> body = prepared(specimen.body, choice.strategy);
+  run.cause = choice.strategy.unsuited(*body);
   if (choice.calibrated && run.cause.empty() && !calibrated_measure(experiment, specimen.material))
     run.cause = "a " + experiment.name() + " experiment on this body measures no modulus to calibrate to";
   if (!run.cause.empty()) {
     run.suited = false;
     return run;
   }
-  note_lost_faces(specimen.body, choice.strategy, run);
+  note_lost_faces(*body, choice.strategy, run);
   run.uses_cells = needs_cells(choice.strategy, specimen.body);
   if (run.uses_cells) {
     const std::vector<int> cells = flat_or_inverted_cells(specimen.body, specimen.body.rest);
@@ -236,7 +245,7 @@ Run run_strategy(Specimen& specimen, Experiment& experiment, const StrategyChoic
   }
   std::unique_ptr<Elasticity> elasticity;
   if (choice.strategy.constants) {
-    elasticity = make_rule(specimen, experiment, choice, options.statics, run);
+    elasticity = make_rule(specimen, *body, experiment, choice, options.statics, run);
     if (!elasticity) return run;
     note_negative_constants(run);
   } else {
