@@ -57,6 +57,14 @@ bool meets_nothing(const Measures& measures, const VectorX& constants) {
   return stiffness < 1e-9 * constants.cwiseAbs().maxCoeff();
 }
 
+/// If so, the strategy does not suit the body.
+bool note_mechanism(const std::optional<Measures>& measures, Run& run) {
+  if (!measures || !meets_nothing(*measures, run.constants)) return false;
+  run.suited = false;
+  run.cause = "nothing to calibrate: the body is a mechanism that does not resist this load";
+  return true;
+}
+
 /// The springs of the run's constants, all on one curve if there is one, and a volume term of this modulus if the
 /// strategy has one.
 std::unique_ptr<Elasticity> assembled(const Specimen& specimen, const StrategyChoice& choice, const Run& run,
@@ -78,11 +86,7 @@ void scale_to_modulus(const Specimen& specimen, Experiment& experiment, const St
                       const StaticOptions& options, Run& run) {
   const auto measures =
       measure_linear(specimen, experiment, assembled(specimen, choice, run, run.volume_modulus), options, run);
-  if (measures && meets_nothing(*measures, run.constants)) {
-    run.suited = false;
-    run.cause = "nothing to calibrate: the body is a mechanism that does not resist this load";
-    return;
-  }
+  if (note_mechanism(measures, run)) return;
   const MainMeasure target = *calibrated_measure(experiment, specimen.material);
   const double factor = measures ? target.prescribed / measures->get(target.name) : 0;
   if (!(factor > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
@@ -94,9 +98,10 @@ void fit_springs_and_volume(const Specimen& specimen, Experiment& experiment, co
                             const StaticOptions& options, Run& run) {
   const auto fit = fit_volume(specimen.material, [&](double modulus) -> std::optional<std::pair<double, double>> {
     const auto measures = measure_linear(specimen, experiment, assembled(specimen, choice, run, modulus), options, run);
-    if (!measures) return std::nullopt;
+    if (note_mechanism(measures, run) || !measures) return std::nullopt;
     return std::pair{measures->get("effective_modulus"), measures->get("poissons_ratio")};
   });
+  if (!run.suited) return;
   if (!fit) return fail_calibration(run, "the linear solves measure no positive E, or no Poisson's ratio");
   scale(run, fit->spring_factor, fit->volume_modulus);
   if (std::abs(fit->poissons_ratio - specimen.material.poissons_ratio) > 0.002)

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "elastin/forces/volume.h"
 #include "elastin/model/voronoi.h"
 #include "elastin/simulation/fibres.h"
 #include "elastin/solve/modes.h"
@@ -33,7 +34,8 @@ bool needs_cells(const Strategy& strategy, const Body& body) {
   Body bare = body;
   bare.triangles.clear();
   bare.tetrahedra.clear();
-  return !strategy.unsuited(bare).empty();
+  if (strategy.volume_modulus && !unsuited_for_volumes(bare).empty()) return true;
+  return !strategy.unsuited(bare).empty() && !strategy.needs_voronoi(bare);
 }
 
 void note_negative_constants(Run& run) {
@@ -44,7 +46,7 @@ void note_negative_constants(Run& run) {
 }
 
 void note_lost_faces(const Body& body, const Strategy& strategy, Run& run) {
-  if (strategy.name != Voronoi::name) return;
+  if (!strategy.name.starts_with(Voronoi::name)) return;  // with a volume term or without
   const double lost = lost_share(body, *body.voronoi);
   char percent[16];
   std::snprintf(percent, sizeof percent, "%.1f %%", 100 * lost);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <tuple>
 
 #include "report/table.h"
@@ -16,10 +17,10 @@ constexpr double kEnoughNeighbours = 12;
 
 bool solved(const Record& record) { return record.run.suited && record.run.outcome == Outcome::converged; }
 
-/// Solved, by a body that stands for itself: no mechanism, no negative constant, a minimum of the energy.
+/// Solved, by a body that stands for itself: no mechanism, no negative constant, a minimum of the energy, some modulus.
 bool sound(const Record& record) {
   const Run& run = record.run;
-  return solved(record) && run.zero_energy_modes == 0 && !run.unstable &&
+  return solved(record) && run.zero_energy_modes == 0 && !run.unstable && record.error("effective_modulus") > -0.99 &&
          (run.constants.size() == 0 || run.constants.minCoeff() >= 0);
 }
 
@@ -53,13 +54,13 @@ double distance_from_goal(const Record& record) {
 
 bool within_goal(const Record& record) { return distance_from_goal(record) <= 1; }
 
-const Record* best_of(const std::vector<const Record*>& runs, bool with_cells) {
+const Record* best_of(const std::vector<const Record*>& runs, const std::function<bool(const Run&)>& counts) {
   const auto rank = [](const Record& record) {
     return std::tuple{std::round(100 * distance_from_goal(record)), whole_seconds(record.run)};
   };
   const Record* best = nullptr;
   for (const Record* record : runs)
-    if (sound(*record) && (with_cells || !record->run.uses_cells) && std::isfinite(distance_from_goal(*record)) &&
+    if (sound(*record) && counts(record->run) && std::isfinite(distance_from_goal(*record)) &&
         (!best || rank(*record) < rank(*best)))
       best = record;
   return best;
@@ -165,27 +166,36 @@ void add_best(const Record* best, std::vector<TableCell>& row) {
   row.push_back({number_text(ratio, "{:+.4f}"), tone_of(std::abs(ratio), kRatioGoal), true});
 }
 
+TableCell goal_cell(const Record* best, bool enough) {
+  const bool good = best && within_goal(*best);
+  return {good ? "within" : "no", good ? Tone::good : enough ? Tone::bad : Tone::poor};
+}
+
 std::string bodies_text(const Summary& summary, bool colours) {
   Table table({"body", "molecules", "neighbours inside", "least", "best without cells", "error of E", "nu - asked",
-               "1 %, 0.01", "best of all", "error of E", "nu - asked"});
-  int asked = 0, held = 0;
+               "1 %, 0.01", "best springs", "error of E", "nu - asked", "1 %, 0.01"});
+  int asked = 0, held = 0, held_by_springs = 0;
   for (const BodySummary& body : summary.bodies) {
-    const bool good = body.best && within_goal(*body.best), enough = body.neighbours.mean >= kEnoughNeighbours;
+    const bool enough = body.neighbours.mean >= kEnoughNeighbours;
     asked += enough;
-    held += enough && good;
+    held += enough && body.best && within_goal(*body.best);
+    held_by_springs += enough && body.best_springs && within_goal(*body.best_springs);
     const Tone tone = enough ? Tone::plain : Tone::faint;
     std::vector<TableCell> row{{body.scene},
                                {std::to_string(body.molecules), Tone::plain, true},
                                {fmt::format("{:.1f}", body.neighbours.mean), tone, true},
                                {std::to_string(body.neighbours.least), tone, true}};
     add_best(body.best, row);
-    row.push_back({good ? "within" : "no", good ? Tone::good : enough ? Tone::bad : Tone::poor});
-    add_best(body.best_of_all, row);
+    row.push_back(goal_cell(body.best, enough));
+    add_best(body.best_springs, row);
+    row.push_back(goal_cell(body.best_springs, enough));
     table.add(std::move(row));
   }
-  return table.text(colours) +
-         fmt::format("\n  without cells within 1 % of E and 0.01 of nu: {} of the {} with {:.0f} neighbours or more\n",
-                     held, counted(asked, "body", "bodies"), kEnoughNeighbours);
+  return table.text(colours) + fmt::format(
+                                   "\n  within 1 % of E and 0.01 of nu, of the {} with {:.0f} neighbours or more: {} "
+                                   "without cells, {} by any "
+                                   "springs (some with a volume term over cells)\n",
+                                   counted(asked, "body", "bodies"), kEnoughNeighbours, held, held_by_springs);
 }
 
 /// How many calibrated runs have the E that was asked for.
@@ -236,8 +246,9 @@ Summary summarise(const std::vector<Record>& records) {
     summary.strategies.push_back(summary_of(runs, records));
   for (const auto& runs : grouped(records, [](const Record& record) { return record.path; })) {
     const Record& first = *runs.front();
-    summary.bodies.push_back(
-        {first.scene, first.molecules, first.neighbours, best_of(runs, false), best_of(runs, true)});
+    summary.bodies.push_back({first.scene, first.molecules, first.neighbours,
+                              best_of(runs, [](const Run& run) { return !run.uses_cells; }),
+                              best_of(runs, [](const Run& run) { return run.constants.size() > 0; })});
     for (StrategySummary& row : summary.strategies)
       if (const Record* best = summary.bodies.back().best) row.best_on += row.strategy == best->run.strategy;
   }

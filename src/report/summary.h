@@ -23,13 +23,14 @@ struct StrategySummary {
   double solve = 0, whole = 0;  ///< medians of solve, and of build + solve, over those of `standard`; NaN without it
 };
 
-/// One body, the cell-free strategy to take on it, and the one to take among all; null if none ran without mechanism or
+/// One body, the strategy without cells to take on it, and the spring rule (which may have a
+/// volume term over cells, or constants from cells); null if none ran without mechanism or
 /// instability.
 struct BodySummary {
   std::string scene;
   int molecules = 0;
   Neighbours neighbours;
-  const Record *best = nullptr, *best_of_all = nullptr;
+  const Record *best = nullptr, *best_springs = nullptr;
 };
 
 struct Summary {

@@ -75,7 +75,7 @@ BlockCase cantilever(const char* law, double sink) {
     setup.gravity = 9.81;
     return make_bending(body, setup, material);
   };
-  return {"cantilever", {1, 0.2, 0.2}, 1e6, 0.3, law, experiment, "tip_deflection", sink, 6e-4, 16};
+  return {"cantilever", {1, 0.2, 0.2}, 1e6, 0.3, law, experiment, "tip_deflection", sink, 6e-4, 8};
 }
 
 }  // namespace
