@@ -106,6 +106,7 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
     Scene& scene = *scenes[i];
     std::vector<Record> records;
     for (const StrategyChoice& choice : choices[i]) {
+      prepare(scene.specimen.body, choice.strategy);
       RunOptions run_options;
       run_options.statics = scene.statics;
       run_options.keep_snapshots = !options.out.empty();
@@ -213,8 +214,7 @@ int main(int argc, char** argv) {
   CLI::App* run = app.add_subcommand("run", "Run a scene with its own stiffness strategy; print every measure");
   CLI::App* compare =
       app.add_subcommand("compare", "Run a scene with many strategies; print measured modulus, error and cost");
-  CLI::App* check =
-      app.add_subcommand("check", "Say what a scene's body is: counts, loose parts, zero-energy modes");
+  CLI::App* check = app.add_subcommand("check", "Say what a scene's body is: counts, loose parts, zero-energy modes");
   CLI::App* list = app.add_subcommand("list", "List strategies, their parameters, and measures");
   add_run_options(*run, options);
   add_run_options(*compare, options);

@@ -34,9 +34,10 @@ Model make_model(const Specimen& specimen, Experiment& experiment, std::unique_p
 }
 
 /// The springs of a rule, calibrated if asked for, with their volume term if any. Null if that fails: the run says why.
-std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
-                                      const StaticOptions& options, Run& run) {
-  run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
+/// `body` is the specimen's, with what the rule needs beside.
+std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Body& body, Experiment& experiment,
+                                      const StrategyChoice& choice, const StaticOptions& options, Run& run) {
+  run.constants = choice.strategy.constants(body, specimen.material, choice.values);
   if (choice.strategy.volume_modulus) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
   if (choice.calibrated) calibrate(specimen, experiment, choice, options, run);
   if (!run.constants.allFinite()) {
@@ -198,23 +199,32 @@ void prepare(Body& body, const Strategy& strategy) {
   if (!body.voronoi && strategy.needs_voronoi(body)) body.voronoi = voronoi_cells(body);
 }
 
-Run run_strategy(Specimen& specimen, Experiment& experiment, const StrategyChoice& choice, const RunOptions& options) {
+/// The body, or a copy with what the strategy needs of it.
+static std::shared_ptr<const Body> prepared(const Body& body, const Strategy& strategy) {
+  if (body.voronoi || !strategy.needs_voronoi(body)) return {std::shared_ptr<void>(), &body};
+  auto copy = std::make_shared<Body>(body);
+  prepare(*copy, strategy);
+  return copy;
+}
+
+Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                 const RunOptions& options) {
   Run run;
   run.strategy = choice.label;
   if (options.progress) options.progress("building");
   const Stopwatch build;
-  prepare(specimen.body, choice.strategy);
-  run.cause = choice.strategy.unsuited(specimen.body);
+  const std::shared_ptr<const Body> body = prepared(specimen.body, choice.strategy);
+  run.cause = choice.strategy.unsuited(*body);
   if (choice.calibrated && run.cause.empty() && !calibrated_measure(experiment, specimen.material))
     run.cause = "a " + experiment.name() + " experiment on this body measures no modulus to calibrate to";
   if (!run.cause.empty()) {
     run.suited = false;
     return run;
   }
-  note_lost_faces(specimen.body, choice.strategy, run);
+  note_lost_faces(*body, choice.strategy, run);
   std::unique_ptr<Elasticity> elasticity;
   if (choice.strategy.constants) {
-    elasticity = make_rule(specimen, experiment, choice, options.statics, run);
+    elasticity = make_rule(specimen, *body, experiment, choice, options.statics, run);
     if (!elasticity) return run;
     note_negative_constants(run);
   } else {

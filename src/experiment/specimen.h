@@ -80,11 +80,13 @@ struct RunOptions {
   std::function<void(const std::string& doing)> progress = {};  ///< called before each load step; may be empty
 };
 
-/// Gives the body what the strategy needs of it and it has not yet: its Voronoi cells. In the body's present pose.
+/// Gives the body what the strategy needs of it and it has not yet: its Voronoi cells. Saves run_strategy from doing so
+/// for every run anew.
 void prepare(Body& body, const Strategy& strategy);
 
-/// Prepares the body, builds the strategy on the specimen, solves every load step and measures. Numerical trouble is an
+/// Builds the strategy on the specimen, solves every load step and measures. Numerical trouble is an
 /// outcome in the result; wrong parameters throw InputError.
-Run run_strategy(Specimen& specimen, Experiment& experiment, const StrategyChoice& choice, const RunOptions& options);
+Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                 const RunOptions& options);
 
 }  // namespace elastin

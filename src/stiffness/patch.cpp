@@ -18,6 +18,8 @@ namespace {
 constexpr int kComponents = 10;
 using Tensor = Eigen::Matrix<double, kComponents, 1>;
 using Tensors = Eigen::Matrix<double, kComponents, Eigen::Dynamic>;
+/// A column a molecule: a tensor, and one more for its volume.
+using Equations = Eigen::Matrix<double, kComponents + 1, Eigen::Dynamic>;
 const double kRoot3 = std::sqrt(3.), kRoot6 = std::sqrt(6.);
 
 /// n ⊗ n ⊗ n.
@@ -91,54 +93,93 @@ Positions surface_areas(const Body& body) {
   return areas;
 }
 
+/// The part of the body's volume that belongs to each molecule [m³]: a quarter of its tetrahedra, an eighth of its
+/// cubes (cut into six tetrahedra), or its Voronoi cell.
+VectorX molecule_volumes(const Body& body) {
+  if (Patch::needs_voronoi(body)) return body.voronoi->volume;
+  VectorX volumes = VectorX::Zero(body.size());
+  for (const auto& cell : body.tetrahedra)
+    for (const int molecule : cell) volumes[molecule] += signed_volume(body.rest, cell) / 4;
+  constexpr std::array<std::array<int, 4>, 6> kuhn{
+      {{0, 1, 3, 7}, {0, 5, 1, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 6, 4, 7}}};
+  if (body.tetrahedra.empty())
+    for (const auto& cube : body.cubes) {
+      double volume = 0;
+      for (const auto& [a, b, c, d] : kuhn) volume += signed_volume(body.rest, {cube[a], cube[b], cube[c], cube[d]});
+      for (const int molecule : cube) volumes[molecule] += volume / 8;
+    }
+  return volumes;
+}
+
+/// How much a molecule's volume counts beside its balance: where few connections cannot balance, the fit must not get
+/// out of it by going soft, the more so the deeper inside. Where they are as many as the equations, balance does.
+double volume_weight(const Rows& incident, const Positions& areas, double length2) {
+  double connections = 0;
+  int inner = 0;
+  for (int molecule = 0; molecule < areas.cols(); ++molecule)
+    if (!(areas.col(molecule).norm() > 1e-6 * length2))
+      ++inner, connections += static_cast<double>(incident[molecule].size());
+  return inner > 0 && connections >= 2 * kComponents * inner ? 0 : kPatchVolumeWeight;
+}
+
 /// The patch test as a linear least-squares problem, without units: unknown y = k L/(E ℓ²), ℓ² the mean L², and
-/// residual Σ_j y n n n + 0.4 (δ A + …)/ℓ² for each molecule.
+/// residuals of each molecule Σ_j y n n n + C : A/(E ℓ²), and w (Σ_j y L/ℓ − 12 V/ℓ³).
 struct PatchTest {
   const Connections& connections;
   Rows incident;
-  Tensors direction;  ///< n n n from the first to the second end
-  Tensors right;      ///< what each molecule is asked for
-  VectorX uniform;    ///< y of the one constant for all that has the body's mean stiffness
-  double length2;     ///< ℓ² [m²]
-  VectorX length;     ///< L [m]
+  Positions direction;  ///< n from the first to the second end
+  VectorX length;       ///< L [m]
+  double length2;       ///< ℓ² [m²]
+  VectorX share;        ///< w L/ℓ
+  Equations right;      ///< what each molecule is asked for
+  VectorX uniform;      ///< y of the one constant for all that has the body's mean stiffness
 
   explicit PatchTest(const Body& body)
       : connections(body.connections),
         incident(connections_of_molecules(body.size(), body.connections)),
-        direction(kComponents, body.connections.size()),
+        direction(3, body.connections.size()),
         length(body.connections.size()) {
     for (int c = 0; c < connections.size(); ++c) {
       const auto& [a, b] = connections.ends[c];
       const Vector3 gap = body.rest.col(b) - body.rest.col(a);
       length[c] = gap.norm();
-      direction.col(c) = triple(gap / length[c]);
+      direction.col(c) = gap / length[c];
     }
     length2 = length.squaredNorm() / static_cast<double>(length.size());
     const Positions areas = surface_areas(body);
-    right = wanted(0.4 * isotropic(), areas, length2);
-    // The trace of the patch test, summed over the body, is Σ k L² = 6 E V; and 3 V = Σ x · A.
-    const double volume = body.rest.cwiseProduct(areas).sum() / 3;
-    uniform = 6 * volume / length.squaredNorm() / length2 * length;
+    const VectorX volumes = molecule_volumes(body);
+    const double weight = volume_weight(incident, areas, length2);
+    share = weight / std::sqrt(length2) * length;
+    right.resize(kComponents + 1, body.size());
+    right.topRows<kComponents>() = wanted(0.4 * isotropic(), areas, length2);
+    right.row(kComponents) = weight * 12 / std::pow(length2, 1.5) * volumes.transpose();
+    // The trace of the patch test, summed over the body, is Σ k L² = 6 E V.
+    uniform = 6 * volumes.sum() / length.squaredNorm() / length2 * length;
   }
 
-  /// Σ_j y n n n of each molecule.
-  Tensors sums(const VectorX& y) const {
-    Tensors result(kComponents, right.cols());
+  /// Σ_j y n n n and w Σ_j y L/ℓ of each molecule.
+  Equations sums(const VectorX& y) const {
+    Equations result(kComponents + 1, right.cols());
     parallel_for(static_cast<int>(right.cols()), [&](int molecule) {
       Tensor sum = Tensor::Zero();
-      for (const int c : incident[molecule])
-        sum += (connections.ends[c][0] == molecule ? y[c] : -y[c]) * direction.col(c);
-      result.col(molecule) = sum;
+      double stretch = 0;
+      for (const int c : incident[molecule]) {
+        sum += (connections.ends[c][0] == molecule ? y[c] : -y[c]) * triple(direction.col(c));
+        stretch += share[c] * y[c];
+      }
+      result.col(molecule) << sum, stretch;
     });
     return result;
   }
 
   /// The transpose of sums.
-  VectorX gather(const Tensors& tensors) const {
+  VectorX gather(const Equations& values) const {
     VectorX result(connections.size());
     parallel_for(connections.size(), [&](int c) {
       const auto& [a, b] = connections.ends[c];
-      result[c] = direction.col(c).dot(tensors.col(a) - tensors.col(b));
+      const Tensor difference = values.col(a).head<kComponents>() - values.col(b).head<kComponents>();
+      result[c] =
+          triple(direction.col(c)).dot(difference) + share[c] * (values(kComponents, a) + values(kComponents, b));
     });
     return result;
   }
@@ -147,10 +188,15 @@ struct PatchTest {
   double largest_eigenvalue() const {
     double largest = 0;
     for (int molecule = 0; molecule < right.cols(); ++molecule) {
-      Eigen::Matrix<double, kComponents, kComponents> own = Eigen::Matrix<double, kComponents, kComponents>::Zero();
-      for (const int c : incident[molecule]) own += direction.col(c) * direction.col(c).transpose();
+      Eigen::Matrix<double, kComponents + 1, kComponents + 1> own;
+      own.setZero();
+      for (const int c : incident[molecule]) {
+        Eigen::Matrix<double, kComponents + 1, 1> column;
+        column << (connections.ends[c][0] == molecule ? 1 : -1) * triple(direction.col(c)), share[c];
+        own += column * column.transpose();
+      }
       const Eigen::SelfAdjointEigenSolver<decltype(own)> solver(own, Eigen::EigenvaluesOnly);
-      largest = std::max(largest, solver.eigenvalues()[kComponents - 1]);
+      largest = std::max(largest, solver.eigenvalues()[kComponents]);
     }
     return 2 * largest;
   }

@@ -177,3 +177,21 @@ TEST_CASE("inspect names pieces, loose molecules and bad connections and cells",
   CHECK(findings.zero_length_connections == std::vector<int>{4});
   CHECK(findings.flat_or_inverted_cells == std::vector<int>{0});
 }
+
+TEST_CASE("a graded body keeps its ends, and its spacings grow by the ratio", "[model]") {
+  const double ratio = GENERATE(0.5, 1., 3.);
+  Body body = cubic_lattice({3, 2, 9}, 0.01, {true, true, false});
+  grade(body, 2, ratio);
+  const auto height = [&](int layer) { return body.rest(2, 6 * layer); };
+  CHECK(height(0) == 0);
+  CHECK(height(8) == Approx(0.08).epsilon(1e-12));
+  // s ∝ ratio^u: the spacings of neighbouring layers are in the ratio ratio^(1/8).
+  for (int layer = 1; layer < 8; ++layer)
+    CHECK((height(layer + 1) - height(layer)) / (height(layer) - height(layer - 1)) ==
+          Approx(std::pow(ratio, 1. / 8)).epsilon(1e-10));
+  for (int m = 0; m < body.size(); ++m) REQUIRE(body.rest(2, m) == height(m / 6));  // planes stay plane
+  for (int c = 0; c < body.connections.size(); ++c) {
+    const auto [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+    REQUIRE(body.connections.rest_length[static_cast<std::size_t>(c)] == (body.rest.col(b) - body.rest.col(a)).norm());
+  }
+}

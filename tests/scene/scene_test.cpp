@@ -148,6 +148,26 @@ TEST_CASE("a volume term is asked for by key or in short, and named so", "[scene
   CHECK_FALSE(stiffness("{strategy: standard, volume: false}").strategy.volume_modulus);
 }
 
+TEST_CASE("a body may be stretched, graded and filled with tetrahedra", "[scene]") {
+  const TemporaryFolder folder;
+  std::string text = replaced(kScene, "spacing: 7.5 mm", "spacing: [1 mm, 2 mm, 3 mm]");
+  text = replaced(text, "  radius: 3 mm\n", "  grade: {axis: x, ratio: 2}\n  cells: delaunay\n");
+  text = replaced(text, "rotate: {axis: [1, 0, 0], angle: 30 deg}\n", "");
+  const auto scene = load(folder.write("stretched.yaml", text));
+  const Body& body = scene->specimen.body;
+  const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
+  CHECK((size - Vector3(2e-3, 4e-3, 6e-3)).norm() < 1e-15);
+  // Two spacings in the ratio 2^(1/2), together 2 mm; half of the first is the radius.
+  CHECK(body.radius[0] == Approx(1e-3 / (1 + std::sqrt(2.))));
+  // 54 axis and 72 face connections; every other side of a cell is one of the 8 space diagonals.
+  CHECK(body.connections.proper() == 126);
+  CHECK(body.connections.cell_sides <= 8);
+  double volume = 0;
+  for (const auto& cell : body.tetrahedra) volume += signed_volume(body.rest, cell);
+  CHECK(volume == Approx(48e-9));
+  CHECK(body.mass.sum() == Approx(48e-6));
+}
+
 TEST_CASE("every scene of the project loads", "[scene]") {
   int count = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(std::string(ELASTIN_SOURCE_DIR) + "/scenes")) {
@@ -188,7 +208,10 @@ TEST_CASE("a misspelt key is named with the nearest one and all that are known",
        "@divizor:",
        "strategies[1]: unknown key 'divizor'",
        {"did you mean 'divisor'?", "(allowed: strategy, divisor, volume, label)"}},
-      {"divisor: 3.75", "@exponent: 3", "strategies[1]: unknown key 'exponent'", {"allowed: strategy, divisor, volume, label"}},
+      {"divisor: 3.75",
+       "@exponent: 3",
+       "strategies[1]: unknown key 'exponent'",
+       {"allowed: strategy, divisor, volume, label"}},
       {"axis: z", "@axes: z", "experiment: unknown key 'axes'", {"did you mean 'axis'?"}},
       {"load_steps:",
        "@load_step:",
@@ -382,6 +405,19 @@ TEST_CASE("keys that are missing or do not go together are named", "[scene]") {
        "@[]",
        "strategies: names no strategy",
        {"all"}},
+      {"radius: 3 mm", "grade: @{axis: z}\n  radius: 3 mm", "body.grade: key 'ratio' is missing", {}},
+      {"radius: 3 mm", "grade: {axis: z, ratio: @0}\n  radius: 3 mm", "body.grade.ratio: 0 is out of range", {"100"}},
+      {"radius: 3 mm", "grade: {axis: @w, ratio: 2}\n  radius: 3 mm", "body.grade.axis: 'w' is not known here", {}},
+      {"radius: 3 mm", "cells: @delauny\n  radius: 3 mm", "body.cells: 'delauny' is not known here", {"'delaunay'"}},
+      {kLattice,
+       "tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [1 m, 1 m, 1 m]}\n  cells: @delaunay",
+       "body.cells: the body has cells already",
+       {}},
+      {kLattice,
+       "lattice: {kind: cubic, molecules: [3, 3, 1], spacing: 1 mm}\n  cells: @delaunay",
+       "body.cells: no tetrahedra fit between the molecules",
+       {}},
+      {"spacing: 7.5 mm", "spacing: [1 mm, @0 mm, 2 mm]", "body.lattice.spacing[1]: 0 m is out of range", {}},
       {"radius: 3 mm", "radius: 3 mm\n  @radius: 4 mm", "key 'radius' stands here twice", {}},
   });
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "elastin/model/shapes.h"
+#include "elastin/model/voronoi.h"
 #include "stiffness/lattice.h"
 
 using namespace elastin;
@@ -166,7 +167,8 @@ TEST_CASE("patch constants don't depend on direction and scale as E times length
 TEST_CASE("patch on one regular tetrahedron is the fit done by hand", "[patch]") {
   // All six k are equal by symmetry. At a corner, the three connections n_j with n_i · n_j = ½ (i ≠ j) meet the outward
   // area A, a third of the opposite face √3/4 L², with n_j · A = −√(2/3) |A|. Least squares of
-  // k L Σ n n n + 0.4 E (δ A + …):  k L (3 + 6/8) = 0.4 E · 3 · 3 √(2/3) · √3/12 L², so k = 0.08 √2 E L.
+  // k L Σ n n n + 0.4 E (δ A + …) and of w (3 k L − 12 E V/(4 L)), V = L³/(6 √2), in units of E L²:
+  // (3 + 6/8 + 9 w²) k/(E L) = 0.4 · 3 · 3 √(2/3) · √3/12 + 9 w²/(6 √2).
   constexpr double side = 0.03, E = 5000;
   const double h = side / std::sqrt(8.);
   Body body =
@@ -174,11 +176,32 @@ TEST_CASE("patch on one regular tetrahedron is the fit done by hand", "[patch]")
   body.tetrahedra = {{0, 2, 1, 3}};
   REQUIRE(signed_volume(body.rest, body.tetrahedra[0]) > 0);
   const VectorX k = Patch{}.constants(body, material_of(E));
-  CHECK((k.array() / (0.08 * std::sqrt(2.) * E * side) - 1).abs().maxCoeff() < 1e-5);
+  const double w2 = kPatchVolumeWeight * kPatchVolumeWeight, root2 = std::sqrt(2.);
+  const double expected = (0.3 * root2 + 1.5 * w2 / root2) / (3.75 + 9 * w2) * E * side;
+  CHECK((k.array() / expected - 1).abs().maxCoeff() < 1e-5);
+}
+
+TEST_CASE("patch on bodies without cells", "[patch]") {
+  Body body = random_packing({1, 1, 1}, 0.15, 0.225, GENERATE(1, 2));
+  CHECK(!Patch::unsuited(body).empty());
+  body.voronoi = voronoi_cells(body);
+  CHECK(Patch::unsuited(body).empty());
+  const VectorX k = Patch{}.constants(body, material_of(1));
+  CHECK(k.minCoeff() >= 0);
+  // Springs that meet in balance cannot be stiffer than the solid they stand for, Σ k L² = 6 E V; and the volume
+  // equations keep them within some per cent of it, though 12 neighbours are too few to balance.
+  const Eigen::Map<const VectorX> length(body.connections.rest_length.data(), body.connections.size());
+  const double affine = k.dot(length.cwiseAbs2()) / (6 * body.voronoi->volume.sum());
+  CHECK(affine > 0.93);
+  CHECK(affine < 1.005);
 }
 
 TEST_CASE("patch says what it needs", "[patch]") {
   CHECK(Patch::unsuited(cube(3, false)).empty());
   CHECK(Patch::unsuited(tetrahedral_block(BlockKind::kuhn, {1, 1, 1}, {1, 1, 1})).empty());
-  CHECK(Patch::unsuited(listed_body({{0, 0, 0}, {1, 0, 0}}, {{0, 1}})) == "needs a body with tetrahedra or cubes");
+  CHECK(Patch::unsuited(listed_body({{0, 0, 0}, {1, 0, 0}}, {{0, 1}})) ==
+        "needs tetrahedra, cubes or the Voronoi cells of its molecules");
+  Body flat = cubic_lattice({3, 3, 1}, 1, {});
+  flat.voronoi = voronoi_cells(flat);
+  CHECK(Patch::unsuited(flat) == "needs molecules that do not lie in one plane");
 }

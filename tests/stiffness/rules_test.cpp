@@ -132,3 +132,44 @@ TEST_CASE("rules say on which bodies they cannot run", "[rules]") {
   CHECK(catalog.find("van_gelder").unsuited(jittered_block()).empty());
   CHECK(catalog.find("standard").unsuited(packing).empty());
 }
+
+TEST_CASE("lattice balances a uniform strain on box lattices, graded ones too", "[rules]") {
+  const CubicPattern pattern = GENERATE(CubicPattern{true, true, false}, CubicPattern{true, true, true});
+  constexpr double E = 5000;
+  Body body = cubic_lattice({4, 4, 5}, 1, pattern);
+  stretch(body, {0.01, 0.012, 0.009});
+  grade(body, 2, 1.3);
+  REQUIRE(built_in_catalog().find("lattice").unsuited(body).empty());
+  const VectorX k =
+      constants("lattice", body, {.youngs_modulus = E, .poissons_ratio = 0.25, .density = 1, .thickness = 0});
+  CHECK(k.minCoeff() >= 0);
+  Matrix3 strain;
+  strain << 1, .3, -.7, .3, -.4, .5, -.7, .5, .2;
+  // ν = ¼: λ = μ = 0.4 E. Inside, forces balance; in all, Σ x f = −V σ.
+  const Matrix3 stress = 0.4 * E * (strain.trace() * Matrix3::Identity() + 2 * strain);
+  Positions force = Positions::Zero(3, body.size());
+  for (int c = 0; c < body.connections.size(); ++c) {
+    const auto [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+    const Vector3 gap = body.rest.col(b) - body.rest.col(a);
+    const Vector3 tension = k[c] * gap * gap.dot(strain * gap) / gap.squaredNorm();
+    force.col(a) += tension;
+    force.col(b) -= tension;
+  }
+  const Vector3 high = body.rest.rowwise().maxCoeff();
+  for (int m = 0; m < body.size(); ++m) {
+    const bool inside = (body.rest.col(m).array() > 1e-9 && body.rest.col(m).array() < high.array() - 1e-9).all();
+    if (inside) REQUIRE(force.col(m).norm() < 1e-12 * stress.norm() * high.squaredNorm());
+  }
+  CHECK((body.rest * force.transpose() + high.prod() * stress).norm() < 1e-12 * high.prod() * stress.norm());
+}
+
+TEST_CASE("lattice says which boxes it cannot serve", "[rules]") {
+  const auto unsuited = [](const Body& body) { return built_in_catalog().find("lattice").unsuited(body); };
+  Body body = cubic_lattice({3, 3, 3}, 1, {true, true, false});
+  stretch(body, {2, 1, 1});  // 1.2 < 0.4 (4 + 4)
+  CHECK(unsuited(body) == "the lattice's spacings differ too much: no positive constants give E");
+  Body space = cubic_lattice({3, 3, 3}, 1, {true, false, true});
+  CHECK(unsuited(space).empty());
+  stretch(space, {1.2, 1, 1});
+  CHECK(unsuited(space) == "needs face diagonals: space diagonals alone are exact on cubes only");
+}
