@@ -406,7 +406,7 @@ TEST_CASE("keys that are missing or do not go together are named", "[scene]") {
        "strategies: names no strategy",
        {"all"}},
       {"radius: 3 mm", "grade: @{axis: z}\n  radius: 3 mm", "body.grade: key 'ratio' is missing", {}},
-      {"radius: 3 mm", "grade: {axis: z, ratio: @0}\n  radius: 3 mm", "body.grade.ratio: 0 is out of range", {"100"}},
+      {"radius: 3 mm", "grade: {axis: z, ratio: @0}\n  radius: 3 mm", "body.grade.ratio: '0' is out of range", {"100"}},
       {"radius: 3 mm", "grade: {axis: @w, ratio: 2}\n  radius: 3 mm", "body.grade.axis: 'w' is not known here", {}},
       {"radius: 3 mm", "cells: @delauny\n  radius: 3 mm", "body.cells: 'delauny' is not known here", {"'delaunay'"}},
       {kLattice,
@@ -417,7 +417,7 @@ TEST_CASE("keys that are missing or do not go together are named", "[scene]") {
        "lattice: {kind: cubic, molecules: [3, 3, 1], spacing: 1 mm}\n  cells: @delaunay",
        "body.cells: no tetrahedra fit between the molecules",
        {}},
-      {"spacing: 7.5 mm", "spacing: [1 mm, @0 mm, 2 mm]", "body.lattice.spacing[1]: 0 m is out of range", {}},
+      {"spacing: 7.5 mm", "spacing: [1 mm, @0 mm, 2 mm]", "body.lattice.spacing[1]: '0 mm' is out of range", {}},
       {"radius: 3 mm", "radius: 3 mm\n  @radius: 4 mm", "key 'radius' stands here twice", {}},
   });
 }
