@@ -23,6 +23,7 @@ struct NeoHookean {
   bool volume_apart = false;
 
   struct Constants {
+    CellVector<4> rest_squares;   ///< s⁰ [m²]
     CellVector<4> rest_products;  ///< G⁰ of each connection [1/m²]
     double volume, lambda, mu;    ///< [m³], [Pa], [Pa]
   };
@@ -31,7 +32,7 @@ struct NeoHookean {
   Constants constants(const Eigen::Matrix<double, 3, 4>& rest, const Material& material) const {
     const Simplex<4> cell(rest);
     const auto [lambda, mu] = lame<4>(material);
-    Constants k{{}, cell.measure, volume_apart ? 0 : lambda, mu};
+    Constants k{cell.squared_lengths, {}, cell.measure, volume_apart ? 0 : lambda, mu};
     for (int c = 0; c < 6; ++c) k.rest_products[c] = -cell.basis(c).trace();
     return k;
   }
@@ -47,7 +48,7 @@ struct NeoHookean {
 
   /// ∂q_ab/∂s_cd = V (½ λ J (2J − 1) G_ab G_cd − ½ g (G_ac G_bd + G_ad G_bc)) [N/m³]: V B : ∂S/∂C : B, symmetric.
   CellMatrix<4> slope(const Constants& k, const CellVector<4>& s) const {
-    const auto [G, J, flat] = Present(k, s);
+    const auto [G, J] = Present(k, s);
     const double g = k.lambda * J * (J - 1) - k.mu, bulk = k.lambda * J * (2 * J - 1);
     CellMatrix<4> result;
     for (int i = 0; i < 6; ++i)
@@ -60,21 +61,33 @@ struct NeoHookean {
     return result;
   }
 
-  /// W [J], ≥ 0; +∞ for a flat cell.
+  /// W [J], ≥ 0; +∞ for a flat cell. Written in the changes of s, for near rest tr C − 3 and 2 ln J are nearly equal
+  /// and far above their difference: A = C − I in the frame of the edges from corner 0, whose dot products it comes
+  /// from.
   double energy(const Constants& k, const CellVector<4>& s) const {
-    const Present now(k, s);
-    if (now.flat) return std::numeric_limits<double>::infinity();
-    const double trace = -s.dot(k.rest_products);
-    return k.volume * (k.mu / 2 * (trace - 3) - k.mu * std::log(now.J) + k.lambda / 2 * (now.J - 1) * (now.J - 1));
+    const CellVector<4> d = s - k.rest_squares;
+    const CellVector<4>& r = k.rest_products;
+    const double xy = (d[0] + d[1] - d[3]) / 2, xz = (d[0] + d[2] - d[4]) / 2, yz = (d[1] + d[2] - d[5]) / 2;
+    Matrix3 change, inverse;  // of the dot products; of those at rest
+    change << d[0], xy, xz, xy, d[1], yz, xz, yz, d[2];
+    inverse << -(r[0] + r[3] + r[4]), r[3], r[4],  //
+        r[3], -(r[1] + r[3] + r[5]), r[5],         //
+        r[4], r[5], -(r[2] + r[4] + r[5]);
+    const Matrix3 A = inverse * change;
+    const double trace = A.trace(), minors = (trace * trace - A.cwiseProduct(A.transpose()).sum()) / 2;
+    const double D = trace + minors + A.determinant();  // det C − 1
+    if (!(1 + D > kFlat)) return std::numeric_limits<double>::infinity();
+    const double swelling = D / (1 + std::sqrt(1 + D));  // J − 1
+    return k.volume / 2 * (k.mu * (trace - std::log1p(D)) + k.lambda * swelling * swelling);
   }
 
  private:
   static constexpr auto pairs = corner_pairs<4>();
+  static constexpr double kFlat = 1e-14;  ///< det C where rounding begins to decide its sign
 
   struct Present {
     Eigen::Matrix4d G;  ///< [1/m²]
     double J;           ///< present over rest volume, ≥ 1e-7
-    bool flat;
 
     Present(const Constants& k, const CellVector<4>& s) {
       // Dot products of the edges from corner 0; their inverse is G without corner 0.
@@ -84,10 +97,8 @@ struct NeoHookean {
           xz * yz - xy * s[2], s[0] * s[2] - xz * xz, xy * xz - yz * s[0],          //
           xy * yz - xz * s[1], xy * xz - yz * s[0], s[0] * s[1] - xy * xy;
       const double determinant = s[0] * adjugate(0, 0) + xy * adjugate(1, 0) + xz * adjugate(2, 0);
-      constexpr double smallest = 1e-14;
       const double rest_determinant = 36 * k.volume * k.volume, det_C = determinant / rest_determinant;
-      flat = det_C <= smallest;
-      J = std::sqrt(std::max(det_C, smallest));
+      J = std::sqrt(std::max(det_C, kFlat));
       G.bottomRightCorner<3, 3>() = adjugate / (J * J * rest_determinant);
       G.row(0).tail<3>() = -G.bottomRightCorner<3, 3>().colwise().sum();
       G.col(0).tail<3>() = G.row(0).tail<3>().transpose();
