@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "base/waiting_threads.h"
 #include "elastin/base/error.h"
 #include "elastin/base/threads.h"
 #include "report/check.h"
@@ -17,7 +18,6 @@
 #include "report/summary.h"
 #include "report/table.h"
 #include "scene/scene.h"
-#include "waiting_threads.h"
 
 namespace {
 
