@@ -35,9 +35,10 @@ Model make_model(const Specimen& specimen, Experiment& experiment, std::unique_p
 }
 
 /// The springs of a rule, calibrated if asked for, with their volume term if any. Null if that fails: the run says why.
-std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Body& prepared_body, Experiment& experiment,
+/// `body` is the specimen's, with what the rule needs beside.
+std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Body& body, Experiment& experiment,
                                       const StrategyChoice& choice, const StaticOptions& options, Run& run) {
-  run.constants = choice.strategy.constants(prepared_body, specimen.material, choice.values);
+  run.constants = choice.strategy.constants(body, specimen.material, choice.values);
   if (choice.strategy.volume_modulus) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
   if (choice.calibrated) calibrate(specimen, experiment, choice, options, run);
   if (!run.constants.allFinite()) {

@@ -34,7 +34,7 @@ double inverse_of_hyperbola(const Point* points, double nu) {
 std::optional<VolumeFit> fit_volume(const Material& material, const MeasureModuli& measure, int most_solves) {
   const double asked = material.poissons_ratio;
   std::vector<Point> points;
-  double softness = 0;  // q
+  double softness = 0, most = 0;  // q, and the κ that is taken for infinite
   for (double kappa = 0;;) {
     const auto measured = measure(kappa);
     if (!measured || !(measured->first > 0) || !(std::abs(measured->second) < 10)) return std::nullopt;
@@ -42,7 +42,9 @@ std::optional<VolumeFit> fit_volume(const Material& material, const MeasureModul
     const double scale = material.youngs_modulus / E;
     points.push_back({kappa, nu});
     const int solves = static_cast<int>(points.size());
-    if (std::abs(nu - asked) <= 0.001 || solves >= most_solves) return VolumeFit{scale, scale * kappa, nu};
+    const bool unreachable = solves > 1 && kappa == most && nu < asked;
+    if (std::abs(nu - asked) <= 0.001 || unreachable || solves >= most_solves)
+      return VolumeFit{scale, scale * kappa, nu};
     const double bounded = std::min(nu, 0.45);
     if (solves == 1) softness = E / (2 * (1 + bounded) * (1 - 2 * bounded));
     // In t = 1/(κ + q) the first guess is the line to ½ at t = 0, the second the secant.
@@ -53,7 +55,8 @@ std::optional<VolumeFit> fit_volume(const Material& material, const MeasureModul
     const double next = slope < 0 ? t + (asked - nu) / slope : t / 2;
     const double guess = 1 / std::clamp(next, 1e-3 * t, 2 * t) - softness;
     const double better = solves < 3 ? std::nan("") : inverse_of_hyperbola(&points[points.size() - 3], asked);
-    kappa = better > -softness ? better : guess;
+    if (solves == 1) most = 10 * std::max(guess, softness);
+    kappa = std::min(better > -softness ? better : guess, most);
   }
 }
 

@@ -21,6 +21,9 @@ StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
   if (reader.is_text()) return reader.located([&] { return choose_strategy(catalog, reader.text()); });
   const Reader name = reader.at("strategy");
   StrategyChoice choice = name.located([&] { return choose_strategy(catalog, name.text()); });
+  for (const ParameterInfo& info : choice.strategy.parameters)
+    if (auto value = reader.find(info.name))
+      choice.values[info.name] = value->quantity(info.unit, {info.low, info.high});
   if (auto volume = reader.find("volume")) {
     const bool springs = choice.strategy.kind != StrategyKind::cell_law;
     const auto words = springs ? std::vector<std::pair<std::string, bool>>{{"true", true}, {"false", false}}
@@ -28,9 +31,6 @@ StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
     if (choice.strategy.volume_modulus) volume->fail("'" + choice.label + "' says it already");
     if (volume->choice(words)) choice = volume->located([&] { return with_volume(std::move(choice)); });
   }
-  for (const ParameterInfo& info : choice.strategy.parameters)
-    if (auto value = reader.find(info.name))
-      choice.values[info.name] = value->quantity(info.unit, {info.low, info.high});
   if (auto label = reader.find("label")) choice.label = label->text();
   reader.finish();
   return choice;

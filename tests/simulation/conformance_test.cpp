@@ -5,6 +5,7 @@
 #include "bodies.h"
 #include "elastin/base/error.h"
 #include "elastin/forces/model.h"
+#include "elastin/model/voronoi.h"
 #include "elastin/simulation/catalog.h"
 #include "forces/tangent.h"
 
@@ -18,8 +19,9 @@ const Material kMaterial{.youngs_modulus = 2e4, .poissons_ratio = 0.3, .density 
 /// Calls test(strategy, body, model) for each strategy and body that go together.
 template <class Test>
 void for_each_pair(Test test) {
-  const std::vector<std::pair<std::string, Body>> bodies{
+  std::vector<std::pair<std::string, Body>> bodies{
       {"lattice", jittered_lattice()}, {"block", jittered_block()}, {"sheet", sheet(kMaterial.thickness)}};
+  for (auto& [name, body] : bodies) body.voronoi = voronoi_cells(body);
   std::vector<Strategy> strategies = built_in_catalog().strategies();
   const std::size_t plain = strategies.size();
   for (std::size_t i = 0; i < plain; ++i)
@@ -125,6 +127,7 @@ TEST_CASE("every strategy: stiffness scales with E and not with the order of mol
       for (int& molecule : cell) molecule = last - molecule;
     for (auto& cell : reversed.cubes)
       for (int& molecule : cell) molecule = last - molecule;
+    reversed.voronoi = voronoi_cells(reversed);
     Model other(reversed);
     other.add(strategy.make(reversed, kMaterial, {}));
     const Positions back = other.elastic_forces(places.rowwise().reverse()).rowwise().reverse();
