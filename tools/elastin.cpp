@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "base/waiting_threads.h"
 #include "elastin/base/error.h"
 #include "elastin/base/threads.h"
 #include "elastin/contact/overlaps.h"
@@ -19,7 +20,6 @@
 #include "report/summary.h"
 #include "report/table.h"
 #include "scene/scene.h"
-#include "waiting_threads.h"
 
 namespace {
 

@@ -176,7 +176,7 @@ TEST_CASE("an affine body follows the uniaxial curves of its law to 1e-10", "[ce
 
 TEST_CASE("a bar solved from rest follows the uniaxial curve of its law", "[cell_law][tension]") {
   const double nu = GENERATE(0.3, 0.45);
-  const double stretch = GENERATE(0.2, 5.);
+  const double stretch = GENERATE(0.6, 5.);  // pressed further, a bar of this law is not stable
   Specimen specimen{jittered(BlockKind::body_centred), material_of(nu), {}};
   TensionSetup setup;
   setup.displacement = 0.03 * (stretch - 1);

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "base/waiting_threads.h"
 #include "measure.h"
-#include "waiting_threads.h"
 
 namespace {
 
