@@ -76,18 +76,27 @@ std::vector<std::array<int, sides>> surface(const std::vector<std::array<int, co
   return outside;
 }
 
+/// What tells a molecule's part of the surface and of the volume. Tetrahedra share the volume among their corners as
+/// their diagonals happen to lie, so they come last.
+enum class Source { cubes, voronoi, tetrahedra, none };
+
+Source source_of(const Body& body) {
+  if (!body.cubes.empty()) return Source::cubes;
+  if (body.voronoi && body.voronoi->problem.empty()) return Source::voronoi;
+  return body.tetrahedra.empty() ? Source::none : Source::tetrahedra;
+}
+
 /// Outward surface-area vector of each molecule [m²]: a third of each triangle outside; of a cube's face, the mean over
 /// the two ways to cut it into triangles (a quarter each, where it is a parallelogram). So Σ x_i A_iᵀ = V I exactly.
-/// Without cells, those of the Voronoi cells: there x A lacks the part of V that hangs on the molecules next to the
-/// surface but not in it.
+/// Of Voronoi cells x A lacks the part of V that hangs on the molecules next to the surface but not in it.
 Positions surface_areas(const Body& body) {
-  if (Patch::needs_voronoi(body)) return body.voronoi->surface_area;
+  if (source_of(body) == Source::voronoi) return body.voronoi->surface_area;
   Positions areas = Positions::Zero(3, body.size());
   const auto add_triangle = [&](int a, int b, int c, double part) {
     const Vector3 area = (body.rest.col(b) - body.rest.col(a)).cross(body.rest.col(c) - body.rest.col(a)) / 2;
     for (const int molecule : {a, b, c}) areas.col(molecule) += part / 3 * area;
   };
-  if (!body.tetrahedra.empty()) {
+  if (source_of(body) == Source::tetrahedra) {
     constexpr std::array<std::array<int, 3>, 4> faces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
     for (const auto& [a, b, c] : surface(body.tetrahedra, faces)) add_triangle(a, b, c, 1);
   } else {
@@ -104,13 +113,14 @@ Positions surface_areas(const Body& body) {
 /// The part of the body's volume that belongs to each molecule [m³]: a quarter of its tetrahedra, an eighth of its
 /// cubes (cut into six tetrahedra), or its Voronoi cell.
 VectorX molecule_volumes(const Body& body) {
-  if (Patch::needs_voronoi(body)) return body.voronoi->volume;
+  if (source_of(body) == Source::voronoi) return body.voronoi->volume;
   VectorX volumes = VectorX::Zero(body.size());
-  for (const auto& cell : body.tetrahedra)
-    for (const int molecule : cell) volumes[molecule] += signed_volume(body.rest, cell) / 4;
   constexpr std::array<std::array<int, 4>, 6> kuhn{
       {{0, 1, 3, 7}, {0, 5, 1, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 6, 4, 7}}};
-  if (body.tetrahedra.empty())
+  if (source_of(body) == Source::tetrahedra)
+    for (const auto& cell : body.tetrahedra)
+      for (const int molecule : cell) volumes[molecule] += signed_volume(body.rest, cell) / 4;
+  else
     for (const auto& cube : body.cubes) {
       double volume = 0;
       for (const auto& [a, b, c, d] : kuhn) volume += signed_volume(body.rest, {cube[a], cube[b], cube[c], cube[d]});
@@ -119,15 +129,22 @@ VectorX molecule_volumes(const Body& body) {
   return volumes;
 }
 
-/// How much a molecule's volume counts beside its balance: where few connections cannot balance, the fit must not get
-/// out of it by going soft, the more so the deeper inside. Where they are as many as the equations, balance does.
-double volume_weight(const Rows& incident, const Positions& areas, double length2) {
-  double connections = 0;
-  int inner = 0;
+/// How much each molecule's volume counts beside its balance. Inside, balance asks for nothing but a sum of zero: where
+/// few connections cannot balance, the fit must not get out of it by going soft, the more so the deeper inside. Where
+/// they are as many as the equations, balance does. On the surface the share that a molecule's connections have in the
+/// stiffness is that of its volume only if they run in all directions alike: not so those that stand for fibres.
+VectorX volume_weights(const Rows& incident, const Positions& areas, double length2, bool on_surface) {
+  double connections = 0, inner = 0;
+  VectorX weights = VectorX::Constant(areas.cols(), kPatchVolumeWeight);
   for (int molecule = 0; molecule < areas.cols(); ++molecule)
-    if (!(areas.col(molecule).norm() > 1e-6 * length2))
-      ++inner, connections += static_cast<double>(incident[molecule].size());
-  return inner > 0 && connections >= 2 * kComponents * inner ? 0 : kPatchVolumeWeight;
+    if (areas.col(molecule).norm() > 1e-6 * length2) {
+      if (!on_surface) weights[molecule] = 0;
+    } else {
+      ++inner;
+      connections += static_cast<double>(incident[molecule].size());
+    }
+  const bool balanced = inner > 0 && connections >= 2 * kComponents * inner;
+  return balanced ? VectorX::Zero(areas.cols()) : weights;
 }
 
 /// The patch test as a linear least-squares problem, without units: unknown y = k L/(E ℓ²), ℓ² the mean L², and
@@ -138,12 +155,13 @@ struct PatchTest {
   Positions direction;  ///< n from the first to the second end
   VectorX length;       ///< L [m]
   double length2;       ///< ℓ² [m²]
-  VectorX share;        ///< w L/ℓ
+  VectorX weight;       ///< w, one a molecule
+  VectorX share;        ///< L/ℓ
   Equations right;      ///< what each molecule is asked for
   VectorX uniform;      ///< where y is drawn to: the one constant for all that has the body's mean stiffness, or 0
 
   /// @param C over E, without unit.
-  PatchTest(const Body& body, const Stiffness& C)
+  PatchTest(const Body& body, const Stiffness& C, bool volume_on_surface)
       : connections(body.connections),
         incident(connections_of_molecules(body.size(), body.connections)),
         direction(3, body.connections.size()),
@@ -157,11 +175,11 @@ struct PatchTest {
     length2 = length.squaredNorm() / static_cast<double>(length.size());
     const Positions areas = surface_areas(body);
     const VectorX volumes = molecule_volumes(body);
-    const double weight = volume_weight(incident, areas, length2);
-    share = weight / std::sqrt(length2) * length;
+    weight = volume_weights(incident, areas, length2, volume_on_surface);
+    share = length / std::sqrt(length2);
     right.resize(kComponents + 1, body.size());
     right.topRows<kComponents>() = wanted(C, areas, length2);
-    right.row(kComponents) = weight * 2 * trace(C) / std::pow(length2, 1.5) * volumes.transpose();
+    right.row(kComponents) = 2 * trace(C) / std::pow(length2, 1.5) * weight.cwiseProduct(volumes).transpose();
     // The trace of the patch test, summed over the body, is Σ k L² = C_iijj V.
     uniform = trace(C) * volumes.sum() / length.squaredNorm() / length2 * length;
   }
@@ -176,7 +194,7 @@ struct PatchTest {
         sum += (connections.ends[c][0] == molecule ? y[c] : -y[c]) * triple(direction.col(c));
         stretch += share[c] * y[c];
       }
-      result.col(molecule) << sum, stretch;
+      result.col(molecule) << sum, weight[molecule] * stretch;
     });
     return result;
   }
@@ -187,8 +205,8 @@ struct PatchTest {
     parallel_for(connections.size(), [&](int c) {
       const auto& [a, b] = connections.ends[c];
       const Tensor difference = values.col(a).head<kComponents>() - values.col(b).head<kComponents>();
-      result[c] =
-          triple(direction.col(c)).dot(difference) + share[c] * (values(kComponents, a) + values(kComponents, b));
+      result[c] = triple(direction.col(c)).dot(difference) +
+                  share[c] * (weight[a] * values(kComponents, a) + weight[b] * values(kComponents, b));
     });
     return result;
   }
@@ -201,7 +219,7 @@ struct PatchTest {
       own.setZero();
       for (const int c : incident[molecule]) {
         Eigen::Matrix<double, kComponents + 1, 1> column;
-        column << (connections.ends[c][0] == molecule ? 1 : -1) * triple(direction.col(c)), share[c];
+        column << (connections.ends[c][0] == molecule ? 1 : -1) * triple(direction.col(c)), weight[molecule] * share[c];
         own += column * column.transpose();
       }
       const Eigen::SelfAdjointEigenSolver<decltype(own)> solver(own, Eigen::EigenvaluesOnly);
@@ -256,18 +274,18 @@ VectorX non_negative_least_squares(const PatchTest& test) {
 }  // namespace
 
 std::string Patch::unsuited(const Body& body) {
-  if (!needs_voronoi(body)) return "";
+  if (source_of(body) != Source::none) return "";
   return body.voronoi ? body.voronoi->problem : "needs tetrahedra, cubes or the Voronoi cells of its molecules";
 }
 
 VectorX Patch::constants(const Body& body, const Material& material) const {
-  const PatchTest test(body, 0.4 * isotropic());
+  const PatchTest test(body, 0.4 * isotropic(), true);
   const VectorX y = non_negative_least_squares(test);
   return material.youngs_modulus * test.length2 * y.cwiseQuotient(test.length);
 }
 
 VectorX fibre_sections(const Body& body, const Vector3& direction) {
-  PatchTest test(body, triple(direction) * direction.transpose());
+  PatchTest test(body, triple(direction) * direction.transpose(), false);
   test.uniform.setZero();
   return test.length2 * non_negative_least_squares(test).cwiseQuotient(test.length);
 }

@@ -24,8 +24,8 @@ struct Patch {
       "k >= 0 fitted so that every molecule passes the patch test, on any connections";
   static constexpr std::string_view source = "patch test of finite elements; Cauchy relations";
 
-  /// The surface areas come from tetrahedra, or from the cubes of a lattice, or else from the Voronoi cells.
-  static bool needs_voronoi(const Body& body) { return body.tetrahedra.empty() && body.cubes.empty(); }
+  /// Surface areas and volumes come from the cubes of a lattice, else from Voronoi cells, else from tetrahedra.
+  static bool needs_voronoi(const Body& body) { return body.cubes.empty() && body.triangles.empty(); }
   static std::string unsuited(const Body& body);
 
   /// k [N/m], ≥ 0, one a connection. Seconds for 1e5 connections.
