@@ -46,7 +46,8 @@ struct Options {
   bool quiet = false, summary = false;
 };
 
-bool colours(int stream) { return isatty(stream) && !std::getenv("NO_COLOR"); }
+/// Colours on a terminal only, but for who insists (CLICOLOR_FORCE; tools/picture does) or declines (NO_COLOR).
+bool colours(int stream) { return std::getenv("CLICOLOR_FORCE") || (isatty(stream) && !std::getenv("NO_COLOR")); }
 
 /// Names of a run's files: of scene and strategy, without letters that mean something in a path or in XML.
 std::string file_name(const Record& record) {
