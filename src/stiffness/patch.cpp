@@ -152,25 +152,25 @@ VectorX volume_weights(const Rows& incident, const Positions& areas, double leng
 struct PatchTest {
   const Connections& connections;
   Rows incident;
-  Positions direction;  ///< n from the first to the second end
-  VectorX length;       ///< L [m]
-  double length2;       ///< ℓ² [m²]
-  VectorX weight;       ///< w, one a molecule
-  VectorX share;        ///< L/ℓ
-  Equations right;      ///< what each molecule is asked for
-  VectorX uniform;      ///< where y is drawn to: the one constant for all that has the body's mean stiffness, or 0
+  Tensors tensor;   ///< n n n, n from the first to the second end
+  VectorX length;   ///< L [m]
+  double length2;   ///< ℓ² [m²]
+  VectorX weight;   ///< w, one a molecule
+  VectorX share;    ///< L/ℓ
+  Equations right;  ///< what each molecule is asked for
+  VectorX uniform;  ///< where y is drawn to: the one constant for all that has the body's mean stiffness, or 0
 
   /// @param C over E, without unit.
   PatchTest(const Body& body, const Stiffness& C, bool volume_on_surface)
       : connections(body.connections),
         incident(connections_of_molecules(body.size(), body.connections)),
-        direction(3, body.connections.size()),
+        tensor(kComponents, body.connections.size()),
         length(body.connections.size()) {
     for (int c = 0; c < connections.size(); ++c) {
       const auto& [a, b] = connections.ends[c];
       const Vector3 gap = body.rest.col(b) - body.rest.col(a);
       length[c] = gap.norm();
-      direction.col(c) = gap / length[c];
+      tensor.col(c) = triple(gap / length[c]);
     }
     length2 = length.squaredNorm() / static_cast<double>(length.size());
     const Positions areas = surface_areas(body);
@@ -187,15 +187,18 @@ struct PatchTest {
   /// Σ_j y n n n and w Σ_j y L/ℓ of each molecule.
   Equations sums(const VectorX& y) const {
     Equations result(kComponents + 1, right.cols());
-    parallel_for(static_cast<int>(right.cols()), [&](int molecule) {
-      Tensor sum = Tensor::Zero();
-      double stretch = 0;
-      for (const int c : incident[molecule]) {
-        sum += (connections.ends[c][0] == molecule ? y[c] : -y[c]) * triple(direction.col(c));
-        stretch += share[c] * y[c];
-      }
-      result.col(molecule) << sum, weight[molecule] * stretch;
-    });
+    parallel_for(
+        static_cast<int>(right.cols()),
+        [&](int molecule) {
+          Tensor sum = Tensor::Zero();
+          double stretch = 0;
+          for (const int c : incident[molecule]) {
+            sum += (connections.ends[c][0] == molecule ? y[c] : -y[c]) * tensor.col(c);
+            stretch += share[c] * y[c];
+          }
+          result.col(molecule) << sum, weight[molecule] * stretch;
+        },
+        kParallelThreshold / kComponents);
     return result;
   }
 
@@ -205,7 +208,7 @@ struct PatchTest {
     parallel_for(connections.size(), [&](int c) {
       const auto& [a, b] = connections.ends[c];
       const Tensor difference = values.col(a).head<kComponents>() - values.col(b).head<kComponents>();
-      result[c] = triple(direction.col(c)).dot(difference) +
+      result[c] = tensor.col(c).dot(difference) +
                   share[c] * (weight[a] * values(kComponents, a) + weight[b] * values(kComponents, b));
     });
     return result;
@@ -219,7 +222,7 @@ struct PatchTest {
       own.setZero();
       for (const int c : incident[molecule]) {
         Eigen::Matrix<double, kComponents + 1, 1> column;
-        column << (connections.ends[c][0] == molecule ? 1 : -1) * triple(direction.col(c)), weight[molecule] * share[c];
+        column << (connections.ends[c][0] == molecule ? 1 : -1) * tensor.col(c), weight[molecule] * share[c];
         own += column * column.transpose();
       }
       const Eigen::SelfAdjointEigenSolver<decltype(own)> solver(own, Eigen::EigenvaluesOnly);
