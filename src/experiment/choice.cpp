@@ -14,8 +14,16 @@ StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label)
   const std::string prefix = "calibrated:", suffix = "+volume";
   if (label.ends_with(suffix))
     return with_volume(choose_strategy(catalog, label.substr(0, label.size() - suffix.size())));
+  if (const auto plus = label.find('+'); plus != std::string::npos) {
+    const std::string ending = label.substr(plus);
+    throw InputError("'" + label + "': unknown ending '" + ending + "'" + suggestion(ending, {suffix}));
+  }
   if (label == "calibrated") return choose_strategy(catalog, prefix + "standard");
   const bool calibrated = label.starts_with(prefix);
+  if (const auto colon = label.find(':'); !calibrated && colon != std::string::npos) {
+    const std::string beginning = label.substr(0, colon + 1);
+    throw InputError("'" + label + "': unknown beginning '" + beginning + "'" + suggestion(beginning, {prefix}));
+  }
   const Strategy& strategy = catalog.find(calibrated ? label.substr(prefix.size()) : label);
   if (!calibrated && strategy.kind == StrategyKind::wrapper)
     throw InputError("'" + label + "' goes with a rule: lattice+" + label);

@@ -38,6 +38,7 @@ StaticResult LoadPath::advance(double factor, double smallest) {
   const auto add_cost = [](StaticResult& result, const StaticResult& cost) {
     result.newton_iterations += cost.newton_iterations;
     result.linear_iterations += cost.linear_iterations;
+    result.cut_steps += cost.cut_steps;
   };
   StaticResult first = advance(factor_ + half, smallest);
   add_cost(first, solved);

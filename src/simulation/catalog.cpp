@@ -42,18 +42,19 @@ Catalog built_in_catalog() {
   catalog.add<NeoHookean>();
   catalog.add<Curve>();
   catalog.add<TwoParameter>();
-  Strategy calibrated;
-  calibrated.name = "calibrated";
-  calibrated.summary = "any spring rule, times E / E measured by one linear solve of the scene: calibrated:RULE";
-  calibrated.source = "[M03]'s divisor found by hand, made automatic";
-  calibrated.kind = StrategyKind::wrapper;
-  catalog.add(std::move(calibrated));
-  Strategy volume;
-  volume.name = "volume";
-  volume.summary = "any spring rule or neo_hookean on a solid, with a volume term: nu from 0 to 0.4999: RULE+volume";
-  volume.source = "Bonet & Burton 1998, averaged nodal volumes";
-  volume.kind = StrategyKind::wrapper;
-  catalog.add(std::move(volume));
+  const auto add_wrapper = [&](const char* name, const char* summary, const char* source) {
+    Strategy wrapper;
+    wrapper.name = name;
+    wrapper.summary = summary;
+    wrapper.source = source;
+    wrapper.kind = StrategyKind::wrapper;
+    catalog.add(std::move(wrapper));
+  };
+  add_wrapper("calibrated", "any spring rule, times E / E measured by one linear solve of the scene: calibrated:RULE",
+              "[M03]'s divisor found by hand, made automatic");
+  add_wrapper("volume",
+              "any spring rule or neo_hookean on a solid, with a volume term: nu from 0 to 0.4999: RULE+volume",
+              "Bonet & Burton 1998, averaged nodal volumes");
   return catalog;
 }
 
