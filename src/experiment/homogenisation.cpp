@@ -104,7 +104,7 @@ class Homogenisation final : public Driven {
   /// Every molecule follows the strain: the largest force left on an inner one, over the largest on the surface; the
   /// worst of the six strains.
   double patch_residual(Model& model, const State& state) const {
-    const Tangent tangent(model, state.positions);
+    const Tangent tangent(model, state);
     std::vector<char> inner(static_cast<std::size_t>(body_.size()), 1);
     for (const Held& held : held_) inner[static_cast<std::size_t>(held.molecule)] = 0;
     double worst = 0;

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "elastin/forces/loads.h"
 #include "elastin/model/body.h"
 #include "elastin/model/material.h"
 #include "experiment/experiment.h"
@@ -15,7 +14,7 @@ namespace elastin {
 struct Specimen {
   Body body;
   Material material;
-  std::vector<std::function<std::unique_ptr<Load>(const Body&)>> loads;
+  std::vector<std::function<void(Model&)>> loads;  ///< each adds one load, or damping, to a model of the body
 };
 
 /// One state on the way of the load.

@@ -95,7 +95,7 @@ std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment
   std::optional<Model> model(body);
   model->add(std::move(elasticity));
   if (auto fibres = make_fibres(choice.strategy, body, material)) model->add(std::move(fibres));
-  for (const auto& make_load : loads) model->add(make_load(body));
+  for (const auto& add_load : loads) add_load(*model);
   experiment.hold(*model);
   return model;
 }

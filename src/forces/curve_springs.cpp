@@ -12,6 +12,7 @@ class CurveSprings final : public Elasticity {
   CurveSprings(const Body& body, VectorX sections, StressStrain curve)
       : connections_(body.connections), sections_(std::move(sections)), curve_(std::move(curve)) {}
 
+  std::unique_ptr<Elasticity> clone() const override { return std::make_unique<CurveSprings>(*this); }
   double energy(const Positions& positions) const override {
     return ordered_sum(connections_.size(), [&](int c) {
       const double rest = connections_.rest_length[c];

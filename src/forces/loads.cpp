@@ -19,15 +19,20 @@ class Gravity final : public Load {
   Vector3 acceleration_;
 };
 
-/// Drag is a force along −V whose size is a function of |V|: linear (stokes) or quadratic.
-class StokesDrag final : public Load {
+/// F = −c V, c [N s/m] one a molecule: Stokes's drag, mass-proportional damping.
+class LinearDrag final : public Load {
  public:
-  StokesDrag(const Body& body, double viscosity) : factor_(6 * std::numbers::pi * viscosity * body.radius) {}
+  explicit LinearDrag(VectorX factor) : factor_(std::move(factor)) {}
   void add_forces(const State& state, Positions& forces) const override {
     forces -= state.velocities * factor_.asDiagonal();
   }
+  bool changes() const override { return true; }
   void add_change(const State&, const Positions&, const Positions& change, Positions& forces) const override {
     forces -= change * factor_.asDiagonal();
+  }
+  void visit_blocks(const State&, double velocity_weight, const BlockVisitor& visit) const override {
+    for (int molecule = 0; molecule < factor_.size(); ++molecule)
+      visit(molecule, molecule, velocity_weight * factor_[molecule] * Matrix3::Identity());
   }
   bool acts_at_rest() const override { return false; }
 
@@ -44,6 +49,17 @@ class QuadraticDrag final : public Load {
       forces.col(molecule) -=
           factor_[molecule] * state.velocities.col(molecule).norm() * state.velocities.col(molecule);
   }
+  bool changes() const override { return true; }
+  void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override {
+    for (int molecule = 0; molecule < factor_.size(); ++molecule) {
+      const Vector3 velocity = state.velocities.col(molecule);
+      const double speed = velocity.norm();
+      if (speed > 0)
+        visit(molecule, molecule,
+              velocity_weight * factor_[molecule] *
+                  (speed * Matrix3::Identity() + velocity * velocity.transpose() / speed));
+    }
+  }
   void add_change(const State& state, const Positions&, const Positions& change, Positions& forces) const override {
     for (int molecule = 0; molecule < factor_.size(); ++molecule) {
       const Vector3 velocity = state.velocities.col(molecule), delta = change.col(molecule);
@@ -56,43 +72,6 @@ class QuadraticDrag final : public Load {
 
  private:
   VectorX factor_;
-};
-
-class Damping final : public Load {
- public:
-  Damping(const Body& body, double coefficient) : connections_(body.connections), coefficient_(coefficient) {}
-
-  void add_forces(const State& state, Positions& forces) const override {
-    for (const auto& [a, b] : connections_.ends) {
-      const Vector3 d = state.positions.col(b) - state.positions.col(a),
-                    v = state.velocities.col(b) - state.velocities.col(a);
-      const double square = d.squaredNorm();
-      if (square == 0) continue;
-      const Vector3 force = coefficient_ * d.dot(v) / square * d;
-      forces.col(a) += force;
-      forces.col(b) -= force;
-    }
-  }
-
-  void add_change(const State& state, const Positions& dx, const Positions& dv, Positions& forces) const override {
-    for (const auto& [a, b] : connections_.ends) {
-      const Vector3 d = state.positions.col(b) - state.positions.col(a),
-                    v = state.velocities.col(b) - state.velocities.col(a);
-      const double square = d.squaredNorm();
-      if (square == 0) continue;
-      const Vector3 delta_d = dx.col(b) - dx.col(a), delta_v = dv.col(b) - dv.col(a);
-      const double rate = d.dot(v) / square;  // relative lengthening rate; the force is b · rate · d
-      const double change = (delta_d.dot(v) + d.dot(delta_v) - 2 * rate * d.dot(delta_d)) / square;
-      const Vector3 force = coefficient_ * (change * d + rate * delta_d);
-      forces.col(a) += force;
-      forces.col(b) -= force;
-    }
-  }
-  bool acts_at_rest() const override { return false; }
-
- private:
-  const Connections& connections_;
-  double coefficient_;
 };
 
 }  // namespace
@@ -117,13 +96,13 @@ std::unique_ptr<Load> make_gravity(const Body& body, const Vector3& acceleration
   return std::make_unique<Gravity>(body, acceleration);
 }
 std::unique_ptr<Load> make_stokes_drag(const Body& body, double viscosity) {
-  return std::make_unique<StokesDrag>(body, viscosity);
+  return std::make_unique<LinearDrag>(6 * std::numbers::pi * viscosity * body.radius);
+}
+std::unique_ptr<Load> make_mass_damping(const Body& body, double rate) {
+  return std::make_unique<LinearDrag>(rate * body.mass);
 }
 std::unique_ptr<Load> make_quadratic_drag(const Body& body, double density, double drag_coefficient) {
   return std::make_unique<QuadraticDrag>(body, density, drag_coefficient);
-}
-std::unique_ptr<Load> make_damping(const Body& body, double coefficient) {
-  return std::make_unique<Damping>(body, coefficient);
 }
 
 }  // namespace elastin

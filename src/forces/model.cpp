@@ -21,6 +21,11 @@ bool Model::has_full_tangent() const {
   return std::all_of(elasticity_.begin(), elasticity_.end(), [](const auto& part) { return part->has_full_tangent(); });
 }
 
+bool Model::admissible(const Positions& positions) const {
+  return std::all_of(elasticity_.begin(), elasticity_.end(),
+                     [&](const auto& part) { return part->admissible(positions); });
+}
+
 double Model::elastic_energy(const Positions& positions) const {
   double energy = 0;
   for (const auto& part : elasticity_) energy += part->energy(positions);
@@ -49,6 +54,35 @@ Positions Model::load_forces(const State& state) const {
   Positions forces = Positions::Zero(3, body_->size());
   for (const auto& load : loads_) load->add_forces(state, forces);
   return forces;
+}
+
+std::pair<VectorX, VectorX> Model::squares_and_rates(const State& state) const {
+  const auto& ends = body_->connections.ends;
+  std::pair<VectorX, VectorX> both{VectorX(body_->connections.size()), VectorX(body_->connections.size())};
+  auto& [squares, rates] = both;
+  parallel_for(body_->connections.size(), [&](int c) {
+    const auto& [a, b] = ends[c];
+    const Vector3 d = state.positions.col(b) - state.positions.col(a);
+    squares[c] = d.squaredNorm();
+    rates[c] = 2 * d.dot(state.velocities.col(b) - state.velocities.col(a));
+  });
+  return both;
+}
+
+VectorX Model::viscous_densities(const State& state) const {
+  VectorX densities = VectorX::Zero(body_->connections.size());
+  if (viscosity_.empty()) return densities;
+  const auto [squares, rates] = squares_and_rates(state);
+  for (const auto& part : viscosity_) part->add_force_densities(squares, rates, densities);
+  return densities;
+}
+
+void Model::set_forces(const State& state, Positions& forces) const {
+  forces.setZero(3, body_->size());
+  VectorX densities = force_densities(state.positions);
+  if (!viscosity_.empty()) densities += viscous_densities(state);
+  gather(state.positions, densities, forces);
+  for (const auto& load : loads_) load->add_forces(state, forces);
 }
 
 void Model::gather(const Positions& positions, const VectorX& densities, Positions& forces) const {

@@ -34,6 +34,7 @@ class Springs final : public Elasticity {
  public:
   Springs(const Body& body, VectorX constants) : connections_(body.connections), constants_(std::move(constants)) {}
 
+  std::unique_ptr<Elasticity> clone() const override { return std::make_unique<Springs>(*this); }
   double energy(const Positions& positions) const override {
     return ordered_sum(connections_.size(), [&](int c) {
       const double stretch = length(connections_, positions, c) - connections_.rest_length[c];
@@ -56,6 +57,7 @@ class UpdatedSprings final : public Elasticity {
   UpdatedSprings(const Body& body, ConstantsAt constants)
       : connections_(body.connections), constants_at_(std::move(constants)) {}
 
+  std::unique_ptr<Elasticity> clone() const override { return std::make_unique<UpdatedSprings>(*this); }
   bool has_energy() const override { return false; }
   bool has_full_tangent() const override { return false; }
   double energy(const Positions&) const override { return 0; }

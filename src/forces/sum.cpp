@@ -10,6 +10,10 @@ class Sum final : public Elasticity {
   Sum(std::unique_ptr<Elasticity> first, std::unique_ptr<Elasticity> second)
       : first_(std::move(first)), second_(std::move(second)) {}
 
+  std::unique_ptr<Elasticity> clone() const override { return make_sum(first_->clone(), second_->clone()); }
+  bool admissible(const Positions& positions) const override {
+    return first_->admissible(positions) && second_->admissible(positions);
+  }
   bool has_energy() const override { return first_->has_energy() && second_->has_energy(); }
   bool has_full_tangent() const override { return first_->has_full_tangent() && second_->has_full_tangent(); }
   double energy(const Positions& positions) const override {

@@ -1,27 +1,58 @@
 #include "forces/tangent.h"
 
+#include <algorithm>
+
 #include "forces/graph.h"
 
 namespace elastin {
 
-Tangent::Tangent(Model& model, const Positions& positions) : model_(model), links_(model.body().connections.size()) {
-  const VectorX densities = model.force_densities(positions);
-  VectorX slopes = VectorX::Zero(densities.size());
+Tangent::Tangent(Model& model, const State& state, const Weights& weights)
+    : model_(model), state_(state), weights_(weights), links_(model.body().connections.size()) {
+  VectorX slopes = VectorX::Zero(model.body().connections.size());
   for (const auto& part : model.elasticity()) {
-    part->linearise(positions);
+    part->linearise(state.positions);
     part->add_own_slopes(slopes);
     coupled_ |= part->coupled();
   }
+  VectorX densities = model.force_densities(state.positions);
+  if (!model.viscosity().empty()) {
+    const auto [squares, rates] = model.squares_and_rates(state);
+    for (const auto& part : model.viscosity()) {
+      part->add_force_densities(squares, rates, densities);
+      part->add_own_slopes(squares, rates, weights.velocity, slopes);
+      coupled_ |= part->coupled();
+    }
+  }
+  const auto& loads = model.loads();
+  loads_change_ = std::any_of(loads.begin(), loads.end(), [&](const auto& load) {
+    return load->changes() && (load->acts_at_rest() || weights.velocity != 0);
+  });
   const auto& ends = model.body().connections.ends;
   parallel_for(static_cast<int>(links_.size()), [&](int c) {
-    links_[c] = {positions.col(ends[c][1]) - positions.col(ends[c][0]), densities[c], 2 * slopes[c]};
+    links_[c] = {state.positions.col(ends[c][1]) - state.positions.col(ends[c][0]), densities[c], 2 * slopes[c]};
   });
 }
 
 void Tangent::apply(const Positions& motion, Positions& result) const {
+  if (weights_.acceleration != 0)
+    parallel_for(
+        static_cast<int>(motion.cols()),
+        [&](int a) { result.col(a) = weights_.acceleration * model_.body().mass[a] * motion.col(a); },
+        kParallelThreshold / 10);
+  else
+    result.setZero();
+  apply_links(motion, result);
+  if (!loads_change_) return;
+  const Positions rates = weights_.velocity * motion;
+  Positions change = Positions::Zero(3, motion.cols());
+  for (const auto& load : model_.loads())
+    if (load->changes()) load->add_change(state_, motion, rates, change);
+  result -= change;
+}
+
+void Tangent::apply_links(const Positions& motion, Positions& result) const {
   const Connections& connections = model_.body().connections;
   const Rows* incident = model_.graph_ ? &model_.graph_->incident : nullptr;
-  result.setZero();
   if (!coupled_) {
     add_flows(connections, incident, result, [&](int c, int a, int b) -> Vector3 {
       const Link& link = links_[c];
@@ -37,13 +68,21 @@ void Tangent::apply(const Positions& motion, Positions& result) const {
     densities[c] = links_[c].slope / 2 * squares[c];
   });
   for (const auto& part : model_.elasticity()) part->add_change(squares, densities);
+  if (!model_.viscosity().empty()) {
+    squares *= weights_.velocity;
+    for (const auto& part : model_.viscosity()) part->add_change(squares, densities);
+  }
   add_flows(connections, incident, result, [&](int c, int a, int b) -> Vector3 {
     const Link& link = links_[c];
     return link.density * (motion.col(a) - motion.col(b)) - densities[c] * link.d;
   });
 }
 
-void Tangent::visit_link_and_cell_blocks(const BlockVisitor& visit) const {
+/// Of inertia, links, cells and loads: all but what a law visits as blocks itself.
+void Tangent::visit_local_blocks(const BlockVisitor& visit) const {
+  if (weights_.acceleration != 0)
+    for (int a = 0; a < model_.body().size(); ++a)
+      visit(a, a, weights_.acceleration * model_.body().mass[a] * Matrix3::Identity());
   const auto& ends = model_.body().connections.ends;
   const auto visit_pair = [&](int c, int other, const Matrix3& block) {
     for (const int i : {0, 1})
@@ -53,24 +92,29 @@ void Tangent::visit_link_and_cell_blocks(const BlockVisitor& visit) const {
     const auto& [d, density, slope] = links_[c];
     visit_pair(static_cast<int>(c), static_cast<int>(c), density * Matrix3::Identity() + slope * d * d.transpose());
   }
-  for (const auto& part : model_.elasticity())
-    part->visit_cells([&](std::span<const int> connections, const double* slopes) {
+  const auto visit_cell = [&](double weight) {
+    return [&, weight](std::span<const int> connections, const double* slopes) {
       const std::size_t sides = connections.size();
       for (std::size_t i = 0; i < sides; ++i)
         for (std::size_t j = 0; j < sides; ++j)
-          visit_pair(connections[i], connections[j],
-                     2 * slopes[i * sides + j] * links_[connections[i]].d * links_[connections[j]].d.transpose());
-    });
+          visit_pair(
+              connections[i], connections[j],
+              2 * weight * slopes[i * sides + j] * links_[connections[i]].d * links_[connections[j]].d.transpose());
+    };
+  };
+  for (const auto& part : model_.elasticity()) part->visit_cells(visit_cell(1));
+  for (const auto& part : model_.viscosity()) part->visit_cells(visit_cell(weights_.velocity));
+  for (const auto& load : model_.loads()) load->visit_blocks(state_, weights_.velocity, visit);
 }
 
 void Tangent::visit_blocks(const BlockVisitor& visit) const {
-  visit_link_and_cell_blocks(visit);
+  visit_local_blocks(visit);
   for (const auto& part : model_.elasticity()) part->visit_blocks(visit);
 }
 
 std::vector<Matrix3> Tangent::diagonal() const {
   std::vector<Matrix3> blocks(model_.body().size(), Matrix3::Zero());
-  visit_link_and_cell_blocks([&](int a, int b, const Matrix3& part) {
+  visit_local_blocks([&](int a, int b, const Matrix3& part) {
     if (a == b) blocks[a] += part;
   });
   for (const auto& part : model_.elasticity()) part->add_diagonal(blocks);

@@ -5,12 +5,20 @@
 
 namespace elastin {
 
-/// The stiffness −∂(elastic force)/∂positions of a model at one state, without a matrix: per connection d = x_b − x_a,
-/// force density q and own slope, and the coupled slopes that each cell law keeps.
+/// What a small change of position means for velocity and acceleration, where these follow from it: static problems are
+/// (0, 0), a time step has its integrator's weights.
+struct Weights {
+  double velocity = 0;      ///< δv/δx [1/s]
+  double acceleration = 0;  ///< δa/δx [1/s²]
+};
+
+/// The stiffness −∂(all forces)/∂positions of a model at one state, without a matrix, with damping and inertia by their
+/// weights: per connection d = x_b − x_a, force density q and own slope; the coupled slopes that each cell law keeps;
+/// the loads'. What is left out: that a viscosity's ṡ turns with the body (unsymmetric, and small where a step is).
 class Tangent {
  public:
-  /// Linearises every elasticity of the model at these positions. The model must outlive the tangent.
-  Tangent(Model& model, const Positions& positions);
+  /// Linearises every elasticity of the model. Model and state must outlive the tangent.
+  Tangent(Model& model, const State& state, const Weights& weights = {});
 
   /// result = K motion [N], motion [m]; result is overwritten.
   void apply(const Positions& motion, Positions& result) const;
@@ -30,10 +38,13 @@ class Tangent {
     double density;  ///< q [N/m]
     double slope;    ///< 2 ∂q/∂s [N/m³]: the change of q is slope · d·δd
   };
-  void visit_link_and_cell_blocks(const BlockVisitor& visit) const;
+  void apply_links(const Positions& motion, Positions& result) const;
+  void visit_local_blocks(const BlockVisitor& visit) const;
   const Model& model_;
+  const State& state_;
+  Weights weights_;
   std::vector<Link> links_;
-  bool coupled_ = false;
+  bool coupled_ = false, loads_change_ = false;
 };
 
 }  // namespace elastin

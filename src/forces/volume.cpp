@@ -93,6 +93,10 @@ class Volume final : public Elasticity {
     group_volume_ = group_sums([&](int t) { return rest_volume_[static_cast<std::size_t>(t)]; });
   }
 
+  std::unique_ptr<Elasticity> clone() const override { return std::make_unique<Volume>(*this); }
+
+  bool admissible(const Positions& positions) const override { return std::isfinite(energy(positions)); }
+
   double energy(const Positions& positions) const override {
     return ordered_sum(groups_.size(), [&](int group) {
       if (group_volume_[group] == 0) return 0.;  // no tetrahedron around this molecule

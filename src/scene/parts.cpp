@@ -61,54 +61,58 @@ StaticOptions read_solver(Reader reader) {
 
 namespace {
 
-using MakeLoad = std::function<std::unique_ptr<Load>(const Body&)>;
-
-MakeLoad read_drag(Reader reader) {
+SceneLoad read_drag(Reader reader) {
   const bool stokes = reader.at("kind").choice<bool>({{"stokes", true}, {"quadratic", false}});
   if (stokes) {
     const double viscosity = reader.at("viscosity").quantity(dimension::viscosity, kNotNegative);
     reader.finish();
-    return [=](const Body& body) { return make_stokes_drag(body, viscosity); };
+    return {[=](Model& model) { model.add(make_stokes_drag(model.body(), viscosity)); }, false};
   }
   const double density = reader.at("density").quantity(dimension::density, kNotNegative);
   const double coefficient = reader.at("drag_coefficient").quantity(dimension::none, kNotNegative);
   reader.finish();
-  return [=](const Body& body) { return make_quadratic_drag(body, density, coefficient); };
+  return {[=](Model& model) { model.add(make_quadratic_drag(model.body(), density, coefficient)); }, false};
 }
 
-MakeLoad read_cell_damping(Reader reader, const Body& body) {
+SceneLoad read_damping(const Reader& reader, const Body&) {
+  const double coefficient = reader.quantity(dimension::damping, kNotNegative);
+  return {[=](Model& model) { model.add(make_damping(coefficient)); }, false};
+}
+
+SceneLoad read_cell_damping(Reader reader, const Body& body) {
   const double bulk = reader.at("bulk").quantity(dimension::viscosity, kNotNegative);
   const double shear = reader.at("shear").quantity(dimension::viscosity, kNotNegative);
   reader.finish();
   if (body.tetrahedra.empty()) reader.fail("needs a body with tetrahedra; `damping` works on connections");
-  return [=](const Body& damped) { return make_cell_damping(damped, bulk, shear); };
+  return {[=](Model& model) { model.add(make_cell_damping(model.body(), bulk, shear)); }, false};
 }
 
-MakeLoad read_point(Reader reader, const Body& body, const Matrix3& rotation) {
+SceneLoad read_point(Reader reader, const Body& body, const Matrix3& rotation) {
   std::vector<int> molecules;
   for (const Reader& item : reader.at("molecules").items()) molecules.push_back(item.whole(0, body.size() - 1));
   const Vector3 force = rotation * reader.at("force").vector(dimension::force);
   reader.finish();
-  return [=](const Body& loaded) {
-    return std::make_unique<PointLoads>(loaded, molecules,
-                                        force.replicate(1, static_cast<Eigen::Index>(molecules.size())));
-  };
+  return {[=](Model& model) {
+    model.add(std::make_unique<PointLoads>(model.body(), molecules,
+                                           force.replicate(1, static_cast<Eigen::Index>(molecules.size()))));
+  }};
 }
 
-MakeLoad read_face(Reader reader, const Body& body, const Matrix3& rotation) {
+SceneLoad read_face(Reader reader, const Body& body, const Matrix3& rotation) {
   const Vector3 side = rotation * read_direction(reader.at("side"));
   const Vector3 traction = rotation * reader.at("traction").vector(dimension::pressure);
   reader.finish();
   const Face face = reader.located([&] { return end_face(body, side, 0); });
   if (!(face.area > 0)) reader.fail("the molecules on this side span no area");
-  return [=](const Body& loaded) {
-    return std::make_unique<PointLoads>(loaded, face.molecules, face.area * traction * face.share.transpose());
-  };
+  return {[=](Model& model) {
+    model.add(
+        std::make_unique<PointLoads>(model.body(), face.molecules, face.area * traction * face.share.transpose()));
+  }};
 }
 
 }  // namespace
 
-MakeLoad read_load(Reader reader, const Body& body, const Matrix3& rotation, std::vector<std::string>& warnings) {
+SceneLoad read_load(Reader reader, const Body& body, const Matrix3& rotation) {
   const auto gravity = reader.find("gravity"), drag = reader.find("drag"), damping = reader.find("damping"),
              cell_damping = reader.find("cell_damping"), point = reader.find("point"), face = reader.find("face");
   reader.finish();
@@ -116,25 +120,13 @@ MakeLoad read_load(Reader reader, const Body& body, const Matrix3& rotation, std
           face.has_value() !=
       1)
     reader.fail("a load is one of gravity, drag, damping, cell_damping, point, face; write each as an item of its own");
-  MakeLoad load;
-  if (gravity) {
-    const Vector3 acceleration = rotation * gravity->vector(dimension::acceleration);
-    load = [=](const Body& loaded) { return make_gravity(loaded, acceleration); };
-  } else if (drag) {
-    load = read_drag(*drag);
-  } else if (damping) {
-    const double coefficient = damping->quantity(dimension::damping, kNotNegative);
-    load = [=](const Body& loaded) { return make_damping(loaded, coefficient); };
-  } else if (cell_damping) {
-    load = read_cell_damping(*cell_damping, body);
-  } else if (point) {
-    load = read_point(*point, body, rotation);
-  } else {
-    load = read_face(*face, body, rotation);
-  }
-  if (!load(body)->acts_at_rest())
-    warnings.push_back(reader.path() + ": acts on moving bodies only; it changes nothing in a static experiment");
-  return load;
+  if (drag) return read_drag(*drag);
+  if (damping) return read_damping(*damping, body);
+  if (cell_damping) return read_cell_damping(*cell_damping, body);
+  if (point) return read_point(*point, body, rotation);
+  if (face) return read_face(*face, body, rotation);
+  const Vector3 acceleration = rotation * gravity->vector(dimension::acceleration);
+  return {[=](Model& model) { model.add(make_gravity(model.body(), acceleration)); }};
 }
 
 }  // namespace elastin

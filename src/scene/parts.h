@@ -19,9 +19,13 @@ struct ExperimentPlace {
 };
 std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace& place);
 StaticOptions read_solver(Reader reader);
-/// One load; `rotation` turns its directions with the scene.
-std::function<std::unique_ptr<Load>(const Body&)> read_load(Reader reader, const Body& body, const Matrix3& rotation,
-                                                            std::vector<std::string>& warnings);
+/// Adds one load, or internal damping, to a model of the scene's body.
+struct SceneLoad {
+  std::function<void(Model&)> add;
+  bool acts_at_rest = true;  ///< false: drag and damping, which a static experiment does not feel
+};
+/// `rotation` turns its directions with the scene.
+SceneLoad read_load(Reader reader, const Body& body, const Matrix3& rotation);
 Matrix3 read_rotation(Reader reader);
 
 /// "x", "-y" or a list of three numbers.

@@ -118,8 +118,13 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   scene->experiment =
       read_experiment(experiment, {scene->specimen.body, scene->specimen.material, rotation, scene->statics});
   if (auto loads = reader.find("loads"))
-    for (const Reader& item : loads->items())
-      scene->specimen.loads.push_back(read_load(item, scene->specimen.body, rotation, scene->warnings));
+    for (const Reader& item : loads->items()) {
+      SceneLoad load = read_load(item, scene->specimen.body, rotation);
+      if (!load.acts_at_rest)
+        scene->warnings.push_back(item.path() +
+                                  ": acts on moving bodies only; it changes nothing in a static experiment");
+      scene->specimen.loads.push_back(std::move(load.add));
+    }
   std::vector<StrategyChoice> known = scene->strategies;
   known.push_back(scene->stiffness);
   check_volume_range(reader.at("material"), scene->specimen.material, known);

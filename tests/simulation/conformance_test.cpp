@@ -83,7 +83,8 @@ TEST_CASE("every strategy: forces are minus the gradient of the energy", "[confo
 TEST_CASE("every strategy: the tangent is the difference of forces", "[conformance]") {
   for_each_pair([](const Strategy&, const Body& body, Model& model, std::size_t) {
     const Positions places = deformed(body, 2e-4), motion = random_motion(body, 22);
-    const Tangent tangent(model, places);
+    const State at{places, Positions::Zero(3, places.cols())};
+    const Tangent tangent(model, at);
     Positions predicted(3, body.size());
     tangent.apply(motion, predicted);
     const double h = 1e-8;

@@ -62,7 +62,8 @@ constexpr const char* kPassNames[] = {"force", "tangent", "tangent times motion"
 std::vector<Figures> time_law(const Body& body, Model& model, const Settings& settings) {
   const Positions positions = deformed(body);
   const Positions motion = Positions::Random(3, body.size());
-  const Tangent tangent(model, positions);
+  const State state{positions, Positions::Zero(3, positions.cols())};
+  const Tangent tangent(model, state);
   std::vector<std::function<void()>> works;
   Positions result(3, body.size());
   for (const Pass pass : {Pass::force, Pass::tangent, Pass::product})
@@ -71,7 +72,7 @@ std::vector<Figures> time_law(const Body& body, Model& model, const Settings& se
         set_threads(count);
         for (int repeat = 0; repeat < kPasses; ++repeat) {
           if (pass == Pass::force) result = model.elastic_forces(positions);
-          if (pass == Pass::tangent) Tangent(model, positions);
+          if (pass == Pass::tangent) Tangent(model, state);
           if (pass == Pass::product) tangent.apply(motion, result);
         }
       });

@@ -39,7 +39,8 @@ struct Problem {
 
 /// K about rest without a shift; the sliding grips leave three rigid motions, on which the load does no work.
 Sparse assembled(Problem& problem) {
-  const Tangent tangent(problem.model, problem.body.rest);
+  const State rest = state_at_rest(problem.body);
+  const Tangent tangent(problem.model, rest);
   return sparse_stiffness(tangent, problem.model.supports, 0, stiffness_scale(tangent));
 }
 

@@ -53,12 +53,23 @@ class CellElasticity final : public Elasticity {
     }
   }
 
+  std::unique_ptr<Elasticity> clone() const override { return std::make_unique<CellElasticity>(*this); }
   bool has_energy() const override { return HasEnergy<Law>; }
+
+  /// Lengths cannot tell a cell from its mirror image; volumes can.
+  bool admissible(const Positions& positions) const override {
+    if constexpr (corners == 4)
+      return detail::sum_over_cells(graph_.cells(), [&](int cell) {
+               return signed_volume(positions, body_.tetrahedra[cell]) > 0 ? 0. : 1.;
+             }) == 0;
+    else
+      return true;
+  }
 
   double energy(const Positions& positions) const override {
     if constexpr (HasEnergy<Law>)
       return detail::sum_over_cells(graph_.cells(), [&](int cell) {
-        if constexpr (corners == 4)  // lengths cannot tell a cell from its mirror image; volumes can
+        if constexpr (corners == 4)
           if (!(signed_volume(positions, body_.tetrahedra[cell]) > 0)) return std::numeric_limits<double>::infinity();
         return law_.energy(constants_[cell], squares(positions, cell));
       });

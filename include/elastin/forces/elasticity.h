@@ -19,6 +19,8 @@ namespace elastin {
 class Elasticity {
  public:
   virtual ~Elasticity() = default;
+  /// A copy of its own, to be linearised elsewhere.
+  virtual std::unique_ptr<Elasticity> clone() const = 0;
 
   /// Whether forces come from an energy; if not, the tangent need not be symmetric and energy() is 0.
   virtual bool has_energy() const { return true; }
@@ -26,6 +28,8 @@ class Elasticity {
   virtual bool has_full_tangent() const { return true; }
   /// Stored energy [J]; +infinity where a cell is flat or turned over.
   virtual double energy(const Positions& positions) const = 0;
+  /// Whether no cell is flat or turned over. Energies are +infinity where not; laws without an energy say it here.
+  virtual bool admissible(const Positions& /*positions*/) const { return true; }
   /// Adds each connection's force density [N/m].
   virtual void add_force_densities(const Positions& positions, VectorX& densities) const = 0;
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -15,10 +16,17 @@ class Load {
   virtual void add_forces(const State& state, Positions& forces) const = 0;
   /// Potential energy [J], zero at rest; 0 for forces that have none (drag, damping).
   virtual double energy(const State&) const { return 0; }
+  /// Whether the forces change with the state; if not, the next two do nothing.
+  virtual bool changes() const { return false; }
   /// Adds the change of the forces under small changes of positions [m] and velocities [m/s].
   virtual void add_change(const State&, const Positions& /*change_of_positions*/,
                           const Positions& /*change_of_velocities*/, Positions& /*change_of_forces*/) const {}
-  /// Whether the load acts on a body that does not move. Drag and damping do not.
+  /// Calls visit(a, b, part) for parts of the 3×3 blocks of −∂F_a/∂x_b − velocity_weight ∂F_a/∂v_b [N/m].
+  using BlockVisitor = std::function<void(int a, int b, const Matrix3& part)>;
+  virtual void visit_blocks(const State&, double /*velocity_weight*/, const BlockVisitor&) const {}
+  /// Whether energy() at one place stays the same over time: else what the load does is work from outside.
+  virtual bool steady() const { return true; }
+  /// Whether the load acts on a body that does not move. Drag does not.
   virtual bool acts_at_rest() const { return true; }
 };
 
@@ -49,13 +57,7 @@ std::unique_ptr<Load> make_stokes_drag(const Body& body, double viscosity);
 /// Ambient friction F = −½ ρ C π r² |V| V, ρ = `density` [kg/m³] of the medium, C = `drag_coefficient`. [M03, reading]
 std::unique_ptr<Load> make_quadratic_drag(const Body& body, double density, double drag_coefficient);
 
-/// Internal damping: each connection resists its own lengthening, F = −b [(V_e − V_p)·u] u, b = `coefficient` [N s/m].
-/// [M03]
-std::unique_ptr<Load> make_damping(const Body& body, double coefficient);
-
-/// Internal damping of tetrahedra: stress S = φ tr(Ė) I + 2ψ Ė of the Lagrangian strain rate Ė, φ = `bulk` and ψ =
-/// `shear` [Pa s], ≥ 0. With ṡ the rates of the squared lengths, q = K(φ, ψ) ṡ, K that of st_venant_kirchhoff: a rigid
-/// motion is not damped. [L03]
-std::unique_ptr<Load> make_cell_damping(const Body& body, double bulk, double shear);
+/// Rayleigh's mass-proportional damping, F = −α m V, α = `rate` [1/s]. [Rayleigh 1877]
+std::unique_ptr<Load> make_mass_damping(const Body& body, double rate);
 
 }  // namespace elastin

@@ -1,10 +1,12 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "elastin/forces/elasticity.h"
 #include "elastin/forces/loads.h"
+#include "elastin/forces/viscosity.h"
 #include "elastin/model/body.h"
 #include "elastin/model/state.h"
 
@@ -16,6 +18,7 @@ struct Support {
   int molecule = 0;
   Matrix3 free = Matrix3::Zero();          ///< projector on the free directions; zero = held in all
   Vector3 displacement = Vector3::Zero();  ///< from rest; only its held part counts
+  Vector3 velocity = Vector3::Zero();      ///< [m/s] in the held directions, of a support that moves in time
 };
 
 /// A body with everything that acts on it. The body must outlive the model.
@@ -28,12 +31,18 @@ class Model {
   const Body& body() const { return *body_; }
   void add(std::unique_ptr<Elasticity> elasticity) { elasticity_.push_back(std::move(elasticity)); }
   void add(std::unique_ptr<Load> load) { loads_.push_back(std::move(load)); }
+  void add(std::unique_ptr<Viscosity> viscosity) { viscosity_.push_back(std::move(viscosity)); }
   const std::vector<std::unique_ptr<Elasticity>>& elasticity() const { return elasticity_; }
+  const std::vector<std::unique_ptr<Viscosity>>& viscosity() const { return viscosity_; }
   const std::vector<std::unique_ptr<Load>>& loads() const { return loads_; }
   std::vector<Support> supports;  ///< at most one a molecule
+  /// Moves the supports: sets their displacements and velocities for a time [s]. Empty: they stay where they are.
+  std::function<void(double time, std::vector<Support>&)> drive;
 
   bool has_energy() const;
   bool has_full_tangent() const;
+  /// Whether no cell is flat or turned over.
+  bool admissible(const Positions& positions) const;
   /// Elastic energy [J], +infinity where a cell is flat or turned over.
   double elastic_energy(const Positions& positions) const;
   /// Potential energy of the loads [J].
@@ -44,6 +53,12 @@ class Model {
   Positions elastic_forces(const Positions& positions) const;
   /// Force of all loads on each molecule [N].
   Positions load_forces(const State& state) const;
+  /// Squared length [m²] of each connection, and its rate [m²/s].
+  std::pair<VectorX, VectorX> squares_and_rates(const State& state) const;
+  /// Force density of each connection [N/m] that internal damping adds.
+  VectorX viscous_densities(const State& state) const;
+  /// All forces on each molecule [N]: elastic, damping, loads. `forces` is overwritten.
+  void set_forces(const State& state, Positions& forces) const;
   /// Sum of connection forces on each molecule: Σ q_ab (x_b − x_a). The same bits on any number of threads.
   void gather(const Positions& positions, const VectorX& densities, Positions& forces) const;
 
@@ -52,6 +67,7 @@ class Model {
   struct Graph;
   const Body* body_;
   std::vector<std::unique_ptr<Elasticity>> elasticity_;
+  std::vector<std::unique_ptr<Viscosity>> viscosity_;
   std::vector<std::unique_ptr<Load>> loads_;
   std::unique_ptr<Graph> graph_;  // only for bodies large enough for several threads
 };

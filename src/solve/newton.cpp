@@ -1,0 +1,272 @@
+#include "solve/newton.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+
+namespace elastin {
+namespace {
+
+/// Below this many molecules a factorisation beats iterations; above the second limit it is never tried.
+constexpr int kTinyBody = 60, kDirectLimit = 2500;
+
+/// Newton iterations in which a body that was stable at the start is followed down past negative modes before saddles
+/// are tried: nearly incompressible ones pass through pressures that are not there at the end.
+constexpr int kDownhillSteps = 25;
+
+std::unique_ptr<LinearSolver> make_solver(LinearMethod method, int molecules) {
+  const bool direct = method == LinearMethod::direct || (method == LinearMethod::automatic && molecules <= kTinyBody);
+  return direct ? make_direct() : make_pcg();
+}
+
+struct Balance {
+  Positions unbalanced;  ///< all forces less inertia, in the free directions [N]
+  double norm = 0;       ///< its size
+  double scale = 0;      ///< size of loads, inertia and reactions
+};
+
+Positions inertia(const Model& model, const State& state) {
+  return state.accelerations * model.body().mass.asDiagonal();
+}
+
+Balance balance(const Model& model, const State& state, bool moving) {
+  Balance result;
+  const Positions loads = model.load_forces(state);
+  if (moving) {
+    model.set_forces(state, result.unbalanced);
+    const Positions needed = inertia(model, state);
+    result.unbalanced -= needed;
+    result.scale = ordered_norm(needed);
+  } else {
+    result.unbalanced = model.elastic_forces(state.positions);
+    result.unbalanced += loads;
+  }
+  result.scale += ordered_norm(loads) + held_parts(model.supports, result.unbalanced).norm();
+  keep_free(model.supports, result.unbalanced);
+  result.norm = ordered_norm(result.unbalanced);
+  return result;
+}
+
+/// The unbalanced force that rounding of the positions alone makes: nothing smaller can be asked for.
+double rounding_floor(const Tangent& tangent, const Positions& positions) {
+  const double reach = positions.cwiseAbs().maxCoeff();
+  double sum = 0;
+  for (const Matrix3& block : tangent.diagonal()) sum += block.squaredNorm();
+  return std::numeric_limits<double>::epsilon() * reach * std::sqrt(sum);
+}
+
+/// Velocities and accelerations that go with the positions; supports move as they say.
+void follow(const Model& model, const Kinematics& kinematics, State& state) {
+  const auto& [weights, start, velocities, accelerations] = kinematics;
+  state.velocities = velocities + weights.velocity * (state.positions - start);
+  state.accelerations = accelerations + weights.acceleration * (state.positions - start);
+  for (const Support& support : model.supports) {
+    const Vector3 off = support.velocity - state.velocities.col(support.molecule);
+    state.velocities.col(support.molecule) += off - support.free * off;
+  }
+}
+
+/// What the step's kinetic energy adds to the energy that its end minimises: ½ w_a |Δx|² + a₀·Δx, by mass.
+double step_energy(const Model& model, const Kinematics& kinematics, const Positions& positions) {
+  const VectorX& mass = model.body().mass;
+  return ordered_sum(model.body().size(), [&](int i) {
+    const Vector3 way = positions.col(i) - kinematics.start.col(i);
+    return mass[i] *
+           (kinematics.weights.acceleration / 2 * way.squaredNorm() + kinematics.accelerations.col(i).dot(way));
+  });
+}
+
+/// What stays the same through the iterations.
+struct Problem {
+  Model& model;
+  const Kinematics* kinematics;  ///< null: static
+  bool with_energy;              ///< whether the answer minimises an energy
+
+  Problem(Model& a_model, const Kinematics* some_kinematics) : model(a_model), kinematics(some_kinematics) {
+    with_energy = model.has_energy();
+    if (!kinematics) return;
+    with_energy &= model.viscosity().empty();
+    for (const auto& load : model.loads()) with_energy &= load->acts_at_rest();
+  }
+};
+
+/// Where a line search stands: total energy (where there is one) and unbalanced force.
+struct Trial {
+  State state;
+  Balance forces;
+  double energy;  ///< +infinity where a cell is flat or turned over
+  double noise;   ///< what rounding of the positions does to the energy [J]
+};
+
+/// @param state its positions count; what follows from them is set here.
+Trial evaluate(const Problem& problem, State state, bool with_energy) {
+  const auto& [model, kinematics, _] = problem;
+  Trial trial{std::move(state), {}, 0, 0};
+  const Positions& positions = trial.state.positions;
+  if (kinematics) follow(model, *kinematics, trial.state);
+  trial.energy = model.elastic_energy(positions) + model.load_energy(trial.state);
+  if (!model.admissible(positions)) trial.energy = std::numeric_limits<double>::infinity();
+  if (kinematics) trial.energy += step_energy(model, *kinematics, positions);
+  if (with_energy && std::isfinite(trial.energy)) {
+    const VectorX densities = model.force_densities(positions);
+    const auto& ends = model.body().connections.ends;
+    const double pull = ordered_sum(model.body().connections.size(), [&](int c) {
+      return std::abs(densities[c]) * (positions.col(ends[c][1]) - positions.col(ends[c][0])).norm();
+    });
+    trial.noise = 4 * std::numeric_limits<double>::epsilon() * positions.cwiseAbs().maxCoeff() * pull;
+  }
+  if (std::isfinite(trial.energy)) trial.forces = balance(model, trial.state, kinematics);
+  return trial;
+}
+
+double work(const Balance& forces, const Positions& motion) {
+  return ordered_sum(static_cast<int>(motion.cols()),
+                     [&](int i) { return forces.unbalanced.col(i).dot(motion.col(i)); });
+}
+
+/// Halves the step until the energy falls (Armijo) or, where rounding hides that or there is no energy, the unbalanced
+/// force does; and while a cell is turned over, with or without an energy. A time step with damping or drag has no
+/// energy, but forces whose work on the way says the same. Returns false if no step helps.
+bool line_search(const Problem& problem, const Positions& motion, bool with_energy, Trial& now, bool& inverted) {
+  const double slope = -work(now.forces, motion);
+  inverted = false;
+  for (double step = 1; step > 1e-9; step /= 2) {
+    State state = now.state;
+    state.positions += step * motion;
+    Trial trial = evaluate(problem, std::move(state), with_energy);
+    inverted |= std::isinf(trial.energy);
+    if (!std::isfinite(trial.energy) || !std::isfinite(trial.forces.norm)) continue;
+    bool falls = with_energy && slope < 0 && trial.energy <= now.energy + 1e-4 * step * slope;
+    if (!problem.with_energy && problem.kinematics)
+      falls = slope < 0 && (work(trial.forces, motion) - slope) / 2 >= -1e-4 * slope;
+    const bool calmer = trial.forces.norm < (1 - 1e-4 * step) * now.forces.norm;
+    // Near the answer the energy differs by less than its rounding; far from it, a calmer force alone may be a saddle.
+    const bool same_energy = !with_energy || trial.energy - now.energy <= trial.noise;
+    if (falls || (calmer && same_energy)) {
+      now = std::move(trial);
+      return true;
+    }
+  }
+  return false;
+}
+
+/// A direction without stiffness has no length of its own: no molecule goes further than half its connections' mean.
+void limit_motion(const Body& body, Positions& motion) {
+  double mean = 0;
+  for (const double length : body.connections.rest_length)
+    mean += length / static_cast<double>(body.connections.rest_length.size());
+  const double furthest = std::sqrt(motion.colwise().squaredNorm().maxCoeff());
+  if (furthest > 0.5 * mean) motion *= 0.5 * mean / furthest;
+}
+
+std::string turned_over(const Body& body, const Positions& positions) {
+  const std::vector<int> cells = flat_or_inverted_cells(body, positions);
+  return cells.empty() ? "a cell is flat or turned over" : flat_or_inverted_text(cells, body.tetrahedra.size());
+}
+
+}  // namespace
+
+LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
+                          double tolerance, const StaticOptions& options, bool through_saddles, Positions& solution,
+                          std::string& used) {
+  const int molecules = tangent.model().body().size();
+  auto solver = make_solver(options.method, molecules);
+  LinearResult result = solver->solve(tangent, supports, rhs, tolerance, solution);
+  const bool iterated = std::string(solver->name()) == "pcg";
+  const bool downhill = result.status == LinearStatus::negative_mode && !through_saddles;
+  if (result.status != LinearStatus::solved && !downhill && iterated && options.method == LinearMethod::automatic &&
+      molecules <= kDirectLimit) {
+    Positions other;
+    auto direct = make_direct();
+    const LinearResult second = direct->solve(tangent, supports, rhs, tolerance, other);
+    if (second.residual <= std::max(result.residual, tolerance)) {
+      solution = other;
+      solver = std::move(direct);
+      result = {second.status, result.iterations + second.iterations, second.residual, second.negative_modes};
+    }
+  }
+  used = solver->name();
+  return result;
+}
+
+Positions held_parts(const std::vector<Support>& supports, const Positions& vectors) {
+  Positions parts(3, static_cast<Eigen::Index>(supports.size()));
+  for (std::size_t i = 0; i < supports.size(); ++i) {
+    const Vector3 v = vectors.col(supports[i].molecule);
+    parts.col(static_cast<Eigen::Index>(i)) = v - supports[i].free * v;
+  }
+  return parts;
+}
+
+void place_supports(const Model& model, Positions& positions) {
+  for (const Support& support : model.supports) {
+    const Vector3 wanted = model.body().rest.col(support.molecule) + support.displacement;
+    const Vector3 off = wanted - positions.col(support.molecule);
+    positions.col(support.molecule) += off - support.free * off;
+  }
+}
+
+StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics) {
+  StaticResult result;
+  const Problem problem(model, kinematics);
+  Trial now = evaluate(problem, state, problem.with_energy);
+  if (!std::isfinite(now.energy)) {
+    result.outcome = Outcome::inverted;
+    result.cause = turned_over(model.body(), now.state.positions) + " at the start of the step";
+    return result;
+  }
+  std::string used = options.method == LinearMethod::direct ? "direct" : "pcg";
+  bool stable_start = false;
+  double forcing = 1e-3, last = now.forces.norm;
+  while (true) {
+    const Tangent tangent(model, now.state, kinematics ? kinematics->weights : Weights{});
+    const double floor = rounding_floor(tangent, now.state.positions);
+    result.residual = now.forces.scale > 0 ? now.forces.norm / now.forces.scale : 0;
+    const double goal = std::max(options.tolerance * now.forces.scale, 2 * floor);
+    if (now.forces.norm <= goal) break;
+    if (result.newton_iterations == options.newton_limit) {
+      result.outcome = Outcome::limit_reached;
+      result.cause = "no equilibrium within " + std::to_string(options.newton_limit) + " Newton iteration" +
+                     (options.newton_limit == 1 ? "" : "s");
+      break;
+    }
+    // Solve each step no further than the next unbalanced force can use. [Eisenstat & Walker 1996, choice 2]
+    if (result.newton_iterations > 0) forcing = std::min(1e-2, 0.5 * std::pow(now.forces.norm / last, 2));
+    forcing = std::max(forcing, 0.1 * goal / now.forces.norm);
+    last = now.forces.norm;
+    Positions motion;
+    const LinearResult linear = solve_linear(tangent, model.supports, now.forces.unbalanced, forcing, options,
+                                             !stable_start || result.newton_iterations >= kDownhillSteps, motion, used);
+    const bool negative = linear.status == LinearStatus::negative_mode || linear.negative_modes > 0;
+    if (result.newton_iterations == 0) stable_start = problem.with_energy && !negative;
+    result.linear_iterations += linear.iterations;
+    ++result.newton_iterations;
+    result.unstable = negative;
+    if (linear.status != LinearStatus::solved && linear.residual > 0.9) limit_motion(model.body(), motion);
+    // A full answer of an indefinite stiffness leads to a saddle of the energy: there only the force can be a guide.
+    const bool to_saddle = linear.negative_modes > 0;
+    bool inverted = false;
+    const bool found =
+        motion.allFinite() && line_search(problem, motion, problem.with_energy && !to_saddle, now, inverted);
+    result.cut_steps += inverted;
+    if (!found) {
+      const bool mechanism = linear.status == LinearStatus::zero_mode;
+      result.outcome = mechanism ? Outcome::mechanism : inverted ? Outcome::inverted : Outcome::diverged;
+      result.cause = mechanism  ? "the loads work on a zero-energy mode that does not stiffen"
+                     : inverted ? "every further step would turn a cell over"
+                                : "no step lowers the unbalanced force";
+      break;
+    }
+  }
+  state = std::move(now.state);
+  result.solver = "newton " + used;
+  Positions forces;
+  model.set_forces(state, forces);
+  if (kinematics) forces -= inertia(model, state);
+  result.reactions = -held_parts(model.supports, forces);
+  return result;
+}
+
+}  // namespace elastin
