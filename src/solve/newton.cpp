@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "solve/explicit.h"
 
 namespace elastin {
 namespace {
@@ -62,10 +63,7 @@ void follow(const Model& model, const Kinematics& kinematics, State& state) {
   const auto& [weights, start, velocities, accelerations] = kinematics;
   state.velocities = velocities + weights.velocity * (state.positions - start);
   state.accelerations = accelerations + weights.acceleration * (state.positions - start);
-  for (const Support& support : model.supports) {
-    const Vector3 off = support.velocity - state.velocities.col(support.molecule);
-    state.velocities.col(support.molecule) += off - support.free * off;
-  }
+  move_with_supports(model.supports, state.velocities);
 }
 
 /// What the step's kinetic energy adds to the energy that its end minimises: ½ w_a |Δx|² + a₀·Δx, by mass.
@@ -161,11 +159,6 @@ void limit_motion(const Body& body, Positions& motion) {
   if (furthest > 0.5 * mean) motion *= 0.5 * mean / furthest;
 }
 
-std::string turned_over(const Body& body, const Positions& positions) {
-  const std::vector<int> cells = flat_or_inverted_cells(body, positions);
-  return cells.empty() ? "a cell is flat or turned over" : flat_or_inverted_text(cells, body.tetrahedra.size());
-}
-
 }  // namespace
 
 LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
@@ -214,7 +207,7 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
   Trial now = evaluate(problem, state, problem.with_energy);
   if (!std::isfinite(now.energy)) {
     result.outcome = Outcome::inverted;
-    result.cause = turned_over(model.body(), now.state.positions) + " at the start of the step";
+    result.cause = turned_over_text(model.body(), now.state.positions) + " at the start of the step";
     return result;
   }
   std::string used = options.method == LinearMethod::direct ? "direct" : "pcg";
