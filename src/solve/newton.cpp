@@ -214,6 +214,11 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
   bool stable_start = false;
   double forcing = 1e-3, last = now.forces.norm;
   while (true) {
+    if (!std::isfinite(now.forces.norm + now.forces.scale)) {
+      result.outcome = Outcome::diverged;
+      result.cause = "the forces are too large for numbers";
+      break;
+    }
     const Tangent tangent(model, now.state, kinematics ? kinematics->weights : Weights{});
     const double floor = rounding_floor(tangent, now.state.positions);
     result.residual = now.forces.scale > 0 ? now.forces.norm / now.forces.scale : 0;
