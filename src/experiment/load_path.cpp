@@ -15,7 +15,7 @@ State LoadPath::start_of(double factor) const {
   next.positions += (factor - factor_) / last_step_ * way_;
   const double gain = model_.elastic_energy(next.positions) + model_.load_energy(next) -
                       model_.elastic_energy(state_.positions) - model_.load_energy(state_);
-  const bool loaded = model_.has_energy() && !model_.load_forces(state_).isZero(0);
+  const bool loaded = model_.conservative() && !model_.load_forces(state_).isZero(0);
   return std::isfinite(gain) && !(loaded && gain > 0) ? next : state_;
 }
 
