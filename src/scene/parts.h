@@ -9,6 +9,8 @@ namespace elastin {
 Material read_material(Reader reader);
 /// Masses and radii are set too. The body is as written: rotated later, with the experiment.
 Body read_body(Reader reader, const Material& material, std::vector<std::string>& warnings);
+/// A body of triangles: sphere, sphere_octant, disc, sheet or canopy.
+Body read_surface(const std::string& shape, Reader reader);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
 /// What an experiment needs to know of its scene. Directions of the scene are turned with it.
 struct ExperimentPlace {
