@@ -147,6 +147,7 @@ std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace
        {"torsion", read_torsion},
        {"hydrostatic", read_hydrostatic},
        {"bending", read_bending},
+       {"bubble", read_bubble},
        {"material", read_homogenisation}});
   return read(reader, place);
 }
