@@ -6,6 +6,7 @@
 #include <string>
 
 #include "elastin/forces/volume.h"
+#include "elastin/model/surfaces.h"
 #include "elastin/model/voronoi.h"
 #include "elastin/simulation/fibres.h"
 #include "elastin/solve/modes.h"
@@ -132,6 +133,12 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
     if (!cells.empty()) {
       run.outcome = Outcome::inverted;
       run.cause = flat_or_inverted_text(cells, specimen.body.tetrahedra.size()) + " at rest";
+      return run;
+    }
+    const std::vector<int> triangles = flat_triangles(specimen.body, specimen.body.rest);
+    if (!triangles.empty()) {
+      run.outcome = Outcome::inverted;
+      run.cause = flat_or_inverted_text(triangles, specimen.body.triangles.size()) + " at rest";
       return run;
     }
   }
