@@ -22,8 +22,12 @@ LoadPath::LoadPath(Model& model, Experiment& experiment, const StaticOptions& op
 /// Where the last way leads if it goes on: near the next equilibrium, unless a cell turns over or, under loads, the
 /// energy is higher than where the body stands (a bar that turns far would be torn).
 State LoadPath::start_of(double factor) const {
-  if (last_step_ == 0 || options_.linear) return state_;
+  if (options_.linear) return state_;
   State next = state_;
+  if (last_step_ == 0) {
+    experiment_.shape_start(next.positions);
+    return next;
+  }
   next.positions += (factor - factor_) / last_step_ * way_;
   const double gain = model_.elastic_energy(next.positions) + model_.load_energy(next) -
                       model_.elastic_energy(state_.positions) - model_.load_energy(state_);

@@ -183,6 +183,7 @@ std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace
        {"hydrostatic", read_hydrostatic},
        {"bending", read_bending},
        {"inflation", read_inflation},
+       {"bubble", read_bubble},
        {"material", read_homogenisation}});
   return read(reader, place);
 }

@@ -20,6 +20,7 @@ struct ExperimentPlace {
   StaticOptions statics;
 };
 std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace& place);
+std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentPlace& place);
 StaticOptions read_solver(Reader reader);
 /// Adds one load, or internal damping, to a model of the scene's body.
 struct SceneLoad {
