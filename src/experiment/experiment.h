@@ -36,6 +36,9 @@ class Experiment {
   virtual void hold(Model& model) = 0;
   /// Sets the load to `factor` (0 … 1) of the whole, on the model that was held last.
   virtual void set_load(Model& model, double factor) = 0;
+  /// After an equilibrium was found: brings the load nearer to what was asked for, if it is not there yet. True: that
+  /// takes another solve.
+  virtual bool adjust(const State& /*state*/) { return false; }
   virtual int load_steps() const = 0;
   /// Whether only the load gives the body stiffness in directions in which it has none at rest (a flat membrane).
   virtual bool stiffened_by_load() const { return false; }

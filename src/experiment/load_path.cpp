@@ -3,6 +3,18 @@
 #include <cmath>
 
 namespace elastin {
+namespace {
+
+/// Of a load that is found by solving again.
+constexpr int kCorrections = 10;
+
+void add_cost(StaticResult& result, const StaticResult& cost) {
+  result.newton_iterations += cost.newton_iterations;
+  result.linear_iterations += cost.linear_iterations;
+  result.cut_steps += cost.cut_steps;
+}
+
+}  // namespace
 
 LoadPath::LoadPath(Model& model, Experiment& experiment, const StaticOptions& options, State start)
     : model_(model), experiment_(experiment), options_(options), state_(std::move(start)) {}
@@ -29,6 +41,12 @@ StaticResult LoadPath::advance(double factor, double smallest) {
   experiment_.set_load(model_, factor);
   State next = start_of(factor);
   StaticResult solved = solve_static(model_, next, options_);
+  for (int correction = 0; correction < kCorrections; ++correction) {
+    if (solved.outcome != Outcome::converged || !experiment_.adjust(next)) break;
+    StaticResult again = solve_static(model_, next, options_);
+    add_cost(again, solved);
+    solved = std::move(again);
+  }
   if (solved.outcome == Outcome::converged) {
     way_ = next.positions - state_.positions;
     state_ = std::move(next);
@@ -39,11 +57,6 @@ StaticResult LoadPath::advance(double factor, double smallest) {
   const double half = (factor - factor_) / 2;
   if (solved.outcome != Outcome::inverted || options_.linear || half < smallest) return solved;
   ++halvings_;
-  const auto add_cost = [](StaticResult& result, const StaticResult& cost) {
-    result.newton_iterations += cost.newton_iterations;
-    result.linear_iterations += cost.linear_iterations;
-    result.cut_steps += cost.cut_steps;
-  };
   StaticResult first = advance(factor_ + half, smallest);
   add_cost(first, solved);
   if (first.outcome != Outcome::converged) return first;
