@@ -135,12 +135,10 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
       run.cause = flat_or_inverted_text(cells, specimen.body.tetrahedra.size()) + " at rest";
       return run;
     }
-    const std::vector<int> flat = flat_triangles(specimen.body, specimen.body.rest);
-    if (!flat.empty()) {
+    const std::vector<int> triangles = flat_triangles(specimen.body, specimen.body.rest);
+    if (!triangles.empty()) {
       run.outcome = Outcome::inverted;
-      run.cause = "triangle " + std::to_string(flat.front()) + " is flat at rest, " +
-                  counted(static_cast<int>(flat.size()), "triangle", "triangles") + " of " +
-                  std::to_string(specimen.body.triangles.size());
+      run.cause = flat_or_inverted_text(triangles, specimen.body.triangles.size()) + " at rest";
       return run;
     }
   }
