@@ -184,14 +184,15 @@ class Course {
     time.last_step = memory.last;
     time.critical_step = memory.critical;
     time.frequency = memory.frequency;
-    run_.measures = run_.curve.back().measures;
+    experiment_.read_course(run_.curve, run_.measures);
+    for (const auto& [name, value] : run_.curve.back().measures.all())
+      if (!std::isfinite(run_.measures.get(name))) run_.measures.set(name, value);
     double largest = 0, drift = 0;
     for (const CurvePoint& row : run_.curve) {
       largest = std::max(largest, row.measures.get("kinetic_energy") + row.measures.get("energy"));
       drift = std::max(drift, std::abs(row.measures.get("energy_balance")));
     }
     if (largest > 0) run_.measures.set("energy_drift", drift / largest);
-    experiment_.read_course(run_.curve, run_.measures);
     run_.remark = experiment_.remark(run_.measures);
   }
 
