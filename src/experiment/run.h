@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,11 +11,15 @@
 
 namespace elastin {
 
+/// How a run is said to have ended whose strategy cannot run on its body; beside the names of the outcomes.
+inline constexpr const char* kUnsuited = "unsuited";
+
 /// What does not change from strategy to strategy.
 struct Specimen {
   Body body;
   Material material;
   std::vector<std::function<void(Model&)>> loads;  ///< each adds one load, or damping, to a model of the body
+  std::optional<Positions> start = {};             ///< where the solver starts [m]; none = at rest
 };
 
 /// One state on the way of the load.
@@ -52,10 +57,14 @@ struct Run {
   int zero_energy_modes = 0;
   std::vector<std::string> warnings;
   std::string remark;       ///< of the experiment on what its measures mean here; empty = nothing to say
+  bool untangled = false;   ///< the scene's start led nowhere: measured from the equilibrium that there is from rest
   bool unstable = false;    ///< an equilibrium was found that is no minimum
   bool uses_cells = false;  ///< the strategy could not run without the body's triangles or tetrahedra
   bool suited = true;       ///< false: the strategy cannot run on this body; cause says why
 };
+
+/// "converged", "unsuited" …
+inline const char* outcome_name(const Run& run) { return run.suited ? name_of(run.outcome) : kUnsuited; }
 
 struct RunOptions {
   StaticOptions statics;

@@ -77,6 +77,8 @@ bool needs_voronoi(const Body& body, const Strategy& strategy, const Material& m
 std::string unsuited(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice) {
   std::string reason = choice.strategy.unsuited(specimen.body);
   if (reason.empty()) reason = fibres_unsuited(choice.strategy, specimen.body, specimen.material);
+  if (reason.empty() && choice.calibrated && specimen.body.connection_stiffness.size())
+    reason = "a body with regions has no one modulus to calibrate to";
   if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen.material);
   return reason;
 }
@@ -85,7 +87,8 @@ std::string unsuited(const Specimen& specimen, const Experiment& experiment, con
 /// says why.
 std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
                                 const RunOptions& options, Run& run) {
-  const auto& [body, material, loads] = specimen;
+  const Body& body = specimen.body;
+  const Material& material = specimen.material;
   auto elasticity = choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
                                               : choice.strategy.make(body, material, choice.values);
   if (!elasticity) return std::nullopt;
@@ -95,7 +98,7 @@ std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment
   std::optional<Model> model(body);
   model->add(std::move(elasticity));
   if (auto fibres = make_fibres(choice.strategy, body, material)) model->add(std::move(fibres));
-  for (const auto& add_load : loads) add_load(*model);
+  for (const auto& add_load : specimen.loads) add_load(*model);
   experiment.hold(*model);
   return model;
 }
@@ -141,7 +144,7 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
   count_modes(*model, run);
 
   const Stopwatch solve;
-  solve_load_curve(*model, experiment, specimen.material, options, run);
+  solve_load_curve(*model, experiment, specimen.material, options, run, specimen.start);
   run.solve_seconds = solve.seconds();
   return run;
 }

@@ -27,6 +27,8 @@ struct SceneLoad {
 /// `rotation` turns its directions with the scene.
 SceneLoad read_load(Reader reader, const Body& body, const Matrix3& rotation);
 Matrix3 read_rotation(Reader reader);
+/// Places of the molecules from which the solver starts [m]; the body at rest is rotated already, by `rotation`.
+Positions read_start(Reader reader, const Body& body, const Matrix3& rotation);
 
 /// "x", "-y" or a list of three numbers.
 Vector3 read_direction(const Reader& reader);

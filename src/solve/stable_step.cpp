@@ -1,5 +1,6 @@
 #include "elastin/solve/stable_step.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
