@@ -6,8 +6,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string_view>
 
 #include "base/waiting_threads.h"
@@ -43,20 +47,52 @@ Exit codes: 0 all expectations hold; 1 an expectation or a run failed; 2 wrong u
 
 struct Options {
   std::vector<std::string> scenes, overrides;
-  std::string strategies, out, json;
+  std::string strategies, out, json, restart;
   int threads = 0;
-  bool quiet = false, summary = false, others = false, markdown = false;
+  bool quiet = false, summary = false, others = false, markdown = false, live = false;
 };
+
+volatile std::sig_atomic_t interrupted = 0;
+
+/// The first interrupt ends a run in time after its frame, with everything written; the second ends the command.
+void note_interrupt(int) {
+  interrupted = 1;
+  std::signal(SIGINT, SIG_DFL);
+}
 
 /// Colours on a terminal only, but for who insists (CLICOLOR_FORCE; tools/picture does) or declines (NO_COLOR).
 bool colours(int stream) { return std::getenv("CLICOLOR_FORCE") || (isatty(stream) && !std::getenv("NO_COLOR")); }
 
 /// Names of a run's files: of scene and strategy, without letters that mean something in a path or in XML.
-std::string file_name(const Record& record) {
-  std::string name = record.scene + "-" + record.run.strategy;
+std::string file_name(const std::string& scene, const std::string& strategy) {
+  std::string name = scene + "-" + strategy;
   for (char& c : name)
     if (std::string_view(":/\\ \"'<>&").find(c) != std::string_view::npos) c = '-';
   return name;
+}
+
+std::string restart_text_of(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(path)) throw InputError("--restart: " + path + ": cannot be read");
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+RunOptions run_options_of(const Options& options, const Scene& scene, const StrategyChoice& choice,
+                          Progress& progress) {
+  RunOptions result;
+  result.statics = scene.statics;
+  result.time = scene.time;
+  result.live = options.live;
+  result.keep_snapshots = !options.out.empty();
+  result.progress = [&progress, name = scene.name + ", " + choice.label + ": "](const std::string& doing) {
+    progress.set(name + doing);
+  };
+  result.stop = [] { return interrupted != 0; };
+  if (!options.restart.empty()) result.restart = restart_text_of(options.restart);
+  if (!options.out.empty())
+    result.checkpoint = [path = options.out + "/" + file_name(scene.name, choice.label) +
+                                ".restart"](const std::string& text) { write_whole(path, text); };
+  return result;
 }
 
 /// Writes everything there is so far: an interrupted command leaves whole files of all finished runs.
@@ -106,8 +142,9 @@ std::vector<std::unique_ptr<Scene>> load_scenes(const Options& options, const Ca
 /// Curve and states of one run.
 void write_run(const Options& options, const Scene& scene, Record& record) {
   if (options.out.empty() || record.run.curve.empty()) return;
-  write_whole(options.out + "/" + file_name(record) + "-curve.csv", curve_csv_text(record));
-  write_states(options.out, file_name(record), scene.specimen.body, record.run);
+  const std::string name = file_name(record.scene, record.run.strategy);
+  write_whole(options.out + "/" + name + "-curve.csv", curve_csv_text(record));
+  write_states(options.out, name, scene.specimen.body, record.run);
   record.run.snapshots.clear();
 }
 
@@ -120,6 +157,9 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
   progress.pause();
   std::vector<std::vector<StrategyChoice>> choices;
   for (const auto& scene : scenes) choices.push_back(chosen_strategies(options, catalog, *scene, compare));
+  if (!options.restart.empty() && (scenes.size() != 1 || choices[0].size() != 1 || !scenes[0]->time))
+    throw InputError("--restart: goes on with one strategy of one scene that runs in time");
+  std::signal(SIGINT, note_interrupt);
   write_files(options, {});  // a folder that cannot be written to is said before the work
   std::vector<Record> all;
   bool good = true;
@@ -132,13 +172,8 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
       const auto start = std::chrono::steady_clock::now();
       prepare(scene.specimen.body, choice.strategy, scene.specimen.material);
       const std::chrono::duration<double> prepared = std::chrono::steady_clock::now() - start;
-      RunOptions run_options;
-      run_options.statics = scene.statics;
-      run_options.keep_snapshots = !options.out.empty();
-      run_options.progress = [&](const std::string& doing) {
-        progress.set(scene.name + ", " + choice.label + ": " + doing);
-      };
-      Run run = run_strategy(scene.specimen, *scene.experiment, choice, run_options);
+      Run run =
+          run_strategy(scene.specimen, *scene.experiment, choice, run_options_of(options, scene, choice, progress));
       run.build_seconds += prepared.count();  // once a body: the first strategy that needs it pays
       Record record = make_record(scene, std::move(run));
       progress.pause();
@@ -149,12 +184,14 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
       records.push_back(record);
       all.push_back(std::move(record));
       write_files(options, all);
+      if (interrupted) break;
     }
     if (tables) fmt::print("{}", comparison_text(records, colours(STDOUT_FILENO)));
     if (to_screen && !options.summary)
       for (const std::string& warning : scene.warnings) fmt::print("  warning: {}\n", warning);
     std::fflush(stdout);
     scenes[i].reset();
+    if (interrupted) break;
   }
   if (to_screen && compare && (options.summary || count > 1))
     fmt::print("{}", summary_text(all, colours(STDOUT_FILENO)));
@@ -219,6 +256,9 @@ void add_scene_options(CLI::App& command, Options& options) {
 
 void add_file_options(CLI::App& command, Options& options) {
   command.add_option("--out", options.out, "Folder for CSV, JSON, curves and ParaView files");
+  command.add_option("--restart", options.restart,
+                     "Go on with a run in time from a .restart file that --out has got from it");
+  command.add_flag("--live", options.live, "No more frames a second than time.frame_rate says");
   command.add_option("--json", options.json, "JSON file; - for standard output, and nothing else there");
 }
 

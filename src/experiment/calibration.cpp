@@ -143,13 +143,14 @@ StressStrain fitted_curve(const Specimen& specimen, Experiment& experiment, cons
 
 }  // namespace
 
-std::string calibration_unsuited(const Experiment& experiment, const Material& material) {
-  if (calibrated_measure(experiment, material)) return "";
+std::string calibration_unsuited(Experiment& experiment, const Material& material) {
+  if (experiment.at_rest() && calibrated_measure(*experiment.at_rest(), material)) return "";
   return "a " + experiment.name() + " experiment on this body measures no modulus to calibrate to";
 }
 
-std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& whole, const StrategyChoice& choice,
                                       const RunOptions& options, Run& run) {
+  Experiment& experiment = whole.at_rest() ? *whole.at_rest() : whole;
   const bool with_volume = static_cast<bool>(choice.strategy.volume_modulus);
   run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
   if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);

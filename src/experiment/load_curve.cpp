@@ -52,10 +52,10 @@ StaticResult untangle(Model& model, const RunOptions& options, double before, St
 
 /// The body before the experiment's load: at rest, or in equilibrium with the scene's other loads, or where it comes to
 /// rest from the scene's own start. False if that fails.
-bool find_start(Model& model, Experiment& experiment, const RunOptions& options, State& state, Start& start, Run& run) {
+bool find_start(Model& model, Experiment& experiment, const RunOptions& options, bool at_rest, State& state,
+                Start& start, Run& run) {
   start = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
   experiment.set_load(model, 0);
-  const bool at_rest = (state.positions.array() == model.body().rest.array()).all();
   if (at_rest && model.load_forces(state).isZero(0)) return true;
   if (options.progress) options.progress(at_rest ? "the scene's own loads" : "the scene's start");
   const double before = total_energy(model, state);
@@ -81,17 +81,18 @@ void note_curve_error(const Experiment& experiment, const Material& material, Ru
 }  // namespace
 
 void solve_load_curve(Model& model, Experiment& experiment, const Material& material, const RunOptions& options,
-                      Run& run, const std::optional<Positions>& places) {
+                      Run& run, const std::function<void(State&)>& begin) {
   State at_start = state_at_rest(model.body());
-  if (places) at_start.positions = *places;
+  if (begin) begin(at_start);
   Start start;
-  if (!find_start(model, experiment, options, at_start, start, run)) return;
+  if (!find_start(model, experiment, options, !begin, at_start, start, run)) return;
   LoadPath path(model, experiment, options.statics, std::move(at_start));
-  const auto keep = [&](double load_factor) {
+  const auto keep = [&](double load_factor, int step) {
     if (options.keep_snapshots)
-      run.snapshots.push_back({load_factor, path.state().positions, model.force_densities(path.state().positions)});
+      run.snapshots.push_back(
+          {load_factor, path.state().positions, model.force_densities(path.state().positions), step});
   };
-  keep(0);
+  keep(0, 0);
   const int steps = experiment.load_steps();
   for (int step = 1; step <= steps; ++step) {
     const std::string place = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "";
@@ -110,7 +111,7 @@ void solve_load_curve(Model& model, Experiment& experiment, const Material& mate
       return;
     }
     run.curve.push_back({load_factor, measures, solved.newton_iterations, solved.linear_iterations, solved.residual});
-    keep(load_factor);
+    keep(load_factor, step);
   }
   run.measures = run.curve.back().measures;
   run.remark = experiment.remark(run.measures);

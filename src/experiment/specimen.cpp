@@ -11,6 +11,8 @@
 #include "elastin/solve/modes.h"
 #include "experiment/calibration.h"
 #include "experiment/load_curve.h"
+#include "experiment/run_in_time.h"
+#include "experiment/timed.h"
 #include "stiffness/voronoi.h"
 
 namespace elastin {
@@ -74,7 +76,7 @@ bool needs_voronoi(const Body& body, const Strategy& strategy, const Material& m
 }
 
 /// Why a strategy cannot run here, or "".
-std::string unsuited(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice) {
+std::string unsuited(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice) {
   std::string reason = choice.strategy.unsuited(specimen.body);
   if (reason.empty()) reason = fibres_unsuited(choice.strategy, specimen.body, specimen.material);
   if (reason.empty() && choice.calibrated && specimen.body.connection_stiffness.size())
@@ -83,12 +85,11 @@ std::string unsuited(const Specimen& specimen, const Experiment& experiment, con
   return reason;
 }
 
-/// The strategy at work on the specimen with the scene's loads, held by the experiment; nothing if that fails: the run
-/// says why.
+}  // namespace
+
 std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
                                 const RunOptions& options, Run& run) {
-  const Body& body = specimen.body;
-  const Material& material = specimen.material;
+  const auto& [body, material, loads, _] = specimen;
   auto elasticity = choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
                                               : choice.strategy.make(body, material, choice.values);
   if (!elasticity) return std::nullopt;
@@ -98,12 +99,10 @@ std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment
   std::optional<Model> model(body);
   model->add(std::move(elasticity));
   if (auto fibres = make_fibres(choice.strategy, body, material)) model->add(std::move(fibres));
-  for (const auto& add_load : specimen.loads) add_load(*model);
+  for (const auto& add_load : loads) add_load(*model);
   experiment.hold(*model);
   return model;
 }
-
-}  // namespace
 
 void prepare(Body& body, const Strategy& strategy, const Material& material) {
   if (needs_voronoi(body, strategy, material)) body.voronoi = voronoi_cells(body);
@@ -144,7 +143,10 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
   count_modes(*model, run);
 
   const Stopwatch solve;
-  solve_load_curve(*model, experiment, specimen.material, options, run, specimen.start);
+  if (TimedExperiment* timed = experiment.in_time())
+    run_in_time(*model, *timed, specimen, options, run);
+  else
+    solve_load_curve(*model, experiment, specimen.material, options, run, specimen.start);
   run.solve_seconds = solve.seconds();
   return run;
 }

@@ -31,6 +31,7 @@ class Tangent {
   std::vector<Matrix3> diagonal() const;
 
   const Model& model() const { return model_; }
+  const Weights& weights() const { return weights_; }
 
  private:
   struct Link {

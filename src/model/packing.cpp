@@ -100,15 +100,6 @@ void add_jitter(Body& body, double amount, std::uint64_t seed) {
   set_present_lengths(body);
 }
 
-Positions random_places(const Body& body, std::uint64_t seed) {
-  std::mt19937_64 generator(seed);
-  const Vector3 low = body.rest.rowwise().minCoeff(), size = body.rest.rowwise().maxCoeff() - low;
-  Positions places(3, body.size());
-  for (int molecule = 0; molecule < body.size(); ++molecule)
-    for (int axis = 0; axis < 3; ++axis) places(axis, molecule) = low[axis] + size[axis] * unit_random(generator);
-  return places;
-}
-
 void rotate(Body& body, const Matrix3& rotation) { body.rest = (rotation * body.rest).eval(); }
 
 void set_matter(Body& body, double radius, double density, double thickness, double volume) {

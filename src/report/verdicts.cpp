@@ -12,18 +12,19 @@
 namespace elastin {
 namespace {
 
-/// What a choice changes in the scene.
+/// What a choice changes in a scene at rest and in one in time; nothing = it makes no sense there.
 struct Choice {
   const char* name;
-  std::vector<std::string> overrides;
+  std::vector<std::string> at_rest, in_time;
   bool plain_springs = false;
 };
 
 const std::vector<Choice>& choices() {
-  static const std::vector<Choice> list{{"explicit", {"solver.way=explicit"}},
-                                        {"implicit", {"solver.way=implicit"}},
-                                        {"linear", {"solver.displacements=small"}},
-                                        {"plain springs", {}, true}};
+  static const std::vector<Choice> list{
+      {"explicit", {"solver.way=explicit"}, {"time.integrator=velocity_verlet", "time.step=automatic"}},
+      {"implicit", {"solver.way=implicit"}, {"time.integrator=newmark"}},
+      {"linear", {"solver.displacements=small"}, {}},
+      {"plain springs", {}, {}, true}};
   return list;
 }
 
@@ -31,6 +32,7 @@ Record run_case(Scene& scene, const StrategyChoice& choice, const VerifyOptions&
   prepare(scene.specimen.body, choice.strategy, scene.specimen.material);
   RunOptions run_options;
   run_options.statics = scene.statics;
+  run_options.time = scene.time;
   run_options.keep_snapshots = options.keep_snapshots;
   if (options.progress) run_options.progress = [&](const std::string& what) { options.progress(doing + ": " + what); };
   return make_record(scene, run_strategy(scene.specimen, *scene.experiment, choice, run_options));
@@ -91,11 +93,17 @@ StrategyChoice plain_springs(const Catalog& catalog, const Body& body) {
   return choose_strategy(catalog, body.tetrahedra.empty() && body.triangles.empty() ? "standard" : "van_gelder");
 }
 
-std::vector<std::string> others_of(const std::string& path, const Catalog& catalog, const VerifyOptions& options) {
+std::vector<std::string> others_of(const std::string& path, const Catalog& catalog, const VerifyOptions& options,
+                                   bool timed) {
   std::vector<std::string> texts;
   for (const Choice& choice : choices()) {
+    const std::vector<std::string>& changes = timed ? choice.in_time : choice.at_rest;
+    if (changes.empty() && !choice.plain_springs) {
+      texts.emplace_back("–");
+      continue;
+    }
     std::vector<std::string> overrides = options.overrides;
-    overrides.insert(overrides.end(), choice.overrides.begin(), choice.overrides.end());
+    overrides.insert(overrides.end(), changes.begin(), changes.end());
     const auto scene = load_scene(path, catalog, overrides);
     const StrategyChoice strategy =
         choice.plain_springs ? plain_springs(catalog, scene->specimen.body) : scene->stiffness;
@@ -148,7 +156,7 @@ std::vector<Case> verify_scene(const std::string& path, const Catalog& catalog, 
     cases.push_back({run_case(*scene, choice, options, scene->name + ", " + choice.label), {}});
     if (options.finished) options.finished(*scene, cases.back().own);
   }
-  if (options.others) cases.front().others = others_of(path, catalog, options);
+  if (options.others) cases.front().others = others_of(path, catalog, options, scene->time.has_value());
   return cases;
 }
 

@@ -127,17 +127,27 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   const Matrix3 rotation = reader.has("rotate") ? read_rotation(reader.at("rotate")) : Matrix3(Matrix3::Identity());
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
   if (auto& fibre = scene->specimen.material.fibre) fibre->direction = rotation * fibre->direction;
-  if (auto places = reader.find("start")) scene->specimen.start = read_start(*places, scene->specimen.body, rotation);
   scene->stiffness = read_strategy(reader.at("stiffness"), catalog);
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog);
   const Reader experiment = reader.at("experiment");
   if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver);
   scene->experiment =
       read_experiment(experiment, {scene->specimen.body, scene->specimen.material, rotation, scene->statics});
+  const bool timed = scene->experiment->in_time();
+  const auto time = reader.find("time");
+  if (time && !timed)
+    time->fail("a " + scene->experiment->name() + " experiment is at rest and takes no time; those that do are " +
+               "motion, release, creep, relaxation, shake and drop");
+  if (!time && timed)
+    experiment.fail("a " + scene->experiment->name() + " experiment runs through time: key 'time' is missing, " +
+                    "for example time: {duration: 1 s}");
+  if (time) scene->time = read_time(*time);
+  if (auto initial = reader.find("initial"))
+    scene->specimen.start = read_initial(*initial, scene->specimen.body, rotation, timed);
   if (auto loads = reader.find("loads"))
     for (const Reader& item : loads->items()) {
-      SceneLoad load = read_load(item, scene->specimen.body, rotation);
-      if (!load.acts_at_rest)
+      SceneLoad load = read_load(item, scene->specimen.body, scene->specimen.material, rotation);
+      if (!load.acts_at_rest && !timed)
         scene->warnings.push_back(item.path() +
                                   ": acts on moving bodies only; it changes nothing in a static experiment");
       scene->specimen.loads.push_back(std::move(load.add));

@@ -34,6 +34,7 @@ struct Scene {
   StrategyChoice stiffness;                ///< what `run` uses
   std::vector<StrategyChoice> strategies;  ///< what `compare` uses
   StaticOptions statics;
+  std::optional<TimeOptions> time;  ///< of a timed experiment, and only of one
   std::vector<Expectation> expectations;
   std::vector<Reference> references;
   std::vector<std::string> warnings;  ///< of the scene as a whole

@@ -55,9 +55,15 @@ class Implicit final : public Integrator {
   }
 
   /// Where Newton starts: as if nothing changed, if that turns no cell over; else from where the body is.
-  static State first_guess(const Model& model, const State& state, double dt, bool with_acceleration) {
+  static State first_guess(const Model& model, const Kinematics& kinematics, const State& state, double dt,
+                           bool newmark) {
     State guess{state.positions + dt * state.velocities, state.velocities, state.time + dt};
-    if (with_acceleration) guess.positions += dt * dt / 2 * state.accelerations;
+    if (newmark) {
+      guess.positions += dt * dt / 2 * state.accelerations;
+    } else {
+      guess.accelerations = Positions::Zero(3, model.body().size());
+      balance_as_one(model, kinematics, guess);
+    }
     place_supports(model, guess.positions);
     if (model.admissible(guess.positions)) return guess;
     guess.positions = state.positions;
@@ -71,7 +77,7 @@ class Implicit final : public Integrator {
     if (newmark && state.accelerations.cols() != state.positions.cols()) set_accelerations(model, state);
     if (model.drive) model.drive(state.time + dt, model.supports);
     const Kinematics kinematics = kinematics_of(state, dt);
-    State next = first_guess(model, state, dt, newmark);
+    State next = first_guess(model, kinematics, state, dt, newmark);
     const StaticResult solved = solve_newton(model, next, options_.newton, &kinematics);
     result.newton_iterations += solved.newton_iterations;
     result.linear_iterations += solved.linear_iterations;

@@ -10,15 +10,17 @@
 namespace elastin {
 namespace {
 
-/// Below this many molecules a factorisation beats iterations; above the second limit it is never tried.
+/// Below this many molecules a factorisation beats iterations, but for time steps, whose inertia makes them few; above
+/// the second limit it is never tried.
 constexpr int kTinyBody = 60, kDirectLimit = 2500;
 
 /// Newton iterations in which a body that was stable at the start is followed down past negative modes before saddles
 /// are tried: nearly incompressible ones pass through pressures that are not there at the end.
 constexpr int kDownhillSteps = 25;
 
-std::unique_ptr<LinearSolver> make_solver(LinearMethod method, int molecules) {
-  const bool direct = method == LinearMethod::direct || (method == LinearMethod::automatic && molecules <= kTinyBody);
+std::unique_ptr<LinearSolver> make_solver(LinearMethod method, const Tangent& tangent) {
+  const bool tiny = tangent.model().body().size() <= kTinyBody && tangent.weights().acceleration == 0;
+  const bool direct = method == LinearMethod::direct || (method == LinearMethod::automatic && tiny);
   return direct ? make_direct() : make_pcg();
 }
 
@@ -107,15 +109,17 @@ Trial evaluate(const Problem& problem, State state, bool with_energy) {
   trial.energy = model.elastic_energy(positions) + model.load_energy(trial.state);
   if (!model.admissible(positions)) trial.energy = std::numeric_limits<double>::infinity();
   if (kinematics) trial.energy += step_energy(model, *kinematics, positions);
-  if (with_energy && std::isfinite(trial.energy)) {
+  if (!std::isfinite(trial.energy)) return trial;
+  trial.forces = balance(model, trial.state, kinematics);
+  if (with_energy) {
     const VectorX densities = model.force_densities(positions);
     const auto& ends = model.body().connections.ends;
     const double pull = ordered_sum(model.body().connections.size(), [&](int c) {
       return std::abs(densities[c]) * (positions.col(ends[c][1]) - positions.col(ends[c][0])).norm();
     });
-    trial.noise = 4 * std::numeric_limits<double>::epsilon() * positions.cwiseAbs().maxCoeff() * pull;
+    const double all = pull + std::sqrt(static_cast<double>(positions.cols())) * trial.forces.scale;
+    trial.noise = 4 * std::numeric_limits<double>::epsilon() * positions.cwiseAbs().maxCoeff() * all;
   }
-  if (std::isfinite(trial.energy)) trial.forces = balance(model, trial.state, kinematics);
   return trial;
 }
 
@@ -165,7 +169,7 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
                           double tolerance, const StaticOptions& options, bool through_saddles, Positions& solution,
                           std::string& used) {
   const int molecules = tangent.model().body().size();
-  auto solver = make_solver(options.method, molecules);
+  auto solver = make_solver(options.method, tangent);
   LinearResult result = solver->solve(tangent, supports, rhs, tolerance, solution);
   const bool iterated = std::string(solver->name()) == "pcg";
   const bool downhill = result.status == LinearStatus::negative_mode && !through_saddles;
@@ -214,6 +218,11 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
   bool stable_start = false;
   double forcing = 1e-3, last = now.forces.norm;
   while (true) {
+    if (!std::isfinite(now.forces.norm + now.forces.scale)) {
+      result.outcome = Outcome::diverged;
+      result.cause = "the forces are too large for numbers";
+      break;
+    }
     const Tangent tangent(model, now.state, kinematics ? kinematics->weights : Weights{});
     const double floor = rounding_floor(tangent, now.state.positions);
     result.residual = now.forces.scale > 0 ? now.forces.norm / now.forces.scale : 0;

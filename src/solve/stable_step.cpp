@@ -42,6 +42,12 @@ double largest_eigenvalue(const Operator& apply, Positions& mode) {
   return value;
 }
 
+double spectral_norm(const Matrix3& block) {
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix3>(block.transpose() * block, Eigen::EigenvaluesOnly)
+                       .eigenvalues()
+                       .maxCoeff());
+}
+
 /// Row sums of the blocks' norms over the molecules' masses.
 std::pair<double, int> bound_of(const Tangent& tangent) {
   const Body& body = tangent.model().body();
@@ -58,7 +64,7 @@ std::pair<double, int> bound_of(const Tangent& tangent) {
   std::pair<double, int> most{0, -1};
   for (int a = 0; a < body.size(); ++a) {
     double sum = 0;
-    for (const auto& [b, block] : rows[a]) sum += block.operatorNorm() / std::sqrt(body.mass[a] * body.mass[b]);
+    for (const auto& [b, block] : rows[a]) sum += spectral_norm(block) / std::sqrt(body.mass[a] * body.mass[b]);
     if (sum > most.first) most = {sum, a};
   }
   return most;

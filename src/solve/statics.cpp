@@ -50,6 +50,8 @@ const char* name_of(Outcome outcome) {
       return "diverged";
     case Outcome::mechanism:
       return "mechanism";
+    case Outcome::interrupted:
+      return "interrupted";
   }
   return "";
 }

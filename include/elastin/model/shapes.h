@@ -53,9 +53,6 @@ void grade(Body& body, int axis, double ratio);
 /// rest lengths. Molecules on the faces of the body's bounding box stay in their face, so that grips stay plane.
 void add_jitter(Body& body, double amount, std::uint64_t seed);
 
-/// A place for every molecule of the body, anywhere in its bounding box (uniform, seeded) [m].
-Positions random_places(const Body& body, std::uint64_t seed);
-
 /// Turns the whole body by a rotation matrix about the origin.
 void rotate(Body& body, const Matrix3& rotation);
 

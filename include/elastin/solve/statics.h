@@ -6,7 +6,14 @@
 namespace elastin {
 
 /// How a run ended.
-enum class Outcome { converged, limit_reached, inverted, diverged, mechanism };
+enum class Outcome {
+  converged,
+  limit_reached,
+  inverted,
+  diverged,
+  mechanism,
+  interrupted,  ///< the user stopped it
+};
 const char* name_of(Outcome outcome);
 
 enum class LinearMethod { automatic, pcg, direct };
