@@ -80,6 +80,8 @@ bool needs_cells(const Strategy& strategy, const Body& body) {
 std::string unsuited(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice) {
   std::string reason = choice.strategy.unsuited(specimen.body);
   if (reason.empty()) reason = fibres_unsuited(choice.strategy, specimen.body, specimen.material);
+  if (reason.empty() && choice.calibrated && specimen.body.connection_stiffness.size())
+    reason = "a body with regions has no one modulus to calibrate to";
   if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen.material);
   return reason;
 }

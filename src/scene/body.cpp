@@ -150,7 +150,8 @@ Body read_shape(Reader& reader) {
       name = key;
     }
   if (!shape) {
-    for (const char* key : {"radius", "jitter", "grade", "cells", "connections", "triangles"}) reader.has(key);
+    for (const char* key : {"radius", "jitter", "grade", "cells", "connections", "triangles", "regions"})
+      reader.has(key);
     reader.finish();
     std::string known;
     for (const std::string& key : shapes) known += (known.empty() ? "" : key == shapes.back() ? " or " : ", ") + key;
@@ -197,6 +198,20 @@ void read_cells(const Reader& reader, Body& body, std::vector<std::string>& warn
                        " tetrahedra are nearly flat (below 1e-4 of the cube of their longest side)");
 }
 
+/// {from: [x, y, z], to: [x, y, z], stiffness: 1e6, mass: 10}
+void read_region(Reader reader, Body& body) {
+  const Reader to = reader.at("to");
+  const Vector3 low = reader.at("from").vector(dimension::length), high = to.vector(dimension::length);
+  const auto factor = [&](const char* key) {
+    const auto value = reader.find(key);
+    return value ? value->quantity(dimension::none, {1e-12, 1e12, false}) : 1;
+  };
+  const double stiffness = factor("stiffness"), mass = factor("mass");
+  reader.finish();
+  if (!((high - low).array() >= 0).all()) to.fail("must not lie below `from` in any direction");
+  set_region(body, low, high, stiffness, mass);
+}
+
 }  // namespace
 
 Body read_body(Reader reader, const Material& material, std::vector<std::string>& warnings) {
@@ -209,7 +224,7 @@ Body read_body(Reader reader, const Material& material, std::vector<std::string>
   }
   if (auto grading = reader.find("grade")) read_grade(*grading, body);
   if (auto cells = reader.find("cells")) read_cells(*cells, body, warnings);
-  const auto radius = reader.find("radius");
+  const auto radius = reader.find("radius"), regions = reader.find("regions");
   reader.finish();
   const double shortest = shortest_connection(body);
   if (!radius && shortest == 0) reader.fail("give a radius: there is no connection of which to take half the length");
@@ -217,6 +232,10 @@ Body read_body(Reader reader, const Material& material, std::vector<std::string>
   const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
   const double volume = size.prod() > 0 ? size.prod() : body.size() * std::pow(2 * r, 3);
   set_matter(body, r, material.density, material.thickness, volume);
+  if (regions && (material.curve || material.fibre))
+    regions->fail("a body with regions takes a material without curve or fibre");
+  if (regions)
+    for (const Reader& item : regions->items()) read_region(item, body);
   return body;
 }
 

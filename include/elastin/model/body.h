@@ -45,6 +45,8 @@ struct Body {
   /// Molecules along x, y, z where they are numbered as a grid, x + nx (y + ny z), wherever they lie. Passes over
   /// springs between neighbours on it need no list of connections.
   std::optional<std::array<int, 3>> grid;
+  /// How many times as stiff as the material each connection and cell is; empty = all alike. See set_region.
+  VectorX connection_stiffness, cell_stiffness;
   std::optional<VoronoiCells> voronoi;  ///< only where a strategy asks for them (Strategy::needs_voronoi)
   int size() const { return static_cast<int>(rest.cols()); }
 };
@@ -68,6 +70,10 @@ void add_cell_sides(Body& body, const std::vector<std::array<int, 2>>& sides);
 
 /// The body with its connections proper alone: what a rule sees that does not work on cells.
 Body without_cell_sides(const Body& body);
+
+/// Makes what lies in a box (its faces included) `stiffness` times as stiff as the material, and its molecules `mass`
+/// times as heavy: connections and cells by their middles. Of boxes that share a place the last counts.
+void set_region(Body& body, const Vector3& low, const Vector3& high, double stiffness, double mass);
 
 /// Lumped masses [kg]: a quarter of each tetrahedron's mass, a third of each triangle's (thickness t [m]) to its
 /// molecules.

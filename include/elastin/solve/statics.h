@@ -18,8 +18,12 @@ const char* name_of(Outcome outcome);
 
 enum class LinearMethod { automatic, pcg, direct };
 
+/// How an equilibrium with large displacements is sought; see solve/relaxation.
+enum class StaticWay { newton, explicit_steps, implicit_steps };
+
 struct StaticOptions {
   bool linear = false;  ///< true: small displacements, one linear solve about rest; false: large displacements
+  StaticWay way = StaticWay::newton;
   LinearMethod method = LinearMethod::automatic;
   double tolerance = 1e-10;  ///< largest unbalanced force over the size of loads and reactions, both as Euclidean norms
   int newton_limit = 200;
