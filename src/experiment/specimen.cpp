@@ -98,6 +98,7 @@ std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment
   std::optional<Model> model(body);
   model->add(std::move(elasticity));
   if (auto fibres = make_fibres(choice.strategy, body, material)) model->add(std::move(fibres));
+  if (!body.cables.empty()) model->add(make_cables(body));
   for (const auto& add_load : loads) add_load(*model);
   experiment.hold(*model);
   return model;

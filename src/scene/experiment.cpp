@@ -194,6 +194,7 @@ std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace
        {"relaxation", nullptr},
        {"shake", nullptr},
        {"drop", nullptr},
+       {"parachute", nullptr},
        {"vibration", nullptr}});
   return read(reader, place);
 }

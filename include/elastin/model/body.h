@@ -23,6 +23,12 @@ struct Connections {
 template <int corners>
 using Cells = std::vector<std::array<int, corners>>;
 
+/// A connection that is a cable, whatever the strategy: it resists lengthening alone, by EA [N] a strain.
+struct Cable {
+  int connection = 0;
+  double stiffness = 0;  ///< EA [N], > 0
+};
+
 /// The part of the body's convex hull that is nearest to each molecule, as far as spring rules use it. Made by
 /// voronoi_cells (elastin/model/voronoi.h), which is not part of elastin::core.
 struct VoronoiCells {
@@ -39,7 +45,8 @@ struct Body {
   VectorX radius;  ///< [m], one a molecule
   Connections connections;
   Cells<3> triangles;
-  Cells<4> tetrahedra;  ///< positively oriented: (x1−x0)·((x2−x0)×(x3−x0)) > 0
+  std::vector<Cable> cables;  ///< beside what the strategy does with its connections
+  Cells<4> tetrahedra;        ///< positively oriented: (x1−x0)·((x2−x0)×(x3−x0)) > 0
   /// The cubes of a simple cubic lattice, each by its eight molecules; only such lattices have them.
   Cells<8> cubes;
   /// Molecules along x, y, z where they are numbered as a grid, x + nx (y + ny z), wherever they lie. Passes over
