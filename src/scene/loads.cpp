@@ -68,6 +68,8 @@ SceneLoad read_air(Reader reader, const Body& body, const Matrix3& rotation) {
   if (auto density = reader.find("density")) air.density = density->quantity(dimension::density, kNotNegative);
   if (auto drag = reader.find("drag_coefficient")) air.drag_coefficient = drag->quantity(dimension::none, kNotNegative);
   if (auto skin = reader.find("skin_coefficient")) air.skin_coefficient = skin->quantity(dimension::none, kNotNegative);
+  if (auto caught = reader.find("pressure_coefficient"))
+    air.pressure_coefficient = caught->quantity(dimension::none, kNotNegative);
   if (auto wind = reader.find("wind")) air.wind = rotation * wind->vector(dimension::velocity);
   reader.finish();
   if (body.triangles.empty()) reader.fail("air drags on triangles and the body has none; `drag` works on molecules");
