@@ -1,5 +1,8 @@
 #pragma once
 #include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
 #include <type_traits>
 #include <vector>
 
@@ -55,6 +58,28 @@ Value ordered_sum(int count, Term&& term, Value zero = Value(0), int threshold =
   Value total = zero;
   for (const Value& sum : sums) total += sum;
   return total;
+}
+
+/// The largest of term(i) ≥ 0 over 0 … count−1, infinity if one is no number; 0 of none. Allocates nothing.
+template <class Term>
+double largest_of(int count, Term&& term, int threshold = kParallelThreshold) {
+  std::atomic<double> largest{0};
+  auto range = [&](int begin, int end) {
+    double most = 0;
+    for (int i = begin; i < end; ++i) {
+      const double value = term(i);
+      most = value <= most ? most : std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
+    }
+    for (double known = largest; most > known && !largest.compare_exchange_weak(known, most);) {
+    }
+  };
+  if (count < threshold || threads() == 1)
+    range(0, count);
+  else
+    detail::run_ranges(count, &range, [](void* context, int begin, int end) {
+      (*static_cast<decltype(range)*>(context))(begin, end);
+    });
+  return largest;
 }
 
 }  // namespace elastin

@@ -173,7 +173,7 @@ void GridSprings::add_rows(int begin, int end, const Positions& positions, Posit
 
 /// Adds the forces of the springs that start in a row, where they reach the row `begin` or a later one.
 void GridSprings::add_row(int row, int begin, const Window& window) const {
-  const AddRowFlows add_flows = row_flows().back();
+  const AddRowFlows add_flows = spring_kernel().add_row_flows;
   for (const Direction& direction : directions_) {
     const int at = direction.numbers_at[row];
     if (at < 0 || row + direction.rows < begin) continue;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "elastin/forces/elasticity.h"
-#include "forces/grid_kernel.h"
+#include "forces/spring_kernel.h"
 
 namespace elastin {
 

@@ -4,7 +4,7 @@
 
 namespace elastin {
 
-/// One vector of each molecule of a row of a grid: all x, then all y, then all z, each `pitch` numbers after the last.
+/// One vector of each molecule of a row of a grid: all x, then all y, then all z, each `pitch` numbers after the other.
 struct RowOf3 {
   double* x;
   std::ptrdiff_t pitch;
@@ -18,7 +18,17 @@ struct RowOf3 {
 using AddRowFlows = void (*)(RowOf3 from, RowOf3 to, const double* constants, const double* rest_lengths, int count,
                              RowOf3 on_from, RowOf3 on_to);
 
-/// The same function for each vector width that this processor has, the best one last. All give the same bits.
-std::span<const AddRowFlows> row_flows();
+/// Force densities q of `count` springs of vectors d from end to end.
+using SetSpringDensities = void (*)(RowOf3 d, const double* constants, const double* rest_lengths, int count,
+                                    double* densities);
+
+/// The same functions for each vector width that this processor has, the best one last. All give the same bits.
+struct SpringKernel {
+  AddRowFlows add_row_flows;
+  SetSpringDensities set_densities;
+};
+std::span<const SpringKernel> spring_kernels();
+/// The best one.
+const SpringKernel& spring_kernel();
 
 }  // namespace elastin
