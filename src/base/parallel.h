@@ -1,8 +1,6 @@
 #pragma once
 #include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <limits>
 #include <type_traits>
 #include <vector>
 
@@ -60,25 +58,27 @@ Value ordered_sum(int count, Term&& term, Value zero = Value(0), int threshold =
   return total;
 }
 
-/// The largest of term(i) ≥ 0 over 0 … count−1, infinity if one is no number; 0 of none. Allocates nothing.
-template <class Term>
-double largest_of(int count, Term&& term, int threshold = kParallelThreshold) {
+/// Calls range(begin, end) over disjoint ranges that cover 0 … count−1.
+template <class Range>
+void parallel_ranges(int count, Range&& range, int threshold = kParallelThreshold) {
+  if (count < threshold || threads() == 1) return range(0, count);
+  detail::run_ranges(count, &range, [](void* context, int begin, int end) {
+    (*static_cast<std::remove_reference_t<Range>*>(context))(begin, end);
+  });
+}
+
+/// The largest of what most(begin, end) ≥ 0 finds in such ranges; 0 of none. Allocates nothing.
+template <class Most>
+double largest_of_ranges(int count, Most&& most, int threshold = kParallelThreshold) {
   std::atomic<double> largest{0};
-  auto range = [&](int begin, int end) {
-    double most = 0;
-    for (int i = begin; i < end; ++i) {
-      const double value = term(i);
-      most = value <= most ? most : std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
-    }
-    for (double known = largest; most > known && !largest.compare_exchange_weak(known, most);) {
-    }
-  };
-  if (count < threshold || threads() == 1)
-    range(0, count);
-  else
-    detail::run_ranges(count, &range, [](void* context, int begin, int end) {
-      (*static_cast<decltype(range)*>(context))(begin, end);
-    });
+  parallel_ranges(
+      count,
+      [&](int begin, int end) {
+        const double found = most(begin, end);
+        for (double known = largest; found > known && !largest.compare_exchange_weak(known, found);) {
+        }
+      },
+      threshold);
   return largest;
 }
 

@@ -58,14 +58,17 @@ class Explicit final : public Integrator {
   /// Kick, drift. The largest square of an acceleration, infinity if something is not finite.
   double euler_step(const State& state, double dt) {
     next_.accelerations.resize(3, 0);
-    return largest_of(
+    return largest_of_ranges(
         static_cast<int>(state.positions.cols()),
-        [&](int i) {
-          const Vector3 velocity = state.velocities.col(i) + dt * state.accelerations.col(i);
-          const Vector3 position = state.positions.col(i) + dt * velocity;
-          next_.velocities.col(i) = velocity;
-          next_.positions.col(i) = position;
-          return finite(position, velocity, state.accelerations.col(i).squaredNorm());
+        [&](int begin, int end) {
+          double most = 0;
+          for (int i = begin; i < end; ++i) {
+            const Vector3 velocity = state.velocities.col(i) + dt * state.accelerations.col(i);
+            next_.velocities.col(i) = velocity;
+            next_.positions.col(i) = state.positions.col(i) + dt * velocity;
+            most = larger(most, state.accelerations.col(i).squaredNorm(), velocity.squaredNorm());
+          }
+          return most;
         },
         kMoleculeThreshold);
   }
@@ -74,36 +77,55 @@ class Explicit final : public Integrator {
   /// finite.
   double verlet_step(const Model& model, const State& state, double dt) {
     const int n = static_cast<int>(state.positions.cols());
+    const double *x = state.positions.data(), *v = state.velocities.data(), *a = state.accelerations.data();
+    double *next_x = next_.positions.data(), *next_v = next_.velocities.data();
+    const double half = dt / 2;
     // Forces that depend on velocity see a guess of the whole kick.
     const bool guess = model.feels_velocity();
-    parallel_for(
+    parallel_ranges(
         n,
-        [&](int i) {
-          const Vector3 velocity = state.velocities.col(i) + dt / 2 * state.accelerations.col(i);
-          next_.positions.col(i) = state.positions.col(i) + dt * velocity;
-          if (guess) next_.velocities.col(i) = velocity + dt / 2 * state.accelerations.col(i);
+        [&](int begin, int end) {
+          for (int i = 3 * begin; i < 3 * end; ++i) next_x[i] = x[i] + dt * (v[i] + half * a[i]);
+          if (!guess) return;
+          for (int i = 3 * begin; i < 3 * end; ++i) next_v[i] = v[i] + dt * a[i];
         },
         kMoleculeThreshold);
     place_supports(model, next_.positions);
     if (guess) move_with_supports(model.supports, next_.velocities);
     model.set_forces(next_, next_.accelerations, scratch_);
     keep_free(model.supports, next_.accelerations);
-    const VectorX& mass = model.body().mass;
-    return largest_of(
-        n,
-        [&](int i) {
-          const Vector3 acceleration = next_.accelerations.col(i) / mass[i], before = state.accelerations.col(i);
-          const Vector3 velocity = state.velocities.col(i) + dt / 2 * (before + acceleration);
-          next_.accelerations.col(i) = acceleration;
-          next_.velocities.col(i) = velocity;
-          return finite(next_.positions.col(i), velocity, (acceleration - before).squaredNorm());
-        },
-        kMoleculeThreshold);
+    return largest_of_ranges(
+        n, [&](int begin, int end) { return kick(model.body().mass, state, half, begin, end); }, kMoleculeThreshold);
   }
 
-  static double finite(const Vector3& position, const Vector3& velocity, double value) {
-    return std::isfinite(position.squaredNorm() + velocity.squaredNorm()) ? value
-                                                                          : std::numeric_limits<double>::infinity();
+  /// The second half of a kick, from the forces in next_.accelerations, which become accelerations.
+  double kick(const VectorX& mass, const State& state, double half, int begin, int end) {
+    constexpr int block = 64;  // so many molecules that what one loop leaves for the next stays near
+    double inverse[3 * block], changes[3 * block], sizes[3 * block], most = 0;
+    for (int first = begin; first < end; first += block) {
+      const int count = std::min(block, end - first);
+      for (int i = 0; i < count; ++i) inverse[3 * i] = inverse[3 * i + 1] = inverse[3 * i + 2] = 1 / mass[first + i];
+      const double *v = state.velocities.data() + 3 * first, *a = state.accelerations.data() + 3 * first;
+      double *next_v = next_.velocities.data() + 3 * first, *next_a = next_.accelerations.data() + 3 * first;
+      for (int i = 0; i < 3 * count; ++i) {
+        const double now = next_a[i] * inverse[i], velocity = v[i] + half * (a[i] + now);
+        changes[i] = (now - a[i]) * (now - a[i]);
+        sizes[i] = velocity * velocity;
+        next_a[i] = now;
+        next_v[i] = velocity;
+      }
+      for (int i = 0; i < 3 * count; i += 3)
+        most = larger(most, changes[i] + changes[i + 1] + changes[i + 2], sizes[i] + sizes[i + 1] + sizes[i + 2]);
+    }
+    return most;
+  }
+
+  /// The larger of two squares, infinity if the second or `size` is not finite. A place that is not gives forces that
+  /// are not.
+  static double larger(double most, double square, double size) {
+    const double value = square + (size - size);  // infinity less itself is no number
+    if (value <= most) return most;
+    return value < std::numeric_limits<double>::infinity() ? value : std::numeric_limits<double>::infinity();
   }
 
   Scheme scheme_;

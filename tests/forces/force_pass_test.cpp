@@ -75,10 +75,11 @@ TEST_CASE("forces of springs are those of their force densities, on a grid and o
     CubicPattern pattern;
   };
   const Lattice lattices[] = {
-      {{10, 7, 6}, {true, true, false}}, {{5, 9, 4}, {true, true, true}},  {{6, 5, 7}, {false, true, true}},
-      {{4, 3, 3}, {true, false, false}}, {{19, 1, 1}, {true, true, true}}, {{1, 8, 1}, {true, true, true}},
-      {{1, 1, 9}, {true, true, true}},   {{9, 8, 1}, {true, true, true}},  {{1, 5, 6}, {true, true, true}},
-      {{6, 1, 5}, {true, true, true}},   {{2, 2, 2}, {true, true, true}},  {{1, 2, 3}, {true, true, false}}};
+      {{10, 7, 6}, {true, true, false}}, {{5, 9, 4}, {true, true, true}},   {{18, 4, 5}, {true, true, true}},
+      {{6, 5, 7}, {false, true, true}},  {{4, 3, 3}, {true, false, false}}, {{19, 1, 1}, {true, true, true}},
+      {{1, 8, 1}, {true, true, true}},   {{1, 1, 9}, {true, true, true}},   {{9, 8, 1}, {true, true, true}},
+      {{1, 5, 6}, {true, true, true}},   {{6, 1, 5}, {true, true, true}},   {{2, 2, 2}, {true, true, true}},
+      {{1, 2, 3}, {true, true, false}}};
   for (const Lattice& lattice : lattices)
     for (const bool jitter : {false, true}) {
       Body body = cubic_lattice(lattice.molecules, 0.01, lattice.pattern);
@@ -149,6 +150,7 @@ TEST_CASE("springs: every vector width gives the same bits", "[force_pass]") {
     double* k = numbers.data() + 12 * pitch;
     const auto row = [&](int i) { return RowOf3{numbers.data() + 3 * i * pitch, pitch}; };
     kernel.add_row_flows(row(0), row(1), k, k + pitch, count, row(2), row(3));
+    kernel.add_in_row_flows(row(1), 2, k, k + pitch, count, row(3), row(2));
     kernel.set_densities(row(0), k, k + pitch, count, k + 2 * pitch);
     return numbers;
   };

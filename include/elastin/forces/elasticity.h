@@ -69,9 +69,6 @@ class Elasticity {
   virtual bool add_triangle_densities(const Positions& /*positions*/, Eigen::Matrix3Xd& /*densities*/) const {
     return false;
   }
-  /// Adds the force on each molecule [N]: through the force densities, unless there is a shorter way. `graph` is that
-  /// of the body. The same bits on any number of threads.
-  virtual void add_forces(const Positions& positions, const Graph& graph, Positions& forces, Scratch& scratch) const;
 
   /// Remembers the slopes ∂q/∂s [N/m³] at these positions for the three calls below.
   virtual void linearise(const Positions& positions) = 0;
