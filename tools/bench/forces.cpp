@@ -96,7 +96,7 @@ std::vector<Row> run_forces(const Settings& settings) {
       const double bytes = least_bytes(std::pow(side, 3), found[i].springs);
       // Arrays that fit a cache are not bounded by memory.
       const bool cached = bytes < 8e6;
-      if (!cached) found[i].allowed = memory[i / kCount].bandwidth / bytes * found[i].springs;
+      if (!cached && i % kCount != 0) found[i].allowed = memory[i / kCount].bandwidth / bytes * found[i].springs;
       rows.push_back({"forces", kMethods[i % kCount], side, settings.threads[i / kCount], settings.repeats, found[i],
                       cached ? "in cache" : ""});
     }
