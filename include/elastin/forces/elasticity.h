@@ -61,14 +61,14 @@ class Elasticity {
   virtual bool admissible(const Positions& /*positions*/) const { return true; }
   /// Adds each connection's force density [N/m].
   virtual void add_force_densities(const Positions& positions, VectorX& densities, Scratch& scratch) const = 0;
+  /// Adds the force on each molecule [N]: through the force densities, unless there is a shorter way. `graph` is that
+  /// of the body. The same bits on any number of threads.
+  virtual void add_forces(const Positions& positions, const Graph& graph, Positions& forces, Scratch& scratch) const;
   /// Of laws of triangles: adds each triangle's own share [N/m], a column a triangle, order 01 02 12. False where the
   /// force densities belong to connections.
   virtual bool add_triangle_densities(const Positions& /*positions*/, Eigen::Matrix3Xd& /*densities*/) const {
     return false;
   }
-  /// Adds the force on each molecule [N]: through the force densities, unless there is a shorter way. `graph` is that
-  /// of the body. The same bits on any number of threads.
-  virtual void add_forces(const Positions& positions, const Graph& graph, Positions& forces, Scratch& scratch) const;
 
   /// Remembers the slopes ∂q/∂s [N/m³] at these positions for the three calls below.
   virtual void linearise(const Positions& positions) = 0;
