@@ -17,6 +17,10 @@ bool Model::has_energy() const {
   return std::all_of(elasticity_.begin(), elasticity_.end(), [](const auto& part) { return part->has_energy(); });
 }
 
+bool Model::conservative() const {
+  return has_energy() && std::all_of(loads_.begin(), loads_.end(), [](const auto& load) { return load->has_energy(); });
+}
+
 bool Model::has_full_tangent() const {
   return std::all_of(elasticity_.begin(), elasticity_.end(), [](const auto& part) { return part->has_full_tangent(); });
 }

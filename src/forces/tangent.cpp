@@ -112,6 +112,13 @@ void Tangent::visit_blocks(const BlockVisitor& visit) const {
   for (const auto& part : model_.elasticity()) part->visit_blocks(visit);
 }
 
+std::vector<WidePart> Tangent::wide_parts() const {
+  std::vector<WidePart> parts;
+  for (const auto& load : model_.loads())
+    for (WidePart& part : load->wide_parts(state_)) parts.push_back(std::move(part));
+  return parts;
+}
+
 std::vector<Matrix3> Tangent::diagonal() const {
   std::vector<Matrix3> blocks(model_.body().size(), Matrix3::Zero());
   visit_local_blocks([&](int a, int b, const Matrix3& part) {

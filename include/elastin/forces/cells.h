@@ -86,6 +86,13 @@ class CellElasticity final : public Elasticity {
     graph_.gather(slots, densities);
   }
 
+  bool add_triangle_densities(const Positions& positions, Eigen::Matrix3Xd& densities) const override {
+    if constexpr (corners == 3)
+      for (int cell = 0; cell < graph_.cells(); ++cell)
+        densities.col(cell) += law_.force_densities(constants_[cell], squares(positions, cell));
+    return corners == 3;
+  }
+
   void linearise(const Positions& positions) override {
     slopes_.resize(constants_.size());
     detail::for_each_cell(graph_.cells(), [&](int begin, int end) {

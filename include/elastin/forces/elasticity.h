@@ -32,6 +32,11 @@ class Elasticity {
   virtual bool admissible(const Positions& /*positions*/) const { return true; }
   /// Adds each connection's force density [N/m].
   virtual void add_force_densities(const Positions& positions, VectorX& densities) const = 0;
+  /// Of laws of triangles: adds each triangle's own share [N/m], a column a triangle, order 01 02 12. False where the
+  /// force densities belong to connections.
+  virtual bool add_triangle_densities(const Positions& /*positions*/, Eigen::Matrix3Xd& /*densities*/) const {
+    return false;
+  }
 
   /// Remembers the slopes ∂q/∂s [N/m³] at these positions for the three calls below.
   virtual void linearise(const Positions& positions) = 0;

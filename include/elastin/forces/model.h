@@ -42,6 +42,8 @@ class Model {
   std::function<void(double time, std::vector<Support>&)> drive;
 
   bool has_energy() const;
+  /// Whether at rest all forces, the loads' too, come from energies.
+  bool conservative() const;
   bool has_full_tangent() const;
   /// Whether no cell is flat or turned over.
   bool admissible(const Positions& positions) const;
