@@ -134,7 +134,7 @@ class Motion final : public TimedExperiment {
     return result;
   }
 
-  /// The slowest part alone: from where a quarter of the fall is left, faster ones are gone.
+  /// The slowest part alone: from where a twentieth of the fall is left, faster ones are gone.
   void read_relaxation(const std::vector<CurvePoint>& rows, Measures& measures) const {
     const Series all = series_of(rows, course_.resistance, setup_.ramp);
     const auto whole = fit_exponential(all);
@@ -142,7 +142,7 @@ class Motion final : public TimedExperiment {
     measures.set("relaxed_ratio", whole->end / all.values[0]);
     double late = setup_.ramp;
     for (Eigen::Index i = 0; i < all.times.size(); ++i)
-      if (std::abs(all.values[i] - whole->end) > 0.25 * std::abs(all.values[0] - whole->end)) late = all.times[i];
+      if (std::abs(all.values[i] - whole->end) > 0.05 * std::abs(all.values[0] - whole->end)) late = all.times[i];
     if (const auto fit = fit_exponential(series_of(rows, course_.resistance, late)))
       measures.set("relaxation_time", fit->time);
   }

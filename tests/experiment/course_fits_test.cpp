@@ -18,8 +18,7 @@ Series sampled(double from, double to, int count, Function function) {
 
 TEST_CASE("an exponential is found again", "[fits]") {
   for (const double time : {0.05, 0.7, 12.}) {
-    const auto fit =
-        fit_exponential(sampled(1, 3, 50, [&](double t) { return 2 - 5 * std::exp(-(t - 1) / time); }));
+    const auto fit = fit_exponential(sampled(1, 3, 50, [&](double t) { return 2 - 5 * std::exp(-(t - 1) / time); }));
     REQUIRE(fit);
     CHECK(fit->time == Approx(time).epsilon(1e-6));
     CHECK(fit->start == Approx(-3).epsilon(1e-6));

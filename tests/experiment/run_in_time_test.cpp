@@ -58,7 +58,8 @@ TEST_CASE("a released oscillator has its frequency and its decrement", "[time]")
   // b = 2 N s/m: delta = b / 2m = 1 /s, omega = sqrt(100 - 1).
   for (const char* scheme : {"velocity_verlet", "newmark"}) {
     INFO(scheme);
-    const std::string time = std::string("time: {duration: 3 s, frames: 600, step: 1 ms, integrator: ") + scheme + "}\n";
+    const std::string time =
+        std::string("time: {duration: 3 s, frames: 600, step: 1 ms, integrator: ") + scheme + "}\n";
     const Run run = run_of(kRelease + "loads: [{damping: 2 N s/m}]\n" + time);
     CHECK(measured(run, "frequency") == Approx(std::sqrt(99.) / (2 * M_PI)).epsilon(1e-4));
     CHECK(measured(run, "logarithmic_decrement") == Approx(2 * M_PI / std::sqrt(99.)).epsilon(1e-3));
@@ -105,17 +106,19 @@ TEST_CASE("creep, relaxation and a shaken base follow their formulas", "[time]")
   const std::string chain =
       "body: {molecules: [[0 m, 0 m, 0 m], [1 cm, 0 m, 0 m], [2 cm, 0 m, 0 m]], connections: [[0, 1], [1, 2]]}\n"
       "material: {youngs_modulus: 10 kPa, density: 1 kg/m3}\nstiffness: {strategy: uniform, constant: 20 N/m}\n";
-  const Run creep = run_of(
-      chain + "experiment: {kind: creep, hold: {kind: tension, axis: x, force: 1 mN, cross_section: 1 cm2}}\n"
-              "loads: [{rayleigh: {stiffness: 0.2 s}}]\ntime: {duration: 1 s, integrator: newmark, step: 2 ms}\n");
+  const Run creep =
+      run_of(chain +
+             "experiment: {kind: creep, hold: {kind: tension, axis: x, force: 1 mN, cross_section: 1 cm2}}\n"
+             "loads: [{rayleigh: {stiffness: 0.2 s}}]\ntime: {duration: 1 s, integrator: newmark, step: 0.2 ms}\n");
   CHECK(measured(creep, "retardation_time") == Approx(0.2).epsilon(1e-3));
   CHECK(measured(creep, "elongation") == Approx(1e-4 * (1 - std::exp(-5.))).epsilon(1e-3));
   // The middle molecule, drawn by two springs through a liquid: c / 2k.
-  const Run relaxation = run_of(
-      chain + "experiment: {kind: relaxation, ramp: 10 ms, hold: {kind: tension, axis: x, displacement: 0.1 mm, "
-              "cross_section: 1 cm2}}\n"
-              "loads: [{drag: {kind: stokes, viscosity: 50 Pa s}}]\n"
-              "time: {duration: 1 s, integrator: newmark, step: 1 ms, frames: 200}\n");
+  const Run relaxation =
+      run_of(chain +
+             "experiment: {kind: relaxation, ramp: 10 ms, hold: {kind: tension, axis: x, displacement: 0.1 mm, "
+             "cross_section: 1 cm2}}\n"
+             "loads: [{drag: {kind: stokes, viscosity: 50 Pa s}}]\n"
+             "time: {duration: 1 s, integrator: newmark, step: 1 ms, frames: 200}\n");
   CHECK(measured(relaxation, "relaxation_time") == Approx(6 * M_PI * 50 * 0.005 / 40).epsilon(2e-3));
   CHECK(measured(relaxation, "force") == Approx(1e-3).epsilon(1e-3));
   const Run shake = run_of(kOscillator +
@@ -168,9 +171,9 @@ TEST_CASE("a drop without damping gives back its speed; with damping less", "[ti
   const Run damped =
       run_of(cube + "experiment: {kind: drop, speed: 0.1 m/s, stiffness: 80 N/m, damping: 0.2 N s/m}\n" + time);
   CHECK(measured(damped, "restitution") < 0.8);
-  const Run fallen = run_of(
-      cube + "experiment: {kind: drop, gravity: 9.81 m/s2, height: 5 mm, stiffness: 800 N/m}\n"
-             "time: {duration: 0.1 s, frames: 500}\n");
+  const Run fallen = run_of(cube +
+                            "experiment: {kind: drop, gravity: 9.81 m/s2, height: 5 mm, stiffness: 800 N/m}\n"
+                            "time: {duration: 0.1 s, frames: 500}\n");
   CHECK(measured(fallen, "impact_speed") == Approx(std::sqrt(2 * 9.81 * 5e-3)).epsilon(1e-4));
 }
 
@@ -178,7 +181,7 @@ TEST_CASE("a twisted bar let go turns back and forth; a sheared one, too", "[tim
   const std::string bar =
       "body: {lattice: {kind: cubic, molecules: [2, 2, 7], spacing: 1 cm, connections: [axis, face]}}\n"
       "material: {youngs_modulus: 100 kPa, density: 1000 kg/m3}\nstiffness: lattice\n";
-  const std::string time = "time: {duration: 0.2 s, frames: 400}\n";
+  const std::string time = "time: {duration: 0.6 s, frames: 600}\n";
   for (const auto& [hold, start] : {std::pair{"kind: torsion, axis: z, angle: 5 deg", 5 * M_PI / 180},
                                     {"kind: shear, axis: z, direction: x, strain: 2 %", 0.02}}) {
     INFO(hold);
@@ -308,9 +311,9 @@ TEST_CASE("every kind of strategy can be compared in time", "[time]") {
   const double exact = measured(run_of(text), "frequency");
   const Run calibrated = run_of(text, {}, {"stiffness=calibrated:standard"});
   CHECK(calibrated.calibration_factor != 1);
-  CHECK(measured(calibrated, "frequency") == Approx(exact).epsilon(0.05));
+  CHECK(measured(calibrated, "frequency") == Approx(exact).epsilon(0.1));
   CHECK(measured(run_of(text, {}, {"stiffness=standard"}), "frequency") > 1.2 * exact);  // far too stiff
-  const Run updated = run_of(text, {}, {"stiffness=angles_update"});  // has no energy
+  const Run updated = run_of(text, {}, {"stiffness=angles_update"});                     // has no energy
   CHECK(measured(updated, "frequency") > 0);
   CHECK_FALSE(std::isfinite(updated.measures.get("energy_balance")));
 }
@@ -321,7 +324,8 @@ TEST_CASE("the file of a run in time has a row a frame", "[time][files]") {
       load_scene(folder.write("scene.yaml", "title: x\n" + kRelease + "time: {duration: 1 s, frames: 5}\n"), kCatalog);
   RunOptions options;
   options.time = scene->time;
-  const Record record = make_record(*scene, run_strategy(scene->specimen, *scene->experiment, scene->stiffness, options));
+  const Record record =
+      make_record(*scene, run_strategy(scene->specimen, *scene->experiment, scene->stiffness, options));
   const std::string csv = curve_csv_text(record);
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 7);
   for (const char* column : {"time [s],", "elongation [m]", "kinetic_energy [J]", "energy_balance [J]", "work [J]",

@@ -12,8 +12,8 @@ using namespace elastin;
 using namespace elastin::testing;
 
 TEST_CASE("functions of time have their values and rates", "[time][loads]") {
-  const TimeFunction ramp = TimeFunction::ramp(2), step = TimeFunction::step(1),
-                     sine = TimeFunction::sine(0.5, 0.3, 2), one;
+  const TimeFunction ramp = TimeFunction::ramp(2), step = TimeFunction::step(1), sine = TimeFunction::sine(0.5, 0.3, 2),
+                     one;
   CHECK(ramp.value(-1) == 0);
   CHECK(ramp.value(0.5) == Approx(0.25));
   CHECK(ramp.value(3) == 1);
