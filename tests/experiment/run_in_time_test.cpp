@@ -108,10 +108,10 @@ TEST_CASE("creep, relaxation and a shaken base follow their formulas", "[time]")
       "material: {youngs_modulus: 10 kPa, density: 1 kg/m3}\nstiffness: {strategy: uniform, constant: 20 N/m}\n";
   const Run creep =
       run_of(chain +
-             "experiment: {kind: creep, hold: {kind: tension, axis: x, force: 1 mN, cross_section: 1 cm2}}\n"
+             "experiment: {kind: creep, hold: {kind: tension, axis: x, force: 0.1 mN, cross_section: 1 cm2}}\n"
              "loads: [{rayleigh: {stiffness: 0.2 s}}]\ntime: {duration: 1 s, integrator: newmark, step: 0.2 ms}\n");
   CHECK(measured(creep, "retardation_time") == Approx(0.2).epsilon(1e-3));
-  CHECK(measured(creep, "elongation") == Approx(1e-4 * (1 - std::exp(-5.))).epsilon(1e-3));
+  CHECK(measured(creep, "elongation") == Approx(1e-5 * (1 - std::exp(-5.))).epsilon(1e-3));
   // The middle molecule, drawn by two springs through a liquid: c / 2k.
   const Run relaxation =
       run_of(chain +
@@ -189,24 +189,24 @@ TEST_CASE("a twisted bar let go turns back and forth; a sheared one, too", "[tim
     const bool torsion = std::string(hold).find("torsion") != std::string::npos;
     CHECK(run.curve.front().measures.get(torsion ? "angle" : "strain") == Approx(start).epsilon(1e-6));
     CHECK(measured(run, "frequency") > 1);
-    CHECK(measured(run, "energy_drift") < 0.02);
+    CHECK(measured(run, "energy_drift") < 0.05);                    // of steps near the longest stable one
     CHECK_FALSE(std::isfinite(run.measures.get("shear_modulus")));  // there is no load any more
   }
 }
 
 TEST_CASE("a run that stops and goes on has the same bits as one that does not", "[time][restart]") {
   const std::string block =
-      "body: {tetrahedra: {kind: kuhn, cubes: [2, 2, 2], size: [20 mm, 20 mm, 20 mm]}}\n"
+      "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [10 mm, 10 mm, 20 mm]}}\n"
       "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
       "experiment: {kind: motion, hold: {kind: shear, axis: z, direction: x, strain: 0.3}, "
-      "in_time: {sine: {frequency: 7 Hz}}}\n"
-      "loads: [{cell_damping: {bulk: 1 Pa s, shear: 1 Pa s}}, {gravity: [0, 0, -9.81 m/s2], "
-      "in_time: {ramp: {duration: 0.1 s}}}]\n";
-  for (const char* time : {"integrator: newmark, step: {error: 1e-4}", "integrator: backward_euler, step: 3 ms",
-                           "integrator: {scheme: newmark, newton_iterations: 1}, step: 2 ms",
+      "in_time: {sine: {frequency: 30 Hz}}}\n"
+      "loads: [{cell_damping: {bulk: 0.1 Pa s, shear: 0.1 Pa s}}, {gravity: [0, 0, -9.81 m/s2], "
+      "in_time: {ramp: {duration: 20 ms}}}]\n";
+  for (const char* time : {"integrator: newmark, step: {error: 1e-4}", "integrator: backward_euler, step: 0.7 ms",
+                           "integrator: {scheme: newmark, newton_iterations: 1}, step: 1 ms",
                            "integrator: velocity_verlet", "integrator: symplectic_euler"}) {
     INFO(time);
-    const std::string text = block + "time: {duration: 0.1 s, frames: 10, checkpoint: 4, " + time + "}\n";
+    const std::string text = block + "time: {duration: 20 ms, frames: 10, checkpoint: 4, " + time + "}\n";
     std::vector<std::string> kept;
     RunOptions options;
     options.checkpoint = [&](const std::string& restart) { kept.push_back(restart); };
