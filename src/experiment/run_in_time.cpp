@@ -189,7 +189,9 @@ class Course {
       if (!std::isfinite(run_.measures.get(name))) run_.measures.set(name, value);
     double largest = 0, drift = 0;
     for (const CurvePoint& row : run_.curve) {
-      largest = std::max(largest, row.measures.get("kinetic_energy") + row.measures.get("energy"));
+      const Measures& m = row.measures;
+      largest = std::max(
+          {largest, m.get("kinetic_energy") + m.get("energy"), std::abs(m.get("work")), m.get("dissipated_energy")});
       drift = std::max(drift, std::abs(row.measures.get("energy_balance")));
     }
     if (largest > 0) run_.measures.set("energy_drift", drift / largest);
