@@ -114,17 +114,22 @@ SceneLoad read_face(Reader reader, const Body& body, const Matrix3& rotation) {
 
 SceneLoad read_load(Reader reader, const Body& body, const Matrix3& rotation) {
   const auto gravity = reader.find("gravity"), drag = reader.find("drag"), damping = reader.find("damping"),
-             cell_damping = reader.find("cell_damping"), point = reader.find("point"), face = reader.find("face");
+             cell_damping = reader.find("cell_damping"), point = reader.find("point"), face = reader.find("face"),
+             pressure = reader.find("pressure"), gas = reader.find("gas");
   reader.finish();
   if (gravity.has_value() + drag.has_value() + damping.has_value() + cell_damping.has_value() + point.has_value() +
-          face.has_value() !=
+          face.has_value() + pressure.has_value() + gas.has_value() !=
       1)
-    reader.fail("a load is one of gravity, drag, damping, cell_damping, point, face; write each as an item of its own");
+    reader.fail(
+        "a load is one of gravity, drag, damping, cell_damping, point, face, pressure, gas; write each as an item of "
+        "its own");
   if (drag) return read_drag(*drag);
   if (damping) return read_damping(*damping, body);
   if (cell_damping) return read_cell_damping(*cell_damping, body);
   if (point) return read_point(*point, body, rotation);
   if (face) return read_face(*face, body, rotation);
+  if (pressure) return read_pressure(*pressure, body);
+  if (gas) return read_gas_load(*gas, body);
   const Vector3 acceleration = rotation * gravity->vector(dimension::acceleration);
   return {[=](Model& model) { model.add(make_gravity(model.body(), acceleration)); }};
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include "elastin/simulation/catalog.h"
+#include "experiment/inflation.h"
 #include "experiment/specimen.h"
 #include "scene/reader.h"
 
@@ -29,6 +30,10 @@ struct SceneLoad {
 };
 /// `rotation` turns its directions with the scene.
 SceneLoad read_load(Reader reader, const Body& body, const Matrix3& rotation);
+/// Pressure on all triangles, and gas that they enclose.
+SceneLoad read_pressure(const Reader& reader, const Body& body);
+SceneLoad read_gas_load(const Reader& reader, const Body& body);
+GasSetup read_gas(Reader reader);
 Matrix3 read_rotation(Reader reader);
 
 /// "x", "-y" or a list of three numbers.
