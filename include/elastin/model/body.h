@@ -42,6 +42,9 @@ struct Body {
   Cells<4> tetrahedra;  ///< positively oriented: (x1−x0)·((x2−x0)×(x3−x0)) > 0
   /// The cubes of a simple cubic lattice, each by its eight molecules; only such lattices have them.
   Cells<8> cubes;
+  /// Molecules along x, y, z where they are numbered as a grid, x + nx (y + ny z), wherever they lie. Passes over
+  /// springs between neighbours on it need no list of connections.
+  std::optional<std::array<int, 3>> grid;
   std::optional<VoronoiCells> voronoi;  ///< only where a strategy asks for them (Strategy::needs_voronoi)
   int size() const { return static_cast<int>(rest.cols()); }
 };
