@@ -159,7 +159,9 @@ SceneLoad read_load(Reader reader, const Body& body, const Material& material, c
       {"rayleigh", read_rayleigh},
       {"floor", [&](const Reader& value) { return read_floor(value, body, material, rotation); }},
       {"point", [&](const Reader& value) { return read_point(value, body, rotation); }},
-      {"face", [&](const Reader& value) { return read_face(value, body, rotation); }}};
+      {"face", [&](const Reader& value) { return read_face(value, body, rotation); }},
+      {"pressure", [&](const Reader& value) { return read_pressure(value, body); }},
+      {"gas", [&](const Reader& value) { return read_gas_load(value, body); }}};
   std::vector<std::pair<Reader, Read>> found;
   std::string names;
   for (const auto& [name, read] : kinds) {
