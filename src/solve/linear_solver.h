@@ -17,8 +17,8 @@ struct LinearResult {
   LinearStatus status = LinearStatus::solved;
   int iterations = 0;
   double residual = 0;                ///< ‖b − K x‖ / ‖b‖
-  Positions negative_direction = {};  ///< on negative_mode, from iterations: one along which K is negative
   int negative_modes = -1;            ///< eigenvalues of K below zero, −1 where the solver cannot count them
+  Positions negative_direction = {};  ///< on negative_mode, from iterations: one along which K is negative
 };
 
 /// Solves K x = b for the free directions of a supported body. Zero-energy modes are no failure as long as b has no

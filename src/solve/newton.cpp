@@ -223,7 +223,7 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
     if (second.residual <= std::max(result.residual, tolerance)) {
       solution = other;
       solver = std::move(direct);
-      result = {second.status, result.iterations + second.iterations, second.residual, second.negative_modes};
+      result = {second.status, result.iterations + second.iterations, second.residual, second.negative_modes, {}};
     }
   }
   used = solver->name();
