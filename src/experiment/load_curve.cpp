@@ -21,6 +21,9 @@ bool note_solve(const StaticResult& solved, const std::string& where, Run& run) 
   const std::string unstable = "the equilibrium is not stable: directions of negative stiffness";
   run.unstable |= solved.unstable;
   if (solved.unstable && (run.warnings.empty() || run.warnings.back() != unstable)) run.warnings.push_back(unstable);
+  const std::string left = "left an equilibrium that was no minimum for one of less energy (buckling, snapping)";
+  if (solved.left_saddle && std::find(run.warnings.begin(), run.warnings.end(), left) == run.warnings.end())
+    run.warnings.push_back(left);
   if (solved.outcome == Outcome::converged) return true;
   run.outcome = solved.outcome;
   run.cause = solved.cause + where;

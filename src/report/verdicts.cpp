@@ -38,6 +38,26 @@ Record run_case(Scene& scene, const StrategyChoice& choice, const VerifyOptions&
   return make_record(scene, run_strategy(scene.specimen, *scene.experiment, choice, run_options));
 }
 
+/// A scene with a checkpoint is run again from it: the same bits must come of it. Says what differs, or "".
+std::string resumed(Scene& scene, const StrategyChoice& choice, const Record& whole) {
+  if (!scene.time || scene.time->checkpoint == 0 || whole.run.outcome != Outcome::converged) return "";
+  RunOptions options;
+  options.statics = scene.statics;
+  options.time = scene.time;
+  std::string saved;
+  options.checkpoint = [&](const std::string& text) {
+    if (saved.empty()) saved = text;
+  };
+  run_strategy(scene.specimen, *scene.experiment, choice, options);
+  if (saved.empty()) return "there was no checkpoint to resume from";
+  options.checkpoint = nullptr;
+  options.restart = saved;
+  const Run run = run_strategy(scene.specimen, *scene.experiment, choice, options);
+  for (const auto& [name, value] : whole.run.measures.all())
+    if (run.measures.get(name) != value) return "resumed from its checkpoint, " + name + " differs";
+  return "";
+}
+
 std::string words(const char* outcome) {
   std::string text = outcome;
   std::replace(text.begin(), text.end(), '_', ' ');
@@ -122,6 +142,7 @@ std::string verdict_text(const Case& a_case) {
 /// What there is to say beside the verdict: the error, or why it stopped.
 std::string detail_text(const Case& a_case) {
   const Record& own = a_case.own;
+  if (!a_case.trouble.empty()) return a_case.trouble;
   if (own.run.outcome != Outcome::converged || !own.run.suited) return own.run.cause;
   const Verdict* verdict = tightest(own.verdicts);
   if (!verdict) return "the scene expects nothing of it";
@@ -153,7 +174,8 @@ std::vector<Case> verify_scene(const std::string& path, const Catalog& catalog, 
     }
   std::vector<Case> cases;
   for (const StrategyChoice& choice : strategies) {
-    cases.push_back({run_case(*scene, choice, options, scene->name + ", " + choice.label), {}});
+    cases.push_back({run_case(*scene, choice, options, scene->name + ", " + choice.label), {}, {}});
+    cases.back().trouble = resumed(*scene, choice, cases.back().own);
     if (options.finished) options.finished(*scene, cases.back().own);
   }
   if (options.others) cases.front().others = others_of(path, catalog, options, scene->time.has_value());
@@ -162,7 +184,8 @@ std::vector<Case> verify_scene(const std::string& path, const Catalog& catalog, 
 
 bool passed(const Case& a_case) {
   const auto& verdicts = a_case.own.verdicts;
-  return a_case.own.good() && std::any_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.judged; });
+  return a_case.own.good() && a_case.trouble.empty() &&
+         std::any_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.judged; });
 }
 
 std::string verdicts_text(const std::vector<Case>& cases, bool colours, bool markdown) {

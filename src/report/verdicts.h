@@ -11,6 +11,7 @@ namespace elastin {
 /// come of it, and what other choices make of the same.
 struct Case {
   Record own;
+  std::string trouble;              ///< what is wrong beside: a resumed run that ends in other bits; empty = nothing
   std::vector<std::string> others;  ///< verdicts in words, one a name of other_choices(); empty = not asked for
 };
 
