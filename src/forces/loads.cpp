@@ -81,7 +81,39 @@ class QuadraticDrag final : public Load {
   VectorX factor_;
 };
 
+class Varying final : public Load {
+ public:
+  Varying(std::unique_ptr<Load> load, TimeFunction function) : load_(std::move(load)), function_(std::move(function)) {}
+  void add_forces(const State& state, Positions& forces) const override {
+    Positions whole = Positions::Zero(3, forces.cols());
+    load_->add_forces(state, whole);
+    forces += function_.value(state.time) * whole;
+  }
+  double energy(const State& state) const override { return function_.value(state.time) * load_->energy(state); }
+  bool changes() const override { return load_->changes(); }
+  void add_change(const State& state, const Positions& motion, const Positions& change,
+                  Positions& forces) const override {
+    Positions whole = Positions::Zero(3, forces.cols());
+    load_->add_change(state, motion, change, whole);
+    forces += function_.value(state.time) * whole;
+  }
+  void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override {
+    const double factor = function_.value(state.time);
+    load_->visit_blocks(state, velocity_weight, [&](int a, int b, const Matrix3& part) { visit(a, b, factor * part); });
+  }
+  bool steady() const override { return function_.constant() && load_->steady(); }
+  bool acts_at_rest() const override { return load_->acts_at_rest(); }
+
+ private:
+  std::unique_ptr<Load> load_;
+  TimeFunction function_;
+};
+
 }  // namespace
+
+std::unique_ptr<Load> make_varying(std::unique_ptr<Load> load, TimeFunction function) {
+  return std::make_unique<Varying>(std::move(load), std::move(function));
+}
 
 PointLoads::PointLoads(const Body& body, std::vector<int> molecules, Positions forces)
     : body_(body), molecules_(std::move(molecules)), forces_(std::move(forces)) {}

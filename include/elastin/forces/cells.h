@@ -59,7 +59,10 @@ class CellElasticity final : public Elasticity {
     for (const auto& cell : cells()) {
       Eigen::Matrix<double, 3, corners> rest;
       for (int corner = 0; corner < corners; ++corner) rest.col(corner) = body.rest.col(cell[corner]);
-      constants_.push_back(law_.constants(rest, material));
+      Material own = material;
+      if (body.cell_stiffness.size())
+        own.youngs_modulus *= body.cell_stiffness[static_cast<Eigen::Index>(constants_.size())];
+      constants_.push_back(law_.constants(rest, own));
     }
   }
 

@@ -103,6 +103,9 @@ std::unique_ptr<Elasticity> make_springs(const Body& body, VectorX constants, co
 using ConstantsAt = std::function<VectorX(const Positions&)>;
 std::unique_ptr<Elasticity> make_updated_springs(const Body& body, ConstantsAt constants);
 
+/// The body's cables: tension EA ε at a strain ε above 0, none below.
+std::unique_ptr<Elasticity> make_cables(const Body& body);
+
 /// Both at once.
 std::unique_ptr<Elasticity> make_sum(std::unique_ptr<Elasticity> first, std::unique_ptr<Elasticity> second);
 
