@@ -124,8 +124,9 @@ std::vector<WidePart> Tangent::wide_parts() const {
 void Tangent::set_diagonal() {
   const Body& body = model_.body();
   const auto& ends = body.connections.ends;
-  diagonal_.resize(body.size());
-  for (int a = 0; a < body.size(); ++a) diagonal_[a] = weights_.acceleration * body.mass[a] * Matrix3::Identity();
+  diagonal_.assign(body.size(), Matrix3::Zero());
+  if (weights_.acceleration != 0)  // bodies that never move need no masses
+    for (int a = 0; a < body.size(); ++a) diagonal_[a].diagonal().setConstant(weights_.acceleration * body.mass[a]);
   for (std::size_t c = 0; c < links_.size(); ++c) {
     const auto& [d, density, slope] = links_[c];
     const Matrix3 block = density * Matrix3::Identity() + slope * d * d.transpose();
