@@ -155,7 +155,7 @@ std::string non_finite_text(const Body& body, const VectorX& constants) {
 
 std::string calibration_unsuited(Experiment& experiment, const Material& material) {
   if (experiment.at_rest() && calibrated_measure(*experiment.at_rest(), material)) return "";
-  return "a " + experiment.name() + " experiment on this body measures no modulus to calibrate to";
+  return "the experiment " + experiment.name() + " measures on this body no modulus to calibrate to";
 }
 
 std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& whole, const StrategyChoice& choice,

@@ -6,6 +6,7 @@
 
 #include "bodies.h"
 #include "elastin/base/error.h"
+#include "elastin/base/threads.h"
 #include "elastin/model/surfaces.h"
 
 using namespace elastin;
@@ -133,6 +134,22 @@ TEST_CASE("gas keeps its law, controlled volume its stiffness", "[pressure]") {
   CHECK(enclosed_gas(500, 1 + 1e-7, 100)(volume, rest).work == Approx(isothermal.work).epsilon(1e-6));
   CHECK(std::isinf(enclosed_gas(500, 1, 100)(0, rest).pressure));
   CHECK(controlled_volume(3.5, 20, 7)(volume, rest).pressure == Approx(17));
+}
+
+TEST_CASE("a pressure has the same bits on any number of threads", "[pressure]") {
+  const Body ball = sphere(1, SphereMesh::type_1, 80);  // 51 200 triangles: enough for several threads
+  const Pressure gas(ball, enclosed_gas(400, 1.4, 90), {0, 0, 0}, false);
+  const State state = deformed_state(ball);
+  const Positions motion = random_motion(ball, 3);
+  const auto on = [&](int count) {
+    set_threads(count);
+    Positions sums = random_motion(ball, 4);
+    gas.add_forces(state, sums);
+    gas.add_change(state, motion, motion, sums);
+    set_threads(0);
+    return sums;
+  };
+  CHECK(on(1) == on(2));
 }
 
 TEST_CASE("triangles without a common outside are refused by number", "[pressure]") {

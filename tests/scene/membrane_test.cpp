@@ -42,7 +42,7 @@ const std::string kBall = "sphere: {radius: 1 m, divisions: 4}";
 TEST_CASE("surfaces of scenes have the cells of their kind", "[scene]") {
   const TemporaryFolder folder;
   folder.write("corner.obj", "v 0 0 0\nv 3 0 0\nv 0 3 0\nv 0 0 3\nf 2 3 4\nf 1 3 2\nf 1 4 3\nf 1 2 4\n");
-  const std::string tension = "{kind: tension, axis: x, displacement: 1 mm}";
+  const std::string tension = "{kind: tension, axis: x, displacement: 1 mm, cross_section: 1 cm2}";
   for (const auto& [body, cells] : std::vector<std::pair<std::string, std::size_t>>{
            {"sphere: {radius: 1 m, divisions: 3}", 180},
            {"sphere: {radius: 1 m, mesh: type_2, divisions: 3}", 72},
@@ -62,7 +62,7 @@ TEST_CASE("surfaces of scenes have the cells of their kind", "[scene]") {
 TEST_CASE("what is wrong with a surface or its pressure is told at its key", "[scene]") {
   const std::vector<std::pair<std::string, std::string>> slips{
       {scene_of("sphere: {radius: 1 m, mesh: type_3, divisions: 3}"),
-       ":2:32: body.sphere.mesh: 'type_3' is not known here; did you mean 'type_1'?"},
+       "surface.yaml:2:36: body.sphere.mesh: 'type_3' is not known here; did you mean 'type_1'?"},
       {scene_of("sphere: {radius: 1 m, mesh: type_2, divisions: 2}"), "body.sphere.divisions: "},
       {scene_of("sphere_octant: {radius: 1 m, mesh: icosahedron, divisions: 2}"), "'icosahedron' is not known here"},
       {scene_of("sheet: {size: [1 m, 0 m], squares: [2, 3]}"), "body.sheet.size[1]: "},
@@ -76,11 +76,11 @@ TEST_CASE("what is wrong with a surface or its pressure is told at its key", "[s
       {scene_of(kBall, "{kind: inflation, pressure: 1 kPa, symmetry: [x, x]}"), "must be perpendicular"},
       {scene_of(kBall, "{kind: inflation, gas: {exponent: 1.4}}"), "experiment.gas: give one of amount"},
       {scene_of(kBall, "{kind: inflation, gas: {amount: 1 kJ, exponent: 3}}"), "experiment.gas.exponent: "},
-      {scene_of("disc: {radius: 1 m, rings: 2}", "{kind: tension, axis: x, force: 1 N}",
+      {scene_of("disc: {radius: 1 m, rings: 2}", "{kind: tension, axis: x, force: 1 N, cross_section: 1 cm2}",
                 "loads: [{gas: {amount: 1 kJ}}]\n"),
        "loads[0].gas: gas needs a closed surface"},
-      {scene_of("lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 1 m}", "{kind: tension, axis: x, force: 1 N}",
-                "loads: [{pressure: 1 kPa}]\n"),
+      {scene_of("lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 1 m}",
+                "{kind: tension, axis: x, force: 1 N, cross_section: 1 cm2}", "loads: [{pressure: 1 kPa}]\n"),
        "loads[0].pressure: a pressure needs a body with triangles"}};
   for (const auto& [text, wanted] : slips) CHECK_THAT(refusal(text), Contains(wanted));
 }
