@@ -65,6 +65,12 @@ Json to_json(const Record& record) {
   }
   if (run.calibration_factor != 1) object["calibration_factor"] = run.calibration_factor;
   if (run.volume_modulus != 0) object["volume_modulus"] = run.volume_modulus;
+  if (run.identified)
+    object["identified"] = {{"polynomial", run.identified->polynomial},
+                            {"up_to", run.identified->up_to},
+                            {"misfit", run.identified->misfit},
+                            {"standard_errors", run.identified->standard_errors},
+                            {"load_curves", run.identified->evaluations}};
   object["curve"] = Json::array();
   for (const CurvePoint& point : run.curve) {
     Json row = to_json(point.measures.all());
