@@ -11,7 +11,7 @@ struct BubbleSetup {
   std::vector<double> pressures;  ///< [Pa], one a load step, ascending from above 0
   std::vector<double> heights;    ///< [m] measured at them; empty = nothing measured
   /// The material's secant modulus is to be found from the heights: a polynomial of this degree …
-  std::optional<int> identify_degree;
+  std::optional<int> identify_degree = {};
   double identify_up_to = 0;  ///< … up to this strain; 0 = one and a half times what the cap formulae say
 };
 
