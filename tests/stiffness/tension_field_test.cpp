@@ -2,6 +2,7 @@
 
 #include "stiffness/tension_field.h"
 
+#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -16,6 +17,15 @@
 
 using namespace elastin;
 using namespace elastin::testing;
+
+namespace {
+
+/// Ascending.
+Eigen::Vector2d principal(const Eigen::Matrix2d& tension) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(tension).eigenvalues();
+}
+
+}  // namespace
 
 TEMPLATE_TEST_CASE("without compression: taut as the law, wrinkled in uniaxial stress, slack without any",
                    "[wrinkling]", StVenantKirchhoffMembrane, HenckyMembrane, NeoHookeanMembrane, CurveMembrane) {
@@ -39,10 +49,9 @@ TEMPLATE_TEST_CASE("without compression: taut as the law, wrinkled in uniaxial s
     const auto tension_of = [&](const CellVector<3>& densities) -> Eigen::Matrix2d {
       return -(forces<3>(places, densities) * places.transpose()).topLeftCorner<2, 2>() / Simplex<3>(rest).measure;
     };
-    const Eigen::Vector2d before = tension_of(own).selfadjointView<Eigen::Lower>().eigenvalues(),
-                          after = tension_of(q).selfadjointView<Eigen::Lower>().eigenvalues();
+    const Eigen::Vector2d before = principal(tension_of(own)), after = principal(tension_of(q));
     CHECK(after[0] >= -1e-9 * plane);
-    CHECK(Relaxed{}.energy(k, s) <= TestType{}.energy(full, s) * (1 + 1e-12));
+    CHECK(Relaxed{}.energy(k, s) <= TestType{}.energy(full, s) * (1 + 1e-9));
     CHECK(Relaxed{}.energy(k, s) >= 0);
     if (before[0] >= 0) {
       ++taut;

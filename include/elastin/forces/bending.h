@@ -16,8 +16,9 @@ namespace elastin {
 /// rim h_e is what makes that least: no moment on a free side. All this is quadratic in the places and blind to
 /// translation and rotation, so it is Σ ½ q s with a *constant* q for each pair of the up to six molecules of a
 /// triangle and its neighbours [after Bergou et al. 2006], exact at any bending without stretching, and nothing in any
-/// flat state. Exact for constant curvature on regular meshes; on others its error falls more slowly. Two neighbouring
-/// rows of held molecules clamp a sheet, half way between them.
+/// flat state. Exact for constant curvature where each triangle's neighbours are its images (one diagonal throughout,
+/// equal sides); a twist of squares cut along alternating diagonals is 2.8 times too stiff. Two neighbouring rows of
+/// held molecules clamp a sheet, half way between them.
 
 /// Pairs of molecules between which make_bending works. Those that are no connections yet must be made so: see
 /// add_cell_sides.
