@@ -13,6 +13,8 @@
 #include "elastin/solve/modes.h"
 #include "experiment/calibration.h"
 #include "experiment/load_curve.h"
+#include "experiment/run_in_time.h"
+#include "experiment/timed.h"
 #include "stiffness/voronoi.h"
 
 namespace elastin {
@@ -28,16 +30,6 @@ class Stopwatch {
 
 std::string counted(int count, const std::string& singular, const std::string& plural) {
   return std::to_string(count) + " " + (count == 1 ? singular : plural);
-}
-
-/// Whether the strategy needs the triangles or tetrahedra of a body that it suits.
-bool needs_cells(const Strategy& strategy, const Body& body) {
-  if (body.triangles.empty() && body.tetrahedra.empty()) return false;
-  Body bare = body;
-  bare.triangles.clear();
-  bare.tetrahedra.clear();
-  if (strategy.volume_modulus && !unsuited_for_volumes(bare).empty()) return true;
-  return !strategy.unsuited(bare).empty() && !strategy.needs_voronoi(bare);
 }
 
 void note_negative_constants(Run& run) {
@@ -82,20 +74,30 @@ void note_identified(const Identified& found, Run& run) {
   run.measures.set("identified_misfit", found.misfit);
 }
 
-/// Why a strategy cannot run here, or "".
-std::string unsuited(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice) {
+}  // namespace
+
+bool needs_cells(const Strategy& strategy, const Body& body) {
+  if (body.triangles.empty() && body.tetrahedra.empty()) return false;
+  Body bare = body;
+  bare.triangles.clear();
+  bare.tetrahedra.clear();
+  if (strategy.volume_modulus && !unsuited_for_volumes(bare).empty()) return true;
+  return !strategy.unsuited(bare).empty() && !strategy.needs_voronoi(bare);
+}
+
+std::string unsuited(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice) {
   std::string reason = choice.strategy.unsuited(specimen.body);
   if (reason.empty()) reason = fibres_unsuited(choice.strategy, specimen.body, specimen.material);
+  if (reason.empty() && choice.calibrated && specimen.body.connection_stiffness.size())
+    reason = "a body with regions has no one modulus to calibrate to";
   if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen.material);
   if (reason.empty() && experiment.identification()) reason = identification_unsuited(choice);
   return reason;
 }
 
-/// The strategy at work on the specimen with the scene's loads, held by the experiment; nothing if that fails: the run
-/// says why.
 std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
                                 const RunOptions& options, Run& run) {
-  const auto& [body, material, loads] = specimen;
+  const auto& [body, material, loads, _] = specimen;
   auto elasticity = choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
                                               : choice.strategy.make(body, material, choice.values);
   if (!elasticity) return std::nullopt;
@@ -106,12 +108,11 @@ std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment
   model->add(std::move(elasticity));
   if (auto fibres = make_fibres(choice.strategy, body, material)) model->add(std::move(fibres));
   if (material.bending_rigidity > 0) model->add(make_bending(body, material.bending_rigidity, material.poissons_ratio));
+  if (!body.cables.empty()) model->add(make_cables(body));
   for (const auto& add_load : loads) add_load(*model);
   experiment.hold(*model);
   return model;
 }
-
-}  // namespace
 
 void prepare(Body& body, const Strategy& strategy, const Material& material) {
   if (needs_voronoi(body, strategy, material)) body.voronoi = voronoi_cells(body);
@@ -164,7 +165,10 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
   if (!experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0)) count_modes(*model, run);
 
   const Stopwatch solve;
-  solve_load_curve(*model, experiment, at_work.material, options, run);
+  if (TimedExperiment* timed = experiment.in_time())
+    run_in_time(*model, *timed, specimen, options, run);
+  else
+    solve_load_curve(*model, experiment, at_work.material, options, run, specimen.start);
   if (run.identified) note_identified(*run.identified, run);
   run.solve_seconds = solve.seconds();
   return run;

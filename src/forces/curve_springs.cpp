@@ -19,7 +19,7 @@ class CurveSprings final : public Elasticity {
       return sections_[c] == 0 ? 0 : sections_[c] * rest * rest * curve_.energy_density(strain(positions, c));
     });
   }
-  void add_force_densities(const Positions& positions, VectorX& densities) const override {
+  void add_force_densities(const Positions& positions, VectorX& densities, Scratch&) const override {
     parallel_for(connections_.size(), [&](int c) {
       const double at = strain(positions, c);
       if (sections_[c] != 0 && at > -1) densities[c] += sections_[c] * curve_.stress(at) / (1 + at);
@@ -56,6 +56,14 @@ std::unique_ptr<Elasticity> make_curve_springs(const Body& body, VectorX section
 std::unique_ptr<Elasticity> make_springs(const Body& body, VectorX constants, const Material& material) {
   if (!material.curve) return make_springs(body, std::move(constants));
   return make_curve_springs(body, constants / material.youngs_modulus, *material.curve);
+}
+
+std::unique_ptr<Elasticity> make_cables(const Body& body) {
+  VectorX sections = VectorX::Zero(body.connections.size());  // w L P(ε) = EA ε with a modulus of 1 Pa
+  for (const Cable& cable : body.cables)
+    sections[cable.connection] =
+        cable.stiffness / body.connections.rest_length[static_cast<std::size_t>(cable.connection)];
+  return make_curve_springs(body, std::move(sections), StressStrain::linear(1).without_compression());
 }
 
 }  // namespace elastin

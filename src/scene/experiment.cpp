@@ -138,19 +138,6 @@ std::unique_ptr<Experiment> read_homogenisation(Reader reader, const ExperimentP
   return reader.located([&] { return make_homogenisation(place.body, depth, place.rotation); });
 }
 
-GasSetup read_gas(Reader reader) {
-  GasSetup gas;
-  const auto amount = reader.find("amount"), start = reader.find("start_pressure");
-  if (amount) gas.amount = amount->quantity(dimension::energy, kPositive);
-  if (start) gas.start_pressure = start->quantity(dimension::pressure, kPositive);
-  if (auto exponent = reader.find("exponent")) gas.exponent = exponent->quantity(dimension::none, {1, 2});
-  if (auto ambient = reader.find("ambient")) gas.ambient = ambient->quantity(dimension::pressure, kNotNegative);
-  reader.finish();
-  if (amount.has_value() == start.has_value())
-    reader.fail("give one of amount (absolute pressure times volume, n R T) and start_pressure (absolute)");
-  return gas;
-}
-
 std::unique_ptr<Experiment> read_inflation(Reader reader, const ExperimentPlace& place) {
   InflationSetup setup;
   setup.axes = place.rotation;
@@ -175,7 +162,9 @@ std::unique_ptr<Experiment> read_inflation(Reader reader, const ExperimentPlace&
 }  // namespace
 
 std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace& place) {
-  const auto read = reader.at("kind").choice<std::unique_ptr<Experiment> (*)(Reader, const ExperimentPlace&)>(
+  const Reader kind = reader.at("kind");
+  if (auto timed = read_timed_experiment(reader, kind.text(), place)) return timed;
+  const auto read = kind.choice<std::unique_ptr<Experiment> (*)(Reader, const ExperimentPlace&)>(
       {{"tension", read_tension},
        {"compression", read_tension},
        {"shear", read_shear},
@@ -184,7 +173,16 @@ std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace
        {"bending", read_bending},
        {"inflation", read_inflation},
        {"bubble", read_bubble},
-       {"material", read_homogenisation}});
+       {"material", read_homogenisation},
+       // Known here for the list of names; read above.
+       {"motion", nullptr},
+       {"release", nullptr},
+       {"creep", nullptr},
+       {"relaxation", nullptr},
+       {"shake", nullptr},
+       {"drop", nullptr},
+       {"parachute", nullptr},
+       {"vibration", nullptr}});
   return read(reader, place);
 }
 

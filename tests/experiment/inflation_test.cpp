@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "elastin/base/error.h"
+#include "elastin/forces/pressure.h"
 #include "elastin/model/surfaces.h"
 #include "experiments.h"
 
@@ -100,6 +101,8 @@ TEST_CASE("a balloon follows its curve past the limit pressure, with the volume 
   for (const int level : {0, 1})
     runs[static_cast<std::size_t>(level)] =
         blown_up(membrane(sphere_octant(0.1, SphereMesh::type_1, 8 << level), kRubber), setup, "neo_hookean_membrane");
+  const Body round = sphere(0.1, SphereMesh::type_1, 16);
+  const double rest = enclosed_volume(round.triangles, round.rest, Vector3::Zero());
   double highest = 0;
   for (std::size_t step = 0; step < 8; ++step) {
     const Measures &coarse = runs[0].curve[step].measures, &fine = runs[1].curve[step].measures;
@@ -108,8 +111,7 @@ TEST_CASE("a balloon follows its curve past the limit pressure, with the volume 
     const double limit = second_order_limit(coarse.get("pressure"), fine.get("pressure"));
     CHECK(limit == Approx(balloon_pressure(stretch, 0.1)).epsilon(1e-3));
     highest = std::max(highest, fine.get("pressure"));
-    CHECK(fine.get("enclosed_volume") ==
-          Approx(std::pow(1 + (step + 1) / 4., 3) * fine.get("enclosed_volume") / std::pow(1 + (step + 1) / 4., 3)));
+    CHECK(fine.get("enclosed_volume") / rest == Approx(std::pow(1 + (step + 1) / 4., 3)).epsilon(2e-6));
   }
   CHECK(runs[1].measures.get("pressure") < 0.6 * highest);
   // By pressure alone there is no way past the limit: an outcome with a cause, no number made up.
@@ -155,11 +157,11 @@ TEST_CASE("pressed from outside, slack or on bad triangles a membrane ends with 
       if (pressure > 0) CHECK(run.measures.get("radius") == Approx(1).epsilon(1e-9));
     }
   }
-  // Obtuse: every second ring of molecules is turned against the others, which makes angles up to 150 degrees.
-  Specimen obtuse = membrane(sphere(1, SphereMesh::type_1, 6), kLatex);
+  // Obtuse: the sphere is twisted, the more the higher, until springs of Van Gelder's are negative.
+  Specimen obtuse = membrane(sphere(1, SphereMesh::type_1, 16), kLatex);
   for (int molecule = 0; molecule < obtuse.body.size(); ++molecule) {
     auto place = obtuse.body.rest.col(molecule);
-    place = Eigen::AngleAxisd(3 * place.z(), Vector3::UnitZ()) * Vector3(place);
+    place = Eigen::AngleAxisd(2 * place.z(), Vector3::UnitZ()) * Vector3(place);
   }
   set_present_lengths(obtuse.body);
   setup.pressure = 10e3;
@@ -177,7 +179,7 @@ TEST_CASE("pressed from outside, slack or on bad triangles a membrane ends with 
   const auto pinched = make_inflation(flat.body, setup, kLatex);
   const Run run = run_strategy(flat, *pinched, choose_strategy(catalog, "two_parameter"), {});
   CHECK(run.outcome == Outcome::inverted);
-  CHECK_THAT(run.cause, Contains("cell 3 of 32 is flat or turned over at rest"));
+  CHECK_THAT(run.cause, Contains("triangle 3 is flat at rest"));
 }
 
 TEST_CASE("bodies that can't be inflated are refused with what they lack", "[inflation]") {

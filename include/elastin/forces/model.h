@@ -32,6 +32,8 @@ class Model {
   void add(std::unique_ptr<Elasticity> elasticity) { elasticity_.push_back(std::move(elasticity)); }
   void add(std::unique_ptr<Load> load) { loads_.push_back(std::move(load)); }
   void add(std::unique_ptr<Viscosity> viscosity) { viscosity_.push_back(std::move(viscosity)); }
+  /// Hands the loads over: the model then has none.
+  std::vector<std::unique_ptr<Load>> take_loads() { return std::exchange(loads_, {}); }
   const std::vector<std::unique_ptr<Elasticity>>& elasticity() const { return elasticity_; }
   const std::vector<std::unique_ptr<Viscosity>>& viscosity() const { return viscosity_; }
   const std::vector<std::unique_ptr<Load>>& loads() const { return loads_; }
@@ -45,6 +47,8 @@ class Model {
   bool has_full_tangent() const;
   /// Whether no cell is flat or turned over.
   bool admissible(const Positions& positions) const;
+  /// Whether a force depends on velocities: damping, drag.
+  bool feels_velocity() const;
   /// Elastic energy [J], +infinity where a cell is flat or turned over.
   double elastic_energy(const Positions& positions) const;
   /// Potential energy of the loads [J].
@@ -53,6 +57,9 @@ class Model {
   VectorX force_densities(const Positions& positions) const;
   /// Elastic force on each molecule [N].
   Positions elastic_forces(const Positions& positions) const;
+  /// Adds it to `forces`, without an allocation once `scratch` has served this model. The same bits on any number of
+  /// threads.
+  void add_elastic_forces(const Positions& positions, Positions& forces, Scratch& scratch) const;
   /// Force of all loads on each molecule [N].
   Positions load_forces(const State& state) const;
   /// Squared length [m²] of each connection, and its rate [m²/s].
@@ -61,17 +68,19 @@ class Model {
   VectorX viscous_densities(const State& state) const;
   /// All forces on each molecule [N]: elastic, damping, loads. `forces` is overwritten.
   void set_forces(const State& state, Positions& forces) const;
+  /// The same without an allocation once `scratch` has served this model.
+  void set_forces(const State& state, Positions& forces, Scratch& scratch) const;
   /// Sum of connection forces on each molecule: Σ q_ab (x_b − x_a). The same bits on any number of threads.
   void gather(const Positions& positions, const VectorX& densities, Positions& forces) const;
 
  private:
   friend class Tangent;
-  struct Graph;
+  void set_squares_and_rates(const State& state, VectorX& squares, VectorX& rates) const;
   const Body* body_;
   std::vector<std::unique_ptr<Elasticity>> elasticity_;
   std::vector<std::unique_ptr<Viscosity>> viscosity_;
   std::vector<std::unique_ptr<Load>> loads_;
-  std::unique_ptr<Graph> graph_;  // only for bodies large enough for several threads
+  std::unique_ptr<Graph> graph_;
 };
 
 }  // namespace elastin
