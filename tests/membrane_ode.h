@@ -29,7 +29,8 @@ inline BubbleSolution solve_bubble(const MembraneLaw& law, double radius, double
   using State = std::array<double, 3>;  // r, R N₁, drop of z
   const auto slope = [&](double R, const State& y) -> State {
     const double around = y[0] / R, along = meridian_stretch(y[1] / R, around);
-    const double sine = std::min(1., pressure * y[0] * y[0] / (2 * y[1])), cosine = std::sqrt(1 - sine * sine);
+    const double sine = std::min(1., pressure * y[0] * y[0] / (2 * std::max(y[1], 1e-12))),
+                 cosine = std::sqrt(1 - sine * sine);
     return {along * cosine, law(along, around)[1] * cosine, along * sine};
   };
   const auto shoot = [&](double stretch) {

@@ -45,6 +45,7 @@ class Bubble final : public Experiment {
       rest_radius_.push_back((body.rest.col(molecule) - centre_).norm() / radius_);
     pole_ = static_cast<int>(std::min_element(rest_radius_.begin(), rest_radius_.end()) - rest_radius_.begin());
     stiffness_ = material.youngs_modulus * material.thickness;
+    poissons_ratio_ = material.poissons_ratio;
   }
 
   std::string name() const override { return "bubble"; }
@@ -84,8 +85,7 @@ class Bubble final : public Experiment {
     measures.set("pressure", pressure_);
     measures.set("height", height);
     add_pole(model, places, measures);
-    const double half_angle = 2 * std::atan2(height, radius_), stretch = half_angle / std::sin(half_angle);
-    const double cap = (radius_ * radius_ + height * height) / (2 * height);
+    const auto [cap, stretch] = cap_of(height);
     measures.set("cap_radius", cap);
     measures.set("stretch", stretch);
     measures.set("strain", stretch - 1);
@@ -108,7 +108,29 @@ class Bubble final : public Experiment {
     return main;
   }
 
+  /// The cap's equal biaxial strain e and tension give a first idea of E: N₀ = E t e/(1−ν), of size q = e √(2/(1−ν)).
+  std::optional<Identification> identification() const override {
+    if (!setup_.identify_degree) return std::nullopt;
+    Identification wanted{"height", setup_.heights, *setup_.identify_degree, setup_.identify_up_to, {}};
+    for (std::size_t step = 0; step < setup_.heights.size(); ++step) {
+      const auto [cap, stretch] = cap_of(setup_.heights[step]);
+      const double strain = stretch - 1, tension = setup_.pressures[step] * cap / 2 * stretch;
+      wanted.guess.push_back(
+          {strain * std::sqrt(2 / (1 - poissons_ratio_)), (1 - poissons_ratio_) * tension / (thickness_ * strain)});
+      if (setup_.identify_up_to == 0) wanted.up_to = std::max(wanted.up_to, 1.5 * wanted.guess.back().strain);
+    }
+    return wanted;
+  }
+
  private:
+  struct Cap {
+    double radius, stretch;  ///< [m]; arc over chord
+  };
+  Cap cap_of(double height) const {
+    const double half_angle = 2 * std::atan2(height, radius_);
+    return {(radius_ * radius_ + height * height) / (2 * height), half_angle / std::sin(half_angle)};
+  }
+
   /// The step whose pressure is on now.
   int measured_step() const {
     const auto& all = setup_.pressures;
@@ -150,7 +172,7 @@ class Bubble final : public Experiment {
 
   const Body& body_;
   BubbleSetup setup_;
-  double thickness_, stiffness_ = 0;
+  double thickness_, stiffness_ = 0, poissons_ratio_ = 0;
   std::vector<int> rim_;
   Vector3 centre_ = Vector3::Zero(), axis_ = Vector3::Zero();
   double radius_ = 0;                // a [m]

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "experiment/experiment.h"
@@ -9,6 +10,9 @@ namespace elastin {
 struct BubbleSetup {
   std::vector<double> pressures;  ///< [Pa], one a load step, ascending from above 0
   std::vector<double> heights;    ///< [m] measured at them; empty = nothing measured
+  /// The material's secant modulus is to be found from the heights: a polynomial of this degree …
+  std::optional<int> identify_degree = {};
+  double identify_up_to = 0;  ///< … up to this strain; 0 = one and a half times what the cap formulae say
 };
 
 /// Measures by [TP, eqs 18–25] from height h and pressure p, as if the bubble were a spherical cap over the rim's

@@ -10,13 +10,22 @@ StrategyChoice with_volume(StrategyChoice choice) {
   return choice;
 }
 
+StrategyChoice with_wrinkling(StrategyChoice choice) {
+  choice.strategy = with_wrinkling(choice.strategy);
+  choice.label += "+wrinkling";
+  return choice;
+}
+
 StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label) {
-  const std::string prefix = "calibrated:", suffix = "+volume";
-  if (label.ends_with(suffix))
-    return with_volume(choose_strategy(catalog, label.substr(0, label.size() - suffix.size())));
+  const std::string prefix = "calibrated:", volume = "+volume", wrinkling = "+wrinkling";
+  const auto before = [&](const std::string& suffix) {
+    return choose_strategy(catalog, label.substr(0, label.size() - suffix.size()));
+  };
+  if (label.ends_with(volume)) return with_volume(before(volume));
+  if (label.ends_with(wrinkling)) return with_wrinkling(before(wrinkling));
   if (const auto plus = label.find('+'); plus != std::string::npos) {
     const std::string ending = label.substr(plus);
-    throw InputError("'" + label + "': unknown ending '" + ending + "'" + suggestion(ending, {suffix}));
+    throw InputError("'" + label + "': unknown ending '" + ending + "'" + suggestion(ending, {volume, wrinkling}));
   }
   if (label == "calibrated") return choose_strategy(catalog, prefix + "standard");
   const bool calibrated = label.starts_with(prefix);
@@ -26,7 +35,8 @@ StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label)
   }
   const Strategy& strategy = catalog.find(calibrated ? label.substr(prefix.size()) : label);
   if (!calibrated && strategy.kind == StrategyKind::wrapper)
-    throw InputError("'" + label + "' goes with a rule: lattice+" + label);
+    throw InputError("'" + label + "' goes with a " +
+                     (label == "wrinkling" ? "membrane law: hencky_membrane+" : "rule: lattice+") + label);
   StrategyChoice choice{label, strategy, calibrated, {}};
   if (!calibrated) return choice;
   if (choice.strategy.kind != StrategyKind::spring_rule)

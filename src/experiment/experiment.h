@@ -8,6 +8,7 @@
 #include "elastin/forces/model.h"
 #include "elastin/model/material.h"
 #include "elastin/solve/statics.h"
+#include "experiment/identification.h"
 #include "experiment/measures.h"
 
 namespace elastin {
@@ -74,6 +75,8 @@ class Experiment {
   /// secant modulus at every strain); nothing measured = at no strain. `calibrated` scales a rule to the first that has
   /// a prescribed value.
   virtual std::vector<MainMeasure> main_measures(const Material& material, const Measures& measured) const = 0;
+  /// The material to be found from measured values, if the experiment is there for that.
+  virtual std::optional<Identification> identification() const { return std::nullopt; }
   /// What limits the meaning of these measures, in words; "" if nothing does. No fault of the strategy.
   virtual std::string remark(const Measures& /*measures*/) const { return ""; }
 };

@@ -135,7 +135,8 @@ void solve_load_curve(Model& model, Experiment& experiment, const Material& mate
   }
   run.measures = run.curve.back().measures;
   run.remark = experiment.remark(run.measures);
-  if (!model.body().triangles.empty() && !options.statics.linear)
+  // What resists bending may bear compression.
+  if (!model.body().triangles.empty() && !options.statics.linear && !(material.bending_rigidity > 0))
     note_compression(model, path.state().positions, material, run);
   note_curve_error(experiment, material, run);
   if (steps > 1 && model.has_full_tangent()) {

@@ -47,12 +47,13 @@ struct Run {
   std::string solver;
   Outcome outcome = Outcome::converged;
   std::string cause;
-  Measures measures;                ///< of the last converged load step
-  std::vector<CurvePoint> curve;    ///< one point a converged load step
-  std::vector<Snapshot> snapshots;  ///< of the start and of each point, if asked for
-  VectorX constants;                ///< spring constants [N/m]; empty for laws without
-  double calibration_factor = 1;    ///< what calibration has multiplied the rule's constants with
-  double volume_modulus = 0;        ///< κ of the springs' volume term [Pa]; 0 without
+  Measures measures;                     ///< of the last converged load step
+  std::vector<CurvePoint> curve;         ///< one point a converged load step
+  std::vector<Snapshot> snapshots;       ///< of the start and of each point, if asked for
+  VectorX constants;                     ///< spring constants [N/m]; empty for laws without
+  double calibration_factor = 1;         ///< what calibration has multiplied the rule's constants with
+  double volume_modulus = 0;             ///< κ of the springs' volume term [Pa]; 0 without
+  std::optional<Identified> identified;  ///< the material that the experiment was there to find
   double build_seconds = 0, solve_seconds = 0;
   int newton_iterations = 0, linear_iterations = 0;
   int cut_steps = 0;          ///< Newton steps that were shortened because they would have turned a cell over

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "elastin/forces/bending.h"
 #include "elastin/forces/volume.h"
 #include "elastin/model/surfaces.h"
 #include "elastin/model/voronoi.h"
@@ -66,6 +67,13 @@ bool needs_voronoi(const Body& body, const Strategy& strategy, const Material& m
   return !body.voronoi && (strategy.needs_voronoi(body) || fibres_need_voronoi(strategy, body, material));
 }
 
+void note_identified(const Identified& found, Run& run) {
+  run.measures.set("identified_modulus", found.modulus(0));
+  run.measures.set("identified_modulus_middle", found.modulus(found.up_to / 2));
+  run.measures.set("identified_modulus_end", found.modulus(found.up_to));
+  run.measures.set("identified_misfit", found.misfit);
+}
+
 }  // namespace
 
 bool needs_cells(const Strategy& strategy, const Body& body) {
@@ -83,6 +91,7 @@ std::string unsuited(const Specimen& specimen, Experiment& experiment, const Str
   if (reason.empty() && choice.calibrated && specimen.body.connection_stiffness.size())
     reason = "a body with regions has no one modulus to calibrate to";
   if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen.material);
+  if (reason.empty() && experiment.identification()) reason = identification_unsuited(choice);
   return reason;
 }
 
@@ -98,6 +107,7 @@ std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment
   std::optional<Model> model(body);
   model->add(std::move(elasticity));
   if (auto fibres = make_fibres(choice.strategy, body, material)) model->add(std::move(fibres));
+  if (material.bending_rigidity > 0) model->add(make_bending(body, material.bending_rigidity, material.poissons_ratio));
   if (!body.cables.empty()) model->add(make_cables(body));
   for (const auto& add_load : loads) add_load(*model);
   experiment.hold(*model);
@@ -143,16 +153,23 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
       return run;
     }
   }
-  std::optional<Model> model = make_model(specimen, experiment, choice, options, run);
+  std::optional<Specimen> found;  // with the material identified
+  if (const auto wanted = experiment.identification()) {
+    found = specimen;
+    if (!identify_material(*wanted, *found, experiment, choice, options, run)) return run;
+  }
+  const Specimen& at_work = found ? *found : specimen;
+  std::optional<Model> model = make_model(at_work, experiment, choice, options, run);
   if (!model) return run;
   run.build_seconds = build.seconds();
-  if (!experiment.stiffened_by_load()) count_modes(*model, run);
+  if (!experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0)) count_modes(*model, run);
 
   const Stopwatch solve;
   if (TimedExperiment* timed = experiment.in_time())
     run_in_time(*model, *timed, specimen, options, run);
   else
-    solve_load_curve(*model, experiment, specimen.material, options, run, specimen.start);
+    solve_load_curve(*model, experiment, at_work.material, options, run, specimen.start);
+  if (run.identified) note_identified(*run.identified, run);
   run.solve_seconds = solve.seconds();
   return run;
 }

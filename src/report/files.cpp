@@ -72,6 +72,12 @@ Json to_json(const Record& record) {
   }
   if (run.calibration_factor != 1) object["calibration_factor"] = run.calibration_factor;
   if (run.volume_modulus != 0) object["volume_modulus"] = run.volume_modulus;
+  if (run.identified)
+    object["identified"] = {{"polynomial", run.identified->polynomial},
+                            {"up_to", run.identified->up_to},
+                            {"misfit", run.identified->misfit},
+                            {"standard_errors", run.identified->standard_errors},
+                            {"load_curves", run.identified->evaluations}};
   if (run.time) {
     const TimeReport& time = *run.time;
     object["time"] = {{"integrator", time.scheme},       {"simulated", time.simulated},

@@ -224,6 +224,27 @@ std::string curve_text(const std::vector<CurvePoint>& points, bool in_time, bool
   return "\n" + table.text(colours);
 }
 
+/// "identified: E = 1.8 MPa - 2.1 MPa e + ... up to a strain of 0.8; misfit 0.4 % (52 load curves)"
+std::string identified_text(const Identified& found) {
+  std::string law;
+  for (std::size_t k = 0; k < found.polynomial.size(); ++k) {
+    const double c = found.polynomial[k];
+    law += (k == 0 ? (c < 0 ? "-" : "") : c < 0 ? " - " : " + ") + readable(std::abs(c), dimension::pressure, 5);
+    if (k > 0) law += k == 1 ? " e" : fmt::format(" e^{}", k);
+  }
+  std::string text = fmt::format("identified: E(e) = {}, up to a strain e of {:.4g}; misfit {:.3g} %, {}", law,
+                                 found.up_to, 100 * found.misfit, counted(found.evaluations, "load curve"));
+  if (found.standard_errors.size() == 3)
+    text += fmt::format("; E {}, {}, {} at e = 0, {:.3g}, {:.3g}, standard errors {}, {}, {}",
+                        readable(found.modulus(0), dimension::pressure),
+                        readable(found.modulus(found.up_to / 2), dimension::pressure),
+                        readable(found.modulus(found.up_to), dimension::pressure), found.up_to / 2, found.up_to,
+                        readable(found.standard_errors[0], dimension::pressure, 2),
+                        readable(found.standard_errors[1], dimension::pressure, 2),
+                        readable(found.standard_errors[2], dimension::pressure, 2));
+  return text;
+}
+
 }  // namespace
 
 std::string comparison_text(const std::vector<Record>& records, bool colours) {
@@ -238,6 +259,7 @@ std::string comparison_text(const std::vector<Record>& records, bool colours) {
   for (const Record& record : records) {
     for (const Verdict& verdict : record.verdicts) verdicts.push_back(&verdict);
     if (!record.run.remark.empty()) remarks.push_back(record.run.strategy + ": " + record.run.remark);
+    if (record.run.identified) remarks.push_back(record.run.strategy + ": " + identified_text(*record.run.identified));
   }
   out += verdicts_text(verdicts, colours);
   const auto can_rank = [](const MeasureColumns& c) { return c.error || c.reference; };
@@ -262,6 +284,7 @@ std::string run_text(const Record& record, bool colours) {
     out += fmt::format("  calibrated: spring constants times {:.6g}\n", run.calibration_factor);
   if (run.volume_modulus != 0)
     out += fmt::format("  volume term: {}\n", readable(run.volume_modulus, dimension::pressure, 6));
+  if (run.identified) out += "  " + identified_text(*run.identified) + "\n";
   if (run.halved_load_steps)
     out += "  " + counted(run.halved_load_steps, "load step") + " gone in halves: a cell would have turned over\n";
   for (const std::string& warning : run.warnings)

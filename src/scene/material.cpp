@@ -77,6 +77,15 @@ Fibre read_fibre(Reader reader) {
   return {direction, compression ? own : own.without_compression()};
 }
 
+/// bending: plate, or D in N m
+double read_bending_rigidity(const Reader& reader, const Material& material) {
+  if (!reader.is_text() || reader.text() != "plate")
+    return reader.located([&] { return reader.quantity(dimension::energy, kPositive); });
+  if (!(material.thickness > 0)) reader.fail("a plate needs a thickness");
+  return material.youngs_modulus * std::pow(material.thickness, 3) /
+         (12 * (1 - material.poissons_ratio * material.poissons_ratio));
+}
+
 }  // namespace
 
 Material read_material(Reader reader) {
@@ -99,6 +108,7 @@ Material read_material(Reader reader) {
     material.poissons_ratio = value->quantity(dimension::none, {-0.99, 0.5, false});
   if (auto value = reader.find("density")) material.density = value->quantity(dimension::density, kPositive);
   if (auto value = reader.find("thickness")) material.thickness = value->quantity(dimension::length, kPositive);
+  if (auto bending = reader.find("bending")) material.bending_rigidity = read_bending_rigidity(*bending, material);
   if (auto fibre = reader.find("fibre")) material.fibre = read_fibre(*fibre);
   reader.finish();
   return material;

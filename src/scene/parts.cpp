@@ -16,6 +16,9 @@ StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
     if (choice.strategy.volume_modulus) volume->fail("'" + choice.label + "' says it already");
     if (volume->choice(words)) choice = volume->located([&] { return with_volume(std::move(choice)); });
   }
+  if (auto wrinkling = reader.find("wrinkling");
+      wrinkling && wrinkling->choice<bool>({{"drop", true}, {"keep", false}}))
+    choice = wrinkling->located([&] { return with_wrinkling(std::move(choice)); });
   if (auto label = reader.find("label")) choice.label = label->text();
   reader.finish();
   return choice;

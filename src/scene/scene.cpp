@@ -4,6 +4,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "elastin/forces/bending.h"
 #include "elastin/model/shapes.h"
 #include "scene/parts.h"
 
@@ -132,6 +133,11 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   if (!scene->specimen.body.triangles.empty() && scene->specimen.material.thickness == 0)
     reader.at("material").fail("key 'thickness' is missing: a body of triangles is a membrane");
   check_incompressible(reader.at("material"), scene->specimen);
+  if (scene->specimen.material.bending_rigidity > 0) {
+    const std::string why = unsuited_for_bending(scene->specimen.body);
+    if (!why.empty()) reader.at("material").at("bending").fail(why);
+    add_cell_sides(scene->specimen.body, bending_pairs(scene->specimen.body));
+  }
   warn_of_pieces(scene->specimen.body, scene->warnings);
   const Matrix3 rotation = reader.has("rotate") ? read_rotation(reader.at("rotate")) : Matrix3(Matrix3::Identity());
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);

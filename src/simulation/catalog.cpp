@@ -61,6 +61,7 @@ Catalog built_in_catalog() {
   add_wrapper("volume",
               "any spring rule or neo_hookean on a solid, with a volume term: nu from 0 to 0.4999: RULE+volume",
               "Bonet & Burton 1998, averaged nodal volumes");
+  add_wrapper("wrinkling", "a membrane law that bears no compression: LAW+wrinkling", "[Pipkin 1986] relaxed energy");
   return catalog;
 }
 
@@ -108,6 +109,20 @@ Strategy with_volume(const Strategy& strategy) {
                          : strategy.make_without_volume(body, material, values);
     return make_sum(std::move(shape), make_volume(body, modulus(material)));
   };
+  return result;
+}
+
+Strategy with_wrinkling(const Strategy& strategy) {
+  if (strategy.name.ends_with("+wrinkling")) throw InputError("'" + strategy.name + "' drops compression already");
+  if (!strategy.make_without_compression)
+    throw InputError("'" + strategy.name +
+                     "': compression can be dropped from st_venant_kirchhoff_membrane, hencky_membrane, "
+                     "neo_hookean_membrane and curve_membrane");
+  Strategy result = strategy;
+  result.name += "+wrinkling";
+  result.summary += "; without compression";
+  result.make = strategy.make_without_compression;
+  result.make_without_compression = nullptr;
   return result;
 }
 

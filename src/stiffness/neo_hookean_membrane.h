@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "stiffness/membrane.h"
+#include "stiffness/tension_field.h"
 
 namespace elastin {
 
@@ -15,6 +16,7 @@ struct NeoHookeanDensity {
   static constexpr std::string_view summary =
       "rubber, triangles: thins as it stretches, no stress across; nu = 0.5 is incompressible";
   static constexpr std::string_view source = "[L03] in plane stress";
+  static constexpr bool follows_curve = false;
   static constexpr bool resists_flattening = true;
 
   double stiffness, mu, lambda;  ///< t μ [N/m]; 1 − 2ν, 2ν
@@ -40,6 +42,8 @@ struct NeoHookeanDensity {
            (0.5 * (Jet::first(strain.trace) - squeezed) - 0.5 * log1p(D1) - log1p(y) + 0.5 * squeezed * J1 / (1 + J1));
   }
 };
-using NeoHookeanMembrane = IsotropicMembrane<NeoHookeanDensity>;
+struct NeoHookeanMembrane : IsotropicMembrane<NeoHookeanDensity> {
+  using WithoutCompression = IsotropicMembrane<TensionField<NeoHookeanDensity>>;
+};
 
 }  // namespace elastin

@@ -1,7 +1,28 @@
 #pragma once
 #include "stiffness/simplex.h"
+#include "stiffness/tension_field.h"
 
 namespace elastin {
+
+/// The same membrane as an energy per area of the in-plane strain: tr E = τ/2, |E|² = (τ² + ρ)/8.
+struct StVenantKirchhoffDensity {
+  static constexpr std::string_view name = "st_venant_kirchhoff_membrane";
+  static constexpr std::string_view summary = "linear plane stress over Lagrangian strain, triangles";
+  static constexpr std::string_view source = "[D08]";
+  static constexpr bool follows_curve = false;
+  static constexpr bool resists_flattening = false;
+
+  double lambda, mu;  ///< times t [N/m]
+
+  /// Throws InputError unless −1 < ν ≤ ½.
+  explicit StVenantKirchhoffDensity(const Material& m)
+      : lambda(lame<3>(m).lambda * m.thickness), mu(lame<3>(m).mu * m.thickness) {}
+
+  Jet operator()(const PlaneStrain& strain) const {
+    const Jet trace = Jet::first(strain.trace);
+    return 0.125 * (lambda + mu) * trace * trace + 0.125 * mu * Jet::second(strain.split);
+  }
+};
 
 /// S = λ tr(E) I + 2μ E, E = ½ (C − I): linear in the squared lengths, so that q = K (s − s⁰) with a constant symmetric
 /// K, K_cd = V/2 (λ tr B_c tr B_d + 2μ B_c : B_d), V the volume, or thickness times area. [L03, D08] Exact linear
@@ -61,6 +82,8 @@ struct StVenantKirchhoffCell {
 };
 
 using StVenantKirchhoff = StVenantKirchhoffCell<4>;
-using StVenantKirchhoffMembrane = StVenantKirchhoffCell<3>;
+struct StVenantKirchhoffMembrane : StVenantKirchhoffCell<3> {
+  using WithoutCompression = IsotropicMembrane<TensionField<StVenantKirchhoffDensity>>;
+};
 
 }  // namespace elastin

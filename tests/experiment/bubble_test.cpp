@@ -1,11 +1,13 @@
 #include "experiment/bubble.h"
 
 #include <catch2/catch.hpp>
+#include <random>
 
 #include "elastin/base/error.h"
 #include "elastin/model/surfaces.h"
 #include "experiments.h"
 #include "membrane_ode.h"
+#include "report/records.h"
 
 using namespace elastin;
 using namespace elastin::testing;
@@ -97,6 +99,96 @@ TEST_CASE("a bubble's measures as a spherical cap", "[bubble][TP]") {
   CHECK(run.measures.get("stress") == Approx(8940 * R / (2 * kThickness / (stretch * stretch))));
   CHECK(run.measures.get("pressure") == 8940);
   CHECK(run.measures.get("reaction_balance") < 1e-8);
+}
+
+namespace {
+
+/// Latex-like: a secant modulus that falls with the size of the strain, E(q) = 1.8 MPa (1 − 0.9 q + 0.6 q²).
+double latex(double q) { return 1.8e6 * (1 - 0.9 * q + 0.6 * q * q); }
+constexpr double kNu = 0.45;
+
+/// Heights [m] of a bubble of that latex as the differential equation has them, times 1 + noise · (a number of standard
+/// deviation about 1).
+BubbleSetup measured_latex(double noise) {
+  const MembraneLaw law = [](double along, double around) -> std::array<double, 2> {
+    const double x = along - 1, y = around - 1;
+    const double q = std::sqrt(0.5 / (1 - kNu) * (x + y) * (x + y) + 0.5 / (1 + kNu) * (x - y) * (x - y));
+    const double plane = latex(q) * kThickness / (1 - kNu * kNu);
+    return {plane * (x + kNu * y), plane * (y + kNu * x)};
+  };
+  std::mt19937_64 generator(8);
+  BubbleSetup setup;
+  for (int i = 1; i <= 12; ++i) {
+    double normal = -6;  // of twelve even numbers
+    for (int k = 0; k < 12; ++k) normal += static_cast<double>(generator() >> 11) * 0x1p-53;
+    setup.pressures.push_back(750 * i);
+    setup.heights.push_back(solve_bubble(law, kRadius, 750 * i, 60).height * (1 + noise * normal));
+  }
+  setup.identify_degree = 2;
+  setup.identify_up_to = 0.68;  // what the pole comes to at the last pressure
+  return setup;
+}
+
+Run identify(const BubbleSetup& setup, int rings, const std::string& strategy = "curve_membrane") {
+  const Specimen specimen = disc_specimen(rings, 1e6, kNu);  // E is no more than a start
+  const auto bubble = make_bubble(specimen.body, setup, specimen.material);
+  return solve(specimen, *bubble, strategy);
+}
+
+}  // namespace
+
+TEST_CASE("E(strain) is found again from the heights that it makes, noise or none", "[bubble][identification]") {
+  const OneThread one;
+  for (const auto& [noise, rings, tolerance] : {std::tuple{0., 10, 0.01}, {0.005, 6, 0.06}}) {
+    const Run run = identify(measured_latex(noise), rings);
+    REQUIRE(run.identified);
+    INFO(noise << ": misfit " << run.identified->misfit << ", load curves " << run.identified->evaluations);
+    CHECK(run.identified->polynomial.size() == 3);
+    for (const double strain : {0.1, 0.35, 0.6}) {
+      INFO(strain << ": " << run.identified->modulus(strain) << " for " << latex(strain));
+      CHECK(run.identified->modulus(strain) == Approx(latex(strain)).epsilon(tolerance));
+    }
+    // Simulated again with the law found: what is left is the noise, and what the mesh is off.
+    CHECK(run.identified->misfit < 1.2 * noise + 0.001);
+    CHECK(run.identified->misfit > 0.6 * noise);
+    CHECK(run.measures.get("identified_misfit") == run.identified->misfit);
+    double squares = 0;
+    for (const CurvePoint& point : run.curve) squares += std::pow(point.measures.get("height_misfit"), 2);
+    CHECK(std::sqrt(squares / 12) == Approx(run.identified->misfit).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("what cannot be identified is said", "[bubble][identification]") {
+  const Catalog catalog = built_in_catalog();
+  BubbleSetup setup = measured_latex(0);
+  const Specimen specimen = disc_specimen(4, 1e6, kNu);
+  const auto bubble = make_bubble(specimen.body, setup, specimen.material);
+  const Run stiff = run_strategy(specimen, *bubble, choose_strategy(catalog, "hencky_membrane"), {});
+  CHECK_FALSE(stiff.suited);
+  CHECK_THAT(stiff.cause, Catch::Contains("does not follow a material's curve"));
+  setup.pressures.resize(2), setup.heights.resize(2);
+  const auto few = make_bubble(specimen.body, setup, specimen.material);
+  const Run unsettled = run_strategy(specimen, *few, choose_strategy(catalog, "curve_membrane"), {});
+  CHECK(unsettled.outcome == Outcome::limit_reached);
+  CHECK_THAT(unsettled.cause, Catch::Contains("2 measured values do not settle 3 coefficients"));
+}
+
+TEST_CASE("the scenes of bubbles hold what they expect", "[bubble][scene]") {
+  const Catalog catalog = built_in_catalog();
+  const OneThread one;
+  int judged = 0;
+  for (const std::string name : {"bubble-rubber", "bubble-engineering", "bubble-latex", "bubble-identify"}) {
+    const auto scene = load_scene(std::string(ELASTIN_SOURCE_DIR) + "/scenes/membrane/" + name + ".yaml", catalog);
+    const Record record = make_record(
+        *scene, run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics}));
+    for (const Verdict& verdict : record.verdicts) {
+      INFO(name << " " << verdict.expectation.measure << ": " << verdict.measured << " for "
+                << verdict.expectation.value);
+      ++judged;
+      CHECK(verdict.holds);
+    }
+  }
+  CHECK(judged >= 12);
 }
 
 TEST_CASE("a bubble turns with its disc, and wants one that is flat and round", "[bubble]") {

@@ -39,6 +39,8 @@ struct Strategy {
   Make make;
   /// Cell laws that can leave λ/2 (J − 1)² to a volume term: the law without it.
   Make make_without_volume;
+  /// Membrane laws whose compression can be dropped: the law without it.
+  Make make_without_compression;
   /// With a volume term (see with_volume): its modulus κ [Pa]. Else empty. Throws InputError unless 0 ≤ ν ≤ 0.4999.
   std::function<double(const Material&)> volume_modulus;
 };
@@ -49,6 +51,10 @@ struct Strategy {
 ///     volume term brings the rest of λ: κ = λ − μ = E (4ν−1)/(2(1+ν)(1−2ν)).
 ///   * neo_hookean: κ = λ, on the mean volume around each molecule instead of every cell's own.
 Strategy with_volume(const Strategy& strategy);
+
+/// A membrane law that bears no compression, named "NAME+wrinkling": where it would be pressed it wrinkles, see
+/// TensionField. Throws InputError for a strategy that cannot.
+Strategy with_wrinkling(const Strategy& strategy);
 
 namespace detail {
 /// Finds a parameter by name and checks a value against its range; throws InputError naming what is allowed.
@@ -158,6 +164,12 @@ void Catalog::add() {
                                 const ParameterValues& values) -> std::unique_ptr<Elasticity> {
       return std::make_unique<CellElasticity<Law>>(body, material, detail::law_with<Law>(described, values));
     };
+    if constexpr (requires { typename Law::WithoutCompression; })
+      strategy.make_without_compression = [](const Body& body, const Material& material,
+                                             const ParameterValues&) -> std::unique_ptr<Elasticity> {
+        using Relaxed = typename Law::WithoutCompression;
+        return std::make_unique<CellElasticity<Relaxed>>(body, material, Relaxed{});
+      };
     if constexpr (requires(Law law) { law.volume_apart = true; })
       strategy.make_without_volume = [described](const Body& body, const Material& material,
                                                  const ParameterValues& values) -> std::unique_ptr<Elasticity> {
