@@ -21,7 +21,7 @@ std::string scene_of(int frames) {
          "stiffness: {strategy: uniform, constant: 100 N/m}\n"
          "experiment: {kind: release, hold: {kind: tension, axis: x, force: 0.1 N, cross_section: 1 cm2}}\n"
          "time: {duration: " +
-         std::to_string(frames) + " s, frames: " + std::to_string(frames) + ", step: 10 us, checkpoint: 2}\n";
+         std::to_string(frames) + " s, frames: " + std::to_string(frames) + ", step: 0.1 ms, checkpoint: 2}\n";
 }
 
 int shell(const std::string& line) {
