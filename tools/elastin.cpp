@@ -1,4 +1,4 @@
-// The command: elastin run|compare|check|list.
+// The command: elastin run|compare|verify|check|list.
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -23,6 +23,7 @@
 #include "report/progress.h"
 #include "report/summary.h"
 #include "report/table.h"
+#include "report/verdicts.h"
 #include "scene/scene.h"
 
 namespace {
@@ -38,6 +39,7 @@ Examples:
   elastin run scenes/tension/cube-27-face.yaml --set stiffness=lattice --set material.youngs_modulus='10 kPa'
   elastin run scenes/tension/cube-1000.yaml --json - | jq .runs[0].measures
   elastin check scenes/tension/table1-b.yaml                    what the body is, and its zero-energy modes
+  elastin verify scenes/hard/*.yaml --choices                   hard cases against their known answers: a verdict each
   elastin list                                                  strategies and their parameters
 
 Exit codes: 0 all expectations hold; 1 an expectation or a run failed; 2 wrong use or input.
@@ -47,7 +49,7 @@ struct Options {
   std::vector<std::string> scenes, overrides;
   std::string strategies, out, json, restart;
   int threads = 0;
-  bool quiet = false, summary = false, live = false;
+  bool quiet = false, summary = false, others = false, markdown = false, live = false;
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -137,6 +139,15 @@ std::vector<std::unique_ptr<Scene>> load_scenes(const Options& options, const Ca
   return scenes;
 }
 
+/// Curve and states of one run.
+void write_run(const Options& options, const Scene& scene, Record& record) {
+  if (options.out.empty() || record.run.curve.empty()) return;
+  const std::string name = file_name(record.scene, record.run.strategy);
+  write_whole(options.out + "/" + name + "-curve.csv", curve_csv_text(record));
+  write_states(options.out, name, scene.specimen.body, record.run);
+  record.run.snapshots.clear();
+}
+
 /// Runs every chosen strategy on every scene; `compare` prints one table a scene and, of several, a summary; `run` one
 /// page a run.
 int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
@@ -168,13 +179,8 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
       Record record = make_record(scene, std::move(run));
       progress.pause();
       // `run` names its one strategy: that it cannot run is a failure; in a comparison it is a row.
-      good &= record.good() && (compare || record.run.suited);
-      if (!options.out.empty() && !record.run.curve.empty()) {
-        const std::string name = file_name(record.scene, record.run.strategy);
-        write_whole(options.out + "/" + name + "-curve.csv", curve_csv_text(record));
-        write_states(options.out, name, scene.specimen.body, record.run);
-        record.run.snapshots.clear();
-      }
+      good &= record.good() && (compare || record.run.suited || record.stopped_as_expected());
+      write_run(options, scene, record);
       if (to_screen && !compare) fmt::print("{}", run_text(record, colours(STDOUT_FILENO)));
       records.push_back(record);
       all.push_back(std::move(record));
@@ -194,6 +200,29 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
   if (to_screen && !options.out.empty())
     fmt::print("  files in {}/: runs.csv, runs.json, curves, and .pvd for ParaView\n", options.out);
   return good ? 0 : 1;
+}
+
+/// Holds every scene against what it says must come of it.
+int verify_scenes(const Options& options, const Catalog& catalog) {
+  const bool to_screen = !options.quiet && options.json != "-";
+  Progress progress(to_screen && isatty(STDERR_FILENO));
+  load_scenes(options, catalog, progress);
+  write_files(options, {});
+  VerifyOptions verify{options.overrides, options.others, !options.out.empty()};
+  verify.progress = [&](const std::string& doing) { progress.set(doing); };
+  verify.finished = [&](const Scene& scene, Record& record) { write_run(options, scene, record); };
+  std::vector<Case> cases;
+  std::vector<Record> records;
+  for (const std::string& path : options.scenes)
+    for (Case& a_case : verify_scene(path, catalog, verify)) {
+      records.push_back(a_case.own);
+      cases.push_back(std::move(a_case));
+      write_files(options, records);
+    }
+  progress.pause();
+  if (to_screen) fmt::print("{}", verdicts_text(cases, colours(STDOUT_FILENO), options.markdown));
+  if (options.json == "-") fmt::print("{}", json_text(records));
+  return std::all_of(cases.begin(), cases.end(), passed) ? 0 : 1;
 }
 
 int check_scenes(const Options& options, const Catalog& catalog) {
@@ -226,15 +255,19 @@ void add_scene_options(CLI::App& command, Options& options) {
   command.add_flag("--quiet", options.quiet, "Print nothing but errors");
 }
 
-void add_run_options(CLI::App& command, Options& options) {
-  add_scene_options(command, options);
-  command.add_option("--strategies", options.strategies,
-                     "Comma-separated names, all among them; instead of the scene's own");
+void add_file_options(CLI::App& command, Options& options) {
   command.add_option("--out", options.out, "Folder for CSV, JSON, curves and ParaView files");
   command.add_option("--restart", options.restart,
                      "Go on with a run in time from a .restart file that --out has got from it");
   command.add_flag("--live", options.live, "No more frames a second than time.frame_rate says");
   command.add_option("--json", options.json, "JSON file; - for standard output, and nothing else there");
+}
+
+void add_run_options(CLI::App& command, Options& options) {
+  add_scene_options(command, options);
+  add_file_options(command, options);
+  command.add_option("--strategies", options.strategies,
+                     "Comma-separated names, all among them; instead of the scene's own");
 }
 
 /// "unknown option '--thread'; did you mean …", of the first command or option that there is not; "" if there are all.
@@ -267,13 +300,19 @@ int main(int argc, char** argv) {
   CLI::App* run = app.add_subcommand("run", "Run a scene with its own stiffness strategy; print every measure");
   CLI::App* compare =
       app.add_subcommand("compare", "Run a scene with many strategies; print measured modulus, error and cost");
+  CLI::App* verify = app.add_subcommand("verify", "Hold scenes against the answers that they state; print verdicts");
   CLI::App* check = app.add_subcommand("check", "Say what a scene's body is: counts, loose parts, zero-energy modes");
   CLI::App* list = app.add_subcommand("list", "List strategies, their parameters, and measures");
   add_run_options(*run, options);
   add_run_options(*compare, options);
   compare->add_flag("--summary", options.summary, "Print only the summary over all scenes: by strategy, by body");
+  add_scene_options(*verify, options);
+  add_file_options(*verify, options);
+  verify->add_flag("--choices", options.others,
+                   "Also what explicit and implicit steps, small displacements and plain springs make of each case");
+  verify->add_flag("--markdown", options.markdown, "The table as Markdown, with titles");
   add_scene_options(*check, options);
-  for (CLI::App* command : {run, compare, check, list}) command->footer(kExamples);
+  for (CLI::App* command : {run, compare, verify, check, list}) command->footer(kExamples);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -286,6 +325,7 @@ int main(int argc, char** argv) {
     set_threads(options.threads);
     const Catalog catalog = built_in_catalog();
     if (*list) return list_catalog(catalog);
+    if (*verify) return verify_scenes(options, catalog);
     if (*check) return check_scenes(options, catalog);
     return run_scenes(options, catalog, static_cast<bool>(*compare));
   } catch (const InputError& error) {

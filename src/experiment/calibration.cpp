@@ -141,6 +141,16 @@ StressStrain fitted_curve(const Specimen& specimen, Experiment& experiment, cons
   return fit.springs;
 }
 
+/// Names the first connection whose constant is not finite.
+std::string non_finite_text(const Body& body, const VectorX& constants) {
+  int connection = 0;
+  while (std::isfinite(constants[connection])) ++connection;
+  const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(connection)];
+  return "the spring constant of connection " + std::to_string(connection) + " (molecules " + std::to_string(a) + ", " +
+         std::to_string(b) + ") is not finite" +
+         (body.connections.rest_length[static_cast<std::size_t>(connection)] > 0 ? "" : ": it has no length");
+}
+
 }  // namespace
 
 std::string calibration_unsuited(Experiment& experiment, const Material& material) {
@@ -160,7 +170,7 @@ std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& whol
   }
   if (!run.constants.allFinite()) {
     run.outcome = Outcome::diverged;
-    run.cause = "a spring constant is not finite: a connection of no length?";
+    run.cause = non_finite_text(specimen.body, run.constants);
   }
   if (!run.suited || run.outcome != Outcome::converged) return nullptr;
   std::optional<StressStrain> curve = specimen.material.curve;

@@ -48,6 +48,11 @@ class Experiment {
   /// takes another solve.
   virtual bool adjust(const State& /*state*/) { return false; }
   virtual int load_steps() const = 0;
+  /// Whether only the load gives the body stiffness in directions in which it has none at rest (a flat membrane).
+  virtual bool stiffened_by_load() const { return false; }
+  /// Moves the places at rest to where the search for the first equilibrium begins, under the load set last: rest is no
+  /// place to begin where stiffness is missing there.
+  virtual void shape_start(Positions& /*places*/) const {}
   /// Tells the supports how fast the load moves them: its factor changes by `rate` a second. After set_load.
   virtual void set_load_rate(Model& /*model*/, double /*rate*/) {}
   /// Takes the load off a body that is to move on its own: forces end, a driven end is free. False if there is nothing
@@ -58,11 +63,6 @@ class Experiment {
   virtual TimedExperiment* in_time() { return nullptr; }
   /// The experiment at rest in which rules are calibrated; null where there is none.
   virtual Experiment* at_rest() { return this; }
-  /// Whether only the load gives the body stiffness in directions in which it has none at rest (a flat membrane).
-  virtual bool stiffened_by_load() const { return false; }
-  /// Moves the places at rest to where the search for the first equilibrium begins, under the load set last: rest is no
-  /// place to begin where stiffness is missing there.
-  virtual void shape_start(Positions& /*places*/) const {}
   /// Reads the state that a solve has left, as changes since the start. May solve for small motions about it, with
   /// `options`: adds their cost to `solved`, and their outcome if one fails.
   virtual Measures measure(Model& model, const Start& start, const State& state, const StaticOptions& options,

@@ -15,9 +15,10 @@ namespace {
 
 /// A volume that is controlled counts as met when it is this near.
 constexpr double kVolumeTolerance = 1e-6;
-/// Stiffness of volume control, in units of the membrane's own: high enough to pass any pressure limit and to be met
-/// after one or two corrections, low enough that Newton's steps stay long.
-constexpr double kControlStiffness = 1000;
+/// Stiffness of volume control over E t/(R V): a membrane's own, and how fast its pressure can fall, is some 0.1 of
+/// that. High enough to pass any pressure limit and to be met after a few corrections; rounding of the volume makes
+/// that many times more rounding of the pressure.
+constexpr double kControlStiffness = 100;
 
 class Inflation final : public Experiment {
  public:
@@ -38,7 +39,7 @@ class Inflation final : public Experiment {
     share_ /= share_.sum();
     find_corners();
     rest_radius_ = radii(body.rest).dot(share_);
-    control_stiffness_ = kControlStiffness * material.youngs_modulus * thickness_ / (rest_radius_ * rest_volume_);
+    control_stiffness_ = kControlStiffness * material.youngs_modulus * thickness_ / rest_radius_;
   }
 
   std::string name() const override { return "inflation"; }
@@ -103,7 +104,7 @@ class Inflation final : public Experiment {
  private:
   double copies() const { return std::pow(2, setup_.symmetry.size()); }
 
-  void control() { load_->set_filling(controlled_volume(volume_, control_stiffness_, pressure_)); }
+  void control() { load_->set_filling(controlled_volume(volume_, control_stiffness_ / volume_, pressure_)); }
 
   void find_planes() {
     const double near = 1e-9 * body_.rest.cwiseAbs().maxCoeff();
@@ -174,7 +175,7 @@ class Inflation final : public Experiment {
   VectorX share_;                // of the surface at rest, a molecule; sum 1
   std::vector<int> corners_;
   Vector3 apex_;
-  double rest_volume_ = 0, rest_radius_ = 0, control_stiffness_ = 0;
+  double rest_volume_ = 0, rest_radius_ = 0, control_stiffness_ = 0;  // the last times a volume: [Pa]
   double volume_ = 0, pressure_ = 0;  // volume control: what is asked for, and the pressure found last
   Pressure* load_ = nullptr;          // owned by the model that was held last
 };

@@ -44,6 +44,15 @@ struct DropSetup {
 };
 std::unique_ptr<TimedExperiment> make_drop(const Body& body, const DropSetup& setup);
 
+/// A canopy with a load on cables that falls through air: how it opens. The air is a load of the scene.
+struct ParachuteSetup {
+  Vector3 direction = -Vector3::UnitZ();  ///< down
+  double gravity = 9.81;                  ///< [m/s²], ≥ 0
+  double speed = 0;                       ///< [m/s] down at time 0
+};
+/// Throws InputError for a body without cables.
+std::unique_ptr<TimedExperiment> make_parachute(const Body& body, const ParachuteSetup& setup);
+
 /// Natural frequencies of a body held as an experiment at rest says, or free, about its equilibrium under the scene's
 /// own loads. At rest: it takes no time.
 std::unique_ptr<Experiment> make_vibration(const Body& body, std::unique_ptr<Experiment> hold, int count);

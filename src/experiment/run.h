@@ -12,6 +12,9 @@
 
 namespace elastin {
 
+/// How a run is said to have ended whose strategy cannot run on its body; beside the names of the outcomes.
+inline constexpr const char* kUnsuited = "unsuited";
+
 /// What does not change from strategy to strategy.
 struct Specimen {
   Body body;
@@ -58,11 +61,15 @@ struct Run {
   int zero_energy_modes = 0;
   std::vector<std::string> warnings;
   std::string remark;              ///< of the experiment on what its measures mean here; empty = nothing to say
+  bool untangled = false;          ///< the start led nowhere: measured from the equilibrium that there is from rest
   bool unstable = false;           ///< an equilibrium was found that is no minimum
   bool uses_cells = false;         ///< the strategy could not run without the body's triangles or tetrahedra
   bool suited = true;              ///< false: the strategy cannot run on this body; cause says why
   std::optional<TimeReport> time;  ///< of a run in time
 };
+
+/// "converged", "unsuited" …
+inline const char* outcome_name(const Run& run) { return run.suited ? name_of(run.outcome) : kUnsuited; }
 
 struct RunOptions {
   StaticOptions statics;

@@ -80,6 +80,8 @@ bool needs_cells(const Strategy& strategy, const Body& body) {
 std::string unsuited(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice) {
   std::string reason = choice.strategy.unsuited(specimen.body);
   if (reason.empty()) reason = fibres_unsuited(choice.strategy, specimen.body, specimen.material);
+  if (reason.empty() && choice.calibrated && specimen.body.connection_stiffness.size())
+    reason = "a body with regions has no one modulus to calibrate to";
   if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen.material);
   return reason;
 }
@@ -96,6 +98,7 @@ std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment
   std::optional<Model> model(body);
   model->add(std::move(elasticity));
   if (auto fibres = make_fibres(choice.strategy, body, material)) model->add(std::move(fibres));
+  if (!body.cables.empty()) model->add(make_cables(body));
   for (const auto& add_load : loads) add_load(*model);
   experiment.hold(*model);
   return model;
@@ -133,12 +136,10 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
       run.cause = flat_or_inverted_text(cells, specimen.body.tetrahedra.size()) + " at rest";
       return run;
     }
-    const std::vector<int> flat = flat_triangles(specimen.body, specimen.body.rest);
-    if (!flat.empty()) {
+    const std::vector<int> triangles = flat_triangles(specimen.body, specimen.body.rest);
+    if (!triangles.empty()) {
       run.outcome = Outcome::inverted;
-      run.cause = "triangle " + std::to_string(flat.front()) + " is flat at rest, " +
-                  counted(static_cast<int>(flat.size()), "triangle", "triangles") + " of " +
-                  std::to_string(specimen.body.triangles.size());
+      run.cause = flat_or_inverted_text(triangles, specimen.body.triangles.size()) + " at rest";
       return run;
     }
   }

@@ -92,8 +92,7 @@ SurfaceFindings inspect_surface(const Cells<3>& triangles) {
   return findings;
 }
 
-Pressure::Pressure(const Body& body, Filling filling, const Vector3& apex, bool rim_held)
-    : body_(body), filling_(std::move(filling)), apex_(apex) {
+Pressure::Pressure(const Body& body, Filling filling, const Vector3& apex, bool rim_held) : body_(body), apex_(apex) {
   if (body.triangles.empty()) throw InputError("a pressure needs a body with triangles");
   const SurfaceFindings findings = inspect_surface(body.triangles);
   const auto refuse = [](const std::vector<int>& list, const std::string& why) {
@@ -105,6 +104,7 @@ Pressure::Pressure(const Body& body, Filling filling, const Vector3& apex, bool 
   refuse(findings.turned, "is turned against its neighbour: a pressure needs one side of the surface to be inside");
   conservative_ = rim_held || findings.rim_sides == 0;
   rest_volume_ = volume(body.rest);
+  set_filling(std::move(filling));
   std::vector<int> corners;
   for (const auto& triangle : body.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
   Rows rows = rows_by_target(body.size(), corners);
@@ -114,41 +114,63 @@ Pressure::Pressure(const Body& body, Filling filling, const Vector3& apex, bool 
 
 double Pressure::volume(const Positions& places) const { return enclosed_volume(body_.triangles, places, apex_); }
 
-/// Σ of each molecule's triangles, in ascending order.
-Positions Pressure::gather(const Positions& of_triangles) const {
-  Positions sums = Positions::Zero(3, body_.size());
-  parallel_for(body_.size(), [&](int molecule) {
-    for (int slot = start_[static_cast<std::size_t>(molecule)]; slot < start_[static_cast<std::size_t>(molecule) + 1];
-         ++slot)
-      sums.col(molecule) += of_triangles.col(slots_[static_cast<std::size_t>(slot)] / 3);
-  });
-  return sums;
+/// Adds a vector of each triangle to its three corners. One thread scatters, several gather; both add a molecule's
+/// triangles in ascending order, so the bits are the same.
+template <class OfTriangle>
+void Pressure::add_to_corners(Positions& sums, OfTriangle&& of_triangle) const {
+  const int triangles = static_cast<int>(body_.triangles.size());
+  if (triangles < kParallelThreshold || threads() == 1) {
+    for (int cell = 0; cell < triangles; ++cell) {
+      const auto& corners = body_.triangles[static_cast<std::size_t>(cell)];
+      const Vector3 vector = of_triangle(corners);
+      for (const int corner : corners) sums.col(corner) += vector;
+    }
+    return;
+  }
+  Positions vectors(3, triangles);
+  parallel_for(triangles,
+               [&](int cell) { vectors.col(cell) = of_triangle(body_.triangles[static_cast<std::size_t>(cell)]); });
+  parallel_for(
+      body_.size(),
+      [&](int molecule) {
+        Vector3 sum = sums.col(molecule);
+        const auto at = static_cast<std::size_t>(molecule);
+        for (int slot = start_[at]; slot < start_[at + 1]; ++slot)
+          sum += vectors.col(slots_[static_cast<std::size_t>(slot)] / 3);
+        sums.col(molecule) = sum;
+      },
+      1);
+}
+
+void Pressure::set_filling(Filling filling) {
+  filling_ = std::move(filling);
+  const Inside at_rest = filling_(rest_volume_, rest_volume_);
+  constant_ = at_rest.slope == 0 && filling_(2 * rest_volume_, rest_volume_).slope == 0;
 }
 
 void Pressure::add_forces(const State& state, Positions& forces) const {
-  Positions areas(3, static_cast<Eigen::Index>(body_.triangles.size()));
-  parallel_for(static_cast<int>(body_.triangles.size()), [&](int cell) {
-    areas.col(cell) = area_vector(state.positions, body_.triangles[static_cast<std::size_t>(cell)]);
+  const double share = inside(state.positions).pressure / 3;
+  add_to_corners(forces, [&](const std::array<int, 3>& triangle) -> Vector3 {
+    return share * area_vector(state.positions, triangle);
   });
-  forces += inside(state.positions).pressure / 3 * gather(areas);
 }
 
 double Pressure::energy(const State& state) const { return conservative_ ? -inside(state.positions).work : 0; }
 
 void Pressure::add_change(const State& state, const Positions& dx, const Positions&, Positions& forces) const {
   const Positions& x = state.positions;
-  const Eigen::Vector2d volume = volume_and_change(body_.triangles, x, apex_, dx);
+  Eigen::Vector2d volume(rest_volume_, 0);
+  if (!constant_) volume = volume_and_change(body_.triangles, x, apex_, dx);
   const Inside now = filling_(volume[0], rest_volume_);
-  const double pressure_change = now.slope * volume[1];
-  Positions changes(3, static_cast<Eigen::Index>(body_.triangles.size()));
-  parallel_for(static_cast<int>(body_.triangles.size()), [&](int cell) {
-    const auto& [a, b, c] = body_.triangles[static_cast<std::size_t>(cell)];
+  const double share = now.pressure / 6, share_change = now.slope * volume[1] / 6;
+  add_to_corners(forces, [&](const std::array<int, 3>& triangle) -> Vector3 {
+    const auto& [a, b, c] = triangle;
     const Vector3 first = x.col(b) - x.col(a), second = x.col(c) - x.col(a);
     const Vector3 d_first = dx.col(b) - dx.col(a), d_second = dx.col(c) - dx.col(a);
-    changes.col(cell) = now.pressure / 6 * (d_first.cross(second) + first.cross(d_second));
-    if (pressure_change != 0) changes.col(cell) += pressure_change / 6 * first.cross(second);
+    Vector3 change = share * (d_first.cross(second) + first.cross(d_second));
+    if (share_change != 0) change += share_change * first.cross(second);
+    return change;
   });
-  forces += gather(changes);
 }
 
 /// The area vector's derivative by corner b is ½ [x_{b+2} − x_{b+1}]×, the same for the force on each corner a.
@@ -165,10 +187,10 @@ void Pressure::visit_blocks(const State& state, double, const BlockVisitor& visi
 std::vector<WidePart> Pressure::wide_parts(const State& state) const {
   const double slope = inside(state.positions).slope;
   if (slope == 0) return {};
-  Positions areas(3, static_cast<Eigen::Index>(body_.triangles.size()));
-  for (std::size_t cell = 0; cell < body_.triangles.size(); ++cell)
-    areas.col(static_cast<Eigen::Index>(cell)) = area_vector(state.positions, body_.triangles[cell]) / 3;
-  return {{-slope, gather(areas)}};
+  Positions areas = Positions::Zero(3, body_.size());
+  add_to_corners(
+      areas, [&](const std::array<int, 3>& triangle) -> Vector3 { return area_vector(state.positions, triangle) / 3; });
+  return {{-slope, std::move(areas)}};
 }
 
 }  // namespace elastin

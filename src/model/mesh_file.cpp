@@ -145,17 +145,19 @@ Mesh MeshBuilder::finish(const std::string& path) const {
 
 namespace {
 
+/// nullptr: read_surface.
 using Reader = void (*)(Cursor, MeshBuilder&);
 
-Reader reader_for(const std::string& path) {
-  static constexpr std::pair<const char*, Reader> readers[] = {
-      {".msh", read_gmsh}, {".vtk", read_vtk}, {".vtu", read_vtu}};
+std::pair<std::string, Reader> reader_for(const std::string& path) {
+  static constexpr std::pair<const char*, Reader> readers[] = {{".msh", read_gmsh}, {".vtk", read_vtk},
+                                                               {".vtu", read_vtu},  {".obj", nullptr},
+                                                               {".stl", nullptr},   {".ply", nullptr}};
   const std::string name = path.substr(path.find_last_of('/') + 1);
   std::string ending = name.find('.') == std::string::npos ? "" : name.substr(name.rfind('.'));
   for (char& letter : ending) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
   std::vector<std::string> allowed;
   for (const auto& [known, reader] : readers) {
-    if (ending == known) return reader;
+    if (ending == known) return {ending, reader};
     allowed.push_back(known);
   }
   throw InputError(Place{path, 0, 0}, "unknown ending " + quoted(ending) + suggestion(ending, allowed));
@@ -165,7 +167,10 @@ Reader reader_for(const std::string& path) {
 
 Mesh read_mesh(const File& file) {
   MeshBuilder mesh;
-  reader_for(file.path)(Cursor(file), mesh);
+  if (const auto [ending, read] = reader_for(file.path); read)
+    read(Cursor(file), mesh);
+  else
+    read_surface(file, ending, mesh);
   return mesh.finish(file.path);
 }
 

@@ -66,6 +66,9 @@ void read_gmsh(Cursor in, MeshBuilder& mesh);
 void read_vtk(Cursor in, MeshBuilder& mesh);
 void read_vtu(Cursor in, MeshBuilder& mesh);
 
+/// .obj, .stl, .ply by the library Assimp; `ending` with its dot, in small letters.
+void read_surface(const File& file, const std::string& ending, MeshBuilder& mesh);
+
 /// load_mesh for a file that is in memory already; the format goes by the path's ending.
 Mesh read_mesh(const File& file);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "elastin/model/surfaces.h"
 #include "elastin/simulation/fibres.h"
 #include "elastin/solve/modes.h"
 #include "elastin/solve/stable_step.h"
@@ -89,8 +90,10 @@ bool add_faults(std::string& out, const Body& body) {
   name_fault("NO LENGTH", findings.zero_length_connections, pair_name);
   name_fault("DUPLICATE CONNECTIONS", findings.duplicate_connections, pair_name);
   name_fault("FLAT CELLS", findings.flat_or_inverted_cells, number);
+  const std::vector<int> flat = flat_triangles(body, body.rest);
+  name_fault("FLAT TRIANGLES", flat, number);
   return findings.pieces == 1 && findings.zero_length_connections.empty() && findings.duplicate_connections.empty() &&
-         findings.flat_or_inverted_cells.empty();
+         findings.flat_or_inverted_cells.empty() && flat.empty();
 }
 
 /// Spheres that run into each other at rest: no fault of a model that has no contact, but the user should know.

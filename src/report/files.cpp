@@ -24,9 +24,16 @@ Json to_json(const std::vector<std::pair<std::string, double>>& values) {
 }
 
 Json to_json(const Verdict& verdict) {
-  Json object{{"measure", verdict.expectation.measure},
-              {"expected", verdict.expectation.value},
-              {"source", verdict.expectation.source},
+  const Expectation& expectation = verdict.expectation;
+  if (!expectation.outcome.empty())
+    return {{"outcome", expectation.outcome},
+            {"cause", expectation.cause},
+            {"source", expectation.source},
+            {"holds", verdict.holds},
+            {"judged", true}};
+  Json object{{"measure", expectation.measure},
+              {"expected", expectation.value},
+              {"source", expectation.source},
               {"holds", verdict.holds},
               {"judged", verdict.judged}};
   if (std::isfinite(verdict.measured)) object["measured"] = verdict.measured;
@@ -41,7 +48,7 @@ Json to_json(const Record& record) {
               {"title", record.title},
               {"strategy", run.strategy},
               {"solver", run.solver},
-              {"outcome", run.suited ? name_of(run.outcome) : "unsuited"},
+              {"outcome", outcome_name(run)},
               {"cause", run.cause},
               {"molecules", record.molecules},
               {"connections", record.connections},
@@ -190,8 +197,7 @@ std::string csv_text(const std::vector<Record>& records) {
   for (const Record& record : records) {
     const Run& run = record.run;
     out += fmt::format("{},{},{},{},{},{},{},{}", csv_field(record.scene), csv_field(run.strategy), run.solver,
-                       run.suited ? name_of(run.outcome) : "unsuited", record.molecules, record.connections,
-                       record.cells, record.threads);
+                       outcome_name(run), record.molecules, record.connections, record.cells, record.threads);
     for (const MeasureInfo& info : measure_list()) out += "," + cell(run.measures.get(info.name));
     for (const std::string& name : errors) out += "," + cell(record.error(name));
     std::string notes = run.cause;

@@ -31,6 +31,16 @@ std::string verdicts_text(const std::vector<const Verdict*>& verdicts, bool colo
   if (verdicts.empty()) return "";
   Table table({"strategy", "measure", "expected", "here", "difference", "", "source"});
   for (const Verdict* verdict : verdicts) {
+    if (!verdict->expectation.outcome.empty()) {
+      table.add({{verdict->strategy},
+                 {"outcome"},
+                 {verdict->expectation.outcome},
+                 {""},
+                 {""},
+                 {verdict->holds ? "holds" : "FAILS", verdict->holds ? Tone::good : Tone::bad},
+                 {verdict->expectation.source, Tone::faint}});
+      continue;
+    }
     const MeasureInfo& info = find_measure(verdict->expectation.measure);
     const bool missing = !std::isfinite(verdict->measured);
     const Tone tone = !verdict->judged ? Tone::faint : verdict->holds ? Tone::good : Tone::bad;

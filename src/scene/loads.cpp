@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "elastin/forces/air.h"
 #include "elastin/forces/floor.h"
 #include "experiment/faces.h"
 #include "scene/parts.h"
@@ -60,6 +61,19 @@ SceneLoad read_floor(Reader reader, const Body& body, const Material& material, 
     model.add(make_floor(model.body(), floor));
     if (floor.damping > 0) model.add(make_floor_damping(model.body(), floor));
   }};
+}
+
+SceneLoad read_air(Reader reader, const Body& body, const Matrix3& rotation) {
+  Air air;
+  if (auto density = reader.find("density")) air.density = density->quantity(dimension::density, kNotNegative);
+  if (auto drag = reader.find("drag_coefficient")) air.drag_coefficient = drag->quantity(dimension::none, kNotNegative);
+  if (auto skin = reader.find("skin_coefficient")) air.skin_coefficient = skin->quantity(dimension::none, kNotNegative);
+  if (auto caught = reader.find("pressure_coefficient"))
+    air.pressure_coefficient = caught->quantity(dimension::none, kNotNegative);
+  if (auto wind = reader.find("wind")) air.wind = rotation * wind->vector(dimension::velocity);
+  reader.finish();
+  if (body.triangles.empty()) reader.fail("air drags on triangles and the body has none; `drag` works on molecules");
+  return {[=](Model& model) { model.add(make_air(model.body(), air)); }, air.wind.norm() > 0};
 }
 
 /// Adds loads as functions of time.
@@ -139,12 +153,15 @@ SceneLoad read_load(Reader reader, const Body& body, const Material& material, c
          return {[=](Model& model) { model.add(make_gravity(model.body(), acceleration)); }};
        }},
       {"drag", read_drag},
+      {"air", [&](const Reader& value) { return read_air(value, body, rotation); }},
       {"damping", [&](const Reader& value) { return read_damping(value, body); }},
       {"cell_damping", [&](const Reader& value) { return read_cell_damping(value, body); }},
       {"rayleigh", read_rayleigh},
       {"floor", [&](const Reader& value) { return read_floor(value, body, material, rotation); }},
       {"point", [&](const Reader& value) { return read_point(value, body, rotation); }},
-      {"face", [&](const Reader& value) { return read_face(value, body, rotation); }}};
+      {"face", [&](const Reader& value) { return read_face(value, body, rotation); }},
+      {"pressure", [&](const Reader& value) { return read_pressure(value, body); }},
+      {"gas", [&](const Reader& value) { return read_gas_load(value, body); }}};
   std::vector<std::pair<Reader, Read>> found;
   std::string names;
   for (const auto& [name, read] : kinds) {

@@ -1,6 +1,7 @@
 #pragma once
 #include "elastin/forces/time_function.h"
 #include "elastin/simulation/catalog.h"
+#include "experiment/inflation.h"
 #include "experiment/specimen.h"
 #include "scene/reader.h"
 
@@ -41,6 +42,10 @@ TimeFunction read_time_function(Reader reader);
 TimeOptions read_time(Reader reader);
 /// How the run begins: velocities and places that are not those of rest.
 std::function<void(State&)> read_initial(Reader reader, const Body& body, const Matrix3& rotation, bool timed);
+/// Pressure on all triangles, and gas that they enclose.
+SceneLoad read_pressure(const Reader& reader, const Body& body);
+SceneLoad read_gas_load(const Reader& reader, const Body& body);
+GasSetup read_gas(Reader reader);
 Matrix3 read_rotation(Reader reader);
 
 /// "x", "-y" or a list of three numbers.

@@ -108,6 +108,16 @@ std::unique_ptr<Experiment> read_drop(Reader reader, const ExperimentPlace& plac
   return reader.located([&] { return make_drop(place.body, setup); });
 }
 
+std::unique_ptr<Experiment> read_parachute(Reader reader, const ExperimentPlace& place) {
+  ParachuteSetup setup;
+  if (auto direction = reader.find("direction")) setup.direction = read_direction(*direction);
+  setup.direction = place.rotation * setup.direction;
+  if (auto gravity = reader.find("gravity")) setup.gravity = gravity->quantity(dimension::acceleration, kNotNegative);
+  if (auto speed = reader.find("speed")) setup.speed = speed->quantity(dimension::velocity, kNotNegative);
+  reader.finish();
+  return reader.located([&] { return make_parachute(place.body, setup); });
+}
+
 std::unique_ptr<Experiment> read_vibration(Reader reader, const ExperimentPlace& place) {
   std::unique_ptr<Experiment> hold;
   if (auto value = reader.find("hold")) hold = read_hold(*value, place);
@@ -142,6 +152,7 @@ std::unique_ptr<Experiment> read_timed_experiment(Reader reader, const std::stri
     if (kind == name) return read_motion(reader, motion, place);
   if (kind == "shake") return read_shake(reader, place);
   if (kind == "drop") return read_drop(reader, place);
+  if (kind == "parachute") return read_parachute(reader, place);
   if (kind == "vibration") return read_vibration(reader, place);
   return nullptr;
 }

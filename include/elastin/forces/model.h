@@ -47,6 +47,8 @@ class Model {
   bool has_full_tangent() const;
   /// Whether no cell is flat or turned over.
   bool admissible(const Positions& positions) const;
+  /// Whether a force depends on velocities: damping, drag.
+  bool feels_velocity() const;
   /// Elastic energy [J], +infinity where a cell is flat or turned over.
   double elastic_energy(const Positions& positions) const;
   /// Potential energy of the loads [J].

@@ -50,7 +50,7 @@ class Pressure final : public Load {
  public:
   Pressure(const Body& body, Filling filling, const Vector3& apex, bool rim_held);
 
-  void set_filling(Filling filling) { filling_ = std::move(filling); }
+  void set_filling(Filling filling);
   double volume(const Positions& places) const;
   Inside inside(const Positions& places) const { return filling_(volume(places), rest_volume_); }
   double rest_volume() const { return rest_volume_; }
@@ -64,13 +64,14 @@ class Pressure final : public Load {
   std::vector<WidePart> wide_parts(const State& state) const override;
 
  private:
-  Positions gather(const Positions& of_triangles) const;
+  template <class OfTriangle>
+  void add_to_corners(Positions& sums, OfTriangle&& of_triangle) const;
 
   const Body& body_;
   Filling filling_;
   Vector3 apex_;
   double rest_volume_ = 0;
-  bool conservative_ = false;
+  bool conservative_ = false, constant_ = false;
   std::vector<int> start_, slots_;  ///< of each molecule: its triangles, ascending
 };
 
