@@ -43,6 +43,9 @@ class Motion final : public TimedExperiment {
     course_ = setup_.hold->course();
     if (setup_.kind == MotionKind::relaxation && course_.resistance.empty())
       throw InputError("hold: needs a displacement that is given, as that of tension, shear or torsion");
+    const bool applied = setup_.kind == MotionKind::creep || (setup_.kind == MotionKind::release && !setup_.let_go);
+    if (applied && !course_.resistance.empty())
+      throw InputError("hold: a load that is put on at once must be a force, not a displacement");
     if (setup_.kind != MotionKind::motion && course_.displacement.empty())
       throw InputError("hold: a " + setup_.hold->name() + " experiment has no displacement to watch");
   }

@@ -68,6 +68,10 @@ class Course {
   void go() {
     const Clock::time_point start = Clock::now();
     const TimeOptions& time = *options_.time;
+    const double critical = control_.memory.critical;
+    if (time.choice == StepChoice::fixed && critical > 0 && time.step > critical)
+      run_.warnings.push_back("a step of " + number(time.step) + " s is longer than the longest stable one, " +
+                              number(critical) + " s");
     if (run_.curve.empty()) keep_row({});
     keep_snapshot();
     const double first = state_.time;

@@ -262,6 +262,8 @@ TEST_CASE("a step far above the stable one ends with its cause and keeps the fra
   CHECK(run.outcome == Outcome::diverged);
   CHECK_THAT(run.cause, Contains("energy from nothing") && Contains("longest stable one was 0.2 s"));
   CHECK(run.curve.size() < 20);
+  REQUIRE_FALSE(run.warnings.empty());
+  CHECK_THAT(run.warnings.back(), Contains("a step of 2 s is longer than the longest stable one, 0.2 s"));
   for (const CurvePoint& row : run.curve)
     for (const auto& [name, value] : row.measures.all()) CHECK(std::abs(value) < 1e6);
 }

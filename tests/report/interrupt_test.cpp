@@ -21,7 +21,7 @@ std::string scene_of(int frames) {
          "stiffness: {strategy: uniform, constant: 100 N/m}\n"
          "experiment: {kind: release, hold: {kind: tension, axis: x, force: 0.1 N, cross_section: 1 cm2}}\n"
          "time: {duration: " +
-         std::to_string(frames) + " s, frames: " + std::to_string(frames) + ", step: 10 us, checkpoint: 2}\n";
+         std::to_string(frames) + " s, frames: " + std::to_string(frames) + ", step: 0.1 ms, checkpoint: 2}\n";
 }
 
 int shell(const std::string& line) {
@@ -53,13 +53,17 @@ TEST_CASE("an interrupted command leaves whole files and goes on from its restar
 
   const std::string frames = std::to_string(rows + 1);
   CHECK(shell(command + "--quiet --set time.duration=" + frames + " --set time.frames=" + frames + " --restart '" +
-              restart + "' --json '" + folder.path("rest.json") + "'") == 0);
+              restart + "' --out '" + out + "' --json '" + folder.path("rest.json") + "'") == 0);
   CHECK(shell(command + "--quiet --set time.duration=" + frames + " --set time.frames=" + frames + " --json '" +
               folder.path("whole.json") + "'") == 0);
   const auto rest = first_run(folder.path("rest.json")), whole = first_run(folder.path("whole.json"));
   CHECK(rest["curve"].size() == rows + 2);
   CHECK(rest["curve"] == whole["curve"]);
   CHECK(rest["measures"] == whole["measures"]);
+
+  const std::string shown = text_of_file(out + "/oscillator-uniform.pvd");  // the frames of both runs
+  for (std::size_t frame = 0; frame <= rows; ++frame)
+    CHECK_THAT(shown, Contains("timestep=\"" + std::to_string(frame) + "\""));
 
   const std::string said = folder.path("said");
   CHECK(shell(command + "--restart nowhere 2> '" + said + "'") == 2);

@@ -53,6 +53,8 @@ TEST_CASE("time and the experiments that take it go together", "[scene][time]") 
   check_refusal("kind: release, hold: {kind: motion}", kTime, 5, "must be an experiment at rest");
   check_refusal("kind: release, load: gone, " + kHold, kTime, 5, "allowed: removed, applied");
   check_refusal("kind: relaxation, ramp: 1 s, " + kHold, kTime, 5, "needs a displacement that is given");
+  check_refusal("kind: creep, hold: {kind: tension, displacement: 1 mm}", kTime, 5,
+                "must be a force, not a displacement");
   check_refusal("kind: release, hold: {kind: material}", kTime, 5, "has no displacement to watch");
   check_refusal("kind: motion, in_time: {step: {at: 1 s}}", kTime, 5, "there is no load to change");
   check_refusal("kind: drop, height: 1 cm", kTime, 5, "nothing falls: give a speed, or gravity and a height");
