@@ -44,6 +44,9 @@ class Experiment {
   virtual void hold(Model& model) = 0;
   /// Sets the load to `factor` (0 … 1) of the whole, on the model that was held last.
   virtual void set_load(Model& model, double factor) = 0;
+  /// After an equilibrium was found: brings the load nearer to what was asked for, if it is not there yet. True: that
+  /// takes another solve.
+  virtual bool adjust(const State& /*state*/) { return false; }
   virtual int load_steps() const = 0;
   /// Tells the supports how fast the load moves them: its factor changes by `rate` a second. After set_load.
   virtual void set_load_rate(Model& /*model*/, double /*rate*/) {}
@@ -55,6 +58,11 @@ class Experiment {
   virtual TimedExperiment* in_time() { return nullptr; }
   /// The experiment at rest in which rules are calibrated; null where there is none.
   virtual Experiment* at_rest() { return this; }
+  /// Whether only the load gives the body stiffness in directions in which it has none at rest (a flat membrane).
+  virtual bool stiffened_by_load() const { return false; }
+  /// Moves the places at rest to where the search for the first equilibrium begins, under the load set last: rest is no
+  /// place to begin where stiffness is missing there.
+  virtual void shape_start(Positions& /*places*/) const {}
   /// Reads the state that a solve has left, as changes since the start. May solve for small motions about it, with
   /// `options`: adds their cost to `solved`, and their outcome if one fails.
   virtual Measures measure(Model& model, const Start& start, const State& state, const StaticOptions& options,

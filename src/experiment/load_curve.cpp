@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
+#include "elastin/forces/tension.h"
 #include "experiment/load_path.h"
 
 namespace elastin {
@@ -81,6 +83,21 @@ void note_curve_error(const Experiment& experiment, const Material& material, Ru
   run.measures.set("curve_error", difference / largest);
 }
 
+void note_compression(const Model& model, const Positions& places, const Material& material, Run& run) {
+  const Compression found = find_compression(model, places);
+  const int all = static_cast<int>(model.body().triangles.size());
+  if (found.triangles == 0) return;
+  const auto& [a, b, c] = model.body().triangles[static_cast<std::size_t>(found.worst)];
+  const Vector3 at = (places.col(a) + places.col(b) + places.col(c)) / 3;
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "%d of %d triangles in compression (most: triangle %d at %.4g, %.4g, %.4g m, %.3g Pa): a membrane would "
+      "wrinkle there; `wrinkling: drop` leaves compression out",
+      found.triangles, all, found.worst, at.x(), at.y(), at.z(), found.tension / material.thickness);
+  run.warnings.push_back(text);
+}
+
 }  // namespace
 
 void solve_load_curve(Model& model, Experiment& experiment, const Material& material, const RunOptions& options,
@@ -118,6 +135,8 @@ void solve_load_curve(Model& model, Experiment& experiment, const Material& mate
   }
   run.measures = run.curve.back().measures;
   run.remark = experiment.remark(run.measures);
+  if (!model.body().triangles.empty() && !options.statics.linear)
+    note_compression(model, path.state().positions, material, run);
   note_curve_error(experiment, material, run);
   if (steps > 1 && model.has_full_tangent()) {
     experiment.measure_end(model, path.state(), options.statics, run.measures, run.linear_iterations);

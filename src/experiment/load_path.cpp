@@ -6,6 +6,9 @@
 namespace elastin {
 namespace {
 
+/// Of a load that is found by solving again.
+constexpr int kCorrections = 10;
+
 void add_cost(StaticResult& result, const StaticResult& cost) {
   result.newton_iterations += cost.newton_iterations;
   result.linear_iterations += cost.linear_iterations;
@@ -22,12 +25,16 @@ LoadPath::LoadPath(Model& model, Experiment& experiment, const StaticOptions& op
 /// Where the last way leads if it goes on: near the next equilibrium, unless a cell turns over or, under loads, the
 /// energy is higher than where the body stands (a bar that turns far would be torn).
 State LoadPath::start_of(double factor) const {
-  if (last_step_ == 0 || options_.linear) return state_;
+  if (options_.linear) return state_;
   State next = state_;
+  if (last_step_ == 0) {
+    experiment_.shape_start(next.positions);
+    return next;
+  }
   next.positions += (factor - factor_) / last_step_ * way_;
   const double gain = model_.elastic_energy(next.positions) + model_.load_energy(next) -
                       model_.elastic_energy(state_.positions) - model_.load_energy(state_);
-  const bool loaded = model_.has_energy() && !model_.load_forces(state_).isZero(0);
+  const bool loaded = model_.conservative() && !model_.load_forces(state_).isZero(0);
   return std::isfinite(gain) && !(loaded && gain > 0) ? next : state_;
 }
 
@@ -42,6 +49,12 @@ StaticResult LoadPath::advance(double factor, double smallest) {
     next = state_;
     const StaticResult before = std::exchange(solved, solve_static(model_, next, options_));
     add_cost(solved, before);
+  }
+  for (int correction = 0; correction < kCorrections; ++correction) {
+    if (solved.outcome != Outcome::converged || !experiment_.adjust(next)) break;
+    StaticResult again = solve_static(model_, next, options_);
+    add_cost(again, solved);
+    solved = std::move(again);
   }
   if (solved.outcome == Outcome::converged) {
     way_ = next.positions - state_.positions;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "elastin/forces/volume.h"
+#include "elastin/model/surfaces.h"
 #include "elastin/model/voronoi.h"
 #include "elastin/simulation/fibres.h"
 #include "elastin/solve/modes.h"
@@ -136,11 +137,19 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
       run.cause = flat_or_inverted_text(cells, specimen.body.tetrahedra.size()) + " at rest";
       return run;
     }
+    const std::vector<int> flat = flat_triangles(specimen.body, specimen.body.rest);
+    if (!flat.empty()) {
+      run.outcome = Outcome::inverted;
+      run.cause = "triangle " + std::to_string(flat.front()) + " is flat at rest, " +
+                  counted(static_cast<int>(flat.size()), "triangle", "triangles") + " of " +
+                  std::to_string(specimen.body.triangles.size());
+      return run;
+    }
   }
   std::optional<Model> model = make_model(specimen, experiment, choice, options, run);
   if (!model) return run;
   run.build_seconds = build.seconds();
-  count_modes(*model, run);
+  if (!experiment.stiffened_by_load()) count_modes(*model, run);
 
   const Stopwatch solve;
   if (TimedExperiment* timed = experiment.in_time())

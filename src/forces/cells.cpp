@@ -27,7 +27,7 @@ void CellGraph::set_slots(int connections) {
   slots_of = std::move(rows.entries);
 }
 
-void CellGraph::gather(const VectorX& slots, VectorX& densities) const {
+void CellGraph::gather(Eigen::Ref<const VectorX> slots, VectorX& densities) const {
   parallel_for(connections_, [&](int connection) {
     for (int at = start[connection]; at < start[connection + 1]; ++at) densities[connection] += slots[slots_of[at]];
   });

@@ -19,7 +19,7 @@ class CurveSprings final : public Elasticity {
       return sections_[c] == 0 ? 0 : sections_[c] * rest * rest * curve_.energy_density(strain(positions, c));
     });
   }
-  void add_force_densities(const Positions& positions, VectorX& densities) const override {
+  void add_force_densities(const Positions& positions, VectorX& densities, Scratch&) const override {
     parallel_for(connections_.size(), [&](int c) {
       const double at = strain(positions, c);
       if (sections_[c] != 0 && at > -1) densities[c] += sections_[c] * curve_.stress(at) / (1 + at);

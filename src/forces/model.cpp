@@ -6,15 +6,16 @@
 
 namespace elastin {
 
-Model::Model(const Body& body) : body_(&body) {
-  if (body.connections.size() >= kParallelThreshold)
-    graph_ = std::make_unique<Graph>(Graph{connections_of_molecules(body.size(), body.connections)});
-}
+Model::Model(const Body& body) : body_(&body), graph_(std::make_unique<Graph>(body)) {}
 Model::~Model() = default;
 Model::Model(Model&&) noexcept = default;
 
 bool Model::has_energy() const {
   return std::all_of(elasticity_.begin(), elasticity_.end(), [](const auto& part) { return part->has_energy(); });
+}
+
+bool Model::conservative() const {
+  return has_energy() && std::all_of(loads_.begin(), loads_.end(), [](const auto& load) { return load->has_energy(); });
 }
 
 bool Model::has_full_tangent() const {
@@ -40,13 +41,15 @@ double Model::load_energy(const State& state) const {
 
 VectorX Model::force_densities(const Positions& positions) const {
   VectorX densities = VectorX::Zero(body_->connections.size());
-  for (const auto& part : elasticity_) part->add_force_densities(positions, densities);
+  Scratch scratch;
+  for (const auto& part : elasticity_) part->add_force_densities(positions, densities, scratch);
   return densities;
 }
 
 Positions Model::elastic_forces(const Positions& positions) const {
   Positions forces = Positions::Zero(3, body_->size());
-  gather(positions, force_densities(positions), forces);
+  Scratch scratch;
+  add_elastic_forces(positions, forces, scratch);
   return forces;
 }
 
@@ -57,16 +60,21 @@ Positions Model::load_forces(const State& state) const {
 }
 
 std::pair<VectorX, VectorX> Model::squares_and_rates(const State& state) const {
+  std::pair<VectorX, VectorX> both;
+  set_squares_and_rates(state, both.first, both.second);
+  return both;
+}
+
+void Model::set_squares_and_rates(const State& state, VectorX& squares, VectorX& rates) const {
   const auto& ends = body_->connections.ends;
-  std::pair<VectorX, VectorX> both{VectorX(body_->connections.size()), VectorX(body_->connections.size())};
-  auto& [squares, rates] = both;
+  squares.resize(body_->connections.size());
+  rates.resize(body_->connections.size());
   parallel_for(body_->connections.size(), [&](int c) {
     const auto& [a, b] = ends[c];
     const Vector3 d = state.positions.col(b) - state.positions.col(a);
     squares[c] = d.squaredNorm();
     rates[c] = 2 * d.dot(state.velocities.col(b) - state.velocities.col(a));
   });
-  return both;
 }
 
 VectorX Model::viscous_densities(const State& state) const {
@@ -78,16 +86,28 @@ VectorX Model::viscous_densities(const State& state) const {
 }
 
 void Model::set_forces(const State& state, Positions& forces) const {
+  Scratch scratch;
+  set_forces(state, forces, scratch);
+}
+
+void Model::set_forces(const State& state, Positions& forces, Scratch& scratch) const {
   forces.setZero(3, body_->size());
-  VectorX densities = force_densities(state.positions);
-  if (!viscosity_.empty()) densities += viscous_densities(state);
-  gather(state.positions, densities, forces);
+  add_elastic_forces(state.positions, forces, scratch);
+  if (!viscosity_.empty()) {
+    set_squares_and_rates(state, scratch.squares, scratch.rates);
+    scratch.densities.setZero(body_->connections.size());
+    for (const auto& part : viscosity_) part->add_force_densities(scratch.squares, scratch.rates, scratch.densities);
+    gather(state.positions, scratch.densities, forces);
+  }
   for (const auto& load : loads_) load->add_forces(state, forces);
 }
 
 void Model::gather(const Positions& positions, const VectorX& densities, Positions& forces) const {
-  add_flows(body_->connections, graph_ ? &graph_->incident : nullptr, forces,
-            [&](int c, int a, int b) -> Vector3 { return densities[c] * (positions.col(b) - positions.col(a)); });
+  graph_->add_forces(positions, densities, forces);
+}
+
+void Model::add_elastic_forces(const Positions& positions, Positions& forces, Scratch& scratch) const {
+  for (const auto& part : elasticity_) part->add_forces(positions, *graph_, forces, scratch);
 }
 
 }  // namespace elastin

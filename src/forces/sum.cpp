@@ -19,9 +19,13 @@ class Sum final : public Elasticity {
   double energy(const Positions& positions) const override {
     return first_->energy(positions) + second_->energy(positions);
   }
-  void add_force_densities(const Positions& positions, VectorX& densities) const override {
-    first_->add_force_densities(positions, densities);
-    second_->add_force_densities(positions, densities);
+  void add_force_densities(const Positions& positions, VectorX& densities, Scratch& scratch) const override {
+    first_->add_force_densities(positions, densities, scratch);
+    second_->add_force_densities(positions, densities, scratch);
+  }
+  void add_forces(const Positions& positions, const Graph& graph, Positions& forces, Scratch& scratch) const override {
+    first_->add_forces(positions, graph, forces, scratch);
+    second_->add_forces(positions, graph, forces, scratch);
   }
   void linearise(const Positions& positions) override {
     first_->linearise(positions);

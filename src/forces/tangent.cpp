@@ -52,9 +52,9 @@ void Tangent::apply(const Positions& motion, Positions& result) const {
 
 void Tangent::apply_links(const Positions& motion, Positions& result) const {
   const Connections& connections = model_.body().connections;
-  const Rows* incident = model_.graph_ ? &model_.graph_->incident : nullptr;
+  const Graph& graph = *model_.graph_;
   if (!coupled_) {
-    add_flows(connections, incident, result, [&](int c, int a, int b) -> Vector3 {
+    graph.add_flows(result, [&](int c, int a, int b) -> Vector3 {
       const Link& link = links_[c];
       const Vector3 delta = motion.col(a) - motion.col(b);
       return link.density * delta + (link.slope * link.d.dot(delta)) * link.d;
@@ -72,7 +72,7 @@ void Tangent::apply_links(const Positions& motion, Positions& result) const {
     squares *= weights_.velocity;
     for (const auto& part : model_.viscosity()) part->add_change(squares, densities);
   }
-  add_flows(connections, incident, result, [&](int c, int a, int b) -> Vector3 {
+  graph.add_flows(result, [&](int c, int a, int b) -> Vector3 {
     const Link& link = links_[c];
     return link.density * (motion.col(a) - motion.col(b)) - densities[c] * link.d;
   });
@@ -110,6 +110,13 @@ void Tangent::visit_local_blocks(const BlockVisitor& visit) const {
 void Tangent::visit_blocks(const BlockVisitor& visit) const {
   visit_local_blocks(visit);
   for (const auto& part : model_.elasticity()) part->visit_blocks(visit);
+}
+
+std::vector<WidePart> Tangent::wide_parts() const {
+  std::vector<WidePart> parts;
+  for (const auto& load : model_.loads())
+    for (WidePart& part : load->wide_parts(state_)) parts.push_back(std::move(part));
+  return parts;
 }
 
 std::vector<Matrix3> Tangent::diagonal() const {

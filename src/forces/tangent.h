@@ -23,9 +23,13 @@ class Tangent {
   /// result = K motion [N], motion [m]; result is overwritten.
   void apply(const Positions& motion, Positions& result) const;
 
-  /// Calls visit(a, b, K_ab part) for every part of every 3×3 block, both triangles; the blocks are the sums.
+  /// Calls visit(a, b, K_ab part) for every part of every 3×3 block, both triangles; the blocks are the sums, less the
+  /// wide parts.
   using BlockVisitor = Elasticity::BlockVisitor;
   void visit_blocks(const BlockVisitor& visit) const;
+
+  /// What these blocks leave out, of loads that join all molecules with all.
+  std::vector<WidePart> wide_parts() const;
 
   /// The diagonal blocks K_aa [N/m].
   std::vector<Matrix3> diagonal() const;

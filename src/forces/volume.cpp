@@ -90,7 +90,8 @@ class Volume final : public Elasticity {
   Volume(const Body& body, VolumeGroups groups, double modulus)
       : groups_(std::move(groups)), graph_(body.connections, groups_.tetrahedra), modulus_(modulus) {
     for (const auto& cell : groups_.tetrahedra) rest_volume_.push_back(signed_volume(body.rest, cell));
-    group_volume_ = group_sums([&](int t) { return rest_volume_[static_cast<std::size_t>(t)]; });
+    group_volume_.resize(groups_.size());
+    set_group_sums([&](int t) { return rest_volume_[static_cast<std::size_t>(t)]; }, group_volume_);
   }
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<Volume>(*this); }
@@ -108,9 +109,10 @@ class Volume final : public Elasticity {
     });
   }
 
-  void add_force_densities(const Positions& positions, VectorX& densities) const override {
-    const VectorX pressures = pressures_at(positions);
-    VectorX slots(tetrahedra() * 6);
+  void add_force_densities(const Positions& positions, VectorX& densities, Scratch& scratch) const override {
+    auto sums = scratch.take(Scratch::groups, groups_.size()), pressures = scratch.take(Scratch::cells, tetrahedra());
+    set_pressures(positions, sums, pressures);
+    auto slots = scratch.take(Scratch::slots, tetrahedra() * 6);
     parallel_for(tetrahedra(),
                  [&](int t) { slots.segment<6>(6 * t) = 2 * pressures[t] * tetrahedron(positions, t).slope; });
     graph_.gather(slots, densities);
@@ -118,7 +120,9 @@ class Volume final : public Elasticity {
 
   void linearise(const Positions& positions) override {
     positions_ = positions;
-    pressures_ = pressures_at(positions);
+    VectorX sums(groups_.size());
+    pressures_.resize(tetrahedra());
+    set_pressures(positions, sums, pressures_);
     now_.resize(static_cast<std::size_t>(tetrahedra()));
     parallel_for(tetrahedra(), [&](int t) { now_[static_cast<std::size_t>(t)] = tetrahedron(positions, t); });
   }
@@ -127,14 +131,15 @@ class Volume final : public Elasticity {
   bool coupled() const override { return true; }
 
   void add_change(const VectorX& change_of_squares, VectorX& change_of_densities) const override {
-    VectorX changes(tetrahedra());
+    VectorX changes(tetrahedra()), sums(groups_.size()), pressures(tetrahedra());
     const auto squares = [&](int t) {
       CellVector<4> change;
       for (int c = 0; c < 6; ++c) change[c] = change_of_squares[graph_.slot_connection[6 * t + c]];
       return change;
     };
     parallel_for(tetrahedra(), [&](int t) { changes[t] = now_[t].slope.dot(squares(t)); });
-    const VectorX pressures = spread(group_sums([&](int t) { return changes[t]; }));
+    set_group_sums([&](int t) { return changes[t]; }, sums);
+    set_spread(sums, pressures);
     VectorX slots(tetrahedra() * 6);
     parallel_for(tetrahedra(), [&](int t) {
       CellVector<4> change = pressures[t] * now_[t].slope;
@@ -187,30 +192,28 @@ class Volume final : public Elasticity {
 
   /// Σ w value(T) over each group.
   template <class Value>
-  VectorX group_sums(Value value) const {
-    VectorX sums(groups_.size());
+  void set_group_sums(Value value, Eigen::Ref<VectorX> sums) const {
     parallel_for(groups_.size(), [&](int group) {
       double sum = 0;
       for (const int t : groups_.members[group]) sum += groups_.weight * value(t);
       sums[group] = sum;
     });
-    return sums;
   }
 
   /// Σ w κ ΔV_g/V_g over the groups of each tetrahedron [Pa], from the groups' changes of volume ΔV_g.
-  VectorX spread(const VectorX& changes) const {
-    VectorX pressures(tetrahedra());
+  void set_spread(Eigen::Ref<const VectorX> changes, Eigen::Ref<VectorX> pressures) const {
     parallel_for(tetrahedra(), [&](int t) {
       double sum = 0;
       for (const int group : groups_.groups_of[t]) sum += changes[group] / group_volume_[group];
       pressures[t] = groups_.weight * modulus_ * sum;
     });
-    return pressures;
   }
 
-  /// What multiplies ∂V/∂x in the energy's gradient, of each tetrahedron [Pa].
-  VectorX pressures_at(const Positions& positions) const {
-    return spread(group_sums([&](int t) { return signed_volume(positions, cell(t)); }) - group_volume_);
+  /// What multiplies ∂V/∂x in the energy's gradient, of each tetrahedron [Pa]; `changes` of the groups' volumes [m³].
+  void set_pressures(const Positions& positions, Eigen::Ref<VectorX> changes, Eigen::Ref<VectorX> pressures) const {
+    set_group_sums([&](int t) { return signed_volume(positions, cell(t)); }, changes);
+    changes -= group_volume_;
+    set_spread(changes, pressures);
   }
 
   /// ∂(Σ w V_T)/∂x of each molecule of a group [m²], ascending.

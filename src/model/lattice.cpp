@@ -70,6 +70,7 @@ Body cubic_lattice(const std::array<int, 3>& molecules, double spacing, const Cu
       for (const auto& offset : half_neighbours(nonzero)) offsets.push_back(offset);
 
   Body body;
+  body.grid = molecules;
   body.rest.resize(3, static_cast<Eigen::Index>(nx) * ny * nz);
   for (int z = 0; z < nz; ++z)
     for (int y = 0; y < ny; ++y)
@@ -146,7 +147,7 @@ Body tetrahedral_block(BlockKind kind, const std::array<int, 3>& cubes, const Ve
       middles.push_back((body.rest.col(cube[0]) + body.rest.col(cube[7])) / 2);
     }
   }
-  if (kind == BlockKind::body_centred) add_body_centred(cubes, body);
+  if (kind == BlockKind::body_centred) add_body_centred(cubes, body), body.grid.reset();
   body.rest.conservativeResize(3, body.rest.cols() + static_cast<Eigen::Index>(middles.size()));
   for (std::size_t m = 0; m < middles.size(); ++m)
     body.rest.col(body.rest.cols() - static_cast<Eigen::Index>(middles.size() - m)) = middles[m];

@@ -130,9 +130,8 @@ double StressStrain::Piece::energy_density(double at) const {
 }
 
 const StressStrain::Piece& StressStrain::piece(double strain) const {
-  auto at = pieces_->begin();
-  while (strain >= at->end) ++at;
-  return *at;
+  return *std::upper_bound(pieces_->begin(), pieces_->end() - 1, strain,
+                           [](double value, const Piece& piece) { return value < piece.end; });
 }
 
 double StressStrain::stress(double strain) const {

@@ -104,7 +104,19 @@ Body read_mesh(Reader reader) {
   return body;
 }
 
-Body read_list(const Reader& molecules, std::optional<Reader> connections) {
+/// triangles: [[0, 1, 2], …] of a body given by its molecules.
+Cells<3> read_triangles(const Reader& reader, int last) {
+  Cells<3> triangles;
+  for (const Reader& item : reader.items()) {
+    const auto corners = item.items(3);
+    triangles.push_back({corners[0].whole(0, last), corners[1].whole(0, last), corners[2].whole(0, last)});
+    const auto& [a, b, c] = triangles.back();
+    if (a == b || b == c || c == a) item.fail("a triangle needs three different molecules");
+  }
+  return triangles;
+}
+
+Body read_list(const Reader& molecules, std::optional<Reader> connections, std::optional<Reader> triangles) {
   std::vector<Vector3> places;
   for (const Reader& item : molecules.items()) places.push_back(item.vector(dimension::length));
   if (places.empty()) molecules.fail("a body needs at least one molecule");
@@ -119,11 +131,16 @@ Body read_list(const Reader& molecules, std::optional<Reader> connections) {
     }
   Body body = listed_body(places, pairs);
   if (reach) body.connections = connections_within(body.rest, *reach);
+  if (!triangles) return body;
+  if (connections) triangles->fail("the sides of the triangles are the connections; leave `connections` out");
+  body.triangles = read_triangles(*triangles, last);
+  body.connections = connections_of_cells(body.rest, body.triangles, {});
   return body;
 }
 
 Body read_shape(Reader& reader) {
-  const std::vector<std::string> shapes{"lattice", "packing", "tetrahedra", "mesh", "molecules"};
+  const std::vector<std::string> shapes{"lattice", "packing", "tetrahedra", "sphere", "sphere_octant",
+                                        "disc",    "sheet",   "canopy",     "mesh",   "molecules"};
   std::optional<Reader> shape;
   std::string name;
   for (const std::string& key : shapes)
@@ -133,15 +150,18 @@ Body read_shape(Reader& reader) {
       name = key;
     }
   if (!shape) {
-    for (const char* key : {"radius", "jitter", "grade", "cells", "connections", "regions"}) reader.has(key);
+    for (const char* key : {"radius", "jitter", "grade", "cells", "connections", "triangles", "regions"}) reader.has(key);
     reader.finish();
-    reader.fail("needs a shape: lattice, packing, tetrahedra, mesh or molecules");
+    std::string known;
+    for (const std::string& key : shapes) known += (known.empty() ? "" : key == shapes.back() ? " or " : ", ") + key;
+    reader.fail("needs a shape: " + known);
   }
   if (name == "lattice") return read_lattice(*shape);
   if (name == "packing") return read_packing(*shape);
   if (name == "tetrahedra") return read_tetrahedra(*shape);
   if (name == "mesh") return read_mesh(*shape);
-  return read_list(*shape, reader.find("connections"));
+  if (name != "molecules") return read_surface(name, *shape);
+  return read_list(*shape, reader.find("connections"), reader.find("triangles"));
 }
 
 /// Length of the shortest connection proper [m]; 0 if there is none.

@@ -3,6 +3,7 @@
 #include "experiment/bending.h"
 #include "experiment/homogenisation.h"
 #include "experiment/hydrostatic.h"
+#include "experiment/inflation.h"
 #include "experiment/shear.h"
 #include "experiment/tension.h"
 #include "experiment/torsion.h"
@@ -137,6 +138,40 @@ std::unique_ptr<Experiment> read_homogenisation(Reader reader, const ExperimentP
   return reader.located([&] { return make_homogenisation(place.body, depth, place.rotation); });
 }
 
+GasSetup read_gas(Reader reader) {
+  GasSetup gas;
+  const auto amount = reader.find("amount"), start = reader.find("start_pressure");
+  if (amount) gas.amount = amount->quantity(dimension::energy, kPositive);
+  if (start) gas.start_pressure = start->quantity(dimension::pressure, kPositive);
+  if (auto exponent = reader.find("exponent")) gas.exponent = exponent->quantity(dimension::none, {1, 2});
+  if (auto ambient = reader.find("ambient")) gas.ambient = ambient->quantity(dimension::pressure, kNotNegative);
+  reader.finish();
+  if (amount.has_value() == start.has_value())
+    reader.fail("give one of amount (absolute pressure times volume, n R T) and start_pressure (absolute)");
+  return gas;
+}
+
+std::unique_ptr<Experiment> read_inflation(Reader reader, const ExperimentPlace& place) {
+  InflationSetup setup;
+  setup.axes = place.rotation;
+  const auto pressure = reader.find("pressure"), volume = reader.find("volume_ratio"), gas = reader.find("gas");
+  if (pressure) setup.pressure = read_amount(*pressure, dimension::pressure);
+  if (volume) setup.volume_ratio = volume->quantity(dimension::none, kPositive);
+  if (gas) setup.gas = read_gas(*gas);
+  if (auto symmetry = reader.find("symmetry"))
+    for (const Reader& item : symmetry->items()) {
+      setup.symmetry.push_back(place.rotation * read_direction(item));
+      for (std::size_t other = 0; other + 1 < setup.symmetry.size(); ++other)
+        if (std::abs(setup.symmetry[other].dot(setup.symmetry.back())) > 1e-9)
+          item.fail("must be perpendicular to the planes before it");
+    }
+  setup.load_steps = read_steps(reader);
+  reader.finish();
+  if (pressure.has_value() + volume.has_value() + gas.has_value() != 1)
+    reader.fail("give one of pressure, volume_ratio (volume over that at rest) and gas");
+  return reader.located([&] { return make_inflation(place.body, setup, place.material); });
+}
+
 }  // namespace
 
 std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace& place) {
@@ -149,6 +184,8 @@ std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace
        {"torsion", read_torsion},
        {"hydrostatic", read_hydrostatic},
        {"bending", read_bending},
+       {"inflation", read_inflation},
+       {"bubble", read_bubble},
        {"material", read_homogenisation},
        // Known here for the list of names; read above.
        {"motion", nullptr},

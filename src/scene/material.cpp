@@ -39,6 +39,31 @@ StressStrain read_curve(Reader reader) {
   return finished(StressStrain::toe(toe, modulus("toe_modulus"), modulus("modulus")));
 }
 
+/// {polynomial: [c0, c1, …], up_to: 80 %} | {points: [[ε, E], …]}
+StressStrain read_secant_modulus(Reader reader) {
+  if (!reader.is_map()) reader.fail("write {polynomial: [c0, c1, ...], up_to: strain} or {points: [[strain, E], ...]}");
+  const auto polynomial = reader.find("polynomial"), points = reader.find("points");
+  if (polynomial.has_value() == points.has_value()) {
+    reader.finish();
+    reader.fail("give one of polynomial and points");
+  }
+  if (polynomial) {
+    std::vector<double> coefficients;
+    for (const Reader& item : polynomial->items()) coefficients.push_back(item.quantity(dimension::pressure));
+    const double up_to = reader.at("up_to").quantity(dimension::none, kPositive);
+    reader.finish();
+    return polynomial->located([&] { return StressStrain::secant_polynomial(coefficients, up_to); });
+  }
+  std::vector<StressStrain::SecantPoint> table;
+  for (const Reader& item : points->items()) {
+    const auto pair = item.items(2);
+    table.push_back(
+        {pair[0].quantity(dimension::none, kNotNegative), pair[1].quantity(dimension::pressure, kPositive)});
+  }
+  reader.finish();
+  return points->located([&] { return StressStrain::secant_table(table); });
+}
+
 Fibre read_fibre(Reader reader) {
   const Vector3 direction = read_direction(reader.at("direction"));
   const auto modulus = reader.find("youngs_modulus"), curve = reader.find("curve"),
@@ -57,6 +82,10 @@ Fibre read_fibre(Reader reader) {
 Material read_material(Reader reader) {
   Material material;
   if (auto curve = reader.find("curve")) material.curve = read_curve(*curve);
+  if (auto secant = reader.find("secant_modulus")) {
+    if (material.curve) secant->fail("there is a curve already; give one of them");
+    material.curve = read_secant_modulus(*secant);
+  }
   const auto modulus = material.curve ? reader.find("youngs_modulus") : std::optional(reader.at("youngs_modulus"));
   if (modulus) material.youngs_modulus = modulus->quantity(dimension::pressure, kPositive);
   if (material.curve) {
@@ -67,7 +96,7 @@ Material read_material(Reader reader) {
     material.youngs_modulus = first;
   }
   if (auto value = reader.find("poissons_ratio"))
-    material.poissons_ratio = value->quantity(dimension::none, {-0.99, 0.4999, false});
+    material.poissons_ratio = value->quantity(dimension::none, {-0.99, 0.5, false});
   if (auto value = reader.find("density")) material.density = value->quantity(dimension::density, kPositive);
   if (auto value = reader.find("thickness")) material.thickness = value->quantity(dimension::length, kPositive);
   if (auto fibre = reader.find("fibre")) material.fibre = read_fibre(*fibre);

@@ -10,6 +10,8 @@ namespace elastin {
 Material read_material(Reader reader);
 /// Masses and radii are set too. The body is as written: rotated later, with the experiment.
 Body read_body(Reader reader, const Material& material, std::vector<std::string>& warnings);
+/// A body of triangles: sphere, sphere_octant, disc, sheet or canopy.
+Body read_surface(const std::string& shape, Reader reader);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
 /// What an experiment needs to know of its scene. Directions of the scene are turned with it.
 struct ExperimentPlace {
@@ -21,6 +23,7 @@ struct ExperimentPlace {
 /// A kind that runs through time, or null: the experiment's kind is one at rest.
 std::unique_ptr<Experiment> read_timed_experiment(Reader reader, const std::string& kind, const ExperimentPlace& place);
 std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace& place);
+std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentPlace& place);
 StaticOptions read_solver(Reader reader);
 /// Adds one load, or internal damping, to a model of the scene's body.
 struct SceneLoad {

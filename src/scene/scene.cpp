@@ -82,6 +82,14 @@ std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const 
   return strategies;
 }
 
+/// Membranes alone may be incompressible.
+void check_incompressible(Reader material, const Specimen& specimen) {
+  const Body& body = specimen.body;
+  if (specimen.material.poissons_ratio <= 0.4999 || (body.tetrahedra.empty() && !body.triangles.empty())) return;
+  material.at("poissons_ratio")
+      .fail("is out of range: above 0.4999 only membranes, bodies of triangles, are incompressible");
+}
+
 /// A strategy's volume term takes not every Poisson's ratio that a material may have.
 void check_volume_range(Reader material, const Material& values, const std::vector<StrategyChoice>& strategies) {
   for (const StrategyChoice& choice : strategies)
@@ -123,6 +131,7 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   scene->specimen.body = read_body(body, scene->specimen.material, scene->warnings);
   if (!scene->specimen.body.triangles.empty() && scene->specimen.material.thickness == 0)
     reader.at("material").fail("key 'thickness' is missing: a body of triangles is a membrane");
+  check_incompressible(reader.at("material"), scene->specimen);
   warn_of_pieces(scene->specimen.body, scene->warnings);
   const Matrix3 rotation = reader.has("rotate") ? read_rotation(reader.at("rotate")) : Matrix3(Matrix3::Identity());
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);

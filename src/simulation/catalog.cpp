@@ -7,10 +7,13 @@
 #include "stiffness/angles.h"
 #include "stiffness/angles_update.h"
 #include "stiffness/curve.h"
+#include "stiffness/curve_membrane.h"
 #include "stiffness/divided.h"
+#include "stiffness/hencky_membrane.h"
 #include "stiffness/lattice.h"
 #include "stiffness/lloyd.h"
 #include "stiffness/neo_hookean.h"
+#include "stiffness/neo_hookean_membrane.h"
 #include "stiffness/patch.h"
 #include "stiffness/st_venant_kirchhoff.h"
 #include "stiffness/standard.h"
@@ -41,6 +44,9 @@ Catalog built_in_catalog() {
   catalog.add<StVenantKirchhoffMembrane>();
   catalog.add<NeoHookean>();
   catalog.add<Curve>();
+  catalog.add<HenckyMembrane>();
+  catalog.add<NeoHookeanMembrane>();
+  catalog.add<CurveMembrane>();
   catalog.add<TwoParameter>();
   const auto add_wrapper = [&](const char* name, const char* summary, const char* source) {
     Strategy wrapper;

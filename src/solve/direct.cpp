@@ -1,3 +1,5 @@
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 #include <cmath>
 
@@ -6,6 +8,51 @@
 
 namespace elastin {
 namespace {
+
+/// K⁻¹ of a factorised sparse part A and the wide parts: K = A + G C Gᵀ, K⁻¹ = A⁻¹ − Z S⁻¹ Zᵀ, Z = A⁻¹ G, S = C⁻¹ +
+/// Gᵀ Z. [Woodbury 1950]
+class Factor {
+ public:
+  Factor(const Tangent& tangent, const std::vector<Support>& supports, double shift, double scale)
+      : sparse_(sparse_stiffness(tangent, supports, shift, scale)) {
+    if (sparse_.info() != Eigen::Success) return;
+    negative_modes_ = static_cast<int>((sparse_.vectorD().array() < 0).count());
+    const std::vector<WidePart> parts = tangent.wide_parts();
+    if (parts.empty()) return;
+    const auto count = static_cast<Eigen::Index>(parts.size());
+    wide_.resize(parts.front().direction.size(), count);
+    Eigen::MatrixXd border = Eigen::MatrixXd::Zero(count, count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      Positions direction = parts[static_cast<std::size_t>(i)].direction;
+      keep_free(supports, direction);
+      wide_.col(i) = Eigen::Map<const VectorX>(direction.data(), direction.size());
+      border(i, i) = 1 / parts[static_cast<std::size_t>(i)].factor;
+    }
+    const auto positive = [](const Eigen::MatrixXd& matrix) {
+      return static_cast<int>(
+          (Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvalues().array() > 0).count());
+    };
+    const int before = positive(border);
+    solved_ = sparse_.solve(wide_);
+    border += wide_.transpose() * solved_;
+    negative_modes_ += positive(border) - before;  // the inertia of the bordered matrix, counted in two ways
+    border_.compute(border);
+  }
+
+  bool usable() const { return sparse_.info() == Eigen::Success; }
+  int negative_modes() const { return negative_modes_; }
+  VectorX solve(const Eigen::Ref<const VectorX>& rhs) const {
+    VectorX x = sparse_.solve(rhs);
+    if (wide_.size() > 0) x -= solved_ * border_.solve(wide_.transpose() * x);
+    return x;
+  }
+
+ private:
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_;
+  Eigen::MatrixXd wide_, solved_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> border_;
+  int negative_modes_ = 0;
+};
 
 class Direct final : public LinearSolver {
  public:
@@ -21,14 +68,14 @@ class Direct final : public LinearSolver {
     // A tiny shift lets the factorisation pass zero-energy modes; refinement with the true K takes its effect away
     // again.
     const double scale = stiffness_scale(tangent), shift = 1e-9 * scale;
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(sparse_stiffness(tangent, supports, shift, scale));
-    if (factor.info() != Eigen::Success) {
+    const Factor factor(tangent, supports, shift, scale);
+    if (!factor.usable()) {
       result.status = LinearStatus::zero_mode;
       x = rhs / scale;
       result.residual = 1;
       return result;
     }
-    result.negative_modes = static_cast<int>((factor.vectorD().array() < 0).count());
+    result.negative_modes = factor.negative_modes();
     Positions r = rhs, better = x, kx(3, n);
     double now = size;
     constexpr int limit = 30;

@@ -82,7 +82,7 @@ struct Problem {
   bool with_energy;              ///< whether the answer minimises an energy
 
   Problem(Model& a_model, const Kinematics* some_kinematics) : model(a_model), kinematics(some_kinematics) {
-    with_energy = model.has_energy();
+    with_energy = model.conservative();
     if (!kinematics) return;
     with_energy &= model.viscosity().empty();
     for (const auto& load : model.loads()) with_energy &= load->acts_at_rest();

@@ -2,6 +2,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "stiffness/curve_size.h"
 #include "stiffness/simplex.h"
 
 namespace elastin {
@@ -12,12 +13,7 @@ namespace elastin {
 ///   T = (P(q)/(E q)) (λ t I + 2μ (U − I)).             [deformation theory of Hencky 1924, in Biot's measures]
 /// q is a norm and Φ convex and increasing, so W is convex in U for any increasing curve, stiffening or softening.
 /// Without a curve it is linear elasticity in the frame that turns with the cell.
-///
-/// Where tension and compression differ, Φ is the one of tension for s ≥ ½, that of compression for s ≤ −½, and in
-/// between Φ₋ + w(s) (Φ₊ − Φ₋), w = the smooth step of continuous curvature; s = t/((1−2ν) q) is the trace of the
-/// linear stress over q: 1 in uniaxial tension, −1 in compression, 0 in shear. In between W is not convex once the two
-/// moduli differ by more than 13, 6, 2, 1 % at ν = 0, ¼, 0.4, 0.45: near uniaxial stress nothing comes of it, but a
-/// body in shear or clamped at large ν may then find no stable equilibrium, and the solver says so.
+/// Where tension and compression differ, see CurveSize.
 struct Curve {
   static constexpr int corners = 4;
   static constexpr std::string_view name = "curve";
@@ -90,38 +86,10 @@ struct Curve {
  private:
   static constexpr auto pairs = corner_pairs<4>();
 
-  /// Ψ(q, t) of which W = V Ψ, and its derivatives: secant = Ψ_q/q.
-  struct Size {
-    double q = 0, energy = 0, secant = 0, by_t = 0, by_qq = 0, by_qt = 0, by_tt = 0;
-
-    Size() = default;
-    Size(const Constants& k, double length, double t) : q(length) {
-      const StressStrain& P = k.curve;
-      constexpr double negligible = 1e-9;  // the curve is straight to rounding, and s undefined at 0
-      const double s = q > negligible ? t * (3 * k.lambda + 2 * k.mu) / q : 1;
-      if (s >= 0.5 || s <= -0.5) {
-        const double signed_q = s > 0 ? q : -q;
-        energy = P.energy_density(signed_q), secant = P.secant(signed_q), by_qq = P.modulus(signed_q);
-        return;
-      }
-      const double x = s + 0.5, w = x * x * x * (10 + x * (6 * x - 15)), w1 = 30 * x * x * (1 - x) * (1 - x),
-                   w2 = 60 * x * (1 - x) * (1 - 2 * x);
-      const double D = P.energy_density(q) - P.energy_density(-q), D1 = P.stress(q) + P.stress(-q), s_q = -s / q,
-                   s_t = (3 * k.lambda + 2 * k.mu) / q;
-      energy = P.energy_density(-q) + w * D;
-      secant = P.secant(-q) + w * (P.secant(q) - P.secant(-q)) + D * w1 * s_q / q;
-      by_t = D * w1 * s_t;
-      by_qq = P.modulus(-q) + w * (P.modulus(q) - P.modulus(-q)) + 2 * D1 * w1 * s_q +
-              D * (w2 * s_q * s_q + w1 * 2 * s / (q * q));
-      by_qt = D1 * w1 * s_t + D * (w2 * s_q * s_t - w1 * s_t / q);
-      by_tt = D * w2 * s_t * s_t;
-    }
-  };
-
   struct Present {
     Vector3 stretch, hooke, stress;         ///< λ_i ≥ 1e-7; linear stress over E; S_i [Pa]
     Eigen::Matrix<double, 3, 4> gradients;  ///< b_a in the axes of C
-    Size size;
+    CurveSize size;
     double weight, pressure;  ///< T_i = pressure + weight λ_i
 
     Present(const Constants& k, const CellVector<4>& s) {
@@ -137,7 +105,8 @@ struct Curve {
       gradients = axes.eigenvectors().transpose() * k.gradients;
       const double t = strain.sum();
       hooke = (k.lambda * t + 2 * k.mu * strain.array()).matrix();
-      size = Size(k, std::sqrt(k.lambda * t * t + 2 * k.mu * strain.squaredNorm()), t);
+      size =
+          CurveSize(k.curve, std::sqrt(k.lambda * t * t + 2 * k.mu * strain.squaredNorm()), t, 3 * k.lambda + 2 * k.mu);
       weight = 2 * k.mu * size.secant;
       const Vector3 biot = size.secant * hooke + Vector3::Constant(size.by_t);
       pressure = k.lambda * t * size.secant + size.by_t - weight;

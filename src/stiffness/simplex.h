@@ -67,12 +67,13 @@ struct Lame {
 };
 
 /// λ = E ν/((1+ν)(1−2ν)), μ = E/(2(1+ν)) of the solid, for tetrahedra; in plane stress λ = E ν/(1−ν²), for triangles.
-/// Throws InputError unless −1 < ν < ½.
+/// Throws InputError unless −1 < ν < ½; in plane stress ν = ½ is a material like others.
 template <int corners>
 Lame lame(const Material& material) {
   const double E = material.youngs_modulus, nu = material.poissons_ratio;
-  if (!(nu > -1 && nu < 0.5))
-    throw InputError("poissons_ratio " + std::to_string(nu) + ": a cell law needs more than -1 and less than 0.5");
+  if (!(nu > -1 && (corners == 3 ? nu <= 0.5 : nu < 0.5)))
+    throw InputError("poissons_ratio " + std::to_string(nu) + ": a cell law needs more than -1 and " +
+                     (corners == 3 ? "at most 0.5" : "less than 0.5"));
   return {corners == 4 ? E * nu / ((1 + nu) * (1 - 2 * nu)) : E * nu / (1 - nu * nu), E / (2 * (1 + nu))};
 }
 

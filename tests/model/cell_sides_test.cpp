@@ -73,7 +73,8 @@ TEST_CASE("only rules and laws that work on cells give sides of cells a stiffnes
   const Positions places = deformed(full, 1e-4);
   const auto densities = [&](const std::string& law, const Body& of) {
     VectorX q = VectorX::Zero(of.connections.size());
-    catalog.find(law).make(of, kMaterial, {})->add_force_densities(places, q);
+    Scratch scratch;
+    catalog.find(law).make(of, kMaterial, {})->add_force_densities(places, q, scratch);
     return q;
   };
   CHECK(by_pair(body, densities("neo_hookean", body)) == by_pair(full, densities("neo_hookean", full)));

@@ -18,7 +18,7 @@ struct CellGraph {
   CellGraph(const Body& body, int corners);
   CellGraph(const Connections& connections, const Cells<4>& tetrahedra);
   /// Adds each connection's slots in ascending cell order: one owner a connection, the same bits on any thread count.
-  void gather(const VectorX& slots, VectorX& densities) const;
+  void gather(Eigen::Ref<const VectorX> slots, VectorX& densities) const;
   int cells() const { return static_cast<int>(slot_connection.size()) / sides; }
 
   int sides;                         ///< connections of one cell
@@ -80,13 +80,20 @@ class CellElasticity final : public Elasticity {
       return 0;
   }
 
-  void add_force_densities(const Positions& positions, VectorX& densities) const override {
-    VectorX slots(graph_.cells() * sides);
+  void add_force_densities(const Positions& positions, VectorX& densities, Scratch& scratch) const override {
+    auto slots = scratch.take(Scratch::slots, graph_.cells() * sides);
     detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
       for (int cell = begin; cell < end; ++cell)
         slots.template segment<sides>(cell * sides) = law_.force_densities(constants_[cell], squares(positions, cell));
     });
     graph_.gather(slots, densities);
+  }
+
+  bool add_triangle_densities(const Positions& positions, Eigen::Matrix3Xd& densities) const override {
+    if constexpr (corners == 3)
+      for (int cell = 0; cell < graph_.cells(); ++cell)
+        densities.col(cell) += law_.force_densities(constants_[cell], squares(positions, cell));
+    return corners == 3;
   }
 
   void linearise(const Positions& positions) override {

@@ -11,6 +11,35 @@
 
 namespace elastin {
 
+class Graph;
+
+/// Room for what a force pass computes on the way. It belongs to the caller and only grows: passes over one model
+/// allocate nothing after the first.
+class Scratch {
+ public:
+  enum Use { slots, cells, groups };
+  /// Room for so many numbers; they are what was left there.
+  Eigen::Map<VectorX> take(Use use, Eigen::Index size) { return grown(numbers_[use], size); }
+  /// The same for each part of a parallel pass.
+  void make_parts(int parts) {
+    if (static_cast<int>(of_parts_.size()) < parts) of_parts_.resize(static_cast<std::size_t>(parts));
+  }
+  Eigen::Map<VectorX> take_part(int part, Eigen::Index size) {
+    return grown(of_parts_[static_cast<std::size_t>(part)], size);
+  }
+
+  VectorX densities;       ///< [N/m], one a connection
+  VectorX squares, rates;  ///< of its length [m²], [m²/s]
+
+ private:
+  static Eigen::Map<VectorX> grown(VectorX& numbers, Eigen::Index size) {
+    if (numbers.size() < size) numbers.resize(size);
+    return {numbers.data(), size};
+  }
+  VectorX numbers_[3];
+  std::vector<VectorX> of_parts_;
+};
+
 /// A stiffness strategy at work on one body. Everything elastic is one number per connection, its force density q
 /// [N/m]: the force on molecule a is Σ_b q_ab (x_b − x_a). [Schek 1974]
 ///
@@ -31,7 +60,15 @@ class Elasticity {
   /// Whether no cell is flat or turned over. Energies are +infinity where not; laws without an energy say it here.
   virtual bool admissible(const Positions& /*positions*/) const { return true; }
   /// Adds each connection's force density [N/m].
-  virtual void add_force_densities(const Positions& positions, VectorX& densities) const = 0;
+  virtual void add_force_densities(const Positions& positions, VectorX& densities, Scratch& scratch) const = 0;
+  /// Of laws of triangles: adds each triangle's own share [N/m], a column a triangle, order 01 02 12. False where the
+  /// force densities belong to connections.
+  virtual bool add_triangle_densities(const Positions& /*positions*/, Eigen::Matrix3Xd& /*densities*/) const {
+    return false;
+  }
+  /// Adds the force on each molecule [N]: through the force densities, unless there is a shorter way. `graph` is that
+  /// of the body. The same bits on any number of threads.
+  virtual void add_forces(const Positions& positions, const Graph& graph, Positions& forces, Scratch& scratch) const;
 
   /// Remembers the slopes ∂q/∂s [N/m³] at these positions for the three calls below.
   virtual void linearise(const Positions& positions) = 0;

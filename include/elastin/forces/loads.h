@@ -9,6 +9,12 @@
 
 namespace elastin {
 
+/// A part of a stiffness that joins all molecules with all: factor · direction directionᵀ.
+struct WidePart {
+  double factor;        ///< [Pa/m³] of a pressure
+  Positions direction;  ///< [m²] of a pressure
+};
+
 /// A force from outside the elastic law. Absent from the scene = absent from the model.
 class Load {
  public:
@@ -25,6 +31,10 @@ class Load {
   /// Calls visit(a, b, part) for parts of the 3×3 blocks of −∂F_a/∂x_b − velocity_weight ∂F_a/∂v_b [N/m].
   using BlockVisitor = std::function<void(int a, int b, const Matrix3& part)>;
   virtual void visit_blocks(const State&, double /*velocity_weight*/, const BlockVisitor&) const {}
+  /// What is left out there: stiffness that joins all molecules with all.
+  virtual std::vector<WidePart> wide_parts(const State&) const { return {}; }
+  /// Whether what it does to a body that does not move comes from energy().
+  virtual bool has_energy() const { return true; }
   /// Whether energy() at one place stays the same over time: else what the load does is work from outside.
   virtual bool steady() const { return true; }
   /// Whether the load acts on a body that does not move. Drag does not.

@@ -42,6 +42,8 @@ class Model {
   std::function<void(double time, std::vector<Support>&)> drive;
 
   bool has_energy() const;
+  /// Whether at rest all forces, the loads' too, come from energies.
+  bool conservative() const;
   bool has_full_tangent() const;
   /// Whether no cell is flat or turned over.
   bool admissible(const Positions& positions) const;
@@ -53,6 +55,9 @@ class Model {
   VectorX force_densities(const Positions& positions) const;
   /// Elastic force on each molecule [N].
   Positions elastic_forces(const Positions& positions) const;
+  /// Adds it to `forces`, without an allocation once `scratch` has served this model. The same bits on any number of
+  /// threads.
+  void add_elastic_forces(const Positions& positions, Positions& forces, Scratch& scratch) const;
   /// Force of all loads on each molecule [N].
   Positions load_forces(const State& state) const;
   /// Squared length [m²] of each connection, and its rate [m²/s].
@@ -61,17 +66,19 @@ class Model {
   VectorX viscous_densities(const State& state) const;
   /// All forces on each molecule [N]: elastic, damping, loads. `forces` is overwritten.
   void set_forces(const State& state, Positions& forces) const;
+  /// The same without an allocation once `scratch` has served this model.
+  void set_forces(const State& state, Positions& forces, Scratch& scratch) const;
   /// Sum of connection forces on each molecule: Σ q_ab (x_b − x_a). The same bits on any number of threads.
   void gather(const Positions& positions, const VectorX& densities, Positions& forces) const;
 
  private:
   friend class Tangent;
-  struct Graph;
+  void set_squares_and_rates(const State& state, VectorX& squares, VectorX& rates) const;
   const Body* body_;
   std::vector<std::unique_ptr<Elasticity>> elasticity_;
   std::vector<std::unique_ptr<Viscosity>> viscosity_;
   std::vector<std::unique_ptr<Load>> loads_;
-  std::unique_ptr<Graph> graph_;  // only for bodies large enough for several threads
+  std::unique_ptr<Graph> graph_;
 };
 
 }  // namespace elastin

@@ -44,6 +44,9 @@ struct Body {
   Cells<8> cubes;
   /// How many times as stiff as the material each connection and cell is; empty = all alike. See set_region.
   VectorX connection_stiffness, cell_stiffness;
+  /// Molecules along x, y, z where they are numbered as a grid, x + nx (y + ny z), wherever they lie. Passes over
+  /// springs between neighbours on it need no list of connections.
+  std::optional<std::array<int, 3>> grid;
   std::optional<VoronoiCells> voronoi;  ///< only where a strategy asks for them (Strategy::needs_voronoi)
   int size() const { return static_cast<int>(rest.cols()); }
 };

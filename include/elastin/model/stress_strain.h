@@ -33,6 +33,18 @@ class StressStrain {
   /// through the last three points, kept within 0.1 and 2 times that of the last two. Throws InputError on a fault.
   static StressStrain through(const std::vector<Point>& points);
 
+  /// From a secant modulus E(|ε|) = c₀ + c₁ |ε| + c₂ ε² … [Pa], the same in compression: σ = E ε up to the strain
+  /// `up_to`
+  /// (> 0). Throws InputError where the stress does not rise up to there, and says at which strain.
+  static StressStrain secant_polynomial(const std::vector<double>& coefficients, double up_to);
+
+  /// From a secant modulus given at some strains ≥ 0, ascending, at least two, interpolated by monotone cubics and
+  /// constant before the first; the same in compression. Throws InputError as secant_polynomial.
+  struct SecantPoint {
+    double strain, modulus;
+  };
+  static StressStrain secant_table(const std::vector<SecantPoint>& points);
+
   /// The first point that a curve cannot go through, and why: strain and stress must increase from point to point,
   /// strain stay above −1, and one point be the origin; at least two points.
   static std::optional<std::pair<std::size_t, std::string>> fault(const std::vector<Point>& points);
@@ -56,6 +68,7 @@ class StressStrain {
     double energy_density(double at) const;
   };
   explicit StressStrain(const std::vector<Knot>& knots);
+  static StressStrain both_ways(const std::vector<Knot>& tension);
   const Piece& piece(double strain) const;
 
   std::shared_ptr<const std::vector<Piece>> pieces_;

@@ -1,0 +1,58 @@
+#include "elastin/model/surfaces.h"
+
+#include "scene/parts.h"
+
+namespace elastin {
+namespace {
+
+/// More parts than this along a line is a slip of the pen, not a scene.
+constexpr int kMostParts = 4000;
+
+double read_length(Reader& reader, const char* key) { return reader.at(key).quantity(dimension::length, kPositive); }
+
+Body read_sphere(Reader& reader, bool octant) {
+  const double radius = read_length(reader, "radius");
+  std::vector<std::pair<std::string, SphereMesh>> meshes{{"type_1", SphereMesh::type_1},
+                                                         {"type_2", SphereMesh::type_2}};
+  if (!octant) meshes.insert(meshes.begin(), {"icosahedron", SphereMesh::icosahedron});
+  const auto mesh = reader.find("mesh");
+  const SphereMesh kind = mesh ? mesh->choice(meshes) : meshes.front().second;
+  const int divisions = reader.at("divisions").whole(kind == SphereMesh::type_2 ? 3 : 1, kMostParts);
+  reader.finish();
+  return octant ? sphere_octant(radius, kind, divisions) : sphere(radius, kind, divisions);
+}
+
+Body read_sheet(Reader& reader) {
+  const auto sides = reader.at("size").items(2), counts = reader.at("squares").items(2);
+  const std::array size{sides[0].quantity(dimension::length, kPositive),
+                        sides[1].quantity(dimension::length, kPositive)};
+  const std::array squares{counts[0].whole(1, kMostParts), counts[1].whole(1, kMostParts)};
+  const auto pattern = reader.find("pattern");
+  const SheetPattern kind = pattern ? pattern->choice<SheetPattern>({{"alternating", SheetPattern::alternating},
+                                                                     {"one_way", SheetPattern::one_way},
+                                                                     {"crossed", SheetPattern::crossed}})
+                                    : SheetPattern::alternating;
+  reader.finish();
+  return rectangular_sheet(size, squares, kind);
+}
+
+Body read_canopy(Reader& reader) {
+  const double width = read_length(reader, "width"), span = read_length(reader, "span");
+  const int squares = reader.at("squares").whole(1, kMostParts);
+  reader.finish();
+  return cross_canopy(width, span, squares);
+}
+
+}  // namespace
+
+Body read_surface(const std::string& shape, Reader reader) {
+  if (shape == "sheet") return read_sheet(reader);
+  if (shape == "canopy") return read_canopy(reader);
+  if (shape != "disc") return read_sphere(reader, shape == "sphere_octant");
+  const double radius = read_length(reader, "radius");
+  const int rings = reader.at("rings").whole(1, kMostParts);
+  reader.finish();
+  return disc(radius, rings);
+}
+
+}  // namespace elastin
