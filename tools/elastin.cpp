@@ -159,7 +159,8 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
   for (const auto& scene : scenes) choices.push_back(chosen_strategies(options, catalog, *scene, compare));
   if (!options.restart.empty() && (scenes.size() != 1 || choices[0].size() != 1 || !scenes[0]->time))
     throw InputError("--restart: goes on with one strategy of one scene that runs in time");
-  std::signal(SIGINT, note_interrupt);
+  if (std::any_of(scenes.begin(), scenes.end(), [](const auto& scene) { return scene->time.has_value(); }))
+    std::signal(SIGINT, note_interrupt);
   write_files(options, {});  // a folder that cannot be written to is said before the work
   std::vector<Record> all;
   bool good = true;

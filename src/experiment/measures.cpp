@@ -86,7 +86,7 @@ const std::vector<MeasureInfo>& measure_list() {
       {"work", dimension::energy, "of loads that change in time and of moved supports, since the start"},
       {"energy_balance", dimension::energy,
        "kinetic + elastic + potential + dissipated - work, less its start: an error"},
-      {"energy_drift", none, "largest |energy balance| / largest kinetic + elastic energy"},
+      {"energy_drift", none, "largest |energy balance| / largest of kinetic + elastic energy, work, dissipated energy"},
       {"momentum", {1, 1, -1}, "of all molecules, its size"},
       {"angular_momentum", {2, 1, -1}, "about the origin, its size"},
       {"rigid_motions", none, "of the whole body that supports leave free"},

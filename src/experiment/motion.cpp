@@ -43,6 +43,9 @@ class Motion final : public TimedExperiment {
     course_ = setup_.hold->course();
     if (setup_.kind == MotionKind::relaxation && course_.resistance.empty())
       throw InputError("hold: needs a displacement that is given, as that of tension, shear or torsion");
+    const bool applied = setup_.kind == MotionKind::creep || (setup_.kind == MotionKind::release && !setup_.let_go);
+    if (applied && !course_.resistance.empty())
+      throw InputError("hold: a load that is put on at once must be a force, not a displacement");
     if (setup_.kind != MotionKind::motion && course_.displacement.empty())
       throw InputError("hold: a " + setup_.hold->name() + " experiment has no displacement to watch");
   }
@@ -98,11 +101,7 @@ class Motion final : public TimedExperiment {
     if (setup_.kind == MotionKind::creep)
       if (const auto fit = fit_exponential(series_of(rows, course_.displacement)))
         measures.set("retardation_time", fit->time);
-    if (setup_.kind == MotionKind::relaxation)
-      if (const auto fit = fit_exponential(series_of(rows, course_.resistance, setup_.ramp))) {
-        measures.set("relaxation_time", fit->time);
-        measures.set("relaxed_ratio", fit->end / fit->start);
-      }
+    if (setup_.kind == MotionKind::relaxation) read_relaxation(rows, measures);
   }
 
   std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {
@@ -136,6 +135,19 @@ class Motion final : public TimedExperiment {
     result.linear_iterations = all.linear_iterations;
     setup_.hold->let_go(model);
     return result;
+  }
+
+  /// The slowest part alone: from where a twentieth of the fall is left, faster ones are gone.
+  void read_relaxation(const std::vector<CurvePoint>& rows, Measures& measures) const {
+    const Series all = series_of(rows, course_.resistance, setup_.ramp);
+    const auto whole = fit_exponential(all);
+    if (!whole) return;
+    measures.set("relaxed_ratio", whole->end / all.values[0]);
+    double late = setup_.ramp;
+    for (Eigen::Index i = 0; i < all.times.size(); ++i)
+      if (std::abs(all.values[i] - whole->end) > 0.05 * std::abs(all.values[0] - whole->end)) late = all.times[i];
+    if (const auto fit = fit_exponential(series_of(rows, course_.resistance, late)))
+      measures.set("relaxation_time", fit->time);
   }
 
   void read_vibration(const Series& series, Measures& measures) const {

@@ -68,6 +68,10 @@ class Course {
   void go() {
     const Clock::time_point start = Clock::now();
     const TimeOptions& time = *options_.time;
+    const double critical = control_.memory.critical;
+    if (time.choice == StepChoice::fixed && critical > 0 && time.step > critical)
+      run_.warnings.push_back("a step of " + number(time.step) + " s is longer than the longest stable one, " +
+                              number(critical) + " s");
     if (run_.curve.empty()) keep_row({});
     keep_snapshot();
     const double first = state_.time;
@@ -184,14 +188,17 @@ class Course {
     time.last_step = memory.last;
     time.critical_step = memory.critical;
     time.frequency = memory.frequency;
-    run_.measures = run_.curve.back().measures;
+    experiment_.read_course(run_.curve, run_.measures);
+    for (const auto& [name, value] : run_.curve.back().measures.all())
+      if (!std::isfinite(run_.measures.get(name))) run_.measures.set(name, value);
     double largest = 0, drift = 0;
     for (const CurvePoint& row : run_.curve) {
-      largest = std::max(largest, row.measures.get("kinetic_energy") + row.measures.get("energy"));
+      const Measures& m = row.measures;
+      largest = std::max(
+          {largest, m.get("kinetic_energy") + m.get("energy"), std::abs(m.get("work")), m.get("dissipated_energy")});
       drift = std::max(drift, std::abs(row.measures.get("energy_balance")));
     }
     if (largest > 0) run_.measures.set("energy_drift", drift / largest);
-    experiment_.read_course(run_.curve, run_.measures);
     run_.remark = experiment_.remark(run_.measures);
   }
 

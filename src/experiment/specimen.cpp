@@ -31,16 +31,6 @@ std::string counted(int count, const std::string& singular, const std::string& p
   return std::to_string(count) + " " + (count == 1 ? singular : plural);
 }
 
-/// Whether the strategy needs the triangles or tetrahedra of a body that it suits.
-bool needs_cells(const Strategy& strategy, const Body& body) {
-  if (body.triangles.empty() && body.tetrahedra.empty()) return false;
-  Body bare = body;
-  bare.triangles.clear();
-  bare.tetrahedra.clear();
-  if (strategy.volume_modulus && !unsuited_for_volumes(bare).empty()) return true;
-  return !strategy.unsuited(bare).empty() && !strategy.needs_voronoi(bare);
-}
-
 void note_negative_constants(Run& run) {
   const int negative = static_cast<int>((run.constants.array() < 0).count());
   if (negative > 0)
@@ -76,7 +66,17 @@ bool needs_voronoi(const Body& body, const Strategy& strategy, const Material& m
   return !body.voronoi && (strategy.needs_voronoi(body) || fibres_need_voronoi(strategy, body, material));
 }
 
-/// Why a strategy cannot run here, or "".
+}  // namespace
+
+bool needs_cells(const Strategy& strategy, const Body& body) {
+  if (body.triangles.empty() && body.tetrahedra.empty()) return false;
+  Body bare = body;
+  bare.triangles.clear();
+  bare.tetrahedra.clear();
+  if (strategy.volume_modulus && !unsuited_for_volumes(bare).empty()) return true;
+  return !strategy.unsuited(bare).empty() && !strategy.needs_voronoi(bare);
+}
+
 std::string unsuited(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice) {
   std::string reason = choice.strategy.unsuited(specimen.body);
   if (reason.empty()) reason = fibres_unsuited(choice.strategy, specimen.body, specimen.material);
@@ -85,8 +85,6 @@ std::string unsuited(const Specimen& specimen, Experiment& experiment, const Str
   if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen.material);
   return reason;
 }
-
-}  // namespace
 
 std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
                                 const RunOptions& options, Run& run) {

@@ -259,10 +259,18 @@ std::string vtu_text(const Body& body, const Positions& positions, const VectorX
 
 void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run) {
   std::string collection = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
-  for (const auto& [at, positions, densities, number] : run.snapshots) {
-    const std::string file = fmt::format("{}-{:03}.vtu", name, number);
-    write_whole(folder + "/" + file, vtu_text(body, positions, densities, run.constants));
+  const auto file_of = [&](std::size_t number) { return fmt::format("{}-{:03}.vtu", name, number); };
+  const auto list = [&](double at, const std::string& file) {
     collection += fmt::format("<DataSet timestep=\"{}\" file=\"{}\"/>\n", at, file);
+  };
+  // A run that goes on from a restart file shows the frames before as well, where they still stand.
+  const std::size_t first = run.snapshots.empty() ? 0 : static_cast<std::size_t>(run.snapshots.front().number);
+  for (std::size_t frame = 0; run.time && frame < std::min(first, run.curve.size()); ++frame)
+    if (std::filesystem::exists(folder + "/" + file_of(frame))) list(run.curve[frame].time, file_of(frame));
+  for (const auto& [at, positions, densities, number] : run.snapshots) {
+    const std::string file = file_of(static_cast<std::size_t>(number));
+    write_whole(folder + "/" + file, vtu_text(body, positions, densities, run.constants));
+    list(at, file);
   }
   write_whole(folder + "/" + name + ".pvd", collection + "</Collection>\n</VTKFile>\n");
 }
