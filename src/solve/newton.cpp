@@ -57,14 +57,6 @@ Balance balance(const Model& model, const State& state, bool moving) {
   return result;
 }
 
-/// The unbalanced force that rounding of the positions alone makes: nothing smaller can be asked for.
-double rounding_floor(const Tangent& tangent, const Positions& positions) {
-  const double reach = positions.cwiseAbs().maxCoeff();
-  double sum = 0;
-  for (const Matrix3& block : tangent.diagonal()) sum += block.squaredNorm();
-  return std::numeric_limits<double>::epsilon() * reach * std::sqrt(sum);
-}
-
 /// Velocities and accelerations that go with the positions; supports move as they say.
 void follow(const Model& model, const Kinematics& kinematics, State& state) {
   const auto& [weights, start, velocities, accelerations] = kinematics;
@@ -200,6 +192,13 @@ void limit_motion(const Body& body, Positions& motion) {
 }
 
 }  // namespace
+
+double rounding_floor(const Tangent& tangent, const Positions& positions) {
+  const double reach = positions.cwiseAbs().maxCoeff();
+  double sum = 0;
+  for (const Matrix3& block : tangent.diagonal()) sum += block.squaredNorm();
+  return std::numeric_limits<double>::epsilon() * reach * std::sqrt(sum);
+}
 
 LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                           double tolerance, const StaticOptions& options, bool through_saddles, Positions& solution,

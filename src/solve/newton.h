@@ -20,6 +20,9 @@ struct Kinematics {
 /// @param kinematics nullptr: static.
 StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics);
 
+/// The unbalanced force [N] that rounding of the positions alone makes: nothing smaller can be asked for.
+double rounding_floor(const Tangent& tangent, const Positions& positions);
+
 /// One linear solve, by the method of the options; falls back on the factorisation where iterations met what they
 /// cannot handle and the body is small enough for it; on a negative mode only if `through_saddles`.
 LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,

@@ -32,7 +32,7 @@ bool note_balance(const Model& model, const State& state, double tolerance, Stat
   keep_free(model.supports, forces);
   const double left = ordered_norm(forces);
   result.residual = scale > 0 ? left / scale : 0;
-  return left <= tolerance * scale;
+  return left <= std::max(tolerance * scale, 2 * rounding_floor(Tangent(model, state), state.positions));
 }
 
 void stop(const StepResult& step, StaticResult& result) {

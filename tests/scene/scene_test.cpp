@@ -176,7 +176,8 @@ TEST_CASE("every scene of the project loads", "[scene]") {
     std::unique_ptr<Scene> scene;
     REQUIRE_NOTHROW(scene = load(entry.path().string()));
     CHECK(scene->title != scene->name);
-    CHECK(scene->warnings.empty());
+    const bool hard = entry.path().parent_path().filename() == "hard";  // bodies in pieces and the like
+    CHECK((scene->warnings.empty() || hard));
     // An expectation of a strategy that `compare` does not run would never be judged.
     for (const Expectation& expectation : scene->expectations)
       CHECK((expectation.strategy.empty() || find_strategy(scene->strategies, expectation.strategy)));
@@ -441,6 +442,18 @@ TEST_CASE("keys that are missing or do not go together are named", "[scene]") {
        "@" + expectation,
        "expect[0]: an expectation needs a tolerance",
        {"not_reproduced"}},
+      {expectation + "tolerance: 1 %, source: pen and paper}",
+       "@{outcome: inverted, source: me}",
+       "expect[0]: key 'cause' is missing",
+       {}},
+      {expectation + "tolerance: 1 %, source: pen and paper}",
+       "{outcome: @invertd, cause: flat, source: me}",
+       "expect[0].outcome: 'invertd' is not known here",
+       {"did you mean 'inverted'?", "unsuited, limit_reached"}},
+      {expectation + "tolerance: 1 %, source: pen and paper}",
+       "{outcome: inverted, cause: flat, source: me, @measure: strain}",
+       "expect[0]: unknown key 'measure'",
+       {}},
       // A key that exists is never taken for the misspelling of a missing one.
       {"rotate: {axis: [1, 0, 0], angle: 30 deg}", "rotate: @{axis: z}", "rotate: key 'angle' is missing", {}},
       {"force: 1 mN", "force: 1 mN\n  displacement: @1 mm", "experiment.displacement: there is a force already", {}},
