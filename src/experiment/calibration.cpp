@@ -145,7 +145,7 @@ StressStrain fitted_curve(const Specimen& specimen, Experiment& experiment, cons
 
 std::string calibration_unsuited(const Experiment& experiment, const Material& material) {
   if (calibrated_measure(experiment, material)) return "";
-  return "the experiment " + experiment.name() + " measures on this body no modulus to calibrate to";
+  return "a " + experiment.name() + " experiment on this body measures no modulus to calibrate to";
 }
 
 std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
