@@ -1,4 +1,4 @@
-// The command: elastin run|compare|check|list.
+// The command: elastin run|compare|verify|check|list.
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -6,8 +6,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string_view>
 
 #include "base/waiting_threads.h"
@@ -19,6 +23,7 @@
 #include "report/progress.h"
 #include "report/summary.h"
 #include "report/table.h"
+#include "report/verdicts.h"
 #include "scene/scene.h"
 
 namespace {
@@ -34,6 +39,7 @@ Examples:
   elastin run scenes/tension/cube-27-face.yaml --set stiffness=lattice --set material.youngs_modulus='10 kPa'
   elastin run scenes/tension/cube-1000.yaml --json - | jq .runs[0].measures
   elastin check scenes/tension/table1-b.yaml                    what the body is, and its zero-energy modes
+  elastin verify scenes/hard/*.yaml --choices                   hard cases against their known answers: a verdict each
   elastin list                                                  strategies and their parameters
 
 Exit codes: 0 all expectations hold; 1 an expectation or a run failed; 2 wrong use or input.
@@ -41,20 +47,52 @@ Exit codes: 0 all expectations hold; 1 an expectation or a run failed; 2 wrong u
 
 struct Options {
   std::vector<std::string> scenes, overrides;
-  std::string strategies, out, json;
+  std::string strategies, out, json, restart;
   int threads = 0;
-  bool quiet = false, summary = false;
+  bool quiet = false, summary = false, others = false, markdown = false, live = false;
 };
+
+volatile std::sig_atomic_t interrupted = 0;
+
+/// The first interrupt ends a run in time after its frame, with everything written; the second ends the command.
+void note_interrupt(int) {
+  interrupted = 1;
+  std::signal(SIGINT, SIG_DFL);
+}
 
 /// Colours on a terminal only, but for who insists (CLICOLOR_FORCE; tools/picture does) or declines (NO_COLOR).
 bool colours(int stream) { return std::getenv("CLICOLOR_FORCE") || (isatty(stream) && !std::getenv("NO_COLOR")); }
 
 /// Names of a run's files: of scene and strategy, without letters that mean something in a path or in XML.
-std::string file_name(const Record& record) {
-  std::string name = record.scene + "-" + record.run.strategy;
+std::string file_name(const std::string& scene, const std::string& strategy) {
+  std::string name = scene + "-" + strategy;
   for (char& c : name)
     if (std::string_view(":/\\ \"'<>&").find(c) != std::string_view::npos) c = '-';
   return name;
+}
+
+std::string restart_text_of(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(path)) throw InputError("--restart: " + path + ": cannot be read");
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+RunOptions run_options_of(const Options& options, const Scene& scene, const StrategyChoice& choice,
+                          Progress& progress) {
+  RunOptions result;
+  result.statics = scene.statics;
+  result.time = scene.time;
+  result.live = options.live;
+  result.keep_snapshots = !options.out.empty();
+  result.progress = [&progress, name = scene.name + ", " + choice.label + ": "](const std::string& doing) {
+    progress.set(name + doing);
+  };
+  result.stop = [] { return interrupted != 0; };
+  if (!options.restart.empty()) result.restart = restart_text_of(options.restart);
+  if (!options.out.empty())
+    result.checkpoint = [path = options.out + "/" + file_name(scene.name, choice.label) +
+                                ".restart"](const std::string& text) { write_whole(path, text); };
+  return result;
 }
 
 /// Writes everything there is so far: an interrupted command leaves whole files of all finished runs.
@@ -101,6 +139,15 @@ std::vector<std::unique_ptr<Scene>> load_scenes(const Options& options, const Ca
   return scenes;
 }
 
+/// Curve and states of one run.
+void write_run(const Options& options, const Scene& scene, Record& record) {
+  if (options.out.empty() || record.run.curve.empty()) return;
+  const std::string name = file_name(record.scene, record.run.strategy);
+  write_whole(options.out + "/" + name + "-curve.csv", curve_csv_text(record));
+  write_states(options.out, name, scene.specimen.body, record.run);
+  record.run.snapshots.clear();
+}
+
 /// Runs every chosen strategy on every scene; `compare` prints one table a scene and, of several, a summary; `run` one
 /// page a run.
 int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
@@ -110,6 +157,9 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
   progress.pause();
   std::vector<std::vector<StrategyChoice>> choices;
   for (const auto& scene : scenes) choices.push_back(chosen_strategies(options, catalog, *scene, compare));
+  if (!options.restart.empty() && (scenes.size() != 1 || choices[0].size() != 1 || !scenes[0]->time))
+    throw InputError("--restart: goes on with one strategy of one scene that runs in time");
+  std::signal(SIGINT, note_interrupt);
   write_files(options, {});  // a folder that cannot be written to is said before the work
   std::vector<Record> all;
   bool good = true;
@@ -122,33 +172,26 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
       const auto start = std::chrono::steady_clock::now();
       prepare(scene.specimen.body, choice.strategy, scene.specimen.material);
       const std::chrono::duration<double> prepared = std::chrono::steady_clock::now() - start;
-      RunOptions run_options;
-      run_options.statics = scene.statics;
-      run_options.keep_snapshots = !options.out.empty();
-      run_options.progress = [&](const std::string& doing) {
-        progress.set(scene.name + ", " + choice.label + ": " + doing);
-      };
-      Run run = run_strategy(scene.specimen, *scene.experiment, choice, run_options);
+      Run run =
+          run_strategy(scene.specimen, *scene.experiment, choice, run_options_of(options, scene, choice, progress));
       run.build_seconds += prepared.count();  // once a body: the first strategy that needs it pays
       Record record = make_record(scene, std::move(run));
       progress.pause();
       // `run` names its one strategy: that it cannot run is a failure; in a comparison it is a row.
-      good &= record.good() && (compare || record.run.suited);
-      if (!options.out.empty() && !record.run.curve.empty()) {
-        write_whole(options.out + "/" + file_name(record) + "-curve.csv", curve_csv_text(record));
-        write_states(options.out, file_name(record), scene.specimen.body, record.run);
-        record.run.snapshots.clear();
-      }
+      good &= record.good() && (compare || record.run.suited || record.stopped_as_expected());
+      write_run(options, scene, record);
       if (to_screen && !compare) fmt::print("{}", run_text(record, colours(STDOUT_FILENO)));
       records.push_back(record);
       all.push_back(std::move(record));
       write_files(options, all);
+      if (interrupted) break;
     }
     if (tables) fmt::print("{}", comparison_text(records, colours(STDOUT_FILENO)));
     if (to_screen && !options.summary)
       for (const std::string& warning : scene.warnings) fmt::print("  warning: {}\n", warning);
     std::fflush(stdout);
     scenes[i].reset();
+    if (interrupted) break;
   }
   if (to_screen && compare && (options.summary || count > 1))
     fmt::print("{}", summary_text(all, colours(STDOUT_FILENO)));
@@ -156,6 +199,29 @@ int run_scenes(const Options& options, const Catalog& catalog, bool compare) {
   if (to_screen && !options.out.empty())
     fmt::print("  files in {}/: runs.csv, runs.json, curves, and .pvd for ParaView\n", options.out);
   return good ? 0 : 1;
+}
+
+/// Holds every scene against what it says must come of it.
+int verify_scenes(const Options& options, const Catalog& catalog) {
+  const bool to_screen = !options.quiet && options.json != "-";
+  Progress progress(to_screen && isatty(STDERR_FILENO));
+  load_scenes(options, catalog, progress);
+  write_files(options, {});
+  VerifyOptions verify{options.overrides, options.others, !options.out.empty()};
+  verify.progress = [&](const std::string& doing) { progress.set(doing); };
+  verify.finished = [&](const Scene& scene, Record& record) { write_run(options, scene, record); };
+  std::vector<Case> cases;
+  std::vector<Record> records;
+  for (const std::string& path : options.scenes)
+    for (Case& a_case : verify_scene(path, catalog, verify)) {
+      records.push_back(a_case.own);
+      cases.push_back(std::move(a_case));
+      write_files(options, records);
+    }
+  progress.pause();
+  if (to_screen) fmt::print("{}", verdicts_text(cases, colours(STDOUT_FILENO), options.markdown));
+  if (options.json == "-") fmt::print("{}", json_text(records));
+  return std::all_of(cases.begin(), cases.end(), passed) ? 0 : 1;
 }
 
 int check_scenes(const Options& options, const Catalog& catalog) {
@@ -188,12 +254,19 @@ void add_scene_options(CLI::App& command, Options& options) {
   command.add_flag("--quiet", options.quiet, "Print nothing but errors");
 }
 
+void add_file_options(CLI::App& command, Options& options) {
+  command.add_option("--out", options.out, "Folder for CSV, JSON, curves and ParaView files");
+  command.add_option("--restart", options.restart,
+                     "Go on with a run in time from a .restart file that --out has got from it");
+  command.add_flag("--live", options.live, "No more frames a second than time.frame_rate says");
+  command.add_option("--json", options.json, "JSON file; - for standard output, and nothing else there");
+}
+
 void add_run_options(CLI::App& command, Options& options) {
   add_scene_options(command, options);
+  add_file_options(command, options);
   command.add_option("--strategies", options.strategies,
                      "Comma-separated names, all among them; instead of the scene's own");
-  command.add_option("--out", options.out, "Folder for CSV, JSON, curves and ParaView files");
-  command.add_option("--json", options.json, "JSON file; - for standard output, and nothing else there");
 }
 
 /// "unknown option '--thread'; did you mean …", of the first command or option that there is not; "" if there are all.
@@ -226,13 +299,19 @@ int main(int argc, char** argv) {
   CLI::App* run = app.add_subcommand("run", "Run a scene with its own stiffness strategy; print every measure");
   CLI::App* compare =
       app.add_subcommand("compare", "Run a scene with many strategies; print measured modulus, error and cost");
+  CLI::App* verify = app.add_subcommand("verify", "Hold scenes against the answers that they state; print verdicts");
   CLI::App* check = app.add_subcommand("check", "Say what a scene's body is: counts, loose parts, zero-energy modes");
   CLI::App* list = app.add_subcommand("list", "List strategies, their parameters, and measures");
   add_run_options(*run, options);
   add_run_options(*compare, options);
   compare->add_flag("--summary", options.summary, "Print only the summary over all scenes: by strategy, by body");
+  add_scene_options(*verify, options);
+  add_file_options(*verify, options);
+  verify->add_flag("--choices", options.others,
+                   "Also what explicit and implicit steps, small displacements and plain springs make of each case");
+  verify->add_flag("--markdown", options.markdown, "The table as Markdown, with titles");
   add_scene_options(*check, options);
-  for (CLI::App* command : {run, compare, check, list}) command->footer(kExamples);
+  for (CLI::App* command : {run, compare, verify, check, list}) command->footer(kExamples);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -245,6 +324,7 @@ int main(int argc, char** argv) {
     set_threads(options.threads);
     const Catalog catalog = built_in_catalog();
     if (*list) return list_catalog(catalog);
+    if (*verify) return verify_scenes(options, catalog);
     if (*check) return check_scenes(options, catalog);
     return run_scenes(options, catalog, static_cast<bool>(*compare));
   } catch (const InputError& error) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <atomic>
 #include <type_traits>
 #include <vector>
 
@@ -55,6 +56,30 @@ Value ordered_sum(int count, Term&& term, Value zero = Value(0), int threshold =
   Value total = zero;
   for (const Value& sum : sums) total += sum;
   return total;
+}
+
+/// Calls range(begin, end) over disjoint ranges that cover 0 … count−1.
+template <class Range>
+void parallel_ranges(int count, Range&& range, int threshold = kParallelThreshold) {
+  if (count < threshold || threads() == 1) return range(0, count);
+  detail::run_ranges(count, &range, [](void* context, int begin, int end) {
+    (*static_cast<std::remove_reference_t<Range>*>(context))(begin, end);
+  });
+}
+
+/// The largest of what most(begin, end) ≥ 0 finds in such ranges; 0 of none. Allocates nothing.
+template <class Most>
+double largest_of_ranges(int count, Most&& most, int threshold = kParallelThreshold) {
+  std::atomic<double> largest{0};
+  parallel_ranges(
+      count,
+      [&](int begin, int end) {
+        const double found = most(begin, end);
+        for (double known = largest; found > known && !largest.compare_exchange_weak(known, found);) {
+        }
+      },
+      threshold);
+  return largest;
 }
 
 }  // namespace elastin

@@ -97,6 +97,7 @@ std::pair<double, Dimension> parse_unit(std::string_view text, const Dimension& 
     if (at < text.size() && text[at] == '^') ++at;
     const auto [rest, problem] = std::from_chars(text.data() + at, text.data() + text.size(), power);
     if (problem == std::errc()) at = static_cast<std::size_t>(rest - text.data());
+    if (name.empty() && power == 1 && sign > 0 && text.substr(at).starts_with('/')) continue;  // "1/s"
     const auto unit = find_unit(name);
     if (!unit || power == 0 || std::abs(power) > 9) throw unknown(name.empty() ? text : name);
     factor *= std::pow(unit->first, sign * power);

@@ -28,6 +28,11 @@ class Bending final : public Experiment {
   }
 
   std::string name() const override { return "bending"; }
+  CourseMeasures course() const override { return {"tip_deflection", ""}; }
+  bool let_go(Model& model) override {
+    set_load(model, 0);
+    return true;
+  }
   int load_steps() const override { return setup_.load_steps; }
 
   void hold(Model& model) override {

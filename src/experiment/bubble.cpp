@@ -122,19 +122,21 @@ class Bubble final : public Experiment {
   /// rings. Where there are too few molecules for that, nothing is measured.
   void add_pole(const Model& model, const Positions& places, Measures& measures) const {
     const double reach = std::max(0.35, 3.1 * body_.connections.rest_length[0] / radius_);
-    std::vector<double> rest2, radial, now2, drop;
+    const double top = axis_.dot(places.col(pole_) - centre_);
+    std::vector<double> rest2, radial, drop, chord2;
     for (int molecule = 0; molecule < body_.size(); ++molecule) {
       const double rest = rest_radius_[static_cast<std::size_t>(molecule)];
       if (rest > reach) continue;
       const Vector3 way = places.col(molecule) - centre_;
       const double along = axis_.dot(way), r = (way - along * axis_).norm();
-      now2.push_back(r * r / (radius_ * radius_)), drop.push_back(along / radius_);
+      const double below = (top - along) / radius_;
+      drop.push_back(below), chord2.push_back(r * r / (radius_ * radius_) + below * below);
       if (molecule != pole_) rest2.push_back(rest * rest), radial.push_back(r / (rest * radius_));
     }
     if (rest2.size() < 12) return;
     const double stretch = fit(rest2, radial, 3)[0];
     measures.set("pole_stretch", stretch);
-    measures.set("pole_radius", -radius_ / (2 * fit(now2, drop, 3)[1]));
+    measures.set("pole_radius", radius_ / 2 * fit(drop, chord2, 3)[1]);  // on a sphere r² + d² = 2 R d
     std::vector<double> at, tension;
     const std::vector<Matrix3> tensions = triangle_tensions(model, places);
     for (std::size_t cell = 0; cell < tensions.size(); ++cell) {

@@ -141,15 +141,26 @@ StressStrain fitted_curve(const Specimen& specimen, Experiment& experiment, cons
   return fit.springs;
 }
 
+/// Names the first connection whose constant is not finite.
+std::string non_finite_text(const Body& body, const VectorX& constants) {
+  int connection = 0;
+  while (std::isfinite(constants[connection])) ++connection;
+  const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(connection)];
+  return "the spring constant of connection " + std::to_string(connection) + " (molecules " + std::to_string(a) + ", " +
+         std::to_string(b) + ") is not finite" +
+         (body.connections.rest_length[static_cast<std::size_t>(connection)] > 0 ? "" : ": it has no length");
+}
+
 }  // namespace
 
-std::string calibration_unsuited(const Experiment& experiment, const Material& material) {
-  if (calibrated_measure(experiment, material)) return "";
+std::string calibration_unsuited(Experiment& experiment, const Material& material) {
+  if (experiment.at_rest() && calibrated_measure(*experiment.at_rest(), material)) return "";
   return "a " + experiment.name() + " experiment on this body measures no modulus to calibrate to";
 }
 
-std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& whole, const StrategyChoice& choice,
                                       const RunOptions& options, Run& run) {
+  Experiment& experiment = whole.at_rest() ? *whole.at_rest() : whole;
   const bool with_volume = static_cast<bool>(choice.strategy.volume_modulus);
   run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
   if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
@@ -159,7 +170,7 @@ std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& expe
   }
   if (!run.constants.allFinite()) {
     run.outcome = Outcome::diverged;
-    run.cause = "a spring constant is not finite: a connection of no length?";
+    run.cause = non_finite_text(specimen.body, run.constants);
   }
   if (!run.suited || run.outcome != Outcome::converged) return nullptr;
   std::optional<StressStrain> curve = specimen.material.curve;

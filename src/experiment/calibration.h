@@ -8,7 +8,7 @@
 namespace elastin {
 
 /// Why a rule cannot be calibrated in this experiment, or "".
-std::string calibration_unsuited(const Experiment& experiment, const Material& material);
+std::string calibration_unsuited(Experiment& experiment, const Material& material);
 
 /// The springs of a rule, with their volume term if any, without the material's fibres. A choice that is `calibrated`
 /// is fitted to the material by solves of the experiment alone, without the scene's other loads and without fibres:

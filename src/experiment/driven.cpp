@@ -7,12 +7,22 @@ void Driven::hold_fast(const std::vector<int>& molecules) {
 }
 
 void Driven::hold(Model& model) {
+  released_ = false;
   for (const Held& held : held_) model.supports.push_back({held.molecule, held.free, Vector3::Zero()});
 }
 
 void Driven::set_load(Model& model, double factor) {
   factor_ = factor;
   for (std::size_t i = 0; i < held_.size(); ++i) model.supports[i].displacement = way(i, factor);
+}
+
+void Driven::set_load_rate(Model& model, double rate) {
+  for (std::size_t i = 0; i < held_.size(); ++i) model.supports[i].velocity = rate * way_slope(i, factor_);
+}
+
+void Driven::free_from(Model& model, std::size_t first) {
+  for (std::size_t i = first; i < held_.size(); ++i) model.supports[i].free = Matrix3::Identity();
+  released_ = true;
 }
 
 Matrix3 Driven::virial(const Positions& pull, const Positions& places) const {

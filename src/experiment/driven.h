@@ -11,6 +11,7 @@ class Driven : public Experiment {
   int load_steps() const override { return load_steps_; }
   void hold(Model& model) override;
   void set_load(Model& model, double factor) override;
+  void set_load_rate(Model& model, double rate) override;
 
  protected:
   struct Held {
@@ -21,6 +22,10 @@ class Driven : public Experiment {
   Driven(const Body& body, int load_steps) : body_(body), load_steps_(load_steps) {}
   /// Way from rest [m] of held molecule number `held` under a part (0 … 1) of the load; only its held part counts.
   virtual Vector3 way(std::size_t held, double factor) const = 0;
+  /// Change of that way with the factor [m]. As it stands: of ways that are straight.
+  virtual Vector3 way_slope(std::size_t held, double /*factor*/) const { return way(held, 1); }
+  /// Frees the molecules from number `first` of the held ones on.
+  void free_from(Model& model, std::size_t first);
 
   /// Holds molecules in all directions; a molecule must not be held twice.
   void hold_fast(const std::vector<int>& molecules);
@@ -36,7 +41,8 @@ class Driven : public Experiment {
 
   const Body& body_;
   std::vector<Held> held_;
-  double factor_ = 1;  ///< of the load that was set last
+  double factor_ = 1;      ///< of the load that was set last
+  bool released_ = false;  ///< whether the driven end of the model that was held last was let go
 
  private:
   int load_steps_;

@@ -25,6 +25,14 @@ struct MainMeasure {
   double prescribed = std::numeric_limits<double>::quiet_NaN();
 };
 
+class TimedExperiment;
+
+/// By which measures the course of a body in time is told; "" where the experiment has none.
+struct CourseMeasures {
+  std::string_view displacement;  ///< that the loaded part makes: "tip_deflection"
+  std::string_view resistance;    ///< of the body to a given displacement: "force", "torque"
+};
+
 /// A way to hold and load a body, and what is read off it. Made once for a body; serves every strategy on it.
 class Experiment {
  public:
@@ -45,6 +53,16 @@ class Experiment {
   /// Moves the places at rest to where the search for the first equilibrium begins, under the load set last: rest is no
   /// place to begin where stiffness is missing there.
   virtual void shape_start(Positions& /*places*/) const {}
+  /// Tells the supports how fast the load moves them: its factor changes by `rate` a second. After set_load.
+  virtual void set_load_rate(Model& /*model*/, double /*rate*/) {}
+  /// Takes the load off a body that is to move on its own: forces end, a driven end is free. False if there is nothing
+  /// that could be let go.
+  virtual bool let_go(Model& /*model*/) { return false; }
+  virtual CourseMeasures course() const { return {}; }
+  /// Itself as one that runs through time; null: it is at rest.
+  virtual TimedExperiment* in_time() { return nullptr; }
+  /// The experiment at rest in which rules are calibrated; null where there is none.
+  virtual Experiment* at_rest() { return this; }
   /// Reads the state that a solve has left, as changes since the start. May solve for small motions about it, with
   /// `options`: adds their cost to `solved`, and their outcome if one fails.
   virtual Measures measure(Model& model, const Start& start, const State& state, const StaticOptions& options,

@@ -34,6 +34,7 @@ class Hydrostatic final : public Driven {
   }
 
   std::string name() const override { return "hydrostatic"; }
+  CourseMeasures course() const override { return {"volume_strain", "pressure"}; }
 
   Measures measure(Model& model, const Start& start, const State& state, const StaticOptions&,
                    StaticResult& solved) const override {

@@ -21,21 +21,53 @@ bool note_solve(const StaticResult& solved, const std::string& where, Run& run) 
   const std::string unstable = "the equilibrium is not stable: directions of negative stiffness";
   run.unstable |= solved.unstable;
   if (solved.unstable && (run.warnings.empty() || run.warnings.back() != unstable)) run.warnings.push_back(unstable);
+  const std::string left = "left an equilibrium that was no minimum for one of less energy (buckling, snapping)";
+  if (solved.left_saddle && std::find(run.warnings.begin(), run.warnings.end(), left) == run.warnings.end())
+    run.warnings.push_back(left);
   if (solved.outcome == Outcome::converged) return true;
   run.outcome = solved.outcome;
   run.cause = solved.cause + where;
   return false;
 }
 
-/// The body before the experiment's load: at rest, or in equilibrium with the scene's other loads. False if that fails.
-bool find_start(Model& model, Experiment& experiment, const RunOptions& options, State& state, Start& start, Run& run) {
+double total_energy(const Model& model, const State& state) {
+  return model.elastic_energy(state.positions) + model.load_energy(state);
+}
+
+/// From a scene's own start a body may find no equilibrium, or one where it is tangled up: one of more energy than that
+/// to which it comes from rest. Then that one is taken, and said. [J] `before`: energy of the start.
+StaticResult untangle(Model& model, const RunOptions& options, double before, StaticResult solved, State& state,
+                      Run& run) {
+  State other = state_at_rest(model.body());
+  StaticResult from_rest = solve_static(model, other, options.statics);
+  if (from_rest.outcome != Outcome::converged) return solved;
+  const bool found = solved.outcome == Outcome::converged;
+  if (found && !model.has_energy()) return solved;
+  const double least = total_energy(model, other), above = total_energy(model, state) - least;
+  const double noise = std::isfinite(before) ? 1e-9 * std::abs(before - least) : 0;
+  if (found && above <= noise) return solved;
+  run.untangled = true;
+  run.warnings.push_back(std::string("from the scene's start the body ") +
+                         (found ? "comes to rest in a tangle, at more energy than at rest"
+                                : "finds no equilibrium (" + solved.cause + ")") +
+                         "; measured from the equilibrium that it has from rest");
+  state = std::move(other);
+  return from_rest;
+}
+
+/// The body before the experiment's load: at rest, or in equilibrium with the scene's other loads, or where it comes to
+/// rest from the scene's own start. False if that fails.
+bool find_start(Model& model, Experiment& experiment, const RunOptions& options, bool at_rest, State& state,
+                Start& start, Run& run) {
   start = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
   experiment.set_load(model, 0);
-  if (model.load_forces(state).isZero(0)) return true;
-  if (options.progress) options.progress("the scene's own loads");
-  const StaticResult solved = solve_static(model, state, options.statics);
+  if (at_rest && model.load_forces(state).isZero(0)) return true;
+  if (options.progress) options.progress(at_rest ? "the scene's own loads" : "the scene's start");
+  const double before = total_energy(model, state);
+  StaticResult solved = solve_static(model, state, options.statics);
+  if (!at_rest) solved = untangle(model, options, before, std::move(solved), state, run);
   start = {state.positions, solved.reactions};
-  return note_solve(solved, " (under the scene's own loads)", run);
+  return note_solve(solved, at_rest ? " (under the scene's own loads)" : " (from the scene's start)", run);
 }
 
 /// Where the material says what stress belongs to a strain: the largest difference to it, over the largest such stress.
@@ -69,16 +101,18 @@ void note_compression(const Model& model, const Positions& places, const Materia
 }  // namespace
 
 void solve_load_curve(Model& model, Experiment& experiment, const Material& material, const RunOptions& options,
-                      Run& run) {
+                      Run& run, const std::function<void(State&)>& begin) {
   State at_start = state_at_rest(model.body());
+  if (begin) begin(at_start);
   Start start;
-  if (!find_start(model, experiment, options, at_start, start, run)) return;
+  if (!find_start(model, experiment, options, !begin, at_start, start, run)) return;
   LoadPath path(model, experiment, options.statics, std::move(at_start));
-  const auto keep = [&](double load_factor) {
+  const auto keep = [&](double load_factor, int step) {
     if (options.keep_snapshots)
-      run.snapshots.push_back({load_factor, path.state().positions, model.force_densities(path.state().positions)});
+      run.snapshots.push_back(
+          {load_factor, path.state().positions, model.force_densities(path.state().positions), step});
   };
-  keep(0);
+  keep(0, 0);
   const int steps = experiment.load_steps();
   for (int step = 1; step <= steps; ++step) {
     const std::string place = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "";
@@ -97,7 +131,7 @@ void solve_load_curve(Model& model, Experiment& experiment, const Material& mate
       return;
     }
     run.curve.push_back({load_factor, measures, solved.newton_iterations, solved.linear_iterations, solved.residual});
-    keep(load_factor);
+    keep(load_factor, step);
   }
   run.measures = run.curve.back().measures;
   run.remark = experiment.remark(run.measures);

@@ -1,6 +1,7 @@
 #include "experiment/load_path.h"
 
 #include <cmath>
+#include <utility>
 
 namespace elastin {
 namespace {
@@ -17,7 +18,9 @@ void add_cost(StaticResult& result, const StaticResult& cost) {
 }  // namespace
 
 LoadPath::LoadPath(Model& model, Experiment& experiment, const StaticOptions& options, State start)
-    : model_(model), experiment_(experiment), options_(options), state_(std::move(start)) {}
+    : model_(model), experiment_(experiment), options_(options), state_(std::move(start)) {
+  options_.probe = true;
+}
 
 /// Where the last way leads if it goes on: near the next equilibrium, unless a cell turns over or, under loads, the
 /// energy is higher than where the body stands (a bar that turns far would be torn).
@@ -40,7 +43,13 @@ StaticResult LoadPath::advance(double factor) { return advance(factor, (factor -
 StaticResult LoadPath::advance(double factor, double smallest) {
   experiment_.set_load(model_, factor);
   State next = start_of(factor);
+  const bool went_on = next.positions != state_.positions;
   StaticResult solved = solve_static(model_, next, options_);
+  if (solved.outcome == Outcome::diverged && went_on) {  // where the way bends sharply, its end may lead nowhere
+    next = state_;
+    const StaticResult before = std::exchange(solved, solve_static(model_, next, options_));
+    add_cost(solved, before);
+  }
   for (int correction = 0; correction < kCorrections; ++correction) {
     if (solved.outcome != Outcome::converged || !experiment_.adjust(next)) break;
     StaticResult again = solve_static(model_, next, options_);
@@ -55,7 +64,8 @@ StaticResult LoadPath::advance(double factor, double smallest) {
     return solved;
   }
   const double half = (factor - factor_) / 2;
-  if (solved.outcome != Outcome::inverted || options_.linear || half < smallest) return solved;
+  const bool shorter_helps = solved.outcome == Outcome::inverted || solved.outcome == Outcome::diverged;
+  if (!shorter_helps || options_.linear || half < smallest) return solved;
   ++halvings_;
   StaticResult first = advance(factor_ + half, smallest);
   add_cost(first, solved);

@@ -9,9 +9,9 @@ class LoadPath {
   /// From `start`, an equilibrium of the load 0. All references must outlive the path.
   LoadPath(Model& model, Experiment& experiment, const StaticOptions& options, State start);
 
-  /// Brings the load to `factor` (more than before, up to 1). Where that would turn a cell over it goes in halves, and
-  /// those in halves, down to 1/64 of the way. The state stays at the last equilibrium if that fails. The result is
-  /// that of the last part, with the iterations of all.
+  /// Brings the load to `factor` (more than before, up to 1). Where that would turn a cell over, or leads nowhere, it
+  /// goes in halves, and those in halves, down to 1/64 of the way. The state stays at the last equilibrium if that
+  /// fails. The result is that of the last part, with the iterations of all.
   StaticResult advance(double factor);
 
   const State& state() const { return state_; }
@@ -23,7 +23,7 @@ class LoadPath {
 
   Model& model_;
   Experiment& experiment_;
-  const StaticOptions& options_;
+  StaticOptions options_;
   State state_;
   Positions way_;                      // from the equilibrium before
   double factor_ = 0, last_step_ = 0;  // of the load: now, and how much the last part added

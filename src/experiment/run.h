@@ -1,20 +1,26 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "elastin/model/body.h"
 #include "elastin/model/material.h"
 #include "experiment/experiment.h"
+#include "experiment/time_options.h"
 
 namespace elastin {
+
+/// How a run is said to have ended whose strategy cannot run on its body; beside the names of the outcomes.
+inline constexpr const char* kUnsuited = "unsuited";
 
 /// What does not change from strategy to strategy.
 struct Specimen {
   Body body;
   Material material;
   std::vector<std::function<void(Model&)>> loads;  ///< each adds one load, or damping, to a model of the body
+  std::function<void(State&)> start = {};          ///< changes the state in which a run begins; may be empty
 };
 
 /// One state on the way of the load.
@@ -23,13 +29,16 @@ struct CurvePoint {
   Measures measures;
   int newton_iterations = 0, linear_iterations = 0;
   double residual = 0;
+  double time = 0, step = 0;  ///< [s] of a run in time; step: the last one before
+  int steps = 0;              ///< since the point before
 };
 
 /// A state to be looked at.
 struct Snapshot {
-  double load_factor = 0;
+  double at = 0;        ///< load factor; time [s] of a run in time
   Positions positions;  ///< [m]
   VectorX densities;    ///< force density of each connection [N/m]
+  int number = 0;       ///< of the load step or frame
 };
 
 /// What came of one strategy on one specimen. Everything in SI units.
@@ -51,16 +60,26 @@ struct Run {
   double residual = 0;
   int zero_energy_modes = 0;
   std::vector<std::string> warnings;
-  std::string remark;       ///< of the experiment on what its measures mean here; empty = nothing to say
-  bool unstable = false;    ///< an equilibrium was found that is no minimum
-  bool uses_cells = false;  ///< the strategy could not run without the body's triangles or tetrahedra
-  bool suited = true;       ///< false: the strategy cannot run on this body; cause says why
+  std::string remark;              ///< of the experiment on what its measures mean here; empty = nothing to say
+  bool untangled = false;          ///< the start led nowhere: measured from the equilibrium that there is from rest
+  bool unstable = false;           ///< an equilibrium was found that is no minimum
+  bool uses_cells = false;         ///< the strategy could not run without the body's triangles or tetrahedra
+  bool suited = true;              ///< false: the strategy cannot run on this body; cause says why
+  std::optional<TimeReport> time;  ///< of a run in time
 };
+
+/// "converged", "unsuited" …
+inline const char* outcome_name(const Run& run) { return run.suited ? name_of(run.outcome) : kUnsuited; }
 
 struct RunOptions {
   StaticOptions statics;
   bool keep_snapshots = false;
   std::function<void(const std::string& doing)> progress = {};  ///< called before each load step; may be empty
+  std::optional<TimeOptions> time = {};                         ///< what a timed experiment needs
+  bool live = false;                                            ///< frames of a run in time no faster than its cap
+  std::string restart = {};  ///< text that `checkpoint` got: a run in time goes on from there
+  std::function<void(const std::string& text)> checkpoint = {};  ///< called after frames that are to be kept
+  std::function<bool()> stop = {};                               ///< asked after each frame; true ends the run
 };
 
 }  // namespace elastin

@@ -25,11 +25,17 @@ class Shear final : public Driven {
   }
 
   std::string name() const override { return "shear"; }
+  CourseMeasures course() const override { return {"strain", "force"}; }
+  bool let_go(Model& model) override {
+    if (loaded_ == 0) return false;
+    free_from(model, held_.size() - static_cast<std::size_t>(loaded_));
+    return true;
+  }
 
   Measures measure(Model& model, const Start& start, const State& state, const StaticOptions&,
                    StaticResult& solved) const override {
     const Positions pull = pull_of(start, solved);
-    const double strain = factor_ * strain_;
+    const double strain = released_ ? mean_way(state.positions) * strain_ / way_ : factor_ * strain_;
     // Simple shear keeps the volume and the area of the sheared planes: first Piola-Kirchhoff = Cauchy on them.
     const Vector3 traction = volume_ > 0 ? Vector3(virial(pull, body_.rest) * setup_.axis / volume_)
                                          : Vector3(pull.rightCols(loaded_).rowwise().sum() / area_);
@@ -71,6 +77,14 @@ class Shear final : public Driven {
     if (volume_ > 0) return factor * strain_ * rise_[held_[held].molecule] * setup_.direction;
     const bool loaded = held + static_cast<std::size_t>(loaded_) >= held_.size();
     return loaded ? Vector3(factor * way_ * setup_.direction) : Vector3::Zero();
+  }
+
+  /// Way of the loaded end along the shear [m].
+  double mean_way(const Positions& places) const {
+    double sum = 0;
+    for (std::size_t i = held_.size() - static_cast<std::size_t>(loaded_); i < held_.size(); ++i)
+      sum += setup_.direction.dot(places.col(held_[i].molecule) - body_.rest.col(held_[i].molecule));
+    return sum / static_cast<double>(loaded_);
   }
 
   ShearSetup setup_;

@@ -12,6 +12,8 @@
 #include "elastin/solve/modes.h"
 #include "experiment/calibration.h"
 #include "experiment/load_curve.h"
+#include "experiment/run_in_time.h"
+#include "experiment/timed.h"
 #include "stiffness/voronoi.h"
 
 namespace elastin {
@@ -27,16 +29,6 @@ class Stopwatch {
 
 std::string counted(int count, const std::string& singular, const std::string& plural) {
   return std::to_string(count) + " " + (count == 1 ? singular : plural);
-}
-
-/// Whether the strategy needs the triangles or tetrahedra of a body that it suits.
-bool needs_cells(const Strategy& strategy, const Body& body) {
-  if (body.triangles.empty() && body.tetrahedra.empty()) return false;
-  Body bare = body;
-  bare.triangles.clear();
-  bare.tetrahedra.clear();
-  if (strategy.volume_modulus && !unsuited_for_volumes(bare).empty()) return true;
-  return !strategy.unsuited(bare).empty() && !strategy.needs_voronoi(bare);
 }
 
 void note_negative_constants(Run& run) {
@@ -74,19 +66,29 @@ bool needs_voronoi(const Body& body, const Strategy& strategy, const Material& m
   return !body.voronoi && (strategy.needs_voronoi(body) || fibres_need_voronoi(strategy, body, material));
 }
 
-/// Why a strategy cannot run here, or "".
-std::string unsuited(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice) {
+}  // namespace
+
+bool needs_cells(const Strategy& strategy, const Body& body) {
+  if (body.triangles.empty() && body.tetrahedra.empty()) return false;
+  Body bare = body;
+  bare.triangles.clear();
+  bare.tetrahedra.clear();
+  if (strategy.volume_modulus && !unsuited_for_volumes(bare).empty()) return true;
+  return !strategy.unsuited(bare).empty() && !strategy.needs_voronoi(bare);
+}
+
+std::string unsuited(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice) {
   std::string reason = choice.strategy.unsuited(specimen.body);
   if (reason.empty()) reason = fibres_unsuited(choice.strategy, specimen.body, specimen.material);
+  if (reason.empty() && choice.calibrated && specimen.body.connection_stiffness.size())
+    reason = "a body with regions has no one modulus to calibrate to";
   if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen.material);
   return reason;
 }
 
-/// The strategy at work on the specimen with the scene's loads, held by the experiment; nothing if that fails: the run
-/// says why.
 std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
                                 const RunOptions& options, Run& run) {
-  const auto& [body, material, loads] = specimen;
+  const auto& [body, material, loads, _] = specimen;
   auto elasticity = choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
                                               : choice.strategy.make(body, material, choice.values);
   if (!elasticity) return std::nullopt;
@@ -96,12 +98,11 @@ std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment
   std::optional<Model> model(body);
   model->add(std::move(elasticity));
   if (auto fibres = make_fibres(choice.strategy, body, material)) model->add(std::move(fibres));
+  if (!body.cables.empty()) model->add(make_cables(body));
   for (const auto& add_load : loads) add_load(*model);
   experiment.hold(*model);
   return model;
 }
-
-}  // namespace
 
 void prepare(Body& body, const Strategy& strategy, const Material& material) {
   if (needs_voronoi(body, strategy, material)) body.voronoi = voronoi_cells(body);
@@ -135,12 +136,10 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
       run.cause = flat_or_inverted_text(cells, specimen.body.tetrahedra.size()) + " at rest";
       return run;
     }
-    const std::vector<int> flat = flat_triangles(specimen.body, specimen.body.rest);
-    if (!flat.empty()) {
+    const std::vector<int> triangles = flat_triangles(specimen.body, specimen.body.rest);
+    if (!triangles.empty()) {
       run.outcome = Outcome::inverted;
-      run.cause = "triangle " + std::to_string(flat.front()) + " is flat at rest, " +
-                  counted(static_cast<int>(flat.size()), "triangle", "triangles") + " of " +
-                  std::to_string(specimen.body.triangles.size());
+      run.cause = flat_or_inverted_text(triangles, specimen.body.triangles.size()) + " at rest";
       return run;
     }
   }
@@ -150,7 +149,10 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
   if (!experiment.stiffened_by_load()) count_modes(*model, run);
 
   const Stopwatch solve;
-  solve_load_curve(*model, experiment, specimen.material, options, run);
+  if (TimedExperiment* timed = experiment.in_time())
+    run_in_time(*model, *timed, specimen, options, run);
+  else
+    solve_load_curve(*model, experiment, specimen.material, options, run, specimen.start);
   run.solve_seconds = solve.seconds();
   return run;
 }

@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+
 #include "experiment/choice.h"
 #include "experiment/run.h"
 
@@ -6,6 +8,17 @@ namespace elastin {
 
 /// Gives the body what the strategy needs of it and it has not yet: its Voronoi cells. In the body's present pose.
 void prepare(Body& body, const Strategy& strategy, const Material& material);
+
+/// Whether the strategy needs the triangles or tetrahedra of a body that it suits.
+bool needs_cells(const Strategy& strategy, const Body& body);
+
+/// Why a strategy cannot run here, or "".
+std::string unsuited(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice);
+
+/// The strategy at work on the specimen with the scene's loads, held by the experiment; nothing if that fails: the run
+/// says why. The specimen's body must be prepared, and outlive the model.
+std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                                const RunOptions& options, Run& run);
 
 /// Builds the strategy on the specimen, solves every load step and measures. Numerical trouble is an outcome in the
 /// result; wrong parameters throw InputError. A body that is not prepared is copied for the run.

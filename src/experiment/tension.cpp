@@ -35,6 +35,7 @@ class Tension final : public Experiment {
   std::string name() const override { return "tension"; }
   std::optional<Vector3> axis() const override { return setup_.axis; }
   int load_steps() const override { return setup_.load_steps; }
+  CourseMeasures course() const override { return {"elongation", setup_.displacement ? "force" : ""}; }
 
   void hold(Model& model) override {
     const Matrix3 along = setup_.axis * setup_.axis.transpose(), nothing = Matrix3::Zero();
@@ -62,6 +63,20 @@ class Tension final : public Experiment {
     if (setup_.displacement)
       for (std::size_t i = first_loaded_support_; i < model.supports.size(); ++i)
         model.supports[i].displacement = factor * *setup_.displacement * setup_.axis;
+  }
+
+  void set_load_rate(Model& model, double rate) override {
+    if (setup_.displacement)
+      for (std::size_t i = first_loaded_support_; i < model.supports.size(); ++i)
+        model.supports[i].velocity = rate * *setup_.displacement * setup_.axis;
+  }
+
+  bool let_go(Model& model) override {
+    set_load(model, 0);
+    if (setup_.displacement)
+      for (std::size_t i = first_loaded_support_; i < model.supports.size(); ++i)
+        model.supports[i].free = Matrix3::Identity();
+    return true;
   }
 
   Measures measure(Model& model, const Start& start, const State& state, const StaticOptions&,

@@ -31,6 +31,11 @@ class Torsion final : public Driven {
   }
 
   std::string name() const override { return "torsion"; }
+  CourseMeasures course() const override { return {"angle", "torque"}; }
+  bool let_go(Model& model) override {
+    free_from(model, first_loaded_);
+    return true;
+  }
 
   Measures measure(Model& model, const Start& start, const State& state, const StaticOptions&,
                    StaticResult& solved) const override {
@@ -43,7 +48,7 @@ class Torsion final : public Driven {
       axial += setup_.axis.dot(force);
       size += force.norm();
     }
-    const double angle = factor_ * setup_.angle;
+    const double angle = released_ ? turn_of(state.positions) : factor_ * setup_.angle;
     Measures measures;
     measures.set("torque", torque);
     measures.set("axial_force", axial);
@@ -67,6 +72,27 @@ class Torsion final : public Driven {
     const double angle = factor * setup_.angle;
     if (setup_.straight) return angle * setup_.axis.cross(arm);
     return Eigen::AngleAxisd(angle, setup_.axis) * arm - arm;
+  }
+
+  Vector3 way_slope(std::size_t held, double factor) const override {
+    if (held < first_loaded_) return Vector3::Zero();
+    const Vector3 arm = body_.rest.col(held_[held].molecule) - middle_;
+    const double angle = setup_.straight ? 0 : factor * setup_.angle;
+    return setup_.angle * setup_.axis.cross(Eigen::AngleAxisd(angle, setup_.axis) * arm);
+  }
+
+  /// Angle [rad] by which the end has turned in the mean.
+  double turn_of(const Positions& places) const {
+    double across = 0, along = 0;
+    for (std::size_t i = first_loaded_; i < held_.size(); ++i) {
+      const int molecule = held_[i].molecule;
+      Vector3 arm = body_.rest.col(molecule) - middle_;
+      arm -= setup_.axis.dot(arm) * setup_.axis;
+      const Vector3 now = places.col(molecule) - middle_;
+      across += setup_.axis.dot(arm.cross(now));
+      along += arm.dot(now);
+    }
+    return std::atan2(across, along);
   }
 
   TorsionSetup setup_;

@@ -1,5 +1,6 @@
 #include "elastin/forces/air.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
@@ -18,7 +19,11 @@ class AirDrag final : public Load {
   }
 
   void add_forces(const State& state, Positions& forces) const override {
-    gather(forces, [&](int cell) { return force(Flow(*this, state, cell)); });
+    const double pressure = air_.pressure_coefficient > 0 ? caught_pressure(state) : 0;
+    gather(forces, [&](int cell) -> Vector3 {
+      const Flow flow(*this, state, cell);
+      return force(flow) + pressure * flow.area * flow.normal;
+    });
   }
 
   bool changes() const override { return true; }
@@ -57,6 +62,25 @@ class AirDrag final : public Load {
     double area, across;
     Vector3 normal, along;
   };
+
+  /// [Pa], with its sign along the normals.
+  double caught_pressure(const State& state) const {
+    using Sums = Eigen::Matrix<double, 5, 1>;  // area, area × wind, area × wind along the normal
+    const Sums sums = ordered_sum<Sums>(
+        static_cast<int>(body_.triangles.size()),
+        [&](int cell) {
+          const Flow flow(*this, state, cell);
+          Sums part;
+          part << flow.area, flow.area * (flow.along + flow.across * flow.normal), flow.area * flow.across;
+          return part;
+        },
+        Sums(Sums::Zero()));
+    const double area = sums[0], wind = area > 0 ? sums.segment<3>(1).norm() / area : 0;
+    if (!(wind > 0)) return 0;
+    constexpr double whole = 0.05;
+    return air_.density / 2 * air_.pressure_coefficient * wind * wind *
+           std::clamp(sums[4] / (wind * area) / whole, -1., 1.);
+  }
 
   Vector3 force(const Flow& flow) const {
     return air_.density / 2 * flow.area *

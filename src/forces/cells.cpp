@@ -35,10 +35,11 @@ void CellGraph::gather(Eigen::Ref<const VectorX> slots, VectorX& densities) cons
 
 namespace detail {
 
-void for_each_cell(int count, const std::function<void(int, int)>& range) {
-  constexpr int block = 256;  // cells a call: the indirect call costs nothing beside them
-  if (count < kParallelThreshold) return range(0, count);
-  parallel_for((count + block - 1) / block, [&](int b) { range(b * block, std::min(count, (b + 1) * block)); }, 1);
+bool on_one_thread(int cells) { return cells < kParallelThreshold || threads() == 1; }
+
+void run_cells(int count, void* context, void (*range)(void*, int, int)) {
+  if (on_one_thread(count)) return range(context, 0, count);
+  run_ranges(count, context, range);
 }
 
 double sum_over_cells(int count, const std::function<double(int)>& term) { return ordered_sum(count, term); }

@@ -17,56 +17,45 @@ class Graph {
   /// Adds ± flow(c, a, b) of each connection to its two molecules: forces.col(a) += flow, forces.col(b) −= flow.
   template <class Flow>
   void add_flows(Positions& forces, Flow&& flow) const {
-    if (size() < kParallelThreshold || threads() == 1)
-      scatter(forces, flow);
-    else if (band_ > 0)
-      scatter_in_parts(forces, flow);
-    else
-      gather(forces, flow);
+    if (gathers()) return gather(forces, flow);
+    for_each_part([&](const Part& part) {
+      for (int c = part.first; c < part.last; ++c) {
+        const auto& [a, b] = connections_.ends[c];
+        if (b < part.begin) continue;
+        const Vector3 f = flow(c, a, b);
+        if (a >= part.begin) forces.col(a) += f;
+        if (b < part.end) forces.col(b) -= f;
+      }
+    });
   }
 
   /// Adds Σ_b q_ab (x_b − x_a) to each molecule.
   void add_forces(const Positions& positions, const VectorX& densities, Positions& forces) const;
 
-  int size() const { return connections_.size(); }
-
- private:
-  template <class Flow>
-  void scatter(Positions& forces, Flow& flow) const {
-    for (int c = 0; c < size(); ++c) {
-      const auto& [a, b] = connections_.ends[c];
-      const Vector3 f = flow(c, a, b);
-      forces.col(a) += f;
-      forces.col(b) -= f;
-    }
-  }
-
-  /// Each part of the molecules takes the connections that start in it, and before them those that end in it.
-  template <class Flow>
-  void scatter_in_parts(Positions& forces, Flow& flow) const {
-    const auto& ends = connections_.ends;
-    const int parts = std::min(threads(), molecules_ / band_);
+  /// What one thread adds: the connections first … last−1, to the molecules begin … end−1 alone. They start at a
+  /// molecule before `end`, and end at any; a part that is everything has all molecules.
+  struct Part {
+    int first, last, begin, end;
+  };
+  /// Whether there are no parts, because connections reach everywhere: then each molecule gathers its own.
+  bool gathers() const { return size() >= kParallelThreshold && threads() > 1 && band_ == 0; }
+  /// Calls work(part) for each part, each on a thread of its own.
+  template <class Work>
+  void for_each_part(Work&& work) const {
+    const int parts = size() < kParallelThreshold || band_ == 0 ? 1 : std::min(threads(), molecules_ / band_);
+    if (parts == 1) return work(Part{0, size(), 0, molecules_});
     const auto start = [&](int part) { return static_cast<int>(static_cast<long long>(molecules_) * part / parts); };
     parallel_for(
         parts,
         [&](int part) {
-          const int begin = start(part), end = start(part + 1), own = first_of(begin), stop = first_of(end);
-          for (int c = first_of(begin - band_); c < own; ++c) {
-            const auto& [a, b] = ends[c];
-            if (b >= begin && b < end) forces.col(b) -= flow(c, a, b);
-          }
-          for (int c = own; c < stop; ++c) {
-            const auto& [a, b] = ends[c];
-            const Vector3 f = flow(c, a, b);
-            forces.col(a) += f;
-            if (b < end) forces.col(b) -= f;
-          }
+          const int begin = start(part), end = start(part + 1);
+          work(Part{first_of(begin - band_), first_of(end), begin, end});
         },
         1);
   }
-
+  /// Each molecule adds up ± flow(c, a, b) of its connections.
   template <class Flow>
-  void gather(Positions& forces, Flow& flow) const {
+  void gather(Positions& forces, Flow&& flow) const {
     parallel_for(
         molecules_,
         [&](int molecule) {
@@ -83,6 +72,9 @@ class Graph {
         1);
   }
 
+  int size() const { return connections_.size(); }
+
+ private:
   /// The first connection that starts at this molecule or after it.
   int first_of(int molecule) const;
 

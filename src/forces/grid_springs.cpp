@@ -27,10 +27,16 @@ struct GridSprings::Window {
 class GridSprings::Builder {
  public:
   Builder(const Body& body, const VectorX& constants)
-      : body_(body), constants_(constants), counts_(*body.grid), springs_(counts_[0], counts_[1] * counts_[2]) {
+      : body_(body),
+        constants_(constants),
+        counts_(*body.grid),
+        length_(counts_[0] <= kShort ? counts_[0] * counts_[1] : counts_[0]),
+        springs_(length_, body.size() / length_) {
     for (int code = 0; code < kDirections; ++code) {
       const auto [x, y, z] = offset(code);
-      springs_.directions_.push_back({x, y + counts_[1] * z, std::vector<int>(springs_.rows_, -1)});
+      const int rows_in_row = length_ / counts_[0];  // 1, or all of a layer
+      springs_.directions_.push_back({rows_in_row == 1 ? x : x + counts_[0] * y,
+                                      rows_in_row == 1 ? y + counts_[1] * z : z, std::vector<int>(springs_.rows_, -1)});
     }
     // Places are rounded, so lengths that should be alike are not quite, nor are constants made from them.
     const double extent = body.rest.cwiseAbs().maxCoeff();
@@ -44,11 +50,11 @@ class GridSprings::Builder {
       const int a = std::min(body_.connections.ends[c][0], body_.connections.ends[c][1]);
       const int b = std::max(body_.connections.ends[c][0], body_.connections.ends[c][1]);
       if (a < last) return std::nullopt;
-      if (a / counts_[0] != last / counts_[0]) finish_row(last / counts_[0]);
+      if (a / length_ != last / length_) finish_row(last / length_);
       last = a;
       if (!add(a, b, constants_[c], body_.connections.rest_length[c])) return std::nullopt;
     }
-    finish_row(last / counts_[0]);
+    finish_row(last / length_);
     std::erase_if(springs_.directions_, [](const Direction& direction) {
       return std::all_of(direction.numbers_at.begin(), direction.numbers_at.end(), [](int at) { return at < 0; });
     });
@@ -57,6 +63,10 @@ class GridSprings::Builder {
   }
 
  private:
+  /// Lines of the grid so short count as one row with the others of their layer: few springs a row cost more than those
+  /// that are not there, from the end of a line to the start of the next.
+  static constexpr int kShort = 16;
+
   /// The 13 neighbours that come later than a molecule.
   static constexpr int kDirections = 13;
   static std::array<int, 3> offset(int code) {
@@ -76,10 +86,11 @@ class GridSprings::Builder {
       code = 3 * code + step + 1;
     }
     Row& row = rows_[code - kDirections - 1];
-    if (row.numbers.empty()) row.numbers.assign(2 * static_cast<std::size_t>(counts_[0]), 0);
-    if (row.numbers[from[0]] != 0) return false;
-    row.numbers[from[0]] = constant;
-    row.numbers[counts_[0] + from[0]] = rest_length;
+    if (row.numbers.empty()) row.numbers.assign(2 * static_cast<std::size_t>(length_), 0);
+    const int at = a % length_;
+    if (row.numbers[at] != 0) return false;
+    row.numbers[at] = constant;
+    row.numbers[length_ + at] = rest_length;
     return true;
   }
 
@@ -111,9 +122,9 @@ class GridSprings::Builder {
   }
 
   bool alike(const double* one, const double* other) const {
-    for (int i = 0; i < counts_[0]; ++i) {
-      const double length = one[counts_[0] + i];
-      if (std::abs(other[counts_[0] + i] - length) > length_error_) return false;
+    for (int i = 0; i < length_; ++i) {
+      const double length = one[length_ + i];
+      if (std::abs(other[length_ + i] - length) > length_error_) return false;
       if (std::abs(other[i] - one[i]) * length > length_error_ * std::abs(one[i])) return false;
     }
     return true;
@@ -122,6 +133,7 @@ class GridSprings::Builder {
   const Body& body_;
   const VectorX& constants_;
   std::array<int, 3> counts_;
+  int length_;  ///< of a row
   GridSprings springs_;
   std::array<Row, kDirections> rows_;
   double length_error_;
@@ -173,25 +185,19 @@ void GridSprings::add_rows(int begin, int end, const Positions& positions, Posit
 
 /// Adds the forces of the springs that start in a row, where they reach the row `begin` or a later one.
 void GridSprings::add_row(int row, int begin, const Window& window) const {
-  const AddRowFlows add_flows = row_flows().back();
+  const SpringKernel& kernel = spring_kernel();
+  const RowOf3 places = window.places(0), forces = window.forces(0);
   for (const Direction& direction : directions_) {
     const int at = direction.numbers_at[row];
     if (at < 0 || row + direction.rows < begin) continue;
-    const int skip = direction.x < 0 ? 1 : 0, count = length_ - std::abs(direction.x);
+    const int skip = std::max(0, -direction.x), count = length_ - std::abs(direction.x);
     const double* constants = numbers_.data() + at + skip;
-    const RowOf3 from = window.places(0).from(skip), to = window.places(direction.rows).from(skip + direction.x);
-    const RowOf3 on_from = window.forces(0).from(skip);
-    if (direction.rows > 0) {
-      add_flows(from, to, constants, constants + length_, count, on_from,
-                window.forces(direction.rows).from(skip + direction.x));
-      continue;
-    }
-    // Both ends in one row, where adding to one end must not wait for the other.
-    const RowOf3 spare = window.spare(), on_to = window.forces(0).from(1);
-    std::fill_n(spare.x, 3 * spare.pitch, 0.);
-    add_flows(from, to, constants, constants + length_, count, on_from, spare);
-    for (int i = 0; i < count; ++i)
-      on_to.x[i] += spare.x[i], on_to.y()[i] += spare.y()[i], on_to.z()[i] += spare.z()[i];
+    if (direction.rows == 0)
+      kernel.add_in_row_flows(places, direction.x, constants, constants + length_, count, forces, window.spare());
+    else
+      kernel.add_row_flows(places.from(skip), window.places(direction.rows).from(skip + direction.x), constants,
+                           constants + length_, count, forces.from(skip),
+                           window.forces(direction.rows).from(skip + direction.x));
   }
 }
 

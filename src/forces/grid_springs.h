@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "elastin/forces/elasticity.h"
-#include "forces/grid_kernel.h"
+#include "forces/spring_kernel.h"
 
 namespace elastin {
 
@@ -24,7 +24,7 @@ class GridSprings {
  private:
   class Builder;
   struct Direction {
-    int x;                        ///< −1, 0, 1: how far a spring's other end is along the row
+    int x;                        ///< how far a spring's other end is along the row
     int rows;                     ///< how many rows on
     std::vector<int> numbers_at;  ///< of each row: where its constants begin in numbers_, −1 = no springs
   };

@@ -3,13 +3,17 @@
 #include <numbers>
 #include <utility>
 
+#include "base/parallel.h"
+
 namespace elastin {
 namespace {
 
 class Gravity final : public Load {
  public:
   Gravity(const Body& body, const Vector3& acceleration) : body_(body), acceleration_(acceleration) {}
-  void add_forces(const State&, Positions& forces) const override { forces += acceleration_ * body_.mass.transpose(); }
+  void add_forces(const State&, Positions& forces) const override {
+    parallel_for(body_.size(), [&](int molecule) { forces.col(molecule) += body_.mass[molecule] * acceleration_; });
+  }
   double energy(const State& state) const override {
     return -acceleration_.dot((state.positions - body_.rest) * body_.mass);
   }
@@ -24,11 +28,13 @@ class LinearDrag final : public Load {
  public:
   explicit LinearDrag(VectorX factor) : factor_(std::move(factor)) {}
   void add_forces(const State& state, Positions& forces) const override {
-    forces -= state.velocities * factor_.asDiagonal();
+    parallel_for(static_cast<int>(factor_.size()),
+                 [&](int molecule) { forces.col(molecule) -= factor_[molecule] * state.velocities.col(molecule); });
   }
   bool changes() const override { return true; }
   void add_change(const State&, const Positions&, const Positions& change, Positions& forces) const override {
-    forces -= change * factor_.asDiagonal();
+    parallel_for(static_cast<int>(factor_.size()),
+                 [&](int molecule) { forces.col(molecule) -= factor_[molecule] * change.col(molecule); });
   }
   void visit_blocks(const State&, double velocity_weight, const BlockVisitor& visit) const override {
     for (int molecule = 0; molecule < factor_.size(); ++molecule)
@@ -45,9 +51,10 @@ class QuadraticDrag final : public Load {
   QuadraticDrag(const Body& body, double density, double drag_coefficient)
       : factor_(0.5 * density * drag_coefficient * std::numbers::pi * body.radius.array().square()) {}
   void add_forces(const State& state, Positions& forces) const override {
-    for (int molecule = 0; molecule < factor_.size(); ++molecule)
-      forces.col(molecule) -=
-          factor_[molecule] * state.velocities.col(molecule).norm() * state.velocities.col(molecule);
+    parallel_for(static_cast<int>(factor_.size()), [&](int molecule) {
+      const auto velocity = state.velocities.col(molecule);
+      forces.col(molecule) -= factor_[molecule] * velocity.norm() * velocity;
+    });
   }
   bool changes() const override { return true; }
   void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override {
@@ -74,7 +81,39 @@ class QuadraticDrag final : public Load {
   VectorX factor_;
 };
 
+class Varying final : public Load {
+ public:
+  Varying(std::unique_ptr<Load> load, TimeFunction function) : load_(std::move(load)), function_(std::move(function)) {}
+  void add_forces(const State& state, Positions& forces) const override {
+    Positions whole = Positions::Zero(3, forces.cols());
+    load_->add_forces(state, whole);
+    forces += function_.value(state.time) * whole;
+  }
+  double energy(const State& state) const override { return function_.value(state.time) * load_->energy(state); }
+  bool changes() const override { return load_->changes(); }
+  void add_change(const State& state, const Positions& motion, const Positions& change,
+                  Positions& forces) const override {
+    Positions whole = Positions::Zero(3, forces.cols());
+    load_->add_change(state, motion, change, whole);
+    forces += function_.value(state.time) * whole;
+  }
+  void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override {
+    const double factor = function_.value(state.time);
+    load_->visit_blocks(state, velocity_weight, [&](int a, int b, const Matrix3& part) { visit(a, b, factor * part); });
+  }
+  bool steady() const override { return function_.constant() && load_->steady(); }
+  bool acts_at_rest() const override { return load_->acts_at_rest(); }
+
+ private:
+  std::unique_ptr<Load> load_;
+  TimeFunction function_;
+};
+
 }  // namespace
+
+std::unique_ptr<Load> make_varying(std::unique_ptr<Load> load, TimeFunction function) {
+  return std::make_unique<Varying>(std::move(load), std::move(function));
+}
 
 PointLoads::PointLoads(const Body& body, std::vector<int> molecules, Positions forces)
     : body_(body), molecules_(std::move(molecules)), forces_(std::move(forces)) {}

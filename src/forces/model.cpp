@@ -27,6 +27,11 @@ bool Model::admissible(const Positions& positions) const {
                      [&](const auto& part) { return part->admissible(positions); });
 }
 
+bool Model::feels_velocity() const {
+  return !viscosity_.empty() ||
+         std::any_of(loads_.begin(), loads_.end(), [](const auto& load) { return load->changes(); });
+}
+
 double Model::elastic_energy(const Positions& positions) const {
   double energy = 0;
   for (const auto& part : elasticity_) energy += part->energy(positions);

@@ -31,6 +31,7 @@ Tangent::Tangent(Model& model, const State& state, const Weights& weights)
   parallel_for(static_cast<int>(links_.size()), [&](int c) {
     links_[c] = {state.positions.col(ends[c][1]) - state.positions.col(ends[c][0]), densities[c], 2 * slopes[c]};
   });
+  set_diagonal();
 }
 
 void Tangent::apply(const Positions& motion, Positions& result) const {
@@ -119,13 +120,43 @@ std::vector<WidePart> Tangent::wide_parts() const {
   return parts;
 }
 
-std::vector<Matrix3> Tangent::diagonal() const {
-  std::vector<Matrix3> blocks(model_.body().size(), Matrix3::Zero());
-  visit_local_blocks([&](int a, int b, const Matrix3& part) {
-    if (a == b) blocks[a] += part;
-  });
-  for (const auto& part : model_.elasticity()) part->add_diagonal(blocks);
-  return blocks;
+/// visit_blocks gives the same; but few of its blocks are on the diagonal, and every solve needs these.
+void Tangent::set_diagonal() {
+  const Body& body = model_.body();
+  const auto& ends = body.connections.ends;
+  diagonal_.resize(body.size());
+  for (int a = 0; a < body.size(); ++a) diagonal_[a] = weights_.acceleration * body.mass[a] * Matrix3::Identity();
+  for (std::size_t c = 0; c < links_.size(); ++c) {
+    const auto& [d, density, slope] = links_[c];
+    const Matrix3 block = density * Matrix3::Identity() + slope * d * d.transpose();
+    for (const int end : ends[c]) diagonal_[end] += block;
+  }
+  const auto add_cell = [&](double weight) {
+    return [&, weight](std::span<const int> connections, const double* slopes) {
+      for (const int c : connections) {
+        // Of one side all that the cell's sides make of it: Σ over those with which it shares a molecule.
+        for (const int end : {0, 1}) {
+          const int molecule = ends[c][end];
+          Vector3 sum = Vector3::Zero();
+          for (std::size_t other = 0; other < connections.size(); ++other) {
+            const auto& [first, second] = ends[connections[other]];
+            if (first != molecule && second != molecule) continue;
+            const double sign = ends[connections[other]][end] == molecule ? 1 : -1;
+            sum += sign * slopes[other] * links_[connections[other]].d;
+          }
+          diagonal_[molecule] += 2 * weight * links_[c].d * sum.transpose();
+        }
+        slopes += connections.size();
+      }
+    };
+  };
+  for (const auto& part : model_.elasticity()) part->visit_cells(add_cell(1));
+  for (const auto& part : model_.viscosity()) part->visit_cells(add_cell(weights_.velocity));
+  const BlockVisitor add_own = [&](int a, int b, const Matrix3& part) {
+    if (a == b) diagonal_[a] += part;
+  };
+  for (const auto& load : model_.loads()) load->visit_blocks(state_, weights_.velocity, add_own);
+  for (const auto& part : model_.elasticity()) part->add_diagonal(diagonal_);
 }
 
 }  // namespace elastin

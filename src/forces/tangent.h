@@ -32,7 +32,7 @@ class Tangent {
   std::vector<WidePart> wide_parts() const;
 
   /// The diagonal blocks K_aa [N/m].
-  std::vector<Matrix3> diagonal() const;
+  const std::vector<Matrix3>& diagonal() const { return diagonal_; }
 
   const Model& model() const { return model_; }
   const Weights& weights() const { return weights_; }
@@ -45,10 +45,12 @@ class Tangent {
   };
   void apply_links(const Positions& motion, Positions& result) const;
   void visit_local_blocks(const BlockVisitor& visit) const;
+  void set_diagonal();
   const Model& model_;
   const State& state_;
   Weights weights_;
   std::vector<Link> links_;
+  std::vector<Matrix3> diagonal_;
   bool coupled_ = false, loads_change_ = false;
 };
 

@@ -258,6 +258,8 @@ class Volume final : public Elasticity {
 }  // namespace
 
 std::string unsuited_for_volumes(const Body& body) {
+  if (body.cell_stiffness.size() || body.connection_stiffness.size())
+    return "needs one stiffness for its volumes, and the body has regions";
   if (groups_of(body)) return "";
   return body.cubes.empty() ? "needs tetrahedra or cubes for its volumes: give the body cells: delaunay"
                             : "needs the lattice's axes and face diagonals for its volumes: connect them, or give the "

@@ -122,6 +122,29 @@ VectorX lumped_mass(const Positions& places, const Cells<3>& triangles, const Ce
   return mass;
 }
 
+void set_region(Body& body, const Vector3& low, const Vector3& high, double stiffness, double mass) {
+  const Vector3 slack = Vector3::Constant(1e-9 * (high - low).norm());
+  const auto inside = [&](const Vector3& place) {
+    return ((place - low + slack).array() >= 0).all() && ((high + slack - place).array() >= 0).all();
+  };
+  const auto set_those_inside = [&](const auto& members, VectorX& factors) {
+    if (factors.size() == 0) factors = VectorX::Ones(static_cast<Eigen::Index>(members.size()));
+    for (std::size_t member = 0; member < members.size(); ++member) {
+      Vector3 middle = Vector3::Zero();
+      for (const int molecule : members[member])
+        middle += body.rest.col(molecule) / static_cast<double>(members[member].size());
+      if (inside(middle)) factors[static_cast<Eigen::Index>(member)] = stiffness;
+    }
+  };
+  set_those_inside(body.connections.ends, body.connection_stiffness);
+  if (body.tetrahedra.empty())
+    set_those_inside(body.triangles, body.cell_stiffness);
+  else
+    set_those_inside(body.tetrahedra, body.cell_stiffness);
+  for (int molecule = 0; molecule < body.size(); ++molecule)
+    if (inside(body.rest.col(molecule))) body.mass[molecule] *= mass;
+}
+
 double signed_volume(const Positions& places, const std::array<int, 4>& tetrahedron) {
   const Vector3 origin = places.col(tetrahedron[0]);
   const Vector3 a = places.col(tetrahedron[1]) - origin, b = places.col(tetrahedron[2]) - origin,

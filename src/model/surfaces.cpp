@@ -213,6 +213,43 @@ Body cross_canopy(double width, double span, int squares) {
   return grid(lines, lines, SheetPattern::alternating, [&](int i, int j) { return inside(i) || inside(j); });
 }
 
+void hang_load(Body& body, HungFrom from, const Vector3& place, double stiffness, double mass, double radius) {
+  const int load = body.size();
+  std::vector<char> chosen(static_cast<std::size_t>(load), 0);
+  if (from == HungFrom::rim) {
+    std::map<std::array<int, 2>, int> sides;
+    for (const auto& triangle : body.triangles)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const int a = triangle[i], b = triangle[(i + 1) % 3];
+        ++sides[{std::min(a, b), std::max(a, b)}];
+      }
+    for (const auto& [side, count] : sides)
+      if (count == 1)
+        for (const int molecule : side) chosen[static_cast<std::size_t>(molecule)] = 1;
+  } else {
+    const Vector3 low = body.rest.rowwise().minCoeff(), high = body.rest.rowwise().maxCoeff();
+    const double near = 1e-6 * (high - low).norm();
+    for (int molecule = 0; molecule < load; ++molecule)
+      for (int k = 0; k < 2; ++k)
+        if (std::min(body.rest(k, molecule) - low[k], high[k] - body.rest(k, molecule)) <= near)
+          chosen[static_cast<std::size_t>(molecule)] = 1;
+  }
+  body.rest.conservativeResize(3, load + 1);
+  body.mass.conservativeResize(load + 1);
+  body.radius.conservativeResize(load + 1);
+  body.rest.col(load) = place;
+  body.mass[load] = mass;
+  body.radius[load] = radius;
+  for (int molecule = 0; molecule < load; ++molecule) {
+    if (!chosen[static_cast<std::size_t>(molecule)]) continue;
+    const double length = (body.rest.col(molecule) - place).norm();
+    if (!(length > 0)) throw InputError("a molecule of the body lies where the load hangs");
+    body.cables.push_back({body.connections.size(), stiffness});
+    body.connections.ends.push_back({molecule, load});
+    body.connections.rest_length.push_back(length);
+  }
+}
+
 Vector3 area_vector(const Positions& places, const std::array<int, 3>& triangle) {
   const Vector3 origin = places.col(triangle[0]);
   return (places.col(triangle[1]) - origin).cross(places.col(triangle[2]) - origin) / 2;

@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "elastin/model/surfaces.h"
 #include "elastin/simulation/fibres.h"
 #include "elastin/solve/modes.h"
+#include "elastin/solve/stable_step.h"
+#include "experiment/run_in_time.h"
 #include "report/table.h"
 
 namespace elastin {
@@ -127,6 +130,37 @@ void add_modes(std::string& out, Scene& scene) {
     add_line(out, "", "and " + counted(static_cast<int>(report.modes.size() - shown), "more group"));
 }
 
+/// "connection 12 (3–9)", "cell 7": what sets the longest stable step.
+std::string culprit_of(const StableStep& found, const Body& body) {
+  if (found.cell >= 0) return fmt::format("cell {}", found.cell);
+  if (found.connection < 0) return "nothing";
+  const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(found.connection)];
+  return fmt::format("connection {} ({}–{})", found.connection, a, b);
+}
+
+/// How each strategy of the scene would go through time, and how far an explicit step may go.
+void add_steps_in_time(std::string& out, Scene& scene) {
+  for (const StrategyChoice& choice : scene.strategies) {
+    Run run;
+    run.strategy = choice.label;
+    if (!unsuited(scene.specimen, *scene.experiment, choice).empty()) continue;
+    std::optional<Model> model = make_model(scene.specimen, *scene.experiment, choice, {}, run);
+    if (!model) continue;
+    const auto [scheme, reason] = chosen_scheme(*scene.time, needs_cells(choice.strategy, scene.specimen.body));
+    std::string text = name_of(scheme);
+    if (!reason.empty()) text += " by default (" + reason + ")";
+    const StableStep found = find_stable_step(*model, state_at_rest(scene.specimen.body));
+    text +=
+        std::isfinite(found.step)
+            ? fmt::format("; dt_crit {} of an explicit step, ω_max {:.5g} rad/s{}, set by {}",
+                          readable_seconds(found.step), found.frequency,
+                          found.damping_rate > 0 ? fmt::format(" and damping of {:.4g} /s", found.damping_rate) : "",
+                          culprit_of(found, scene.specimen.body))
+            : "; nothing limits an explicit step";
+    add_line(out, "in time, " + choice.label, text);
+  }
+}
+
 }  // namespace
 
 CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<Overlap>& overlaps) {
@@ -148,6 +182,7 @@ CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<
   add_line(report.text, "strategies", fmt::format("{}", fmt::join(suited, ", ")));
   for (const auto& [why, names] : unsuited)
     add_line(report.text, "not on this body", fmt::format("{} ({})", fmt::join(names, ", "), why));
+  if (scene.time) add_steps_in_time(report.text, scene);
   std::string objects = fmt::format("{} experiment, 1 elasticity{}", scene.experiment->name(),
                                     scene.specimen.material.fibre ? " and the material's fibres" : "");
   if (!scene.specimen.loads.empty()) objects += ", " + counted(static_cast<int>(scene.specimen.loads.size()), "load");

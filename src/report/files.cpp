@@ -24,9 +24,16 @@ Json to_json(const std::vector<std::pair<std::string, double>>& values) {
 }
 
 Json to_json(const Verdict& verdict) {
-  Json object{{"measure", verdict.expectation.measure},
-              {"expected", verdict.expectation.value},
-              {"source", verdict.expectation.source},
+  const Expectation& expectation = verdict.expectation;
+  if (!expectation.outcome.empty())
+    return {{"outcome", expectation.outcome},
+            {"cause", expectation.cause},
+            {"source", expectation.source},
+            {"holds", verdict.holds},
+            {"judged", true}};
+  Json object{{"measure", expectation.measure},
+              {"expected", expectation.value},
+              {"source", expectation.source},
               {"holds", verdict.holds},
               {"judged", verdict.judged}};
   if (std::isfinite(verdict.measured)) object["measured"] = verdict.measured;
@@ -41,7 +48,7 @@ Json to_json(const Record& record) {
               {"title", record.title},
               {"strategy", run.strategy},
               {"solver", run.solver},
-              {"outcome", run.suited ? name_of(run.outcome) : "unsuited"},
+              {"outcome", outcome_name(run)},
               {"cause", run.cause},
               {"molecules", record.molecules},
               {"connections", record.connections},
@@ -65,10 +72,28 @@ Json to_json(const Record& record) {
   }
   if (run.calibration_factor != 1) object["calibration_factor"] = run.calibration_factor;
   if (run.volume_modulus != 0) object["volume_modulus"] = run.volume_modulus;
+  if (run.time) {
+    const TimeReport& time = *run.time;
+    object["time"] = {{"integrator", time.scheme},       {"simulated", time.simulated},
+                      {"seconds", time.seconds},         {"steps", time.steps},
+                      {"rejected_steps", time.rejected}, {"shortest_step", time.shortest_step},
+                      {"last_step", time.last_step}};
+    if (time.seconds > 0) {
+      object["time"]["steps_per_second"] = time.steps / time.seconds;
+      object["time"]["real_time_factor"] = time.simulated / time.seconds;
+    }
+    if (time.critical_step > 0 && std::isfinite(time.critical_step))
+      object["time"]["critical_step"] = time.critical_step;
+  }
   object["curve"] = Json::array();
   for (const CurvePoint& point : run.curve) {
     Json row = to_json(point.measures.all());
-    row["load_factor"] = point.load_factor;
+    if (run.time) {
+      row["time"] = point.time;
+      row["step"] = point.step;
+    } else {
+      row["load_factor"] = point.load_factor;
+    }
     object["curve"].push_back(row);
   }
   object["expectations"] = Json::array();
@@ -90,6 +115,24 @@ std::string csv_field(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
   return out + "\"";
+}
+
+/// One row a frame, with the measures that the run has.
+std::string course_csv_text(const std::vector<CurvePoint>& rows) {
+  std::vector<const MeasureInfo*> columns;
+  for (const MeasureInfo& info : measure_list())
+    if (std::any_of(rows.begin(), rows.end(),
+                    [&](const CurvePoint& row) { return std::isfinite(row.measures.get(info.name)); }))
+      columns.push_back(&info);
+  std::string out = "time [s]";
+  for (const MeasureInfo* info : columns) out += "," + headed(*info);
+  out += ",step [s],steps,newton_iterations,linear_iterations\n";
+  for (const CurvePoint& row : rows) {
+    out += cell(row.time);
+    for (const MeasureInfo* info : columns) out += "," + cell(row.measures.get(info->name));
+    out += fmt::format(",{},{},{},{}\n", cell(row.step), row.steps, row.newton_iterations, row.linear_iterations);
+  }
+  return out;
 }
 
 class VtuArrays {
@@ -154,8 +197,7 @@ std::string csv_text(const std::vector<Record>& records) {
   for (const Record& record : records) {
     const Run& run = record.run;
     out += fmt::format("{},{},{},{},{},{},{},{}", csv_field(record.scene), csv_field(run.strategy), run.solver,
-                       run.suited ? name_of(run.outcome) : "unsuited", record.molecules, record.connections,
-                       record.cells, record.threads);
+                       outcome_name(run), record.molecules, record.connections, record.cells, record.threads);
     for (const MeasureInfo& info : measure_list()) out += "," + cell(run.measures.get(info.name));
     for (const std::string& name : errors) out += "," + cell(record.error(name));
     std::string notes = run.cause;
@@ -168,6 +210,7 @@ std::string csv_text(const std::vector<Record>& records) {
 }
 
 std::string curve_csv_text(const Record& record) {
+  if (record.run.time) return course_csv_text(record.run.curve);
   std::string out = "load_factor";
   for (const MeasureInfo& info : measure_list()) out += "," + headed(info);
   out += ",newton_iterations,linear_iterations,residual\n";
@@ -216,11 +259,10 @@ std::string vtu_text(const Body& body, const Positions& positions, const VectorX
 
 void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run) {
   std::string collection = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
-  for (std::size_t step = 0; step < run.snapshots.size(); ++step) {
-    const auto& [load_factor, positions, densities] = run.snapshots[step];
-    const std::string file = fmt::format("{}-{:03}.vtu", name, step);
+  for (const auto& [at, positions, densities, number] : run.snapshots) {
+    const std::string file = fmt::format("{}-{:03}.vtu", name, number);
     write_whole(folder + "/" + file, vtu_text(body, positions, densities, run.constants));
-    collection += fmt::format("<DataSet timestep=\"{}\" file=\"{}\"/>\n", load_factor, file);
+    collection += fmt::format("<DataSet timestep=\"{}\" file=\"{}\"/>\n", at, file);
   }
   write_whole(folder + "/" + name + ".pvd", collection + "</Collection>\n</VTKFile>\n");
 }

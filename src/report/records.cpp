@@ -51,8 +51,13 @@ Neighbours neighbours_inside(const Body& body) {
           *std::min_element(counted.begin(), counted.end())};
 }
 
+bool Record::stopped_as_expected() const {
+  return std::any_of(verdicts.begin(), verdicts.end(),
+                     [](const Verdict& v) { return !v.expectation.outcome.empty() && v.holds; });
+}
+
 bool Record::good() const {
-  return (!run.suited || run.outcome == Outcome::converged) &&
+  return (!run.suited || run.outcome == Outcome::converged || stopped_as_expected()) &&
          std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.holds || !v.judged; });
 }
 
@@ -60,6 +65,19 @@ double Record::error(std::string_view name) const {
   for (const auto& [known, value] : errors)
     if (known == name) return value;
   return std::nan("");
+}
+
+Verdict judge(const Expectation& expectation, const Run& run) {
+  Verdict verdict{expectation, run.strategy, std::nan(""), std::nan(""), false, expectation.not_reproduced.empty()};
+  if (!expectation.outcome.empty()) {
+    verdict.holds = expectation.outcome == outcome_name(run) && run.cause.find(expectation.cause) != std::string::npos;
+    return verdict;
+  }
+  verdict.measured = run.measures.get(expectation.measure);
+  const double off = verdict.measured - expectation.value;
+  verdict.difference = off / std::abs(expectation.value);
+  verdict.holds = std::abs(off) <= expectation.absolute + expectation.relative * std::abs(expectation.value);
+  return verdict;
 }
 
 Record make_record(const Scene& scene, Run run) {
@@ -89,13 +107,9 @@ Record make_record(const Scene& scene, Run run) {
   for (const Reference& reference : scene.references)
     add_error(reference.measure + "_to_reference", run.measures.get(reference.measure) / reference.value - 1);
   for (const Expectation& expectation : scene.expectations) {
-    if (expectation.strategy.empty() ? !run.suited : expectation.strategy != run.strategy) continue;
-    Verdict verdict{expectation, run.strategy, run.measures.get(expectation.measure),
-                    0,           false,        expectation.not_reproduced.empty()};
-    const double off = verdict.measured - expectation.value;
-    verdict.difference = off / std::abs(expectation.value);
-    verdict.holds = std::abs(off) <= expectation.absolute + expectation.relative * std::abs(expectation.value);
-    record.verdicts.push_back(std::move(verdict));
+    const bool silent = expectation.strategy.empty() && !run.suited && expectation.outcome.empty();
+    if (silent || (!expectation.strategy.empty() && expectation.strategy != run.strategy)) continue;
+    record.verdicts.push_back(judge(expectation, run));
   }
   record.warnings = scene.warnings;
   record.warnings.insert(record.warnings.end(), run.warnings.begin(), run.warnings.end());

@@ -11,10 +11,13 @@ struct Verdict {
   Expectation expectation;
   std::string strategy;   ///< the run it was held against
   double measured = 0;    ///< NaN if the run has no such measure
-  double difference = 0;  ///< relative to the expected value
+  double difference = 0;  ///< relative to the expected value; both NaN where an outcome is expected
   bool holds = false;
   bool judged = true;  ///< false: the scene says that it is not reproduced
 };
+
+/// Holds what came of a run against one expectation, whatever strategy that is about.
+Verdict judge(const Expectation& expectation, const Run& run);
 
 /// Connections a molecule has away from the body's surface: of those further from the bounding box's faces than the
 /// longest connection, or of all where there are none.
@@ -40,7 +43,10 @@ struct Record {
   double error(std::string_view name) const;
   std::vector<Verdict> verdicts;
   std::vector<std::string> warnings;  ///< of the scene and of the run
-  /// Not failed: converged, or the body does not suit the strategy; and every judged expectation holds.
+  /// Whether it stopped as the scene says that it must.
+  bool stopped_as_expected() const;
+  /// Not failed: converged, or stopped as expected, or the body does not suit the strategy; and every judged
+  /// expectation holds.
   bool good() const;
 };
 

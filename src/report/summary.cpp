@@ -220,7 +220,7 @@ std::string failures_text(const std::vector<Record>& records, bool colours) {
   std::string out;
   for (const Record& record : records) {
     const std::string who = "  " + record.scene + ", " + record.run.strategy + ": ";
-    if (record.run.suited && !solved(record)) {
+    if (record.run.suited && !solved(record) && !record.stopped_as_expected()) {
       std::string outcome = name_of(record.run.outcome);
       std::replace(outcome.begin(), outcome.end(), '_', ' ');
       out += painted(who + outcome + ": " + record.run.cause, Tone::bad, colours) + "\n";
@@ -229,7 +229,10 @@ std::string failures_text(const std::vector<Record>& records, bool colours) {
       judged += verdict.judged;
       held += verdict.judged && verdict.holds;
       if (verdict.judged && !verdict.holds)
-        out += painted(who + verdict.expectation.measure + " " + percent(verdict.difference) + " from expected",
+        out += painted(who + (verdict.expectation.outcome.empty()
+                                  ? verdict.expectation.measure + " " + percent(verdict.difference) + " from expected"
+                                  : "expected to stop as " + verdict.expectation.outcome + ": \"" +
+                                        verdict.expectation.cause + "\""),
                        Tone::bad, colours) +
                "\n";
     }

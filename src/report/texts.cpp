@@ -31,6 +31,16 @@ std::string verdicts_text(const std::vector<const Verdict*>& verdicts, bool colo
   if (verdicts.empty()) return "";
   Table table({"strategy", "measure", "expected", "here", "difference", "", "source"});
   for (const Verdict* verdict : verdicts) {
+    if (!verdict->expectation.outcome.empty()) {
+      table.add({{verdict->strategy},
+                 {"outcome"},
+                 {verdict->expectation.outcome},
+                 {""},
+                 {""},
+                 {verdict->holds ? "holds" : "FAILS", verdict->holds ? Tone::good : Tone::bad},
+                 {verdict->expectation.source, Tone::faint}});
+      continue;
+    }
     const MeasureInfo& info = find_measure(verdict->expectation.measure);
     const bool missing = !std::isfinite(verdict->measured);
     const Tone tone = !verdict->judged ? Tone::faint : verdict->holds ? Tone::good : Tone::bad;
@@ -172,16 +182,40 @@ std::string stiffness_text(const Stiffness6& stiffness, bool colours) {
   return "\n" + table.text(colours);
 }
 
-std::string curve_text(const std::vector<CurvePoint>& points, bool colours) {
+/// How time went: "2000 steps of 0.5 ms (ω 3600 rad/s …)".
+std::string time_text(const TimeReport& time) {
+  const double rate = time.simulated / time.seconds;
+  std::string out = fmt::format(
+      "  {}{}: {}{}, last {}{}; {:.4g} s simulated in {}, {:.3g} steps a second, {:.3g} times {} than real time\n",
+      time.resumed ? "resumed, " : "", time.scheme, counted(time.steps, "step"),
+      time.rejected ? fmt::format(" and {} gone again", time.rejected) : "", readable_seconds(time.last_step),
+      time.critical_step > 0 && std::isfinite(time.critical_step)
+          ? fmt::format(" (longest stable {}, ω_max {:.4g} rad/s)", readable_seconds(time.critical_step),
+                        time.frequency)
+          : "",
+      time.simulated, readable_seconds(time.seconds), time.steps / time.seconds, rate < 1 ? 1 / rate : rate,
+      rate < 1 ? "slower" : "faster");
+  if (!time.reason.empty()) out += "  " + time.scheme + " by default: " + time.reason + "\n";
+  return out;
+}
+
+/// Of a run in time every tenth part of it, and what tells it apart; its file has all.
+std::string curve_text(const std::vector<CurvePoint>& points, bool in_time, bool colours) {
   std::vector<const MeasureInfo*> columns;
-  for (const auto& [name, value] : points.front().measures.all())
-    if (name != "energy" && name != "reaction_balance") columns.push_back(&find_measure(name));
-  std::vector<std::string> head{"load"};
+  std::vector<std::string_view> left_out{"energy", "reaction_balance"};
+  if (in_time)
+    left_out.insert(left_out.end(), {"potential_energy", "dissipated_energy", "work", "momentum", "angular_momentum",
+                                     "centre_way", "lateral_strain"});
+  for (const auto& [name, value] : points.back().measures.all())
+    if (std::find(left_out.begin(), left_out.end(), name) == left_out.end()) columns.push_back(&find_measure(name));
+  std::vector<std::string> head{in_time ? "time [s]" : "load"};
   for (const MeasureInfo* info : columns) head.push_back(info->label());
   head.push_back("Newton");
   Table table(head);
-  for (const CurvePoint& point : points) {
-    std::vector<TableCell> row{{fmt::format("{:.4g}", point.load_factor), Tone::plain, true}};
+  const std::size_t every = in_time ? std::max<std::size_t>(1, (points.size() - 1) / 10) : 1;
+  for (std::size_t i = 0; i < points.size(); i += every) {
+    const CurvePoint& point = points[i];
+    std::vector<TableCell> row{{fmt::format("{:.4g}", in_time ? point.time : point.load_factor), Tone::plain, true}};
     for (const MeasureInfo* info : columns)
       row.push_back({value_text(point.measures.get(info->name), *info), Tone::plain, true});
     row.push_back({std::to_string(point.newton_iterations), Tone::plain, true});
@@ -222,6 +256,7 @@ std::string run_text(const Record& record, bool colours) {
     out += fmt::format("  {}, {}, {} linear, residual {:.1e}, built in {}, solved in {}\n", run.solver,
                        counted(run.newton_iterations, "Newton iteration"), run.linear_iterations, run.residual,
                        readable_seconds(run.build_seconds), readable_seconds(run.solve_seconds));
+  if (run.time) out += time_text(*run.time);
   if (run.cut_steps) out += fmt::format("  {} cut: a cell would have turned over\n", counted(run.cut_steps, "step"));
   if (run.calibration_factor != 1)
     out += fmt::format("  calibrated: spring constants times {:.6g}\n", run.calibration_factor);
@@ -246,7 +281,7 @@ std::string run_text(const Record& record, bool colours) {
   }
   if (!table.empty()) out += "\n" + table.text(colours);
   if (run.measures.stiffness_matrix) out += stiffness_text(*run.measures.stiffness_matrix, colours);
-  if (run.curve.size() > 1) out += curve_text(run.curve, colours);
+  if (run.curve.size() > 1) out += curve_text(run.curve, run.time.has_value(), colours);
   std::vector<const Verdict*> verdicts;
   for (const Verdict& verdict : record.verdicts) verdicts.push_back(&verdict);
   out += verdicts_text(verdicts, colours);

@@ -4,6 +4,7 @@
 #include "elastin/model/delaunay.h"
 #include "elastin/model/mesh_file.h"
 #include "elastin/model/shapes.h"
+#include "elastin/model/surfaces.h"
 #include "scene/parts.h"
 
 namespace elastin {
@@ -150,7 +151,8 @@ Body read_shape(Reader& reader) {
       name = key;
     }
   if (!shape) {
-    for (const char* key : {"radius", "jitter", "grade", "cells", "connections", "triangles"}) reader.has(key);
+    for (const char* key : {"radius", "jitter", "grade", "cells", "connections", "triangles", "regions", "lines"})
+      reader.has(key);
     reader.finish();
     std::string known;
     for (const std::string& key : shapes) known += (known.empty() ? "" : key == shapes.back() ? " or " : ", ") + key;
@@ -197,6 +199,34 @@ void read_cells(const Reader& reader, Body& body, std::vector<std::string>& warn
                        " tetrahedra are nearly flat (below 1e-4 of the cube of their longest side)");
 }
 
+/// {from: [x, y, z], to: [x, y, z], stiffness: 1e6, mass: 10}
+void read_region(Reader reader, Body& body) {
+  const Reader to = reader.at("to");
+  const Vector3 low = reader.at("from").vector(dimension::length), high = to.vector(dimension::length);
+  const auto factor = [&](const char* key) {
+    const auto value = reader.find(key);
+    return value ? value->quantity(dimension::none, {1e-12, 1e12, false}) : 1;
+  };
+  const double stiffness = factor("stiffness"), mass = factor("mass");
+  reader.finish();
+  if (!((high - low).array() >= 0).all()) to.fail("must not lie below `from` in any direction");
+  set_region(body, low, high, stiffness, mass);
+}
+
+/// lines: {to: [0, 0, -6 m], stiffness: 20 kN, mass: 20 kg}, from: ends | rim.
+void read_lines(Reader reader, Body& body) {
+  const auto from = reader.find("from"), radius = reader.find("radius");
+  const HungFrom hung =
+      from ? from->choice<HungFrom>({{"ends", HungFrom::ends}, {"rim", HungFrom::rim}}) : HungFrom::ends;
+  const Vector3 to = reader.at("to").vector(dimension::length);
+  const double stiffness = reader.at("stiffness").quantity(dimension::force, kPositive);
+  const double mass = reader.at("mass").quantity(dimension::mass, kPositive);
+  const double size = radius ? radius->quantity(dimension::length, kPositive) : body.radius.maxCoeff();
+  reader.finish();
+  if (body.triangles.empty()) reader.fail("lines hang a load on a body of triangles; this one has none");
+  reader.located([&] { hang_load(body, hung, to, stiffness, mass, size); });
+}
+
 }  // namespace
 
 Body read_body(Reader reader, const Material& material, std::vector<std::string>& warnings) {
@@ -209,7 +239,7 @@ Body read_body(Reader reader, const Material& material, std::vector<std::string>
   }
   if (auto grading = reader.find("grade")) read_grade(*grading, body);
   if (auto cells = reader.find("cells")) read_cells(*cells, body, warnings);
-  const auto radius = reader.find("radius");
+  const auto radius = reader.find("radius"), regions = reader.find("regions"), lines = reader.find("lines");
   reader.finish();
   const double shortest = shortest_connection(body);
   if (!radius && shortest == 0) reader.fail("give a radius: there is no connection of which to take half the length");
@@ -217,6 +247,11 @@ Body read_body(Reader reader, const Material& material, std::vector<std::string>
   const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
   const double volume = size.prod() > 0 ? size.prod() : body.size() * std::pow(2 * r, 3);
   set_matter(body, r, material.density, material.thickness, volume);
+  if (regions && (material.curve || material.fibre))
+    regions->fail("a body with regions takes a material without curve or fibre");
+  if (regions)
+    for (const Reader& item : regions->items()) read_region(item, body);
+  if (lines) read_lines(*lines, body);
   return body;
 }
 

@@ -162,7 +162,9 @@ std::unique_ptr<Experiment> read_inflation(Reader reader, const ExperimentPlace&
 }  // namespace
 
 std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace& place) {
-  const auto read = reader.at("kind").choice<std::unique_ptr<Experiment> (*)(Reader, const ExperimentPlace&)>(
+  const Reader kind = reader.at("kind");
+  if (auto timed = read_timed_experiment(reader, kind.text(), place)) return timed;
+  const auto read = kind.choice<std::unique_ptr<Experiment> (*)(Reader, const ExperimentPlace&)>(
       {{"tension", read_tension},
        {"compression", read_tension},
        {"shear", read_shear},
@@ -171,7 +173,16 @@ std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace
        {"bending", read_bending},
        {"inflation", read_inflation},
        {"bubble", read_bubble},
-       {"material", read_homogenisation}});
+       {"material", read_homogenisation},
+       // Known here for the list of names; read above.
+       {"motion", nullptr},
+       {"release", nullptr},
+       {"creep", nullptr},
+       {"relaxation", nullptr},
+       {"shake", nullptr},
+       {"drop", nullptr},
+       {"parachute", nullptr},
+       {"vibration", nullptr}});
   return read(reader, place);
 }
 

@@ -1,9 +1,5 @@
 #include "scene/parts.h"
 
-#include <cmath>
-
-#include "experiment/faces.h"
-
 namespace elastin {
 
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
@@ -50,6 +46,10 @@ StaticOptions read_solver(Reader reader) {
   StaticOptions options;
   if (auto value = reader.find("displacements"))
     options.linear = value->choice<bool>({{"large", false}, {"small", true}});
+  if (auto value = reader.find("way"))
+    options.way = value->choice<StaticWay>({{"newton", StaticWay::newton},
+                                            {"explicit", StaticWay::explicit_steps},
+                                            {"implicit", StaticWay::implicit_steps}});
   if (auto value = reader.find("linear_solver"))
     options.method = value->choice<LinearMethod>(
         {{"automatic", LinearMethod::automatic}, {"pcg", LinearMethod::pcg}, {"direct", LinearMethod::direct}});
@@ -57,81 +57,6 @@ StaticOptions read_solver(Reader reader) {
   if (auto value = reader.find("newton_limit")) options.newton_limit = value->whole(1, 100000);
   reader.finish();
   return options;
-}
-
-namespace {
-
-SceneLoad read_drag(Reader reader) {
-  const bool stokes = reader.at("kind").choice<bool>({{"stokes", true}, {"quadratic", false}});
-  if (stokes) {
-    const double viscosity = reader.at("viscosity").quantity(dimension::viscosity, kNotNegative);
-    reader.finish();
-    return {[=](Model& model) { model.add(make_stokes_drag(model.body(), viscosity)); }, false};
-  }
-  const double density = reader.at("density").quantity(dimension::density, kNotNegative);
-  const double coefficient = reader.at("drag_coefficient").quantity(dimension::none, kNotNegative);
-  reader.finish();
-  return {[=](Model& model) { model.add(make_quadratic_drag(model.body(), density, coefficient)); }, false};
-}
-
-SceneLoad read_damping(const Reader& reader, const Body&) {
-  const double coefficient = reader.quantity(dimension::damping, kNotNegative);
-  return {[=](Model& model) { model.add(make_damping(coefficient)); }, false};
-}
-
-SceneLoad read_cell_damping(Reader reader, const Body& body) {
-  const double bulk = reader.at("bulk").quantity(dimension::viscosity, kNotNegative);
-  const double shear = reader.at("shear").quantity(dimension::viscosity, kNotNegative);
-  reader.finish();
-  if (body.tetrahedra.empty()) reader.fail("needs a body with tetrahedra; `damping` works on connections");
-  return {[=](Model& model) { model.add(make_cell_damping(model.body(), bulk, shear)); }, false};
-}
-
-SceneLoad read_point(Reader reader, const Body& body, const Matrix3& rotation) {
-  std::vector<int> molecules;
-  for (const Reader& item : reader.at("molecules").items()) molecules.push_back(item.whole(0, body.size() - 1));
-  const Vector3 force = rotation * reader.at("force").vector(dimension::force);
-  reader.finish();
-  return {[=](Model& model) {
-    model.add(std::make_unique<PointLoads>(model.body(), molecules,
-                                           force.replicate(1, static_cast<Eigen::Index>(molecules.size()))));
-  }};
-}
-
-SceneLoad read_face(Reader reader, const Body& body, const Matrix3& rotation) {
-  const Vector3 side = rotation * read_direction(reader.at("side"));
-  const Vector3 traction = rotation * reader.at("traction").vector(dimension::pressure);
-  reader.finish();
-  const Face face = reader.located([&] { return end_face(body, side, 0); });
-  if (!(face.area > 0)) reader.fail("the molecules on this side span no area");
-  return {[=](Model& model) {
-    model.add(
-        std::make_unique<PointLoads>(model.body(), face.molecules, face.area * traction * face.share.transpose()));
-  }};
-}
-
-}  // namespace
-
-SceneLoad read_load(Reader reader, const Body& body, const Matrix3& rotation) {
-  const auto gravity = reader.find("gravity"), drag = reader.find("drag"), damping = reader.find("damping"),
-             cell_damping = reader.find("cell_damping"), point = reader.find("point"), face = reader.find("face"),
-             pressure = reader.find("pressure"), gas = reader.find("gas");
-  reader.finish();
-  if (gravity.has_value() + drag.has_value() + damping.has_value() + cell_damping.has_value() + point.has_value() +
-          face.has_value() + pressure.has_value() + gas.has_value() !=
-      1)
-    reader.fail(
-        "a load is one of gravity, drag, damping, cell_damping, point, face, pressure, gas; write each as an item of "
-        "its own");
-  if (drag) return read_drag(*drag);
-  if (damping) return read_damping(*damping, body);
-  if (cell_damping) return read_cell_damping(*cell_damping, body);
-  if (point) return read_point(*point, body, rotation);
-  if (face) return read_face(*face, body, rotation);
-  if (pressure) return read_pressure(*pressure, body);
-  if (gas) return read_gas_load(*gas, body);
-  const Vector3 acceleration = rotation * gravity->vector(dimension::acceleration);
-  return {[=](Model& model) { model.add(make_gravity(model.body(), acceleration)); }};
 }
 
 }  // namespace elastin

@@ -1,4 +1,5 @@
 #pragma once
+#include "elastin/forces/time_function.h"
 #include "elastin/simulation/catalog.h"
 #include "experiment/inflation.h"
 #include "experiment/specimen.h"
@@ -20,16 +21,27 @@ struct ExperimentPlace {
   Matrix3 rotation;
   StaticOptions statics;
 };
+/// A kind that runs through time, or null: the experiment's kind is one at rest.
+std::unique_ptr<Experiment> read_timed_experiment(Reader reader, const std::string& kind, const ExperimentPlace& place);
 std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace& place);
 std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentPlace& place);
 StaticOptions read_solver(Reader reader);
 /// Adds one load, or internal damping, to a model of the scene's body.
 struct SceneLoad {
   std::function<void(Model&)> add;
-  bool acts_at_rest = true;  ///< false: drag and damping, which a static experiment does not feel
+  bool acts_at_rest = true;      ///< false: drag and damping, which a static experiment does not feel
+  bool changes_in_time = false;  ///< a static experiment feels it as it is at time 0
 };
+/// What a floor gives each molecule that is pressed in where the scene says nothing: E times the mean molecule's
+/// diameter, as a cube of that size has [N/m].
+double default_floor_stiffness(const Body& body, const Material& material);
 /// `rotation` turns its directions with the scene.
-SceneLoad read_load(Reader reader, const Body& body, const Matrix3& rotation);
+SceneLoad read_load(Reader reader, const Body& body, const Material& material, const Matrix3& rotation);
+/// {ramp: {duration: 1 s}}, {step: {at: 1 s}}, {sine: …} or {table: [[0 s, 0], …]}.
+TimeFunction read_time_function(Reader reader);
+TimeOptions read_time(Reader reader);
+/// How the run begins: velocities and places that are not those of rest.
+std::function<void(State&)> read_initial(Reader reader, const Body& body, const Matrix3& rotation, bool timed);
 /// Pressure on all triangles, and gas that they enclose.
 SceneLoad read_pressure(const Reader& reader, const Body& body);
 SceneLoad read_gas_load(const Reader& reader, const Body& body);

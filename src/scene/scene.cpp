@@ -10,19 +10,35 @@
 namespace elastin {
 namespace {
 
+/// A run that must stop: how, and words that must stand in its cause.
+Expectation read_stop(Reader& reader, Expectation expectation) {
+  const Reader outcome = reader.at("outcome");
+  std::vector<std::pair<std::string, bool>> stops{{kUnsuited, true}};
+  for (const Outcome stop : {Outcome::limit_reached, Outcome::inverted, Outcome::diverged, Outcome::mechanism})
+    stops.emplace_back(name_of(stop), true);
+  outcome.choice(stops);
+  expectation.outcome = outcome.text();
+  const Reader cause = reader.at("cause");
+  expectation.cause = cause.text();
+  if (expectation.cause.empty()) cause.fail("name the cause: words that the run must say");
+  reader.finish();
+  return expectation;
+}
+
 /// `strategies` are those of the scene: an expectation may name one by its label.
 Expectation read_expectation(Reader reader, const std::vector<StrategyChoice>& strategies, const Catalog& catalog) {
   Expectation expectation;
-  const Reader measure = reader.at("measure");
-  const MeasureInfo info = measure.located([&] { return find_measure(measure.text()); });
-  expectation.measure = info.name;
-  expectation.value = reader.at("value").quantity(info.unit);
   if (auto strategy = reader.find("strategy")) {
     expectation.strategy = strategy->text();
     if (!find_strategy(strategies, expectation.strategy))
       strategy->located([&] { return choose_strategy(catalog, expectation.strategy); });
   }
   expectation.source = reader.at("source").text();
+  if (reader.has("outcome")) return read_stop(reader, std::move(expectation));
+  const Reader measure = reader.at("measure");
+  const MeasureInfo info = measure.located([&] { return find_measure(measure.text()); });
+  expectation.measure = info.name;
+  expectation.value = reader.at("value").quantity(info.unit);
   if (auto tolerance = reader.find("tolerance")) expectation.relative = tolerance->quantity(dimension::none, kPositive);
   if (auto tolerance = reader.find("absolute")) expectation.absolute = tolerance->quantity(info.unit, kPositive);
   if (auto why = reader.find("not_reproduced")) expectation.not_reproduced = why->text();
@@ -126,10 +142,21 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver);
   scene->experiment =
       read_experiment(experiment, {scene->specimen.body, scene->specimen.material, rotation, scene->statics});
+  const bool timed = scene->experiment->in_time();
+  const auto time = reader.find("time");
+  if (time && !timed)
+    time->fail("a " + scene->experiment->name() + " experiment is at rest and takes no time; those that do are " +
+               "motion, release, creep, relaxation, shake and drop");
+  if (!time && timed)
+    experiment.fail("a " + scene->experiment->name() + " experiment runs through time: key 'time' is missing, " +
+                    "for example time: {duration: 1 s}");
+  if (time) scene->time = read_time(*time);
+  if (auto initial = reader.find("initial"))
+    scene->specimen.start = read_initial(*initial, scene->specimen.body, rotation, timed);
   if (auto loads = reader.find("loads"))
     for (const Reader& item : loads->items()) {
-      SceneLoad load = read_load(item, scene->specimen.body, rotation);
-      if (!load.acts_at_rest)
+      SceneLoad load = read_load(item, scene->specimen.body, scene->specimen.material, rotation);
+      if (!load.acts_at_rest && !timed)
         scene->warnings.push_back(item.path() +
                                   ": acts on moving bodies only; it changes nothing in a static experiment");
       scene->specimen.loads.push_back(std::move(load.add));

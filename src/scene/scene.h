@@ -7,10 +7,12 @@
 
 namespace elastin {
 
-/// What a published or independent source says a measure is.
+/// What a published or independent source says a measure is, or how a run must end.
 struct Expectation {
   std::string strategy;  ///< the strategy it is about; empty = every one
-  std::string measure;
+  std::string measure;   ///< empty where an outcome is expected
+  std::string outcome;   ///< "inverted" …: the run must stop so, with `cause` in what it says; empty = it converges
+  std::string cause;
   double value = 0;                   ///< SI
   double relative = 0, absolute = 0;  ///< tolerance: |difference| ≤ absolute + relative |value|
   std::string source;
@@ -32,6 +34,7 @@ struct Scene {
   StrategyChoice stiffness;                ///< what `run` uses
   std::vector<StrategyChoice> strategies;  ///< what `compare` uses
   StaticOptions statics;
+  std::optional<TimeOptions> time;  ///< of a timed experiment, and only of one
   std::vector<Expectation> expectations;
   std::vector<Reference> references;
   std::vector<std::string> warnings;  ///< of the scene as a whole

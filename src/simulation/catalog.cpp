@@ -152,6 +152,7 @@ std::shared_ptr<const Body> proper_part(const Body& body) {
 
 VectorX with_cell_sides(VectorX constants, const Body& body) {
   constants.conservativeResizeLike(VectorX::Zero(body.connections.size()));
+  if (body.connection_stiffness.size()) constants = constants.cwiseProduct(body.connection_stiffness).eval();
   return constants;
 }
 

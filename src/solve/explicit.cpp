@@ -1,6 +1,7 @@
 #include "solve/explicit.h"
 
 #include <cmath>
+#include <limits>
 
 #include "base/parallel.h"
 #include "solve/newton.h"
@@ -11,6 +12,15 @@ namespace {
 /// A molecule's part of an update costs as much as some ten connections.
 constexpr int kMoleculeThreshold = kParallelThreshold / 10;
 
+void set_accelerations(const Model& model, State& state, Scratch& scratch) {
+  model.set_forces(state, state.accelerations, scratch);
+  keep_free(model.supports, state.accelerations);
+  const VectorX& mass = model.body().mass;
+  parallel_for(
+      model.body().size(), [&](int i) { state.accelerations.col(i) /= mass[i]; }, kMoleculeThreshold);
+}
+
+/// Passes over the molecules are bound by memory: each array is read and written as seldom as can be.
 class Explicit final : public Integrator {
  public:
   explicit Explicit(Scheme scheme) : scheme_(scheme) {}
@@ -19,42 +29,18 @@ class Explicit final : public Integrator {
   StepResult advance(Model& model, State& state, double dt) override {
     const int n = model.body().size();
     const bool verlet = scheme_ == Scheme::velocity_verlet;
-    if (verlet ? state.accelerations.cols() != n : true) set_accelerations(model, state);
+    if (!verlet || state.accelerations.cols() != n) set_accelerations(model, state, scratch_);
     next_.positions.resize(3, n);
     next_.velocities.resize(3, n);
-    next_.accelerations.resize(3, n);
     next_.time = state.time + dt;
     if (model.drive) model.drive(next_.time, model.supports);
-    // Verlet: half a kick, and a guess of the whole one for forces that depend on velocity; Euler: the whole kick.
-    const double kick = verlet ? dt / 2 : dt;
-    parallel_for(
-        n,
-        [&](int i) {
-          const Vector3 velocity = state.velocities.col(i) + kick * state.accelerations.col(i);
-          next_.positions.col(i) = state.positions.col(i) + dt * velocity;
-          next_.velocities.col(i) = verlet ? Vector3(velocity + kick * state.accelerations.col(i)) : velocity;
-        },
-        kMoleculeThreshold);
+    StepResult result;
+    const double largest = verlet ? verlet_step(model, state, dt) : euler_step(state, dt);
     place_supports(model, next_.positions);
     move_with_supports(model.supports, next_.velocities);
-    StepResult result;
-    if (verlet) {
-      set_accelerations(model, next_);
-      parallel_for(
-          n,
-          [&](int i) {
-            next_.velocities.col(i) =
-                state.velocities.col(i) + kick * (state.accelerations.col(i) + next_.accelerations.col(i));
-          },
-          kMoleculeThreshold);
-      move_with_supports(model.supports, next_.velocities);
-      // Local error of central differences, dt³/6 of the third derivative.
-      result.error = dt * dt / 6 * largest(next_.accelerations, state.accelerations);
-    } else {
-      next_.accelerations.resize(3, 0);
-      result.error = dt * dt / 2 * largest(state.accelerations, Positions::Zero(3, 0));
-    }
-    if (!finite(next_)) {
+    // Local error: Verlet's is dt³/6 of the third derivative, as in central differences; Euler's dt²/2 of the second.
+    result.error = dt * dt / (verlet ? 6 : 2) * std::sqrt(largest);
+    if (!std::isfinite(largest)) {
       result.outcome = Outcome::diverged;
       result.cause = "the next step has no finite velocities: the step is too long";
     } else if (!model.admissible(next_.positions)) {
@@ -69,23 +55,82 @@ class Explicit final : public Integrator {
   }
 
  private:
-  /// Largest size of a column of a − b, b perhaps empty.
-  static double largest(const Positions& a, const Positions& b) {
-    double square = 0;
-    for (Eigen::Index i = 0; i < a.cols(); ++i)
-      square = std::max(square, b.cols() ? (a.col(i) - b.col(i)).squaredNorm() : a.col(i).squaredNorm());
-    return std::sqrt(square);
-  }
-  static bool finite(const State& state) {
-    const double sum = ordered_sum(
+  /// Kick, drift. The largest square of an acceleration, infinity if something is not finite.
+  double euler_step(const State& state, double dt) {
+    next_.accelerations.resize(3, 0);
+    return largest_of_ranges(
         static_cast<int>(state.positions.cols()),
-        [&](int i) { return state.velocities.col(i).squaredNorm() + state.positions.col(i).squaredNorm(); }, 0.,
+        [&](int begin, int end) {
+          double most = 0;
+          for (int i = begin; i < end; ++i) {
+            const Vector3 velocity = state.velocities.col(i) + dt * state.accelerations.col(i);
+            next_.velocities.col(i) = velocity;
+            next_.positions.col(i) = state.positions.col(i) + dt * velocity;
+            most = larger(most, state.accelerations.col(i).squaredNorm(), velocity.squaredNorm());
+          }
+          return most;
+        },
         kMoleculeThreshold);
-    return std::isfinite(sum);
+  }
+
+  /// Half a kick, drift, half a kick. The largest square of a change of acceleration, infinity if something is not
+  /// finite.
+  double verlet_step(const Model& model, const State& state, double dt) {
+    const int n = static_cast<int>(state.positions.cols());
+    const double *x = state.positions.data(), *v = state.velocities.data(), *a = state.accelerations.data();
+    double *next_x = next_.positions.data(), *next_v = next_.velocities.data();
+    const double half = dt / 2;
+    // Forces that depend on velocity see a guess of the whole kick.
+    const bool guess = model.feels_velocity();
+    parallel_ranges(
+        n,
+        [&](int begin, int end) {
+          for (int i = 3 * begin; i < 3 * end; ++i) next_x[i] = x[i] + dt * (v[i] + half * a[i]);
+          if (!guess) return;
+          for (int i = 3 * begin; i < 3 * end; ++i) next_v[i] = v[i] + dt * a[i];
+        },
+        kMoleculeThreshold);
+    place_supports(model, next_.positions);
+    if (guess) move_with_supports(model.supports, next_.velocities);
+    model.set_forces(next_, next_.accelerations, scratch_);
+    keep_free(model.supports, next_.accelerations);
+    return largest_of_ranges(
+        n, [&](int begin, int end) { return kick(model.body().mass, state, half, begin, end); }, kMoleculeThreshold);
+  }
+
+  /// The second half of a kick, from the forces in next_.accelerations, which become accelerations.
+  double kick(const VectorX& mass, const State& state, double half, int begin, int end) {
+    constexpr int block = 64;  // so many molecules that what one loop leaves for the next stays near
+    double inverse[3 * block], changes[3 * block], sizes[3 * block], most = 0;
+    for (int first = begin; first < end; first += block) {
+      const int count = std::min(block, end - first);
+      for (int i = 0; i < count; ++i) inverse[3 * i] = inverse[3 * i + 1] = inverse[3 * i + 2] = 1 / mass[first + i];
+      const double *v = state.velocities.data() + 3 * first, *a = state.accelerations.data() + 3 * first;
+      double *next_v = next_.velocities.data() + 3 * first, *next_a = next_.accelerations.data() + 3 * first;
+      for (int i = 0; i < 3 * count; ++i) {
+        const double now = next_a[i] * inverse[i], velocity = v[i] + half * (a[i] + now);
+        changes[i] = (now - a[i]) * (now - a[i]);
+        sizes[i] = velocity * velocity;
+        next_a[i] = now;
+        next_v[i] = velocity;
+      }
+      for (int i = 0; i < 3 * count; i += 3)
+        most = larger(most, changes[i] + changes[i + 1] + changes[i + 2], sizes[i] + sizes[i + 1] + sizes[i + 2]);
+    }
+    return most;
+  }
+
+  /// The larger of two squares, infinity if the second or `size` is not finite. A place that is not gives forces that
+  /// are not.
+  static double larger(double most, double square, double size) {
+    const double value = square + (size - size);  // infinity less itself is no number
+    if (value <= most) return most;
+    return value < std::numeric_limits<double>::infinity() ? value : std::numeric_limits<double>::infinity();
   }
 
   Scheme scheme_;
   State next_;
+  Scratch scratch_;
 };
 
 }  // namespace
@@ -103,11 +148,8 @@ void move_with_supports(const std::vector<Support>& supports, Positions& velocit
 }
 
 void set_accelerations(const Model& model, State& state) {
-  model.set_forces(state, state.accelerations);
-  const VectorX& mass = model.body().mass;
-  parallel_for(
-      model.body().size(), [&](int i) { state.accelerations.col(i) /= mass[i]; }, kMoleculeThreshold);
-  keep_free(model.supports, state.accelerations);
+  Scratch scratch;
+  set_accelerations(model, state, scratch);
 }
 
 std::unique_ptr<Integrator> make_explicit(Scheme scheme) { return std::make_unique<Explicit>(scheme); }

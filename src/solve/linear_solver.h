@@ -16,8 +16,9 @@ enum class LinearStatus {
 struct LinearResult {
   LinearStatus status = LinearStatus::solved;
   int iterations = 0;
-  double residual = 0;      ///< ‖b − K x‖ / ‖b‖
-  int negative_modes = -1;  ///< eigenvalues of K below zero, −1 where the solver cannot count them
+  double residual = 0;                ///< ‖b − K x‖ / ‖b‖
+  int negative_modes = -1;            ///< eigenvalues of K below zero, −1 where the solver cannot count them
+  Positions negative_direction = {};  ///< on negative_mode, from iterations: one along which K is negative
 };
 
 /// Solves K x = b for the free directions of a supported body. Zero-energy modes are no failure as long as b has no
@@ -37,6 +38,9 @@ std::unique_ptr<LinearSolver> make_pcg();
 
 /// A sparse LDLᵀ factorisation with iterative refinement: for small bodies, indefinite stiffness and mode counts.
 std::unique_ptr<LinearSolver> make_direct();
+
+/// Motions of all molecules in all directions, of size 1 and without a pattern that a body could have; always the same.
+Positions scattered_directions(int molecules);
 
 /// Takes out the held part of each supported molecule's column.
 void keep_free(const std::vector<Support>& supports, Positions& vectors);

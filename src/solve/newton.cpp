@@ -18,6 +18,11 @@ constexpr int kTinyBody = 60, kDirectLimit = 2500;
 /// are tried: nearly incompressible ones pass through pressures that are not there at the end.
 constexpr int kDownhillSteps = 25;
 
+/// Saddles that one solve goes down from.
+constexpr int kSaddles = 3;
+
+const std::string kAdrift = "the loads work on a zero-energy mode that does not stiffen";
+
 std::unique_ptr<LinearSolver> make_solver(LinearMethod method, const Tangent& tangent) {
   const bool tiny = tangent.model().body().size() <= kTinyBody && tangent.weights().acceleration == 0;
   const bool direct = method == LinearMethod::direct || (method == LinearMethod::automatic && tiny);
@@ -154,11 +159,42 @@ bool line_search(const Problem& problem, const Positions& motion, bool with_ener
   return false;
 }
 
-/// A direction without stiffness has no length of its own: no molecule goes further than half its connections' mean.
-void limit_motion(const Body& body, Positions& motion) {
+double mean_length(const Body& body) {
   double mean = 0;
   for (const double length : body.connections.rest_length)
     mean += length / static_cast<double>(body.connections.rest_length.size());
+  return mean;
+}
+
+/// A way out of an equilibrium that is no minimum, which no force leads out of: a direction of negative stiffness, met
+/// on the way to the answer for a load that has a part in all of them. Null columns where there is none.
+Positions way_down(const Tangent& tangent, const std::vector<Support>& supports, int& iterations) {
+  Positions load = scattered_directions(tangent.model().body().size()), ignored;
+  keep_free(supports, load);
+  const LinearResult found = make_pcg()->solve(tangent, supports, load, 1e-5, ignored);
+  iterations += found.iterations;
+  return found.negative_direction;
+}
+
+/// Goes along a direction, or against it, as far as the energy falls by more than its rounding. Returns whether it did.
+bool leave_saddle(const Problem& problem, const Positions& direction, Trial& now) {
+  const double furthest = std::sqrt(direction.colwise().squaredNorm().maxCoeff());
+  const double length = 0.1 * mean_length(problem.model.body()) / furthest;
+  for (double step = length; step > 1e-6 * length; step /= 4)
+    for (const double way : {step, -step}) {
+      State state = now.state;
+      state.positions += way * direction;
+      Trial trial = evaluate(problem, std::move(state), true);
+      if (!(now.energy - trial.energy > 10 * std::max(now.noise, trial.noise))) continue;
+      now = std::move(trial);
+      return true;
+    }
+  return false;
+}
+
+/// A direction without stiffness has no length of its own: no molecule goes further than half its connections' mean.
+void limit_motion(const Body& body, Positions& motion) {
+  const double mean = mean_length(body);
   const double furthest = std::sqrt(motion.colwise().squaredNorm().maxCoeff());
   if (furthest > 0.5 * mean) motion *= 0.5 * mean / furthest;
 }
@@ -171,6 +207,12 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
   const int molecules = tangent.model().body().size();
   auto solver = make_solver(options.method, tangent);
   LinearResult result = solver->solve(tangent, supports, rhs, tolerance, solution);
+  if (result.negative_modes > 0 && !through_saddles) {  // a factorisation leads to the saddle, iterations downhill
+    solver = make_pcg();
+    const int before = result.iterations;
+    result = solver->solve(tangent, supports, rhs, tolerance, solution);
+    result.iterations += before;
+  }
   const bool iterated = std::string(solver->name()) == "pcg";
   const bool downhill = result.status == LinearStatus::negative_mode && !through_saddles;
   if (result.status != LinearStatus::solved && !downhill && iterated && options.method == LinearMethod::automatic &&
@@ -181,7 +223,7 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
     if (second.residual <= std::max(result.residual, tolerance)) {
       solution = other;
       solver = std::move(direct);
-      result = {second.status, result.iterations + second.iterations, second.residual, second.negative_modes};
+      result = {second.status, result.iterations + second.iterations, second.residual, second.negative_modes, {}};
     }
   }
   used = solver->name();
@@ -215,7 +257,8 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
     return result;
   }
   std::string used = options.method == LinearMethod::direct ? "direct" : "pcg";
-  bool stable_start = false;
+  bool stable_start = false, adrift = false;
+  int saddles = 0, last_saddle = 0;  // how many were left, and after how many iterations
   double forcing = 1e-3, last = now.forces.norm;
   while (true) {
     if (!std::isfinite(now.forces.norm + now.forces.scale)) {
@@ -227,11 +270,21 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
     const double floor = rounding_floor(tangent, now.state.positions);
     result.residual = now.forces.scale > 0 ? now.forces.norm / now.forces.scale : 0;
     const double goal = std::max(options.tolerance * now.forces.scale, 2 * floor);
-    if (now.forces.norm <= goal) break;
+    if (now.forces.norm <= goal) {
+      if (!options.probe || kinematics || !problem.with_energy || saddles == kSaddles) break;
+      const Positions down = way_down(tangent, model.supports, result.linear_iterations);
+      result.unstable = down.size() > 0;
+      if (!result.unstable || !stable_start || !leave_saddle(problem, down, now)) break;
+      ++saddles;
+      last_saddle = result.newton_iterations;
+      result.left_saddle = true;
+      continue;
+    }
     if (result.newton_iterations == options.newton_limit) {
-      result.outcome = Outcome::limit_reached;
-      result.cause = "no equilibrium within " + std::to_string(options.newton_limit) + " Newton iteration" +
-                     (options.newton_limit == 1 ? "" : "s");
+      result.outcome = adrift ? Outcome::mechanism : Outcome::limit_reached;
+      result.cause = adrift ? kAdrift
+                            : "no equilibrium within " + std::to_string(options.newton_limit) + " Newton iteration" +
+                                  (options.newton_limit == 1 ? "" : "s");
       break;
     }
     // Solve each step no further than the next unbalanced force can use. [Eisenstat & Walker 1996, choice 2]
@@ -239,13 +292,15 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
     forcing = std::max(forcing, 0.1 * goal / now.forces.norm);
     last = now.forces.norm;
     Positions motion;
-    const LinearResult linear = solve_linear(tangent, model.supports, now.forces.unbalanced, forcing, options,
-                                             !stable_start || result.newton_iterations >= kDownhillSteps, motion, used);
+    const LinearResult linear =
+        solve_linear(tangent, model.supports, now.forces.unbalanced, forcing, options,
+                     !stable_start || result.newton_iterations >= last_saddle + kDownhillSteps, motion, used);
     const bool negative = linear.status == LinearStatus::negative_mode || linear.negative_modes > 0;
     if (result.newton_iterations == 0) stable_start = problem.with_energy && !negative;
     result.linear_iterations += linear.iterations;
     ++result.newton_iterations;
     result.unstable = negative;
+    adrift = linear.status == LinearStatus::zero_mode && linear.residual > 0.9;
     if (linear.status != LinearStatus::solved && linear.residual > 0.9) limit_motion(model.body(), motion);
     // A full answer of an indefinite stiffness leads to a saddle of the energy: there only the force can be a guide.
     const bool to_saddle = linear.negative_modes > 0;
@@ -256,7 +311,7 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
     if (!found) {
       const bool mechanism = linear.status == LinearStatus::zero_mode;
       result.outcome = mechanism ? Outcome::mechanism : inverted ? Outcome::inverted : Outcome::diverged;
-      result.cause = mechanism  ? "the loads work on a zero-energy mode that does not stiffen"
+      result.cause = mechanism  ? kAdrift
                      : inverted ? "every further step would turn a cell over"
                                 : "no step lowers the unbalanced force";
       break;

@@ -70,6 +70,7 @@ class Pcg final : public LinearSolver {
           n, [&](int i) { return p.col(i).dot(kp.col(i)); }, 0., kMoleculeThreshold);
       if (!(curvature > 1e-13 * size_of_p)) {
         result.status = curvature < -1e-10 * size_of_p ? LinearStatus::negative_mode : LinearStatus::zero_mode;
+        if (result.status == LinearStatus::negative_mode) result.negative_direction = p;
         // The way on: down the negative direction, or along what is left of the force where there is no stiffness.
         if (result.status == LinearStatus::zero_mode)
           x += r / stiffness_scale(tangent);
@@ -96,6 +97,13 @@ class Pcg final : public LinearSolver {
 };
 
 }  // namespace
+
+Positions scattered_directions(int molecules) {
+  Positions directions(3, molecules);
+  for (int i = 0; i < molecules; ++i)
+    for (int k = 0; k < 3; ++k) directions(k, i) = std::sin(1.0 + 12.9898 * i + 78.233 * k);
+  return directions;
+}
 
 void keep_free(const std::vector<Support>& supports, Positions& vectors) {
   for (const Support& support : supports) vectors.col(support.molecule) = support.free * vectors.col(support.molecule);

@@ -18,14 +18,6 @@ using Operator = std::function<void(const Positions& motion, Positions& result)>
 /// Scaled by √mass, so that M⁻¹ K becomes symmetric.
 VectorX inverse_root_mass(const Body& body) { return body.mass.cwiseSqrt().cwiseInverse(); }
 
-/// A start with a part in every direction that never changes: a molecule's numbers, turned into a pattern.
-Positions fixed_start(int molecules) {
-  Positions start(3, molecules);
-  for (int i = 0; i < molecules; ++i)
-    for (int k = 0; k < 3; ++k) start(k, i) = std::sin(1.0 + 12.9898 * i + 78.233 * k);
-  return start;
-}
-
 /// Largest eigenvalue by size of a symmetric operator by Lanczos-free power iteration; `mode` is left at its vector.
 double largest_eigenvalue(const Operator& apply, Positions& mode) {
   Positions image(3, mode.cols());
@@ -109,7 +101,7 @@ StableStep find_stable_step(Model& model, const State& state) {
     result = (result * root.asDiagonal()).eval();
     keep_free(model.supports, result);
   };
-  Positions mode = fixed_start(body.size());
+  Positions mode = scattered_directions(body.size());
   keep_free(model.supports, mode);
   const Positions start = mode;
   found.frequency = std::sqrt(

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "solve/newton.h"
+#include "solve/relaxation.h"
 
 namespace elastin {
 namespace {
@@ -49,12 +50,15 @@ const char* name_of(Outcome outcome) {
       return "diverged";
     case Outcome::mechanism:
       return "mechanism";
+    case Outcome::interrupted:
+      return "interrupted";
   }
   return "";
 }
 
 StaticResult solve_static(Model& model, State& state, const StaticOptions& options) {
   if (options.linear) return solve_linear_statics(model, state, options);
+  if (options.way != StaticWay::newton) return relax(model, state, options);
   StaticResult moved;
   follow_supports(model, state, options, moved);
   StaticResult result = solve_newton(model, state, options, nullptr);

@@ -38,6 +38,13 @@ TEST_CASE("a plate in the wind feels the drag of the textbooks", "[air]") {
   const Vector3 sum = forces_of(*make_air(body, slanting), still).rowwise().sum();
   CHECK(sum.z() == Approx(0.5 * 1.2 * 1.17 * 49 * std::pow(std::cos(1.), 2)));
   CHECK(sum.x() == Approx(0.5 * 1.2 * 0.01 * 49 * std::pow(std::sin(1.), 2)));
+  // A caught pressure pushes along the normals, from whichever side the wind comes.
+  for (const double side : {1., -1.}) {
+    Air caught = air;
+    caught.wind *= side;
+    caught.pressure_coefficient = 0.8;
+    CHECK(forces_of(*make_air(body, caught), still).rowwise().sum().z() == Approx(side * 0.5 * 1.2 * 1.97 * 49));
+  }
   // Only the relative wind counts.
   State moving = still;
   moving.velocities = slanting.wind.replicate(1, 4);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 
 #include "elastin/base/threads.h"
@@ -13,12 +14,18 @@ namespace {
 
 using namespace elastin;
 
-/// Elastin and the plain loop in turn, at each number of threads: two figures for each of them.
+constexpr const char* kMethods[] = {"elastin, lattice", "elastin, any graph", "plain loop"};
+constexpr std::size_t kCount = std::size(kMethods), kPlain = kCount - 1;
+
+/// The methods in turn, at each number of threads: a figure for each of them.
 std::vector<Figures> race(int side, const Settings& settings) {
   const Body body = make_cube(side);
   const VectorX constants = built_in_catalog().find("lattice").constants(body, kMaterial, {});
-  Model model(body);
-  model.add(make_springs(body, constants));
+  Body list = body;
+  list.grid.reset();
+  Model lattice(body), any_graph(list);
+  lattice.add(make_springs(body, constants));
+  any_graph.add(make_springs(list, constants));
   // Stretched, sheared and bent a little, so that no spring is at rest.
   Positions positions = body.rest;
   positions.row(2) *= 1.01;
@@ -29,24 +36,29 @@ std::vector<Figures> race(int side, const Settings& settings) {
 
   std::vector<std::unique_ptr<Team>> teams;
   std::vector<std::vector<Positions>> plain;
-  std::vector<Positions> ours(settings.threads.size());
+  std::vector<Positions> ours(2 * settings.threads.size(), Positions::Zero(3, body.size()));
+  Scratch scratch;
   for (const int count : settings.threads) {
     teams.push_back(std::make_unique<Team>(count));
     plain.emplace_back(count);
   }
   std::vector<std::function<void()>> works;
   for (std::size_t i = 0; i < settings.threads.size(); ++i) {
-    works.push_back([&, i] {
-      set_threads(settings.threads[i]);
-      for (int pass = 0; pass < passes; ++pass) ours[i] = model.elastic_forces(positions);
-    });
+    for (const std::size_t which : {0, 1})
+      works.push_back([&, i, which] {
+        set_threads(settings.threads[i]);
+        for (int pass = 0; pass < passes; ++pass) {
+          ours[2 * i + which].setZero();
+          (which == 0 ? lattice : any_graph).add_elastic_forces(positions, ours[2 * i + which], scratch);
+        }
+      });
     works.push_back([&, i] {
       for (int pass = 0; pass < passes; ++pass) plain_forces(*teams[i], springs, positions, plain[i]);
     });
   }
   const std::vector<Sample> samples = interleaved(works, settings.repeats);
-  for (std::size_t i = 0; i < settings.threads.size(); ++i)
-    if (!((ours[i] - plain[i][0]).cwiseAbs().maxCoeff() <= 1e-10 * plain[0][0].cwiseAbs().maxCoeff()))
+  for (const Positions& forces : ours)
+    if (!((forces - plain[0][0]).cwiseAbs().maxCoeff() <= 1e-10 * plain[0][0].cwiseAbs().maxCoeff()))
       throw std::runtime_error("the plain loop and elastin differ");
 
   std::vector<Figures> found;
@@ -57,36 +69,11 @@ std::vector<Figures> race(int side, const Settings& settings) {
     figures.median = samples[i].median / passes;
     figures.rate = figures.springs / figures.minimum;
     // A plain loop that several threads only slow down is measured by what it does on fewer.
-    double peer = samples[i | 1].minimum;
-    for (std::size_t j = 1; j < works.size(); j += 2)
-      if (settings.threads[j / 2] <= settings.threads[i / 2]) peer = std::min(peer, samples[j].minimum);
+    double peer = samples[i / kCount * kCount + kPlain].minimum;
+    for (std::size_t j = kPlain; j < works.size(); j += kCount)
+      if (settings.threads[j / kCount] <= settings.threads[i / kCount]) peer = std::min(peer, samples[j].minimum);
     figures.ratio = peer / samples[i].minimum;
     found.push_back(figures);
-  }
-  return found;
-}
-
-/// a = b + s c over 240 MB: bytes read and written a second, those that a cache fetches to write into not counted.
-std::vector<Figures> triad(const Settings& settings) {
-  constexpr int count = 10'000'000;
-  std::vector<double> a(count), b(count, 1.), c(count, 2.);
-  std::vector<std::unique_ptr<Team>> teams;
-  std::vector<std::function<void()>> works;
-  for (const int size : settings.threads) {
-    teams.push_back(std::make_unique<Team>(size));
-    works.push_back([&, team = teams.back().get()] {
-      team->run([&](int member) {
-        for (int i = team->begin(member, count), end = team->begin(member + 1, count); i < end; ++i)
-          a[i] = b[i] + 3 * c[i];
-      });
-    });
-  }
-  std::vector<Figures> found;
-  for (const Sample& sample : interleaved(works, settings.repeats)) {
-    found.emplace_back();
-    found.back().minimum = sample.minimum;
-    found.back().median = sample.median;
-    found.back().bandwidth = 3. * sizeof(double) * count / sample.minimum;
   }
   return found;
 }
@@ -109,9 +96,9 @@ std::vector<Row> run_forces(const Settings& settings) {
       const double bytes = least_bytes(std::pow(side, 3), found[i].springs);
       // Arrays that fit a cache are not bounded by memory.
       const bool cached = bytes < 8e6;
-      if (!cached) found[i].allowed = memory[i / 2].bandwidth / bytes * found[i].springs;
-      rows.push_back({"forces", i % 2 ? "plain loop" : "elastin", side, settings.threads[i / 2], settings.repeats,
-                      found[i], cached ? "in cache" : ""});
+      if (!cached && i % kCount != 0) found[i].allowed = memory[i / kCount].bandwidth / bytes * found[i].springs;
+      rows.push_back({"forces", kMethods[i % kCount], side, settings.threads[i / kCount], settings.repeats, found[i],
+                      cached ? "in cache" : ""});
     }
   }
   return rows;

@@ -57,6 +57,8 @@ constexpr Column kColumns[] = {
     {"peer_over_this", "peer/this", &Figures::ratio, [](double v) { return fmt::format("{:.2f}", v); }},
     {"peer_over_this_with_build", "with build", &Figures::whole_ratio,
      [](double v) { return fmt::format("{:.2f}", v); }},
+    {"over_elastin_lattice", "elastin ahead", &Figures::behind, [](double v) { return fmt::format("{:.2f}", v); }},
+    {"late_s", "99 %", &Figures::late, seconds_text},
     {"newton_iterations", "Newton", &Figures::newton, [](double v) { return fmt::format("{:.0f}", v); }},
     {"cg_iterations", "CG", &Figures::iterations, [](double v) { return fmt::format("{:.0f}", v); }},
     {"residual", "residual", &Figures::residual, [](double v) { return fmt::format("{:.1e}", v); }},

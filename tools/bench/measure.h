@@ -22,11 +22,13 @@ struct Figures {
   double median = kNone;       ///< [s]
   double each = kNone;         ///< the minimum a spring [s]
   double each_cell = kNone;    ///< the minimum a cell [s]
-  double rate = kNone;         ///< springs a second, at the minimum
+  double rate = kNone;         ///< springs a second, at the minimum; of whole steps at the median
   double bandwidth = kNone;    ///< [B/s], at the minimum
   double allowed = kNone;      ///< springs a second that the measured bandwidth allows
   double ratio = kNone;        ///< the peer's best minimum on no more threads over this minimum: > 1 is faster
   double whole_ratio = kNone;  ///< the same of build + solve medians: what one solve costs from nothing
+  double behind = kNone;       ///< this median over that of Elastin's lattice steps: what those are ahead by
+  double late = kNone;         ///< 99 % of the steps take no longer [s]
   double newton = kNone;       ///< Newton iterations
   double iterations = kNone;   ///< of conjugate gradients, all Newton iterations together
   double residual = kNone;  ///< ‖b − K x‖/‖b‖ with the assembled matrix; of Newton, unbalanced force over loads
@@ -81,8 +83,14 @@ void write_csv(const std::string& path, const std::string& machine, const std::v
 /// A line on stderr about what runs now.
 void say(const std::string& doing);
 
+/// a = b + s c over 240 MB: bytes read and written a second, those that a cache fetches to write into not counted. At
+/// each number of threads.
+std::vector<Figures> triad(const Settings& settings);
+
 std::vector<Row> run_static(const Settings& settings);
 std::vector<Row> run_forces(const Settings& settings);
+std::vector<Row> run_steps(const Settings& settings);
+std::vector<Row> run_budget(const Settings& settings);
 std::vector<Row> run_rules(const Settings& settings);
 std::vector<Row> run_laws(const Settings& settings);
 std::vector<Row> run_convergence(const Settings& settings);

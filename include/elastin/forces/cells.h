@@ -1,6 +1,7 @@
 #pragma once
 #include <limits>
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -31,7 +32,16 @@ struct CellGraph {
 };
 
 namespace detail {
-void for_each_cell(int count, const std::function<void(int begin, int end)>& range);
+/// Whether a pass over so many cells stays on one thread.
+bool on_one_thread(int cells);
+void run_cells(int count, void* context, void (*range)(void*, int begin, int end));
+/// Calls range(begin, end) over disjoint ranges that cover 0 … count−1.
+template <class Range>
+void for_each_cell(int count, Range&& range) {
+  run_cells(count, &range, [](void* context, int begin, int end) {
+    (*static_cast<std::remove_reference_t<Range>*>(context))(begin, end);
+  });
+}
 double sum_over_cells(int count, const std::function<double(int)>& term);
 }  // namespace detail
 
@@ -49,7 +59,10 @@ class CellElasticity final : public Elasticity {
     for (const auto& cell : cells()) {
       Eigen::Matrix<double, 3, corners> rest;
       for (int corner = 0; corner < corners; ++corner) rest.col(corner) = body.rest.col(cell[corner]);
-      constants_.push_back(law_.constants(rest, material));
+      Material own = material;
+      if (body.cell_stiffness.size())
+        own.youngs_modulus *= body.cell_stiffness[static_cast<Eigen::Index>(constants_.size())];
+      constants_.push_back(law_.constants(rest, own));
     }
   }
 
@@ -78,6 +91,13 @@ class CellElasticity final : public Elasticity {
   }
 
   void add_force_densities(const Positions& positions, VectorX& densities, Scratch& scratch) const override {
+    if (detail::on_one_thread(graph_.cells())) {  // the same order of additions without the slots
+      for (int cell = 0; cell < graph_.cells(); ++cell) {
+        const Squares q = law_.force_densities(constants_[cell], squares(positions, cell));
+        for (int side = 0; side < sides; ++side) densities[graph_.slot_connection[cell * sides + side]] += q[side];
+      }
+      return;
+    }
     auto slots = scratch.take(Scratch::slots, graph_.cells() * sides);
     detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
       for (int cell = begin; cell < end; ++cell)
@@ -104,14 +124,19 @@ class CellElasticity final : public Elasticity {
   bool coupled() const override { return true; }
 
   void add_change(const VectorX& change_of_squares, VectorX& change_of_densities) const override {
+    const auto change = [&](int cell) {
+      Squares all;
+      for (int side = 0; side < sides; ++side)
+        all[side] = change_of_squares[graph_.slot_connection[cell * sides + side]];
+      return Squares(slopes_[cell] * all);
+    };
+    if (detail::on_one_thread(graph_.cells())) {
+      for (int cell = 0; cell < graph_.cells(); ++cell) add_to_connections(cell, change(cell), change_of_densities);
+      return;
+    }
     VectorX slots(graph_.cells() * sides);
     detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
-      for (int cell = begin; cell < end; ++cell) {
-        Squares change;
-        for (int side = 0; side < sides; ++side)
-          change[side] = change_of_squares[graph_.slot_connection[cell * sides + side]];
-        slots.template segment<sides>(cell * sides) = slopes_[cell] * change;
-      }
+      for (int cell = begin; cell < end; ++cell) slots.template segment<sides>(cell * sides) = change(cell);
     });
     graph_.gather(slots, change_of_densities);
   }
@@ -127,6 +152,10 @@ class CellElasticity final : public Elasticity {
       return body_.triangles;
     else
       return body_.tetrahedra;
+  }
+
+  void add_to_connections(int cell, const Squares& share, VectorX& densities) const {
+    for (int side = 0; side < sides; ++side) densities[graph_.slot_connection[cell * sides + side]] += share[side];
   }
 
   Squares squares(const Positions& positions, int cell) const {

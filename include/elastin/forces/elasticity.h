@@ -61,14 +61,14 @@ class Elasticity {
   virtual bool admissible(const Positions& /*positions*/) const { return true; }
   /// Adds each connection's force density [N/m].
   virtual void add_force_densities(const Positions& positions, VectorX& densities, Scratch& scratch) const = 0;
+  /// Adds the force on each molecule [N]: through the force densities, unless there is a shorter way. `graph` is that
+  /// of the body. The same bits on any number of threads.
+  virtual void add_forces(const Positions& positions, const Graph& graph, Positions& forces, Scratch& scratch) const;
   /// Of laws of triangles: adds each triangle's own share [N/m], a column a triangle, order 01 02 12. False where the
   /// force densities belong to connections.
   virtual bool add_triangle_densities(const Positions& /*positions*/, Eigen::Matrix3Xd& /*densities*/) const {
     return false;
   }
-  /// Adds the force on each molecule [N]: through the force densities, unless there is a shorter way. `graph` is that
-  /// of the body. The same bits on any number of threads.
-  virtual void add_forces(const Positions& positions, const Graph& graph, Positions& forces, Scratch& scratch) const;
 
   /// Remembers the slopes ∂q/∂s [N/m³] at these positions for the three calls below.
   virtual void linearise(const Positions& positions) = 0;
@@ -102,6 +102,9 @@ std::unique_ptr<Elasticity> make_springs(const Body& body, VectorX constants, co
 /// Springs whose constants are set anew from the present places; the tangent leaves their change out.
 using ConstantsAt = std::function<VectorX(const Positions&)>;
 std::unique_ptr<Elasticity> make_updated_springs(const Body& body, ConstantsAt constants);
+
+/// The body's cables: tension EA ε at a strain ε above 0, none below.
+std::unique_ptr<Elasticity> make_cables(const Body& body);
 
 /// Both at once.
 std::unique_ptr<Elasticity> make_sum(std::unique_ptr<Elasticity> first, std::unique_ptr<Elasticity> second);

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "elastin/forces/time_function.h"
 #include "elastin/model/body.h"
 #include "elastin/model/state.h"
 
@@ -49,6 +50,9 @@ class PointLoads final : public Load {
  public:
   PointLoads(const Body& body, std::vector<int> molecules, Positions forces);
   void set_factor(double factor) { factor_ = factor; }
+  /// Says that the factor changes in time: what the forces do is then work from outside.
+  void set_varying() { steady_ = false; }
+  bool steady() const override { return steady_; }
   void add_forces(const State& state, Positions& forces) const override;
   double energy(const State& state) const override;
   const std::vector<int>& molecules() const { return molecules_; }
@@ -59,7 +63,12 @@ class PointLoads final : public Load {
   std::vector<int> molecules_;
   Positions forces_;
   double factor_ = 1;
+  bool steady_ = true;
 };
+
+/// A load times a function of the state's time. Its potential energy is that of the moment; it is not steady unless the
+/// function is one number.
+std::unique_ptr<Load> make_varying(std::unique_ptr<Load> load, TimeFunction function);
 
 /// Ambient viscous friction F = −6π η r V, η = `viscosity` [Pa s]. [M03]
 std::unique_ptr<Load> make_stokes_drag(const Body& body, double viscosity);

@@ -32,6 +32,8 @@ class Model {
   void add(std::unique_ptr<Elasticity> elasticity) { elasticity_.push_back(std::move(elasticity)); }
   void add(std::unique_ptr<Load> load) { loads_.push_back(std::move(load)); }
   void add(std::unique_ptr<Viscosity> viscosity) { viscosity_.push_back(std::move(viscosity)); }
+  /// Hands the loads over: the model then has none.
+  std::vector<std::unique_ptr<Load>> take_loads() { return std::exchange(loads_, {}); }
   const std::vector<std::unique_ptr<Elasticity>>& elasticity() const { return elasticity_; }
   const std::vector<std::unique_ptr<Viscosity>>& viscosity() const { return viscosity_; }
   const std::vector<std::unique_ptr<Load>>& loads() const { return loads_; }
@@ -45,6 +47,8 @@ class Model {
   bool has_full_tangent() const;
   /// Whether no cell is flat or turned over.
   bool admissible(const Positions& positions) const;
+  /// Whether a force depends on velocities: damping, drag.
+  bool feels_velocity() const;
   /// Elastic energy [J], +infinity where a cell is flat or turned over.
   double elastic_energy(const Positions& positions) const;
   /// Potential energy of the loads [J].

@@ -23,6 +23,12 @@ struct Connections {
 template <int corners>
 using Cells = std::vector<std::array<int, corners>>;
 
+/// A connection that is a cable, whatever the strategy: it resists lengthening alone, by EA [N] a strain.
+struct Cable {
+  int connection = 0;
+  double stiffness = 0;  ///< EA [N], > 0
+};
+
 /// The part of the body's convex hull that is nearest to each molecule, as far as spring rules use it. Made by
 /// voronoi_cells (elastin/model/voronoi.h), which is not part of elastin::core.
 struct VoronoiCells {
@@ -39,12 +45,15 @@ struct Body {
   VectorX radius;  ///< [m], one a molecule
   Connections connections;
   Cells<3> triangles;
-  Cells<4> tetrahedra;  ///< positively oriented: (x1−x0)·((x2−x0)×(x3−x0)) > 0
+  std::vector<Cable> cables;  ///< beside what the strategy does with its connections
+  Cells<4> tetrahedra;        ///< positively oriented: (x1−x0)·((x2−x0)×(x3−x0)) > 0
   /// The cubes of a simple cubic lattice, each by its eight molecules; only such lattices have them.
   Cells<8> cubes;
   /// Molecules along x, y, z where they are numbered as a grid, x + nx (y + ny z), wherever they lie. Passes over
   /// springs between neighbours on it need no list of connections.
   std::optional<std::array<int, 3>> grid;
+  /// How many times as stiff as the material each connection and cell is; empty = all alike. See set_region.
+  VectorX connection_stiffness, cell_stiffness;
   std::optional<VoronoiCells> voronoi;  ///< only where a strategy asks for them (Strategy::needs_voronoi)
   int size() const { return static_cast<int>(rest.cols()); }
 };
@@ -68,6 +77,10 @@ void add_cell_sides(Body& body, const std::vector<std::array<int, 2>>& sides);
 
 /// The body with its connections proper alone: what a rule sees that does not work on cells.
 Body without_cell_sides(const Body& body);
+
+/// Makes what lies in a box (its faces included) `stiffness` times as stiff as the material, and its molecules `mass`
+/// times as heavy: connections and cells by their middles. Of boxes that share a place the last counts.
+void set_region(Body& body, const Vector3& low, const Vector3& high, double stiffness, double mass);
 
 /// Lumped masses [kg]: a quarter of each tetrahedron's mass, a third of each triangle's (thickness t [m]) to its
 /// molecules.

@@ -38,6 +38,17 @@ Body rectangular_sheet(const std::array<double, 2>& size, const std::array<int, 
 /// alternation.
 Body cross_canopy(double width, double span, int squares);
 
+/// Where a canopy is hung up.
+enum class HungFrom {
+  ends,  ///< the molecules at the body's ends in x and y: of a cross, those at the tips of its arms
+  rim,   ///< all molecules on sides of one triangle alone
+};
+
+/// Hangs a load of `mass` [kg] at `place` [m] by cables of EA = `stiffness` [N] to each of these molecules, as long as
+/// the way there. The load is the body's last molecule. Masses and radii must be set. Throws InputError where a
+/// molecule lies at that place.
+void hang_load(Body& body, HungFrom from, const Vector3& place, double stiffness, double mass, double radius);
+
 /// ½ (x1 − x0) × (x2 − x0) [m²].
 Vector3 area_vector(const Positions& places, const std::array<int, 3>& triangle);
 

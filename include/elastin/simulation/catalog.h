@@ -66,7 +66,7 @@ std::vector<ParameterInfo> describe_parameters() {
 /// The body as a rule sees it that does not work on cells: itself, or a copy without the sides of cells. `body` must
 /// outlive it.
 std::shared_ptr<const Body> proper_part(const Body& body);
-/// The constants of the sides of cells only are zero.
+/// The constants of the sides of cells only are zero, those in stiffer regions of the body larger.
 VectorX with_cell_sides(VectorX constants, const Body& body);
 
 template <class Law>

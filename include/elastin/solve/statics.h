@@ -6,16 +6,30 @@
 namespace elastin {
 
 /// How a run ended.
-enum class Outcome { converged, limit_reached, inverted, diverged, mechanism };
+enum class Outcome {
+  converged,
+  limit_reached,
+  inverted,
+  diverged,
+  mechanism,
+  interrupted,  ///< the user stopped it
+};
 const char* name_of(Outcome outcome);
 
 enum class LinearMethod { automatic, pcg, direct };
 
+/// How an equilibrium with large displacements is sought; see solve/relaxation.
+enum class StaticWay { newton, explicit_steps, implicit_steps };
+
 struct StaticOptions {
   bool linear = false;  ///< true: small displacements, one linear solve about rest; false: large displacements
+  StaticWay way = StaticWay::newton;
   LinearMethod method = LinearMethod::automatic;
   double tolerance = 1e-10;  ///< largest unbalanced force over the size of loads and reactions, both as Euclidean norms
   int newton_limit = 200;
+  /// Whether an equilibrium is asked if it is a minimum, by one more linear solve; if it is none (a straight column
+  /// beyond its buckling load), the body goes down from it. For what has an energy; large displacements.
+  bool probe = false;
 };
 
 struct StaticResult {
@@ -25,10 +39,11 @@ struct StaticResult {
   bool linear = false;  ///< small displacements were assumed
   int newton_iterations = 0;
   int linear_iterations = 0;
-  int cut_steps = 0;      ///< steps that were shortened because they would have turned a cell over
-  double residual = 0;    ///< unbalanced force over the size of loads and reactions
-  bool unstable = false;  ///< the equilibrium found has a direction of negative stiffness: it is not a minimum
-  Positions reactions;    ///< what holds each support in its held directions [N], shape 3 × supports
+  int cut_steps = 0;         ///< steps that were shortened because they would have turned a cell over
+  double residual = 0;       ///< unbalanced force over the size of loads and reactions
+  bool left_saddle = false;  ///< went down from an equilibrium that was no minimum
+  bool unstable = false;     ///< the equilibrium found has a direction of negative stiffness: it is not a minimum
+  Positions reactions;       ///< what holds each support in its held directions [N], shape 3 × supports
 };
 
 /// Finds the equilibrium of the loads, supports and elastic forces. Starts from `state.positions`, which must be

@@ -1,0 +1,36 @@
+#pragma once
+#include <utility>
+#include <vector>
+
+namespace elastin {
+
+/// A number that changes over time: what a load or a way is multiplied with. At a jump or a kink it has the value and
+/// the rate that follow.
+class TimeFunction {
+ public:
+  /// 1 at all times.
+  TimeFunction() : TimeFunction({{0, 1}}) {}
+  /// Straight between points {time [s], value}, times not falling (two of one time make a jump); constant before the
+  /// first and after the last. Throws InputError if there are none, or on a time that falls.
+  explicit TimeFunction(std::vector<std::pair<double, double>> points);
+  /// From 0 at time 0 to 1 at `duration` [s].
+  static TimeFunction ramp(double duration) { return TimeFunction({{0, 0}, {duration, 1}}); }
+  /// 0 before `at` [s], 1 from then on.
+  static TimeFunction step(double at) { return TimeFunction({{at, 0}, {at, 1}}); }
+  /// mean + sin(2π f t + φ), f = `frequency` [Hz], φ = `phase` [rad].
+  static TimeFunction sine(double frequency, double phase = 0, double mean = 0);
+
+  double value(double time) const;
+  /// [1/s]
+  double rate(double time) const;
+  /// Whether it is one number from time 0 on.
+  bool constant() const;
+
+ private:
+  /// The points around a time: index of the first that lies after it.
+  std::size_t after(double time) const;
+  std::vector<std::pair<double, double>> points_;  // empty: a sine
+  double circular_frequency_ = 0, phase_ = 0, mean_ = 0;
+};
+
+}  // namespace elastin

@@ -1,0 +1,40 @@
+#pragma once
+#include <cstddef>
+#include <span>
+
+namespace elastin {
+
+/// One vector of each molecule of a row of a grid: all x, then all y, then all z, each `pitch` numbers after the other.
+struct RowOf3 {
+  double* x;
+  std::ptrdiff_t pitch;
+  double* y() const { return x + pitch; }
+  double* z() const { return x + 2 * pitch; }
+  RowOf3 from(int molecule) const { return {x + molecule, pitch}; }
+};
+
+/// Springs from each of `count` molecules to its partner in another row: adds q d to on_from and −q d to on_to, with
+/// d = to − from, q = k (|d| − L)/|d|, 0 where |d| = 0. The four rows must not overlap.
+using AddRowFlows = void (*)(RowOf3 from, RowOf3 to, const double* constants, const double* rest_lengths, int count,
+                             RowOf3 on_from, RowOf3 on_to);
+
+/// Springs from each of `count` molecules of a row to the one `apart` > 0 further on: adds ± q d to `on`. `spare` is
+/// room for a row.
+using AddInRowFlows = void (*)(RowOf3 places, int apart, const double* constants, const double* rest_lengths, int count,
+                               RowOf3 on, RowOf3 spare);
+
+/// Force densities q of `count` springs of vectors d from end to end.
+using SetSpringDensities = void (*)(RowOf3 d, const double* constants, const double* rest_lengths, int count,
+                                    double* densities);
+
+/// The same functions for each vector width that this processor has, the best one last. All give the same bits.
+struct SpringKernel {
+  AddRowFlows add_row_flows;
+  AddInRowFlows add_in_row_flows;
+  SetSpringDensities set_densities;
+};
+std::span<const SpringKernel> spring_kernels();
+/// The best one.
+const SpringKernel& spring_kernel();
+
+}  // namespace elastin
