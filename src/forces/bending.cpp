@@ -145,7 +145,7 @@ class Bending final : public Elasticity {
       return (hinges * stiffness).cwiseProduct(hinges).sum() / 2;
     });
   }
-  void add_force_densities(const Positions&, VectorX& densities) const override { densities += densities_; }
+  void add_force_densities(const Positions&, VectorX& densities, Scratch&) const override { densities += densities_; }
   /// Moments, not tensions.
   bool add_triangle_densities(const Positions&, Eigen::Matrix3Xd&) const override { return true; }
   void linearise(const Positions&) override {}
