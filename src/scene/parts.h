@@ -30,7 +30,7 @@ StaticOptions read_solver(Reader reader);
 struct SceneLoad {
   std::function<void(Model&)> add;
   bool acts_at_rest = true;      ///< false: drag and damping, which a static experiment does not feel
-  bool changes_in_time = false;  ///< a static experiment feels it as it is at time 0
+  bool changes_in_time = false;  ///< an experiment at rest must not have it
 };
 /// What a floor gives each molecule that is pressed in where the scene says nothing: E times the mean molecule's
 /// diameter, as a cube of that size has [N/m].

@@ -162,6 +162,7 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   if (auto loads = reader.find("loads"))
     for (const Reader& item : loads->items()) {
       SceneLoad load = read_load(item, scene->specimen.body, scene->specimen.material, rotation);
+      if (load.changes_in_time && !timed) item.fail("an experiment at rest knows no time: in_time means nothing here");
       if (!load.acts_at_rest && !timed)
         scene->warnings.push_back(item.path() +
                                   ": acts on moving bodies only; it changes nothing in a static experiment");

@@ -80,6 +80,8 @@ TEST_CASE("slips in functions of time, starts and loads", "[scene][time]") {
   const auto in_time = [](const std::string& function) {
     return kTime + "\nloads: [{gravity: [0, 0, -1 m/s2], in_time: " + function + "}]";
   };
+  check_refusal("kind: tension, force: 1 mN", "loads: [{gravity: [0, 0, -1 m/s2], in_time: {step: {at: 1 s}}}]", 6,
+                "an experiment at rest knows no time");
   check_refusal(kMotion, in_time("ramp"), 7, "in_time: write {ramp: …}");
   check_refusal(kMotion, in_time("{rampe: {duration: 1 s}}"), 7, "did you mean 'ramp'?");
   check_refusal(kMotion, in_time("{ramp: {duration: 0 s}}"), 7, "above 0 s");
