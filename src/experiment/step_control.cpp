@@ -9,7 +9,7 @@
 namespace elastin {
 namespace {
 
-constexpr double kSafety = 0.9;   ///< of the longest stable step
+constexpr double kSafety = 0.8;   ///< of the longest stable step: room for a body that stiffens between two looks
 constexpr int kWatchEvery = 100;  ///< steps
 
 double size_of(const Body& body) { return (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).norm(); }
@@ -44,7 +44,7 @@ void StepControl::watch(Model& model, const State& state) {
   if (!watched_ || memory.steps % kWatchEvery != 0 || memory.steps == 0) return;
   const double bound = frequency_bound(model, state);
   if (std::isfinite(memory.critical) && bound > 0)
-    memory.stable = kSafety * memory.critical * std::min(1., memory.first_bound / bound);
+    memory.stable = std::min(memory.stable, kSafety * memory.critical * std::min(1., memory.first_bound / bound));
 }
 
 StepResult StepControl::one_step(Model& model, State& state, double until) {

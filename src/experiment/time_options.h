@@ -8,7 +8,7 @@ namespace elastin {
 
 /// By what the length of a time step is set.
 enum class StepChoice {
-  automatic,  ///< explicit schemes: 0.9 of the longest stable step, watched; implicit ones: by their error
+  automatic,  ///< explicit schemes: 0.8 of the longest stable step, watched; implicit ones: by their error
   fixed,
   by_error,
 };

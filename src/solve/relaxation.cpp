@@ -23,7 +23,7 @@ double kinetic_energy(const Body& body, const Positions& velocities) {
 }
 
 /// Sets residual and reactions; returns whether the body rests.
-bool note_balance(const Model& model, const State& state, double tolerance, StaticResult& result) {
+bool note_balance(Model& model, const State& state, double tolerance, StaticResult& result) {
   Positions forces = model.elastic_forces(state.positions);
   const Positions loads = model.load_forces(state);
   forces += loads;
