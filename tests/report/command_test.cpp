@@ -202,7 +202,7 @@ TEST_CASE("list names every strategy, parameter and measure", "[command]") {
   }
   for (const elastin::MeasureInfo& info : elastin::measure_list())
     CHECK_THAT(said.out, Contains("\n  " + std::string(info.name) + " ") && Contains(std::string(info.text)));
-  CHECK_THAT(said.out, Contains("tangent_modulus        Pa  ") && Contains("torque                 N m  "));
+  CHECK_THAT(said.out, Contains("tangent_modulus            Pa  ") && Contains("torque                     N m  "));
 }
 
 TEST_CASE("check names zero-energy modes and how many", "[command]") {
