@@ -179,7 +179,7 @@ TEST_CASE("pressed from outside, slack or on bad triangles a membrane ends with 
   const auto pinched = make_inflation(flat.body, setup, kLatex);
   const Run run = run_strategy(flat, *pinched, choose_strategy(catalog, "two_parameter"), {});
   CHECK(run.outcome == Outcome::inverted);
-  CHECK_THAT(run.cause, Contains("triangle 3 is flat at rest"));
+  CHECK_THAT(run.cause, Contains("cell 3 of 32 is flat or turned over at rest"));
 }
 
 TEST_CASE("bodies that can't be inflated are refused with what they lack", "[inflation]") {
