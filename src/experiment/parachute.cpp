@@ -18,6 +18,7 @@ class Parachute final : public TimedExperiment {
 
   std::string name() const override { return "parachute"; }
   Experiment* at_rest() override { return nullptr; }
+  bool stiffened_by_load() const override { return true; }
 
   void hold(Model& model) override {
     scene_loads_ = static_cast<int>(model.loads().size());
