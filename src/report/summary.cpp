@@ -261,10 +261,14 @@ Summary summarise(const std::vector<Record>& records) {
 std::string summary_text(const std::vector<Record>& records, bool colours) {
   if (records.empty()) return "";
   const Summary summary = summarise(records);
+  // Bodies are ranked by their modulus; what runs in time, or is a membrane, has none.
+  const bool moduli = std::any_of(records.begin(), records.end(), [](const Record& record) {
+    return std::isfinite(record.error("effective_modulus"));
+  });
   return painted("Summary", Tone::bold, colours) + "  " +
          counted(static_cast<int>(summary.bodies.size()), "body", "bodies") + "\n\n" +
-         strategies_text(summary, colours) + "\n" + bodies_text(summary, colours) + calibrated_text(records) +
-         failures_text(records, colours) + "\n";
+         strategies_text(summary, colours) + "\n" + (moduli ? bodies_text(summary, colours) : "") +
+         calibrated_text(records) + failures_text(records, colours) + "\n";
 }
 
 }  // namespace elastin
