@@ -4,17 +4,12 @@
 
 #include "bodies.h"
 #include "elastin/forces/model.h"
+#include "forces_of.h"
 
 using namespace elastin;
 using namespace elastin::testing;
 
 namespace {
-
-Positions forces_of(const Load& load, const State& state) {
-  Positions forces = Positions::Zero(3, state.positions.cols());
-  load.add_forces(state, forces);
-  return forces;
-}
 
 /// A flat square of 1 m² in the plane z = 0, of two triangles.
 Body plate() {

@@ -5,17 +5,12 @@
 
 #include "bodies.h"
 #include "elastin/forces/model.h"
+#include "forces_of.h"
 
 using namespace elastin;
 using namespace elastin::testing;
 
 namespace {
-
-Positions forces_of(const Load& load, const State& state) {
-  Positions forces = Positions::Zero(3, state.positions.cols());
-  load.add_forces(state, forces);
-  return forces;
-}
 
 State moving(const Body& body) {
   State state = state_at_rest(body);

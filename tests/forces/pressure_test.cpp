@@ -8,18 +8,13 @@
 #include "elastin/base/error.h"
 #include "elastin/base/threads.h"
 #include "elastin/model/surfaces.h"
+#include "forces_of.h"
 
 using namespace elastin;
 using namespace elastin::testing;
 using std::numbers::pi;
 
 namespace {
-
-Positions forces_of(const Load& load, const State& state) {
-  Positions forces = Positions::Zero(3, state.positions.cols());
-  load.add_forces(state, forces);
-  return forces;
-}
 
 State deformed_state(const Body& body) {
   State state = state_at_rest(body);
