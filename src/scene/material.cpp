@@ -1,3 +1,4 @@
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 
@@ -79,8 +80,12 @@ Fibre read_fibre(Reader reader) {
 
 /// bending: plate, or D in N m
 double read_bending_rigidity(const Reader& reader, const Material& material) {
-  if (!reader.is_text() || reader.text() != "plate")
-    return reader.located([&] { return reader.quantity(dimension::energy, kPositive); });
+  const std::string word = reader.is_text() ? reader.text() : "";
+  if (word != "plate") {
+    if (!word.empty() && std::isalpha(static_cast<unsigned char>(word.front())))
+      reader.choice<int>({{"plate", 0}});  // names the word that there is
+    return reader.quantity(dimension::energy, kPositive);
+  }
   if (!(material.thickness > 0)) reader.fail("a plate needs a thickness");
   return material.youngs_modulus * std::pow(material.thickness, 3) /
          (12 * (1 - material.poissons_ratio * material.poissons_ratio));
