@@ -39,6 +39,18 @@ class Load {
   virtual bool steady() const { return true; }
   /// Whether the load acts on a body that does not move. Drag does not.
   virtual bool acts_at_rest() const { return true; }
+  /// Whether the blocks of visit_blocks make a symmetric matrix.
+  virtual bool symmetric() const { return true; }
+
+  /// Contact has a memory, State::touches: called with each state that was reached, at the end of a step.
+  virtual void remember(State&) const {}
+  /// Changes the memory so that the next equilibrium is nearer to what was asked for. True: that takes another solve.
+  virtual bool tighten(State&) const { return false; }
+  /// The largest part (0 … 1) of a motion [m] from this state on which nothing is passed through unseen.
+  virtual double free_way(const State&, const Positions& /*motion*/) const { return 1; }
+  /// A bound on the square of the frequency that its stiffness alone gives [1/s²], touching or not: it may set in
+  /// within a step.
+  virtual double square_frequency() const { return 0; }
 };
 
 /// Weight: F = m g, `acceleration` [m/s²].

@@ -1,0 +1,62 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "elastin/contact/obstacle.h"
+#include "elastin/forces/loads.h"
+
+namespace elastin {
+
+/// As what a body touches.
+enum class ContactSurface {
+  spheres,    ///< its molecules' spheres
+  triangles,  ///< the surface of its cells, cubes or triangles, through the molecules' centres
+};
+
+struct ContactOptions {
+  ContactSurface surface = ContactSurface::spheres;
+  /// Pressure over depth [Pa/m], > 0: a sample that stands for an area A resists with stiffness · A [N/m]. See
+  /// default_contact_stiffness.
+  double stiffness = 0;
+  double friction = 0;     ///< μ ≥ 0, Coulomb's
+  double restitution = 1;  ///< of two molecules, or one and an obstacle, that meet alone: 0 < e ≤ 1; 1 = no damping
+  /// Largest depth that may remain [m], by augmented Lagrange multipliers; 0 = what the penalty leaves. Of equilibria
+  /// and implicit steps.
+  double penetration = 0;
+  bool self = false;  ///< whether a piece touches itself
+  std::vector<Obstacle> obstacles;
+};
+
+/// 10 E / d: a molecule of diameter d resists as ten columns of tissue of its own size [Pa/m].
+double default_contact_stiffness(const Body& body, double youngs_modulus);
+
+/// What touches in one state.
+struct ContactReport {
+  int pairs = 0;                             ///< that are pressed together
+  int sticking = 0;                          ///< of these, those that do not slide
+  double largest_penetration = 0;            ///< [m]
+  double area = 0;                           ///< of the samples that touch [m²]
+  double largest_pressure = 0;               ///< [Pa]
+  std::vector<Vector3> on_obstacles;         ///< force of the body on each obstacle [N]
+  Vector3 between_pieces = Vector3::Zero();  ///< force on the pieces of lower number by those of higher [N]
+  Positions forces;                          ///< of contact on each molecule [N], 3 × n
+  VectorX pressure;                          ///< on each molecule's part of the surface [Pa], 0 where nothing touches
+  double broad_seconds = 0, narrow_seconds = 0;  ///< spent so far
+};
+
+/// Contact of a body with obstacles, of its pieces with each other and, if asked, with themselves: normal force by
+/// penalty, or augmented; Coulomb friction F_f = −μ |F_N| t with a regime that sticks, by elastic slip that is returned
+/// to the cone [M03; Wriggers 2006, ch. 5 and 10]. Same bits on any number of threads.
+class Contact : public Load {
+ public:
+  virtual ContactReport report(const State& state) const = 0;
+  virtual const std::vector<Obstacle>& obstacles() const = 0;
+  /// Of an experiment at rest: the moment at which the obstacles' motions are asked, its load factor. Before this is
+  /// called they follow the state's time.
+  virtual void set_moment(double moment) = 0;
+};
+
+/// Throws InputError on options out of range, or a body without triangles where the surface asks for them.
+std::unique_ptr<Contact> make_contact(const Body& body, const ContactOptions& options);
+
+}  // namespace elastin

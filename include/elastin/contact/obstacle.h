@@ -1,0 +1,59 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <variant>
+
+#include "elastin/model/body.h"
+
+namespace elastin {
+
+/// Where a rigid thing is and how it moves. A point p of its own frame lies at turn · p + place.
+struct Pose {
+  Matrix3 turn = Matrix3::Identity();
+  Vector3 place = Vector3::Zero();     ///< [m]
+  Vector3 velocity = Vector3::Zero();  ///< of its own origin [m/s]
+  Vector3 spin = Vector3::Zero();      ///< [1/s]
+  Vector3 to_world(const Vector3& own) const { return turn * own + place; }
+  Vector3 to_own(const Vector3& world) const { return turn.transpose() * (world - place); }
+  /// Of the material point that is there now [m/s].
+  Vector3 velocity_at(const Vector3& world) const { return velocity + spin.cross(world - place); }
+};
+
+/// Shapes of obstacles, each in its own frame. All are solid: what is inside is pushed out.
+namespace shape {
+struct Plane {};  ///< the half-space z < 0
+struct Box {
+  Vector3 size;  ///< full lengths of its sides [m], about the origin
+};
+struct Sphere {
+  double radius;  ///< [m], about the origin
+};
+struct Cylinder {
+  double radius, length;  ///< [m], along z, about the origin; its rims are sharp
+};
+struct Capsule {
+  double radius, length;  ///< [m], of the cylinder between its two half spheres; along z, about the origin
+};
+struct Convex {
+  Positions points;  ///< [m]; their hull is the obstacle
+};
+struct Mesh {
+  Positions points;    ///< [m]
+  Cells<3> triangles;  ///< closed, normals outwards; see check_surface
+};
+}  // namespace shape
+using ObstacleShape =
+    std::variant<shape::Plane, shape::Box, shape::Sphere, shape::Cylinder, shape::Capsule, shape::Convex, shape::Mesh>;
+
+/// A rigid thing that molecules cannot pass, fixed or moved as it is told.
+struct Obstacle {
+  std::string name;
+  ObstacleShape shape;
+  Pose pose;  ///< where it stays, if it has no motion
+  /// Its pose at a time [s]; of an experiment at rest, at a load factor. Empty: it stays.
+  std::function<Pose(double time)> motion = {};
+  double friction = -1;  ///< μ against it; below 0 = that of the contact
+  Pose at(double time) const { return motion ? motion(time) : pose; }
+};
+
+}  // namespace elastin

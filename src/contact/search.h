@@ -1,0 +1,78 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "elastin/contact/obstacle.h"
+
+namespace elastin {
+
+/// A place on a body's surface that can touch something: Σ weight · place of up to three molecules.
+struct Sample {
+  std::array<int, 3> molecules{-1, -1, -1};  ///< the first `count`
+  std::array<double, 3> weights{0, 0, 0};    ///< they sum to 1
+  int count = 1;
+  double radius = 0;  ///< of the sphere about it [m]
+  double area = 0;    ///< of the surface that it stands for [m²]
+  int piece = 0;      ///< of the body (BodyFindings::piece_of)
+};
+
+/// The molecules' own spheres; area (2r)². `molecules` names those that can touch.
+std::vector<Sample> sphere_samples(const Body& body, const std::vector<int>& molecules);
+/// Points of a surface of triangles, three a triangle (the quadrature of degree 2); each stands for a third of its area
+/// at rest, radius 0.
+std::vector<Sample> triangle_samples(const Body& body, const Cells<3>& triangles);
+
+/// The body's surface, normals outwards: sides of one tetrahedron alone, faces of one cube alone (each cut in two), its
+/// own triangles. Empty where it has no such cells.
+Cells<3> surface_triangles(const Body& body);
+/// Molecules that can touch: on the surface if the body has one (cells, cubes, triangles), else all.
+std::vector<int> surface_molecules(const Body& body);
+
+/// A sample near something that it can touch.
+struct Touch {
+  int sample = 0;
+  int target = 0;  ///< an obstacle's number; then, from the number of obstacles on, pieces of the body; then samples
+  Vector3 normal;  ///< unit, from the target to the sample
+  double gap = 0;  ///< between the surfaces [m]; below 0 = pressed in
+  Vector3 place;   ///< on the target's surface [m]
+  /// On the body as target: place = Σ weight · molecule + reach of a sphere along the normal. Count 0 = an obstacle.
+  std::array<int, 3> molecules{-1, -1, -1};
+  std::array<double, 3> weights{0, 0, 0};
+  int count = 0;
+  /// How the normal turns as the sample moves against the target: ∂n/∂(x_sample − x_target) [1/m], symmetric; zero on a
+  /// plane.
+  Matrix3 turning = Matrix3::Zero();
+  /// How it turns with the target's triangle: δn = −Σ slope_j (n · δx_j) [1/m]; zero where it has none.
+  std::array<Vector3, 3> slopes{Vector3::Zero(), Vector3::Zero(), Vector3::Zero()};
+};
+
+/// Finds what is near. Broad phase by FCL over boxes that are `skin` wider than they must be, and made anew only when
+/// something has moved by half of it; the touches found never depend on that. Not to be shared between threads.
+class ContactSearch {
+ public:
+  struct Cost {
+    double broad_seconds = 0, narrow_seconds = 0;
+    long rebuilds = 0, calls = 0;
+    std::size_t candidates = 0;  ///< pairs that the broad phase left, last time
+  };
+  /// @param spheres whether the body is touched as spheres (else as `triangles`, which may be empty).
+  /// @param self whether samples touch their own piece, too: not what they are joined to.
+  ContactSearch(const Body& body, std::vector<Sample> samples, Cells<3> triangles, bool spheres,
+                const std::vector<Obstacle>& obstacles, bool self);
+  ~ContactSearch();
+  ContactSearch(ContactSearch&&) noexcept;
+
+  /// All pairs with gap < reach [m], ascending by (sample, target); of several places on one target the nearest.
+  /// Nothing is allocated once `found` and the search have served.
+  void find(const Positions& places, const std::vector<Pose>& poses, double reach, std::vector<Touch>& found);
+
+  const std::vector<Sample>& samples() const;
+  const Cost& cost() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace elastin
