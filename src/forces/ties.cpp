@@ -33,18 +33,6 @@ class Ties final : public Load {
           visit(molecules[i], molecules[j], tie.stiffness * weights[i] * weights[j] * Matrix3::Identity());
     }
   }
-  /// The largest row sum of M⁻¹ |K|, which no eigenvalue of M⁻¹ K exceeds.
-  double square_frequency() const override {
-    VectorX sums = VectorX::Zero(body_.size());
-    for (const Tie& tie : body_.ties) {  // Σ_j |w_j| = 2 with the molecule's own
-      sums[tie.molecule] += 2 * tie.stiffness;
-      for (std::size_t j = 0; j < 3; ++j) sums[tie.corners[j]] += 2 * tie.stiffness * tie.weights[j];
-    }
-    double largest = 0;
-    for (int molecule = 0; molecule < body_.size(); ++molecule)
-      if (body_.mass[molecule] > 0) largest = std::max(largest, sums[molecule] / body_.mass[molecule]);
-    return largest;
-  }
 
  private:
   static Vector3 gap(const Tie& tie, const Positions& places) {
