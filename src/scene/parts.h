@@ -1,5 +1,6 @@
 #pragma once
 #include "elastin/forces/time_function.h"
+#include "elastin/model/mesh_file.h"
 #include "elastin/simulation/catalog.h"
 #include "experiment/inflation.h"
 #include "experiment/specimen.h"
@@ -21,6 +22,10 @@ Body read_body(Reader reader, const Material& material, Remarks remarks);
 /// A list of bodies, each a part of one, and what ties them together; sets the specimen's body and materials. Its
 /// material must be set.
 void read_bodies(const Reader& list, std::optional<Reader> ties, Specimen& specimen, Remarks remarks);
+/// {file, length_unit, …}: the file that a body names, points in metres.
+Mesh read_mesh_file(Reader& reader);
+/// A body that fills a closed surface, and the volume that each molecule stands for [m³]; they sum to the surface's.
+Body read_fill(Reader reader, VectorX& volumes, Remarks remarks);
 /// A body of triangles: sphere, sphere_octant, disc, sheet or canopy.
 Body read_surface(const std::string& shape, Reader reader);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
