@@ -97,7 +97,7 @@ std::string unsuited(const Specimen& specimen, Experiment& experiment, const Str
 
 std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
                                 const RunOptions& options, Run& run) {
-  const auto& [body, material, loads, _] = specimen;
+  const auto& [body, material, loads, _, contact] = specimen;
   auto elasticity = choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
                                               : choice.strategy.make(body, material, choice.values);
   if (!elasticity) return std::nullopt;
@@ -110,6 +110,7 @@ std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment
   if (material.bending_rigidity > 0) model->add(make_bending(body, material.bending_rigidity, material.poissons_ratio));
   if (!body.cables.empty()) model->add(make_cables(body));
   for (const auto& add_load : loads) add_load(*model);
+  if (contact) model->add(make_contact(body, *contact));
   experiment.hold(*model);
   return model;
 }

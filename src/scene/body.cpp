@@ -84,21 +84,10 @@ Body read_tetrahedra(Reader reader) {
 }
 
 Body read_mesh(Reader reader) {
-  const Reader file = reader.at("file");
-  const double unit =
-      reader.at("length_unit").choice<double>({{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}});
+  Mesh mesh = load_scene_mesh(reader, reader.at("file"));
   reader.finish();
-  const std::string path = (std::filesystem::path(reader.file_path()).parent_path() / file.text()).string();
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) file.fail("'" + file.text() + "': " + missing_file(path));
-  Mesh mesh;
-  try {
-    mesh = load_mesh(path);
-  } catch (const InputError& error) {
-    file.fail(error.what());
-  }
   Body body;
-  body.rest = unit * mesh.points;
+  body.rest = mesh.points;
   body.triangles = std::move(mesh.triangles);
   body.tetrahedra = std::move(mesh.tetrahedra);
   body.connections = connections_of_cells(body.rest, body.triangles, body.tetrahedra);
@@ -229,6 +218,21 @@ void read_lines(Reader reader, Body& body) {
 
 }  // namespace
 
+Mesh load_scene_mesh(Reader& reader, const Reader& file) {
+  const double unit =
+      reader.at("length_unit").choice<double>({{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}});
+  const std::string path = (std::filesystem::path(reader.file_path()).parent_path() / file.text()).string();
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) file.fail("'" + file.text() + "': " + missing_file(path));
+  try {
+    Mesh mesh = load_mesh(path);
+    mesh.points *= unit;
+    return mesh;
+  } catch (const InputError& error) {
+    file.fail(error.what());
+  }
+}
+
 Body read_body(Reader reader, const Material& material, std::vector<std::string>& warnings) {
   Body body = reader.located([&] { return read_shape(reader); });
   if (auto jitter = reader.find("jitter")) {
@@ -237,7 +241,8 @@ Body read_body(Reader reader, const Material& material, std::vector<std::string>
     jitter->finish();
     add_jitter(body, amount * shortest_connection(body), static_cast<std::uint64_t>(seed));
   }
-  if (auto grading = reader.find("grade")) read_grade(*grading, body);
+  if (auto grading = reader.find("grade"))
+    for (const Reader& along : grading->is_map() ? std::vector{*grading} : grading->items()) read_grade(along, body);
   if (auto cells = reader.find("cells")) read_cells(*cells, body, warnings);
   const auto radius = reader.find("radius"), regions = reader.find("regions"), lines = reader.find("lines");
   reader.finish();

@@ -152,6 +152,7 @@ std::unique_ptr<Experiment> read_timed_experiment(Reader reader, const std::stri
     if (kind == name) return read_motion(reader, motion, place);
   if (kind == "shake") return read_shake(reader, place);
   if (kind == "drop") return read_drop(reader, place);
+  if (kind == "sliding") return read_sliding(reader, place);
   if (kind == "parachute") return read_parachute(reader, place);
   if (kind == "vibration") return read_vibration(reader, place);
   return nullptr;
