@@ -187,7 +187,7 @@ SceneContact read_contact(Reader reader, const Body& body, const Material& mater
   options.stiffness = default_contact_stiffness(body, material.youngs_modulus);
   if (auto value = reader.find("stiffness")) options.stiffness = read_contact_stiffness(*value, body, material);
   if (auto value = reader.find("friction")) options.friction = value->quantity(dimension::none, kNotNegative);
-  if (auto value = reader.find("restitution")) options.restitution = value->quantity(dimension::none, {0, 1, true});
+  if (auto value = reader.find("restitution")) options.restitution = value->quantity(dimension::none, {0.01, 1, false});
   if (auto value = reader.find("penetration")) options.penetration = value->quantity(dimension::length, kPositive);
   if (auto value = reader.find("self")) options.self = value->choice<bool>({{"true", true}, {"false", false}});
   if (auto obstacles = reader.find("obstacles"))
