@@ -1,5 +1,6 @@
 #include "elastin/contact/contact.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cctype>
 #include <cmath>
