@@ -6,6 +6,9 @@
 namespace elastin {
 namespace {
 
+/// Of the onset: what just touches has stiffness though it has no force yet, or Newton would not see it.
+constexpr double kNearness = 1e-6;
+
 /// e of a damping ratio: the touch ends when the force has fallen to zero, before the spring is at rest.
 double restitution_of(double ratio) {
   if (ratio < 1) {
@@ -54,7 +57,7 @@ void set_answer(const Touch& geometry, const TouchSetting& setting, Answer& answ
   // Of the augmented Lagrangian: zero at no force.
   answer.energy = (answer.elastic * answer.elastic - setting.multiplier * setting.multiplier) / (2 * k);
   answer.pressing = answer.elastic;
-  if (!(setting.multiplier + k * depth >= 0)) return;
+  if (!(setting.multiplier + k * depth >= -kNearness * k * setting.onset)) return;
   const double full = 2 * setting.damping_ratio * std::sqrt(k * setting.mass), speed = n.dot(setting.velocity);
   const double onset = std::clamp(depth / setting.onset, 0., 1.), c = full * onset;
   answer.pressing = answer.elastic - c * speed;

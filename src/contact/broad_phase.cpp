@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/parallel.h"
 #include "contact/triangle.h"
@@ -112,16 +113,19 @@ bool BroadPhase::still_holds(const Positions& places, const std::vector<Pose>& p
 }
 
 bool BroadPhase::update(const Positions& places, const std::vector<Pose>& poses, double reach) {
+  asked_ = std::max(asked_, reach);
   if (parts_.samples.empty() || still_holds(places, poses, reach)) return false;
+  // Whoever asks for little and much in turn is to be served with one look.
+  const double widest = std::exchange(asked_, reach);
   refit(places);
   for (std::size_t i = 0; i < moving_.size(); ++i) places_.col(static_cast<Eigen::Index>(i)) = places.col(moving_[i]);
   poses_ = poses;
   left_out_.assign(poses.size(), kInfinite);
   left_out_in_body_ = kInfinite;
   candidates_.clear();
-  for (std::size_t o = 0; o < poses.size(); ++o) visit_obstacle(0, static_cast<int>(o), poses[o], reach + skin_);
+  for (std::size_t o = 0; o < poses.size(); ++o) visit_obstacle(0, static_cast<int>(o), poses[o], widest + skin_);
   if (within_body_) {
-    const double within = needed(reach) + skin_;
+    const double within = needed(widest) + skin_;
     if (parts_.spheres)
       visit_spheres(0, within);
     else

@@ -64,6 +64,7 @@ class BroadPhase {
   std::vector<int> moving_;  ///< molecules that samples and triangles hang on
   Rows neighbours_;          ///< of each molecule by connections; only if pieces touch themselves
   double skin_ = 0;          ///< [m]
+  double asked_ = 0;         ///< the largest reach since candidates were looked for [m]
   BoxTree samples_, triangles_;
   std::vector<Box> sample_boxes_, triangle_boxes_;
   std::vector<int> piece_of_sample_;

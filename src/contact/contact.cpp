@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -26,6 +27,23 @@ Vector3 place_of(const std::array<int, 3>& molecules, const std::array<double, 3
 
 bool before(const TouchMemory& memory, const Touch& touch) {
   return std::pair{memory.sample, memory.target} < std::pair{touch.sample, touch.target};
+}
+
+/// How deep a point may get into an obstacle before the shortest way out is another than it came [m].
+double half_thickness(const ObstacleShape& obstacle) {
+  struct Visitor {
+    double operator()(const shape::Plane&) const { return std::numeric_limits<double>::infinity(); }
+    double operator()(const shape::Box& box) const { return box.size.minCoeff() / 2; }
+    double operator()(const shape::Sphere& sphere) const { return sphere.radius; }
+    double operator()(const shape::Cylinder& cylinder) const { return std::min(cylinder.radius, cylinder.length / 2); }
+    double operator()(const shape::Capsule& capsule) const { return capsule.radius; }
+    double operator()(const shape::Convex& convex) const { return of(convex.points); }
+    double operator()(const shape::Mesh& mesh) const { return of(mesh.points); }
+    static double of(const Positions& points) {
+      return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).minCoeff() / 2;
+    }
+  };
+  return std::visit(Visitor{}, obstacle);
 }
 
 class ContactForce final : public Contact {
@@ -289,6 +307,7 @@ void ContactForce::keep(const State& state) const {
 }
 
 void ContactForce::evaluate(const State& state, double reach, bool all) const {
+  reach = std::max(reach, 1e-9 * mean_size_);      // what just touches counts
   for (const TouchMemory& memory : state.touches)  // what was held back beyond its penalty lets go at a gap
     if (memory.multiplier > 0)
       reach = std::max(reach, memory.multiplier / (options_.stiffness * search_.samples()[memory.sample].area / 2));
@@ -383,10 +402,18 @@ double ContactForce::free_way(const State& from, const State& to) const {
     obstacle_way = std::max(obstacle_way, (poses_[i].place - begin[i].place).norm());
   double farthest = 0;
   for (int i = 0; i < count; ++i) farthest = std::max(farthest, (sample_place(to, i) - sample_place(from, i)).norm());
-  // No sample gets deeper in one go than half its own size, where the way out is still the way in.
-  const double depth = mean_size_ / 2;
+  // No sample gets deeper in one go than half its own size, or half the obstacle, where the way out is still the way
+  // in.
+  const auto depth_into = [&](const Touch& touch) {
+    const double own = mean_size_ / 2;
+    return touch.count > 0 ? own
+                           : std::min(own, samples[touch.sample].radius +
+                                               half_thickness(options_.obstacles[touch.target].shape) / 2);
+  };
   const double reach = obstacle_way + 2 * farthest;
-  if (reach <= depth) return 1;
+  double least = mean_size_ / 2;
+  for (const Obstacle& obstacle : options_.obstacles) least = std::min(least, half_thickness(obstacle.shape) / 2);
+  if (reach <= least) return 1;
   search_.find(from.positions, begin, reach, found_);
   double part = 1;
   for (const Touch& touch : found_) {
@@ -399,6 +426,7 @@ double ContactForce::free_way(const State& from, const State& to) const {
       way -= place_of(touch.molecules, touch.weights, touch.count, to.positions) -
              place_of(touch.molecules, touch.weights, touch.count, from.positions);
     }
+    const double depth = depth_into(touch);
     const bool flat = touch.turning.isZero(0) && touch.gap < sample.radius + depth;
     const double approach = flat ? -touch.normal.dot(way) : way.norm();
     if (approach > std::max(touch.gap, 0.) + depth) part = std::min(part, (std::max(touch.gap, 0.) + depth) / approach);

@@ -42,17 +42,24 @@ Positions inertia(const Model& model, const State& state) {
 
 Balance balance(const Model& model, const State& state, bool moving) {
   Balance result;
-  const Positions loads = model.load_forces(state);
+  // Each load by itself: together they may cancel, as a weight and the floor that it rests on.
+  Positions loads = Positions::Zero(3, model.body().size()), one(3, model.body().size());
+  for (const auto& load : model.loads()) {
+    one.setZero();
+    load->add_forces(state, one);
+    result.scale += ordered_norm(one);
+    loads += one;
+  }
   if (moving) {
     model.set_forces(state, result.unbalanced);
     const Positions needed = inertia(model, state);
     result.unbalanced -= needed;
-    result.scale = ordered_norm(needed);
+    result.scale += ordered_norm(needed);
   } else {
     result.unbalanced = model.elastic_forces(state.positions);
     result.unbalanced += loads;
   }
-  result.scale += ordered_norm(loads) + held_parts(model.supports, result.unbalanced).norm();
+  result.scale += held_parts(model.supports, result.unbalanced).norm();
   keep_free(model.supports, result.unbalanced);
   result.norm = ordered_norm(result.unbalanced);
   return result;
