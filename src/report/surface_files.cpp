@@ -136,6 +136,8 @@ std::string surface_vtu_text(const Body& body, const Cells<3>& triangles, const 
   arrays.add("displacement", "Float64", 3, n,
              [&](int i, int k) { return shot.positions(k, molecules[i]) - body.rest(k, molecules[i]); });
   arrays.add("largest_strain", "Float64", 1, n, [&](int i, int) { return strain[molecules[i]]; });
+  const std::vector<int> piece = inspect(body).piece_of;
+  arrays.add("piece", "Int32", 1, n, [&](int i, int) { return piece[static_cast<std::size_t>(molecules[i])]; });
   out += "</PointData>\n";
   add_cells(arrays, out, renumbered);
   return out + kVtuEnd;
