@@ -91,7 +91,7 @@ const std::vector<MeasureInfo>& measure_list() {
       {"depth", length, "by which an indenter, or what is moved, has gone since the start"},
       {"indentation_modulus", pressure, "Hertz's of a sphere, or that of a flat punch, on a half-space: E* (1 - nu^2)",
        "E of indentation"},
-      {"contact_force", force, "the largest on one obstacle, or of pieces on each other"},
+      {"contact_force", force, "the largest on one obstacle; where none is pressed, of two pieces on each other"},
       {"contact_area", area, "of the samples that touch"},
       {"mean_pressure", pressure, "of contact: force / area"},
       {"largest_pressure", pressure, "of contact, on one molecule's part of the surface"},

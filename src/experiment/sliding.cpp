@@ -80,6 +80,7 @@ class Sliding final : public TimedExperiment {
   }
 
   StaticResult start(Model& model, State& state, const StaticOptions& options) override {
+    model.remember(state);  // friction holds the body where it is
     State stands = state;
     StaticResult solved = solve_static(model, stands, options);
     if (solved.outcome != Outcome::converged && setup_.angle != 0) {

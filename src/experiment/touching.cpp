@@ -23,9 +23,9 @@ int find_obstacle(const std::vector<Obstacle>& obstacles, const std::string& nam
 }
 
 double largest_force(const ContactReport& report) {
-  double largest = report.between_pieces.norm();
+  double largest = 0;
   for (const Vector3& force : report.on_obstacles) largest = std::max(largest, force.norm());
-  return largest;
+  return largest > 0 ? largest : report.between_pieces.norm();
 }
 
 void note_contact(const ContactReport& report, double copies, Measures& measures) {

@@ -12,7 +12,7 @@ Contact* contact_of(const Model& model);
 /// Number of the obstacle of that name, or −1.
 int find_obstacle(const std::vector<Obstacle>& obstacles, const std::string& name);
 
-/// The largest force on one obstacle, or of pieces on each other [N].
+/// The largest force on one obstacle; where none is pressed, of pieces on each other [N].
 double largest_force(const ContactReport& report);
 
 /// Adds what touches to the measures; of the whole body, which is `copies` times what is modelled.
