@@ -12,9 +12,9 @@ namespace {
 
 class Press final : public Experiment {
  public:
-  Press(const Body& body, const PressSetup& setup) : setup_(setup), moved_(setup.moved), held_(setup.held) {
-    if (moved_.empty()) moved_ = end_face(body, -setup.axis, setup.grip_depth).molecules;
-    if (held_.empty()) held_ = end_face(body, setup.axis, setup.grip_depth).molecules;
+  Press(const Body& body, const PressSetup& setup) : setup_(setup) {
+    moved_ = setup.moved ? *setup.moved : end_face(body, -setup.axis, setup.grip_depth).molecules;
+    held_ = setup.held ? *setup.held : end_face(body, setup.axis, setup.grip_depth).molecules;
     std::vector<int> both;
     std::set_intersection(moved_.begin(), moved_.end(), held_.begin(), held_.end(), std::back_inserter(both));
     if (!both.empty()) throw InputError("what is moved is held, too: molecule " + std::to_string(both.front()));

@@ -9,8 +9,9 @@ namespace elastin {
 
 /// A part of the body, or its near end, moved without a turn onto what lies before it; the far one stays.
 struct PressSetup {
-  Vector3 axis = -Vector3::UnitZ();    ///< the way, unit
-  std::vector<int> moved, held;        ///< molecules; empty: those of the near, of the far end
+  Vector3 axis = -Vector3::UnitZ();  ///< the way, unit
+  /// Molecules, ascending; none given: those of the near, of the far end.
+  std::optional<std::vector<int>> moved, held;
   std::optional<double> displacement;  ///< [m], > 0
   std::optional<double> force;         ///< or until this resists [N], > 0
   Grip grip = Grip::clamped;           ///< of both, across the axis

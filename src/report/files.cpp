@@ -84,7 +84,8 @@ Json to_json(const Record& record) {
               {"halved_load_steps", run.halved_load_steps},
               {"residual", run.residual},
               {"zero_energy_modes", run.zero_energy_modes},
-              {"warnings", record.warnings}};
+              {"warnings", record.warnings},
+              {"notes", record.notes}};
   if (run.measures.stiffness_matrix) {
     object["stiffness_matrix"] = Json::array();
     for (const auto& row : run.measures.stiffness_matrix->rowwise())

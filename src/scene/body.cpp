@@ -233,7 +233,7 @@ Mesh load_scene_mesh(Reader& reader, const Reader& file) {
   }
 }
 
-Body read_body(Reader reader, const Material& material, std::vector<std::string>& warnings) {
+Body read_body(Reader reader, const Material& material, Remarks remarks) {
   Body body = reader.located([&] { return read_shape(reader); });
   if (auto jitter = reader.find("jitter")) {
     const double amount = jitter->at("amount").quantity(dimension::none, {0, 0.5, false});
@@ -243,7 +243,7 @@ Body read_body(Reader reader, const Material& material, std::vector<std::string>
   }
   if (auto grading = reader.find("grade"))
     for (const Reader& along : grading->is_map() ? std::vector{*grading} : grading->items()) read_grade(along, body);
-  if (auto cells = reader.find("cells")) read_cells(*cells, body, warnings);
+  if (auto cells = reader.find("cells")) read_cells(*cells, body, remarks.warnings);
   const auto radius = reader.find("radius"), regions = reader.find("regions"), lines = reader.find("lines");
   reader.finish();
   const double shortest = shortest_connection(body);

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cmath>
 
+#include "elastin/model/parts.h"
 #include "experiment/indentation.h"
 #include "experiment/press.h"
 #include "experiment/sliding.h"
@@ -40,6 +42,10 @@ void read_indenter(Reader reader, IndentationSetup& setup) {
   form.finish();
 }
 
+std::vector<int> molecules_named(const Reader& name, const Body& body) {
+  return name.located([&] { return molecules_of(find_part(body, name.text())); });
+}
+
 }  // namespace
 
 std::unique_ptr<Experiment> read_indentation(Reader reader, const ExperimentPlace& place) {
@@ -75,6 +81,12 @@ std::unique_ptr<Experiment> read_press(Reader reader, const ExperimentPlace& pla
   const auto displacement = reader.find("displacement"), force = reader.find("force");
   if (displacement) setup.displacement = displacement->quantity(dimension::length, kPositive);
   if (force) setup.force = force->quantity(dimension::force, kPositive);
+  const auto move = reader.find("move"), hold = reader.find("hold");
+  if (move) setup.moved = molecules_named(*move, place.body);
+  if (hold) setup.held = molecules_named(*hold, place.body);
+  // What is rigid and is not moved stays where it is.
+  const auto stays = [&](const Part& part) { return part.rigid && part.name != move->text(); };
+  if (move && !hold && std::any_of(place.body.parts.begin(), place.body.parts.end(), stays)) setup.held.emplace();
   if (auto grip = reader.find("grip")) setup.grip = read_grip(*grip);
   if (auto grip = reader.find("grip_depth")) setup.grip_depth = grip->quantity(dimension::length, kPositive);
   if (auto steps = reader.find("load_steps")) setup.load_steps = steps->whole(1, 100000);

@@ -56,6 +56,14 @@ struct Part {
   std::optional<VoronoiCells> voronoi;  ///< of the part alone; as Body::voronoi
 };
 
+/// A molecule that is tied to a place on a triangle of another part, Σ weight · corner, where it lies at rest.
+struct Tie {
+  int molecule = 0;
+  std::array<int, 3> corners{};
+  std::array<double, 3> weights{};  ///< ≥ 0, they sum to 1
+  double stiffness = 0;             ///< [N/m], > 0; see elastin/forces/ties.h
+};
+
 /// A piece of tissue: molecules (spheres) joined by connections, at rest. Never changes during a run.
 struct Body {
   Positions rest;  ///< places of the molecules, unstressed [m]
@@ -73,7 +81,8 @@ struct Body {
   /// How many times as stiff as the material each connection and cell is; empty = all alike. See set_region.
   VectorX connection_stiffness, cell_stiffness;
   std::optional<VoronoiCells> voronoi;  ///< only where a strategy asks for them (Strategy::needs_voronoi)
-  std::vector<Part> parts;              ///< in the order of their molecules, all in one; empty = the body is one whole
+  std::vector<Part> parts;              ///< in the order of their molecules; empty = the body is one whole
+  std::vector<Tie> ties;                ///< between parts whose molecules do not meet
   int size() const { return static_cast<int>(rest.cols()); }
 };
 
