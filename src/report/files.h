@@ -23,8 +23,8 @@ std::string curve_csv_text(const Record& record);
 /// constant [N/m] where the strategy has one).
 std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& constants);
 
-/// Writes NAME.pvd and one NAME-STEP.vtu a load step into a folder, for ParaView; with contact NAME-surface-STEP.vtu
-/// and NAME-obstacles-STEP.vtu beside each.
+/// Writes NAME.pvd and one NAME-STEP.vtu a load step into a folder, for ParaView; of a body with cells
+/// that is at rest or has contact NAME-surface-STEP.vtu beside each, and NAME-obstacles-STEP.vtu where there are any.
 void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run,
                   const std::vector<Obstacle>& obstacles = {});
 

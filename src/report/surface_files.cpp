@@ -130,9 +130,11 @@ std::string surface_vtu_text(const Body& body, const Cells<3>& triangles, const 
   std::string out = vtu_head(n, static_cast<int>(triangles.size())) + "<Points>\n";
   VtuArrays arrays(out);
   arrays.add("positions", "Float64", 3, n, of(shot.positions));
-  out += "</Points>\n<PointData Scalars=\"contact_pressure\">\n";
-  arrays.add("contact_pressure", "Float64", 1, n, [&](int i, int) { return shot.contact_pressure[molecules[i]]; });
-  arrays.add("contact_force", "Float64", 3, n, of(shot.contact_forces));
+  out += "</Points>\n<PointData Scalars=\"largest_strain\">\n";
+  if (shot.contact_pressure.size()) {
+    arrays.add("contact_pressure", "Float64", 1, n, [&](int i, int) { return shot.contact_pressure[molecules[i]]; });
+    arrays.add("contact_force", "Float64", 3, n, of(shot.contact_forces));
+  }
   arrays.add("displacement", "Float64", 3, n,
              [&](int i, int k) { return shot.positions(k, molecules[i]) - body.rest(k, molecules[i]); });
   arrays.add("largest_strain", "Float64", 1, n, [&](int i, int) { return strain[molecules[i]]; });
