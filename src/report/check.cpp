@@ -104,7 +104,7 @@ bool add_parts(std::string& out, const Specimen& specimen) {
   for (const Part& part : specimen.body.parts) {
     const Body body = part_alone(specimen.body, part).body;
     std::string text = fmt::format("{} from {} on, mass {}", counted(part.count, "molecule"), part.first,
-                                   readable(body.mass.sum(), dimension::mass));
+                                   readable(specimen.body.mass.segment(part.first, part.count).sum(), dimension::mass));
     if (!part.shared.empty()) text += fmt::format(", {} more by ties", part.shared.size());
     if (part.rigid) text += ", rigid";
     add_line(out, "body '" + part.name + "'", text);

@@ -69,7 +69,7 @@ Form read_convex(Reader reader) {
 
 Form read_surface_file(Reader reader) {
   const Reader file = reader.at("file");
-  const Mesh mesh = load_scene_mesh(reader, file);
+  const Mesh mesh = read_mesh_file(reader);
   reader.finish();
   if (!mesh.tetrahedra.empty()) file.fail("an obstacle is a surface of triangles; this mesh has tetrahedra");
   const std::string fault = check_surface(mesh.points, mesh.triangles);

@@ -23,6 +23,10 @@ Body read_body(Reader reader, const Material& material, Remarks remarks);
 /// A list of bodies, each a part of one, and what ties them together; sets the specimen's body and materials. Its
 /// material must be set.
 void read_bodies(const Reader& list, std::optional<Reader> ties, Specimen& specimen, Remarks remarks);
+/// {file, length_unit, …}: the file that a body names, points in metres.
+Mesh read_mesh_file(Reader& reader);
+/// A body that fills a closed surface, and the volume that each molecule stands for [m³]; they sum to the surface's.
+Body read_fill(Reader reader, VectorX& volumes, Remarks remarks);
 /// A body of triangles: sphere, sphere_octant, disc, sheet or canopy.
 Body read_surface(const std::string& shape, Reader reader);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
@@ -49,8 +53,6 @@ struct SceneContact {
 SceneContact read_contact(Reader reader, const Body& body, const Material& material, const Matrix3& rotation);
 /// Throws InputError on a motion that means nothing in this experiment.
 void check_motions(const SceneContact& contact, bool timed);
-/// The mesh that a scene's `file` names, in metres: `reader` has the key length_unit.
-Mesh load_scene_mesh(Reader& reader, const Reader& file);
 StaticOptions read_solver(Reader reader);
 /// Adds one load, or internal damping, to a model of the scene's body.
 struct SceneLoad {
