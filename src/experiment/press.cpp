@@ -32,11 +32,11 @@ class Press final : public Experiment {
     const Matrix3 free = setup_.grip == Grip::clamped ? Matrix3(Matrix3::Zero()) : Matrix3(Matrix3::Identity() - along);
     for (const int molecule : held_) model.supports.push_back({molecule, free, Vector3::Zero()});
     for (const int molecule : moved_) model.supports.push_back({molecule, free, Vector3::Zero()});
-    model_ = &model;
     contact_ = contact_of(model);
   }
 
   void set_load(Model& model, double factor) override {
+    model_ = &model;
     if (setup_.force) control_.aim(factor);
     move_to(model, factor == 0 ? 0 : setup_.force ? control_.way() : factor * *setup_.displacement);
   }
@@ -112,8 +112,8 @@ class Press final : public Experiment {
   std::vector<int> moved_, held_;
   ForceControl control_;
   double way_ = 0;              // of what is moved [m]
-  Model* model_ = nullptr;      // that was held last
-  Contact* contact_ = nullptr;  // its
+  Model* model_ = nullptr;      // that was loaded last
+  Contact* contact_ = nullptr;  // its own
 };
 
 }  // namespace

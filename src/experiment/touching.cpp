@@ -29,7 +29,7 @@ double largest_force(const ContactReport& report) {
 }
 
 void note_contact(const ContactReport& report, double copies, Measures& measures) {
-  measures.set("contact_force", copies * largest_force(report));
+  if (copies == 1) measures.set("contact_force", largest_force(report));  // parts of a whole have forces across, too
   measures.set("contact_area", copies * report.area);
   measures.set("largest_pressure", report.largest_pressure);
   measures.set("largest_penetration", report.largest_penetration);
