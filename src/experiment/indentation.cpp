@@ -119,6 +119,7 @@ class Indentation final : public Experiment {
       if (off > (sphere ? radius + r : radius)) continue;
       first = std::min(first, along - (sphere ? std::sqrt(std::pow(radius + r, 2) - off * off) : r));
     }
+    first -= 1e-9 * radius;  // what only seems to be pressed in, by rounding, would be asked for its equilibrium
     if (!std::isfinite(first)) throw InputError("no molecule lies before the indenter: give `at`, a place on its axis");
     Obstacle obstacle;
     obstacle.name = kIndenter;

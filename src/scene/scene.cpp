@@ -113,8 +113,8 @@ void read_whole_body(Reader& reader, Scene& scene) {
   if (auto several = reader.find("bodies")) {
     if (auto one = reader.find("body")) one->fail("there are `bodies` already; put it into that list, with a name");
     read_bodies(*several, ties, specimen, remarks);
-    for (const Part& part : specimen.body.parts)
-      warn_of_pieces(part_alone(specimen.body, part).body, "body '" + part.name + "'", scene.warnings);
+    for (const Part& part : specimen.body.parts)  // bone holds together without connections
+      if (!part.rigid) warn_of_pieces(part_alone(specimen.body, part).body, "body '" + part.name + "'", scene.warnings);
     return;
   }
   if (ties) ties->fail("joins several `bodies`; the scene has one");
