@@ -48,6 +48,10 @@ class Sum final : public Elasticity {
     first_->visit_blocks(visit);
     second_->visit_blocks(visit);
   }
+  bool visit_gradients(const GradientVisitor& visit) const override {
+    const bool first = first_->visit_gradients(visit), second = second_->visit_gradients(visit);
+    return first && second;
+  }
   void add_diagonal(std::vector<Matrix3>& blocks) const override {
     first_->add_diagonal(blocks);
     second_->add_diagonal(blocks);

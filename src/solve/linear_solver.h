@@ -36,6 +36,9 @@ class LinearSolver {
 /// Conjugate gradients without a matrix, preconditioned by the 3×3 blocks of each molecule.
 std::unique_ptr<LinearSolver> make_pcg();
 
+/// The same with a coarse picture of the body besides (solve/multigrid): for large and slender bodies.
+std::unique_ptr<LinearSolver> make_multigrid();
+
 /// A sparse LDLᵀ factorisation with iterative refinement: for small bodies, indefinite stiffness and mode counts.
 std::unique_ptr<LinearSolver> make_direct();
 
