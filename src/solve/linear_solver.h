@@ -39,6 +39,13 @@ std::unique_ptr<LinearSolver> make_pcg();
 /// The same with a coarse picture of the body besides (solve/multigrid): for large and slender bodies.
 std::unique_ptr<LinearSolver> make_multigrid();
 
+/// Stabilised bi-conjugate gradients with the same preconditioner, for a stiffness that is not symmetric. [van der
+/// Vorst 1992]
+std::unique_ptr<LinearSolver> make_bicgstab();
+
+/// What both precondition with: the inverse of each molecule's block in its free directions.
+std::vector<Matrix3> block_preconditioner(const Tangent& tangent, const std::vector<Support>& supports);
+
 /// A sparse LDLᵀ factorisation with iterative refinement: for small bodies, indefinite stiffness and mode counts.
 std::unique_ptr<LinearSolver> make_direct();
 

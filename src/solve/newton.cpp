@@ -6,13 +6,13 @@
 
 #include "base/parallel.h"
 #include "solve/explicit.h"
+#include "solve/linear_choice.h"
 
 namespace elastin {
 namespace {
 
-/// Below this many molecules a factorisation beats iterations, but for time steps, whose inertia makes them few; above
-/// the second limit it is never tried.
-constexpr int kTinyBody = 60, kDirectLimit = 2500;
+/// Above this many molecules a factorisation is never tried where iterations got stuck.
+constexpr int kDirectLimit = 2500;
 
 /// Newton iterations in which a body that was stable at the start is followed down past negative modes before saddles
 /// are tried: nearly incompressible ones pass through pressures that are not there at the end.
@@ -23,10 +23,9 @@ constexpr int kSaddles = 3;
 
 const std::string kAdrift = "the loads work on a zero-energy mode that does not stiffen";
 
-std::unique_ptr<LinearSolver> make_solver(LinearMethod method, const Tangent& tangent) {
-  const bool tiny = tangent.model().body().size() <= kTinyBody && tangent.weights().acceleration == 0;
-  const bool direct = method == LinearMethod::direct || (method == LinearMethod::automatic && tiny);
-  return direct ? make_direct() : make_pcg();
+std::unique_ptr<LinearSolver> make_solver(LinearMethod method) {
+  if (method == LinearMethod::direct) return make_direct();
+  return method == LinearMethod::multigrid ? make_multigrid() : make_pcg();
 }
 
 struct Balance {
@@ -41,17 +40,24 @@ Positions inertia(const Model& model, const State& state) {
 
 Balance balance(const Model& model, const State& state, bool moving) {
   Balance result;
-  const Positions loads = model.load_forces(state);
+  // Each load by itself: together they may cancel, as a weight and the floor that it rests on.
+  Positions loads = Positions::Zero(3, model.body().size()), one(3, model.body().size());
+  for (const auto& load : model.loads()) {
+    one.setZero();
+    load->add_forces(state, one);
+    result.scale += ordered_norm(one);
+    loads += one;
+  }
   if (moving) {
     model.set_forces(state, result.unbalanced);
     const Positions needed = inertia(model, state);
     result.unbalanced -= needed;
-    result.scale = ordered_norm(needed);
+    result.scale += ordered_norm(needed);
   } else {
     result.unbalanced = model.elastic_forces(state.positions);
     result.unbalanced += loads;
   }
-  result.scale += ordered_norm(loads) + held_parts(model.supports, result.unbalanced).norm();
+  result.scale += held_parts(model.supports, result.unbalanced).norm();
   keep_free(model.supports, result.unbalanced);
   result.norm = ordered_norm(result.unbalanced);
   return result;
@@ -85,7 +91,7 @@ struct Problem {
     with_energy = model.conservative();
     if (!kinematics) return;
     with_energy &= model.viscosity().empty();
-    for (const auto& load : model.loads()) with_energy &= load->acts_at_rest();
+    for (const auto& load : model.loads()) with_energy &= !load->resists();
   }
 };
 
@@ -131,7 +137,9 @@ double work(const Balance& forces, const Positions& motion) {
 bool line_search(const Problem& problem, const Positions& motion, bool with_energy, Trial& now, bool& inverted) {
   const double slope = -work(now.forces, motion);
   inverted = false;
-  for (double step = 1; step > 1e-9; step /= 2) {
+  State whole = now.state;
+  whole.positions += motion;
+  for (double step = problem.model.free_way(now.state, whole); step > 1e-9; step /= 2) {
     State state = now.state;
     state.positions += step * motion;
     Trial trial = evaluate(problem, std::move(state), with_energy);
@@ -216,9 +224,11 @@ double rounding_floor(const Tangent& tangent, const Positions& positions) {
 
 LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                           double tolerance, const StaticOptions& options, bool through_saddles, Positions& solution,
-                          std::string& used) {
+                          UsedSolver& used) {
   const int molecules = tangent.model().body().size();
-  auto solver = make_solver(options.method, tangent);
+  const LinearChoice choice = choose_linear_solver(tangent, options.method, tolerance);
+  used.reason = choice.reason;
+  auto solver = tangent.model().symmetric() ? make_solver(choice.method) : make_bicgstab();
   LinearResult result = solver->solve(tangent, supports, rhs, tolerance, solution);
   if (result.negative_modes > 0 && !through_saddles) {  // a factorisation leads to the saddle, iterations downhill
     solver = make_pcg();
@@ -226,7 +236,7 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
     result = solver->solve(tangent, supports, rhs, tolerance, solution);
     result.iterations += before;
   }
-  const bool iterated = std::string(solver->name()) == "pcg";
+  const bool iterated = choice.method != LinearMethod::direct && tangent.model().symmetric();
   const bool downhill = result.status == LinearStatus::negative_mode && !through_saddles;
   if (result.status != LinearStatus::solved && !downhill && iterated && options.method == LinearMethod::automatic &&
       molecules <= kDirectLimit) {
@@ -236,10 +246,11 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
     if (second.residual <= std::max(result.residual, tolerance)) {
       solution = other;
       solver = std::move(direct);
+      used.reason = "iterations got stuck, and with " + std::to_string(molecules) + " molecules it is affordable";
       result = {second.status, result.iterations + second.iterations, second.residual, second.negative_modes, {}};
     }
   }
-  used = solver->name();
+  used.name = solver->name();
   return result;
 }
 
@@ -260,7 +271,13 @@ void place_supports(const Model& model, Positions& positions) {
   }
 }
 
-StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics) {
+namespace {
+
+/// Of a memory that is tightened after each equilibrium, until it says that it is enough.
+constexpr int kTightenings = 50;
+
+/// An equilibrium with the memory that the state has.
+StaticResult balance_once(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics) {
   StaticResult result;
   const Problem problem(model, kinematics);
   Trial now = evaluate(problem, state, problem.with_energy);
@@ -269,7 +286,7 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
     result.cause = turned_over_text(model.body(), now.state.positions) + " at the start of the step";
     return result;
   }
-  std::string used = options.method == LinearMethod::direct ? "direct" : "pcg";
+  UsedSolver used{options.method == LinearMethod::direct ? "direct" : "pcg", ""};
   bool stable_start = false, adrift = false;
   int saddles = 0, last_saddle = 0;  // how many were left, and after how many iterations
   double forcing = 1e-3, last = now.forces.norm;
@@ -334,11 +351,31 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
     }
   }
   state = std::move(now.state);
-  result.solver = "newton " + used;
+  result.solver = "newton " + used.name;
+  result.reason = used.reason;
   Positions forces;
   model.set_forces(state, forces);
   if (kinematics) forces -= inertia(model, state);
   result.reactions = -held_parts(model.supports, forces);
+  return result;
+}
+
+}  // namespace
+
+StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics) {
+  StaticResult result = balance_once(model, state, options, kinematics);
+  for (int round = 0; result.outcome == Outcome::converged && model.tighten(state); ++round) {
+    if (round == kTightenings) {
+      result.outcome = Outcome::limit_reached;
+      result.cause = "contact is pressed in deeper than allowed after " + std::to_string(kTightenings) + " tightenings";
+      break;
+    }
+    StaticResult again = balance_once(model, state, options, kinematics);
+    again.newton_iterations += result.newton_iterations;
+    again.linear_iterations += result.linear_iterations;
+    again.cut_steps += result.cut_steps;
+    result = std::move(again);
+  }
   return result;
 }
 

@@ -9,19 +9,11 @@
 namespace elastin {
 namespace {
 
-std::vector<Matrix3> block_preconditioner(const Tangent& tangent, const std::vector<Support>& supports) {
-  std::vector<Matrix3> blocks = tangent.diagonal();
-  for (const Support& support : supports) {
-    Matrix3& block = blocks[support.molecule];
-    block = (support.free * block * support.free).eval();
-  }
-  parallel_for(static_cast<int>(blocks.size()),
-               [&](int molecule) { blocks[molecule] = positive_inverse(blocks[molecule]); });
-  return blocks;
-}
-
 /// A molecule's share of a pass costs as much as ten connections.
 constexpr int kMoleculeThreshold = kParallelThreshold / 10;
+
+/// A coarse picture that serves takes some 30 iterations, a poor one 200.
+constexpr int kCoarseLimit = 400;
 
 class Pcg final : public LinearSolver {
  public:
@@ -103,7 +95,9 @@ class Pcg final : public LinearSolver {
         break;
       }
       add_coarse(now);
-      if (coarse && !(now[0] > 0)) {  // not positive after all: go on without, from here
+      // Not positive after all, or blind to what this body is slow at (stiff lumps that share boxes with soft tissue):
+      // go on without, from here.
+      if (coarse && (!(now[0] > 0) || result.iterations == kCoarseLimit)) {
         coarse.reset();
         now = advance(0);
         p = z;
@@ -124,6 +118,17 @@ class Pcg final : public LinearSolver {
 };
 
 }  // namespace
+
+std::vector<Matrix3> block_preconditioner(const Tangent& tangent, const std::vector<Support>& supports) {
+  std::vector<Matrix3> blocks = tangent.diagonal();
+  for (const Support& support : supports) {
+    Matrix3& block = blocks[support.molecule];
+    block = (support.free * block * support.free).eval();
+  }
+  parallel_for(static_cast<int>(blocks.size()),
+               [&](int molecule) { blocks[molecule] = positive_inverse(blocks[molecule]); });
+  return blocks;
+}
 
 Positions scattered_directions(int molecules) {
   Positions directions(3, molecules);
