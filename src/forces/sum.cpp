@@ -54,6 +54,10 @@ class Sum final : public Elasticity {
   void visit_blocks(const BlockVisitor& visit) const override {
     for (const auto& term : terms_) term->visit_blocks(visit);
   }
+  bool visit_gradients(const GradientVisitor& visit) const override {
+    const bool first = first_->visit_gradients(visit), second = second_->visit_gradients(visit);
+    return first && second;
+  }
   void add_diagonal(std::vector<Matrix3>& blocks) const override {
     for (const auto& term : terms_) term->add_diagonal(blocks);
   }

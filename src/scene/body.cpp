@@ -252,7 +252,8 @@ Body read_body(Reader reader, const Material& material, Remarks remarks) {
     jitter->finish();
     add_jitter(body, amount * shortest_connection(body), static_cast<std::uint64_t>(seed));
   }
-  if (auto grading = reader.find("grade")) read_grade(*grading, body);
+  if (auto grading = reader.find("grade"))
+    for (const Reader& along : grading->is_map() ? std::vector{*grading} : grading->items()) read_grade(along, body);
   if (auto cells = reader.find("cells")) read_cells(*cells, body, remarks.warnings);
   const auto radius = reader.find("radius"), regions = reader.find("regions"), lines = reader.find("lines");
   reader.finish();

@@ -1,4 +1,5 @@
 #pragma once
+#include "elastin/contact/contact.h"
 #include "elastin/forces/time_function.h"
 #include "elastin/model/mesh_file.h"
 #include "elastin/simulation/catalog.h"
@@ -35,11 +36,23 @@ struct ExperimentPlace {
   const Material& material;
   Matrix3 rotation;
   StaticOptions statics;
+  ContactOptions* contact = nullptr;  ///< of the scene; null if it has none. Experiments add obstacles of their own
 };
 /// A kind that runs through time, or null: the experiment's kind is one at rest.
 std::unique_ptr<Experiment> read_timed_experiment(Reader reader, const std::string& kind, const ExperimentPlace& place);
 std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace& place);
 std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentPlace& place);
+std::unique_ptr<Experiment> read_indentation(Reader reader, const ExperimentPlace& place);
+std::unique_ptr<Experiment> read_press(Reader reader, const ExperimentPlace& place);
+std::unique_ptr<Experiment> read_sliding(Reader reader, const ExperimentPlace& place);
+/// Contact, and which obstacles' motions follow the load, and which the time.
+struct SceneContact {
+  ContactOptions options;
+  std::vector<Reader> by_load, by_time;
+};
+SceneContact read_contact(Reader reader, const Body& body, const Material& material, const Matrix3& rotation);
+/// Throws InputError on a motion that means nothing in this experiment.
+void check_motions(const SceneContact& contact, bool timed);
 StaticOptions read_solver(Reader reader);
 /// Adds one load, or internal damping, to a model of the scene's body.
 struct SceneLoad {
