@@ -55,8 +55,9 @@ class Sum final : public Elasticity {
     for (const auto& term : terms_) term->visit_blocks(visit);
   }
   bool visit_gradients(const GradientVisitor& visit) const override {
-    const bool first = first_->visit_gradients(visit), second = second_->visit_gradients(visit);
-    return first && second;
+    bool whole = true;
+    for (const auto& term : terms_) whole &= term->visit_gradients(visit);
+    return whole;
   }
   void add_diagonal(std::vector<Matrix3>& blocks) const override {
     for (const auto& term : terms_) term->add_diagonal(blocks);
