@@ -54,15 +54,11 @@ BroadPhase::BroadPhase(const ContactParts& parts) : parts_(parts), skin_(typical
   std::vector<char> seen(static_cast<std::size_t>(parts.pieces), 0);
   std::vector<char> moves(static_cast<std::size_t>(parts.body.size()), 0);
   for (const Sample& sample : parts.samples) {
-    const int family = parts.family[static_cast<std::size_t>(sample.piece)];
-    family_of_sample_.push_back(family);
-    seen[static_cast<std::size_t>(family)] = 1;
+    piece_of_sample_.push_back(sample.piece);
+    seen[static_cast<std::size_t>(sample.piece)] = 1;
     for (int k = 0; k < sample.count; ++k) moves[static_cast<std::size_t>(sample.molecules[k])] = 1;
   }
-  for (const int piece : parts.piece_of_triangle) {
-    family_of_triangle_.push_back(parts.family[static_cast<std::size_t>(piece)]);
-    seen[static_cast<std::size_t>(family_of_triangle_.back())] = 1;
-  }
+  for (const int piece : parts.piece_of_triangle) seen[static_cast<std::size_t>(piece)] = 1;
   within_body_ =
       (parts.spheres || !parts.triangles.empty()) && (parts.self || std::count(seen.begin(), seen.end(), 1) > 1);
   if (within_body_ && !parts.spheres)
@@ -96,8 +92,8 @@ void BroadPhase::refit(const Positions& places) {
     if (!tree.nodes().empty()) tree.refit(boxes);
     if (tree.nodes().empty() || tree.worn()) tree = BoxTree(boxes, groups);
   };
-  serve(samples_, sample_boxes_, family_of_sample_);
-  if (!triangle_boxes_.empty()) serve(triangles_, triangle_boxes_, family_of_triangle_);
+  serve(samples_, sample_boxes_, piece_of_sample_);
+  if (!triangle_boxes_.empty()) serve(triangles_, triangle_boxes_, parts_.piece_of_triangle);
 }
 
 bool BroadPhase::still_holds(const Positions& places, const std::vector<Pose>& poses, double reach) const {
@@ -151,6 +147,7 @@ void BroadPhase::sort_candidates() {
   starts_.assign(parts_.samples.size() + 1, 0);
   for (const Candidate& candidate : candidates_) ++starts_[static_cast<std::size_t>(candidate.sample) + 1];
   std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+  if (sorted_.capacity() < candidates_.size()) sorted_.reserve(2 * candidates_.size());
   sorted_.resize(candidates_.size());
   for (const Candidate& candidate : candidates_)
     sorted_[static_cast<std::size_t>(starts_[static_cast<std::size_t>(candidate.sample)]++)] = candidate;
@@ -246,7 +243,7 @@ bool BroadPhase::overlap_at_rest(const Sample& sample, int triangle) const {
 void BroadPhase::add_triangle(int s, int triangle, double within) {
   const Sample& sample = parts_.samples[static_cast<std::size_t>(s)];
   const int piece = parts_.piece_of_triangle[static_cast<std::size_t>(triangle)];
-  if (parts_.one_family(piece, sample.piece)) {
+  if (piece == sample.piece) {
     if (!parts_.self || joined(sample, parts_.triangles[static_cast<std::size_t>(triangle)]) ||
         overlap_at_rest(sample, triangle))
       return;
@@ -263,7 +260,7 @@ void BroadPhase::add_triangle(int s, int triangle, double within) {
 void BroadPhase::add_spheres(int first, int second) {
   const Sample& one = parts_.samples[static_cast<std::size_t>(first)];
   const Sample& two = parts_.samples[static_cast<std::size_t>(second)];
-  if (parts_.one_family(one.piece, two.piece)) {
+  if (one.piece == two.piece) {
     const Positions& rest = parts_.body.rest;
     if (!parts_.self || joined(one, {two.molecules.data(), static_cast<std::size_t>(two.count)}) ||
         (parts_.place_of(one, rest) - parts_.place_of(two, rest)).norm() < one.radius + two.radius)

@@ -16,16 +16,11 @@ struct ContactParts {
   std::vector<int> piece_of_triangle;
   std::vector<SignedDistance> obstacles;
   int pieces = 0;
-  /// Of each piece: pieces that ties hold together are one family, and touch each other no more than one piece itself.
-  std::vector<int> family;
   bool spheres = false, self = false;
   double depth = 0;  ///< behind a triangle up to which a sample is pressed in [m]: half the mean side
 
   int first_piece() const { return static_cast<int>(obstacles.size()); }
   int first_sphere() const { return first_piece() + pieces; }
-  bool one_family(int piece, int other) const {
-    return family[static_cast<std::size_t>(piece)] == family[static_cast<std::size_t>(other)];
-  }
   Vector3 place_of(const Sample& sample, const Positions& places) const {
     Vector3 place = sample.weights[0] * places.col(sample.molecules[0]);
     for (int k = 1; k < sample.count; ++k) place += sample.weights[k] * places.col(sample.molecules[k]);
@@ -73,7 +68,7 @@ class BroadPhase {
   double asked_ = 0;         ///< the largest reach since candidates were looked for [m]
   BoxTree samples_, triangles_;
   std::vector<Box> sample_boxes_, triangle_boxes_;
-  std::vector<int> family_of_sample_, family_of_triangle_;
+  std::vector<int> piece_of_sample_;
   const Positions* now_ = nullptr;  ///< during a look
   // As it was when the candidates were looked for.
   Positions places_;  ///< of moving_

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
-#include <numeric>
 
 #include "base/parallel.h"
 #include "contact/broad_phase.h"
@@ -23,28 +22,11 @@ double seconds_between(Clock::time_point start, Clock::time_point end) {
   return std::chrono::duration<double>(end - start).count();
 }
 
-/// Pieces that ties, or a rigid part that has made molecules of others its own, hold together.
-std::vector<int> families(const Body& body, const BodyFindings& findings) {
-  std::vector<int> family(static_cast<std::size_t>(findings.pieces));
-  std::iota(family.begin(), family.end(), 0);
-  const auto join = [&](int molecule, int other) {
-    const int one = family[static_cast<std::size_t>(findings.piece_of[static_cast<std::size_t>(molecule)])];
-    const int two = family[static_cast<std::size_t>(findings.piece_of[static_cast<std::size_t>(other)])];
-    if (one != two) std::replace(family.begin(), family.end(), std::max(one, two), std::min(one, two));
-  };
-  for (const Tie& tie : body.ties)
-    for (const int corner : tie.corners) join(tie.molecule, corner);
-  for (const Part& part : body.parts)
-    for (const int molecule : part.shared) join(part.first, molecule);
-  return family;
-}
-
 ContactParts parts_of(const Body& body, std::vector<Sample> samples, Cells<3> triangles, bool spheres,
                       const std::vector<Obstacle>& obstacles, bool self) {
-  ContactParts parts{body, std::move(samples), std::move(triangles), {}, {}, 0, {}, spheres, self, 0};
+  ContactParts parts{body, std::move(samples), std::move(triangles), {}, {}, 0, spheres, self, 0};
   const BodyFindings findings = inspect(body);
   parts.pieces = findings.pieces;
-  parts.family = families(body, findings);
   for (const Obstacle& obstacle : obstacles) parts.obstacles.emplace_back(obstacle.shape);
   double sides = 0;
   for (std::size_t t = 0; t < parts.triangles.size(); ++t) {
@@ -56,7 +38,7 @@ ContactParts parts_of(const Body& body, std::vector<Sample> samples, Cells<3> tr
   return parts;
 }
 
-/// Whether each piece's surface has two triangles on every side: only then has it an inside.
+/// Whether each piece's surface has two triangles on every side, or four where parts meet: only then has it an inside.
 std::vector<char> closed_pieces(const ContactParts& parts) {
   std::vector<std::array<int, 3>> sides;  // piece, and the two molecules
   for (std::size_t t = 0; t < parts.triangles.size(); ++t)
@@ -68,7 +50,7 @@ std::vector<char> closed_pieces(const ContactParts& parts) {
   std::vector<char> closed(static_cast<std::size_t>(parts.pieces), 1);
   for (std::size_t i = 0, next; i < sides.size(); i = next) {
     for (next = i + 1; next < sides.size() && sides[next] == sides[i];) ++next;
-    if (next != i + 2) closed[static_cast<std::size_t>(sides[i][0])] = 0;
+    if ((next - i) % 2 == 1) closed[static_cast<std::size_t>(sides[i][0])] = 0;
   }
   return closed;
 }
@@ -175,7 +157,7 @@ bool ContactSearch::Impl::touch_surface(int group, const Positions& places, cons
     const auto corners = parts.corners_of(triangle, places);
     const Vector3 across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     const double same_way = across.dot(looks), limit = kSameWay * across.norm();
-    if (parts.one_family(piece, sample.piece) && same_way > 0) continue;
+    if (piece == sample.piece && same_way > 0) continue;
     const NearestPlace on = nearest_place(place, corners);
     const double distance = (place - on.place).norm();
     if (distance < nearest.distance) nearest = {distance, triangle, on, same_way > limit};

@@ -47,7 +47,7 @@ struct Touch {
   std::array<Vector3, 3> slopes{Vector3::Zero(), Vector3::Zero(), Vector3::Zero()};
 };
 
-/// Finds what is near. Pieces touch each other; those that ties hold together count as one. A closed surface of
+/// Finds what is near. Pieces touch each other. A closed surface of
 /// triangles pushes out what is up to half its mean side behind it: back through where it came in, if it is more than
 /// half through. A surface with a rim is a sheet, touched on both sides and never behind: what touches it needs a
 /// radius. Within a piece what is joined, and what overlaps at rest, does not touch. Broad phase by FCL over boxes that
