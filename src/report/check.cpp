@@ -135,7 +135,7 @@ void add_modes(std::string& out, Scene& scene) {
   const Connections& connections = scene.specimen.body.connections;
   std::vector<char> stiff(static_cast<std::size_t>(connections.size()), 0);
   std::fill_n(stiff.begin(), connections.proper(), 1);
-  const ModeReport report = find_zero_energy_modes(scene.specimen.body, model.supports, stiff);
+  const ModeReport report = find_modes_in_parts(scene.specimen.body, model.supports, stiff);
   add_line(out, "held molecules", number(static_cast<int>(model.supports.size())));
   add_line(out, "free rigid motions",
            fmt::format("{}{}", report.rigid_motions, report.rigid_motions ? " (left by the grips; no mechanism)" : ""));
