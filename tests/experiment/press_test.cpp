@@ -43,7 +43,7 @@ TEST_CASE("two blocks that do not match pass a pressure on", "[press]") {
   CHECK(run.measures.get("force") == Approx(0.04028966).epsilon(1e-3));
   CHECK(run.measures.get("contact_force") == Approx(run.measures.get("force")).epsilon(1e-6));
   CHECK(run.measures.get("contact_area") == Approx(4e-4).epsilon(1e-6));
-  CHECK(run.measures.get("pressure_spread") < 0.25);
+  CHECK(run.measures.get("pressure_spread") < 0.01);
   const std::string force = std::to_string(run.measures.get("force"));
   const Run by_force = run_of(kBelow + std::string(", ") + kAbove, "force: " + force + " N, grip: sliding");
   CHECK(by_force.measures.get("depth") == Approx(0.2e-3).epsilon(1e-4));
