@@ -15,6 +15,7 @@ namespace {
 /// Adds what one solve cost and said to the run; returns whether it converged.
 bool note_solve(const StaticResult& solved, const std::string& where, Run& run) {
   run.solver = solved.solver;
+  run.solver_reason = solved.reason;
   run.newton_iterations += solved.newton_iterations;
   run.linear_iterations += solved.linear_iterations;
   run.cut_steps += solved.cut_steps;

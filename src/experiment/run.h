@@ -51,6 +51,7 @@ struct Snapshot {
 struct Run {
   std::string strategy;
   std::string solver;
+  std::string solver_reason;  ///< why that one; empty where there was no choice
   Outcome outcome = Outcome::converged;
   std::string cause;
   Measures measures;                     ///< of the last converged load step

@@ -108,7 +108,7 @@ bool add_parts(std::string& out, const Specimen& specimen) {
     if (!part.shared.empty()) text += fmt::format(", {} more by ties", part.shared.size());
     if (part.rigid) text += ", rigid";
     add_line(out, "body '" + part.name + "'", text);
-    sound &= add_faults(out, body, " of '" + part.name + "'");
+    if (!part.rigid) sound &= add_faults(out, body, " of '" + part.name + "'");
   }
   if (!specimen.body.ties.empty())
     add_line(out, "ties",

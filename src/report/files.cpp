@@ -68,6 +68,7 @@ Json to_json(const Record& record) {
               {"title", record.title},
               {"strategy", run.strategy},
               {"solver", run.solver},
+              {"solver_reason", run.solver_reason},
               {"outcome", outcome_name(run)},
               {"cause", run.cause},
               {"molecules", record.molecules},

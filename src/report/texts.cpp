@@ -293,6 +293,7 @@ std::string run_text(const Record& record, bool colours) {
     out += fmt::format("  {}, {}, {} linear, residual {:.1e}, built in {}, solved in {}\n", run.solver,
                        counted(run.newton_iterations, "Newton iteration"), run.linear_iterations, run.residual,
                        readable_seconds(run.build_seconds), readable_seconds(run.solve_seconds));
+  if (!run.solver_reason.empty()) out += fmt::format("  solver: {}: {}\n", run.solver, run.solver_reason);
   if (run.time) out += time_text(*run.time);
   if (run.contact) out += contact_text(*run.contact, record.obstacles);
   if (run.cut_steps) out += fmt::format("  {} cut: a cell would have turned over\n", counted(run.cut_steps, "step"));
