@@ -92,19 +92,18 @@ void Multigrid::add(const Positions& forces, double size, Positions& motion) {
   };
   // Layers touch the points between them: every second at a time.
   for (const int colour : {0, 1})
-    parallel_for(
-        (grid.layers() + 1 - colour) / 2,
-        [&](int half) {
-          const int layer = 2 * half + colour;
-          for (int box = grid.first_box(layer); box < grid.first_box(layer + 1); ++box)
-            for (int at = members_.start[box]; at < members_.start[box + 1]; ++at) {
-              const auto& member = members_.members[at];
-              const auto values = weights(member.at);
-              const Eigen::Vector3f force = (forces.col(member.molecule) / size).cast<float>();
-              for (int c = 0; c < 8; ++c) b.col(grid.corners(box)[c]) += values[c] * force;
-            }
-        },
-        2);
+    parallel_for((grid.layers() + 1 - colour) / 2,
+                 [&](int half) {
+                   const int layer = 2 * half + colour;
+                   for (int box = grid.first_box(layer); box < grid.first_box(layer + 1); ++box)
+                     for (int at = members_.start[box]; at < members_.start[box + 1]; ++at) {
+                       const auto& member = members_.members[at];
+                       const auto values = weights(member.at);
+                       const Eigen::Vector3f force = (forces.col(member.molecule) / size).cast<float>();
+                       for (int c = 0; c < 8; ++c) b.col(grid.corners(box)[c]) += values[c] * force;
+                     }
+                 },
+                 2);
   cycle(0);
   parallel_for(
       grid.boxes(),

@@ -18,45 +18,12 @@ namespace {
 using namespace elastin;
 using Sparse = Eigen::SparseMatrix<double>;
 
-constexpr double kTolerance = 1e-8;
-
-/// The tension cube under the load that stretches it by 1e-5, ready to be solved.
-struct Problem {
-  explicit Problem(int side) : body(make_cube(side)), model(body) {
-    TensionSetup setup;
-    setup.force = kMaterial.youngs_modulus * kCubeLength * kCubeLength * 1e-5;
-    experiment = make_tension(body, setup);
-    model.add(make_springs(body, built_in_catalog().find("lattice").constants(body, kMaterial, {})));
-    experiment->hold(model);
-    experiment->set_load(model, 1);
-    loads = model.load_forces(state_at_rest(body));
-  }
-  Body body;
-  Model model;
-  std::unique_ptr<Experiment> experiment;
-  Positions loads;
-};
-
-/// K about rest without a shift; the sliding grips leave three rigid motions, on which the load does no work.
-Sparse assembled(Problem& problem) {
-  const State rest = state_at_rest(problem.body);
-  const Tangent tangent(problem.model, rest);
-  return sparse_stiffness(tangent, problem.model.supports, 0, stiffness_scale(tangent));
-}
-
-/// The right-hand side that every linear contender gets.
-VectorX free_loads(const Problem& problem) {
-  Positions loads = problem.loads;
-  keep_free(problem.model.supports, loads);
-  return Eigen::Map<const VectorX>(loads.data(), loads.size());
-}
-
 struct Solved {
   VectorX motion;  ///< empty for large displacements
   double newton = kNone, iterations = kNone, residual = kNone;
 };
 
-Solved elastin_linear(Problem& problem, const Sparse&) {
+Solved elastin_linear(TensionCube& problem, const Sparse&) {
   const Positions no_way = Positions::Zero(3, problem.body.size());
   const StaticOptions options{.linear = true, .method = LinearMethod::pcg, .tolerance = kTolerance};
   const StaticResponse response = static_response(problem.model, problem.body.rest, problem.loads, no_way, options);
@@ -65,7 +32,7 @@ Solved elastin_linear(Problem& problem, const Sparse&) {
           static_cast<double>(response.result.linear_iterations)};
 }
 
-Solved elastin_newton(Problem& problem, const Sparse&) {
+Solved elastin_newton(TensionCube& problem, const Sparse&) {
   State state = state_at_rest(problem.body);
   const StaticOptions options{.method = LinearMethod::pcg, .tolerance = kTolerance};
   const StaticResult result = solve_static(problem.model, state, options);
@@ -76,7 +43,7 @@ Solved elastin_newton(Problem& problem, const Sparse&) {
           result.residual};
 }
 
-Solved eigen_cg(Problem& problem, const Sparse& matrix) {
+Solved eigen_cg(TensionCube& problem, const Sparse& matrix) {
   Eigen::setNbThreads(threads());
   Eigen::ConjugateGradient<Sparse, Eigen::Lower | Eigen::Upper, Eigen::DiagonalPreconditioner<double>> solver(matrix);
   solver.setTolerance(kTolerance);
@@ -85,7 +52,7 @@ Solved eigen_cg(Problem& problem, const Sparse& matrix) {
 }
 
 /// A shift lets the factorisation pass the rigid motions; refinement takes its effect away again.
-Solved eigen_ldlt(Problem& problem, const Sparse& matrix) {
+Solved eigen_ldlt(TensionCube& problem, const Sparse& matrix) {
   const VectorX loads = free_loads(problem);
   Sparse shifted = matrix;
   shifted.diagonal().array() += 1e-9 * matrix.diagonal().mean();
@@ -101,7 +68,7 @@ Solved eigen_ldlt(Problem& problem, const Sparse& matrix) {
 
 struct Contender {
   const char* name;
-  Solved (*solve)(Problem&, const Sparse&);
+  Solved (*solve)(TensionCube&, const Sparse&);
   bool assembles, compared;  ///< `compared`: solves the same linear problem as the peer
   int most_threads, largest_side;
 };
@@ -123,12 +90,12 @@ struct Entry {
 /// Every entry on one problem in one process, in turn.
 std::vector<Figures> race(int side, const std::vector<Entry>& entries, int repeats) {
   std::vector<double> build, assembly;
-  std::unique_ptr<Problem> problem;
+  std::unique_ptr<TensionCube> problem;
   Sparse matrix;
   set_threads(entries.back().threads);
   for (int repeat = 0; repeat < repeats; ++repeat) {
     problem.reset();
-    build.push_back(seconds_of([&] { problem = std::make_unique<Problem>(side); }));
+    build.push_back(seconds_of([&] { problem = std::make_unique<TensionCube>(side); }));
     // Without a peer of this size the matrix still serves to check the answer.
     if (repeat == 0 || side <= kPeer.largest_side)
       assembly.push_back(seconds_of([&] { matrix = assembled(*problem); }));
@@ -163,7 +130,7 @@ std::vector<Figures> race(int side, const std::vector<Entry>& entries, int repea
 std::vector<Figures> memory(int side, const Entry& entry) {
   const double before = peak_memory();
   set_threads(entry.threads);
-  Problem problem(side);
+  TensionCube problem(side);
   const Sparse matrix = entry.contender->assembles ? assembled(problem) : Sparse();
   entry.contender->solve(problem, matrix);
   Figures figures;
