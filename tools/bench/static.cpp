@@ -1,6 +1,12 @@
+#include <fmt/format.h>
+
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCholesky>
+#ifdef ELASTIN_BENCH_CHOLMOD
+#include <Eigen/CholmodSupport>
+#endif
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <stdexcept>
 
@@ -11,6 +17,7 @@
 #include "measure.h"
 #include "solve/linear_solver.h"
 #include "solve/sparse_stiffness.h"
+#include "tension_cube.h"
 
 namespace bench {
 namespace {
@@ -23,9 +30,10 @@ struct Solved {
   double newton = kNone, iterations = kNone, residual = kNone;
 };
 
+template <LinearMethod method>
 Solved elastin_linear(TensionCube& problem, const Sparse&) {
   const Positions no_way = Positions::Zero(3, problem.body.size());
-  const StaticOptions options{.linear = true, .method = LinearMethod::pcg, .tolerance = kTolerance};
+  const StaticOptions options{.linear = true, .method = method, .tolerance = kTolerance};
   const StaticResponse response = static_response(problem.model, problem.body.rest, problem.loads, no_way, options);
   if (response.result.outcome != Outcome::converged) throw std::runtime_error(response.result.cause);
   return {Eigen::Map<const VectorX>(response.motion.data(), response.motion.size()), kNone,
@@ -34,7 +42,7 @@ Solved elastin_linear(TensionCube& problem, const Sparse&) {
 
 Solved elastin_newton(TensionCube& problem, const Sparse&) {
   State state = state_at_rest(problem.body);
-  const StaticOptions options{.method = LinearMethod::pcg, .tolerance = kTolerance};
+  const StaticOptions options{.tolerance = kTolerance};
   const StaticResult result = solve_static(problem.model, state, options);
   if (result.outcome != Outcome::converged) throw std::runtime_error(result.cause);
   return {{},
@@ -51,12 +59,8 @@ Solved eigen_cg(TensionCube& problem, const Sparse& matrix) {
   return {motion, kNone, static_cast<double>(solver.iterations())};
 }
 
-/// A shift lets the factorisation pass the rigid motions; refinement takes its effect away again.
-Solved eigen_ldlt(TensionCube& problem, const Sparse& matrix) {
-  const VectorX loads = free_loads(problem);
-  Sparse shifted = matrix;
-  shifted.diagonal().array() += 1e-9 * matrix.diagonal().mean();
-  const Eigen::SimplicialLDLT<Sparse> factor(shifted);
+template <class Factor>
+Solved refined(const Factor& factor, const Sparse& matrix, const VectorX& loads) {
   VectorX motion = factor.solve(loads);
   for (int step = 0; step < 10; ++step) {
     const VectorX left = loads - matrix * motion;
@@ -66,18 +70,42 @@ Solved eigen_ldlt(TensionCube& problem, const Sparse& matrix) {
   return {motion};
 }
 
+/// A shift lets the factorisation pass the rigid motions; refinement takes its effect away again.
+Solved eigen_ldlt(TensionCube& problem, const Sparse& matrix) {
+  const VectorX loads = free_loads(problem);
+  Sparse shifted = matrix;
+  shifted.diagonal().array() += 1e-9 * matrix.diagonal().mean();
+  const Eigen::SimplicialLDLT<Sparse> factor(shifted);
+  return refined(factor, matrix, loads);
+}
+
+#ifdef ELASTIN_BENCH_CHOLMOD
+Solved cholmod(TensionCube& problem, const Sparse& matrix) {
+  const VectorX loads = free_loads(problem);
+  Sparse shifted = matrix;
+  shifted.diagonal().array() += 1e-9 * matrix.diagonal().mean();
+  const Eigen::CholmodSupernodalLLT<Sparse> factor(shifted);
+  return refined(factor, matrix, loads);
+}
+#endif
+
 struct Contender {
   const char* name;
   Solved (*solve)(TensionCube&, const Sparse&);
   bool assembles, compared;  ///< `compared`: solves the same linear problem as the peer
   int most_threads, largest_side;
+  int slow_side = 1 << 20;  ///< from here on it takes so long that it runs once, alone
 };
 
 // Eigen's factorisation takes minutes where iterations take a tenth of a second: small bodies only.
 constexpr Contender kContenders[] = {
-    {"elastin, small displacements", elastin_linear, false, true, 1 << 10, 1 << 20},
+    {"elastin multigrid, small displacements", elastin_linear<LinearMethod::multigrid>, false, true, 1 << 10, 1 << 20},
     {"Eigen ConjugateGradient", eigen_cg, true, true, 1 << 10, 47},
+    {"elastin pcg, small displacements", elastin_linear<LinearMethod::pcg>, false, true, 1 << 10, 1 << 20},
     {"Eigen SimplicialLDLT", eigen_ldlt, true, true, 1, 10},
+#ifdef ELASTIN_BENCH_CHOLMOD
+    {"CHOLMOD (supernodal), by BLAS on its own threads", cholmod, true, true, 1 << 10, 47, 30},
+#endif
     {"elastin, large displacements", elastin_newton, false, false, 1 << 10, 1 << 20},
 };
 constexpr const Contender& kPeer = kContenders[1];
@@ -126,16 +154,64 @@ std::vector<Figures> race(int side, const std::vector<Entry>& entries, int repea
   return found;
 }
 
-/// One entry alone in a process.
+/// One entry alone in a process, once.
 std::vector<Figures> memory(int side, const Entry& entry) {
   const double before = peak_memory();
   set_threads(entry.threads);
   TensionCube problem(side);
   const Sparse matrix = entry.contender->assembles ? assembled(problem) : Sparse();
-  entry.contender->solve(problem, matrix);
   Figures figures;
+  Solved solved;
+  figures.median = figures.minimum = seconds_of([&] { solved = entry.contender->solve(problem, matrix); });
   figures.peak = peak_memory() - before;
+  if (entry.contender->assembles && solved.motion.size()) {
+    const VectorX loads = free_loads(problem);
+    figures.residual = (loads - matrix * solved.motion).norm() / loads.norm();
+  }
   return {figures};
+}
+
+/// PETSc in processes of its own, right after: so many MPI ranks for so many threads. Its time is without the matrix.
+std::vector<Row> petsc_rows(int side, const Settings& settings) {
+  constexpr int largest = 47;
+  std::vector<Row> rows;
+  const std::string name = "PETSc GAMG (smoothed aggregation, rigid motions)";
+#ifdef ELASTIN_BENCH_GAMG
+  if (side > largest) return rows;
+  for (const int ranks : settings.threads) {
+    const std::string line =
+        fmt::format("OMP_NUM_THREADS=1 mpirun --allow-run-as-root --oversubscribe -np {} '{}' {} {}", ranks,
+                    ELASTIN_BENCH_GAMG, side, settings.repeats + 1);
+    FILE* output = popen(line.c_str(), "r");
+    std::vector<double> seconds;
+    Figures figures;
+    double time = 0, iterations = 0, residual = 0, peak = 0;
+    while (output && std::fscanf(output, "%lf %lf %lf %lf", &time, &iterations, &residual, &peak) == 4)
+      seconds.push_back(time);
+    if (!output || pclose(output) != 0 || seconds.size() < 2 || !(residual < 10 * kTolerance)) {
+      rows.push_back({"static", name, side, ranks, 0, {}, "failed: " + line});
+      continue;
+    }
+    seconds.erase(seconds.begin());  // to warm up
+    const Sample sample = summary(seconds);
+    figures.minimum = sample.minimum;
+    figures.median = sample.median;
+    figures.iterations = iterations;
+    figures.residual = residual;
+    figures.peak = peak;
+    rows.push_back({"static", name, side, ranks, settings.repeats, figures, "threads: MPI ranks; peak: of all ranks"});
+  }
+#else
+  rows.push_back({"static",
+                  name,
+                  side,
+                  settings.threads.back(),
+                  0,
+                  {},
+                  "skipped: PETSc was not here at build time; apt-get install libpetsc-real-dev"});
+  (void)largest;
+#endif
+  return rows;
 }
 
 }  // namespace
@@ -144,10 +220,11 @@ std::vector<Row> run_static(const Settings& settings) {
   std::vector<Row> rows;
   for (const int side : settings.sides) {
     say("static, side " + std::to_string(side));
-    std::vector<Entry> entries;
+    std::vector<Entry> entries, slow;
     for (const Contender& contender : kContenders)
       for (const int count : settings.threads)
-        if (count <= contender.most_threads && side <= contender.largest_side) entries.push_back({&contender, count});
+        if (count <= contender.most_threads && side <= contender.largest_side)
+          (side < contender.slow_side ? entries : slow).push_back({&contender, count});
     std::vector<Figures> found = in_child([&] { return race(side, entries, settings.repeats); });
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const Contender& contender = *entries[i].contender;
@@ -165,6 +242,10 @@ std::vector<Row> run_static(const Settings& settings) {
       rows.push_back({"static", contender.name, side, entries[i].threads, settings.repeats, found[i],
                       contender.assembles ? "peak: assembly from triplets" : ""});
     }
+    if (!slow.empty())  // at its best
+      rows.push_back({"static", slow.back().contender->name, side, slow.back().threads, 1,
+                      in_child([&] { return memory(side, slow.back()); }).front(), "once, alone"});
+    for (const Row& row : petsc_rows(side, settings)) rows.push_back(row);
   }
   return rows;
 }
