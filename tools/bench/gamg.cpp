@@ -11,8 +11,8 @@
 #include <cstdlib>
 #include <vector>
 
-#include "../tension_cube.h"
 #include "elastin/base/threads.h"
+#include "tension_cube.h"
 
 namespace {
 
