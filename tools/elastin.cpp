@@ -144,7 +144,9 @@ void write_run(const Options& options, const Scene& scene, Record& record) {
   if (options.out.empty() || record.run.curve.empty()) return;
   const std::string name = file_name(record.scene, record.run.strategy);
   write_whole(options.out + "/" + name + "-curve.csv", curve_csv_text(record));
-  write_states(options.out, name, scene.specimen.body, record.run);
+  const auto& contact = scene.specimen.contact;
+  write_states(options.out, name, scene.specimen.body, record.run,
+               contact ? contact->obstacles : std::vector<Obstacle>{});
   record.run.snapshots.clear();
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 /// Places that are asked for what they touch, on several threads from so many on.
 constexpr int kManyGroups = 2000;
-/// cos 60°: triangles that a sample cannot have come through look more the same way than that.
+/// cos 60°: a sample has not come in through triangles that look the same way as it does.
 constexpr double kSameWay = 0.5;
 
 using Clock = std::chrono::steady_clock;
@@ -34,7 +34,7 @@ ContactParts parts_of(const Body& body, std::vector<Sample> samples, Cells<3> tr
     const auto [a, b, c] = parts.corners_of(static_cast<int>(t), body.rest);
     sides += (b - a).norm() + (c - b).norm() + (a - c).norm();
   }
-  if (!parts.triangles.empty()) parts.depth = sides / static_cast<double>(3 * parts.triangles.size());
+  if (!parts.triangles.empty()) parts.depth = sides / static_cast<double>(6 * parts.triangles.size());
   return parts;
 }
 
@@ -88,6 +88,10 @@ void ContactSearch::Impl::set_groups() {
   for (std::size_t c = 0; c < candidates.size(); ++c)
     if (c == 0 || candidates[c].sample != candidates[c - 1].sample || candidates[c].target != candidates[c - 1].target)
       groups.push_back(static_cast<int>(c));
+  if (touches.capacity() < groups.size()) {  // with room for a few more next time
+    touches.reserve(2 * groups.size());
+    near.reserve(2 * groups.size());
+  }
   touches.resize(groups.size());
   near.resize(groups.size());
   groups.push_back(static_cast<int>(candidates.size()));
@@ -139,7 +143,8 @@ bool ContactSearch::Impl::touch_surface(int group, const Positions& places, cons
     double distance = std::numeric_limits<double>::infinity();
     int triangle = -1;
     NearestPlace place{};
-  } nearest, ahead;  // of all, and of those that the sample can have come through
+    bool same_way = false;
+  } nearest, facing;  // of all, and of those that look at the sample's own side
   const Sample& sample = parts.samples[static_cast<std::size_t>(found.sample)];
   const int piece = found.target - parts.first_piece();
   Vector3 looks = Vector3::Zero();
@@ -151,21 +156,21 @@ bool ContactSearch::Impl::touch_surface(int group, const Positions& places, cons
     const int triangle = broad.candidates()[static_cast<std::size_t>(c)].item;
     const auto corners = parts.corners_of(triangle, places);
     const Vector3 across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-    const double same_way = across.dot(looks);
+    const double same_way = across.dot(looks), limit = kSameWay * across.norm();
     if (piece == sample.piece && same_way > 0) continue;
     const NearestPlace on = nearest_place(place, corners);
     const double distance = (place - on.place).norm();
-    if (distance < nearest.distance) nearest = {distance, triangle, on};
-    if (distance < ahead.distance && !(same_way > kSameWay * across.norm())) ahead = {distance, triangle, on};
+    if (distance < nearest.distance) nearest = {distance, triangle, on, same_way > limit};
+    if (distance < facing.distance && same_way < -limit) facing = {distance, triangle, on, false};
   }
   if (nearest.triangle < 0) return false;
   Distance distance = normals.distance(places, nearest.triangle, nearest.place, place);
   if (!closed[static_cast<std::size_t>(piece)]) {  // a sheet has two fronts and no inside
     if (distance.value < 0) distance = {-distance.value, -distance.normal, -distance.turning};
   } else if (distance.value < 0) {
-    if (ahead.triangle < 0) return false;
-    if (ahead.triangle != nearest.triangle) {
-      nearest = ahead;
+    if (nearest.same_way) {  // more than half through: back to where it came in
+      if (facing.triangle < 0) return false;
+      nearest = facing;
       distance = normals.distance(places, nearest.triangle, nearest.place, place);
     }
     if (!(distance.value < 0) || distance.value < -parts.depth) return false;

@@ -8,18 +8,18 @@ namespace {
 
 /// A part of a cell's surface by its corners in ascending order, so that the same part of two cells is found.
 template <std::size_t corners>
-struct Part {
+struct CellPart {
   std::array<int, corners> sorted;
   std::array<int, corners> turned;  ///< seen from outside counter-clockwise
-  explicit Part(const std::array<int, corners>& ring) : sorted(ring), turned(ring) {
+  explicit CellPart(const std::array<int, corners>& ring) : sorted(ring), turned(ring) {
     std::sort(sorted.begin(), sorted.end());
   }
-  bool operator<(const Part& other) const { return sorted < other.sorted; }
+  bool operator<(const CellPart& other) const { return sorted < other.sorted; }
 };
 
 /// Those that stand alone, in the order of their corners.
 template <std::size_t corners>
-std::vector<std::array<int, corners>> alone(std::vector<Part<corners>> parts) {
+std::vector<std::array<int, corners>> alone(std::vector<CellPart<corners>> parts) {
   std::stable_sort(parts.begin(), parts.end());
   std::vector<std::array<int, corners>> found;
   for (std::size_t i = 0, next; i < parts.size(); i = next) {
@@ -29,8 +29,8 @@ std::vector<std::array<int, corners>> alone(std::vector<Part<corners>> parts) {
   return found;
 }
 
-std::vector<Part<3>> sides(const Cells<4>& tetrahedra) {
-  std::vector<Part<3>> parts;
+std::vector<CellPart<3>> sides(const Cells<4>& tetrahedra) {
+  std::vector<CellPart<3>> parts;
   parts.reserve(4 * tetrahedra.size());
   for (const auto& [a, b, c, d] : tetrahedra)
     for (const std::array<int, 3>& side : {std::array{a, c, b}, {a, b, d}, {a, d, c}, {b, c, d}})
@@ -38,8 +38,8 @@ std::vector<Part<3>> sides(const Cells<4>& tetrahedra) {
   return parts;
 }
 
-std::vector<Part<4>> faces(const Cells<8>& cubes) {
-  std::vector<Part<4>> parts;
+std::vector<CellPart<4>> faces(const Cells<8>& cubes) {
+  std::vector<CellPart<4>> parts;
   parts.reserve(6 * cubes.size());
   for (const auto& cube : cubes)
     for (int axis = 0; axis < 3; ++axis) {
@@ -53,7 +53,7 @@ std::vector<Part<4>> faces(const Cells<8>& cubes) {
 }  // namespace
 
 Cells<3> surface_triangles(const Body& body) {
-  const std::vector<Part<3>> all_sides = sides(body.tetrahedra);
+  const std::vector<CellPart<3>> all_sides = sides(body.tetrahedra);
   Cells<3> found = alone(all_sides);
   for (const auto& [a, b, c, d] : alone(faces(body.cubes))) {
     found.push_back({a, b, c});
@@ -61,10 +61,10 @@ Cells<3> surface_triangles(const Body& body) {
   }
   std::vector<std::array<int, 3>> taken;
   if (!body.triangles.empty())
-    for (const Part<3>& side : all_sides) taken.push_back(side.sorted);
+    for (const CellPart<3>& side : all_sides) taken.push_back(side.sorted);
   std::sort(taken.begin(), taken.end());
   for (const auto& triangle : body.triangles)
-    if (!std::binary_search(taken.begin(), taken.end(), Part<3>(triangle).sorted)) found.push_back(triangle);
+    if (!std::binary_search(taken.begin(), taken.end(), CellPart<3>(triangle).sorted)) found.push_back(triangle);
   return found;
 }
 

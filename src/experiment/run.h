@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "elastin/contact/contact.h"
 #include "elastin/model/body.h"
 #include "elastin/model/material.h"
 #include "experiment/experiment.h"
@@ -18,9 +19,11 @@ inline constexpr const char* kUnsuited = "unsuited";
 /// What does not change from strategy to strategy.
 struct Specimen {
   Body body;
-  Material material;
+  Material material;                               ///< what experiments compare with
   std::vector<std::function<void(Model&)>> loads;  ///< each adds one load, or damping, to a model of the body
   std::function<void(State&)> start = {};          ///< changes the state in which a run begins; may be empty
+  std::vector<Material> materials = {};            ///< of the body's parts, by Part::material; empty without parts
+  std::optional<ContactOptions> contact = {};      ///< none: no contact object is built
 };
 
 /// One state on the way of the load.
@@ -35,10 +38,13 @@ struct CurvePoint {
 
 /// A state to be looked at.
 struct Snapshot {
-  double at = 0;        ///< load factor; time [s] of a run in time
-  Positions positions;  ///< [m]
-  VectorX densities;    ///< force density of each connection [N/m]
-  int number = 0;       ///< of the load step or frame
+  double at = 0;                     ///< load factor; time [s] of a run in time
+  Positions positions;               ///< [m]
+  VectorX densities;                 ///< force density of each connection [N/m]
+  int number = 0;                    ///< of the load step or frame
+  Positions contact_forces = {};     ///< [N]; empty without contact
+  VectorX contact_pressure = {};     ///< [Pa]
+  std::vector<Pose> obstacles = {};  ///< where they were
 };
 
 /// What came of one strategy on one specimen. Everything in SI units.
@@ -68,6 +74,7 @@ struct Run {
   bool uses_cells = false;         ///< the strategy could not run without the body's triangles or tetrahedra
   bool suited = true;              ///< false: the strategy cannot run on this body; cause says why
   std::optional<TimeReport> time;  ///< of a run in time
+  std::optional<ContactReport> contact;  ///< of the last state, where there is contact
 };
 
 /// "converged", "unsuited" …

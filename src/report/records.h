@@ -42,7 +42,9 @@ struct Record {
   /// NaN if there is no such error.
   double error(std::string_view name) const;
   std::vector<Verdict> verdicts;
-  std::vector<std::string> warnings;  ///< of the scene and of the run
+  std::vector<std::string> warnings;   ///< of the scene and of the run
+  std::vector<std::string> notes;      ///< of the scene
+  std::vector<std::string> obstacles;  ///< of its contact, by name
   /// Whether it stopped as the scene says that it must.
   bool stopped_as_expected() const;
   /// Not failed: converged, or stopped as expected, or the body does not suit the strategy; and every judged

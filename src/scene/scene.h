@@ -38,6 +38,7 @@ struct Scene {
   std::vector<Expectation> expectations;
   std::vector<Reference> references;
   std::vector<std::string> warnings;  ///< of the scene as a whole
+  std::vector<std::string> notes;     ///< what was made of it that its author may want to know
   double build_seconds = 0;           ///< body and experiment
 };
 
