@@ -10,7 +10,7 @@ namespace elastin {
 namespace {
 
 constexpr int kCorners = BoxGrid::kCorners, kPairs = kCorners * (kCorners - 1) / 2;
-using Corners = Eigen::Array<float, kCorners, 1>;
+using Corners = BoxGrid::Corners;
 using Pairs = Eigen::Array<float, kPairs, 1>;
 
 struct Pair {
@@ -46,13 +46,6 @@ Pairs stabilisation() {
     table[p] = (bumps * sum - trace) / kCorners;
   }
   return table;
-}
-
-Corners values_at(const Eigen::Vector3f& at) {
-  Corners values;
-  for (int c = 0; c < kCorners; ++c)
-    values[c] = (c % 2 ? at.x() : 1 - at.x()) * (c / 2 % 2 ? at.y() : 1 - at.y()) * (c / 4 ? at.z() : 1 - at.z());
-  return values;
 }
 
 /// How fast the values change along a vector in units of boxes.
@@ -171,7 +164,7 @@ class Assembly {
   /// A stiffness of its own at a place.
   void add_at(const Vector3& where, const Matrix3& block) {
     const BoxGrid::Place place = grid_.place(where);
-    const Corners values = values_at(place.at);
+    const Corners values = BoxGrid::values_at(place.at);
     const auto& corners = grid_.corners(place.box);
     const Eigen::Matrix3f single = block.cast<float>();
     const Eigen::Map<const Eigen::Matrix<float, 1, 9>> numbers(single.data());

@@ -20,6 +20,16 @@ class BoxGrid {
     Eigen::Vector3f at;
   };
 
+  /// One number for each corner of a box.
+  using Corners = Eigen::Array<float, kCorners, 1>;
+  /// The functions of a box's corners at a place in it.
+  static Corners values_at(const Eigen::Vector3f& at) {
+    Corners values;
+    for (int c = 0; c < kCorners; ++c)
+      values[c] = (c % 2 ? at.x() : 1 - at.x()) * (c / 2 % 2 ? at.y() : 1 - at.y()) * (c / 4 ? at.z() : 1 - at.z());
+    return values;
+  }
+
   /// @param size of a box [m], taken larger where a body is so thin or bent that its outline has too many boxes.
   BoxGrid(const Positions& places, double size);
 
