@@ -317,9 +317,11 @@ bool Comparison::run() {
   write_tables(request_, records_);
   write_page();
   if (request_.json == "-") fmt::print("{}", json_text(records_));
+  const bool all_varied =
+      std::all_of(plans_.begin(), plans_.end(), [](const ScenePlan& plan) { return plan.varied(); });
   if (request_.to_screen() && !request_.out.empty())
-    fmt::print("  files in {}/: {}runs.csv, runs.json, curves, and .pvd for ParaView\n", request_.out,
-               request_.compare ? "report.html, " : "");
+    fmt::print("  files in {}/: {}runs.csv, runs.json{}\n", request_.out, request_.compare ? "report.html, " : "",
+               all_varied ? "" : ", curves, and .pvd for ParaView");
   if (stopped_ && !request_.out.empty() && done_ < rows_ && request_.to_screen())
     fmt::print("  stopped after {} of {} rows; --resume {} goes on\n", done_, rows_, request_.out);
   return good_;

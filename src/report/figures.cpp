@@ -46,12 +46,15 @@ Course course_of(const std::vector<Record>& records) {
     for (const auto& [x, y, zero] : {Course{"strain", "stress", true},
                                      {"angle", "torque", true},
                                      {"volume_strain", "pressure", true},
-                                     {"stretch", "pressure", false},
+                                     {"stretch", "pressure", false},  // begins at 1
                                      {"height", "pressure", true}})
       if (measured(records, x) && measured(records, y)) return {x, y, zero};
   for (const char* y : {"tip_deflection", "elongation", "angle", "compression", "fall_speed", "far_way", "radius",
-                        "height", "strain", "centre_way", "largest_strain", "effective_modulus"})
-    if (measured(records, y)) return {in_time ? "time" : "load", y, false};
+                        "height", "strain", "centre_way", "largest_strain", "effective_modulus"}) {
+    const std::string name(y);
+    const bool way = name == "tip_deflection" || name == "elongation" || name == "angle" || name == "height";
+    if (measured(records, name)) return {in_time ? "time" : "load", name, way && !in_time};
+  }
   return {};
 }
 
@@ -63,7 +66,8 @@ PlotAxis axis_of(const std::string& name) {
   if (name == "time") return {"time", "s"};
   if (name == "load") return {"share of the load", ""};
   const MeasureInfo& info = find_measure(name);
-  return {info.label(), info.unit_text()};
+  const bool share = name == "strain" || name == "volume_strain" || name == "compression" || name == "largest_strain";
+  return {info.label(), share ? "%" : info.unit_text()};
 }
 
 /// What the material itself asks for, where that is a line through the origin.
@@ -71,11 +75,11 @@ void add_asked(Plot& plot, const Course& course, const Record& record) {
   if (course.x != "strain" || course.y != "stress" || record.main_measures.empty()) return;
   const auto& [name, prescribed] = record.main_measures.front();
   if (!std::isfinite(prescribed) || (name != "effective_modulus" && name != "shear_modulus")) return;
-  double low = 0, high = 0;
+  double low = 0, high = 0;  // no further than the others go in either direction
   for (const PlotSeries& series : plot.series)
     for (const PlotPoint& point : series.points) {
-      low = std::min(low, point.x);
-      high = std::max(high, point.x);
+      low = std::min(low, std::max(point.x, point.y / prescribed));
+      high = std::max(high, std::min(point.x, point.y / prescribed));
     }
   plot.series.push_back(
       {"asked", -1, PlotSeries::Kind::dashed, {{low, low * prescribed, ""}, {high, high * prescribed, ""}}});

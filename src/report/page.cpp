@@ -15,7 +15,7 @@ namespace elastin {
 namespace {
 
 constexpr std::size_t kMostViewBytes = 10'000'000;  // of a page; what is beyond is left out, the best strategies last
-constexpr double kWide = 760, kNarrow = 380;        // px, of plots
+constexpr double kWide = 600, kNarrow = 360, kFile = 760;  // px, of plots: on a page, on a phone, alone
 
 using Colours = std::map<std::string, int>;
 
@@ -276,7 +276,7 @@ std::vector<std::pair<std::string, std::string>> plot_files(const std::vector<Re
     const std::string name = scene.records.front().scene;
     for (const auto& [kind, plot] : {std::pair{"error", error_plot(scene.records, scene.ranking, colours, peers)},
                                      std::pair{"course", course_plot(scene.records, colours)}})
-      if (!plot.series.empty()) files.emplace_back(name + "-" + kind + ".svg", svg_text(plot, kWide, true));
+      if (!plot.series.empty()) files.emplace_back(name + "-" + kind + ".svg", svg_text(plot, kFile, true));
   }
   return files;
 }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::array kPalette{"#3b82f6", "#f59e0b", "#10b981", "#ef4444", "#8b5cf6", "#ec4899",
                               "#06b6d4", "#84cc16", "#f97316", "#a16207", "#64748b", "#14b8a6"};
-constexpr double kFont = 12, kLetter = 6.7;  // px
+constexpr double kFont = 12, kLetter = 7.3;  // px
 
 constexpr const char* kStyle =
     "svg{--ink:#1b1f27;--faint:#667085;--grid:#e3e6ec;--paper:#fff;font:12px system-ui,sans-serif}"
@@ -66,9 +66,12 @@ Scale logarithmic_scale(double least, double most) {
 }
 
 Scale linear_scale(double least, double most) {
-  least = std::min(0., least);
-  most = std::max(0., most);
-  if (most - least <= 0) most = least + 1;
+  if (least > 0 && least < 0.5 * most) least = 0;  // far from zero there is nothing to see
+  if (most < 0 && most > 0.5 * least) most = 0;
+  if (most - least <= 1e-12 * std::abs(most)) {
+    least = std::min(0., least);
+    most = most > least ? most : least + 1;
+  }
   const double raw = (most - least) / 5, decade = std::pow(10., std::floor(std::log10(raw)));
   const double step = decade * (raw / decade <= 1 ? 1 : raw / decade <= 2 ? 2 : raw / decade <= 5 ? 5 : 10);
   Scale scale{std::floor(least / step + 1e-9) * step, std::ceil(most / step - 1e-9) * step, false, {}};
@@ -104,7 +107,13 @@ std::pair<double, std::string> prefix_of(const std::string& unit, double size) {
 
 std::string tick_text(double value, const PlotAxis& axis) {
   const auto [factor, unit] = prefix_of(axis.unit, std::abs(value));
-  return fmt::format("{:g}{}{}", value / factor, unit.empty() ? "" : " ", unit);
+  const double shown = value / factor;
+  // 0.00001 %, not 1e-05 %
+  const int digits = shown != 0 && std::abs(shown) < 1e-3 && std::abs(shown) > 1e-9
+                         ? static_cast<int>(std::ceil(-std::log10(std::abs(shown)) - 1e-9)) + (axis.logarithmic ? 0 : 1)
+                         : -1;
+  const std::string number = digits < 0 ? fmt::format("{:g}", shown) : fmt::format("{:.{}f}", shown, digits);
+  return number + (unit.empty() ? "" : " ") + unit;
 }
 
 /// A plot on its paper: where values lie, in px.
@@ -245,9 +254,9 @@ std::string svg_text(const Plot& plot, double width, bool alone) {
               scale_of(plot, plot.x, &PlotPoint::x, NAN),
               scale_of(plot, plot.y, &PlotPoint::y, plot.level),
               width,
-              68,
+              64,
               top,
-              width - 14,
+              width - 26,
               top + high,
               ""};
   add_grid(sheet);

@@ -31,6 +31,12 @@ double shown_order(const double (&h)[3], const double (&v)[3]) {
   return low;
 }
 
+/// "0.31 %": the size of an error, which has no sign.
+std::string error_text(double error) {
+  const std::string text = percent(error);
+  return text.starts_with('+') ? text.substr(1) : text;
+}
+
 }  // namespace
 
 std::string variant_text(const Record& record) {
@@ -66,16 +72,21 @@ Extrapolation extrapolate(const std::vector<std::pair<double, double>>& spacings
              rows.end());
   if (rows.size() < 3)
     throw InputError("an extrapolation takes three spacings or more; here are " + std::to_string(rows.size()));
-  const double h[] = {rows[2].first, rows[1].first, rows[0].first};
-  const double v[] = {rows[2].second, rows[1].second, rows[0].second};
-  const double p = shown_order(h, v);
-  if (!std::isfinite(p))
+  const auto from = [&](std::size_t finest) {
+    const double h[] = {rows[finest + 2].first, rows[finest + 1].first, rows[finest].first};
+    const double v[] = {rows[finest + 2].second, rows[finest + 1].second, rows[finest].second};
+    const double p = shown_order(h, v);
+    return Extrapolation{v[2] + (v[2] - v[1]) * std::pow(h[2], p) / (std::pow(h[1], p) - std::pow(h[2], p)),
+                         1.25 * std::abs(v[2] - v[1]) * std::pow(h[2], p) / (std::pow(h[1], p) - std::pow(h[2], p)), p};
+  };
+  Extrapolation found = from(0);
+  if (!std::isfinite(found.order))
     throw InputError(
         "the three finest values do not converge with an order from 0.1 to 8: they cannot be extrapolated");
-  Extrapolation found;
-  found.order = p;
-  found.value = v[2] + (v[2] - v[1]) * std::pow(h[2], p) / (std::pow(h[1], p) - std::pow(h[2], p));
-  found.uncertainty = 1.25 * std::abs(found.value - v[2]);
+  if (rows.size() < 4) return found;
+  const Extrapolation before = from(1);
+  if (std::isfinite(before.order))
+    found.uncertainty = std::min(found.uncertainty, std::abs(found.value - before.value));
   return found;
 }
 
@@ -140,7 +151,7 @@ Table study_table(const std::vector<Record>& records, const Ranking& ranking) {
     for (const std::string& name : ranking.measures)
       row.push_back(number_cell(readable(run.measures.get(name), find_measure(name)), run.measures.get(name)));
     const double error = solved(record) && !ranking.measures.empty() ? ranking.error(record) : std::nan("");
-    row.push_back(number_cell(percent(error), error, tone_of_error(error)));
+    row.push_back(number_cell(error_text(error), error, tone_of_error(error)));
     row.push_back(number_cell(run.suited ? fmt::format("{} / {}", run.newton_iterations, run.linear_iterations) : "",
                               run.linear_iterations));
     for (const double seconds : {run.build_seconds, run.solve_seconds, record.least_seconds(), record.median_seconds()})

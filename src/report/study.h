@@ -23,7 +23,8 @@ std::vector<StudyCurve> curves_of(const std::vector<Record>& records);
 std::string variant_text(const Record& record);
 
 /// The value that a measure tends to as the spacing falls, by Richardson extrapolation of the three finest rows with
-/// the order that they show: v(h) = v₀ + c hᵖ. Its uncertainty is 1.25 |v₀ − v(finest)|, the grid convergence index.
+/// the order that they show: v(h) = v₀ + c hᵖ. Its uncertainty is 1.25 |v₀ − v(finest)|, the grid convergence index, or
+/// if that is less and there are four rows, how far v₀ lies from that of the three before.
 /// Throws InputError where that says nothing: fewer than three spacings, or values that do not fall into line.
 ///                                                                                                  [Roache 1994]
 struct Extrapolation {

@@ -129,6 +129,10 @@ class Stage {
         this.part('enlarge').append(new Option(times === 1 ? 'true to scale' : `× ${times.toLocaleString('en')}`, times));
       this.part('enlarge').value = longest < 0.03 * this.body.size ? most : 1;
     }
+    // Where the body goes is in the picture from the start.
+    const end = frames[frames.length - 1].ways, times = +this.part('enlarge').value;
+    const box = box_of([...this.body.rest, ...this.body.rest.map((v, i) => v + times * end[i])]);
+    this.viewer.aim({middle: box_of(this.body.rest.map((v, i) => v + times * end[i])).middle, size: this.run.in_time ? box.size : (box.size + this.body.size) / 2});
     this.show();
   }
 
@@ -153,27 +157,39 @@ class Stage {
     return {molecules: sizes_of(state.ways, state_at(best, place / (this.run.frames.length - 1 || 1) * (best.length - 1)).ways)};
   }
 
+  /** One scale for the whole course, so that the slider shows growth: from the largest push to as large a pull where there
+   *  is both; otherwise from the least to the most of the end. */
+  scale(kind) {
+    this.scales ??= {};
+    return this.scales[kind + this.part('strategy').value] ??= (() => {
+      const {frames} = this.run, of = place => { const v = this.values(frames[place], place); return v.lines ?? v.molecules; };
+      let low = Infinity, high = -Infinity;
+      const take = array => array.forEach(v => { low = Math.min(low, v); high = Math.max(high, v); });
+      take(of(frames.length - 1));
+      if (kind !== 'tension' && kind !== 'strain') low = 0;
+      if (!(low < -0.02 * high && high > -0.02 * low)) return {low, high: high > low ? high : low + 1e-300, signed: false};
+      frames.forEach((frame, place) => take(of(place)));
+      high = Math.max(high, -low);
+      return {low: -high, high, signed: true};
+    })();
+  }
+
   show() {
     const {frames} = this.run, place = +this.part('step').value, state = state_at(frames, place);
-    const kind = this.part('colour').value, signed = kind === 'tension' || kind === 'strain';
-    const largest = of => of.reduce((a, b) => Math.max(a, Math.abs(b)), 0);
-    const most_of = (at, where) => { const v = this.values(at, where); return largest(v.lines ?? v.molecules); };
-    // One scale for the whole course, so that the slider shows growth.
-    const key = kind + this.part('strategy').value;
-    this.scales ??= {};
-    const most = this.scales[key] ??= Math.max(...frames.map((frame, i) => most_of(frame, i)));
-    const over = array => array && Float32Array.from(array, v => most > 0 ? v / most : 0), values = this.values(state, place);
-    const lines = over(values.lines), molecules = over(values.molecules) ?? means_of(this.body, lines);
+    const kind = this.part('colour').value, values = this.values(state, place);
+    const {low, high, signed} = this.scale(kind), of_scale = v => signed ? v / high : (v - low) / (high - low);
+    const over = array => array && Float32Array.from(array, of_scale);
+    const lines = over(values.lines), molecules = over(values.molecules ?? means_of(this.body, values.lines));
     const times = +this.part('enlarge').value;
     const places = this.body.rest.map((v, i) => v + times * state.ways[i]);
     this.viewer.show(this.body, places, {lines, molecules}, signed ? 0 : 1);
     this.part('at').textContent = this.run.in_time ? with_prefix(state.at, 's') : `${(100 * state.at).toFixed(0)} % of the load`;
     const unit = {tension: 'N', strain: '', way: 'm', error: 'm'}[kind];
     const told = v => kind === 'strain' ? `${(100 * v).toPrecision(3)} %` : v === 0 ? '0' : with_prefix(v, unit);
-    this.part('low').textContent = signed ? told(-most) : '0';
-    this.part('high').textContent = told(most);
+    this.part('low').textContent = told(low);
+    this.part('high').textContent = told(high);
     this.part('ramp').style.background = signed ? 'linear-gradient(90deg,#1761ed,#9094a1,#e63326)' : 'linear-gradient(90deg,#452185,#21918c,#fadb33)';
-    this.canvas.setAttribute('aria-label', `The body with ${this.part('strategy').value}, coloured by ${kind} up to ${told(most)}; arrow keys turn it, + and - zoom, 0 resets`);
+    this.canvas.setAttribute('aria-label', `The body with ${this.part('strategy').value}, coloured by ${kind} up to ${told(high)}; arrow keys turn it, + and - zoom, 0 resets`);
   }
 }
 

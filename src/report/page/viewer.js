@@ -67,14 +67,17 @@ function bytes_of(text) {
 function unpack_body(json) {
   const body = {rest: new Float32Array(bytes_of(json.rest)), radius: new Float32Array(bytes_of(json.radius)),
     ends: new Uint32Array(bytes_of(json.ends)), surface: new Uint32Array(bytes_of(json.surface)), membrane: json.membrane};
+  return Object.assign(body, box_of(body.rest));
+}
+
+/** Middle and diagonal of the box around places. */
+function box_of(places) {
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-  for (let i = 0; i < body.rest.length; ++i) {
-    low[i % 3] = Math.min(low[i % 3], body.rest[i]);
-    high[i % 3] = Math.max(high[i % 3], body.rest[i]);
+  for (let i = 0; i < places.length; ++i) {
+    low[i % 3] = Math.min(low[i % 3], places[i]);
+    high[i % 3] = Math.max(high[i % 3], places[i]);
   }
-  body.middle = low.map((v, k) => (v + high[k]) / 2);
-  body.size = Math.hypot(...low.map((v, k) => high[k] - v)) || 1;
-  return body;
+  return {middle: low.map((v, k) => (v + high[k]) / 2), size: Math.hypot(...low.map((v, k) => high[k] - v)) || 1};
 }
 
 function unpack_states(json) {
@@ -165,6 +168,9 @@ class Viewer {
     this.request();
   }
 
+  /** What is looked at: {middle, size} of a box. */
+  aim(box) { this.box = box; }
+
   /** values: {lines: one a connection, molecules: one a molecule}, both already over their largest. */
   show(body, places, values, map) {
     this.body = body;
@@ -208,7 +214,7 @@ class Viewer {
   }
 
   camera() {
-    const {body, yaw, pitch, canvas} = this, far = 2.1 * body.size / this.zoom;
+    const {box: body, yaw, pitch, canvas} = this, far = 1.75 * body.size / this.zoom;
     const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
     const turn = [cy, -sp * sy, cp * sy, 0, sy, sp * cy, -cp * cy, 0, 0, cp, sp, 0, 0, 0, 0, 1];  // z is up
     const to_middle = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, ...body.middle.map(v => -v), 1];
@@ -287,7 +293,7 @@ class Viewer {
     gl.uniform2f(uniform('size'), this.canvas.width, this.canvas.height);
     gl.uniform1i(uniform('map'), this.map);
     gl.uniform1f(uniform('near'), at.near);
-    gl.uniform1f(uniform('deep'), this.body.size);
+    gl.uniform1f(uniform('deep'), this.box.size);
     const dark = matchMedia('(prefers-color-scheme: dark)').matches;
     gl.uniform3fv(uniform('ground'), dark ? [.09, .1, .13] : [.97, .97, .98]);
     draw(program);
