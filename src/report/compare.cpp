@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -33,14 +32,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// Names of a run's files: of scene and strategy, without letters that mean something in a path or in XML.
-std::string file_name(const std::string& scene, const std::string& strategy) {
-  std::string name = scene + "-" + strategy;
-  for (char& c : name)
-    if (std::string_view(":/\\ \"'<>&").find(c) != std::string_view::npos) c = '-';
-  return name;
-}
-
 std::string restart_text_of(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream || std::filesystem::is_directory(path)) throw InputError("--restart: " + path + ": cannot be read");
@@ -56,22 +47,22 @@ class Comparison {
   bool run();
 
  private:
-  struct Place {
+  struct RowPlace {
     const std::vector<std::pair<std::string, std::string>>* combination;
     int threads, repeat;
     std::string strategy;
   };
   void run_combination(ScenePlan& plan, const std::vector<std::pair<std::string, std::string>>& combination,
                        int repeat);
-  Record run_row(const ScenePlan& plan, Scene& scene, const StrategyChoice& choice, const Place& place);
-  Record failed_row(const ScenePlan& plan, const Place& place, const std::string& why) const;
-  void finish_row(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene, const Place& place);
-  std::string key_of_row(const ScenePlan& plan, const Place& place) const;
+  Record run_row(const ScenePlan& plan, Scene& scene, const StrategyChoice& choice, const RowPlace& place);
+  Record failed_row(const ScenePlan& plan, const RowPlace& place, const std::string& why) const;
+  void finish_row(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene,
+                  const RowPlace& place);
+  std::string key_of_row(const ScenePlan& plan, const RowPlace& place) const;
   RunOptions options_of(const ScenePlan& plan, const Scene& scene, const StrategyChoice& choice);
   std::string time_left() const;
   void print_scene(const ScenePlan& plan);
   void refer_to_own_values();
-  void write_page();
   std::vector<Record> records_of(const std::string& scene) const;
 
   const Request& request_;
@@ -83,7 +74,7 @@ class Comparison {
   std::size_t rows_ = 0, done_ = 0, run_ = 0;  ///< of all repeats: there are, finished, not found finished
   double seconds_ = 0;                         ///< that the rows run here took
   Clock::time_point written_ = Clock::now();
-  std::string command_machine_ = this_machine().text();
+  const Machine machine_ = this_machine();
   bool good_ = true, stopped_ = false;
 };
 
@@ -115,7 +106,7 @@ RunOptions Comparison::options_of(const ScenePlan& plan, const Scene& scene, con
 }
 
 /// A row is the same if its scene, what is changed, its strategy, threads, repeat and the program's flags are.
-std::string Comparison::key_of_row(const ScenePlan& plan, const Place& place) const {
+std::string Comparison::key_of_row(const ScenePlan& plan, const RowPlace& place) const {
   std::vector<std::string> parts{plan.name,
                                  plan.text,
                                  place.strategy,
@@ -127,7 +118,7 @@ std::string Comparison::key_of_row(const ScenePlan& plan, const Place& place) co
   return key_of(parts);
 }
 
-Record Comparison::failed_row(const ScenePlan& plan, const Place& place, const std::string& why) const {
+Record Comparison::failed_row(const ScenePlan& plan, const RowPlace& place, const std::string& why) const {
   Record record;
   record.scene = plan.name;
   record.title = plan.title;
@@ -141,7 +132,7 @@ Record Comparison::failed_row(const ScenePlan& plan, const Place& place, const s
   return record;
 }
 
-Record Comparison::run_row(const ScenePlan& plan, Scene& scene, const StrategyChoice& choice, const Place& place) {
+Record Comparison::run_row(const ScenePlan& plan, Scene& scene, const StrategyChoice& choice, const RowPlace& place) {
   const auto start = Clock::now();
   prepare(scene.specimen.body, choice.strategy, scene.specimen.material);
   const double prepared = seconds_since(start);
@@ -171,7 +162,7 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
   for (const int count : plan.threads)
     for (const std::string& strategy : plan.strategies) {
       if (stopped_) return;
-      const Place place{&combination, count, repeat, strategy};
+      const RowPlace place{&combination, count, repeat, strategy};
       const std::string key = key_of_row(plan, place);
       const Record* known = journal_ ? journal_->find(key) : nullptr;
       if (known) {
@@ -203,17 +194,8 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
   if (combination.empty() && plan.repeats > repeat + 1) plan.scene = std::move(scene);
 }
 
-/// Adds a repeat to the row that it repeats: the fastest counts.
-void add_repeat(Record& row, const Record& again) {
-  if (row.repeats.empty() || again.repeats.empty() || !solved(row) || !solved(again)) return;
-  row.repeats.push_back(again.repeats.front());
-  if (again.least_seconds() >= row.least_seconds()) return;
-  row.run.build_seconds = again.run.build_seconds;
-  row.run.solve_seconds = again.run.solve_seconds;
-}
-
 void Comparison::finish_row(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene,
-                            const Place& place) {
+                            const RowPlace& place) {
   // `run` names its one strategy: that it cannot run is a failure; in a comparison it is a row.
   good_ &= record.good() && (request_.compare || record.run.suited || record.stopped_as_expected());
   if (scene && place.repeat == 0 && journal_ && !record.run.snapshots.empty()) {
@@ -233,7 +215,7 @@ void Comparison::finish_row(const ScenePlan& plan, const std::string& key, Recor
   };
   const auto row = std::find_if(records_.begin(), records_.end(), same);
   if (place.repeat > 0 && row != records_.end())
-    add_repeat(*row, record);
+    row->add_repeat(record);
   else
     records_.push_back(std::move(record));
   if (seconds_since(written_) < 1) return;
@@ -274,14 +256,6 @@ void Comparison::refer_to_own_values() {
   }
 }
 
-void Comparison::write_page() {
-  if (request_.out.empty() || !request_.compare || records_.empty()) return;
-  PageMatter matter{records_, lines_of(journal_->views_path()), {}, command_machine_, request_.command};
-  if (!request_.peers.empty()) matter.peers = load_peers(request_.peers);
-  for (const auto& [name, text] : plot_files(records_, matter.peers)) write_whole(request_.out + "/" + name, text);
-  write_whole(request_.out + "/report.html", page_text(matter));
-}
-
 bool Comparison::run() {
   progress_.set("reading scenes");
   plans_ = plan_of(request_, catalog_);
@@ -315,7 +289,8 @@ bool Comparison::run() {
   if (request_.to_screen() && request_.compare && (request_.summary || plans_.size() > 1))
     fmt::print("{}", summary_text(records_, colours_on(STDOUT_FILENO)));
   write_tables(request_, records_);
-  write_page();
+  if (journal_ && request_.compare && !records_.empty())
+    write_report(request_, {records_, lines_of(journal_->views_path()), {}, machine_.text(), request_.command});
   if (request_.json == "-") fmt::print("{}", json_text(records_));
   const bool all_varied =
       std::all_of(plans_.begin(), plans_.end(), [](const ScenePlan& plan) { return plan.varied(); });
@@ -328,24 +303,6 @@ bool Comparison::run() {
 }
 
 }  // namespace
-
-bool colours_on(int stream) { return std::getenv("CLICOLOR_FORCE") || (isatty(stream) && !std::getenv("NO_COLOR")); }
-
-void write_tables(const Request& request, const std::vector<Record>& records) {
-  if (!request.out.empty()) {
-    write_whole(request.out + "/runs.csv", csv_text(records));
-    write_whole(request.out + "/runs.json", json_text(records));
-  }
-  if (!request.json.empty() && request.json != "-") write_whole(request.json, json_text(records));
-}
-
-void write_run(const Request& request, const Scene& scene, Record& record) {
-  if (request.out.empty() || record.run.curve.empty()) return;
-  const std::string name = file_name(record.scene, record.run.strategy);
-  write_whole(request.out + "/" + name + "-curve.csv", curve_csv_text(record));
-  write_states(request.out, name, scene.specimen.body, record.run);
-  record.run.snapshots.clear();
-}
 
 bool run_scenes(const Request& request, const Catalog& catalog) { return Comparison(request, catalog).run(); }
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "report/compare.h"
+#include "report/request.h"
 #include "scene/scene.h"
 
 namespace elastin {

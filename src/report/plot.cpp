@@ -35,6 +35,7 @@ struct Scale {
   double low, high;  ///< in logarithms on a logarithmic axis
   bool logarithmic;
   std::vector<Tick> ticks;
+  double step() const { return logarithmic || ticks.size() < 2 ? 0 : ticks[1].value - ticks[0].value; }
   double part(double value) const { return ((logarithmic ? std::log10(value) : value) - low) / (high - low); }
 };
 
@@ -105,14 +106,14 @@ std::pair<double, std::string> prefix_of(const std::string& unit, double size) {
   return {1, unit};
 }
 
-std::string tick_text(double value, const PlotAxis& axis) {
+/// `step`: to the next tick of a linear axis, 0 on a logarithmic one.
+std::string tick_text(double value, const PlotAxis& axis, double step) {
   const auto [factor, unit] = prefix_of(axis.unit, std::abs(value));
-  const double shown = value / factor;
+  const double shown = value / factor, finest = step > 0 ? step / factor : std::abs(shown);
   // 0.00001 %, not 1e-05 %
-  const int digits = shown != 0 && std::abs(shown) < 1e-3 && std::abs(shown) > 1e-9
-                         ? static_cast<int>(std::ceil(-std::log10(std::abs(shown)) - 1e-9)) + (axis.logarithmic ? 0 : 1)
-                         : -1;
-  const std::string number = digits < 0 ? fmt::format("{:g}", shown) : fmt::format("{:.{}f}", shown, digits);
+  const bool small = finest > 0 && finest < 1e-3 && finest > 1e-9;
+  const int digits = small ? static_cast<int>(std::ceil(-std::log10(finest) - 1e-9)) : 0;
+  const std::string number = small && shown != 0 ? fmt::format("{:.{}f}", shown, digits) : fmt::format("{:g}", shown);
   return number + (unit.empty() ? "" : " ") + unit;
 }
 
@@ -136,14 +137,14 @@ void add_grid(Sheet& sheet) {
               sheet.bottom, told ? 1 : 0.5);
     if (told)
       sheet.add("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>", sheet.px(value), sheet.bottom + 18,
-                escaped(tick_text(value, sheet.plot.x)));
+                escaped(tick_text(value, sheet.plot.x, sheet.x.step())));
   }
   for (const auto& [value, told] : sheet.y.ticks) {
     sheet.add("<path class=\"grid\" d=\"M{:.1f} {:.1f}H{:.1f}\" opacity=\"{}\"/>", sheet.left, sheet.py(value),
               sheet.right, told ? 1 : 0.5);
     if (told)
       sheet.add("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>", sheet.left - 7, sheet.py(value) + 4,
-                escaped(tick_text(value, sheet.plot.y)));
+                escaped(tick_text(value, sheet.plot.y, sheet.y.step())));
   }
   sheet.add("<text class=\"axis\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{} →</text>", sheet.right,
             sheet.bottom + 38, escaped(sheet.plot.x.title));

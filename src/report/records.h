@@ -50,6 +50,8 @@ struct Record {
   double spacing = 0;  ///< of the body's molecules, up to a factor that refinement leaves alone; see relative_spacing
   /// Build and solve of every repeat [s]; `run` has those of the fastest. Empty: one run, not repeated.
   std::vector<std::array<double, 2>> repeats;
+  /// Takes a repeat of the same row in: the fastest counts.
+  void add_repeat(const Record& again);
   /// The least and the middle of build + solve [s].
   double least_seconds() const;
   double median_seconds() const;
