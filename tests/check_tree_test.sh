@@ -30,6 +30,8 @@ make_good_tree() {
   put src/scene/load.h '#pragma once'
   put src/scene/load.cpp '#include "scene/load.h"' '#include <yaml-cpp/yaml.h>' '/* once:' '#include "gone.h"' '*/' \
     '// #include "gone.h"' '#include <sstream>' '#include "solve/pcg.h"'
+  put tests/contact/pairs_test.cpp '#include <fcl/fcl.h>'
+  put tools/bench/contact.cpp '#include <fcl/fcl.h>'
   put tests/near.h '#pragma once'
   put tests/solve/pcg_test.cpp '#include "near.h"' '#include "solve/pcg.h"' '#include "elastin/elastin.h"'
   put tools/elastin.cpp '#include <iostream>' '#include "scene/load.h"'

@@ -26,16 +26,16 @@ std::vector<Sample> triangle_samples(const Body& body, const Cells<3>& triangles
 /// The body's surface, normals outwards: sides of one tetrahedron alone, faces of one cube alone (each cut in two), its
 /// own triangles. Empty where it has no such cells.
 Cells<3> surface_triangles(const Body& body);
-/// Molecules that can touch: on the surface if the body has one (cells, cubes, triangles), else all.
+/// Molecules that can touch, ascending: all but those inside a surface of cells (tetrahedra, cubes).
 std::vector<int> surface_molecules(const Body& body);
 
 /// A sample near something that it can touch.
 struct Touch {
   int sample = 0;
   int target = 0;  ///< an obstacle's number; then, from the number of obstacles on, pieces of the body; then samples
-  Vector3 normal;  ///< unit, from the target to the sample
-  double gap = 0;  ///< between the surfaces [m]; below 0 = pressed in
-  Vector3 place;   ///< on the target's surface [m]
+  Vector3 normal = Vector3::UnitZ();  ///< unit, from the target to the sample
+  double gap = 0;                     ///< between the surfaces [m]; below 0 = pressed in
+  Vector3 place = Vector3::Zero();    ///< on the target's surface [m]
   /// On the body as target: place = Σ weight · molecule + reach of a sphere along the normal. Count 0 = an obstacle.
   std::array<int, 3> molecules{-1, -1, -1};
   std::array<double, 3> weights{0, 0, 0};

@@ -20,6 +20,7 @@ void add_cost(StaticResult& result, const StaticResult& cost) {
 LoadPath::LoadPath(Model& model, Experiment& experiment, const StaticOptions& options, State start)
     : model_(model), experiment_(experiment), options_(options), state_(std::move(start)) {
   options_.probe = true;
+  model_.remember(state_);
 }
 
 /// Where the last way leads if it goes on: near the next equilibrium, unless a cell turns over or, under loads, the
@@ -57,6 +58,7 @@ StaticResult LoadPath::advance(double factor, double smallest) {
     solved = std::move(again);
   }
   if (solved.outcome == Outcome::converged) {
+    model_.remember(next);
     way_ = next.positions - state_.positions;
     state_ = std::move(next);
     last_step_ = factor - factor_;

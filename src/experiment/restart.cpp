@@ -11,7 +11,7 @@
 namespace elastin {
 namespace {
 
-constexpr const char* kHead = "elastin-restart-1";
+constexpr const char* kHead = "elastin-restart-2";
 
 void put(std::string& out, double value) {
   char text[40];
@@ -54,6 +54,35 @@ class Words {
   std::istringstream stream_;
 };
 
+void put(std::string& out, const std::vector<TouchMemory>& touches) {
+  put(out, static_cast<int>(touches.size()));
+  for (const TouchMemory& touch : touches) {
+    out += "\n";
+    for (const int value : {touch.sample, touch.target, touch.count}) put(out, value);
+    for (const int molecule : touch.molecules) put(out, molecule);
+    for (const double weight : touch.weights) put(out, weight);
+    for (const double value : touch.offset) put(out, value);
+    put(out, touch.multiplier);
+  }
+  out += "\n";
+}
+
+std::vector<TouchMemory> touches_of(Words& words) {
+  const int count = words.whole();
+  if (count < 0 || count > 100000000) throw InputError("the restart file is damaged");
+  std::vector<TouchMemory> found(static_cast<std::size_t>(count));
+  for (TouchMemory& touch : found) {
+    touch.sample = words.whole();
+    touch.target = words.whole();
+    touch.count = words.whole();
+    for (int& molecule : touch.molecules) molecule = words.whole();
+    for (double& weight : touch.weights) weight = words.number();
+    for (double& value : touch.offset) value = words.number();
+    touch.multiplier = words.number();
+  }
+  return found;
+}
+
 }  // namespace
 
 std::string restart_text(const RestartPoint& point, const std::string& identity) {
@@ -70,6 +99,7 @@ std::string restart_text(const RestartPoint& point, const std::string& identity)
   put(out, point.state.positions);
   put(out, point.state.velocities);
   put(out, point.state.accelerations);
+  put(out, point.state.touches);
   put(out, static_cast<int>(point.rows.size()));
   for (const CurvePoint& row : point.rows) {
     out += "\n";
@@ -101,6 +131,7 @@ RestartPoint parse_restart(const std::string& text, const std::string& identity)
   point.state.positions = words.positions();
   point.state.velocities = words.positions();
   point.state.accelerations = words.positions();
+  point.state.touches = touches_of(words);
   const int rows = words.whole();
   for (int i = 0; i < rows; ++i) {
     CurvePoint row;

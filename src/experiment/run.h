@@ -18,9 +18,10 @@ inline constexpr const char* kUnsuited = "unsuited";
 /// What does not change from strategy to strategy.
 struct Specimen {
   Body body;
-  Material material;
+  Material material;                               ///< what experiments compare with
   std::vector<std::function<void(Model&)>> loads;  ///< each adds one load, or damping, to a model of the body
   std::function<void(State&)> start = {};          ///< changes the state in which a run begins; may be empty
+  std::vector<Material> materials = {};            ///< of the body's parts, by Part::material; empty without parts
 };
 
 /// One state on the way of the load.

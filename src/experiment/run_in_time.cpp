@@ -245,6 +245,7 @@ void run_in_time(Model& model, TimedExperiment& experiment, const Specimen& spec
   }
   if (specimen.start) specimen.start(state);
   if (model.drive) model.drive(0, model.supports);
+  model.remember(state);
   if (!model.admissible(state.positions)) {
     run.outcome = Outcome::inverted;
     run.cause =

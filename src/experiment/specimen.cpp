@@ -1,15 +1,20 @@
 #include "experiment/specimen.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "elastin/forces/bending.h"
+#include "elastin/forces/ties.h"
 #include "elastin/forces/volume.h"
+#include "elastin/model/parts.h"
 #include "elastin/model/surfaces.h"
 #include "elastin/model/voronoi.h"
 #include "elastin/simulation/fibres.h"
+#include "elastin/simulation/parts.h"
 #include "elastin/solve/modes.h"
 #include "experiment/calibration.h"
 #include "experiment/load_curve.h"
@@ -41,12 +46,16 @@ void note_negative_constants(Run& run) {
 
 void note_lost_faces(const Body& body, const Strategy& strategy, Run& run) {
   if (!strategy.name.starts_with(Voronoi::name)) return;  // with a volume term or without
-  const double lost = lost_share(body, *body.voronoi);
-  char percent[16];
-  std::snprintf(percent, sizeof percent, "%.1f %%", 100 * lost);
-  if (lost > 0.01)
-    run.warnings.push_back(std::string(percent) +
-                           " of the body hangs on faces between molecules that no connection joins, or on the surface");
+  const auto note = [&](const std::string& name, double lost) {
+    char percent[16];
+    std::snprintf(percent, sizeof percent, "%.1f %%", 100 * lost);
+    if (lost > 0.01)
+      run.warnings.push_back(percent + (" of " + name) +
+                             " hangs on faces between molecules that no connection joins, or on the surface");
+  };
+  if (body.parts.empty()) return note("the body", lost_share(body, *body.voronoi));
+  for (const Part& part : body.parts)
+    if (part.voronoi) note("body '" + part.name + "'", lost_share(part_alone(body, part).body, *part.voronoi));
 }
 
 void count_modes(const Model& model, Run& run) {
@@ -64,7 +73,39 @@ void count_modes(const Model& model, Run& run) {
 }
 
 bool needs_voronoi(const Body& body, const Strategy& strategy, const Material& material) {
+  if (strategy.by_parts) return strategy.needs_voronoi(body);
   return !body.voronoi && (strategy.needs_voronoi(body) || fibres_need_voronoi(strategy, body, material));
+}
+
+/// The choice as it works on the specimen's body.
+StrategyChoice on_body(StrategyChoice choice, const Specimen& specimen) {
+  choice.strategy = in_parts(choice.strategy, specimen.body, specimen.materials);
+  return choice;
+}
+
+bool has_curve(const Specimen& specimen) {
+  return specimen.material.curve || std::any_of(specimen.materials.begin(), specimen.materials.end(),
+                                                [](const Material& material) { return material.curve.has_value(); });
+}
+
+/// Why one factor on all springs has no meaning here, or "".
+std::string calibration_of_parts_unsuited(const Specimen& specimen) {
+  if (specimen.body.parts.empty()) return "";
+  if (specimen.materials.size() > 1) return "bodies of several materials have no one modulus to calibrate to";
+  if (!specimen.body.ties.empty()) return "bodies tied where their molecules do not meet have no one modulus";
+  const auto rigid = [](const Part& part) { return part.rigid; };
+  if (std::any_of(specimen.body.parts.begin(), specimen.body.parts.end(), rigid)) return "bone has no modulus";
+  return specimen.material.fibre ? "several bodies with fibres have no one modulus to calibrate to" : "";
+}
+
+/// Springs that are not calibrated, each part with its own; run.constants are for what is said of them.
+std::unique_ptr<Elasticity> make_by_parts(const Specimen& specimen, const StrategyChoice& choice, Run& run) {
+  if (choice.strategy.constants)
+    run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
+  if (run.constants.allFinite()) return choice.strategy.make(specimen.body, specimen.material, choice.values);
+  run.outcome = Outcome::diverged;
+  run.cause = "a spring constant is not finite";
+  return nullptr;
 }
 
 void note_identified(const Identified& found, Run& run) {
@@ -76,18 +117,28 @@ void note_identified(const Identified& found, Run& run) {
 
 }  // namespace
 
+void hold_rigid_parts(Model& model) {
+  std::vector<char> held(static_cast<std::size_t>(model.body().size()), 0);
+  for (const Support& support : model.supports) held[static_cast<std::size_t>(support.molecule)] = 1;
+  for (const Part& part : model.body().parts)
+    if (part.rigid)
+      for (const int molecule : molecules_of(part))
+        if (!std::exchange(held[static_cast<std::size_t>(molecule)], 1)) model.supports.push_back({molecule});
+}
+
 bool needs_cells(const Strategy& strategy, const Body& body) {
   if (body.triangles.empty() && body.tetrahedra.empty()) return false;
-  Body bare = body;
-  bare.triangles.clear();
-  bare.tetrahedra.clear();
-  if (strategy.volume_modulus && !unsuited_for_volumes(bare).empty()) return true;
+  const Body bare = without_cells(body);
+  if (!strategy.by_parts && strategy.volume_modulus && !unsuited_for_volumes(bare).empty()) return true;
   return !strategy.unsuited(bare).empty() && !strategy.needs_voronoi(bare);
 }
 
-std::string unsuited(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice) {
+std::string unsuited(const Specimen& specimen, Experiment& experiment, const StrategyChoice& any) {
+  const StrategyChoice choice = on_body(any, specimen);
   std::string reason = choice.strategy.unsuited(specimen.body);
-  if (reason.empty()) reason = fibres_unsuited(choice.strategy, specimen.body, specimen.material);
+  if (reason.empty() && choice.calibrated) reason = calibration_of_parts_unsuited(specimen);
+  if (reason.empty() && !choice.strategy.by_parts)
+    reason = fibres_unsuited(choice.strategy, specimen.body, specimen.material);
   if (reason.empty() && choice.calibrated && specimen.body.connection_stiffness.size())
     reason = "a body with regions has no one modulus to calibrate to";
   if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen.material);
@@ -95,32 +146,48 @@ std::string unsuited(const Specimen& specimen, Experiment& experiment, const Str
   return reason;
 }
 
-std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& any,
                                 const RunOptions& options, Run& run) {
-  const auto& [body, material, loads, _] = specimen;
-  auto elasticity = choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
-                                              : choice.strategy.make(body, material, choice.values);
+  const StrategyChoice choice = on_body(any, specimen);
+  const Body& body = specimen.body;
+  const Material& material = specimen.material;
+  const bool by_parts = choice.strategy.by_parts;
+  auto elasticity = by_parts && !choice.calibrated ? make_by_parts(specimen, choice, run)
+                    : choice.strategy.constants    ? make_rule(specimen, experiment, choice, options, run)
+                                                   : choice.strategy.make(body, material, choice.values);
   if (!elasticity) return std::nullopt;
   note_negative_constants(run);
-  if (material.curve && !choice.strategy.follows_curve)
+  if (has_curve(specimen) && !choice.strategy.follows_curve)
     run.warnings.push_back("does not follow the material's curve: it takes its slope at no strain alone");
   std::optional<Model> model(body);
   model->add(std::move(elasticity));
-  if (auto fibres = make_fibres(choice.strategy, body, material)) model->add(std::move(fibres));
+  if (!by_parts)
+    if (auto fibres = make_fibres(choice.strategy, body, material)) model->add(std::move(fibres));
   if (material.bending_rigidity > 0) model->add(make_bending(body, material.bending_rigidity, material.poissons_ratio));
   if (!body.cables.empty()) model->add(make_cables(body));
-  for (const auto& add_load : loads) add_load(*model);
+  if (!body.ties.empty()) model->add(make_ties(body));
+  for (const auto& add_load : specimen.loads) add_load(*model);
   experiment.hold(*model);
+  hold_rigid_parts(*model);
   return model;
 }
 
 void prepare(Body& body, const Strategy& strategy, const Material& material) {
+  if (!body.parts.empty()) {
+    for (Part& part : body.parts) {
+      if (part.rigid || part.voronoi) continue;
+      const Body alone = part_alone(body, part).body;
+      if (strategy.by_parts || needs_voronoi(alone, strategy, material)) part.voronoi = voronoi_cells(alone);
+    }
+    return;
+  }
   if (needs_voronoi(body, strategy, material)) body.voronoi = voronoi_cells(body);
 }
 
-Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& any,
                  const RunOptions& options) {
   const Stopwatch build;
+  const StrategyChoice choice = on_body(any, specimen);
   if (needs_voronoi(specimen.body, choice.strategy, specimen.material)) {
     Specimen prepared = specimen;
     prepare(prepared.body, choice.strategy, specimen.material);

@@ -18,6 +18,32 @@ bool Model::conservative() const {
   return has_energy() && std::all_of(loads_.begin(), loads_.end(), [](const auto& load) { return load->has_energy(); });
 }
 
+bool Model::symmetric() const {
+  return std::all_of(loads_.begin(), loads_.end(), [](const auto& load) { return load->symmetric(); });
+}
+
+void Model::remember(State& state) const {
+  for (const auto& load : loads_) load->remember(state);
+}
+
+bool Model::tighten(State& state) const {
+  bool changed = false;
+  for (const auto& load : loads_) changed |= load->tighten(state);
+  return changed;
+}
+
+double Model::free_way(const State& from, const State& to) const {
+  double part = 1;
+  for (const auto& load : loads_) part = std::min(part, load->free_way(from, to));
+  return part;
+}
+
+double Model::square_frequency(const State& state, double ahead) const {
+  double sum = 0;
+  for (const auto& load : loads_) sum += load->square_frequency(state, ahead);
+  return sum;
+}
+
 bool Model::has_full_tangent() const {
   return std::all_of(elasticity_.begin(), elasticity_.end(), [](const auto& part) { return part->has_full_tangent(); });
 }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "elastin/forces/elasticity.h"
@@ -7,60 +8,76 @@ namespace {
 
 class Sum final : public Elasticity {
  public:
-  Sum(std::unique_ptr<Elasticity> first, std::unique_ptr<Elasticity> second)
-      : first_(std::move(first)), second_(std::move(second)) {}
+  Sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> kept)
+      : kept_(std::move(kept)), terms_(std::move(terms)) {}
 
-  std::unique_ptr<Elasticity> clone() const override { return make_sum(first_->clone(), second_->clone()); }
-  bool admissible(const Positions& positions) const override {
-    return first_->admissible(positions) && second_->admissible(positions);
+  std::unique_ptr<Elasticity> clone() const override {
+    std::vector<std::unique_ptr<Elasticity>> terms;
+    for (const auto& term : terms_) terms.push_back(term->clone());
+    return std::make_unique<Sum>(std::move(terms), kept_);
   }
-  bool has_energy() const override { return first_->has_energy() && second_->has_energy(); }
-  bool has_full_tangent() const override { return first_->has_full_tangent() && second_->has_full_tangent(); }
+  bool admissible(const Positions& positions) const override {
+    return all([&](const Elasticity& term) { return term.admissible(positions); });
+  }
+  bool has_energy() const override {
+    return all([](const Elasticity& term) { return term.has_energy(); });
+  }
+  bool has_full_tangent() const override {
+    return all([](const Elasticity& term) { return term.has_full_tangent(); });
+  }
   double energy(const Positions& positions) const override {
-    return first_->energy(positions) + second_->energy(positions);
+    double sum = 0;
+    for (const auto& term : terms_) sum += term->energy(positions);
+    return sum;
   }
   void add_force_densities(const Positions& positions, VectorX& densities, Scratch& scratch) const override {
-    first_->add_force_densities(positions, densities, scratch);
-    second_->add_force_densities(positions, densities, scratch);
+    for (const auto& term : terms_) term->add_force_densities(positions, densities, scratch);
   }
   void add_forces(const Positions& positions, const Graph& graph, Positions& forces, Scratch& scratch) const override {
-    first_->add_forces(positions, graph, forces, scratch);
-    second_->add_forces(positions, graph, forces, scratch);
+    for (const auto& term : terms_) term->add_forces(positions, graph, forces, scratch);
   }
   void linearise(const Positions& positions) override {
-    first_->linearise(positions);
-    second_->linearise(positions);
+    for (const auto& term : terms_) term->linearise(positions);
   }
   void add_own_slopes(VectorX& slopes) const override {
-    first_->add_own_slopes(slopes);
-    second_->add_own_slopes(slopes);
+    for (const auto& term : terms_) term->add_own_slopes(slopes);
   }
-  bool coupled() const override { return first_->coupled() || second_->coupled(); }
+  bool coupled() const override {
+    return !all([](const Elasticity& term) { return !term.coupled(); });
+  }
   void add_change(const VectorX& squares, VectorX& densities) const override {
-    first_->add_change(squares, densities);
-    second_->add_change(squares, densities);
+    for (const auto& term : terms_) term->add_change(squares, densities);
   }
   void visit_cells(const CellVisitor& visit) const override {
-    first_->visit_cells(visit);
-    second_->visit_cells(visit);
+    for (const auto& term : terms_) term->visit_cells(visit);
   }
   void visit_blocks(const BlockVisitor& visit) const override {
-    first_->visit_blocks(visit);
-    second_->visit_blocks(visit);
+    for (const auto& term : terms_) term->visit_blocks(visit);
   }
   void add_diagonal(std::vector<Matrix3>& blocks) const override {
-    first_->add_diagonal(blocks);
-    second_->add_diagonal(blocks);
+    for (const auto& term : terms_) term->add_diagonal(blocks);
   }
 
  private:
-  std::unique_ptr<Elasticity> first_, second_;
+  template <class Holds>
+  bool all(Holds holds) const {
+    return std::all_of(terms_.begin(), terms_.end(), [&](const auto& term) { return holds(*term); });
+  }
+
+  std::shared_ptr<const void> kept_;  // outlives the terms
+  std::vector<std::unique_ptr<Elasticity>> terms_;
 };
 
 }  // namespace
 
+std::unique_ptr<Elasticity> make_sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> kept) {
+  return std::make_unique<Sum>(std::move(terms), std::move(kept));
+}
+
 std::unique_ptr<Elasticity> make_sum(std::unique_ptr<Elasticity> first, std::unique_ptr<Elasticity> second) {
-  return std::make_unique<Sum>(std::move(first), std::move(second));
+  std::vector<std::unique_ptr<Elasticity>> terms;
+  terms.push_back(std::move(first)), terms.push_back(std::move(second));
+  return make_sum(std::move(terms), nullptr);
 }
 
 }  // namespace elastin

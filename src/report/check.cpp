@@ -6,8 +6,10 @@
 #include <cmath>
 #include <map>
 
+#include "elastin/model/parts.h"
 #include "elastin/model/surfaces.h"
 #include "elastin/simulation/fibres.h"
+#include "elastin/simulation/parts.h"
 #include "elastin/solve/modes.h"
 #include "elastin/solve/stable_step.h"
 #include "experiment/run_in_time.h"
@@ -64,27 +66,27 @@ void add_shape(std::string& out, const Body& body) {
 }
 
 /// Names pieces and faults; returns whether there are none.
-bool add_faults(std::string& out, const Body& body) {
+bool add_faults(std::string& out, const Body& body, const std::string& name) {
   const BodyFindings findings = inspect(body);
   const auto pair_name = [&](int c) {
     const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
     return fmt::format("{} ({}–{})", c, a, b);
   };
   if (findings.pieces == 1) {
-    add_line(out, "pieces", "1");
+    add_line(out, "pieces" + name, "1");
   } else {
     std::map<int, std::vector<int>> members;
     for (int molecule = 0; molecule < body.size(); ++molecule)
       members[findings.piece_of[static_cast<std::size_t>(molecule)]].push_back(molecule);
-    add_line(out, "PIECES", fmt::format("{}: the body hangs apart", findings.pieces));
+    add_line(out, "PIECES" + name, fmt::format("{}: the body hangs apart", findings.pieces));
     int shown = 0;
     for (const auto& [piece, molecules] : members)
       if (molecules.size() > 1 && ++shown <= 8)
         add_line(out, "",
                  fmt::format("piece {}: {} molecules: {}", piece, molecules.size(), first_few(molecules, number)));
   }
-  const auto name_fault = [&](const char* title, const std::vector<int>& list, const auto& name) {
-    if (!list.empty()) add_line(out, title, fmt::format("{}: {}", list.size(), first_few(list, name)));
+  const auto name_fault = [&](const char* title, const std::vector<int>& list, const auto& words) {
+    if (!list.empty()) add_line(out, title, fmt::format("{}: {}", list.size(), first_few(list, words)));
   };
   name_fault("LOOSE MOLECULES", findings.loose_molecules, number);
   name_fault("NO LENGTH", findings.zero_length_connections, pair_name);
@@ -94,6 +96,24 @@ bool add_faults(std::string& out, const Body& body) {
   name_fault("FLAT TRIANGLES", flat, number);
   return findings.pieces == 1 && findings.zero_length_connections.empty() && findings.duplicate_connections.empty() &&
          findings.flat_or_inverted_cells.empty() && flat.empty();
+}
+
+/// Each of several bodies, and whether all are sound. Molecules and connections go by the body's own numbers.
+bool add_parts(std::string& out, const Specimen& specimen) {
+  bool sound = true;
+  for (const Part& part : specimen.body.parts) {
+    const Body body = part_alone(specimen.body, part).body;
+    std::string text = fmt::format("{} from {} on, mass {}", counted(part.count, "molecule"), part.first,
+                                   readable(body.mass.sum(), dimension::mass));
+    if (!part.shared.empty()) text += fmt::format(", {} more by ties", part.shared.size());
+    if (part.rigid) text += ", rigid";
+    add_line(out, "body '" + part.name + "'", text);
+    sound &= add_faults(out, body, " of '" + part.name + "'");
+  }
+  if (!specimen.body.ties.empty())
+    add_line(out, "ties",
+             fmt::format("{} on triangles", counted(static_cast<int>(specimen.body.ties.size()), "molecule")));
+  return sound;
 }
 
 /// Spheres that run into each other at rest: no fault of a model that has no contact, but the user should know.
@@ -111,6 +131,7 @@ void add_overlaps(std::string& out, const std::vector<Overlap>& overlaps) {
 void add_modes(std::string& out, Scene& scene) {
   Model model(scene.specimen.body);
   scene.experiment->hold(model);
+  hold_rigid_parts(model);
   const Connections& connections = scene.specimen.body.connections;
   std::vector<char> stiff(static_cast<std::size_t>(connections.size()), 0);
   std::fill_n(stiff.begin(), connections.proper(), 1);
@@ -161,6 +182,23 @@ void add_steps_in_time(std::string& out, Scene& scene) {
   }
 }
 
+/// What each strategy of the scene has made for it, beside the body as it is: nothing that it does not need.
+void add_built(std::string& out, Scene& scene) {
+  std::map<std::string, std::vector<std::string>> built;
+  const Body& body = scene.specimen.body;
+  for (const StrategyChoice& choice : scene.strategies) {
+    const Strategy& strategy = choice.strategy;
+    if (!unsuited(scene.specimen, *scene.experiment, choice).empty()) continue;
+    std::string what = strategy.constants ? "a constant a connection" : "the constants of each cell";
+    if (strategy.needs_voronoi(body)) what += ", Voronoi cells";
+    if (strategy.volume_modulus) what += ", volume groups";
+    if (choice.calibrated) what += ", measured by linear solves";
+    built[what].push_back(choice.label);
+  }
+  for (const auto& [what, names] : built)
+    add_line(out, "built for it", fmt::format("{}: {}", what, fmt::join(names, ", ")));
+}
+
 }  // namespace
 
 CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<Overlap>& overlaps) {
@@ -169,14 +207,15 @@ CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<
   CheckReport report;
   report.text = scene.name + (scene.title == scene.name ? "" : "  " + scene.title) + "\n";
   add_shape(report.text, body);
-  report.sound = add_faults(report.text, body);
+  report.sound = body.parts.empty() ? add_faults(report.text, body, "") : add_parts(report.text, scene.specimen);
   add_overlaps(report.text, overlaps);
   add_modes(report.text, scene);
   std::vector<std::string> suited;
   std::map<std::string, std::vector<std::string>> unsuited;  // by what they lack
-  for (const Strategy& strategy : catalog.strategies()) {
+  for (const Strategy& one : catalog.strategies()) {
+    const Strategy strategy = in_parts(one, body, scene.specimen.materials);
     std::string why = strategy.unsuited(body);
-    if (why.empty()) why = fibres_unsuited(strategy, body, scene.specimen.material);
+    if (why.empty() && !strategy.by_parts) why = fibres_unsuited(strategy, body, scene.specimen.material);
     (why.empty() ? suited : unsuited[why]).push_back(strategy.name);
   }
   add_line(report.text, "strategies", fmt::format("{}", fmt::join(suited, ", ")));
@@ -188,6 +227,8 @@ CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<
   if (!scene.specimen.loads.empty()) objects += ", " + counted(static_cast<int>(scene.specimen.loads.size()), "load");
   add_line(report.text, "the scene builds",
            objects + (scene.statics.linear ? "; small displacements" : "; large displacements"));
+  add_built(report.text, scene);
+  for (const std::string& note : scene.notes) add_line(report.text, "note", note);
   for (const std::string& warning : scene.warnings) add_line(report.text, "warning", warning);
   return report;
 }

@@ -73,7 +73,8 @@ Json to_json(const Record& record) {
               {"halved_load_steps", run.halved_load_steps},
               {"residual", run.residual},
               {"zero_energy_modes", run.zero_energy_modes},
-              {"warnings", record.warnings}};
+              {"warnings", record.warnings},
+              {"notes", record.notes}};
   add_of_study(object, record);
   if (run.measures.stiffness_matrix) {
     object["stiffness_matrix"] = Json::array();
@@ -254,6 +255,7 @@ Record record_of_json(const std::string& line) {
     record.threads = object.at("threads");
     record.errors = numbers(object.at("errors"));
     record.warnings = object.at("warnings").get<std::vector<std::string>>();
+    record.notes = object.value("notes", record.notes);
     read_what_it_stands_for(object, record);
     for (const Json& verdict : object.at("expectations"))
       record.verdicts.push_back(verdict_of(verdict, record.run.strategy));

@@ -17,7 +17,22 @@ double angle_to_fibres(const Scene& scene) {
   return std::acos(std::min(1., cosine)) * 180 / 3.14159265358979323846;
 }
 
+/// "skin: E = 5 kPa, nu = 0.3; bone: rigid"
+std::string prescribed_of_parts(const Specimen& specimen) {
+  std::string text;
+  for (const Part& part : specimen.body.parts) {
+    const Material& material = specimen.materials[static_cast<std::size_t>(part.material)];
+    text += fmt::format("{}{}: ", text.empty() ? "" : "; ", part.name);
+    text += part.rigid ? "rigid"
+                       : fmt::format("E = {}, nu = {:g}{}{}", readable(material.youngs_modulus, dimension::pressure),
+                                     material.poissons_ratio, material.curve ? ", stress-strain curve" : "",
+                                     material.fibre ? ", fibres" : "");
+  }
+  return text;
+}
+
 std::string prescribed_text(const Scene& scene) {
+  if (!scene.specimen.body.parts.empty()) return prescribed_of_parts(scene.specimen);
   const Material& material = scene.specimen.material;
   std::string text =
       fmt::format("E = {}, nu = {:g}", readable(material.youngs_modulus, dimension::pressure), material.poissons_ratio);
@@ -117,7 +132,8 @@ Record make_record(const Scene& scene, Run run) {
     if (std::isfinite(error)) record.errors.emplace_back(name, error);
   };
   record.main_measures = scene.experiment->main_measures(scene.specimen.material, run.measures);
-  if (scene.specimen.material.fibre && !scene.experiment->axis())  // moduli of the matrix alone are not the body's
+  // Moduli of the matrix alone are not the body's, nor is that of one material where there are several.
+  if ((scene.specimen.material.fibre && !scene.experiment->axis()) || scene.specimen.materials.size() > 1)
     for (MainMeasure& measure : record.main_measures) measure.prescribed = std::nan("");
   for (const auto& [name, prescribed] : record.main_measures) {
     const bool ratio = find_measure(std::string(name)).unit == dimension::none;
@@ -129,6 +145,7 @@ Record make_record(const Scene& scene, Run run) {
     if (silent || (!expectation.strategy.empty() && expectation.strategy != run.strategy)) continue;
     record.verdicts.push_back(judge(expectation, run));
   }
+  record.notes = scene.notes;
   record.warnings = scene.warnings;
   record.warnings.insert(record.warnings.end(), run.warnings.begin(), run.warnings.end());
   if (!run.remark.empty()) record.warnings.push_back(run.remark);

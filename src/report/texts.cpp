@@ -141,6 +141,7 @@ std::string run_text(const Record& record, bool colours) {
   if (run.identified) out += "  " + identified_text(*run.identified) + "\n";
   if (run.halved_load_steps)
     out += "  " + counted(run.halved_load_steps, "load step") + " gone in halves: a cell would have turned over\n";
+  for (const std::string& note : record.notes) out += "  " + note + "\n";
   for (const std::string& warning : run.warnings)
     out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";
   if (!run.remark.empty()) out += "  " + painted("remark: " + run.remark, Tone::poor, colours) + "\n";

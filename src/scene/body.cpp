@@ -229,7 +229,7 @@ void read_lines(Reader reader, Body& body) {
 
 }  // namespace
 
-Body read_body(Reader reader, const Material& material, std::vector<std::string>& warnings) {
+Body read_body(Reader reader, const Material& material, Remarks remarks) {
   Body body = reader.located([&] { return read_shape(reader); });
   if (auto jitter = reader.find("jitter")) {
     const double amount = jitter->at("amount").quantity(dimension::none, {0, 0.5, false});
@@ -238,7 +238,7 @@ Body read_body(Reader reader, const Material& material, std::vector<std::string>
     add_jitter(body, amount * shortest_connection(body), static_cast<std::uint64_t>(seed));
   }
   if (auto grading = reader.find("grade")) read_grade(*grading, body);
-  if (auto cells = reader.find("cells")) read_cells(*cells, body, warnings);
+  if (auto cells = reader.find("cells")) read_cells(*cells, body, remarks.warnings);
   const auto radius = reader.find("radius"), regions = reader.find("regions"), lines = reader.find("lines");
   reader.finish();
   const double shortest = shortest_connection(body);

@@ -93,14 +93,17 @@ double read_bending_rigidity(const Reader& reader, const Material& material) {
 
 }  // namespace
 
-Material read_material(Reader reader) {
-  Material material;
+Material read_material(Reader reader, const Material* base) {
+  Material material = base ? *base : Material{};
+  const bool own_law = reader.has("youngs_modulus") || reader.has("curve") || reader.has("secant_modulus");
+  if (own_law) material.curve.reset();
   if (auto curve = reader.find("curve")) material.curve = read_curve(*curve);
   if (auto secant = reader.find("secant_modulus")) {
     if (material.curve) secant->fail("there is a curve already; give one of them");
     material.curve = read_secant_modulus(*secant);
   }
-  const auto modulus = material.curve ? reader.find("youngs_modulus") : std::optional(reader.at("youngs_modulus"));
+  const bool needed = !material.curve && !(base && !own_law);
+  const auto modulus = needed ? std::optional(reader.at("youngs_modulus")) : reader.find("youngs_modulus");
   if (modulus) material.youngs_modulus = modulus->quantity(dimension::pressure, kPositive);
   if (material.curve) {
     const double first = material.curve->modulus(0);
@@ -117,6 +120,14 @@ Material read_material(Reader reader) {
   if (auto fibre = reader.find("fibre")) material.fibre = read_fibre(*fibre);
   reader.finish();
   return material;
+}
+
+void check_material(Reader reader, const Material& material, const Body& body) {
+  const bool membrane = !body.triangles.empty();
+  if (membrane && material.thickness == 0) reader.fail("key 'thickness' is missing: a body of triangles is a membrane");
+  if (material.poissons_ratio > 0.4999 && (!membrane || !body.tetrahedra.empty()))
+    (reader.has("poissons_ratio") ? reader.at("poissons_ratio") : reader)
+        .fail("is out of range: above 0.4999 only membranes, bodies of triangles, are incompressible");
 }
 
 }  // namespace elastin

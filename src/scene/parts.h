@@ -9,9 +9,19 @@
 namespace elastin {
 
 /// The parts of a scene, each from its own key. All throw InputError with place and key.
-Material read_material(Reader reader);
+/// What it leaves out is that of `base`, if there is one.
+Material read_material(Reader reader, const Material* base = nullptr);
+/// Throws where a membrane has no thickness, or a solid no volume to give way: above ν = 0.4999.
+void check_material(Reader reader, const Material& material, const Body& body);
+/// What reading a body leaves to be said.
+struct Remarks {
+  std::vector<std::string>&warnings, &notes;
+};
 /// Masses and radii are set too. The body is as written: rotated later, with the experiment.
-Body read_body(Reader reader, const Material& material, std::vector<std::string>& warnings);
+Body read_body(Reader reader, const Material& material, Remarks remarks);
+/// A list of bodies, each a part of one, and what ties them together; sets the specimen's body and materials. Its
+/// material must be set.
+void read_bodies(const Reader& list, std::optional<Reader> ties, Specimen& specimen, Remarks remarks);
 /// A body of triangles: sphere, sphere_octant, disc, sheet or canopy.
 Body read_surface(const std::string& shape, Reader reader);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);

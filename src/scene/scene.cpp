@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "elastin/forces/bending.h"
+#include "elastin/model/parts.h"
 #include "elastin/model/shapes.h"
 #include "scene/parts.h"
 
@@ -85,32 +86,56 @@ std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const 
   return strategies;
 }
 
-/// Membranes alone may be incompressible.
-void check_incompressible(Reader material, const Specimen& specimen) {
-  const Body& body = specimen.body;
-  if (specimen.material.poissons_ratio <= 0.4999 || (body.tetrahedra.empty() && !body.triangles.empty())) return;
-  material.at("poissons_ratio")
-      .fail("is out of range: above 0.4999 only membranes, bodies of triangles, are incompressible");
-}
-
 /// A strategy's volume term takes not every Poisson's ratio that a material may have.
-void check_volume_range(Reader material, const Material& values, const std::vector<StrategyChoice>& strategies) {
+void check_volume_range(Reader material, const Specimen& specimen, const std::vector<StrategyChoice>& strategies) {
+  std::vector<Material> materials = specimen.materials;
+  if (materials.empty()) materials.push_back(specimen.material);
+  const Reader at = material.has("poissons_ratio") ? material.at("poissons_ratio") : material;
   for (const StrategyChoice& choice : strategies)
-    if (choice.strategy.volume_modulus)
-      (material.has("poissons_ratio") ? material.at("poissons_ratio") : material).located([&] {
-        return choice.strategy.volume_modulus(values);
-      });
+    for (const Material& values : materials)
+      if (choice.strategy.volume_modulus) at.located([&] { return choice.strategy.volume_modulus(values); });
 }
 
-void warn_of_pieces(const Body& body, std::vector<std::string>& warnings) {
+void warn_of_pieces(const Body& body, const std::string& name, std::vector<std::string>& warnings) {
   const BodyFindings findings = inspect(body);
   if (findings.pieces <= 1) return;
   const auto loose = findings.loose_molecules.size();
-  warnings.push_back("the body hangs apart: " + std::to_string(findings.pieces) + " pieces" +
+  warnings.push_back(name + " hangs apart: " + std::to_string(findings.pieces) + " pieces" +
                      (loose == 0   ? ""
                       : loose == 1 ? ", one of them a loose molecule"
                                    : ", " + std::to_string(loose) + " of them loose molecules") +
                      "; `elastin check` names them");
+}
+
+/// body: {…}, or bodies: [{…}, …] with ties: […]
+void read_whole_body(Reader& reader, Scene& scene) {
+  Specimen& specimen = scene.specimen;
+  const Remarks remarks{scene.warnings, scene.notes};
+  auto ties = reader.find("ties");
+  if (auto several = reader.find("bodies")) {
+    if (auto one = reader.find("body")) one->fail("there are `bodies` already; put it into that list, with a name");
+    read_bodies(*several, ties, specimen, remarks);
+    for (const Part& part : specimen.body.parts)
+      warn_of_pieces(part_alone(specimen.body, part).body, "body '" + part.name + "'", scene.warnings);
+    return;
+  }
+  if (ties) ties->fail("joins several `bodies`; the scene has one");
+  specimen.body = read_body(reader.at("body"), specimen.material, remarks);
+  check_material(reader.at("material"), specimen.material, specimen.body);
+  if (specimen.material.bending_rigidity > 0) {
+    const std::string why = unsuited_for_bending(specimen.body);
+    if (!why.empty()) reader.at("material").at("bending").fail(why);
+    add_cell_sides(specimen.body, bending_pairs(specimen.body));
+  }
+  warn_of_pieces(specimen.body, "the body", scene.warnings);
+}
+
+void turn_fibres(Specimen& specimen, const Matrix3& rotation) {
+  const auto turn = [&](Material& material) {
+    if (material.fibre) material.fibre->direction = rotation * material.fibre->direction;
+  };
+  turn(specimen.material);
+  for (Material& material : specimen.materials) turn(material);
 }
 
 }  // namespace
@@ -130,20 +155,10 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   scene->name = std::filesystem::path(path).stem().string();
   scene->title = reader.has("title") ? reader.at("title").text() : scene->name;
   scene->specimen.material = read_material(reader.at("material"));
-  const Reader body = reader.at("body");
-  scene->specimen.body = read_body(body, scene->specimen.material, scene->warnings);
-  if (!scene->specimen.body.triangles.empty() && scene->specimen.material.thickness == 0)
-    reader.at("material").fail("key 'thickness' is missing: a body of triangles is a membrane");
-  check_incompressible(reader.at("material"), scene->specimen);
-  if (scene->specimen.material.bending_rigidity > 0) {
-    const std::string why = unsuited_for_bending(scene->specimen.body);
-    if (!why.empty()) reader.at("material").at("bending").fail(why);
-    add_cell_sides(scene->specimen.body, bending_pairs(scene->specimen.body));
-  }
-  warn_of_pieces(scene->specimen.body, scene->warnings);
+  read_whole_body(reader, *scene);
   const Matrix3 rotation = reader.has("rotate") ? read_rotation(reader.at("rotate")) : Matrix3(Matrix3::Identity());
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
-  if (auto& fibre = scene->specimen.material.fibre) fibre->direction = rotation * fibre->direction;
+  turn_fibres(scene->specimen, rotation);
   scene->stiffness = read_strategy(reader.at("stiffness"), catalog);
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog);
   const Reader experiment = reader.at("experiment");
@@ -172,7 +187,7 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
     }
   std::vector<StrategyChoice> known = scene->strategies;
   known.push_back(scene->stiffness);
-  check_volume_range(reader.at("material"), scene->specimen.material, known);
+  check_volume_range(reader.at("material"), scene->specimen, known);
   if (auto expect = reader.find("expect"))
     for (const Reader& item : expect->items()) scene->expectations.push_back(read_expectation(item, known, catalog));
   if (auto references = reader.find("reference"))

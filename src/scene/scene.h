@@ -41,6 +41,7 @@ struct Scene {
   std::vector<Reference> references;
   Study study;                        ///< what `compare` changes from row to row; empty where the scene has none
   std::vector<std::string> warnings;  ///< of the scene as a whole
+  std::vector<std::string> notes;     ///< what was made of it that its author may want to know
   double build_seconds = 0;           ///< body and experiment
 };
 

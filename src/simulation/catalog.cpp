@@ -103,6 +103,10 @@ Strategy with_volume(const Strategy& strategy) {
     result.constants = [strategy](const Body& body, const Material& material, const ParameterValues& values) {
       return strategy.constants(body, shear_material(material), values);
     };
+  if (strategy.constants_at)
+    result.constants_at = [strategy](const Body& body, const Material& material, const ParameterValues& values) {
+      return strategy.constants_at(body, shear_material(material), values);
+    };
   result.make = [strategy, springs, modulus = result.volume_modulus](const Body& body, const Material& material,
                                                                      const ParameterValues& values) {
     auto shape = springs ? strategy.make(body, shear_material(material), values)

@@ -8,7 +8,7 @@
 namespace elastin {
 namespace {
 
-bool resists(const Load& load) { return !load.acts_at_rest(); }
+bool resists(const Load& load) { return load.resists(); }
 bool drives(const Load& load) { return load.acts_at_rest() && !load.steady(); }
 
 template <class Which>
@@ -41,7 +41,7 @@ Ledger::Border Ledger::border(const Model& model, const State& state) const {
   if (!model.viscosity().empty() || any_load(model, resists)) {
     forces.resisting = none;
     if (!model.viscosity().empty()) model.gather(state.positions, model.viscous_densities(state), forces.resisting);
-    add_loads(model, state, resists, forces.resisting);
+    for (const auto& load : model.loads()) load->add_resistance(state, forces.resisting);
   }
   if (any_load(model, drives)) {
     forces.driving = none;

@@ -9,6 +9,9 @@
 namespace elastin {
 namespace {
 
+/// Of one step.
+constexpr double kMostParts = 10000;
+
 /// A molecule's part of an update costs as much as some ten connections.
 constexpr int kMoleculeThreshold = kParallelThreshold / 10;
 
@@ -26,13 +29,44 @@ class Explicit final : public Integrator {
   explicit Explicit(Scheme scheme) : scheme_(scheme) {}
   Scheme scheme() const override { return scheme_; }
 
+  /// In parts where a stiffness sets in that the step is too long for, or something would be passed through.
   StepResult advance(Model& model, State& state, double dt) override {
+    const double parts = std::max(1., std::ceil(dt * std::sqrt(model.square_frequency(state, dt))));
+    if (!(parts > 1)) return step(model, state, dt);
+    before_ = state;
+    StepResult result = in_parts(model, state, dt, std::min(parts, kMostParts));
+    if (result.outcome != Outcome::converged) go_back(model, state, before_);
+    return result;
+  }
+
+ private:
+  static void go_back(Model& model, State& state, const State& before) {
+    state = before;
+    if (model.drive) model.drive(state.time, model.supports);
+  }
+
+  StepResult in_parts(Model& model, State& state, double dt, double parts) {
+    const double end = state.time + dt;
+    StepResult all;
+    for (int part = 0; part < parts; ++part) {
+      StepResult result = step(model, state, dt / parts);
+      result.parts += part > 0 ? all.parts : 0;
+      result.error = std::max(result.error, all.error);
+      all = std::move(result);
+      if (all.outcome != Outcome::converged) return all;
+    }
+    state.time = end;
+    return all;
+  }
+
+  StepResult step(Model& model, State& state, double dt) {
     const int n = model.body().size();
     const bool verlet = scheme_ == Scheme::velocity_verlet;
     if (!verlet || state.accelerations.cols() != n) set_accelerations(model, state, scratch_);
     next_.positions.resize(3, n);
     next_.velocities.resize(3, n);
     next_.time = state.time + dt;
+    next_.touches = state.touches;
     if (model.drive) model.drive(next_.time, model.supports);
     StepResult result;
     const double largest = verlet ? verlet_step(model, state, dt) : euler_step(state, dt);
@@ -46,7 +80,14 @@ class Explicit final : public Integrator {
     } else if (!model.admissible(next_.positions)) {
       result.outcome = Outcome::inverted;
       result.cause = turned_over_text(model.body(), next_.positions);
+    } else if (const double way = model.free_way(state, next_); way < 1) {
+      const State before = state;
+      if (model.drive) model.drive(state.time, model.supports);
+      StepResult parts = in_parts(model, state, dt, std::min(kMostParts, std::ceil(1 / way)));
+      if (parts.outcome != Outcome::converged) go_back(model, state, before);
+      return parts;
     } else {
+      model.remember(next_);
       std::swap(state, next_);
       return result;
     }
@@ -54,7 +95,6 @@ class Explicit final : public Integrator {
     return result;
   }
 
- private:
   /// Kick, drift. The largest square of an acceleration, infinity if something is not finite.
   double euler_step(const State& state, double dt) {
     next_.accelerations.resize(3, 0);
@@ -129,7 +169,7 @@ class Explicit final : public Integrator {
   }
 
   Scheme scheme_;
-  State next_;
+  State next_, before_;
   Scratch scratch_;
 };
 

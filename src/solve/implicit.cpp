@@ -57,7 +57,7 @@ class Implicit final : public Integrator {
   /// Where Newton starts: as if nothing changed, if that turns no cell over; else from where the body is.
   static State first_guess(const Model& model, const Kinematics& kinematics, const State& state, double dt,
                            bool newmark) {
-    State guess{state.positions + dt * state.velocities, state.velocities, state.time + dt};
+    State guess{state.positions + dt * state.velocities, state.velocities, state.time + dt, {}, state.touches};
     if (newmark) {
       guess.positions += dt * dt / 2 * state.accelerations;
     } else {
@@ -88,6 +88,12 @@ class Implicit final : public Integrator {
       return;
     }
     balance_as_one(model, kinematics, next);
+    if (model.free_way(state, next) < 1) {
+      result.outcome = Outcome::limit_reached;
+      result.cause = "something would be passed through within a step";
+      return;
+    }
+    model.remember(next);
     ++result.parts;
     result.cause.clear();
     const Positions change =

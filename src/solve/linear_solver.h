@@ -36,6 +36,13 @@ class LinearSolver {
 /// Conjugate gradients without a matrix, preconditioned by the 3×3 blocks of each molecule.
 std::unique_ptr<LinearSolver> make_pcg();
 
+/// Stabilised bi-conjugate gradients with the same preconditioner, for a stiffness that is not symmetric. [van der
+/// Vorst 1992]
+std::unique_ptr<LinearSolver> make_bicgstab();
+
+/// What both precondition with: the inverse of each molecule's block in its free directions.
+std::vector<Matrix3> block_preconditioner(const Tangent& tangent, const std::vector<Support>& supports);
+
 /// A sparse LDLᵀ factorisation with iterative refinement: for small bodies, indefinite stiffness and mode counts.
 std::unique_ptr<LinearSolver> make_direct();
 

@@ -25,6 +25,7 @@ const std::string kAdrift = "the loads work on a zero-energy mode that does not 
 
 std::unique_ptr<LinearSolver> make_solver(LinearMethod method, const Tangent& tangent) {
   const bool tiny = tangent.model().body().size() <= kTinyBody && tangent.weights().acceleration == 0;
+  if (!tangent.model().symmetric()) return make_bicgstab();
   const bool direct = method == LinearMethod::direct || (method == LinearMethod::automatic && tiny);
   return direct ? make_direct() : make_pcg();
 }
@@ -41,17 +42,24 @@ Positions inertia(const Model& model, const State& state) {
 
 Balance balance(const Model& model, const State& state, bool moving) {
   Balance result;
-  const Positions loads = model.load_forces(state);
+  // Each load by itself: together they may cancel, as a weight and the floor that it rests on.
+  Positions loads = Positions::Zero(3, model.body().size()), one(3, model.body().size());
+  for (const auto& load : model.loads()) {
+    one.setZero();
+    load->add_forces(state, one);
+    result.scale += ordered_norm(one);
+    loads += one;
+  }
   if (moving) {
     model.set_forces(state, result.unbalanced);
     const Positions needed = inertia(model, state);
     result.unbalanced -= needed;
-    result.scale = ordered_norm(needed);
+    result.scale += ordered_norm(needed);
   } else {
     result.unbalanced = model.elastic_forces(state.positions);
     result.unbalanced += loads;
   }
-  result.scale += ordered_norm(loads) + held_parts(model.supports, result.unbalanced).norm();
+  result.scale += held_parts(model.supports, result.unbalanced).norm();
   keep_free(model.supports, result.unbalanced);
   result.norm = ordered_norm(result.unbalanced);
   return result;
@@ -85,7 +93,7 @@ struct Problem {
     with_energy = model.conservative();
     if (!kinematics) return;
     with_energy &= model.viscosity().empty();
-    for (const auto& load : model.loads()) with_energy &= load->acts_at_rest();
+    for (const auto& load : model.loads()) with_energy &= !load->resists();
   }
 };
 
@@ -131,7 +139,9 @@ double work(const Balance& forces, const Positions& motion) {
 bool line_search(const Problem& problem, const Positions& motion, bool with_energy, Trial& now, bool& inverted) {
   const double slope = -work(now.forces, motion);
   inverted = false;
-  for (double step = 1; step > 1e-9; step /= 2) {
+  State whole = now.state;
+  whole.positions += motion;
+  for (double step = problem.model.free_way(now.state, whole); step > 1e-9; step /= 2) {
     State state = now.state;
     state.positions += step * motion;
     Trial trial = evaluate(problem, std::move(state), with_energy);
@@ -260,7 +270,13 @@ void place_supports(const Model& model, Positions& positions) {
   }
 }
 
-StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics) {
+namespace {
+
+/// Of a memory that is tightened after each equilibrium, until it says that it is enough.
+constexpr int kTightenings = 50;
+
+/// An equilibrium with the memory that the state has.
+StaticResult balance_once(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics) {
   StaticResult result;
   const Problem problem(model, kinematics);
   Trial now = evaluate(problem, state, problem.with_energy);
@@ -339,6 +355,25 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
   model.set_forces(state, forces);
   if (kinematics) forces -= inertia(model, state);
   result.reactions = -held_parts(model.supports, forces);
+  return result;
+}
+
+}  // namespace
+
+StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics) {
+  StaticResult result = balance_once(model, state, options, kinematics);
+  for (int round = 0; result.outcome == Outcome::converged && model.tighten(state); ++round) {
+    if (round == kTightenings) {
+      result.outcome = Outcome::limit_reached;
+      result.cause = "contact is pressed in deeper than allowed after " + std::to_string(kTightenings) + " tightenings";
+      break;
+    }
+    StaticResult again = balance_once(model, state, options, kinematics);
+    again.newton_iterations += result.newton_iterations;
+    again.linear_iterations += result.linear_iterations;
+    again.cut_steps += result.cut_steps;
+    result = std::move(again);
+  }
   return result;
 }
 

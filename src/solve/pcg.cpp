@@ -18,17 +18,6 @@ Matrix3 pseudo_inverse(const Matrix3& block) {
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-std::vector<Matrix3> block_preconditioner(const Tangent& tangent, const std::vector<Support>& supports) {
-  std::vector<Matrix3> blocks = tangent.diagonal();
-  for (const Support& support : supports) {
-    Matrix3& block = blocks[support.molecule];
-    block = (support.free * block * support.free).eval();
-  }
-  parallel_for(static_cast<int>(blocks.size()),
-               [&](int molecule) { blocks[molecule] = pseudo_inverse(blocks[molecule]); });
-  return blocks;
-}
-
 /// A molecule's share of a pass costs as much as ten connections.
 constexpr int kMoleculeThreshold = kParallelThreshold / 10;
 
@@ -110,6 +99,17 @@ class Pcg final : public LinearSolver {
 };
 
 }  // namespace
+
+std::vector<Matrix3> block_preconditioner(const Tangent& tangent, const std::vector<Support>& supports) {
+  std::vector<Matrix3> blocks = tangent.diagonal();
+  for (const Support& support : supports) {
+    Matrix3& block = blocks[support.molecule];
+    block = (support.free * block * support.free).eval();
+  }
+  parallel_for(static_cast<int>(blocks.size()),
+               [&](int molecule) { blocks[molecule] = pseudo_inverse(blocks[molecule]); });
+  return blocks;
+}
 
 Positions scattered_directions(int molecules) {
   Positions directions(3, molecules);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "model/boundary.h"
 #include "model/incidence.h"
 
 namespace elastin {
@@ -52,30 +53,6 @@ double trace(const Stiffness& C) {
 /// What the surrounding solid asks of each molecule's connections: −C : A, A its surface [m²] over ℓ².
 Tensors wanted(const Stiffness& C, const Positions& areas, double length2) { return -C * areas / length2; }
 
-/// The faces that only one cell has; `faces` are corner numbers, counter-clockwise seen from outside.
-template <std::size_t corners, std::size_t face_count, std::size_t sides>
-std::vector<std::array<int, sides>> surface(const std::vector<std::array<int, corners>>& cells,
-                                            const std::array<std::array<int, sides>, face_count>& faces) {
-  struct Face {
-    std::array<int, sides> sorted, turned;
-  };
-  std::vector<Face> all;
-  all.reserve(cells.size() * face_count);
-  for (const auto& cell : cells)
-    for (const auto& face : faces) {
-      Face& added = all.emplace_back();
-      for (std::size_t side = 0; side < sides; ++side) added.turned[side] = cell[face[side]];
-      added.sorted = added.turned;
-      std::sort(added.sorted.begin(), added.sorted.end());
-    }
-  std::sort(all.begin(), all.end(), [](const Face& a, const Face& b) { return a.sorted < b.sorted; });
-  std::vector<std::array<int, sides>> outside;
-  for (std::size_t f = 0; f < all.size(); ++f)
-    if ((f == 0 || all[f].sorted != all[f - 1].sorted) && (f + 1 == all.size() || all[f].sorted != all[f + 1].sorted))
-      outside.push_back(all[f].turned);
-  return outside;
-}
-
 /// What tells a molecule's part of the surface and of the volume. Tetrahedra share the volume among their corners as
 /// their diagonals happen to lie, so they come last.
 enum class Source { cubes, voronoi, tetrahedra, none };
@@ -97,12 +74,9 @@ Positions surface_areas(const Body& body) {
     for (const int molecule : {a, b, c}) areas.col(molecule) += part / 3 * area;
   };
   if (source_of(body) == Source::tetrahedra) {
-    constexpr std::array<std::array<int, 3>, 4> faces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-    for (const auto& [a, b, c] : surface(body.tetrahedra, faces)) add_triangle(a, b, c, 1);
+    for (const auto& [a, b, c] : boundary_of(body.tetrahedra)) add_triangle(a, b, c, 1);
   } else {
-    constexpr std::array<std::array<int, 4>, 6> faces{
-        {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
-    for (const auto& [a, b, c, d] : surface(body.cubes, faces)) {
+    for (const auto& [a, b, c, d] : boundary_of(body.cubes)) {
       add_triangle(a, b, c, 0.5), add_triangle(a, c, d, 0.5);
       add_triangle(b, c, d, 0.5), add_triangle(b, d, a, 0.5);
     }

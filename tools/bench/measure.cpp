@@ -39,6 +39,8 @@ std::string seconds_text(double seconds) {
 std::string millions(double value) { return fmt::format("{:.1f}", value / 1e6); }
 
 constexpr Column kColumns[] = {
+    {"molecules", "molecules", &Figures::molecules, [](double v) { return fmt::format("{:.0f}", v); }},
+    {"touches", "touches", &Figures::touches, [](double v) { return fmt::format("{:.0f}", v); }},
     {"springs", "springs", &Figures::springs, [](double v) { return fmt::format("{:.0f}", v); }},
     {"cells", "cells", &Figures::cells, [](double v) { return fmt::format("{:.0f}", v); }},
     {"build_s", "build", &Figures::build, seconds_text},
@@ -53,6 +55,7 @@ constexpr Column kColumns[] = {
     {"peer_over_this_with_build", "with build", &Figures::whole_ratio,
      [](double v) { return fmt::format("{:.2f}", v); }},
     {"over_elastin_lattice", "elastin ahead", &Figures::behind, [](double v) { return fmt::format("{:.2f}", v); }},
+    {"over_without_contact", "/no contact", &Figures::without, [](double v) { return fmt::format("{:.3f}", v); }},
     {"late_s", "99 %", &Figures::late, seconds_text},
     {"newton_iterations", "Newton", &Figures::newton, [](double v) { return fmt::format("{:.0f}", v); }},
     {"cg_iterations", "CG", &Figures::iterations, [](double v) { return fmt::format("{:.0f}", v); }},

@@ -15,6 +15,8 @@ inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 /// What was measured, in SI units; NaN where it does not apply. Trivially copyable: it comes from a child through a
 /// pipe.
 struct Figures {
+  double molecules = kNone;
+  double touches = kNone;  ///< pairs that touch
   double springs = kNone;
   double cells = kNone;
   double build = kNone;        ///< median [s] of making all that the solve needs: body, constants, model, matrix
@@ -28,6 +30,7 @@ struct Figures {
   double ratio = kNone;        ///< the peer's best minimum on no more threads over this minimum: > 1 is faster
   double whole_ratio = kNone;  ///< the same of build + solve medians: what one solve costs from nothing
   double behind = kNone;       ///< this median over that of Elastin's lattice steps: what those are ahead by
+  double without = kNone;      ///< this minimum over that without contact
   double late = kNone;         ///< 99 % of the steps take no longer [s]
   double newton = kNone;       ///< Newton iterations
   double iterations = kNone;   ///< of conjugate gradients, all Newton iterations together
@@ -96,5 +99,6 @@ std::vector<Row> run_laws(const Settings& settings);
 std::vector<Row> run_convergence(const Settings& settings);
 std::vector<Row> run_membrane(const Settings& settings);
 std::vector<Row> run_calculix(const Settings& settings);
+std::vector<Row> run_contact(const Settings& settings);
 
 }  // namespace bench

@@ -49,7 +49,7 @@ using ObstacleShape =
 struct Obstacle {
   std::string name;
   ObstacleShape shape;
-  Pose pose;  ///< where it stays, if it has no motion
+  Pose pose = {};  ///< where it stays, if it has no motion
   /// Its pose at a time [s]; of an experiment at rest, at a load factor. Empty: it stays.
   std::function<Pose(double time)> motion = {};
   double friction = -1;  ///< μ against it; below 0 = that of the contact

@@ -109,4 +109,7 @@ std::unique_ptr<Elasticity> make_cables(const Body& body);
 /// Both at once.
 std::unique_ptr<Elasticity> make_sum(std::unique_ptr<Elasticity> first, std::unique_ptr<Elasticity> second);
 
+/// All of them at once; what they work on is kept as long as the sum and its clones.
+std::unique_ptr<Elasticity> make_sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> kept);
+
 }  // namespace elastin

@@ -39,6 +39,11 @@ class Load {
   virtual bool steady() const { return true; }
   /// Whether the load acts on a body that does not move. Drag does not.
   virtual bool acts_at_rest() const { return true; }
+  /// Whether part of it takes energy from a body that moves; add_resistance adds that part [N].
+  virtual bool resists() const { return !acts_at_rest(); }
+  virtual void add_resistance(const State& state, Positions& forces) const {
+    if (resists()) add_forces(state, forces);
+  }
   /// Whether the blocks of visit_blocks make a symmetric matrix.
   virtual bool symmetric() const { return true; }
 
@@ -46,11 +51,10 @@ class Load {
   virtual void remember(State&) const {}
   /// Changes the memory so that the next equilibrium is nearer to what was asked for. True: that takes another solve.
   virtual bool tighten(State&) const { return false; }
-  /// The largest part (0 … 1) of a motion [m] from this state on which nothing is passed through unseen.
-  virtual double free_way(const State&, const Positions& /*motion*/) const { return 1; }
-  /// A bound on the square of the frequency that its stiffness alone gives [1/s²], touching or not: it may set in
-  /// within a step.
-  virtual double square_frequency() const { return 0; }
+  /// The largest part (0 … 1] of the straight way from one state to another on which nothing is passed through unseen.
+  virtual double free_way(const State& /*from*/, const State& /*to*/) const { return 1; }
+  /// A bound on the square of the frequency [1/s²] that a stiffness gives which may set in within the next `ahead` [s].
+  virtual double square_frequency(const State&, double /*ahead*/) const { return 0; }
 };
 
 /// Weight: F = m g, `acceleration` [m/s²].

@@ -57,6 +57,13 @@ class Model {
   VectorX force_densities(const Positions& positions) const;
   /// Elastic force on each molecule [N].
   Positions elastic_forces(const Positions& positions) const;
+  /// Whether the loads' tangents are symmetric.
+  bool symmetric() const;
+  /// Calls these of the loads, see there: remember, tighten (any), free_way (the least), square_frequency (the sum).
+  void remember(State& state) const;
+  bool tighten(State& state) const;
+  double free_way(const State& from, const State& to) const;
+  double square_frequency(const State& state, double ahead) const;
   /// Adds it to `forces`, without an allocation once `scratch` has served this model. The same bits on any number of
   /// threads.
   void add_elastic_forces(const Positions& positions, Positions& forces, Scratch& scratch) const;

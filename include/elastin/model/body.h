@@ -38,6 +38,32 @@ struct VoronoiCells {
   Positions surface_area;  ///< outward area vector of each molecule's cell on the hull [m²]
 };
 
+/// Where a body's part has its cells in one of the body's lists.
+struct CellRange {
+  int first = 0, count = 0;
+};
+
+/// A named part of a body that was put together from several; see elastin/model/parts.h.
+struct Part {
+  std::string name;
+  int first = 0, count = 0;  ///< molecules of its own: first … first + count − 1
+  /// Molecules of other parts that ties have made its own too, ascending: one and the same molecule in both where they
+  /// met, or one that is fixed to this part where it is rigid.
+  std::vector<int> shared;
+  bool rigid = false;  ///< bone: its molecules, the shared ones too, never move against each other
+  int material = 0;    ///< number in the list of materials that belongs to the body
+  CellRange triangles, tetrahedra, cubes;
+  std::optional<VoronoiCells> voronoi;  ///< of the part alone; as Body::voronoi
+};
+
+/// A molecule that is tied to a place on a triangle of another part, Σ weight · corner, where it lies at rest.
+struct Tie {
+  int molecule = 0;
+  std::array<int, 3> corners{};
+  std::array<double, 3> weights{};  ///< ≥ 0, they sum to 1
+  double stiffness = 0;             ///< [N/m], > 0; see elastin/forces/ties.h
+};
+
 /// A piece of tissue: molecules (spheres) joined by connections, at rest. Never changes during a run.
 struct Body {
   Positions rest;  ///< places of the molecules, unstressed [m]
@@ -55,6 +81,8 @@ struct Body {
   /// How many times as stiff as the material each connection and cell is; empty = all alike. See set_region.
   VectorX connection_stiffness, cell_stiffness;
   std::optional<VoronoiCells> voronoi;  ///< only where a strategy asks for them (Strategy::needs_voronoi)
+  std::vector<Part> parts;              ///< in the order of their molecules; empty = the body is one whole
+  std::vector<Tie> ties;                ///< between parts whose molecules do not meet
   int size() const { return static_cast<int>(rest.cols()); }
 };
 

@@ -34,6 +34,8 @@ struct Strategy {
   std::function<bool(const Body&)> needs_voronoi = [](const Body&) { return false; };
   /// Spring rules only: the constants [N/m]. Throws InputError on parameters out of range or unknown.
   std::function<VectorX(const Body&, const Material&, const ParameterValues&)> constants;
+  /// Updated spring rules only: the function that gives the constants [N/m]. The body must outlive it.
+  std::function<ConstantsAt(const Body&, const Material&, const ParameterValues&)> constants_at;
   /// The strategy at work, without the material's fibres (see fibres.h). The body must outlive it. Empty for wrappers.
   using Make = std::function<std::unique_ptr<Elasticity>(const Body&, const Material&, const ParameterValues&)>;
   Make make;
@@ -43,6 +45,7 @@ struct Strategy {
   Make make_without_compression;
   /// With a volume term (see with_volume): its modulus κ [Pa]. Else empty. Throws InputError unless 0 ≤ ν ≤ 0.4999.
   std::function<double(const Material&)> volume_modulus;
+  bool by_parts = false;  ///< whether it works on each part of a body by itself, fibres included; see in_parts
 };
 
 /// A strategy with a volume term (see make_volume), named "NAME+volume": any Poisson's ratio from 0 to 0.4999, without
@@ -150,11 +153,16 @@ void Catalog::add() {
     };
   } else if constexpr (UpdatedSpringRule<Law>) {
     strategy.kind = StrategyKind::updated_spring_rule;
-    strategy.make = [described](const Body& body, const Material& material, const ParameterValues& values) {
-      return make_updated_springs(body, [law = detail::law_with<Law>(described, values), &body, material,
-                                         seen = detail::seen_by<Law>(body)](const Positions& places) {
+    strategy.constants_at = [described](const Body& body, const Material& material,
+                                        const ParameterValues& values) -> ConstantsAt {
+      return [law = detail::law_with<Law>(described, values), &body, material,
+              seen = detail::seen_by<Law>(body)](const Positions& places) {
         return detail::with_cell_sides(law.constants(*seen, material, places), body);
-      });
+      };
+    };
+    strategy.make = [at = strategy.constants_at](const Body& body, const Material& material,
+                                                 const ParameterValues& values) {
+      return make_updated_springs(body, at(body, material, values));
     };
   } else {
     strategy.kind = StrategyKind::cell_law;

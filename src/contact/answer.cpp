@@ -1,0 +1,85 @@
+#include "contact/answer.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastin {
+namespace {
+
+/// Of the onset: what just touches has stiffness though it has no force yet, or Newton would not see it.
+constexpr double kNearness = 1e-6;
+
+/// e of a damping ratio: the touch ends when the force has fallen to zero, before the spring is at rest.
+double restitution_of(double ratio) {
+  if (ratio < 1) {
+    const double frequency = std::sqrt(1 - ratio * ratio);
+    const double phase = M_PI - std::atan2(2 * ratio * frequency, frequency * frequency - ratio * ratio);
+    return std::exp(-ratio / frequency * phase);
+  }
+  const double root = std::sqrt(std::max(ratio * ratio - 1, 1e-12));
+  return std::exp(-ratio / root * std::log((ratio + root) / (ratio - root)));
+}
+
+void set_friction(const Touch& geometry, const TouchSetting& setting, Answer& answer) {
+  const Vector3& n = geometry.normal;
+  const Matrix3 across = Matrix3::Identity() - n * n.transpose();
+  const double k = setting.stiffness, most = setting.friction * answer.pressing;
+  const double c = 2 * kSlipDampingRatio * std::sqrt(k * setting.mass);
+  const Vector3 slip = across * setting.slip, rate = across * setting.velocity;
+  const Vector3 trial = -k * slip - c * rate;
+  const double size = trial.norm();
+  answer.sticks = size <= most;
+  if (answer.sticks) {
+    answer.friction = trial;
+    answer.slip = slip;
+    answer.sticking = k * across;
+    answer.rubbing = c * across;
+    return;
+  }
+  const Vector3 way = trial / size;
+  answer.friction = most * way;
+  answer.slip = -answer.friction / k;
+  const Matrix3 turning = most / size * (across - way * way.transpose());
+  answer.sticking = k * turning;
+  answer.rubbing = c * turning;
+  answer.grip = setting.friction * k * way;
+  answer.grip_rate = setting.friction * way * (answer.damping * n).transpose();
+}
+
+}  // namespace
+
+void set_answer(const Touch& geometry, const TouchSetting& setting, Answer& answer) {
+  const Vector3& n = geometry.normal;
+  const double k = setting.stiffness, depth = -geometry.gap;
+  answer.gap = geometry.gap;
+  answer.normal = n;
+  answer.elastic = std::max(0., setting.multiplier + k * depth);
+  // Of the augmented Lagrangian: zero at no force.
+  answer.energy = (answer.elastic * answer.elastic - setting.multiplier * setting.multiplier) / (2 * k);
+  answer.pressing = answer.elastic;
+  if (!(setting.multiplier + k * depth >= -kNearness * k * setting.onset)) return;
+  const double full = 2 * setting.damping_ratio * std::sqrt(k * setting.mass), speed = n.dot(setting.velocity);
+  const double onset = std::clamp(depth / setting.onset, 0., 1.), c = full * onset;
+  answer.pressing = answer.elastic - c * speed;
+  if (answer.pressing <= 0 && c > 0) {  // it leaves faster than the spring pushes
+    answer.pressing = 0;
+    return;
+  }
+  // How the onset grows with the depth while the sample comes in.
+  const double growth = onset > 0 && onset < 1 && speed < 0 ? -full * speed / setting.onset : 0;
+  answer.stiffness = (k + growth) * n * n.transpose() - answer.pressing * geometry.turning;
+  answer.damping = c * n * n.transpose();
+  if (setting.friction > 0) set_friction(geometry, setting, answer);
+}
+
+double damping_ratio_of(double restitution) {
+  if (restitution >= 1) return 0;
+  double low = 0, high = 100;
+  for (int halving = 0; halving < 200; ++halving) {
+    const double middle = (low + high) / 2;
+    (restitution_of(middle) > restitution ? low : high) = middle;
+  }
+  return (low + high) / 2;
+}
+
+}  // namespace elastin

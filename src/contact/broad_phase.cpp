@@ -1,0 +1,241 @@
+#include "contact/broad_phase.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/parallel.h"
+#include "contact/triangle.h"
+
+namespace elastin {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+/// Boxes and molecules are handled on several threads from so many on.
+constexpr int kManyBoxes = 20000;
+
+Rows neighbours_of(const Body& body) {
+  std::vector<int> from, to;
+  for (const auto& [a, b] : body.connections.ends) {
+    from.insert(from.end(), {a, b});
+    to.insert(to.end(), {b, a});
+  }
+  Rows rows = rows_by_target(body.size(), from);
+  for (int& entry : rows.entries) entry = to[static_cast<std::size_t>(entry)];
+  return rows;
+}
+
+/// Half of what is typical between neighbours on the surface: wide enough to last, narrow enough to be passed over
+/// quickly.
+double typical_skin(const ContactParts& parts) {
+  double radii = 0, sides = 0;
+  for (const Sample& sample : parts.samples) radii += sample.radius;
+  for (std::size_t t = 0; t < parts.triangles.size(); ++t) {
+    const auto [a, b, c] = parts.corners_of(static_cast<int>(t), parts.body.rest);
+    sides += ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3;
+  }
+  const double of_radii = parts.samples.empty() ? 0 : radii / static_cast<double>(parts.samples.size());
+  const double of_sides = parts.triangles.empty() ? 0 : sides / static_cast<double>(parts.triangles.size()) / 2;
+  const double size =
+      parts.body.size() ? (parts.body.rest.rowwise().maxCoeff() - parts.body.rest.rowwise().minCoeff()).norm() : 0;
+  return std::max({of_radii, of_sides, 1e-4 * size});
+}
+
+}  // namespace
+
+BroadPhase::BroadPhase(const ContactParts& parts) : parts_(parts), skin_(typical_skin(parts)) {
+  std::vector<char> seen(static_cast<std::size_t>(parts.pieces), 0);
+  std::vector<char> moves(static_cast<std::size_t>(parts.body.size()), 0);
+  for (const Sample& sample : parts.samples) {
+    piece_of_sample_.push_back(sample.piece);
+    seen[static_cast<std::size_t>(sample.piece)] = 1;
+    for (int k = 0; k < sample.count; ++k) moves[static_cast<std::size_t>(sample.molecules[k])] = 1;
+  }
+  for (const int piece : parts.piece_of_triangle) seen[static_cast<std::size_t>(piece)] = 1;
+  within_body_ =
+      (parts.spheres || !parts.triangles.empty()) && (parts.self || std::count(seen.begin(), seen.end(), 1) > 1);
+  if (within_body_ && !parts.spheres)
+    for (const auto& triangle : parts.triangles)
+      for (const int molecule : triangle) moves[static_cast<std::size_t>(molecule)] = 1;
+  for (int molecule = 0; molecule < parts.body.size(); ++molecule)
+    if (moves[static_cast<std::size_t>(molecule)]) moving_.push_back(molecule);
+  if (parts.self) neighbours_ = neighbours_of(parts.body);
+  places_.resize(3, static_cast<Eigen::Index>(moving_.size()));
+  sample_boxes_.resize(parts.samples.size());
+  if (within_body_ && !parts.spheres) triangle_boxes_.resize(parts.triangles.size());
+}
+
+void BroadPhase::refit(const Positions& places) {
+  parallel_for(
+      static_cast<int>(sample_boxes_.size()),
+      [&](int s) {
+        const Sample& sample = parts_.samples[static_cast<std::size_t>(s)];
+        const Vector3 place = parts_.place_of(sample, places), wide = Vector3::Constant(sample.radius);
+        sample_boxes_[static_cast<std::size_t>(s)] = {place - wide, place + wide};
+      },
+      kManyBoxes);
+  parallel_for(
+      static_cast<int>(triangle_boxes_.size()),
+      [&](int t) {
+        const auto [a, b, c] = parts_.corners_of(t, places);
+        triangle_boxes_[static_cast<std::size_t>(t)] = {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
+      },
+      kManyBoxes);
+  const auto serve = [](BoxTree& tree, const std::vector<Box>& boxes, const std::vector<int>& groups) {
+    if (!tree.nodes().empty()) tree.refit(boxes);
+    if (tree.nodes().empty() || tree.worn()) tree = BoxTree(boxes, groups);
+  };
+  serve(samples_, sample_boxes_, piece_of_sample_);
+  if (!triangle_boxes_.empty()) serve(triangles_, triangle_boxes_, parts_.piece_of_triangle);
+}
+
+bool BroadPhase::still_holds(const Positions& places, const std::vector<Pose>& poses, double reach) const {
+  if (left_out_.size() != poses.size() || samples_.nodes().empty()) return false;
+  const double square = largest_of_ranges(static_cast<int>(moving_.size()), [&](int begin, int end) {
+    double most = 0;
+    for (int i = begin; i < end; ++i)
+      most = std::max(most, (places.col(moving_[static_cast<std::size_t>(i)]) - places_.col(i)).squaredNorm());
+    return most;
+  });
+  const Box& all = samples_.nodes()[0].box;
+  const double half = all.half_diagonal(), rounding = 1e-12 * (half + all.middle().norm());
+  const double moved = std::sqrt(square) + rounding;
+  if (within_body_ && !(left_out_in_body_ - needed(reach) > 2 * moved)) return false;
+  for (std::size_t o = 0; o < poses.size(); ++o) {
+    // In the obstacle's frame a sample at middle + s, |s| ≤ half, has moved by what the middle has and ΔRᵀ s.
+    const Pose &now = poses[o], &then = poses_[o];
+    const double turned =
+        (now.to_own(all.middle()) - then.to_own(all.middle())).norm() + (now.turn - then.turn).norm() * half;
+    if (!(left_out_[o] - reach > moved + turned)) return false;
+  }
+  return true;
+}
+
+bool BroadPhase::update(const Positions& places, const std::vector<Pose>& poses, double reach) {
+  asked_ = std::max(asked_, reach);
+  if (parts_.samples.empty() || still_holds(places, poses, reach)) return false;
+  // Whoever asks for little and much in turn is to be served with one look.
+  const double widest = std::exchange(asked_, reach);
+  refit(places);
+  for (std::size_t i = 0; i < moving_.size(); ++i) places_.col(static_cast<Eigen::Index>(i)) = places.col(moving_[i]);
+  poses_ = poses;
+  left_out_.assign(poses.size(), kInfinite);
+  left_out_in_body_ = kInfinite;
+  candidates_.clear();
+  for (std::size_t o = 0; o < poses.size(); ++o) visit_obstacle(0, static_cast<int>(o), poses[o], widest + skin_);
+  if (within_body_) {
+    const double within = needed(widest) + skin_;
+    if (parts_.spheres)
+      visit_spheres(0, within);
+    else
+      visit_triangles(0, 0, within);
+  }
+  std::sort(candidates_.begin(), candidates_.end());
+  return true;
+}
+
+void BroadPhase::visit_obstacle(int node, int obstacle, const Pose& pose, double within) {
+  const BoxTree::Node& here = samples_.nodes()[static_cast<std::size_t>(node)];
+  const bool leaf = here.second < 0;
+  const double around = leaf ? parts_.samples[static_cast<std::size_t>(here.item)].radius : here.box.half_diagonal();
+  const auto o = static_cast<std::size_t>(obstacle);
+  const double gap = parts_.obstacles[o].at(pose.to_own(here.box.middle())).value - around;
+  if (!(gap < within)) {
+    left_out_[o] = std::min(left_out_[o], gap);
+  } else if (leaf) {
+    candidates_.push_back({here.item, obstacle, 0});
+  } else {
+    visit_obstacle(node + 1, obstacle, pose, within);
+    visit_obstacle(here.second, obstacle, pose, within);
+  }
+}
+
+void BroadPhase::visit_triangles(int node, int other, double within) {
+  const BoxTree::Node& samples = samples_.nodes()[static_cast<std::size_t>(node)];
+  const BoxTree::Node& triangles = triangles_.nodes()[static_cast<std::size_t>(other)];
+  if (!parts_.self && samples.group >= 0 && samples.group == triangles.group) return;
+  const double gap = samples.box.distance(triangles.box);
+  if (!(gap < within)) {
+    left_out_in_body_ = std::min(left_out_in_body_, gap);
+  } else if (samples.second < 0 && triangles.second < 0) {
+    add_triangle(samples.item, triangles.item);
+  } else if (triangles.second < 0 ||
+             (samples.second >= 0 && samples.box.half_diagonal() > triangles.box.half_diagonal())) {
+    visit_triangles(node + 1, other, within);
+    visit_triangles(samples.second, other, within);
+  } else {
+    visit_triangles(node, other + 1, within);
+    visit_triangles(node, triangles.second, within);
+  }
+}
+
+void BroadPhase::visit_spheres(int node, double within) {
+  const BoxTree::Node& here = samples_.nodes()[static_cast<std::size_t>(node)];
+  if (here.second < 0 || (!parts_.self && here.group >= 0)) return;
+  visit_spheres(node + 1, within);
+  visit_spheres(here.second, within);
+  visit_sphere_pairs(node + 1, here.second, within);
+}
+
+void BroadPhase::visit_sphere_pairs(int node, int other, double within) {
+  const BoxTree::Node& one = samples_.nodes()[static_cast<std::size_t>(node)];
+  const BoxTree::Node& two = samples_.nodes()[static_cast<std::size_t>(other)];
+  if (!parts_.self && one.group >= 0 && one.group == two.group) return;
+  const double gap = one.box.distance(two.box);
+  if (!(gap < within)) {
+    left_out_in_body_ = std::min(left_out_in_body_, gap);
+  } else if (one.second < 0 && two.second < 0) {
+    add_spheres(std::min(one.item, two.item), std::max(one.item, two.item));
+  } else if (two.second < 0 || (one.second >= 0 && one.box.half_diagonal() > two.box.half_diagonal())) {
+    visit_sphere_pairs(node + 1, other, within);
+    visit_sphere_pairs(one.second, other, within);
+  } else {
+    visit_sphere_pairs(node, other + 1, within);
+    visit_sphere_pairs(node, two.second, within);
+  }
+}
+
+bool BroadPhase::joined(const Sample& sample, std::span<const int> molecules) const {
+  for (int k = 0; k < sample.count; ++k)
+    for (const int molecule : molecules) {
+      if (sample.molecules[k] == molecule) return true;
+      const auto near = neighbours_[sample.molecules[k]];
+      if (std::find(near.begin(), near.end(), molecule) != near.end()) return true;
+    }
+  return false;
+}
+
+bool BroadPhase::overlap_at_rest(const Sample& sample, int triangle) const {
+  const Vector3 place = parts_.place_of(sample, parts_.body.rest);
+  const auto corners = parts_.corners_of(triangle, parts_.body.rest);
+  const Vector3 away = place - nearest_place(place, corners).place;
+  const double distance = away.norm();
+  const bool behind = away.dot((corners[1] - corners[0]).cross(corners[2] - corners[0])) <= 0;
+  return distance < sample.radius || (behind && distance < 3 * parts_.depth);
+}
+
+void BroadPhase::add_triangle(int s, int triangle) {
+  const Sample& sample = parts_.samples[static_cast<std::size_t>(s)];
+  const int piece = parts_.piece_of_triangle[static_cast<std::size_t>(triangle)];
+  if (piece == sample.piece) {
+    if (!parts_.self || joined(sample, parts_.triangles[static_cast<std::size_t>(triangle)]) ||
+        overlap_at_rest(sample, triangle))
+      return;
+  }
+  candidates_.push_back({s, parts_.first_piece() + piece, triangle});
+}
+
+void BroadPhase::add_spheres(int first, int second) {
+  const Sample& one = parts_.samples[static_cast<std::size_t>(first)];
+  const Sample& two = parts_.samples[static_cast<std::size_t>(second)];
+  if (one.piece == two.piece) {
+    const Positions& rest = parts_.body.rest;
+    if (!parts_.self || joined(one, {two.molecules.data(), static_cast<std::size_t>(two.count)}) ||
+        (parts_.place_of(one, rest) - parts_.place_of(two, rest)).norm() < one.radius + two.radius)
+      return;
+  }
+  candidates_.push_back({first, parts_.first_sphere() + second, 0});
+}
+
+}  // namespace elastin

@@ -1,0 +1,134 @@
+#include "contact/contact_force.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "elastin/base/error.h"
+
+namespace elastin {
+namespace {
+
+std::vector<Sample> samples_of(const Body& body, ContactSurface surface, const Cells<3>& triangles) {
+  if (surface == ContactSurface::spheres) return sphere_samples(body, surface_molecules(body));
+  return triangle_samples(body, triangles);
+}
+
+void add(const Answer& answer, const Vector3& normal, const Vector3& tangential, Positions& forces) {
+  for (int i = 0; i < answer.count; ++i) {
+    const Side& side = answer.sides[i];
+    forces.col(side.molecule) += side.normal * normal + side.tangential * tangential;
+  }
+}
+
+}  // namespace
+
+ContactForce::ContactForce(const Body& body, const ContactOptions& options, const Cells<3>& triangles)
+    : body_(body),
+      options_(options),
+      spheres_(options.surface == ContactSurface::spheres),
+      damping_ratio_(damping_ratio_of(options.restitution)),
+      search_(body, samples_of(body, options.surface, triangles), triangles, spheres_, options.obstacles,
+              options.self) {
+  BodyFindings findings = inspect(body);
+  pieces_ = findings.pieces;
+  piece_of_molecule_ = std::move(findings.piece_of);
+  for (const Obstacle& obstacle : options_.obstacles) {
+    moves_ |= static_cast<bool>(obstacle.motion);
+    rubs_ |= friction_of(obstacle) > 0;
+  }
+  rubs_ |= options_.friction > 0;
+  std::vector<char> seen(static_cast<std::size_t>(body.size()), 0);
+  for (const Sample& sample : search_.samples())
+    for (int i = 0; i < sample.count; ++i) seen[sample.molecules[i]] = 1;
+  for (int molecule = 0; molecule < body.size(); ++molecule)
+    if (seen[molecule]) watched_.push_back(molecule);
+  area_ = VectorX::Zero(body.size());
+  for (const Sample& sample : search_.samples()) {
+    mean_size_ += std::sqrt(sample.area) / static_cast<double>(search_.samples().size());
+    for (int i = 0; i < sample.count; ++i) area_[sample.molecules[i]] += sample.weights[i] * sample.area;
+  }
+  const bool pairs = options_.self || pieces_ > 1;
+  const double zeta = std::max(damping_ratio_, rubs_ ? kSlipDampingRatio : 0);
+  const double damped = std::sqrt(1 + zeta * zeta) + zeta;
+  for (const int molecule : watched_)
+    largest_square_frequency_ =
+        std::max(largest_square_frequency_,
+                 options_.stiffness * area_[molecule] / body_.mass[molecule] * (pairs ? 4 : 1) * damped * damped);
+}
+
+void ContactForce::add_forces(const State& state, Positions& forces) const {
+  for (const Answer& answer : answers(state)) add(answer, answer.pressing * answer.normal, answer.friction, forces);
+}
+void ContactForce::add_resistance(const State& state, Positions& forces) const {
+  for (const Answer& answer : answers(state))
+    add(answer, (answer.pressing - answer.elastic) * answer.normal, answer.friction, forces);
+}
+double ContactForce::energy(const State& state) const {
+  double sum = 0;
+  for (const Answer& answer : answers(state)) sum += answer.energy;
+  return sum;
+}
+
+void ContactForce::add_change(const State& state, const Positions& moved, const Positions& sped,
+                              Positions& forces) const {
+  for (const Answer& answer : answers(state)) {
+    Vector3 closing = Vector3::Zero(), closing_rate = Vector3::Zero(), slipping = Vector3::Zero(),
+            slipping_rate = Vector3::Zero(), turned = Vector3::Zero();
+    for (int i = 0; i < answer.count; ++i) {
+      const Side& side = answer.sides[i];
+      closing += side.normal * moved.col(side.molecule);
+      slipping += side.tangential * moved.col(side.molecule);
+      closing_rate += side.normal * sped.col(side.molecule);
+      slipping_rate += side.tangential * sped.col(side.molecule);
+      turned += side.slope * answer.normal.dot(moved.col(side.molecule));
+    }
+    const Vector3 normal = answer.stiffness * closing + answer.damping * closing_rate + answer.pressing * turned;
+    const Vector3 tangential = answer.sticking * slipping + answer.rubbing * slipping_rate +
+                               answer.grip * answer.normal.dot(closing) + answer.grip_rate * closing_rate;
+    for (int i = 0; i < answer.count; ++i) {
+      const Side& side = answer.sides[i];
+      forces.col(side.molecule) -= side.normal * normal + side.tangential * tangential +
+                                   answer.pressing * side.slope.dot(closing + answer.gap * turned) * answer.normal;
+    }
+  }
+}
+
+void ContactForce::visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const {
+  for (const Answer& answer : answers(state)) {
+    const Vector3& n = answer.normal;
+    const Matrix3 normal = answer.stiffness + velocity_weight * answer.damping;
+    const Matrix3 tangential = answer.sticking + velocity_weight * answer.rubbing;
+    const Matrix3 grip = answer.grip * n.transpose() + velocity_weight * answer.grip_rate;
+    for (int i = 0; i < answer.count; ++i)
+      for (int j = 0; j < answer.count; ++j) {
+        const Side &a = answer.sides[i], &b = answer.sides[j];
+        visit(a.molecule, b.molecule,
+              a.normal * b.normal * normal + a.tangential * b.tangential * tangential + a.tangential * b.normal * grip +
+                  answer.pressing * (a.normal * b.slope * n.transpose() + b.normal * n * a.slope.transpose() +
+                                     answer.gap * a.slope.dot(b.slope) * n * n.transpose()));
+      }
+  }
+}
+
+double default_contact_stiffness(const Body& body, double youngs_modulus) {
+  return 10 * youngs_modulus / (2 * body.radius.mean());
+}
+
+std::unique_ptr<Contact> make_contact(const Body& body, const ContactOptions& options) {
+  if (!(options.stiffness > 0) || !std::isfinite(options.stiffness))
+    throw InputError("the contact's stiffness must be above 0");
+  if (!(options.friction >= 0) || !std::isfinite(options.friction))
+    throw InputError("the coefficient of friction must not be negative");
+  if (!(options.restitution >= 0.01 && options.restitution <= 1))
+    throw InputError("the restitution must be from 0.01 to 1");
+  if (!(options.penetration >= 0)) throw InputError("the penetration must not be negative");
+  Cells<3> triangles;
+  if (options.surface == ContactSurface::triangles) {
+    triangles = surface_triangles(body);
+    if (triangles.empty())
+      throw InputError("the body has no surface of triangles (no cells, cubes or triangles); take its spheres");
+  }
+  return std::make_unique<ContactForce>(body, options, triangles);
+}
+
+}  // namespace elastin

@@ -1,0 +1,94 @@
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "contact/answer.h"
+#include "contact/search.h"
+#include "elastin/contact/contact.h"
+
+namespace elastin {
+
+/// The one kind of Contact. Its files: contact_force.cpp what a load does; touch_state.cpp the touches of a state, and
+/// what is remembered of them; passing.cpp what keeps steps short; contact_report.cpp.
+class ContactForce final : public Contact {
+ public:
+  ContactForce(const Body& body, const ContactOptions& options, const Cells<3>& triangles);
+
+  void add_forces(const State& state, Positions& forces) const override;
+  void add_resistance(const State& state, Positions& forces) const override;
+  double energy(const State& state) const override;
+  bool has_energy() const override { return !rubs_; }
+  bool resists() const override { return rubs_ || damping_ratio_ > 0; }
+  bool symmetric() const override { return !rubs_; }
+  bool steady() const override { return !moves_; }
+  bool changes() const override { return true; }
+
+  void add_change(const State& state, const Positions& moved, const Positions& sped, Positions& forces) const override;
+  void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override;
+  void remember(State& state) const override;
+  bool tighten(State& state) const override;
+  double free_way(const State& from, const State& to) const override;
+  double square_frequency(const State& state, double ahead) const override;
+
+  ContactReport report(const State& state) const override;
+  const std::vector<Obstacle>& obstacles() const override { return options_.obstacles; }
+  void set_moment(double moment) override {
+    moment_ = moment;
+    cached_ = false;
+  }
+
+ private:
+  double friction_of(const Obstacle& obstacle) const {
+    return obstacle.friction >= 0 ? obstacle.friction : options_.friction;
+  }
+  int obstacle_count() const { return static_cast<int>(options_.obstacles.size()); }
+  Vector3 sample_place(const State& state, int sample) const;
+  int piece_of_target(const Answer& answer) const {
+    const int number = answer.target - obstacle_count();
+    return spheres_ ? piece_of_molecule_[number - pieces_] : number;
+  }
+
+  void set_poses(double time) const;
+  /// Makes `at` the anchor of a touch: a place that moves with the target.
+  void anchor(const State& state, const Touch& touch, const Vector3& at, TouchMemory& memory) const;
+  /// The sample's place less its anchor's.
+  Vector3 slip_from(const State& state, const Touch& touch, const TouchMemory& memory) const;
+  /// Touches at a state, those that press or, on request, all within reach.
+  const std::vector<Answer>& answers(const State& state) const;
+  bool same_as_cached(const State& state) const;
+  void keep(const State& state) const;
+  void evaluate(const State& state, double reach, bool all) const;
+  TouchSetting setting_of(const State& state, const Touch& touch, const TouchMemory* memory) const;
+  void set_sides(const Touch& touch, const TouchMemory* memory, Answer& answer) const;
+
+  const Body& body_;
+  ContactOptions options_;
+  bool spheres_, moves_ = false, rubs_ = false;
+  int pieces_ = 0;
+  std::vector<int> piece_of_molecule_;
+  double damping_ratio_, mean_size_ = 0;
+  std::vector<int> watched_;             // molecules on whose places everything here depends
+  VectorX area_;                         // of the surface that each molecule stands for [m²]
+  double largest_square_frequency_ = 0;  // of any molecule against what it may touch [1/s²]
+  std::optional<double> moment_;
+  // A cache of the last state's touches: the answers never depend on it.
+  mutable ContactSearch search_;
+  mutable bool cached_ = false;
+  mutable std::vector<Pose> poses_;
+  mutable std::vector<Touch> found_, touches_;  // near; of these, those that were answered
+  mutable std::vector<double> multipliers_;
+  mutable std::vector<Answer> answers_;
+  mutable Positions cached_positions_, cached_velocities_;
+  mutable double cached_time_ = 0;
+  mutable std::vector<TouchMemory> cached_memory_, remembered_;
+};
+
+/// Σ weight · place.
+inline Vector3 place_of(const std::array<int, 3>& molecules, const std::array<double, 3>& weights, int count,
+                        const Positions& places) {
+  Vector3 sum = Vector3::Zero();
+  for (int i = 0; i < count; ++i) sum += weights[i] * places.col(molecules[i]);
+  return sum;
+}
+
+}  // namespace elastin

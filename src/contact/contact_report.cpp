@@ -1,0 +1,43 @@
+#include "contact/contact_force.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastin {
+
+ContactReport ContactForce::report(const State& state) const {
+  ContactReport report;
+  report.forces = Positions::Zero(3, body_.size());
+  report.on_obstacles.assign(options_.obstacles.size(), Vector3::Zero());
+  VectorX pressing = VectorX::Zero(body_.size());
+  const std::vector<Sample>& samples = search_.samples();
+  for (const Answer& answer : answers(state)) {
+    if (!(answer.pressing > 0)) continue;
+    const Sample& sample = samples[answer.sample];
+    const Vector3 force = answer.pressing * answer.normal + answer.friction;
+    ++report.pairs;
+    report.sticking += answer.sticks;
+    report.largest_penetration = std::max(report.largest_penetration, -answer.gap);
+    // Bodies touch each other from both sides: their area is counted once.
+    report.area += answer.target < obstacle_count() || spheres_ ? sample.area : sample.area / 2;
+    for (int i = 0; i < answer.count; ++i) {
+      const Side& side = answer.sides[i];
+      report.forces.col(side.molecule) +=
+          side.normal * answer.pressing * answer.normal + side.tangential * answer.friction;
+      pressing[side.molecule] += std::abs(side.normal) * answer.pressing;
+    }
+    if (answer.target < obstacle_count())
+      report.on_obstacles[answer.target] -= force;
+    else if (const int other = piece_of_target(answer); other != sample.piece)
+      report.between_pieces += sample.piece < other ? force : Vector3(-force);
+  }
+  report.pressure = VectorX::Zero(body_.size());
+  for (const int molecule : watched_)
+    if (pressing[molecule] > 0) report.pressure[molecule] = pressing[molecule] / area_[molecule];
+  report.largest_pressure = report.pressure.size() ? report.pressure.maxCoeff() : 0;
+  report.broad_seconds = search_.cost().broad_seconds;
+  report.narrow_seconds = search_.cost().narrow_seconds;
+  return report;
+}
+
+}  // namespace elastin

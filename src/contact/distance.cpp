@@ -1,0 +1,131 @@
+#include "contact/distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "contact/mesh_distance.h"
+#include "elastin/base/error.h"
+
+namespace elastin {
+namespace {
+
+/// Distance from a core (a point, a line) that is `radius` thick, at `away` [m] from the nearest place of the core;
+/// `free` projects on the directions in which that place stays.
+Distance around(const Vector3& away, double radius, const Matrix3& free, const Vector3& fallback) {
+  const double length = away.norm();
+  if (!(length > 1e-12 * radius)) return {length - radius, fallback, Matrix3::Zero()};
+  const Vector3 normal = away / length;
+  return {length - radius, normal, (free - normal * normal.transpose()) / length};
+}
+
+struct HalfSpace final : SignedDistance::Solid {
+  Distance at(const Vector3& point) const override { return {point.z(), Vector3::UnitZ(), Matrix3::Zero()}; }
+};
+
+struct Ball final : SignedDistance::Solid {
+  explicit Ball(double r) : radius(r) {}
+  double radius;
+  Distance at(const Vector3& point) const override {
+    return around(point, radius, Matrix3::Identity(), Vector3::UnitZ());
+  }
+};
+
+struct Rod final : SignedDistance::Solid {
+  Rod(double r, double length) : radius(r), half(length / 2) {}
+  double radius, half;
+  Distance at(const Vector3& point) const override {
+    const double along = std::clamp(point.z(), -half, half);
+    Matrix3 free = Matrix3::Identity();
+    if (along == point.z()) free(2, 2) = 0;
+    return around(point - along * Vector3::UnitZ(), radius, free, Vector3::UnitX());
+  }
+};
+
+struct Brick final : SignedDistance::Solid {
+  explicit Brick(const Vector3& size) : half(size / 2) {}
+  Vector3 half;
+  Distance at(const Vector3& point) const override {
+    const Vector3 beyond = point.cwiseAbs() - half;
+    Vector3 away = beyond.cwiseMax(0);
+    const double length = away.norm();
+    if (!(length > 0)) {
+      int axis = 0;
+      const double depth = beyond.maxCoeff(&axis);
+      return {depth, (point[axis] < 0 ? -1. : 1.) * Vector3::Unit(axis), Matrix3::Zero()};
+    }
+    Matrix3 free = Matrix3::Zero();
+    for (int axis = 0; axis < 3; ++axis) {
+      if (beyond[axis] > 0) free(axis, axis) = 1;
+      if (point[axis] < 0) away[axis] = -away[axis];
+    }
+    const Vector3 normal = away / length;
+    if ((beyond.array() > 0).count() == 1) return {length, normal, Matrix3::Zero()};
+    return {length, normal, (free - normal * normal.transpose()) / length};
+  }
+};
+
+/// A cylinder: in the plane through its axis and the point a rectangle. A normal that leans outwards by `radial` turns
+/// with the point about the axis, by radial / ρ.
+struct Drum final : SignedDistance::Solid {
+  Drum(double r, double length) : radius(r), half(length / 2) {}
+  double radius, half;
+  Distance at(const Vector3& point) const override {
+    const double from_axis = std::hypot(point.x(), point.y());
+    const bool on_axis = !(from_axis > 1e-12 * radius);
+    const Vector3 out = on_axis ? Vector3::UnitX() : Vector3(point.x() / from_axis, point.y() / from_axis, 0);
+    const Vector3 up = (point.z() < 0 ? -1. : 1.) * Vector3::UnitZ(), round = up.cross(out);
+    const double beyond_side = from_axis - radius, beyond_end = std::abs(point.z()) - half;
+    if (beyond_side > 0 && beyond_end > 0) {
+      const double length = std::hypot(beyond_side, beyond_end);
+      const Vector3 normal = (beyond_side * out + beyond_end * up) / length;
+      const Vector3 across = (beyond_end * out - beyond_side * up) / length;
+      return {
+          length, normal,
+          across * across.transpose() / length + beyond_side / length / from_axis * Matrix3(round * round.transpose())};
+    }
+    if (beyond_end >= beyond_side) return {beyond_end, up, Matrix3::Zero()};
+    if (on_axis) return {beyond_side, out, Matrix3::Zero()};
+    return {beyond_side, out, round * round.transpose() / from_axis};
+  }
+};
+
+void require_positive(double value, const char* what) {
+  if (!(value > 0) || !std::isfinite(value))
+    throw InputError(std::string("an obstacle's ") + what + " is " + std::to_string(value) +
+                     " m; allowed: above 0, finite");
+}
+
+std::unique_ptr<SignedDistance::Solid> solid(const shape::Plane&) { return std::make_unique<HalfSpace>(); }
+std::unique_ptr<SignedDistance::Solid> solid(const shape::Box& box) {
+  require_positive(box.size.minCoeff(), "size");
+  return std::make_unique<Brick>(box.size);
+}
+std::unique_ptr<SignedDistance::Solid> solid(const shape::Sphere& sphere) {
+  require_positive(sphere.radius, "radius");
+  return std::make_unique<Ball>(sphere.radius);
+}
+std::unique_ptr<SignedDistance::Solid> solid(const shape::Cylinder& cylinder) {
+  require_positive(cylinder.radius, "radius");
+  require_positive(cylinder.length, "length");
+  return std::make_unique<Drum>(cylinder.radius, cylinder.length);
+}
+std::unique_ptr<SignedDistance::Solid> solid(const shape::Capsule& capsule) {
+  require_positive(capsule.radius, "radius");
+  require_positive(capsule.length, "length");
+  return std::make_unique<Rod>(capsule.radius, capsule.length);
+}
+std::unique_ptr<SignedDistance::Solid> solid(const shape::Convex& convex) { return make_hull_distance(convex.points); }
+std::unique_ptr<SignedDistance::Solid> solid(const shape::Mesh& mesh) {
+  return make_mesh_distance(mesh.points, mesh.triangles);
+}
+
+}  // namespace
+
+SignedDistance::SignedDistance(const ObstacleShape& shape)
+    : solid_(std::visit([](const auto& one) { return solid(one); }, shape)) {}
+SignedDistance::~SignedDistance() = default;
+SignedDistance::SignedDistance(SignedDistance&&) noexcept = default;
+Distance SignedDistance::at(const Vector3& point) const { return solid_->at(point); }
+
+}  // namespace elastin

@@ -1,0 +1,35 @@
+#pragma once
+#include <memory>
+
+#include "elastin/contact/obstacle.h"
+
+namespace elastin {
+
+/// How far a point is from a solid.
+struct Distance {
+  double value;     ///< [m], below 0 inside
+  Vector3 normal;   ///< unit, ∂value/∂point: outwards from the nearest place of the surface
+  Matrix3 turning;  ///< ∂normal/∂point [1/m], symmetric; 0 in front of what is flat
+};
+
+/// Signed distance to a shape, in its own frame. Where several places are equally near (on an axis, at a centre) one of
+/// them counts: the normal is always a unit vector.
+class SignedDistance {
+ public:
+  /// Throws InputError on sizes that are not above 0, on points without a hull and on meshes without triangles.
+  explicit SignedDistance(const ObstacleShape& shape);
+  ~SignedDistance();
+  SignedDistance(SignedDistance&&) noexcept;
+  Distance at(const Vector3& point) const;
+
+  /// A shape's own way to tell.
+  struct Solid {
+    virtual ~Solid() = default;
+    virtual Distance at(const Vector3& point) const = 0;
+  };
+
+ private:
+  std::unique_ptr<Solid> solid_;
+};
+
+}  // namespace elastin

@@ -1,0 +1,86 @@
+#include "contact/surface_normals.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastin {
+namespace {
+
+/// (x1 − x0) × (x2 − x0), twice the area.
+Vector3 cross_of(const Positions& places, const std::array<int, 3>& triangle) {
+  const Vector3 a = places.col(triangle[0]), b = places.col(triangle[1]), c = places.col(triangle[2]);
+  return (b - a).cross(c - a);
+}
+
+Vector3 unit_or_zero(const Vector3& vector) {
+  const double length = vector.norm();
+  return length > 0 ? Vector3(vector / length) : Vector3::Zero();
+}
+
+double angle_at(const Positions& places, const std::array<int, 3>& triangle, int point) {
+  const int k = triangle[0] == point ? 0 : triangle[1] == point ? 1 : 2;
+  const Vector3 from = places.col(point);
+  const Vector3 one = places.col(triangle[(k + 1) % 3]) - from, other = places.col(triangle[(k + 2) % 3]) - from;
+  return std::atan2(one.cross(other).norm(), one.dot(other));
+}
+
+bool has(const std::array<int, 3>& triangle, int point) {
+  return std::find(triangle.begin(), triangle.end(), point) != triangle.end();
+}
+
+}  // namespace
+
+SurfaceNormals::SurfaceNormals(int points, const Cells<3>& triangles) : triangles_(triangles) {
+  std::vector<int> corners;
+  for (const auto& triangle : triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
+  around_ = rows_by_target(points, corners);
+  for (int& slot : around_.entries) slot /= 3;
+}
+
+Vector3 SurfaceNormals::at(const Positions& places, int triangle, const std::array<double, 3>& weights) const {
+  const auto& corners = triangles_[static_cast<std::size_t>(triangle)];
+  const auto zeros = std::count(weights.begin(), weights.end(), 0);
+  const Vector3 face = unit_or_zero(cross_of(places, corners));
+  Vector3 sum = face;
+  if (zeros == 1) {
+    const int out = weights[0] == 0 ? 0 : weights[1] == 0 ? 1 : 2;
+    const int from = corners[(out + 1) % 3], to = corners[(out + 2) % 3];
+    sum.setZero();
+    for (const int other : around_[from])
+      if (const auto& its = triangles_[static_cast<std::size_t>(other)]; has(its, to))
+        sum += unit_or_zero(cross_of(places, its));
+  } else if (zeros == 2) {
+    const int corner = corners[weights[0] != 0 ? 0 : weights[1] != 0 ? 1 : 2];
+    sum.setZero();
+    for (const int other : around_[corner]) {
+      const auto& its = triangles_[static_cast<std::size_t>(other)];
+      sum += angle_at(places, its, corner) * unit_or_zero(cross_of(places, its));
+    }
+  }
+  const double length = sum.norm();
+  if (length > 1e-9) return sum / length;
+  return face.squaredNorm() > 0.5 ? face : Vector3(Vector3::UnitZ());
+}
+
+Distance SurfaceNormals::distance(const Positions& places, int triangle, const NearestPlace& nearest,
+                                  const Vector3& point) const {
+  const Vector3 outward = at(places, triangle, nearest.weights), away = point - nearest.place;
+  const auto zeros = std::count(nearest.weights.begin(), nearest.weights.end(), 0);
+  if (zeros == 0) return {away.dot(outward), outward, Matrix3::Zero()};
+  const auto& [a, b, c] = triangles_[static_cast<std::size_t>(triangle)];
+  const std::array<Vector3, 3> corners{places.col(a), places.col(b), places.col(c)};
+  const double length = away.norm(), sign = away.dot(outward) < 0 ? -1 : 1;
+  // Rounding has a say in the direction of what is short; there it comes from the surface.
+  const double size = std::max((corners[1] - corners[0]).norm(), (corners[2] - corners[0]).norm());
+  if (!(length > 1e-9 * size)) return {sign * length, outward, Matrix3::Zero()};
+  const Vector3 normal = sign / length * away;
+  Matrix3 free = Matrix3::Identity() - normal * normal.transpose();
+  if (zeros == 1) {
+    const int out = nearest.weights[0] == 0 ? 0 : nearest.weights[1] == 0 ? 1 : 2;
+    const Vector3 side = unit_or_zero(corners[(out + 2) % 3] - corners[(out + 1) % 3]);
+    free -= side * side.transpose();
+  }
+  return {sign * length, normal, sign / length * free};
+}
+
+}  // namespace elastin

@@ -1,0 +1,345 @@
+#include "elastin/contact/contact.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "bodies.h"
+#include "contact/answer.h"
+#include "elastin/base/error.h"
+#include "elastin/base/threads.h"
+#include "elastin/simulation/catalog.h"
+#include "elastin/solve/energies.h"
+#include "elastin/solve/integrator.h"
+#include "forces_of.h"
+
+using namespace elastin;
+using namespace elastin::testing;
+
+namespace {
+
+constexpr double kGravity = 9.81;
+
+Obstacle floor_at(double height, double friction = -1) {
+  Obstacle floor{"floor", shape::Plane{}, {}, {}, friction};
+  floor.pose.place.z() = height;
+  return floor;
+}
+
+/// A plane through the origin that falls towards +x.
+Obstacle incline(double angle) {
+  Obstacle plane{"incline", shape::Plane{}, {}};
+  plane.pose.turn = Eigen::AngleAxisd(angle, Vector3::UnitY()).toRotationMatrix();
+  return plane;
+}
+
+Body loose_molecules(const std::vector<Vector3>& places, double radius, double mass) {
+  Body body = listed_body(places, {});
+  body.radius = VectorX::Constant(body.size(), radius);
+  body.mass = VectorX::Constant(body.size(), mass);
+  return body;
+}
+
+/// A stiff block of 3 × 3 × 2 molecules of 1 cm, lowest spheres on z = 0; 18 g each.
+Body block() {
+  Body body = cubic_lattice({3, 3, 2}, 0.01, {true, true, true});
+  body.rest.row(2).array() += 0.005;
+  set_matter(body, 0.005, 1000, 0, 18e-6);
+  return body;
+}
+
+struct Scene {
+  Scene(Body a_body, ContactOptions options, double gravity = kGravity, double modulus = 1e6)
+      : body(std::move(a_body)) {
+    model = std::make_unique<Model>(body);
+    if (body.connections.size() > 0)
+      model->add(make_springs(body, VectorX::Constant(body.connections.size(), modulus * 0.004)));
+    auto made = make_contact(body, options);
+    contact = made.get();
+    model->add(std::move(made));
+    if (gravity > 0) model->add(make_gravity(body, {0, 0, -gravity}));
+    state = state_at_rest(body);
+    model->remember(state);
+  }
+  void step(const IntegratorOptions& options, double dt, int steps) {
+    const auto integrator = make_integrator(options);
+    for (int step = 0; step < steps; ++step) {
+      const StepResult result = integrator->advance(*model, state, dt);
+      INFO("step " << step << ": " << result.cause);
+      REQUIRE(result.outcome == Outcome::converged);
+    }
+  }
+  Vector3 centre() const { return state.positions * body.mass / body.mass.sum(); }
+  Vector3 speed() const { return state.velocities * body.mass / body.mass.sum(); }
+
+  Body body;
+  std::unique_ptr<Model> model;
+  Contact* contact;
+  State state;
+};
+
+ContactOptions options_of(double stiffness, double friction, std::vector<Obstacle> obstacles) {
+  ContactOptions options;
+  options.stiffness = stiffness;
+  options.friction = friction;
+  options.obstacles = std::move(obstacles);
+  return options;
+}
+
+/// Largest difference between add_change and central differences of the forces, over the largest change.
+double tangent_error(const Body& body, const ContactOptions& options, const State& state, double step) {
+  const auto contact = make_contact(body, options);
+  double worst = 0;
+  for (unsigned seed = 1; seed < 5; ++seed) {
+    const Positions motion = random_motion(body, seed), speed = random_motion(body, seed + 10);
+    Positions change = Positions::Zero(3, body.size());
+    contact->add_change(state, motion, speed, change);
+    State ahead = state, behind = state;
+    ahead.positions += step * motion, behind.positions -= step * motion;
+    ahead.velocities += step * speed, behind.velocities -= step * speed;
+    const Positions expected = (forces_of(*contact, ahead) - forces_of(*contact, behind)) / (2 * step);
+    REQUIRE(expected.cwiseAbs().maxCoeff() > 0);
+    worst = std::max(worst, (change - expected).cwiseAbs().maxCoeff() / expected.cwiseAbs().maxCoeff());
+
+    Positions by_blocks = Positions::Zero(3, body.size()), without_speed = Positions::Zero(3, body.size());
+    contact->visit_blocks(state, 0,
+                          [&](int a, int b, const Matrix3& part) { by_blocks.col(a) -= part * motion.col(b); });
+    contact->add_change(state, motion, Positions::Zero(3, body.size()), without_speed);
+    CHECK((by_blocks - without_speed).cwiseAbs().maxCoeff() <= 1e-12 * without_speed.cwiseAbs().maxCoeff());
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("contact: a molecule on a plane is held by its weight exactly", "[contact]") {
+  const double mass = 0.3;
+  Scene scene(loose_molecules({{0, 0, 0.01}}, 0.01, mass), options_of(1e6, 0, {floor_at(0)}));
+  const StaticResult result = solve_static(*scene.model, scene.state);
+  REQUIRE(result.outcome == Outcome::converged);
+  const ContactReport report = scene.contact->report(scene.state);
+  CHECK(report.pairs == 1);
+  CHECK((report.on_obstacles[0] - Vector3(0, 0, -mass * kGravity)).norm() <= 1e-9 * mass * kGravity);
+  // Pressure over depth times the molecule's (2r)².
+  CHECK(report.largest_penetration == Approx(mass * kGravity / (1e6 * 0.02 * 0.02)).epsilon(1e-9));
+}
+
+TEST_CASE("contact: multipliers bound the depth and keep the force", "[contact]") {
+  ContactOptions options = options_of(1e6, 0, {floor_at(0)});
+  options.penetration = 1e-6;
+  Scene scene(loose_molecules({{0, 0, 0.01}}, 0.01, 0.3), options);
+  const StaticResult result = solve_static(*scene.model, scene.state);
+  INFO(result.cause);
+  REQUIRE(result.outcome == Outcome::converged);
+  const ContactReport report = scene.contact->report(scene.state);
+  CHECK(report.largest_penetration <= 1e-6);
+  CHECK(-report.on_obstacles[0].z() == Approx(0.3 * kGravity).epsilon(1e-9));
+}
+
+TEST_CASE("contact: a stack of ten carries each molecule's own load", "[contact]") {
+  const double radius = 0.01, mass = 0.05, stiffness = 1e7;
+  std::vector<Vector3> places;
+  for (int i = 0; i < 10; ++i) places.emplace_back(0, 0, radius * (2 * i + 1));
+  Scene scene(loose_molecules(places, radius, mass), options_of(stiffness, 0.5, {floor_at(0)}));
+  const StaticResult result = solve_static(*scene.model, scene.state);
+  INFO(result.cause);
+  REQUIRE(result.outcome == Outcome::converged);
+  const ContactReport report = scene.contact->report(scene.state);
+  CHECK(report.pairs == 10);
+  CHECK(-report.on_obstacles[0].z() == Approx(10 * mass * kGravity).epsilon(1e-9));
+  const double k = stiffness * 4 * radius * radius;
+  double below = 0;
+  for (int i = 0; i < 10; ++i) {
+    const double depth = radius * (2 * i + 1) - scene.state.positions(2, i);
+    CHECK(depth - below == Approx((10 - i) * mass * kGravity / k).epsilon(1e-7));
+    below = depth;
+  }
+}
+
+TEST_CASE("contact: a head-on collision keeps momentum to rounding, and energy", "[contact]") {
+  Body body = cubic_lattice({2, 2, 2}, 0.01, {true, true, true});
+  Body two = body;
+  const int n = body.size();
+  two.rest.conservativeResize(3, 2 * n);
+  two.rest.rightCols(n) = body.rest.colwise() + Vector3(0.03, 0.002, 0.001);
+  for (auto ends : body.connections.ends) two.connections.ends.push_back({ends[0] + n, ends[1] + n});
+  two.connections.rest_length.insert(two.connections.rest_length.end(), body.connections.rest_length.begin(),
+                                     body.connections.rest_length.end());
+  two.cubes.clear();
+  two.grid.reset();
+  set_matter(two, 0.005, 1000, 0, 16e-6);
+  Scene scene(two, options_of(1e9, 0, {}), 0);
+  scene.state.velocities.leftCols(n).row(0).setConstant(1.5);
+  scene.state.velocities.rightCols(n).row(0).setConstant(-0.5);
+  const Ledger ledger(*scene.model, scene.state);
+  const Energies before = ledger.energies(*scene.model, scene.state);
+  double deepest = 0;
+  const auto integrator = make_integrator({Scheme::velocity_verlet});
+  for (int step = 0; step < 4000; ++step) {
+    REQUIRE(integrator->advance(*scene.model, scene.state, 5e-6).outcome == Outcome::converged);
+    deepest = std::max(deepest, scene.contact->report(scene.state).largest_penetration);
+  }
+  CHECK(deepest > 0);
+  CHECK(scene.contact->report(scene.state).pairs == 0);
+  const Energies after = ledger.energies(*scene.model, scene.state);
+  CHECK((after.momentum - before.momentum).norm() <= 1e-13 * before.momentum.norm() * 1000);
+  CHECK((after.angular_momentum - before.angular_momentum).norm() <= 1e-12 * 0.016 * 2 * 0.03);
+  CHECK(after.balance() == Approx(before.balance()).epsilon(2e-3));
+  CHECK(scene.state.velocities.leftCols(n).row(0).mean() < 0.5);  // it has given momentum away
+}
+
+TEST_CASE("contact: two molecules meet with the restitution asked for", "[contact]") {
+  for (const double restitution : {1., 0.8, 0.5, 0.1}) {
+    ContactOptions options = options_of(1e8, 0, {});
+    options.restitution = restitution;
+    Scene scene(loose_molecules({{0, 0, 0}, {0.03, 0, 0}}, 0.01, 0.01), options, 0);
+    scene.state.velocities(0, 0) = 2;
+    scene.step({Scheme::velocity_verlet}, 2e-6, 10000);
+    CHECK(scene.contact->report(scene.state).pairs == 0);
+    // The damping sets in over the first thousandth of a diameter.
+    CHECK(scene.state.velocities(0, 1) - scene.state.velocities(0, 0) == Approx(2 * restitution).epsilon(0.04));
+  }
+  CHECK(damping_ratio_of(1) == 0);
+  // Where the force falls to zero of x'' + 2ζx' + x = 0 from x' = 1: ζ = 1 leaves with e⁻².
+  CHECK(damping_ratio_of(std::exp(-2)) == Approx(1).epsilon(1e-4));
+}
+
+TEST_CASE("contact: below the angle of friction a block stays where it is for ten seconds", "[contact]") {
+  const double mu = 0.5, angle = 0.95 * std::atan(mu);
+  Body body = block();
+  const Matrix3 turn = incline(angle).pose.turn;
+  rotate(body, turn);
+  Scene scene(body, options_of(1e9, mu, {incline(angle)}));
+  const StaticResult settled = solve_static(*scene.model, scene.state);
+  INFO(settled.cause);
+  REQUIRE(settled.outcome == Outcome::converged);
+  scene.model->remember(scene.state);
+  const Positions begin = scene.state.positions;
+  scene.step({Scheme::newmark}, 0.05, 200);
+  CHECK((scene.state.positions - begin).colwise().norm().maxCoeff() < 1e-6);
+  CHECK(scene.contact->report(scene.state).sticking == 9);
+}
+
+TEST_CASE("contact: a block slides from the angle of friction on, with g (sin − μ cos)", "[contact]") {
+  const double mu = 0.5, threshold = std::atan(mu);
+  for (const double part : {0.999, 1.001, 1.2}) {
+    const double angle = part * threshold;
+    Body body = block();
+    rotate(body, incline(angle).pose.turn);
+    Scene scene(body, options_of(1e9, mu, {incline(angle)}));
+    const Vector3 down = incline(angle).pose.turn.col(0);
+    // Pressed on by its weight's normal part before it is let go, or it bounces.
+    scene.step({Scheme::backward_euler}, 0.01, 20);
+    const double before = scene.speed().dot(down);
+    scene.step({Scheme::backward_euler}, 0.01, 100);
+    const double gained = scene.speed().dot(down) - before,
+                 expected = kGravity * (std::sin(angle) - mu * std::cos(angle));
+    INFO("angle " << part << " of the threshold: gained " << gained << " m/s, expected " << expected);
+    if (part < 1)
+      CHECK(std::abs(gained) < 1e-9);
+    else
+      CHECK(gained == Approx(expected).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("contact: a sled slows down by μ g", "[contact]") {
+  const double mu = 0.3;
+  Scene scene(block(), options_of(1e9, mu, {floor_at(0)}));
+  REQUIRE(solve_static(*scene.model, scene.state).outcome == Outcome::converged);
+  scene.state.velocities.row(0).setConstant(1);
+  scene.model->remember(scene.state);
+  scene.step({Scheme::velocity_verlet}, 5e-5, 4000);
+  CHECK(1 - scene.speed().x() == Approx(mu * kGravity * 0.2).epsilon(1e-3));
+  scene.step({Scheme::velocity_verlet}, 5e-5, 6000);
+  CHECK(std::abs(scene.speed().x()) < 1e-3);  // it has stopped, and does not start again
+}
+
+TEST_CASE("contact: tangents are the derivatives of the forces", "[contact]") {
+  const Body single = loose_molecules({{0, 0, 0.0099}, {0.021, 0, 0.0095}, {0.003, 0.01, 0.0268}}, 0.01, 0.1);
+  const Body apart = loose_molecules({{0, 0, 0.0099}, {0.021, 0, 0.0095}}, 0.01, 0.1);
+  State state = state_at_rest(single);
+  SECTION("plane, no friction") { CHECK(tangent_error(single, options_of(1e6, 0, {floor_at(0)}), state, 1e-8) < 1e-6); }
+  SECTION("spheres and a sphere obstacle") {
+    Obstacle ball{"ball", shape::Sphere{0.05}, {}};
+    ball.pose.place = {0.01, 0.002, -0.0495};
+    CHECK(tangent_error(single, options_of(1e6, 0, {ball}), state, 1e-8) < 1e-6);
+  }
+  SECTION("sticking and sliding") {
+    const ContactOptions options = options_of(1e6, 0.4, {floor_at(0)});
+    state = state_at_rest(apart);
+    make_contact(apart, options)->remember(state);
+    state.positions(0, 0) += 1e-6;  // within the cone
+    state.positions(1, 1) += 3e-3;  // far outside
+    CHECK(tangent_error(apart, options, state, 1e-9) < 1e-5);
+  }
+  SECTION("damping") {
+    ContactOptions options = options_of(1e6, 0.4, {floor_at(0)});
+    options.restitution = 0.5;
+    state = state_at_rest(apart);
+    make_contact(apart, options)->remember(state);
+    state.velocities = 1e-3 * random_motion(apart, 3);
+    CHECK(tangent_error(apart, options, state, 1e-9) < 1e-5);
+  }
+}
+
+TEST_CASE("contact: tangents of two surfaces of triangles pressed into each other", "[contact]") {
+  const Body one = jittered_block();
+  Body two = one;
+  const int n = one.size();
+  two.rest.conservativeResize(3, 2 * n);
+  two.rest.rightCols(n) =
+      (Eigen::AngleAxisd(0.2, Vector3(1, 2, 3).normalized()).toRotationMatrix() * one.rest).colwise() +
+      Vector3(0.004, 0.003, 0.0195);
+  for (auto cell : one.tetrahedra) two.tetrahedra.push_back({cell[0] + n, cell[1] + n, cell[2] + n, cell[3] + n});
+  two.connections = connections_of_cells(two.rest, {}, two.tetrahedra);
+  set_matter(two, 0.003, 1000, 0, 0);
+  ContactOptions options = options_of(1e8, 0, {});
+  options.surface = ContactSurface::triangles;
+  const State state = state_at_rest(two);
+  const auto contact = make_contact(two, options);
+  REQUIRE(contact->report(state).pairs > 3);
+  const Positions forces = forces_of(*contact, state);
+  const double size = forces.cwiseAbs().maxCoeff();
+  CHECK(forces.rowwise().sum().norm() < 1e-12 * size);
+  Vector3 torque = Vector3::Zero();
+  for (int i = 0; i < two.size(); ++i) torque += Vector3(two.rest.col(i)).cross(Vector3(forces.col(i)));
+  CHECK(torque.norm() < 1e-12 * size);
+  CHECK(tangent_error(two, options, state, 1e-9) < 1e-4);
+  // The forces are the energy's slope whatever the depth.
+  const Positions motion = random_motion(two, 4);
+  State ahead = state, behind = state;
+  ahead.positions += 1e-8 * motion, behind.positions -= 1e-8 * motion;
+  CHECK((contact->energy(ahead) - contact->energy(behind)) / 2e-8 ==
+        Approx(-forces.cwiseProduct(motion).sum()).epsilon(1e-5));
+}
+
+TEST_CASE("contact: nothing passes through a thin plate however fast it comes", "[contact]") {
+  for (const Scheme scheme :
+       {Scheme::velocity_verlet, Scheme::symplectic_euler, Scheme::backward_euler, Scheme::newmark}) {
+    Obstacle plate{"plate", shape::Box{{0.2, 0.2, 1e-3}}, {}};
+    Scene scene(loose_molecules({{0, 0, 0.1}}, 0.005, 0.001), options_of(1e10, 0, {plate}),
+                0);  // stiff enough to stop it within its radius
+    scene.state.velocities(2, 0) = -100;
+    const auto integrator = make_integrator({scheme});
+    for (int step = 0; step < 50 && scene.state.velocities(2, 0) < 0; ++step) {
+      const StepResult result = integrator->advance(*scene.model, scene.state, 1e-4);  // 1 cm a step
+      INFO(name_of(scheme) << ": " << result.cause);
+      REQUIRE(result.outcome == Outcome::converged);
+      REQUIRE(scene.state.positions(2, 0) > 0);
+    }
+    CHECK(scene.state.positions(2, 0) > 0);
+  }
+}
+
+TEST_CASE("contact: wrong options are refused", "[contact]") {
+  const Body body = block();
+  CHECK_THROWS_AS(make_contact(body, options_of(0, 0, {floor_at(0)})), InputError);
+  CHECK_THROWS_AS(make_contact(body, options_of(1, -1, {floor_at(0)})), InputError);
+  ContactOptions options = options_of(1, 0, {});
+  options.restitution = 0;
+  CHECK_THROWS_AS(make_contact(body, options), InputError);
+  options = options_of(1, 0, {});
+  options.surface = ContactSurface::triangles;
+  CHECK_THROWS_WITH(make_contact(loose_molecules({{0, 0, 0}}, 1, 1), options),
+                    Catch::Contains("no surface of triangles"));
+}

@@ -1,0 +1,186 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <stdexcept>
+
+#include "contact/search.h"
+#include "contact_steps.h"
+#include "elastin/base/threads.h"
+#include "elastin/model/shapes.h"
+#include "fcl_objects.h"
+#include "measure.h"
+
+namespace bench {
+namespace {
+
+using namespace elastin;
+
+enum class Against { plane, ball, body };
+constexpr const char* kScenes[] = {"on a plane", "on a ball", "body on body"};
+
+/// A cube of `side`³ molecules, or two halves of it, pressed in by a tenth of a radius; into a ball by half of one.
+struct Scene {
+  Body body;
+  std::vector<Obstacle> obstacles;
+  std::vector<std::vector<int>> all, surface;  ///< molecules of each piece
+  double spacing;
+
+  Scene(Against against, int side) : body(make_cube(side)), spacing(kCubeLength / (side - 1)) {
+    const double radius = spacing / 2, depth = against == Against::ball ? radius / 2 : radius / 10;
+    const Vector3 below(kCubeLength / 2, kCubeLength / 2, -radius + depth);
+    if (against == Against::plane) obstacles.push_back({"plane", shape::Plane{}, {Matrix3::Identity(), below}});
+    if (against == Against::ball) {  // of the cube's own size
+      const double size = kCubeLength / 2;
+      obstacles.push_back({"ball", shape::Sphere{size}, {Matrix3::Identity(), below - size * Vector3::UnitZ()}});
+    }
+    if (against == Against::body) cut(side / 2, depth);
+    const std::vector<int> piece_of = inspect(body).piece_of;
+    all.resize(against == Against::body ? 2 : 1);
+    surface.resize(all.size());
+    for (int molecule = 0; molecule < body.size(); ++molecule) all[piece_of[molecule]].push_back(molecule);
+    for (const int molecule : surface_molecules(body)) surface[piece_of[molecule]].push_back(molecule);
+  }
+
+  std::vector<Pose> poses() const {
+    std::vector<Pose> poses;
+    for (const Obstacle& obstacle : obstacles) poses.push_back(obstacle.pose);
+    return poses;
+  }
+
+ private:
+  /// Parts what lies above a layer from what lies below, and sets it down shifted, so that no sphere is on top of one.
+  void cut(int layer, double depth) {
+    const double height = (layer - 0.5) * spacing;
+    const auto above = [&](int molecule) { return body.rest(2, molecule) > height; };
+    const auto parted = [&](const auto& cell) {
+      return std::any_of(cell.begin(), cell.end(), [&](int molecule) { return above(molecule) != above(cell[0]); });
+    };
+    std::erase_if(body.connections.ends, parted);
+    std::erase_if(body.cubes, parted);
+    body.grid.reset();
+    set_present_lengths(body);
+    // Over the middle between four spheres of the layer below.
+    const double up = std::sqrt(0.5) * spacing - depth - spacing;
+    for (int molecule = 0; molecule < body.size(); ++molecule)
+      if (above(molecule)) body.rest.col(molecule) += Vector3(spacing / 2, spacing / 2, up);
+  }
+};
+
+constexpr const char* kMethods[] = {
+    "steady", "anew", "triangles, steady", "triangles, anew", "FCL, surface alone", "FCL, every molecule"};
+
+/// A search, and how many touches it found last. `anew`: it is led to and fro so far that it must look again.
+struct Ours {
+  ContactSearch search;
+  Positions here, there;
+  std::vector<Pose> poses;
+  std::vector<Touch> found = {};
+  bool back = false;
+  Ours(const Scene& scene, bool triangles, bool anew)
+      : search(make(scene, triangles)), here(scene.body.rest), there(here), poses(scene.poses()) {
+    there.row(0).array() += (anew ? 2 : 1e-3) * scene.spacing;
+  }
+  static ContactSearch make(const Scene& scene, bool triangles) {
+    const Cells<3> surface = triangles ? surface_triangles(scene.body) : Cells<3>{};
+    return {
+        scene.body,
+        triangles ? triangle_samples(scene.body, surface) : sphere_samples(scene.body, surface_molecules(scene.body)),
+        surface,
+        !triangles,
+        scene.obstacles,
+        false};
+  }
+  std::size_t find() {
+    search.find(back ? there : here, poses, 0, found);
+    back = !back;
+    return found.size();
+  }
+};
+
+/// Elastin's searches and FCL's, in turn, on some number of threads (FCL has one).
+std::vector<Figures> race(Against against, int side, int threads, int repeats) {
+  const Scene scene(against, side);
+  set_threads(threads);
+  std::vector<Ours> ours;
+  for (const bool triangles : {false, true})
+    for (const bool anew : {false, true}) ours.emplace_back(scene, triangles, anew);
+  const Obstacle* obstacle = scene.obstacles.empty() ? nullptr : scene.obstacles.data();
+  std::deque<FclObjects> peers;
+  if (threads == 1) {
+    peers.emplace_back(scene.body, scene.surface, obstacle);
+    peers.emplace_back(scene.body, scene.all, obstacle);
+  }
+  if (const std::size_t found = ours[0].find(); threads == 1 && (found == 0 || peers[0].find(scene.body.rest) != found))
+    throw std::runtime_error("FCL and elastin find other touches");
+  ours[0].back = false;
+  const int calls = std::max(1, 20000 / (side * side));  // long against the clock
+  std::vector<std::function<void()>> works;
+  for (Ours& one : ours)
+    works.emplace_back([&, calls] {
+      for (int i = 0; i < calls; ++i) one.find();
+    });
+  for (FclObjects& one : peers) works.emplace_back([&] { one.find(scene.body.rest); });
+  std::vector<Figures> found;
+  for (const Sample& sample : interleaved(works, repeats)) {
+    const bool peer = found.size() >= ours.size();
+    Figures figures;
+    figures.molecules = scene.body.size();
+    figures.touches = static_cast<double>(peer ? ours[0].found.size() : ours[found.size()].found.size());
+    figures.minimum = sample.minimum / (peer ? 1 : calls);
+    figures.median = sample.median / (peer ? 1 : calls);
+    found.push_back(figures);
+  }
+  return found;
+}
+
+/// How the time of one method grows: the slope of log time over log molecules.
+double exponent(const std::vector<const Row*>& rows) {
+  double x = 0, y = 0, xx = 0, xy = 0;
+  for (const Row* row : rows) {
+    const double u = std::log(row->figures.molecules), v = std::log(row->figures.minimum);
+    x += u, y += v, xx += u * u, xy += u * v;
+  }
+  const double n = static_cast<double>(rows.size());
+  return (n * xy - x * y) / (n * xx - x * x);
+}
+
+/// Says at the largest of each method how it grows, and how FCL's surface loop compares.
+void add_comparisons(std::vector<Row>& rows) {
+  std::map<std::pair<std::string, int>, std::vector<const Row*>> of_method;
+  std::map<std::pair<std::string, int>, double> fcl;  // by scene and side
+  const auto scene_of = [](const Row& row) { return row.method.substr(0, row.method.find(':')); };
+  for (Row& row : rows) {
+    of_method[{row.method, row.threads}].push_back(&row);
+    if (row.method.ends_with(kMethods[4])) fcl[{scene_of(row), row.side}] = row.figures.minimum;
+  }
+  for (Row& row : rows) {
+    if (const auto peer = fcl.find({scene_of(row), row.side}); peer != fcl.end())
+      row.figures.ratio = peer->second / row.figures.minimum;
+    const auto& alike = of_method[{row.method, row.threads}];
+    if (alike.size() > 1 && alike.back() == &row) row.note = fmt::format("∝ molecules^{:.2f}", exponent(alike));
+  }
+}
+
+}  // namespace
+
+std::vector<Row> run_contact(const Settings& settings) {
+  std::vector<Row> rows;
+  for (const Against against : {Against::plane, Against::ball, Against::body})
+    for (const int side : settings.sides)
+      for (const int threads : settings.threads) {
+        const std::string scene = kScenes[static_cast<int>(against)];
+        say(fmt::format("contact {}, side {}, threads {}", scene, side, threads));
+        const auto found = in_child([&] { return race(against, side, threads, settings.repeats); });
+        for (std::size_t i = 0; i < found.size(); ++i)
+          rows.push_back({"contact", scene + ": " + kMethods[i], side, threads, settings.repeats, found[i], ""});
+      }
+  add_comparisons(rows);
+  const std::vector<Row> steps = run_contact_steps(settings);
+  rows.insert(rows.end(), steps.begin(), steps.end());
+  return rows;
+}
+
+}  // namespace bench
