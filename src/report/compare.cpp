@@ -198,15 +198,16 @@ void Comparison::finish_row(const ScenePlan& plan, const std::string& key, Recor
                             const RowPlace& place) {
   // `run` names its one strategy: that it cannot run is a failure; in a comparison it is a row.
   good_ &= record.good() && (request_.compare || record.run.suited || record.stopped_as_expected());
-  if (scene && place.repeat == 0 && journal_ && !record.run.snapshots.empty()) {
+  if (scene && place.repeat == 0 && !record.run.snapshots.empty()) {
     const auto same_body = [&](const Record& r) { return r.scene == record.scene && r.variant == record.variant; };
-    if (std::none_of(records_.begin(), records_.end(), same_body)) journal_->add_view(body_view(*scene, record));
-    journal_->add_view(states_view(*scene, record));
+    if (journal_ && std::none_of(records_.begin(), records_.end(), same_body))
+      journal_->add_view(body_view(*scene, record));
+    if (journal_) journal_->add_view(states_view(*scene, record));
     if (!plan.varied()) write_run(request_, *scene, record);
   }
   record.run.snapshots.clear();
   record.run.constants.resize(0);
-  if (journal_ && !key.empty()) journal_->add(key, record);
+  if (journal_ && !key.empty() && record.run.outcome != Outcome::interrupted) journal_->add(key, record);
   if (request_.to_screen() && !request_.compare) fmt::print("{}", run_text(record, colours_on(STDOUT_FILENO)));
   ++done_;
   const auto same = [&](const Record& r) {
@@ -263,7 +264,7 @@ bool Comparison::run() {
   if (!request_.restart.empty() && (plans_.size() != 1 || plans_[0].rows() != 1 || !plans_[0].scene->time))
     throw InputError("--restart: goes on with one strategy of one scene that runs in time");
   if (!request_.peers.empty()) load_peers(request_.peers);
-  if (!request_.out.empty()) journal_.emplace(request_.out, request_.resume);
+  if (!request_.out.empty() && request_.compare) journal_.emplace(request_.out, request_.resume);
   if (!request_.resume) write_tables(request_, {});  // a folder that cannot be written to is said before the work
   int passes = 0;
   for (const ScenePlan& plan : plans_) {
@@ -289,7 +290,7 @@ bool Comparison::run() {
   if (request_.to_screen() && request_.compare && (request_.summary || plans_.size() > 1))
     fmt::print("{}", summary_text(records_, colours_on(STDOUT_FILENO)));
   write_tables(request_, records_);
-  if (journal_ && request_.compare && !records_.empty())
+  if (journal_ && !records_.empty())
     write_report(request_, {records_, lines_of(journal_->views_path()), {}, machine_.text(), request_.command});
   if (request_.json == "-") fmt::print("{}", json_text(records_));
   const bool all_varied =

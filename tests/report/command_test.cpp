@@ -283,10 +283,11 @@ TEST_CASE("the option --out leaves every file whole", "[command]") {
   const std::string out = folder.path("deep/out");
   const Said said = say("compare " + cube + " --out " + out);
   CHECK(said.code == 0);
-  CHECK_THAT(said.out, Contains("files in " + out + "/: runs.csv, runs.json"));
+  CHECK_THAT(said.out, Contains("files in " + out + "/: report.html, runs.csv, runs.json, curves"));
   std::set<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(out)) files.insert(entry.path().filename().string());
-  std::set<std::string> expected{"runs.csv", "runs.json"};
+  std::set<std::string> expected{"runs.csv",    "runs.json",      "runs.jsonl",     "views.jsonl",
+                                 "report.html", "cube-error.svg", "cube-course.svg"};
   for (const std::string run : {"cube-standard", "cube-a-b---c"})  // what cannot run leaves no curve
     for (const char* end : {"-curve.csv", ".pvd", "-000.vtu", "-001.vtu", "-002.vtu"}) expected.insert(run + end);
   CHECK(files == expected);

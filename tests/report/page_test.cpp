@@ -64,14 +64,14 @@ int count(const std::string& text, const std::string& what) {
 TEST_CASE("the page stands alone and says no more than text", "[page]") {
   const TemporaryFolder folder;
   const std::string page = page_of(folder);
-  CHECK_FALSE(std::regex_search(page, std::regex("(src|href)\\s*=|@import|url\\(")));
+  CHECK_FALSE(std::regex_search(page, std::regex("(src|href)\\s*=\\s*[\"']|@import|url\\(")));
   CHECK_THAT(page, !Contains("<script>alert") &&
                        Contains("&lt;script&gt;alert(&#39;no&#39;)&lt;/script&gt; &amp; &quot;co&quot;"));
   CHECK_THAT(page, !Contains("nan,") && !Contains(":null") && !Contains("NaN}"));
   CHECK(count(page, "<article class=\"scene\"") == 2);
   CHECK(count(page, "<canvas") == 2);
-  CHECK(count(page, "class=\"view\"") == 2 * (1 + 4));  // a body and four strategies each
-  CHECK_THAT(page, Contains("take lattice") && Contains("Error against time") && Contains("stress over strain"));
+  CHECK(count(page, "<script type=\"application/json\"") == 2 * (1 + 4));  // a body and four strategies each
+  CHECK_THAT(page, Contains("class=\"advice") && Contains("Error against time") && Contains("stress over strain"));
   CHECK(std::filesystem::exists(folder.path("out/first-error.svg")));
   CHECK(std::filesystem::exists(folder.path("out/first-course.svg")));
 }
@@ -88,8 +88,9 @@ TEST_CASE("places and tensions come through base64 as they are", "[page]") {
   const auto body = nlohmann::json::parse(views[0]), states = nlohmann::json::parse(views[1]);
   CHECK(body["rest"].get<std::string>().size() == 64 * 3 * 4 / 3 * 4);  // 64 molecules, three floats each
   CHECK(states["frames"].size() == 4);                                  // rest and three steps
-  CHECK(states["frames"][0]["most"] == 0);
-  CHECK(states["frames"][3]["most"] > 0);
+  const double most = states["frames"][3]["most"];
+  CHECK(most > 0);
+  CHECK(states["frames"][0]["most"] < 1e-9 * most);
 }
 
 TEST_CASE("a browser draws the page without an error", "[page][browser]") {
@@ -114,6 +115,6 @@ TEST_CASE("a browser draws the page without an error", "[page][browser]") {
   REQUIRE(std::regex_search(dom, pixels, std::regex("data-pixels=\"([0-9]+)\"")));
   CHECK(std::stoi(pixels[1]) > 5000);
   CHECK(count(dom, "data-pixels") == 1);
-  CHECK_THAT(dom, Contains("arrow keys turn it") && Contains(">lattice (best)</option>"));
+  CHECK_THAT(dom, Contains("arrow keys turn it") && Contains(" (best)</option>"));
   CHECK(count(dom, "class=\"mark\"") >= 4);
 }
