@@ -189,7 +189,9 @@ void add_built(std::string& out, Scene& scene) {
   for (const StrategyChoice& choice : scene.strategies) {
     const Strategy& strategy = choice.strategy;
     if (!unsuited(scene.specimen, *scene.experiment, choice).empty()) continue;
-    std::string what = strategy.constants ? "a constant a connection" : "the constants of each cell";
+    std::string what = strategy.constants            ? "a constant a connection"
+                       : needs_cells(strategy, body) ? "the constants of each cell"
+                                                     : "force densities from places alone";
     if (strategy.needs_voronoi(body)) what += ", Voronoi cells";
     if (strategy.volume_modulus) what += ", volume groups";
     if (choice.calibrated) what += ", measured by linear solves";
