@@ -132,12 +132,16 @@ struct Sheet {
 };
 
 void add_grid(Sheet& sheet) {
+  double free_from = 0;  // labels that would run into the one before are left out
   for (const auto& [value, told] : sheet.x.ticks) {
     sheet.add("<path class=\"grid\" d=\"M{0:.1f} {1:.1f}V{2:.1f}\" opacity=\"{3}\"/>", sheet.px(value), sheet.top,
               sheet.bottom, told ? 1 : 0.5);
-    if (told)
-      sheet.add("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>", sheet.px(value), sheet.bottom + 18,
-                escaped(tick_text(value, sheet.plot.x, sheet.x.step())));
+    const std::string label = told ? tick_text(value, sheet.plot.x, sheet.x.step()) : "";
+    const double half = kLetter / 2 * static_cast<double>(label.size()), at = sheet.px(value);
+    if (label.empty() || at - half < free_from) continue;
+    free_from = at + half + kLetter;
+    sheet.add("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>", at, sheet.bottom + 18,
+              escaped(label));
   }
   for (const auto& [value, told] : sheet.y.ticks) {
     sheet.add("<path class=\"grid\" d=\"M{:.1f} {:.1f}H{:.1f}\" opacity=\"{}\"/>", sheet.left, sheet.py(value),

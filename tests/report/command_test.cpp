@@ -135,7 +135,7 @@ TEST_CASE("exit code 2: wrong use or input, told on standard error alone", "[com
            {"run " + cube + " --json " + folder.path(""), "elastin: " + folder.path("") + ": cannot "},
            {"compare " + cube + " " + folder.path(".") + "/cube.yaml --out o", "elastin: --out: " + cube + " and "},
            {"rum " + cube,
-            "elastin: unknown command 'rum'; did you mean 'run'? (allowed: run, compare, verify, check, list)"},
+            "elastin: unknown command 'rum'; did you mean 'run'? (allowed: run, compare, verify, check, list, plot)"},
            {"run " + cube + " --threds 2", "elastin: unknown option '--threds'; did you mean '--threads'?"},
            {"run " + cube + " --threads -1", "--threads: "},
            {"check " + cube + " --out o", "The following argument was not expected: --out"},
