@@ -139,7 +139,8 @@ std::string si_unit(const Dimension& wanted) {
                                         {dimension::stiffness, "N/m"},
                                         {dimension::damping, "N s/m"},
                                         {dimension::viscosity, "Pa s"},
-                                        {dimension::energy, "J"}})
+                                        {dimension::energy, "J"},
+                                        {Dimension{-2, 1, -2}, "Pa/m"}})
     if (dimension == wanted) return name;
   std::string above, below;
   for (const auto& [name, power] : {std::pair{"kg", wanted.mass}, {"m", wanted.length}, {"s", wanted.time}}) {

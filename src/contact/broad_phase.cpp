@@ -26,8 +26,8 @@ Rows neighbours_of(const Body& body) {
   return rows;
 }
 
-/// Half of what is typical between neighbours on the surface: wide enough to last, narrow enough to be passed over
-/// quickly.
+/// A part of what is typical between neighbours on the surface: wide enough to last, narrow enough to leave few
+/// candidates. Of triangles there are many in a wide ring.
 double typical_skin(const ContactParts& parts) {
   double radii = 0, sides = 0;
   for (const Sample& sample : parts.samples) radii += sample.radius;
@@ -36,10 +36,10 @@ double typical_skin(const ContactParts& parts) {
     sides += ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3;
   }
   const double of_radii = parts.samples.empty() ? 0 : radii / static_cast<double>(parts.samples.size());
-  const double of_sides = parts.triangles.empty() ? 0 : sides / static_cast<double>(parts.triangles.size()) / 2;
+  const double of_sides = parts.triangles.empty() ? 0 : sides / static_cast<double>(parts.triangles.size()) / 4;
   const double size =
       parts.body.size() ? (parts.body.rest.rowwise().maxCoeff() - parts.body.rest.rowwise().minCoeff()).norm() : 0;
-  return std::max({of_radii, of_sides, 1e-4 * size});
+  return std::max({parts.spheres || of_sides == 0 ? of_radii : 0, of_sides, 1e-4 * size});
 }
 
 }  // namespace
@@ -118,6 +118,7 @@ bool BroadPhase::update(const Positions& places, const std::vector<Pose>& poses,
   // Whoever asks for little and much in turn is to be served with one look.
   const double widest = std::exchange(asked_, reach);
   refit(places);
+  now_ = &places;
   for (std::size_t i = 0; i < moving_.size(); ++i) places_.col(static_cast<Eigen::Index>(i)) = places.col(moving_[i]);
   poses_ = poses;
   left_out_.assign(poses.size(), kInfinite);
@@ -159,7 +160,7 @@ void BroadPhase::visit_triangles(int node, int other, double within) {
   if (!(gap < within)) {
     left_out_in_body_ = std::min(left_out_in_body_, gap);
   } else if (samples.second < 0 && triangles.second < 0) {
-    add_triangle(samples.item, triangles.item);
+    add_triangle(samples.item, triangles.item, within);
   } else if (triangles.second < 0 ||
              (samples.second >= 0 && samples.box.half_diagonal() > triangles.box.half_diagonal())) {
     visit_triangles(node + 1, other, within);
@@ -215,13 +216,19 @@ bool BroadPhase::overlap_at_rest(const Sample& sample, int triangle) const {
   return distance < sample.radius || (behind && distance < 3 * parts_.depth);
 }
 
-void BroadPhase::add_triangle(int s, int triangle) {
+void BroadPhase::add_triangle(int s, int triangle, double within) {
   const Sample& sample = parts_.samples[static_cast<std::size_t>(s)];
   const int piece = parts_.piece_of_triangle[static_cast<std::size_t>(triangle)];
   if (piece == sample.piece) {
     if (!parts_.self || joined(sample, parts_.triangles[static_cast<std::size_t>(triangle)]) ||
         overlap_at_rest(sample, triangle))
       return;
+  }
+  const Vector3 place = parts_.place_of(sample, *now_);
+  const double gap = (place - nearest_place(place, parts_.corners_of(triangle, *now_)).place).norm() - sample.radius;
+  if (!(gap < within)) {
+    left_out_in_body_ = std::min(left_out_in_body_, gap);
+    return;
   }
   candidates_.push_back({s, parts_.first_piece() + piece, triangle});
 }

@@ -17,7 +17,7 @@ struct ContactParts {
   std::vector<SignedDistance> obstacles;
   int pieces = 0;
   bool spheres = false, self = false;
-  double depth = 0;  ///< of a sample behind a triangle, up to which it counts as pressed in [m]
+  double depth = 0;  ///< behind a triangle up to which a sample is pressed in [m]: half the mean side
 
   int first_piece() const { return static_cast<int>(obstacles.size()); }
   int first_sphere() const { return first_piece() + pieces; }
@@ -53,7 +53,7 @@ class BroadPhase {
   void visit_triangles(int node, int other, double within);
   void visit_spheres(int node, double within);
   void visit_sphere_pairs(int node, int other, double within);
-  void add_triangle(int sample, int triangle);
+  void add_triangle(int sample, int triangle, double within);
   void add_spheres(int first, int second);
   bool joined(const Sample& sample, std::span<const int> molecules) const;
   bool overlap_at_rest(const Sample& sample, int triangle) const;
@@ -68,6 +68,7 @@ class BroadPhase {
   BoxTree samples_, triangles_;
   std::vector<Box> sample_boxes_, triangle_boxes_;
   std::vector<int> piece_of_sample_;
+  const Positions* now_ = nullptr;  ///< during a look
   // As it was when the candidates were looked for.
   Positions places_;  ///< of moving_
   std::vector<Pose> poses_;

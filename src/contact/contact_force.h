@@ -45,10 +45,12 @@ class ContactForce final : public Contact {
   Vector3 sample_place(const State& state, int sample) const;
   int piece_of_target(const Answer& answer) const {
     const int number = answer.target - obstacle_count();
-    return spheres_ ? piece_of_molecule_[number - pieces_] : number;
+    return spheres_ ? search_.samples()[number - pieces_].piece : number;
   }
 
   void set_poses(double time) const;
+  double farthest(const Positions& from, const Positions& to) const;
+  double obstacle_way(const Positions& places, const std::vector<Pose>& from, const std::vector<Pose>& to) const;
   /// Makes `at` the anchor of a touch: a place that moves with the target.
   void anchor(const State& state, const Touch& touch, const Vector3& at, TouchMemory& memory) const;
   /// The sample's place less its anchor's.
@@ -65,8 +67,8 @@ class ContactForce final : public Contact {
   ContactOptions options_;
   bool spheres_, moves_ = false, rubs_ = false;
   int pieces_ = 0;
-  std::vector<int> piece_of_molecule_;
   double damping_ratio_, mean_size_ = 0;
+  std::vector<double> half_thickness_;   // of each obstacle [m]: deeper, the shortest way out is another than it came
   std::vector<int> watched_;             // molecules on whose places everything here depends
   VectorX area_;                         // of the surface that each molecule stands for [m²]
   double largest_square_frequency_ = 0;  // of any molecule against what it may touch [1/s²]

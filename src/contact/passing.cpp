@@ -2,52 +2,53 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "base/parallel.h"
 
 namespace elastin {
-namespace {
 
-/// How deep a point may get into an obstacle before the shortest way out is another than it came [m].
-double half_thickness(const ObstacleShape& obstacle) {
-  struct Visitor {
-    double operator()(const shape::Plane&) const { return std::numeric_limits<double>::infinity(); }
-    double operator()(const shape::Box& box) const { return box.size.minCoeff() / 2; }
-    double operator()(const shape::Sphere& sphere) const { return sphere.radius; }
-    double operator()(const shape::Cylinder& cylinder) const { return std::min(cylinder.radius, cylinder.length / 2); }
-    double operator()(const shape::Capsule& capsule) const { return capsule.radius; }
-    double operator()(const shape::Convex& convex) const { return of(convex.points); }
-    double operator()(const shape::Mesh& mesh) const { return of(mesh.points); }
-    static double of(const Positions& points) {
-      return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).minCoeff() / 2;
-    }
-  };
-  return std::visit(Visitor{}, obstacle);
+/// The longest way of a molecule [m]; no sample goes farther.
+double ContactForce::farthest(const Positions& from, const Positions& to) const {
+  return std::sqrt(largest_of_ranges(static_cast<int>(watched_.size()), [&](int begin, int end) {
+    double most = 0;
+    for (int i = begin; i < end; ++i)
+      most = std::max(most, (to.col(watched_[i]) - from.col(watched_[i])).squaredNorm());
+    return most;
+  }));
 }
 
-}  // namespace
+/// The longest way of an obstacle's material at any of the places [m].
+double ContactForce::obstacle_way(const Positions& places, const std::vector<Pose>& from,
+                                  const std::vector<Pose>& to) const {
+  double longest = 0;
+  for (std::size_t o = 0; o < from.size(); ++o) {
+    double way = (to[o].place - from[o].place).norm();
+    if (const double turned = (to[o].turn - from[o].turn).norm(); turned > 0)
+      way += turned * std::sqrt(largest_of_ranges(static_cast<int>(watched_.size()), [&](int begin, int end) {
+               double most = 0;
+               for (int i = begin; i < end; ++i)
+                 most = std::max(most, (places.col(watched_[i]) - from[o].place).squaredNorm());
+               return most;
+             }));
+    longest = std::max(longest, way);
+  }
+  return longest;
+}
 
 double ContactForce::free_way(const State& from, const State& to) const {
   const std::vector<Sample>& samples = search_.samples();
-  const int count = static_cast<int>(samples.size());
   set_poses(from.time);
   const std::vector<Pose> begin = poses_;
   set_poses(to.time);
-  double obstacle_way = 0;
-  for (std::size_t i = 0; i < begin.size(); ++i)
-    obstacle_way = std::max(obstacle_way, (poses_[i].place - begin[i].place).norm());
-  double farthest = 0;
-  for (int i = 0; i < count; ++i) farthest = std::max(farthest, (sample_place(to, i) - sample_place(from, i)).norm());
   // No sample gets deeper in one go than half its own size, or half the obstacle, where the way out is still the way
   // in.
   const auto depth_into = [&](const Touch& touch) {
     const double own = mean_size_ / 2;
-    return touch.count > 0 ? own
-                           : std::min(own, samples[touch.sample].radius +
-                                               half_thickness(options_.obstacles[touch.target].shape) / 2);
+    return touch.count > 0 ? own : std::min(own, samples[touch.sample].radius + half_thickness_[touch.target] / 2);
   };
-  const double reach = obstacle_way + 2 * farthest;
+  const double reach = obstacle_way(from.positions, begin, poses_) + 2 * farthest(from.positions, to.positions);
   double least = mean_size_ / 2;
-  for (const Obstacle& obstacle : options_.obstacles) least = std::min(least, half_thickness(obstacle.shape) / 2);
+  for (const double thickness : half_thickness_) least = std::min(least, thickness / 2);
   if (reach <= least) return 1;
   search_.find(from.positions, begin, reach, found_);
   double part = 1;
@@ -70,12 +71,17 @@ double ContactForce::free_way(const State& from, const State& to) const {
 }
 
 double ContactForce::square_frequency(const State& state, double ahead) const {
-  double fastest = 0;
-  for (const int molecule : watched_) fastest = std::max(fastest, state.velocities.col(molecule).squaredNorm());
+  // So soft that no step feels it: nobody needs to know whether it sets in.
+  if (largest_square_frequency_ * ahead * ahead < 0.25) return largest_square_frequency_;
+  const double fastest = std::sqrt(largest_of_ranges(static_cast<int>(watched_.size()), [&](int begin, int end) {
+    double most = 0;
+    for (int i = begin; i < end; ++i) most = std::max(most, state.velocities.col(watched_[i]).squaredNorm());
+    return most;
+  }));
   const bool pairs = options_.self || pieces_ > 1;
-  double reach = (pairs ? 2 : 1) * std::sqrt(fastest) * ahead;
+  double reach = (pairs ? 2 : 1) * fastest * ahead;
   set_poses(state.time);
-  for (const Pose& pose : poses_) reach = std::max(reach, std::sqrt(fastest) * ahead + pose.velocity.norm() * ahead);
+  for (const Pose& pose : poses_) reach = std::max(reach, fastest * ahead + pose.velocity.norm() * ahead);
   search_.find(state.positions, poses_, 1.5 * reach, found_);
   return found_.empty() ? 0 : largest_square_frequency_;
 }

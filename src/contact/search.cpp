@@ -34,7 +34,7 @@ ContactParts parts_of(const Body& body, std::vector<Sample> samples, Cells<3> tr
     const auto [a, b, c] = parts.corners_of(static_cast<int>(t), body.rest);
     sides += (b - a).norm() + (c - b).norm() + (a - c).norm();
   }
-  if (!parts.triangles.empty()) parts.depth = sides / static_cast<double>(3 * parts.triangles.size());
+  if (!parts.triangles.empty()) parts.depth = sides / static_cast<double>(6 * parts.triangles.size());
   return parts;
 }
 
@@ -88,6 +88,10 @@ void ContactSearch::Impl::set_groups() {
   for (std::size_t c = 0; c < candidates.size(); ++c)
     if (c == 0 || candidates[c].sample != candidates[c - 1].sample || candidates[c].target != candidates[c - 1].target)
       groups.push_back(static_cast<int>(c));
+  if (touches.capacity() < groups.size()) {  // with room for a few more next time
+    touches.reserve(2 * groups.size());
+    near.reserve(2 * groups.size());
+  }
   touches.resize(groups.size());
   near.resize(groups.size());
   groups.push_back(static_cast<int>(candidates.size()));

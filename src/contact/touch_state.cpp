@@ -52,7 +52,10 @@ Vector3 ContactForce::slip_from(const State& state, const Touch& touch, const To
 const std::vector<Answer>& ContactForce::answers(const State& state) const {
   if (!(cached_ && same_as_cached(state))) {
     evaluate(state, 0, false);
-    keep(state);
+    if (found_.empty())
+      cached_ = false;  // to find nothing again costs less than to compare
+    else
+      keep(state);
   }
   return answers_;
 }

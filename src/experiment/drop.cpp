@@ -4,6 +4,7 @@
 
 #include "elastin/forces/floor.h"
 #include "experiment/motion.h"
+#include "experiment/touching.h"
 
 namespace elastin {
 namespace {
@@ -12,7 +13,13 @@ class Drop final : public TimedExperiment {
  public:
   Drop(const Body& body, const DropSetup& setup) : body_(body), setup_(setup), up_(-setup.direction.normalized()) {
     const VectorX height = body.rest.transpose() * up_;
-    length_ = height.maxCoeff() - height.minCoeff() + body.radius.maxCoeff() + body.radius.minCoeff();
+    reach_ = body.radius;
+    if (setup.contact && setup.contact->surface == ContactSurface::triangles) reach_.setZero();
+    length_ = (height + reach_).maxCoeff() - (height - reach_).minCoeff();
+    if (setup.contact) {
+      find_plane();
+      return;
+    }
     floor_.normal = up_;
     floor_.point = ((height - body.radius).minCoeff() - setup.height) * up_;
     floor_.stiffness = setup.stiffness;
@@ -23,10 +30,13 @@ class Drop final : public TimedExperiment {
   Experiment* at_rest() override { return nullptr; }
 
   void hold(Model& model) override {
-    auto floor = make_floor(body_, floor_);
-    contact_ = floor.get();
-    model.add(std::move(floor));
-    if (floor_.damping > 0) model.add(make_floor_damping(body_, floor_));
+    contact_ = contact_of(model);
+    if (!contact_) {
+      auto floor = make_floor(body_, floor_);
+      pressing_ = floor.get();
+      model.add(std::move(floor));
+      if (floor_.damping > 0) model.add(make_floor_damping(body_, floor_));
+    }
     if (setup_.gravity != 0) model.add(make_gravity(body_, -setup_.gravity * up_));
   }
 
@@ -37,36 +47,39 @@ class Drop final : public TimedExperiment {
 
   Measures read(Model&, const State& state) override {
     const VectorX height = state.positions.transpose() * up_;
-    Positions force = Positions::Zero(3, body_.size());
-    contact_->add_forces(state, force);
     Measures measures;
-    const double ground = floor_.point.dot(up_);
-    measures.set("gap", (height - body_.radius).minCoeff() - ground);
-    measures.set("floor_force", force.rowwise().sum().dot(up_));
-    const double now = (height + body_.radius).maxCoeff() - std::max(ground, (height - body_.radius).minCoeff());
-    measures.set("compression", 1 - now / length_);
+    const double lowest = (height - reach_).minCoeff(), ground = plane_ ? floor_.point.dot(up_) : lowest;
+    if (plane_) measures.set("gap", lowest - ground);
+    measures.set("floor_force", push(state).dot(up_));
+    measures.set("compression", 1 - ((height + reach_).maxCoeff() - std::max(ground, lowest)) / length_);
     measures.set("impact_speed", -up_.dot(state.velocities * body_.mass) / body_.mass.sum());
     return measures;
   }
 
-  /// The first contact: from the gap's fall below zero to its rise above.
+  /// The first contact: from the gap's fall below zero to its rise above. Where no gap is known, from frame to frame,
+  /// and until the body goes the other way: what touched first may bounce before the rest has come.
   void read_course(const std::vector<CurvePoint>& rows, Measures& measures) const override {
     const auto gap = [&](std::size_t i) { return rows[i].measures.get("gap"); };
+    const auto touches = [&](std::size_t i) { return plane_ ? gap(i) < 0 : rows[i].measures.get("contacts") > 0; };
+    const auto stays = [&](std::size_t i) {
+      return touches(i) || (!plane_ && rows[i].measures.get("impact_speed") > 0);
+    };
     const auto crossing = [&](std::size_t i) {  // between frames i - 1 and i
-      return rows[i - 1].time + (rows[i].time - rows[i - 1].time) * gap(i - 1) / (gap(i - 1) - gap(i));
+      const double part = plane_ ? gap(i - 1) / (gap(i - 1) - gap(i)) : 0.5;
+      return rows[i - 1].time + (rows[i].time - rows[i - 1].time) * part;
     };
     std::size_t first = 1;
-    while (first < rows.size() && !(gap(first) < 0)) ++first;
+    while (first < rows.size() && !touches(first)) ++first;
     if (first == rows.size()) return;
     std::size_t last = first;
     double deepest = 0, force = 0;
-    for (; last < rows.size() && gap(last) < 0; ++last) {
+    for (; last < rows.size() && stays(last); ++last) {
       deepest = std::max(deepest, rows[last].measures.get("compression"));
       force = std::max(force, rows[last].measures.get("floor_force"));
     }
     measures.set("compression", deepest);
     measures.set("floor_force", force);
-    const double touched = gap(first - 1) > 0 ? crossing(first) : rows[first - 1].time;
+    const double touched = touches(first - 1) ? rows[first - 1].time : crossing(first);
     const CurvePoint& before = rows[first - 1];
     const double impact = before.measures.get("impact_speed") + setup_.gravity * (touched - before.time);
     measures.set("impact_speed", impact);
@@ -88,12 +101,35 @@ class Drop final : public TimedExperiment {
   }
 
  private:
+  /// The first plane among the obstacles that stands still and lies level is the ground to which gaps are read.
+  void find_plane() {
+    plane_ = false;
+    for (const Obstacle& obstacle : setup_.contact->obstacles)
+      if (std::holds_alternative<shape::Plane>(obstacle.shape) && !obstacle.motion &&
+          obstacle.pose.turn.col(2).dot(up_) > 1 - 1e-9) {
+        floor_.point = obstacle.pose.place;
+        plane_ = true;
+        return;
+      }
+  }
+
+  /// Of the floor, or of all obstacles, on the body [N].
+  Vector3 push(const State& state) const {
+    if (contact_) return contact_->report(state).forces.rowwise().sum();
+    Positions force = Positions::Zero(3, body_.size());
+    pressing_->add_forces(state, force);
+    return force.rowwise().sum();
+  }
+
   const Body& body_;
   DropSetup setup_;
   Vector3 up_;
+  VectorX reach_;      // of what touches, from each molecule [m]
+  bool plane_ = true;  // whether there is a level ground
   double length_ = 0;  // along the fall, spheres included
   Floor floor_;
-  const Load* contact_ = nullptr;  // owned by the model that was held last
+  const Load* pressing_ = nullptr;    // its own floor, owned by the model that was held last
+  const Contact* contact_ = nullptr;  // or the scene's
 };
 
 }  // namespace

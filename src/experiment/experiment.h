@@ -49,6 +49,8 @@ class Experiment {
   /// takes another solve.
   virtual bool adjust(const State& /*state*/) { return false; }
   virtual int load_steps() const = 0;
+  /// How many times what is modelled the whole body is: planes of symmetry may cut it.
+  virtual double copies() const { return 1; }
   /// Whether only the load gives the body stiffness in directions in which it has none at rest (a flat membrane).
   virtual bool stiffened_by_load() const { return false; }
   /// Moves the places at rest to where the search for the first equilibrium begins, under the load set last: rest is no

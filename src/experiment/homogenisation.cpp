@@ -44,6 +44,7 @@ class Homogenisation final : public Driven {
       solved.linear_iterations += response.result.linear_iterations;
       solved.residual = std::max(solved.residual, response.result.residual);
       solved.solver = response.result.solver;
+      solved.reason = response.result.reason;
       if (response.result.outcome != Outcome::converged) {
         solved.outcome = response.result.outcome;
         solved.cause = response.result.cause;

@@ -9,6 +9,7 @@
 #include "elastin/base/error.h"
 #include "elastin/forces/pressure.h"
 #include "elastin/model/surfaces.h"
+#include "experiment/symmetry.h"
 
 namespace elastin {
 namespace {
@@ -26,7 +27,7 @@ class Inflation final : public Experiment {
       : body_(body), setup_(setup), thickness_(material.thickness) {
     if (body.triangles.empty()) throw InputError("inflation needs a body with triangles");
     if (!(thickness_ > 0)) throw InputError("inflation needs a membrane: give material.thickness");
-    find_planes();
+    hold_in_planes(body, setup.symmetry, held_);
     require_closed();
     apex_ = setup.symmetry.empty() ? Vector3(body.rest.rowwise().mean()) : Vector3(Vector3::Zero());
     rest_volume_ = enclosed_volume(body.triangles, body.rest, apex_);
@@ -44,6 +45,7 @@ class Inflation final : public Experiment {
 
   std::string name() const override { return "inflation"; }
   int load_steps() const override { return setup_.load_steps; }
+  double copies() const override { return std::pow(2, setup_.symmetry.size()); }
 
   void hold(Model& model) override {
     for (const auto& [molecule, free] : held_) model.supports.push_back({molecule, free, Vector3::Zero()});
@@ -102,26 +104,7 @@ class Inflation final : public Experiment {
   }
 
  private:
-  double copies() const { return std::pow(2, setup_.symmetry.size()); }
-
   void control() { load_->set_filling(controlled_volume(volume_, control_stiffness_ / volume_, pressure_)); }
-
-  void find_planes() {
-    const double near = 1e-9 * body_.rest.cwiseAbs().maxCoeff();
-    for (const Vector3& normal : setup_.symmetry) {
-      const VectorX height = body_.rest.transpose() * normal;
-      if (height.minCoeff() < -near && height.maxCoeff() > near)
-        throw InputError("symmetry: the body lies on both sides of one of the planes");
-      bool any = false;
-      for (int molecule = 0; molecule < body_.size(); ++molecule) {
-        if (std::abs(height[molecule]) > near) continue;
-        any = true;
-        Matrix3& free = held_.try_emplace(molecule, Matrix3::Identity()).first->second;
-        free -= (free * normal * normal.transpose()).eval();
-      }
-      if (!any) throw InputError("symmetry: no molecule lies in one of the planes, which go through the origin");
-    }
-  }
 
   /// Every side that one triangle alone has must lie in a plane of symmetry.
   void require_closed() const {
@@ -171,8 +154,8 @@ class Inflation final : public Experiment {
   const Body& body_;
   InflationSetup setup_;
   double thickness_;
-  std::map<int, Matrix3> held_;  // the directions in which a molecule stays free
-  VectorX share_;                // of the surface at rest, a molecule; sum 1
+  HeldMolecules held_;
+  VectorX share_;  // of the surface at rest, a molecule; sum 1
   std::vector<int> corners_;
   Vector3 apex_;
   double rest_volume_ = 0, rest_radius_ = 0, control_stiffness_ = 0;  // the last times a volume: [Pa]

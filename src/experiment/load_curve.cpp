@@ -7,6 +7,7 @@
 
 #include "elastin/forces/tension.h"
 #include "experiment/load_path.h"
+#include "experiment/touching.h"
 
 namespace elastin {
 namespace {
@@ -14,6 +15,7 @@ namespace {
 /// Adds what one solve cost and said to the run; returns whether it converged.
 bool note_solve(const StaticResult& solved, const std::string& where, Run& run) {
   run.solver = solved.solver;
+  run.solver_reason = solved.reason;
   run.newton_iterations += solved.newton_iterations;
   run.linear_iterations += solved.linear_iterations;
   run.cut_steps += solved.cut_steps;
@@ -60,6 +62,7 @@ StaticResult untangle(Model& model, const RunOptions& options, double before, St
 bool find_start(Model& model, Experiment& experiment, const RunOptions& options, bool at_rest, State& state,
                 Start& start, Run& run) {
   start = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
+  if (Contact* contact = contact_of(model)) contact->set_moment(0);
   experiment.set_load(model, 0);
   if (at_rest && model.load_forces(state).isZero(0)) return true;
   if (options.progress) options.progress(at_rest ? "the scene's own loads" : "the scene's start");
@@ -108,9 +111,7 @@ void solve_load_curve(Model& model, Experiment& experiment, const Material& mate
   if (!find_start(model, experiment, options, !begin, at_start, start, run)) return;
   LoadPath path(model, experiment, options.statics, std::move(at_start));
   const auto keep = [&](double load_factor, int step) {
-    if (options.keep_snapshots)
-      run.snapshots.push_back(
-          {load_factor, path.state().positions, model.force_densities(path.state().positions), step});
+    if (options.keep_snapshots) run.snapshots.push_back(snapshot_of(model, path.state(), load_factor, step));
   };
   keep(0, 0);
   const int steps = experiment.load_steps();
@@ -120,8 +121,13 @@ void solve_load_curve(Model& model, Experiment& experiment, const Material& mate
     const double load_factor = static_cast<double>(step) / steps;
     StaticResult solved = path.advance(load_factor);
     Measures measures;
-    if (solved.outcome == Outcome::converged)
+    if (solved.outcome == Outcome::converged) {
       measures = experiment.measure(model, start, path.state(), options.statics, solved);
+      if (const Contact* contact = contact_of(model)) {
+        run.contact = contact->report(path.state());
+        note_contact(*run.contact, experiment.copies(), measures);
+      }
+    }
     run.halved_load_steps = path.halvings();
     if (!note_solve(solved, place.empty() ? "" : " (" + place + ")", run)) return;
     if (measures.get("elongation") < 0 && measures.get("strain") <= -1) {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "experiment/touching.h"
+
 namespace elastin {
 namespace {
 
@@ -42,6 +44,7 @@ State LoadPath::start_of(double factor) const {
 StaticResult LoadPath::advance(double factor) { return advance(factor, (factor - factor_) / 64); }
 
 StaticResult LoadPath::advance(double factor, double smallest) {
+  if (Contact* contact = contact_of(model_)) contact->set_moment(factor);
   experiment_.set_load(model_, factor);
   State next = start_of(factor);
   const bool went_on = next.positions != state_.positions;

@@ -1,4 +1,7 @@
 #pragma once
+#include <optional>
+
+#include "elastin/contact/contact.h"
 #include "elastin/forces/time_function.h"
 #include "experiment/timed.h"
 
@@ -34,13 +37,15 @@ struct ShakeSetup {
 };
 std::unique_ptr<TimedExperiment> make_shake(const Body& body, const ShakeSetup& setup);
 
-/// A free body that falls on a floor.
+/// A free body that falls on a floor, or on the obstacles of its scene.
 struct DropSetup {
   Vector3 direction = -Vector3::UnitZ();  ///< down
   double gravity = 0;                     ///< [m/s²]; 0: none
   double height = 0;                      ///< [m] of the lowest sphere above the floor at time 0
   double speed = 0;                       ///< [m/s] down at time 0
-  double stiffness = 0, damping = 0;      ///< of the floor, a molecule [N/m], [N s/m]
+  double stiffness = 0, damping = 0;      ///< of its own floor, a molecule [N/m], [N s/m]
+  /// None: it falls on a floor of its own.
+  std::optional<ContactOptions> contact = {};
 };
 std::unique_ptr<TimedExperiment> make_drop(const Body& body, const DropSetup& setup);
 

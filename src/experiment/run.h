@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "elastin/contact/contact.h"
 #include "elastin/model/body.h"
 #include "elastin/model/material.h"
 #include "experiment/experiment.h"
@@ -22,6 +23,7 @@ struct Specimen {
   std::vector<std::function<void(Model&)>> loads;  ///< each adds one load, or damping, to a model of the body
   std::function<void(State&)> start = {};          ///< changes the state in which a run begins; may be empty
   std::vector<Material> materials = {};            ///< of the body's parts, by Part::material; empty without parts
+  std::optional<ContactOptions> contact = {};      ///< none: no contact object is built
 };
 
 /// One state on the way of the load.
@@ -36,16 +38,20 @@ struct CurvePoint {
 
 /// A state to be looked at.
 struct Snapshot {
-  double at = 0;        ///< load factor; time [s] of a run in time
-  Positions positions;  ///< [m]
-  VectorX densities;    ///< force density of each connection [N/m]
-  int number = 0;       ///< of the load step or frame
+  double at = 0;                     ///< load factor; time [s] of a run in time
+  Positions positions;               ///< [m]
+  VectorX densities;                 ///< force density of each connection [N/m]
+  int number = 0;                    ///< of the load step or frame
+  Positions contact_forces = {};     ///< [N]; empty without contact
+  VectorX contact_pressure = {};     ///< [Pa]
+  std::vector<Pose> obstacles = {};  ///< where they were
 };
 
 /// What came of one strategy on one specimen. Everything in SI units.
 struct Run {
   std::string strategy;
   std::string solver;
+  std::string solver_reason;  ///< why that one; empty where there was no choice
   Outcome outcome = Outcome::converged;
   std::string cause;
   Measures measures;                     ///< of the last converged load step
@@ -68,6 +74,7 @@ struct Run {
   bool uses_cells = false;         ///< the strategy could not run without the body's triangles or tetrahedra
   bool suited = true;              ///< false: the strategy cannot run on this body; cause says why
   std::optional<TimeReport> time;  ///< of a run in time
+  std::optional<ContactReport> contact;  ///< of the last state, where there is contact
 };
 
 /// "converged", "unsuited" …

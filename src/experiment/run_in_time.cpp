@@ -9,6 +9,7 @@
 #include "elastin/solve/energies.h"
 #include "experiment/restart.h"
 #include "experiment/timed.h"
+#include "experiment/touching.h"
 
 namespace elastin {
 namespace {
@@ -135,6 +136,10 @@ class Course {
     m.set("work", e.work);
     m.set("momentum", e.momentum.norm());
     m.set("angular_momentum", e.angular_momentum.norm());
+    if (const Contact* contact = contact_of(model_)) {
+      run_.contact = contact->report(state_);
+      note_contact(*run_.contact, experiment_.copies(), m);
+    }
     bool sound = true;
     if (energies_) {
       m.set("energy", e.elastic);
@@ -157,8 +162,7 @@ class Course {
   }
 
   void keep_snapshot() {
-    if (options_.keep_snapshots)
-      run_.snapshots.push_back({state_.time, state_.positions, model_.force_densities(state_.positions), frame_});
+    if (options_.keep_snapshots) run_.snapshots.push_back(snapshot_of(model_, state_, state_.time, frame_));
   }
 
   void save() const {

@@ -167,6 +167,7 @@ std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment
   if (!body.cables.empty()) model->add(make_cables(body));
   if (!body.ties.empty()) model->add(make_ties(body));
   for (const auto& add_load : specimen.loads) add_load(*model);
+  if (specimen.contact) model->add(make_contact(body, *specimen.contact));
   experiment.hold(*model);
   hold_rigid_parts(*model);
   return model;

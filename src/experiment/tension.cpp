@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "elastin/base/error.h"
+#include "elastin/model/parts.h"
 #include "experiment/faces.h"
 
 namespace elastin {
@@ -30,6 +31,9 @@ class Tension final : public Experiment {
     choose_corner(seen);
     choose_gauge(height_.minCoeff());
     choose_middle((height_.minCoeff() + height_.maxCoeff()) / 2);
+    for (const Part& part : body.parts)
+      if (setup.force && part.rigid && meets(part, loaded_))
+        throw InputError("body '" + part.name + "' at the loaded end is rigid: give a displacement instead of a force");
   }
 
   std::string name() const override { return "tension"; }
@@ -40,15 +44,13 @@ class Tension final : public Experiment {
   void hold(Model& model) override {
     const Matrix3 along = setup_.axis * setup_.axis.transpose(), nothing = Matrix3::Zero();
     const Matrix3 sideways = Matrix3::Identity() - along;
-    for (const int molecule : fixed_)
-      model.supports.push_back({molecule, setup_.fixed_grip == Grip::clamped ? nothing : sideways, Vector3::Zero()});
+    add_supports(model, fixed_, setup_.fixed_grip == Grip::clamped ? nothing : sideways);
     first_loaded_support_ = model.supports.size();
     if (setup_.displacement || setup_.loaded_grip == Grip::clamped)
-      for (const int molecule : loaded_) {
-        const Matrix3 free =
-            (setup_.displacement ? nothing : along) + (setup_.loaded_grip == Grip::clamped ? nothing : sideways);
-        model.supports.push_back({molecule, free, Vector3::Zero()});
-      }
+      add_supports(
+          model, loaded_,
+          (setup_.displacement ? nothing : along) + (setup_.loaded_grip == Grip::clamped ? nothing : sideways));
+    end_of_loaded_supports_ = model.supports.size();
     load_ = nullptr;
     if (setup_.force) {
       auto load = std::make_unique<PointLoads>(body_, loaded_, *setup_.force * setup_.axis * share_.transpose());
@@ -61,20 +63,20 @@ class Tension final : public Experiment {
     if (load_) load_->set_factor(factor);
     factor_ = factor;
     if (setup_.displacement)
-      for (std::size_t i = first_loaded_support_; i < model.supports.size(); ++i)
+      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
         model.supports[i].displacement = factor * *setup_.displacement * setup_.axis;
   }
 
   void set_load_rate(Model& model, double rate) override {
     if (setup_.displacement)
-      for (std::size_t i = first_loaded_support_; i < model.supports.size(); ++i)
+      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
         model.supports[i].velocity = rate * *setup_.displacement * setup_.axis;
   }
 
   bool let_go(Model& model) override {
     set_load(model, 0);
     if (setup_.displacement)
-      for (std::size_t i = first_loaded_support_; i < model.supports.size(); ++i)
+      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
         model.supports[i].free = Matrix3::Identity();
     return true;
   }
@@ -226,10 +228,31 @@ class Tension final : public Experiment {
     return (sum * (4 + sum) + turn * turn) / (2 * (std::hypot(2 + sum, turn) + 2));
   }
 
+  static bool meets(const Part& part, const std::vector<int>& molecules) {
+    return std::any_of(molecules.begin(), molecules.end(),
+                       [&](int m) { return m >= part.first && m < part.first + part.count; });
+  }
+
+  /// Bone at an end is held, or moved, as a whole.
+  void add_supports(Model& model, const std::vector<int>& end, const Matrix3& free) const {
+    std::vector<int> rigid;
+    for (const Part& part : body_.parts)
+      if (part.rigid && meets(part, end)) {
+        const std::vector<int> all = molecules_of(part);
+        rigid.insert(rigid.end(), all.begin(), all.end());
+      }
+    std::sort(rigid.begin(), rigid.end());
+    rigid.erase(std::unique(rigid.begin(), rigid.end()), rigid.end());
+    for (const int molecule : end)
+      if (!std::binary_search(rigid.begin(), rigid.end(), molecule)) model.supports.push_back({molecule, free});
+    for (const int molecule : rigid) model.supports.push_back({molecule});
+  }
+
   /// Force along the axis with which the loaded supports pull [N].
   double loaded_reaction(const Positions& reactions) const {
     double sum = 0;
-    for (Eigen::Index i = static_cast<Eigen::Index>(first_loaded_support_); i < reactions.cols(); ++i)
+    for (Eigen::Index i = static_cast<Eigen::Index>(first_loaded_support_);
+         i < static_cast<Eigen::Index>(end_of_loaded_supports_); ++i)
       sum += setup_.axis.dot(reactions.col(i));
     return sum;
   }
@@ -244,7 +267,7 @@ class Tension final : public Experiment {
   Eigen::Index corner_ = 0;  // index into loaded_
   std::array<std::vector<std::pair<int, double>>, 2> crossings_;
   PointLoads* load_ = nullptr;  // owned by the model that was held last
-  std::size_t first_loaded_support_ = 0;
+  std::size_t first_loaded_support_ = 0, end_of_loaded_supports_ = 0;
 };
 
 }  // namespace

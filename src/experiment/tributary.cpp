@@ -64,6 +64,21 @@ class Buckets {
   std::vector<std::vector<int>> members_;
 };
 
+/// Only once the hull is closed: while its chains grow, points of one upright side that rounding has put out of order
+/// would take its true corners away.
+void drop_straight_corners(std::vector<Point>& hull, double flat) {
+  for (std::size_t i = 0; i < hull.size() && hull.size() > 2;) {
+    const Point &before = hull[(i + hull.size() - 1) % hull.size()], &after = hull[(i + 1) % hull.size()];
+    const Point to = hull[i] - before, on = after - hull[i];
+    if (cross(to, on) <= flat && to.dot(on) >= 0) {
+      hull.erase(hull.begin() + static_cast<std::ptrdiff_t>(i));
+      if (i > 0) --i;
+    } else {
+      ++i;
+    }
+  }
+}
+
 }  // namespace
 
 Points2 convex_hull(const Points2& points) {
@@ -72,18 +87,18 @@ Points2 convex_hull(const Points2& points) {
   std::sort(sorted.begin(), sorted.end(),
             [](const Point& a, const Point& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); });
   const double spread = sorted.empty() ? 0 : (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-  const double flat = 1e-9 * spread * spread;
   std::vector<Point> hull;
   for (int side = 0; side < 2; ++side) {  // lower chain, then upper [Andrew 1979]
     const std::size_t start = hull.size();
     for (const Point& p : sorted) {
-      while (hull.size() >= start + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= flat)
+      while (hull.size() >= start + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0)
         hull.pop_back();
       hull.push_back(p);
     }
     if (!hull.empty()) hull.pop_back();
     std::reverse(sorted.begin(), sorted.end());
   }
+  drop_straight_corners(hull, 1e-9 * spread * spread);
   Points2 corners(2, static_cast<Eigen::Index>(hull.size()));
   for (std::size_t i = 0; i < hull.size(); ++i) corners.col(static_cast<Eigen::Index>(i)) = hull[i];
   return corners;

@@ -54,6 +54,11 @@ class Sum final : public Elasticity {
   void visit_blocks(const BlockVisitor& visit) const override {
     for (const auto& term : terms_) term->visit_blocks(visit);
   }
+  bool visit_gradients(const GradientVisitor& visit) const override {
+    bool whole = true;
+    for (const auto& term : terms_) whole &= term->visit_gradients(visit);
+    return whole;
+  }
   void add_diagonal(std::vector<Matrix3>& blocks) const override {
     for (const auto& term : terms_) term->add_diagonal(blocks);
   }

@@ -120,6 +120,30 @@ std::vector<WidePart> Tangent::wide_parts() const {
   return parts;
 }
 
+void Tangent::visit_cells(const std::function<void(double, std::span<const int>, const double*)>& visit) const {
+  for (const auto& part : model_.elasticity())
+    part->visit_cells(
+        [&](std::span<const int> connections, const double* slopes) { visit(1, connections, slopes); });
+  for (const auto& part : model_.viscosity())
+    part->visit_cells([&](std::span<const int> connections, const double* slopes) {
+      visit(weights_.velocity, connections, slopes);
+    });
+}
+
+void Tangent::visit_other_diagonal(const std::function<void(int, const Matrix3&)>& visit) const {
+  for (const auto& load : model_.loads())
+    load->visit_blocks(state_, weights_.velocity, [&](int a, int b, const Matrix3& part) {
+      if (a == b) visit(a, part);
+    });
+  const auto nothing = [](std::span<const std::pair<int, Vector3>>, double) {};
+  for (const auto& part : model_.elasticity()) {
+    if (part->visit_gradients(nothing)) continue;
+    std::vector<Matrix3> blocks(diagonal_.size(), Matrix3::Zero());
+    part->add_diagonal(blocks);
+    for (std::size_t a = 0; a < blocks.size(); ++a) visit(static_cast<int>(a), blocks[a]);
+  }
+}
+
 /// visit_blocks gives the same; but few of its blocks are on the diagonal, and every solve needs these.
 void Tangent::set_diagonal() {
   const Body& body = model_.body();

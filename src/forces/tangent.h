@@ -1,4 +1,6 @@
 #pragma once
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "elastin/forces/model.h"
@@ -34,15 +36,23 @@ class Tangent {
   /// The diagonal blocks K_aa [N/m].
   const std::vector<Matrix3>& diagonal() const { return diagonal_; }
 
-  const Model& model() const { return model_; }
-  const Weights& weights() const { return weights_; }
-
- private:
+  /// What one connection does by itself.
   struct Link {
     Vector3 d;
     double density;  ///< q [N/m]
     double slope;    ///< 2 ∂q/∂s [N/m³]: the change of q is slope · d·δd
   };
+  const Link& link(int connection) const { return links_[static_cast<std::size_t>(connection)]; }
+  /// Calls visit(weight, connections, slopes) for each cell whose connections influence each other.
+  void visit_cells(const std::function<void(double, std::span<const int>, const double*)>& visit) const;
+  /// The blocks K_aa of what is neither link nor cell nor inertia: the loads' and those of laws that have more than
+  /// gradients (Elasticity::visit_gradients).
+  void visit_other_diagonal(const std::function<void(int, const Matrix3&)>& visit) const;
+
+  const Model& model() const { return model_; }
+  const Weights& weights() const { return weights_; }
+
+ private:
   void apply_links(const Positions& motion, Positions& result) const;
   void visit_local_blocks(const BlockVisitor& visit) const;
   void set_diagonal();

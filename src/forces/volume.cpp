@@ -172,6 +172,13 @@ class Volume final : public Elasticity {
       }
   }
 
+  /// Without the parts of a tetrahedron's own, which are small where the pressure is against the modulus.
+  bool visit_gradients(const GradientVisitor& visit) const override {
+    for (int group = 0; group < groups_.size(); ++group)
+      if (group_volume_[group] != 0) visit(group_gradient(group), modulus_ / group_volume_[group]);
+    return true;
+  }
+
   void add_diagonal(std::vector<Matrix3>& blocks) const override {
     for (int group = 0; group < groups_.size(); ++group)
       for (const auto& [molecule, gradient] : group_gradient(group))

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "elastin/model/parts.h"
+
 namespace elastin {
 namespace {
 
@@ -182,17 +184,25 @@ BodyFindings inspect(const Body& body) {
     while (parent[molecule] != molecule) molecule = parent[molecule] = parent[parent[molecule]];
     return molecule;
   };
+  const auto join = [&](int a, int b) {
+    const int low = std::min(root(a), root(b)), high = std::max(root(a), root(b));
+    parent[high] = low;
+  };
   const double size = n ? (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).norm() : 0;
   std::vector<std::pair<std::array<int, 2>, int>> sorted;
   for (int connection = 0; connection < body.connections.proper(); ++connection) {
     auto [a, b] = body.connections.ends[connection];
     ++degree[a], ++degree[b];
-    const int low = std::min(root(a), root(b)), high = std::max(root(a), root(b));
-    parent[high] = low;
+    join(a, b);
     if (!(body.connections.rest_length[connection] > 1e-12 * size))
       findings.zero_length_connections.push_back(connection);
     sorted.push_back({{std::min(a, b), std::max(a, b)}, connection});
   }
+  for (const Part& part : body.parts)
+    if (part.rigid)
+      for (const int molecule : molecules_of(part)) join(part.count > 0 ? part.first : part.shared.front(), molecule);
+  for (const Tie& tie : body.ties)
+    for (const int corner : tie.corners) join(tie.molecule, corner);
   std::sort(sorted.begin(), sorted.end());
   for (std::size_t i = 1; i < sorted.size(); ++i)
     if (sorted[i].first == sorted[i - 1].first) findings.duplicate_connections.push_back(sorted[i].second);

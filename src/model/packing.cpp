@@ -6,12 +6,10 @@
 #include <random>
 
 #include "elastin/model/shapes.h"
+#include "model/random.h"
 
 namespace elastin {
 namespace {
-
-/// A number in [0, 1) from the top 53 bits: std::uniform_real_distribution differs between standard libraries.
-double unit_random(std::mt19937_64& generator) { return static_cast<double>(generator() >> 11) * 0x1.0p-53; }
 
 /// Moves overlapping spheres apart, with soft springs between them and the descent of [Bitzek et al. 2006, FIRE].
 /// Centres stay in the box. Returns how far each molecule still overlaps others, summed; all zero where there was room.

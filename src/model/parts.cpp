@@ -88,7 +88,7 @@ void add_part(Body& whole, const Body& body, Part what) {
   what.tetrahedra = append(whole.tetrahedra, body.tetrahedra, shift);
   what.cubes = append(whole.cubes, body.cubes, shift);
   whole.grid.reset(), whole.voronoi.reset();
-  what.voronoi.reset(), what.shared.clear();
+  what.voronoi = body.voronoi, what.shared.clear();
   whole.parts.push_back(std::move(what));
 }
 

@@ -119,7 +119,7 @@ void renumber_parts(Body& body, const std::vector<int>& kept, const std::vector<
     }
     part.first = first, part.count = count;
     part.shared.assign(shared.begin(), shared.end());
-    part.voronoi.reset();
+    if (part.voronoi && part.voronoi->problem.empty()) part.voronoi.reset();
   }
   int next = 0;  // of a part that has no molecule of its own left
   for (Part& part : body.parts) {

@@ -104,11 +104,11 @@ bool add_parts(std::string& out, const Specimen& specimen) {
   for (const Part& part : specimen.body.parts) {
     const Body body = part_alone(specimen.body, part).body;
     std::string text = fmt::format("{} from {} on, mass {}", counted(part.count, "molecule"), part.first,
-                                   readable(body.mass.sum(), dimension::mass));
+                                   readable(specimen.body.mass.segment(part.first, part.count).sum(), dimension::mass));
     if (!part.shared.empty()) text += fmt::format(", {} more by ties", part.shared.size());
     if (part.rigid) text += ", rigid";
     add_line(out, "body '" + part.name + "'", text);
-    sound &= add_faults(out, body, " of '" + part.name + "'");
+    if (!part.rigid) sound &= add_faults(out, body, " of '" + part.name + "'");
   }
   if (!specimen.body.ties.empty())
     add_line(out, "ties",
@@ -227,6 +227,13 @@ CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<
   std::string objects = fmt::format("{} experiment, 1 elasticity{}", scene.experiment->name(),
                                     scene.specimen.material.fibre ? " and the material's fibres" : "");
   if (!scene.specimen.loads.empty()) objects += ", " + counted(static_cast<int>(scene.specimen.loads.size()), "load");
+  if (const auto& contact = scene.specimen.contact) {
+    std::vector<std::string> names;
+    for (const Obstacle& obstacle : contact->obstacles) names.push_back(obstacle.name);
+    objects +=
+        fmt::format(", contact of its {}{}{}", contact->surface == ContactSurface::spheres ? "spheres" : "surface",
+                    names.empty() ? "" : " with ", fmt::join(names, ", "));
+  }
   add_line(report.text, "the scene builds",
            objects + (scene.statics.linear ? "; small displacements" : "; large displacements"));
   add_built(report.text, scene);

@@ -9,7 +9,10 @@
 #include <fstream>
 #include <system_error>
 
+#include "contact/search.h"
 #include "elastin/base/error.h"
+#include "report/surface_files.h"
+#include "report/vtu.h"
 
 namespace elastin {
 namespace {
@@ -54,26 +57,6 @@ std::string course_csv_text(const std::vector<CurvePoint>& rows) {
   }
   return out;
 }
-
-class VtuArrays {
- public:
-  explicit VtuArrays(std::string& out) : out_(out) {}
-  template <class Value>
-  void add(const char* name, const char* type, int components, int count, Value&& value) {
-    fmt::format_to(std::back_inserter(out_),
-                   "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n", type, name,
-                   components);
-    for (int i = 0; i < count; ++i) {
-      for (int component = 0; component < components; ++component)
-        fmt::format_to(std::back_inserter(out_), "{} ", value(i, component));
-      out_ += '\n';
-    }
-    out_ += "</DataArray>\n";
-  }
-
- private:
-  std::string& out_;
-};
 
 }  // namespace
 
@@ -139,21 +122,19 @@ std::string curve_csv_text(const Record& record) {
   return out;
 }
 
-std::string vtu_text(const Body& body, const Positions& positions, const VectorX& densities, const VectorX& constants) {
+std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& constants) {
   const int n = body.size(), m = body.connections.size();
   const auto& [ends, rest_length, _] = body.connections;
+  const Positions& positions = shot.positions;
   VectorX length(m);
   Positions force = Positions::Zero(3, n);
   for (int c = 0; c < m; ++c) {
     const Vector3 d = positions.col(ends[c][1]) - positions.col(ends[c][0]);
     length[c] = d.norm();
-    force.col(ends[c][0]) += densities[c] * d;
-    force.col(ends[c][1]) -= densities[c] * d;
+    force.col(ends[c][0]) += shot.densities[c] * d;
+    force.col(ends[c][1]) -= shot.densities[c] * d;
   }
-  std::string out = fmt::format(
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
-      "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n",
-      n, m);
+  std::string out = vtu_head(n, m) + "<Points>\n";
   VtuArrays arrays(out);
   arrays.add("positions", "Float64", 3, n, [&](int i, int k) { return positions(k, i); });
   out += "</Points>\n<PointData Vectors=\"displacement\">\n";
@@ -161,33 +142,58 @@ std::string vtu_text(const Body& body, const Positions& positions, const VectorX
   arrays.add("elastic_force", "Float64", 3, n, [&](int i, int k) { return force(k, i); });
   arrays.add("radius", "Float64", 1, n, [&](int i, int) { return body.radius[i]; });
   arrays.add("mass", "Float64", 1, n, [&](int i, int) { return body.mass[i]; });
+  if (shot.contact_pressure.size()) {
+    arrays.add("contact_pressure", "Float64", 1, n, [&](int i, int) { return shot.contact_pressure[i]; });
+    arrays.add("contact_force", "Float64", 3, n, [&](int i, int k) { return shot.contact_forces(k, i); });
+  }
   out += "</PointData>\n<CellData Scalars=\"strain\">\n";
   arrays.add("strain", "Float64", 1, m,
              [&](int c, int) { return rest_length[c] > 0 ? length[c] / rest_length[c] - 1 : 0; });
-  arrays.add("tension", "Float64", 1, m, [&](int c, int) { return densities[c] * length[c]; });
-  arrays.add("force_density", "Float64", 1, m, [&](int c, int) { return densities[c]; });
+  arrays.add("tension", "Float64", 1, m, [&](int c, int) { return shot.densities[c] * length[c]; });
+  arrays.add("force_density", "Float64", 1, m, [&](int c, int) { return shot.densities[c]; });
   if (constants.size()) arrays.add("constant", "Float64", 1, m, [&](int c, int) { return constants[c]; });
   out += "</CellData>\n<Cells>\n";
   arrays.add("connectivity", "Int32", 2, m, [&](int c, int k) { return ends[c][k]; });
   arrays.add("offsets", "Int32", 1, m, [&](int c, int) { return 2 * c + 2; });
   arrays.add("types", "UInt8", 1, m, [](int, int) { return 3; });
-  return out + "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+  return out + "</Cells>\n" + kVtuEnd;
 }
 
-void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run) {
+void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run,
+                  const std::vector<Obstacle>& obstacles) {
   std::string collection = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
-  const auto file_of = [&](std::size_t number) { return fmt::format("{}-{:03}.vtu", name, number); };
+  const auto file_of = [&](const char* part, std::size_t number) {
+    return fmt::format("{}{}-{:03}.vtu", name, part, number);
+  };
+  int part = 0;
   const auto list = [&](double at, const std::string& file) {
-    collection += fmt::format("<DataSet timestep=\"{}\" file=\"{}\"/>\n", at, file);
+    const std::string number = part ? fmt::format(" part=\"{}\"", part) : "";
+    collection += fmt::format("<DataSet timestep=\"{}\"{} file=\"{}\"/>\n", at, number, file);
+  };
+  const auto write = [&](double at, const std::string& file, const std::string& text) {
+    write_whole(folder + "/" + file, text);
+    list(at, file);
   };
   // A run that goes on from a restart file shows the frames before as well, where they still stand.
   const std::size_t first = run.snapshots.empty() ? 0 : static_cast<std::size_t>(run.snapshots.front().number);
+  constexpr const char* parts[] = {"", "-surface", "-obstacles"};
   for (std::size_t frame = 0; run.time && frame < std::min(first, run.curve.size()); ++frame)
-    if (std::filesystem::exists(folder + "/" + file_of(frame))) list(run.curve[frame].time, file_of(frame));
-  for (const auto& [at, positions, densities, number] : run.snapshots) {
-    const std::string file = file_of(static_cast<std::size_t>(number));
-    write_whole(folder + "/" + file, vtu_text(body, positions, densities, run.constants));
-    list(at, file);
+    for (part = 0; part < 3; ++part)
+      if (std::filesystem::exists(folder + "/" + file_of(parts[part], frame)))
+        list(run.curve[frame].time, file_of(parts[part], frame));
+  // Of every frame of a run in time that would be as much again; contact is worth it.
+  const bool contact = !run.snapshots.empty() && run.snapshots.front().contact_pressure.size() > 0;
+  const Cells<3> surface = contact || !run.time ? surface_triangles(body) : Cells<3>{};
+  for (const Snapshot& shot : run.snapshots) {
+    const auto number = static_cast<std::size_t>(shot.number);
+    part = 0;
+    write(shot.at, file_of(parts[part], number), vtu_text(body, shot, run.constants));
+    part = 1;
+    if (!surface.empty()) write(shot.at, file_of(parts[part], number), surface_vtu_text(body, surface, shot));
+    part = 2;
+    const Vector3 low = shot.positions.rowwise().minCoeff(), high = shot.positions.rowwise().maxCoeff();
+    if (!shot.obstacles.empty())
+      write(shot.at, file_of(parts[part], number), obstacles_vtu_text(obstacles, shot.obstacles, low, high));
   }
   write_whole(folder + "/" + name + ".pvd", collection + "</Collection>\n</VTKFile>\n");
 }

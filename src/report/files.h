@@ -15,11 +15,14 @@ std::string csv_text(const std::vector<Record>& records);
 /// One row a load step of one run.
 std::string curve_csv_text(const Record& record);
 
-/// A VTU file of one state: molecules as points (displacement, elastic force, radius, mass), connections as lines
-/// (tension [N], strain, force density [N/m], and the spring constant [N/m] where the strategy has one).
-std::string vtu_text(const Body& body, const Positions& positions, const VectorX& densities, const VectorX& constants);
+/// A VTU file of one state: molecules as points (displacement, elastic force, radius, mass; contact pressure [Pa] and
+/// force [N] where there is contact), connections as lines (tension [N], strain, force density [N/m], and the spring
+/// constant [N/m] where the strategy has one).
+std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& constants);
 
-/// Writes NAME.pvd and one NAME-STEP.vtu a load step into a folder, for ParaView.
-void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run);
+/// Writes NAME.pvd and one NAME-STEP.vtu a load step into a folder, for ParaView; of a body with cells
+/// that is at rest or has contact NAME-surface-STEP.vtu beside each, and NAME-obstacles-STEP.vtu where there are any.
+void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run,
+                  const std::vector<Obstacle>& obstacles = {});
 
 }  // namespace elastin

@@ -30,6 +30,23 @@ Json to_json(const Verdict& verdict) {
   return object;
 }
 
+Json to_json(const Vector3& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
+Json contact_json(const ContactReport& contact, const std::vector<std::string>& obstacles) {
+  Json object{{"pairs", contact.pairs},
+              {"sticking", contact.sticking},
+              {"largest_penetration", contact.largest_penetration},
+              {"area", contact.area},
+              {"largest_pressure", contact.largest_pressure},
+              {"on_obstacles", Json::object()},
+              {"between_pieces", to_json(contact.between_pieces)},
+              {"broad_seconds", contact.broad_seconds},
+              {"narrow_seconds", contact.narrow_seconds}};
+  for (std::size_t i = 0; i < obstacles.size(); ++i)
+    object["on_obstacles"][obstacles[i]] = to_json(contact.on_obstacles[i]);
+  return object;
+}
+
 /// What tells a row of a study from another, and what its error is held against.
 void add_of_study(Json& object, const Record& record) {
   object["asked"] = record.prescribed;
@@ -57,6 +74,7 @@ Json to_json(const Record& record) {
               {"title", record.title},
               {"strategy", run.strategy},
               {"solver", run.solver},
+              {"solver_reason", run.solver_reason},
               {"outcome", outcome_name(run)},
               {"cause", run.cause},
               {"molecules", record.molecules},
@@ -102,6 +120,7 @@ Json to_json(const Record& record) {
     if (time.critical_step > 0 && std::isfinite(time.critical_step))
       object["time"]["critical_step"] = time.critical_step;
   }
+  if (run.contact) object["contact"] = contact_json(*run.contact, record.obstacles);
   object["curve"] = Json::array();
   for (const CurvePoint& point : run.curve) {
     Json row = to_json(point.measures.all());
@@ -185,10 +204,29 @@ void read_time(const Json& object, Run& run) {
   run.time = time;
 }
 
+void read_contact(const Json& object, Record& record) {
+  const auto vector = [](const Json& list) { return Vector3(list.at(0), list.at(1), list.at(2)); };
+  ContactReport contact;
+  contact.pairs = object.at("pairs");
+  contact.sticking = object.at("sticking");
+  contact.largest_penetration = number(object, "largest_penetration");
+  contact.area = number(object, "area");
+  contact.largest_pressure = number(object, "largest_pressure");
+  for (const auto& [name, force] : object.at("on_obstacles").items()) {
+    record.obstacles.push_back(name);
+    contact.on_obstacles.push_back(vector(force));
+  }
+  contact.between_pieces = vector(object.at("between_pieces"));
+  contact.broad_seconds = number(object, "broad_seconds");
+  contact.narrow_seconds = number(object, "narrow_seconds");
+  record.run.contact = std::move(contact);
+}
+
 Run run_of(const Json& object) {
   Run run;
   run.strategy = object.at("strategy");
   run.solver = object.value("solver", "");
+  run.solver_reason = object.value("solver_reason", "");
   read_outcome(object, run);
   run.measures = measures_of(object.at("measures"));
   run.build_seconds = number(object.at("seconds"), "build");
@@ -256,6 +294,7 @@ Record record_of_json(const std::string& line) {
     record.errors = numbers(object.at("errors"));
     record.warnings = object.at("warnings").get<std::vector<std::string>>();
     record.notes = object.value("notes", record.notes);
+    if (object.contains("contact")) read_contact(object["contact"], record);
     read_what_it_stands_for(object, record);
     for (const Json& verdict : object.at("expectations"))
       record.verdicts.push_back(verdict_of(verdict, record.run.strategy));

@@ -58,7 +58,7 @@ std::string card(const std::string& heading, const std::string& inside) {
 
 /// Whether each strategy's body stands: what the solver found out about it.
 Table stability_table(const Scenery& scene) {
-  Table table({"strategy", "verdict", "more"});
+  Table table({"strategy", "verdict", "solver", "more"});
   for (const Record& record : scene.records) {
     const Run& run = record.run;
     if (!run.suited) continue;
@@ -73,6 +73,7 @@ Table stability_table(const Scenery& scene) {
                {verdict, sound            ? Tone::good
                          : solved(record) ? Tone::poor
                                           : Tone::bad},
+               {run.solver + (run.solver_reason.empty() ? "" : ": " + run.solver_reason), Tone::faint},
                {run.cause, Tone::faint}});
   }
   return table;
@@ -206,7 +207,7 @@ std::string scene_html(const Scenery& scene, std::size_t number, const Colours& 
   out += card("All rows", scene.study ? study_table(scene.records, scene.ranking).html(mark)
                                       : comparison_table(scene.records, scene.ranking).html(mark));
   if (const Table stability = stability_table(scene); !stability.empty())
-    out += card("Stability", stability.html(mark));
+    out += card("Stability, and the solver that was taken", stability.html(mark));
   if (const Table verdicts = verdicts_table(scene.records); !verdicts.empty())
     out += card("Held against what was expected", verdicts.html(mark));
   return out + warnings_html(scene) + "</article>\n";

@@ -145,6 +145,8 @@ Record make_record(const Scene& scene, Run run) {
     if (silent || (!expectation.strategy.empty() && expectation.strategy != run.strategy)) continue;
     record.verdicts.push_back(judge(expectation, run));
   }
+  if (scene.specimen.contact)
+    for (const Obstacle& obstacle : scene.specimen.contact->obstacles) record.obstacles.push_back(obstacle.name);
   record.notes = scene.notes;
   record.warnings = scene.warnings;
   record.warnings.insert(record.warnings.end(), run.warnings.begin(), run.warnings.end());

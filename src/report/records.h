@@ -43,9 +43,10 @@ struct Record {
   /// NaN if there is no such error.
   double error(std::string_view name) const;
   std::vector<Verdict> verdicts;
-  std::vector<std::string> warnings;  ///< of the scene and of the run
-  std::vector<std::string> notes;     ///< of the scene
-  std::vector<Reference> references;  ///< of the scene, or found by the study itself
+  std::vector<std::string> warnings;   ///< of the scene and of the run
+  std::vector<std::string> notes;      ///< of the scene
+  std::vector<std::string> obstacles;  ///< of its contact, by name
+  std::vector<Reference> references;   ///< of the scene, or found by the study itself
   /// What a study changes from row to row: "body.lattice.molecules" = "[5, 5, 5]"; empty where nothing is.
   std::vector<std::pair<std::string, std::string>> variant;
   double spacing = 0;  ///< of the body's molecules, up to a factor that refinement leaves alone; see relative_spacing

@@ -37,7 +37,9 @@ void write_run(const Request& request, const Scene& scene, Record& record) {
   if (request.out.empty() || record.run.curve.empty()) return;
   const std::string name = file_name(record.scene, record.run.strategy);
   write_whole(request.out + "/" + name + "-curve.csv", curve_csv_text(record));
-  write_states(request.out, name, scene.specimen.body, record.run);
+  const auto& contact = scene.specimen.contact;
+  write_states(request.out, name, scene.specimen.body, record.run,
+               contact ? contact->obstacles : std::vector<Obstacle>{});
   record.run.snapshots.clear();
 }
 

@@ -56,6 +56,21 @@ std::string time_text(const TimeReport& time) {
   return out;
 }
 
+/// What touches in the last state, and what it took to find.
+std::string contact_text(const ContactReport& contact, const std::vector<std::string>& obstacles) {
+  std::string out =
+      fmt::format("  contact: {} pressed together, {} sticking, at most {} deep, {}", counted(contact.pairs, "pair"),
+                  contact.sticking, readable(contact.largest_penetration, dimension::length, 3),
+                  readable(contact.area, dimension::area, 4));
+  for (std::size_t i = 0; i < obstacles.size(); ++i)
+    if (contact.on_obstacles[i].norm() > 0)
+      out += fmt::format(", {} on {}", readable(contact.on_obstacles[i].norm(), dimension::force), obstacles[i]);
+  if (contact.between_pieces.norm() > 0)
+    out += fmt::format(", {} between pieces", readable(contact.between_pieces.norm(), dimension::force));
+  return out + fmt::format("; broad phase {}, narrow {}\n", readable_seconds(contact.broad_seconds),
+                           readable_seconds(contact.narrow_seconds));
+}
+
 /// Of a run in time every tenth part of it, and what tells it apart; its file has all.
 std::string curve_text(const std::vector<CurvePoint>& points, bool in_time, bool colours) {
   std::vector<const MeasureInfo*> columns;
@@ -132,7 +147,9 @@ std::string run_text(const Record& record, bool colours) {
     out += fmt::format("  {}, {}, {} linear, residual {:.1e}, built in {}, solved in {}\n", run.solver,
                        counted(run.newton_iterations, "Newton iteration"), run.linear_iterations, run.residual,
                        readable_seconds(run.build_seconds), readable_seconds(run.solve_seconds));
+  if (!run.solver_reason.empty()) out += fmt::format("  solver: {}: {}\n", run.solver, run.solver_reason);
   if (run.time) out += time_text(*run.time);
+  if (run.contact) out += contact_text(*run.contact, record.obstacles);
   if (run.cut_steps) out += fmt::format("  {} cut: a cell would have turned over\n", counted(run.cut_steps, "step"));
   if (run.calibration_factor != 1)
     out += fmt::format("  calibrated: spring constants times {:.6g}\n", run.calibration_factor);

@@ -84,21 +84,10 @@ Body read_tetrahedra(Reader reader) {
 }
 
 Body read_mesh(Reader reader) {
-  const Reader file = reader.at("file");
-  const double unit =
-      reader.at("length_unit").choice<double>({{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}});
+  Mesh mesh = read_mesh_file(reader);
   reader.finish();
-  const std::string path = (std::filesystem::path(reader.file_path()).parent_path() / file.text()).string();
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) file.fail("'" + file.text() + "': " + missing_file(path));
-  Mesh mesh;
-  try {
-    mesh = load_mesh(path);
-  } catch (const InputError& error) {
-    file.fail(error.what());
-  }
   Body body;
-  body.rest = unit * mesh.points;
+  body.rest = std::move(mesh.points);
   body.triangles = std::move(mesh.triangles);
   body.tetrahedra = std::move(mesh.tetrahedra);
   body.connections = connections_of_cells(body.rest, body.triangles, body.tetrahedra);
@@ -139,9 +128,10 @@ Body read_list(const Reader& molecules, std::optional<Reader> connections, std::
   return body;
 }
 
-Body read_shape(Reader& reader) {
-  const std::vector<std::string> shapes{"lattice", "packing", "tetrahedra", "sphere", "sphere_octant",
-                                        "disc",    "sheet",   "canopy",     "mesh",   "molecules"};
+/// `volumes` of the molecules [m³] are set where the shape knows them, and left alone where it does not.
+Body read_shape(Reader& reader, VectorX& volumes, Remarks remarks) {
+  const std::vector<std::string> shapes{"lattice", "packing", "tetrahedra", "sphere", "sphere_octant", "disc",
+                                        "sheet",   "canopy",  "mesh",       "fill",   "molecules"};
   std::optional<Reader> shape;
   std::string name;
   for (const std::string& key : shapes)
@@ -162,6 +152,14 @@ Body read_shape(Reader& reader) {
   if (name == "packing") return read_packing(*shape);
   if (name == "tetrahedra") return read_tetrahedra(*shape);
   if (name == "mesh") return read_mesh(*shape);
+  if (name == "fill") {
+    for (const char* key : {"jitter", "grade", "cells", "connections"})
+      if (auto other = reader.find(key))
+        other->fail(key == std::string("cells") || key == std::string("connections")
+                        ? "a filled body takes this inside `fill`"
+                        : "a filled body takes this not: it would leave its surface");
+    return read_fill(*shape, volumes, remarks);
+  }
   if (name != "molecules") return read_surface(name, *shape);
   return read_list(*shape, reader.find("connections"), reader.find("triangles"));
 }
@@ -229,15 +227,33 @@ void read_lines(Reader reader, Body& body) {
 
 }  // namespace
 
+Mesh read_mesh_file(Reader& reader) {
+  const Reader file = reader.at("file");
+  const double unit =
+      reader.at("length_unit").choice<double>({{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}});
+  const std::string path = (std::filesystem::path(reader.file_path()).parent_path() / file.text()).string();
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) file.fail("'" + file.text() + "': " + missing_file(path));
+  try {
+    Mesh mesh = load_mesh(path);
+    mesh.points *= unit;
+    return mesh;
+  } catch (const InputError& error) {
+    file.fail(error.what());
+  }
+}
+
 Body read_body(Reader reader, const Material& material, Remarks remarks) {
-  Body body = reader.located([&] { return read_shape(reader); });
+  VectorX volumes;
+  Body body = reader.located([&] { return read_shape(reader, volumes, remarks); });
   if (auto jitter = reader.find("jitter")) {
     const double amount = jitter->at("amount").quantity(dimension::none, {0, 0.5, false});
     const int seed = jitter->has("seed") ? jitter->at("seed").whole(0) : 1;
     jitter->finish();
     add_jitter(body, amount * shortest_connection(body), static_cast<std::uint64_t>(seed));
   }
-  if (auto grading = reader.find("grade")) read_grade(*grading, body);
+  if (auto grading = reader.find("grade"))
+    for (const Reader& along : grading->is_map() ? std::vector{*grading} : grading->items()) read_grade(along, body);
   if (auto cells = reader.find("cells")) read_cells(*cells, body, remarks.warnings);
   const auto radius = reader.find("radius"), regions = reader.find("regions"), lines = reader.find("lines");
   reader.finish();
@@ -247,6 +263,7 @@ Body read_body(Reader reader, const Material& material, Remarks remarks) {
   const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
   const double volume = size.prod() > 0 ? size.prod() : body.size() * std::pow(2 * r, 3);
   set_matter(body, r, material.density, material.thickness, volume);
+  if (volumes.size()) body.mass = material.density * volumes;
   if (regions && (material.curve || material.fibre))
     regions->fail("a body with regions takes a material without curve or fibre");
   if (regions)

@@ -174,6 +174,8 @@ std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace
        {"inflation", read_inflation},
        {"bubble", read_bubble},
        {"material", read_homogenisation},
+       {"indentation", read_indentation},
+       {"press", read_press},
        // Known here for the list of names; read above.
        {"motion", nullptr},
        {"release", nullptr},
@@ -181,6 +183,7 @@ std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace
        {"relaxation", nullptr},
        {"shake", nullptr},
        {"drop", nullptr},
+       {"sliding", nullptr},
        {"parachute", nullptr},
        {"vibration", nullptr}});
   return read(reader, place);

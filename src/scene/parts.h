@@ -1,5 +1,7 @@
 #pragma once
+#include "elastin/contact/contact.h"
 #include "elastin/forces/time_function.h"
+#include "elastin/model/mesh_file.h"
 #include "elastin/simulation/catalog.h"
 #include "experiment/inflation.h"
 #include "experiment/specimen.h"
@@ -22,6 +24,10 @@ Body read_body(Reader reader, const Material& material, Remarks remarks);
 /// A list of bodies, each a part of one, and what ties them together; sets the specimen's body and materials. Its
 /// material must be set.
 void read_bodies(const Reader& list, std::optional<Reader> ties, Specimen& specimen, Remarks remarks);
+/// {file, length_unit, …}: the file that a body names, points in metres.
+Mesh read_mesh_file(Reader& reader);
+/// A body that fills a closed surface, and the volume that each molecule stands for [m³]; they sum to the surface's.
+Body read_fill(Reader reader, VectorX& volumes, Remarks remarks);
 /// A body of triangles: sphere, sphere_octant, disc, sheet or canopy.
 Body read_surface(const std::string& shape, Reader reader);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
@@ -31,6 +37,7 @@ struct ExperimentPlace {
   const Material& material;
   Matrix3 rotation;
   StaticOptions statics;
+  ContactOptions* contact = nullptr;  ///< of the scene; null if it has none. Experiments add obstacles of their own
 };
 /// A kind that runs through time, or null: the experiment's kind is one at rest.
 std::unique_ptr<Experiment> read_timed_experiment(Reader reader, const std::string& kind, const ExperimentPlace& place);
@@ -38,6 +45,17 @@ std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace
 std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentPlace& place);
 /// {vary: [{KEY.PATH: [value, …], …}, …], repeats: 5, threads: [1, 2], own_reference: STRATEGY}
 Study read_study(Reader reader, const std::vector<StrategyChoice>& known);
+std::unique_ptr<Experiment> read_indentation(Reader reader, const ExperimentPlace& place);
+std::unique_ptr<Experiment> read_press(Reader reader, const ExperimentPlace& place);
+std::unique_ptr<Experiment> read_sliding(Reader reader, const ExperimentPlace& place);
+/// Contact, and which obstacles' motions follow the load, and which the time.
+struct SceneContact {
+  ContactOptions options;
+  std::vector<Reader> by_load, by_time;
+};
+SceneContact read_contact(Reader reader, const Body& body, const Material& material, const Matrix3& rotation);
+/// Throws InputError on a motion that means nothing in this experiment.
+void check_motions(const SceneContact& contact, bool timed);
 StaticOptions read_solver(Reader reader);
 /// Adds one load, or internal damping, to a model of the scene's body.
 struct SceneLoad {

@@ -51,6 +51,17 @@ void mark_override(YAML::Node node) {
   }
 }
 
+/// Which item of a list a key means: its `name`, or its number from 0.
+std::size_t item_of(const YAML::Node& list, const std::string& key, const Place& place) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const bool named = list[i].IsMap() && list[i]["name"] && list[i]["name"].IsScalar();
+    names.push_back(named ? list[i]["name"].Scalar() : std::to_string(i));
+    if (key == names.back() || key == std::to_string(i)) return i;
+  }
+  throw InputError(place, "'" + key + "' is no item of the list" + suggestion(key, names));
+}
+
 void put_override(YAML::Node root, const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   const Place place{"--set " + assignment};
@@ -68,13 +79,16 @@ void put_override(YAML::Node root, const std::string& assignment) {
   YAML::Node node = root;
   for (std::size_t dot; (dot = path.find('.')) != std::string::npos; path = path.substr(dot + 1)) {
     const std::string key = path.substr(0, dot);
-    YAML::Node next = node[key];
-    if (next.IsDefined() && !next.IsMap())
+    YAML::Node next = node.IsSequence() ? node[item_of(node, key, place)] : node[key];
+    if (next.IsDefined() && !next.IsMap() && !next.IsSequence())
       throw InputError(place, "'" + key + "' is " + kind_of(next) + " in the scene, not a map of keys");
     if (!next.IsDefined()) node[key] = next = YAML::Node(YAML::NodeType::Map);
     node.reset(next);
   }
-  node[path] = value;
+  if (node.IsSequence())
+    node[item_of(node, path, place)] = value;
+  else
+    node[path] = value;
 }
 
 /// The only document of a scene's text.

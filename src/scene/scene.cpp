@@ -115,8 +115,8 @@ void read_whole_body(Reader& reader, Scene& scene) {
   if (auto several = reader.find("bodies")) {
     if (auto one = reader.find("body")) one->fail("there are `bodies` already; put it into that list, with a name");
     read_bodies(*several, ties, specimen, remarks);
-    for (const Part& part : specimen.body.parts)
-      warn_of_pieces(part_alone(specimen.body, part).body, "body '" + part.name + "'", scene.warnings);
+    for (const Part& part : specimen.body.parts)  // bone holds together without connections
+      if (!part.rigid) warn_of_pieces(part_alone(specimen.body, part).body, "body '" + part.name + "'", scene.warnings);
     return;
   }
   if (ties) ties->fail("joins several `bodies`; the scene has one");
@@ -163,13 +163,23 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog);
   const Reader experiment = reader.at("experiment");
   if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver);
-  scene->experiment =
-      read_experiment(experiment, {scene->specimen.body, scene->specimen.material, rotation, scene->statics});
+  ExperimentPlace place{scene->specimen.body, scene->specimen.material, rotation, scene->statics};
+  std::optional<SceneContact> contact;
+  if (auto value = reader.find("contact")) {
+    contact = read_contact(*value, scene->specimen.body, scene->specimen.material, rotation);
+    place.contact = &contact->options;
+  }
+  scene->experiment = read_experiment(experiment, place);
   const bool timed = scene->experiment->in_time();
+  if (contact) {
+    check_motions(*contact, timed);
+    reader.at("contact").located([&] { make_contact(scene->specimen.body, contact->options); });
+    scene->specimen.contact = std::move(contact->options);
+  }
   const auto time = reader.find("time");
   if (time && !timed)
     time->fail("a " + scene->experiment->name() + " experiment is at rest and takes no time; those that do are " +
-               "motion, release, creep, relaxation, shake and drop");
+               "motion, release, creep, relaxation, shake, drop and sliding");
   if (!time && timed)
     experiment.fail("a " + scene->experiment->name() + " experiment runs through time: key 'time' is missing, " +
                     "for example time: {duration: 1 s}");

@@ -99,11 +99,16 @@ std::unique_ptr<Experiment> read_drop(Reader reader, const ExperimentPlace& plac
   if (gravity) setup.gravity = gravity->quantity(dimension::acceleration, kNotNegative);
   if (height) setup.height = height->quantity(dimension::length, kNotNegative);
   if (speed) setup.speed = speed->quantity(dimension::velocity, kNotNegative);
+  if (place.contact) {
+    for (const auto& own : {height, stiffness, damping})
+      if (own) own->fail("is of a floor that drop brings along; this scene has contact, and obstacles of its own");
+    setup.contact = *place.contact;
+  }
   setup.stiffness = stiffness ? stiffness->quantity(dimension::stiffness, kPositive)
                               : default_floor_stiffness(place.body, place.material);
   if (damping) setup.damping = damping->quantity(dimension::damping, kNotNegative);
   reader.finish();
-  if (!(setup.speed > 0 || (setup.gravity > 0 && setup.height > 0)))
+  if (!(setup.speed > 0 || (setup.gravity > 0 && (setup.height > 0 || setup.contact))))
     reader.fail("nothing falls: give a speed, or gravity and a height");
   return reader.located([&] { return make_drop(place.body, setup); });
 }
@@ -152,6 +157,7 @@ std::unique_ptr<Experiment> read_timed_experiment(Reader reader, const std::stri
     if (kind == name) return read_motion(reader, motion, place);
   if (kind == "shake") return read_shake(reader, place);
   if (kind == "drop") return read_drop(reader, place);
+  if (kind == "sliding") return read_sliding(reader, place);
   if (kind == "parachute") return read_parachute(reader, place);
   if (kind == "vibration") return read_vibration(reader, place);
   return nullptr;
@@ -163,9 +169,18 @@ std::function<void(State&)> read_initial(Reader reader, const Body& body, const 
   double scatter = 0;
   int seed = 1;
   std::vector<int> molecules;
+  std::vector<std::pair<int, Vector3>> thrown;
   if (auto value = reader.find("velocity")) velocity = rotation * value->vector(dimension::velocity);
+  if (auto value = reader.find("throw"))
+    for (Reader item : value->items()) {
+      const Vector3 speed = rotation * item.at("velocity").vector(dimension::velocity);
+      for (const Reader& molecule : item.at("molecules").items())
+        thrown.emplace_back(molecule.whole(0, body.size() - 1), speed);
+      item.finish();
+    }
   if (auto value = reader.find("spin")) spin = rotation * value->vector({0, 0, -1});
-  if (!timed && (velocity.norm() > 0 || spin.norm() > 0)) reader.fail("an experiment at rest has no velocities");
+  if (!timed && (velocity.norm() > 0 || spin.norm() > 0 || !thrown.empty()))
+    reader.fail("an experiment at rest has no velocities");
   if (auto value = reader.find("stretch"))
     stretch = rotation * value->vector(dimension::none).asDiagonal() * rotation.transpose();
   if (auto value = reader.find("turn")) turn = rotation * read_rotation(*value) * rotation.transpose();
@@ -191,6 +206,7 @@ std::function<void(State&)> read_initial(Reader reader, const Body& body, const 
     for (const int molecule : molecules) state.positions.col(molecule) += move;
     for (Eigen::Index i = 0; i < state.positions.cols(); ++i)
       state.velocities.col(i) += velocity + spin.cross(Vector3(state.positions.col(i) - middle));
+    for (const auto& [molecule, speed] : thrown) state.velocities.col(molecule) += speed;
   };
 }
 

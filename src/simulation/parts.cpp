@@ -143,7 +143,8 @@ Strategy in_parts(const Strategy& strategy, const Body& body, std::vector<Materi
   if (strategy.constants)
     result.constants = [strategy, materials](const Body& whole, const Material&, const ParameterValues& values) {
       VectorX constants = VectorX::Zero(whole.connections.size());
-      for (const auto& part : works_of(whole, materials)->soft)
+      const std::shared_ptr<const Works> works = works_of(whole, materials);  // outlives the loop
+      for (const auto& part : works->soft)
         spread(part->alone, strategy.constants(part->alone.body, part->material, values), constants);
       return constants;
     };

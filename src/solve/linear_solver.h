@@ -36,6 +36,9 @@ class LinearSolver {
 /// Conjugate gradients without a matrix, preconditioned by the 3×3 blocks of each molecule.
 std::unique_ptr<LinearSolver> make_pcg();
 
+/// The same with a coarse picture of the body besides (solve/multigrid): for large and slender bodies.
+std::unique_ptr<LinearSolver> make_multigrid();
+
 /// Stabilised bi-conjugate gradients with the same preconditioner, for a stiffness that is not symmetric. [van der
 /// Vorst 1992]
 std::unique_ptr<LinearSolver> make_bicgstab();

@@ -6,13 +6,13 @@
 
 #include "base/parallel.h"
 #include "solve/explicit.h"
+#include "solve/linear_choice.h"
 
 namespace elastin {
 namespace {
 
-/// Below this many molecules a factorisation beats iterations, but for time steps, whose inertia makes them few; above
-/// the second limit it is never tried.
-constexpr int kTinyBody = 60, kDirectLimit = 2500;
+/// Above this many molecules a factorisation is never tried where iterations got stuck.
+constexpr int kDirectLimit = 2500;
 
 /// Newton iterations in which a body that was stable at the start is followed down past negative modes before saddles
 /// are tried: nearly incompressible ones pass through pressures that are not there at the end.
@@ -23,11 +23,9 @@ constexpr int kSaddles = 3;
 
 const std::string kAdrift = "the loads work on a zero-energy mode that does not stiffen";
 
-std::unique_ptr<LinearSolver> make_solver(LinearMethod method, const Tangent& tangent) {
-  const bool tiny = tangent.model().body().size() <= kTinyBody && tangent.weights().acceleration == 0;
-  if (!tangent.model().symmetric()) return make_bicgstab();
-  const bool direct = method == LinearMethod::direct || (method == LinearMethod::automatic && tiny);
-  return direct ? make_direct() : make_pcg();
+std::unique_ptr<LinearSolver> make_solver(LinearMethod method) {
+  if (method == LinearMethod::direct) return make_direct();
+  return method == LinearMethod::multigrid ? make_multigrid() : make_pcg();
 }
 
 struct Balance {
@@ -226,9 +224,11 @@ double rounding_floor(const Tangent& tangent, const Positions& positions) {
 
 LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                           double tolerance, const StaticOptions& options, bool through_saddles, Positions& solution,
-                          std::string& used) {
+                          UsedSolver& used) {
   const int molecules = tangent.model().body().size();
-  auto solver = make_solver(options.method, tangent);
+  const LinearChoice choice = choose_linear_solver(tangent, options.method, tolerance);
+  used.reason = choice.reason;
+  auto solver = tangent.model().symmetric() ? make_solver(choice.method) : make_bicgstab();
   LinearResult result = solver->solve(tangent, supports, rhs, tolerance, solution);
   if (result.negative_modes > 0 && !through_saddles) {  // a factorisation leads to the saddle, iterations downhill
     solver = make_pcg();
@@ -236,7 +236,7 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
     result = solver->solve(tangent, supports, rhs, tolerance, solution);
     result.iterations += before;
   }
-  const bool iterated = std::string(solver->name()) == "pcg";
+  const bool iterated = choice.method != LinearMethod::direct && tangent.model().symmetric();
   const bool downhill = result.status == LinearStatus::negative_mode && !through_saddles;
   if (result.status != LinearStatus::solved && !downhill && iterated && options.method == LinearMethod::automatic &&
       molecules <= kDirectLimit) {
@@ -246,10 +246,11 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
     if (second.residual <= std::max(result.residual, tolerance)) {
       solution = other;
       solver = std::move(direct);
+      used.reason = "iterations got stuck, and with " + std::to_string(molecules) + " molecules it is affordable";
       result = {second.status, result.iterations + second.iterations, second.residual, second.negative_modes, {}};
     }
   }
-  used = solver->name();
+  used.name = solver->name();
   return result;
 }
 
@@ -285,7 +286,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     result.cause = turned_over_text(model.body(), now.state.positions) + " at the start of the step";
     return result;
   }
-  std::string used = options.method == LinearMethod::direct ? "direct" : "pcg";
+  UsedSolver used{options.method == LinearMethod::direct ? "direct" : "pcg", ""};
   bool stable_start = false, adrift = false;
   int saddles = 0, last_saddle = 0;  // how many were left, and after how many iterations
   double forcing = 1e-3, last = now.forces.norm;
@@ -350,7 +351,8 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     }
   }
   state = std::move(now.state);
-  result.solver = "newton " + used;
+  result.solver = "newton " + used.name;
+  result.reason = used.reason;
   Positions forces;
   model.set_forces(state, forces);
   if (kinematics) forces -= inertia(model, state);

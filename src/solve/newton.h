@@ -23,11 +23,16 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
 /// The unbalanced force [N] that rounding of the positions alone makes: nothing smaller can be asked for.
 double rounding_floor(const Tangent& tangent, const Positions& positions);
 
+/// What solved a linear problem, and why that: "multigrid", "103823 molecules, …".
+struct UsedSolver {
+  std::string name, reason;
+};
+
 /// One linear solve, by the method of the options; falls back on the factorisation where iterations met what they
 /// cannot handle and the body is small enough for it; on a negative mode only if `through_saddles`.
 LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                           double tolerance, const StaticOptions& options, bool through_saddles, Positions& solution,
-                          std::string& used);
+                          UsedSolver& used);
 
 /// The held part of each supported molecule's column, 3 × supports.
 Positions held_parts(const std::vector<Support>& supports, const Positions& vectors);

@@ -1,34 +1,32 @@
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "base/parallel.h"
+#include "solve/block_inverse.h"
 #include "solve/linear_solver.h"
+#include "solve/multigrid.h"
 #include "solve/sparse_stiffness.h"
 
 namespace elastin {
 namespace {
 
-/// Inverse of a symmetric block on the directions where it has stiffness, zero on the others. Blocks of negative
-/// stiffness are taken by size, which keeps the preconditioner positive.
-Matrix3 pseudo_inverse(const Matrix3& block) {
-  const Eigen::SelfAdjointEigenSolver<Matrix3> eigen(block);
-  const Vector3 values = eigen.eigenvalues().cwiseAbs();
-  const double threshold = 1e-10 * values.maxCoeff();
-  const Vector3 inverse = (values.array() > threshold).select(values.cwiseInverse(), 0);
-  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
-}
-
 /// A molecule's share of a pass costs as much as ten connections.
 constexpr int kMoleculeThreshold = kParallelThreshold / 10;
 
+/// A coarse picture that serves takes some 30 iterations, a poor one 200.
+constexpr int kCoarseLimit = 400;
+
 class Pcg final : public LinearSolver {
  public:
-  const char* name() const override { return "pcg"; }
+  explicit Pcg(bool multigrid) : multigrid_(multigrid) {}
+  const char* name() const override { return multigrid_ ? "multigrid" : "pcg"; }
 
   LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                      double tolerance, Positions& x) override {
     const int n = static_cast<int>(rhs.cols());
     const std::vector<Matrix3> inverse = block_preconditioner(tangent, supports);
+    std::unique_ptr<Multigrid> coarse;
+    if (multigrid_) coarse = std::make_unique<Multigrid>(tangent, supports);
+    if (coarse && !coarse->positive()) coarse.reset();
     Positions r = rhs, z(3, n), p(3, n), kp(3, n);
     x.setZero(3, n);
     // r·z and r·r in one pass; moved = 0 leaves x and r as they are.
@@ -45,10 +43,18 @@ class Pcg final : public LinearSolver {
           },
           Eigen::Vector2d(0, 0), kMoleculeThreshold);
     };
+    const auto add_coarse = [&](Eigen::Vector2d& products) {
+      if (!coarse || !(products[1] > 0)) return;
+      coarse->add(r, std::sqrt(products[1]), z);
+      keep_free(supports, z);
+      products[0] = ordered_sum(
+          n, [&](int i) { return r.col(i).dot(z.col(i)); }, 0., kMoleculeThreshold);
+    };
     Eigen::Vector2d now = advance(0);
     const double first = now[1];
     LinearResult result;
     if (first == 0) return result;
+    add_coarse(now);
     p = z;
     double size_of_p = now[0];  // pᵀ M p, M the preconditioner: what pᵀ K p is small or large against
     const int limit = 10000 + 3 * n / 10;
@@ -88,6 +94,16 @@ class Pcg final : public LinearSolver {
         result.status = LinearStatus::limit_reached;
         break;
       }
+      add_coarse(now);
+      // Not positive after all, or blind to what this body is slow at (stiff lumps that share boxes with soft tissue):
+      // go on without, from here.
+      if (coarse && (!(now[0] > 0) || result.iterations == kCoarseLimit)) {
+        coarse.reset();
+        now = advance(0);
+        p = z;
+        size_of_p = now[0];
+        continue;
+      }
       const double beta = now[0] / before;
       parallel_for(
           n, [&](int i) { p.col(i) = z.col(i) + beta * p.col(i); }, kMoleculeThreshold);
@@ -96,6 +112,9 @@ class Pcg final : public LinearSolver {
     result.residual = std::sqrt(now[1] / first);
     return result;
   }
+
+ private:
+  bool multigrid_;
 };
 
 }  // namespace
@@ -107,7 +126,7 @@ std::vector<Matrix3> block_preconditioner(const Tangent& tangent, const std::vec
     block = (support.free * block * support.free).eval();
   }
   parallel_for(static_cast<int>(blocks.size()),
-               [&](int molecule) { blocks[molecule] = pseudo_inverse(blocks[molecule]); });
+               [&](int molecule) { blocks[molecule] = positive_inverse(blocks[molecule]); });
   return blocks;
 }
 
@@ -126,6 +145,8 @@ double ordered_norm(const Positions& vectors) {
   return std::sqrt(ordered_sum(static_cast<int>(vectors.cols()), [&](int i) { return vectors.col(i).squaredNorm(); }));
 }
 
-std::unique_ptr<LinearSolver> make_pcg() { return std::make_unique<Pcg>(); }
+std::unique_ptr<LinearSolver> make_pcg() { return std::make_unique<Pcg>(false); }
+
+std::unique_ptr<LinearSolver> make_multigrid() { return std::make_unique<Pcg>(true); }
 
 }  // namespace elastin

@@ -82,10 +82,11 @@ StaticResponse static_response(Model& model, const Positions& at, const Position
   Positions rhs = load_change - forces;
   const double held = held_parts(model.supports, rhs).norm();
   keep_free(model.supports, rhs);
-  std::string used;
+  UsedSolver used;
   const LinearResult linear =
       solve_linear(tangent, model.supports, rhs, options.tolerance, options, true, motion, used);
-  result.solver = "linear " + used;
+  result.solver = "linear " + used.name;
+  result.reason = used.reason;
   result.linear = true;
   result.newton_iterations = 1;
   result.linear_iterations = linear.iterations;

@@ -18,6 +18,15 @@ TEST_CASE("tributary areas of a square grid: quarters at corners, halves at edge
   }
 }
 
+TEST_CASE("a hull keeps its corners where rounding bends its sides", "[tributary]") {
+  for (const double bend : {-1e-18, 1e-18}) {  // a point of the first side before its lower corner, or behind it
+    Points2 points(2, 6);
+    points << 0, bend, 0, 0.03, 0.03 + bend, 0.03, 0, 0.014, 0.03, 0, 0.017, 0.03;
+    CHECK(polygon_area(convex_hull(points)) == Approx(9e-4).epsilon(1e-12));
+    CHECK(convex_hull(points).cols() == 4);
+  }
+}
+
 TEST_CASE("tributary areas of random points sum to the hull and equal a count of nearest points", "[tributary]") {
   std::mt19937_64 generator(4);
   const auto unit = [&] { return static_cast<double>(generator() >> 11) * 0x1p-53; };

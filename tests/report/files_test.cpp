@@ -255,7 +255,7 @@ TEST_CASE("a VTU file holds molecules as points and connections as lines", "[fil
   const Run& last = runs.records.front().run;
   REQUIRE(last.snapshots.size() == 5);
   const Snapshot& end = last.snapshots.back();
-  const std::string text = vtu_text(body, end.positions, end.densities, last.constants);
+  const std::string text = vtu_text(body, end, last.constants);
   CHECK(all_finite(text));
   const Vtu vtu(text);
   CHECK(vtu.piece.attribute("NumberOfPoints").as_int() == 2);
@@ -283,8 +283,8 @@ TEST_CASE("the arrays of a VTU file fit together on any body", "[files]") {
   body.connections.rest_length.push_back(0);
   const int n = body.size(), m = body.connections.size();
   const bool springs = GENERATE(true, false);
-  const std::string text =
-      vtu_text(body, 1.1 * body.rest, VectorX::Constant(m, 2), springs ? VectorX(VectorX::Constant(m, 3)) : VectorX());
+  const std::string text = vtu_text(body, {0, 1.1 * body.rest, VectorX::Constant(m, 2)},
+                                    springs ? VectorX(VectorX::Constant(m, 3)) : VectorX());
   CHECK(all_finite(text));
   const Vtu vtu(text);
   CHECK(vtu.piece.attribute("NumberOfPoints").as_int() == n);

@@ -40,7 +40,7 @@ void check_files(const Scene& scene, const Record& record) {
   CHECK_FALSE(has_non_finite(curve_csv_text(record)));
   for (const Snapshot& shot : record.run.snapshots)
     if (&shot == &record.run.snapshots.back() || record.run.outcome != Outcome::converged)
-      CHECK_FALSE(has_non_finite(vtu_text(scene.specimen.body, shot.positions, shot.densities, record.run.constants)));
+      CHECK_FALSE(has_non_finite(vtu_text(scene.specimen.body, shot, record.run.constants)));
 }
 
 /// Too slow for the sanitizers.

@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "elastin/base/types.h"
@@ -85,6 +86,11 @@ class Elasticity {
   /// [N/m], without what the force densities and own slopes give. A law has either this or visit_cells.
   using BlockVisitor = std::function<void(int a, int b, const Matrix3& part)>;
   virtual void visit_blocks(const BlockVisitor&) const {}
+  /// Of couplings too wide for dense slopes, what a coarser picture of the body can use: calls visit(g, factor) for
+  /// parts factor · (Σ g_a·x_a)² / 2 of the energy, g a list of molecules and vectors whose sum is zero. False where
+  /// visit_blocks has more to say than that.
+  using GradientVisitor = std::function<void(std::span<const std::pair<int, Vector3>> gradient, double factor)>;
+  virtual bool visit_gradients(const GradientVisitor&) const { return true; }
   /// Adds the diagonal ones of those blocks.
   virtual void add_diagonal(std::vector<Matrix3>& /*blocks*/) const {}
 };

@@ -16,7 +16,12 @@ enum class Outcome {
 };
 const char* name_of(Outcome outcome);
 
-enum class LinearMethod { automatic, pcg, direct };
+enum class LinearMethod {
+  automatic,  ///< the quickest by a rule: direct for tiny bodies, multigrid for large or slender ones, else pcg
+  pcg,        ///< conjugate gradients with the blocks of single molecules
+  multigrid,  ///< the same with a coarse picture of the body besides
+  direct,     ///< a factorisation
+};
 
 /// How an equilibrium with large displacements is sought; see solve/relaxation.
 enum class StaticWay { newton, explicit_steps, implicit_steps };
@@ -36,6 +41,7 @@ struct StaticResult {
   Outcome outcome = Outcome::converged;
   std::string cause;    ///< why it did not converge; empty if it did
   std::string solver;   ///< "newton pcg", "linear direct" …
+  std::string reason;   ///< why this linear solver, in words for a user; empty where there was no choice to make
   bool linear = false;  ///< small displacements were assumed
   int newton_iterations = 0;
   int linear_iterations = 0;

@@ -1,0 +1,80 @@
+#include "experiment/touching.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastin {
+namespace {
+
+/// A force that is asked for counts as met when it is this near.
+constexpr double kForceTolerance = 1e-7;
+
+}  // namespace
+
+Contact* contact_of(const Model& model) {
+  for (const auto& load : model.loads())
+    if (auto* contact = dynamic_cast<Contact*>(load.get())) return contact;
+  return nullptr;
+}
+
+int find_obstacle(const std::vector<Obstacle>& obstacles, const std::string& name) {
+  const auto found = std::find_if(obstacles.begin(), obstacles.end(), [&](const auto& o) { return o.name == name; });
+  return found == obstacles.end() ? -1 : static_cast<int>(found - obstacles.begin());
+}
+
+double largest_force(const ContactReport& report) {
+  double largest = 0;
+  for (const Vector3& force : report.on_obstacles) largest = std::max(largest, force.norm());
+  return largest > 0 ? largest : report.between_pieces.norm();
+}
+
+void note_contact(const ContactReport& report, double copies, Measures& measures) {
+  if (copies == 1) measures.set("contact_force", largest_force(report));  // parts of a whole have forces across, too
+  measures.set("contact_area", copies * report.area);
+  measures.set("largest_pressure", report.largest_pressure);
+  measures.set("largest_penetration", report.largest_penetration);
+  measures.set("contacts", report.pairs);
+  measures.set("sticking", report.sticking);
+}
+
+Snapshot snapshot_of(const Model& model, const State& state, double at, int number) {
+  Snapshot shot{at, state.positions, model.force_densities(state.positions), number};
+  if (const Contact* contact = contact_of(model)) {
+    ContactReport report = contact->report(state);
+    shot.contact_forces = std::move(report.forces);
+    shot.contact_pressure = std::move(report.pressure);
+    for (const Obstacle& obstacle : contact->obstacles()) shot.obstacles.push_back(obstacle.at(at));
+  }
+  return shot;
+}
+
+void ForceControl::aim(double part) {
+  part_ = part;
+  if (part == 0) {
+    before_way_ = before_force_ = last_way_ = last_force_ = 0;
+  } else if (last_force_ > 0) {
+    way_ = towards(part * wanted_);
+  }
+}
+
+bool ForceControl::adjust(double force) {
+  const double wanted = part_ * wanted_;
+  if (std::abs(force - wanted) <= kForceTolerance * wanted_) {
+    if (way_ != last_way_) before_way_ = last_way_, before_force_ = last_force_;
+    last_way_ = way_, last_force_ = force;
+    return false;
+  }
+  if (way_ != last_way_) before_way_ = last_way_, before_force_ = last_force_;
+  last_way_ = way_, last_force_ = force;
+  way_ = towards(wanted);
+  return true;
+}
+
+/// Along the secant, but no further than three times its own way; where nothing resists yet, twice as far.
+double ForceControl::towards(double force) const {
+  const double step = last_way_ - before_way_, slope = (last_force_ - before_force_) / step;
+  if (!(slope > 0)) return last_way_ + std::abs(step);
+  return last_way_ + std::clamp((force - last_force_) / slope, -3 * std::abs(step), 3 * std::abs(step));
+}
+
+}  // namespace elastin
