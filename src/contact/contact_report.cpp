@@ -9,7 +9,7 @@ ContactReport ContactForce::report(const State& state) const {
   ContactReport report;
   report.forces = Positions::Zero(3, body_.size());
   report.on_obstacles.assign(options_.obstacles.size(), Vector3::Zero());
-  VectorX pressing = VectorX::Zero(body_.size());
+  VectorX pressing = VectorX::Zero(body_.size()), touched = pressing;  // [N], and the area that is pressed [m²]
   const std::vector<Sample>& samples = search_.samples();
   for (const Answer& answer : answers(state)) {
     if (!(answer.pressing > 0)) continue;
@@ -20,8 +20,10 @@ ContactReport ContactForce::report(const State& state) const {
     report.largest_penetration = std::max(report.largest_penetration, -answer.gap);
     // Bodies touch each other from both sides: their area is counted once.
     report.area += answer.target < obstacle_count() || spheres_ ? sample.area : sample.area / 2;
+    for (int i = 0; i < sample.count; ++i) touched[sample.molecules[i]] += sample.weights[i] * sample.area;
     for (int i = 0; i < answer.count; ++i) {
       const Side& side = answer.sides[i];
+      if (spheres_ && side.normal < 0) touched[side.molecule] += area_[side.molecule];
       report.forces.col(side.molecule) +=
           side.normal * answer.pressing * answer.normal + side.tangential * answer.friction;
       pressing[side.molecule] += std::abs(side.normal) * answer.pressing;
@@ -32,8 +34,10 @@ ContactReport ContactForce::report(const State& state) const {
       report.between_pieces += sample.piece < other ? force : Vector3(-force);
   }
   report.pressure = VectorX::Zero(body_.size());
+  // What is pressed from the other side alone, beside a rim, has its whole surface for that.
   for (const int molecule : watched_)
-    if (pressing[molecule] > 0) report.pressure[molecule] = pressing[molecule] / area_[molecule];
+    if (pressing[molecule] > 0)
+      report.pressure[molecule] = pressing[molecule] / (touched[molecule] > 0 ? touched[molecule] : area_[molecule]);
   report.largest_pressure = report.pressure.size() ? report.pressure.maxCoeff() : 0;
   report.broad_seconds = search_.cost().broad_seconds;
   report.narrow_seconds = search_.cost().narrow_seconds;

@@ -56,14 +56,12 @@ class Drop final : public TimedExperiment {
     return measures;
   }
 
-  /// The first contact: from the gap's fall below zero to its rise above. Where no gap is known, from frame to frame,
-  /// and until the body goes the other way: what touched first may bounce before the rest has come.
+  /// The first contact: from the gap's fall below zero to its rise above; where no gap is known, by frames that touch.
+  /// On obstacles and without weight it comes but once, and what touched first may bounce before the rest has come:
+  /// there the last touch counts.
   void read_course(const std::vector<CurvePoint>& rows, Measures& measures) const override {
     const auto gap = [&](std::size_t i) { return rows[i].measures.get("gap"); };
     const auto touches = [&](std::size_t i) { return plane_ ? gap(i) < 0 : rows[i].measures.get("contacts") > 0; };
-    const auto stays = [&](std::size_t i) {
-      return touches(i) || (!plane_ && rows[i].measures.get("impact_speed") > 0);
-    };
     const auto crossing = [&](std::size_t i) {  // between frames i - 1 and i
       const double part = plane_ ? gap(i - 1) / (gap(i - 1) - gap(i)) : 0.5;
       return rows[i - 1].time + (rows[i].time - rows[i - 1].time) * part;
@@ -73,7 +71,10 @@ class Drop final : public TimedExperiment {
     if (first == rows.size()) return;
     std::size_t last = first;
     double deepest = 0, force = 0;
-    for (; last < rows.size() && stays(last); ++last) {
+    std::size_t end = first;
+    for (std::size_t i = first; i < rows.size(); ++i)
+      if (touches(i) && ((setup_.contact && setup_.gravity == 0) || i == end)) end = i + 1;
+    for (; last < end; ++last) {
       deepest = std::max(deepest, rows[last].measures.get("compression"));
       force = std::max(force, rows[last].measures.get("floor_force"));
     }

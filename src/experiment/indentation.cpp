@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/search.h"
 #include "elastin/base/error.h"
 #include "experiment/faces.h"
 #include "experiment/symmetry.h"
@@ -103,7 +104,7 @@ class Indentation final : public Experiment {
     }
   }
 
-  /// The indenter where it just touches the molecules, or their spheres where those are what touches.
+  /// The indenter where it just touches the body.
   Obstacle indenter(const Body& body, ContactSurface surface) const {
     const bool sphere = setup_.shape == IndenterShape::sphere;
     const double radius = setup_.radius;
@@ -112,13 +113,20 @@ class Indentation final : public Experiment {
     for (const Vector3& normal : setup_.symmetry) base -= normal.dot(base) * normal;
     base -= setup_.axis.dot(base) * setup_.axis;
     double first = std::numeric_limits<double>::infinity();  // place along the axis at which it touches
-    for (int molecule = 0; molecule < body.size(); ++molecule) {
-      const double r = surface == ContactSurface::spheres ? body.radius[molecule] : 0;
-      const double along = setup_.axis.dot(body.rest.col(molecule));
-      const double off = (body.rest.col(molecule) - base - along * setup_.axis).norm();
-      if (off > (sphere ? radius + r : radius)) continue;
-      first = std::min(first, along - (sphere ? std::sqrt(std::pow(radius + r, 2) - off * off) : r));
-    }
+    const auto meet = [&](const Vector3& place, double r) {
+      const double along = setup_.axis.dot(place), off = (place - base - along * setup_.axis).norm();
+      if (off <= (sphere ? radius + r : radius))
+        first = std::min(first, along - (sphere ? std::sqrt(std::pow(radius + r, 2) - off * off) : r));
+    };
+    const bool spheres = surface == ContactSurface::spheres;
+    for (int molecule = 0; molecule < body.size(); ++molecule)
+      meet(body.rest.col(molecule), spheres ? body.radius[molecule] : 0);
+    if (!spheres)  // in a hollow a triangle's middle comes before its corners
+      for (const Sample& sample : triangle_samples(body, surface_triangles(body))) {
+        Vector3 place = Vector3::Zero();
+        for (std::size_t i = 0; i < 3; ++i) place += sample.weights[i] * body.rest.col(sample.molecules[i]);
+        meet(place, 0);
+      }
     first -= 1e-9 * radius;  // what only seems to be pressed in, by rounding, would be asked for its equilibrium
     if (!std::isfinite(first)) throw InputError("no molecule lies before the indenter: give `at`, a place on its axis");
     Obstacle obstacle;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "elastin/base/error.h"
+#include "elastin/model/parts.h"
 #include "experiment/faces.h"
 #include "experiment/touching.h"
 
@@ -18,6 +19,15 @@ class Press final : public Experiment {
     std::vector<int> both;
     std::set_intersection(moved_.begin(), moved_.end(), held_.begin(), held_.end(), std::back_inserter(both));
     if (!both.empty()) throw InputError("what is moved is held, too: molecule " + std::to_string(both.front()));
+    for (const Part& part : body.parts) {
+      if (!part.rigid) continue;
+      const std::vector<int> whole = molecules_of(part);
+      const auto count = std::count_if(whole.begin(), whole.end(), [&](int molecule) {
+        return std::binary_search(moved_.begin(), moved_.end(), molecule);
+      });
+      if (count > 0 && count < static_cast<std::ptrdiff_t>(whole.size()))
+        throw InputError("'" + part.name + "' is rigid and only its end would be moved: say move: " + part.name);
+    }
     const VectorX height = body.rest.transpose() * setup.axis;
     if (setup.force) control_ = ForceControl(*setup.force, 1e-3 * (height.maxCoeff() - height.minCoeff()));
   }

@@ -33,6 +33,9 @@ class TiltedGravity final : public Load {
   double angle_;
 };
 
+/// A body has begun to slide when it has gone this part of a molecule's radius; before that it only shears.
+constexpr double kSlipped = 0.1;
+
 struct Line {
   double slope = 0, zero = 0;  ///< zero: where the line is 0
   int points = 0;
@@ -122,7 +125,8 @@ class Sliding final : public TimedExperiment {
     const Line line = fit_line(points);
     if (line.points == 0) return;
     // Beyond the angle φ of friction the speed grows as sin² ((θ − φ)/2) of the slope θ: its root is straight there.
-    if (threshold && rows.back().measures.get("slide_speed") > 0) {
+    const double gone = rows.back().measures.get("slide_distance");
+    if (threshold && gone > kSlipped * body_.radius.mean()) {
       measures.set("slip_angle", line.zero);
       measures.set("slip_friction", std::tan(line.zero));
     }

@@ -58,23 +58,20 @@ void ForceControl::aim(double part) {
 }
 
 bool ForceControl::adjust(double force) {
-  const double wanted = part_ * wanted_;
-  if (std::abs(force - wanted) <= kForceTolerance * wanted_) {
-    if (way_ != last_way_) before_way_ = last_way_, before_force_ = last_force_;
-    last_way_ = way_, last_force_ = force;
-    return false;
-  }
-  if (way_ != last_way_) before_way_ = last_way_, before_force_ = last_force_;
+  // Two points that are almost one would say little of the slope.
+  if (std::abs(way_ - last_way_) > 1e-3 * std::abs(way_)) before_way_ = last_way_, before_force_ = last_force_;
   last_way_ = way_, last_force_ = force;
+  const double wanted = part_ * wanted_;
+  if (std::abs(force - wanted) <= kForceTolerance * wanted_) return false;
   way_ = towards(wanted);
   return true;
 }
 
-/// Along the secant, but no further than three times its own way; where nothing resists yet, twice as far.
+/// Along the secant, but no more than four times as far as now; where nothing resists yet, twice as far.
 double ForceControl::towards(double force) const {
-  const double step = last_way_ - before_way_, slope = (last_force_ - before_force_) / step;
-  if (!(slope > 0)) return last_way_ + std::abs(step);
-  return last_way_ + std::clamp((force - last_force_) / slope, -3 * std::abs(step), 3 * std::abs(step));
+  const double slope = (last_force_ - before_force_) / (last_way_ - before_way_), now = std::abs(last_way_);
+  if (!(slope > 0)) return last_way_ + now;
+  return last_way_ + std::clamp((force - last_force_) / slope, -0.75 * now, 3 * now);
 }
 
 }  // namespace elastin

@@ -32,7 +32,7 @@ Run run_of(const std::string& name, const std::vector<std::string>& overrides) {
 
 TEST_CASE("a block slips at the angle of friction, whatever the friction", "[sliding]") {
   for (const double friction : {0.1, 0.6}) {
-    const std::string mu = std::to_string(friction), from = std::to_string(std::atan(friction) - 0.01);
+    const std::string mu = std::to_string(friction), from = std::to_string(std::atan(friction) - 0.004);
     const Run run = run_of("slip-threshold", {"contact.friction=" + mu, "experiment.threshold.from=" + from,
                                               "time.duration=1 s", "time.frames=100"});
     CHECK(run.measures.get("slip_friction") == Approx(friction).epsilon(1e-3));

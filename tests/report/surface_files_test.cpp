@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "elastin/model/mesh_file.h"
 #include "elastin/contact/surface_check.h"
+#include "elastin/model/mesh_file.h"
 #include "report/files.h"
 #include "report/table.h"
 #include "temporary_folder.h"
@@ -33,12 +33,13 @@ Mesh drawn(const Obstacle& obstacle, const Vector3& high = Vector3::Ones()) {
 struct Pressed {
   Pressed() {
     const TemporaryFolder folder;
-    scene = load_scene(folder.write("pressed.yaml",
-                                    "body: {tetrahedra: {kind: kuhn, cubes: [4, 4, 2], size: [20 mm, 20 mm, 10 mm]}}\n"
-                                    "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
-                                    "experiment: {kind: indentation, indenter: {sphere: {radius: 10 mm}}, depth: 1 mm}\n"
-                                    "contact: {friction: 0.1}\n"),
-                       built_in_catalog());
+    scene =
+        load_scene(folder.write("pressed.yaml",
+                                "body: {tetrahedra: {kind: kuhn, cubes: [4, 4, 2], size: [20 mm, 20 mm, 10 mm]}}\n"
+                                "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+                                "experiment: {kind: indentation, indenter: {sphere: {radius: 10 mm}}, depth: 1 mm}\n"
+                                "contact: {friction: 0.1}\n"),
+                   built_in_catalog());
     RunOptions options;
     options.keep_snapshots = true;
     record = make_record(*scene, run_strategy(scene->specimen, *scene->experiment, scene->stiffness, options));
@@ -80,8 +81,7 @@ TEST_CASE("states of contact are written with pressure, surface and obstacles", 
   const Snapshot& end = record.run.snapshots.back();
   const TemporaryFolder folder;
   const std::string out = folder.path("out");
-  write_states(out, "it", pressed.scene->specimen.body, record.run,
-               pressed.scene->specimen.contact->obstacles);
+  write_states(out, "it", pressed.scene->specimen.body, record.run, pressed.scene->specimen.contact->obstacles);
   for (const char* file : {"/it.pvd", "/it-001.vtu", "/it-surface-001.vtu", "/it-obstacles-001.vtu"})
     CHECK(std::filesystem::exists(out + file));
   const Mesh surface = load_mesh(out + "/it-surface-001.vtu");
