@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "base/parallel.h"
@@ -21,6 +22,11 @@ Rows neighbours_of(const Body& body) {
     from.insert(from.end(), {a, b});
     to.insert(to.end(), {b, a});
   }
+  for (const Tie& tie : body.ties)
+    for (const int corner : tie.corners) {
+      from.insert(from.end(), {tie.molecule, corner});
+      to.insert(to.end(), {corner, tie.molecule});
+    }
   Rows rows = rows_by_target(body.size(), from);
   for (int& entry : rows.entries) entry = to[static_cast<std::size_t>(entry)];
   return rows;
@@ -132,8 +138,26 @@ bool BroadPhase::update(const Positions& places, const std::vector<Pose>& poses,
     else
       visit_triangles(0, 0, within);
   }
-  std::sort(candidates_.begin(), candidates_.end());
+  sort_candidates();
   return true;
+}
+
+/// Into the rows of their samples, then each row: n log n over all would take longer than to find them.
+void BroadPhase::sort_candidates() {
+  starts_.assign(parts_.samples.size() + 1, 0);
+  for (const Candidate& candidate : candidates_) ++starts_[static_cast<std::size_t>(candidate.sample) + 1];
+  std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+  if (sorted_.capacity() < candidates_.size()) sorted_.reserve(2 * candidates_.size());
+  sorted_.resize(candidates_.size());
+  for (const Candidate& candidate : candidates_)
+    sorted_[static_cast<std::size_t>(starts_[static_cast<std::size_t>(candidate.sample)]++)] = candidate;
+  auto begin = sorted_.begin();
+  for (std::size_t s = 0; s < parts_.samples.size(); ++s) {  // each start is now its row's end
+    const auto end = sorted_.begin() + starts_[s];
+    if (end - begin > 1) std::sort(begin, end);
+    begin = end;
+  }
+  std::swap(candidates_, sorted_);
 }
 
 void BroadPhase::visit_obstacle(int node, int obstacle, const Pose& pose, double within) {

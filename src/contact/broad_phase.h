@@ -49,6 +49,7 @@ class BroadPhase {
  private:
   bool still_holds(const Positions& places, const std::vector<Pose>& poses, double reach) const;
   void refit(const Positions& places);
+  void sort_candidates();
   void visit_obstacle(int node, int obstacle, const Pose& pose, double within);
   void visit_triangles(int node, int other, double within);
   void visit_spheres(int node, double within);
@@ -74,7 +75,8 @@ class BroadPhase {
   std::vector<Pose> poses_;
   std::vector<double> left_out_;  ///< gap of the nearest pair that was left out, one an obstacle [m]
   double left_out_in_body_ = -1;  ///< the same of pairs in the body
-  std::vector<Candidate> candidates_;
+  std::vector<Candidate> candidates_, sorted_;
+  std::vector<int> starts_;
 };
 
 }  // namespace elastin

@@ -19,6 +19,7 @@ class ContactForce final : public Contact {
   double energy(const State& state) const override;
   bool has_energy() const override { return !rubs_; }
   bool resists() const override { return rubs_ || damping_ratio_ > 0; }
+  bool feels_velocity() const override { return resists(); }
   bool symmetric() const override { return !rubs_; }
   bool steady() const override { return !moves_; }
   bool changes() const override { return true; }

@@ -38,7 +38,7 @@ ContactParts parts_of(const Body& body, std::vector<Sample> samples, Cells<3> tr
   return parts;
 }
 
-/// Whether each piece's surface has two triangles on every side: only then has it an inside.
+/// Whether each piece's surface has two triangles on every side, or four where parts meet: only then has it an inside.
 std::vector<char> closed_pieces(const ContactParts& parts) {
   std::vector<std::array<int, 3>> sides;  // piece, and the two molecules
   for (std::size_t t = 0; t < parts.triangles.size(); ++t)
@@ -50,7 +50,7 @@ std::vector<char> closed_pieces(const ContactParts& parts) {
   std::vector<char> closed(static_cast<std::size_t>(parts.pieces), 1);
   for (std::size_t i = 0, next; i < sides.size(); i = next) {
     for (next = i + 1; next < sides.size() && sides[next] == sides[i];) ++next;
-    if (next != i + 2) closed[static_cast<std::size_t>(sides[i][0])] = 0;
+    if ((next - i) % 2 == 1) closed[static_cast<std::size_t>(sides[i][0])] = 0;
   }
   return closed;
 }

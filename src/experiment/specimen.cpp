@@ -64,7 +64,7 @@ void count_modes(const Model& model, Run& run) {
     stiff.resize(static_cast<std::size_t>(run.constants.size()));
     for (Eigen::Index c = 0; c < run.constants.size(); ++c) stiff[static_cast<std::size_t>(c)] = run.constants[c] != 0;
   }
-  const ModeReport report = find_zero_energy_modes(model.body(), model.supports, stiff);
+  const ModeReport report = find_modes_in_parts(model.body(), model.supports, stiff);
   run.zero_energy_modes = report.zero_energy_modes;
   if (report.zero_energy_modes > 0)
     run.warnings.push_back("mechanism: " + std::string(report.counted ? "" : "at least ") +

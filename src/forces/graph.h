@@ -29,6 +29,27 @@ class Graph {
     });
   }
 
+  /// Adds value(c) of each connection to both its molecules, in the same order.
+  template <class Value, class Values>
+  void add_to_ends(Values& values, Value&& value) const {
+    if (gathers())
+      return parallel_for(
+          molecules_,
+          [&](int molecule) {
+            for (const int c : incident_[molecule]) values[molecule] += value(c);
+          },
+          1);
+    for_each_part([&](const Part& part) {
+      for (int c = part.first; c < part.last; ++c) {
+        const auto& [a, b] = connections_.ends[c];
+        if (b < part.begin) continue;
+        const auto own = value(c);
+        if (a >= part.begin) values[a] += own;
+        if (b < part.end) values[b] += own;
+      }
+    });
+  }
+
   /// Adds Σ_b q_ab (x_b − x_a) to each molecule.
   void add_forces(const Positions& positions, const VectorX& densities, Positions& forces) const;
 

@@ -55,7 +55,7 @@ bool Model::admissible(const Positions& positions) const {
 
 bool Model::feels_velocity() const {
   return !viscosity_.empty() ||
-         std::any_of(loads_.begin(), loads_.end(), [](const auto& load) { return load->resists(); });
+         std::any_of(loads_.begin(), loads_.end(), [](const auto& load) { return load->feels_velocity(); });
 }
 
 double Model::elastic_energy(const Positions& positions) const {

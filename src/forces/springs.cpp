@@ -29,13 +29,12 @@ void add_spring_densities(const Connections& connections, const VectorX& constan
 }
 
 /// ∂q/∂s = k L / (2 l³)
-VectorX spring_slopes(const Connections& connections, const VectorX& constants, const Positions& positions) {
-  VectorX slopes(connections.size());
+void add_spring_slopes(const Connections& connections, const VectorX& constants, const Positions& positions,
+                       VectorX& slopes) {
   parallel_for(connections.size(), [&](int c) {
     const double l = length(connections, positions, c);
-    slopes[c] = l > 0 ? constants[c] * connections.rest_length[c] / (2 * l * l * l) : 0;
+    if (l > 0) slopes[c] += constants[c] * connections.rest_length[c] / (2 * l * l * l);
   });
-  return slopes;
 }
 
 class Springs final : public Elasticity {
@@ -62,8 +61,10 @@ class Springs final : public Elasticity {
       return spring_density(d.norm(), constants_[c], connections_.rest_length[c]) * d;
     });
   }
-  void linearise(const Positions& positions) override { slopes_ = spring_slopes(connections_, constants_, positions); }
-  void add_own_slopes(VectorX& slopes) const override { slopes += slopes_; }
+  void linearise(const Positions& positions) override { positions_ = positions; }
+  void add_own_slopes(VectorX& slopes) const override {
+    add_spring_slopes(connections_, constants_, positions_, slopes);
+  }
 
  private:
   /// Square roots and divisions are what takes time: those of a block of connections are done together, in vectors.
@@ -101,7 +102,8 @@ class Springs final : public Elasticity {
   }
 
   const Connections& connections_;
-  VectorX constants_, slopes_;
+  VectorX constants_;
+  Positions positions_;  ///< of linearise()
   std::optional<GridSprings> grid_;
 };
 
@@ -118,7 +120,8 @@ class UpdatedSprings final : public Elasticity {
     add_spring_densities(connections_, constants_at_(positions), positions, densities);
   }
   void linearise(const Positions& positions) override {
-    slopes_ = spring_slopes(connections_, constants_at_(positions), positions);
+    slopes_ = VectorX::Zero(connections_.size());
+    add_spring_slopes(connections_, constants_at_(positions), positions, slopes_);
   }
   void add_own_slopes(VectorX& slopes) const override { slopes += slopes_; }
 

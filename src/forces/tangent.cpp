@@ -7,29 +7,28 @@
 namespace elastin {
 
 Tangent::Tangent(Model& model, const State& state, const Weights& weights)
-    : model_(model), state_(state), weights_(weights), links_(model.body().connections.size()) {
-  VectorX slopes = VectorX::Zero(model.body().connections.size());
+    : model_(model),
+      state_(state),
+      weights_(weights),
+      positions_(state.positions),
+      densities_(model.force_densities(state.positions)),
+      slopes_(VectorX::Zero(model.body().connections.size())) {
   for (const auto& part : model.elasticity()) {
     part->linearise(state.positions);
-    part->add_own_slopes(slopes);
+    part->add_own_slopes(slopes_);
     coupled_ |= part->coupled();
   }
-  VectorX densities = model.force_densities(state.positions);
   if (!model.viscosity().empty()) {
     const auto [squares, rates] = model.squares_and_rates(state);
     for (const auto& part : model.viscosity()) {
-      part->add_force_densities(squares, rates, densities);
-      part->add_own_slopes(squares, rates, weights.velocity, slopes);
+      part->add_force_densities(squares, rates, densities_);
+      part->add_own_slopes(squares, rates, weights.velocity, slopes_);
       coupled_ |= part->coupled();
     }
   }
   const auto& loads = model.loads();
   loads_change_ = std::any_of(loads.begin(), loads.end(), [&](const auto& load) {
     return load->changes() && (load->acts_at_rest() || weights.velocity != 0);
-  });
-  const auto& ends = model.body().connections.ends;
-  parallel_for(static_cast<int>(links_.size()), [&](int c) {
-    links_[c] = {state.positions.col(ends[c][1]) - state.positions.col(ends[c][0]), densities[c], 2 * slopes[c]};
   });
   set_diagonal();
 }
@@ -56,7 +55,7 @@ void Tangent::apply_links(const Positions& motion, Positions& result) const {
   const Graph& graph = *model_.graph_;
   if (!coupled_) {
     graph.add_flows(result, [&](int c, int a, int b) -> Vector3 {
-      const Link& link = links_[c];
+      const Link link = this->link(c);
       const Vector3 delta = motion.col(a) - motion.col(b);
       return link.density * delta + (link.slope * link.d.dot(delta)) * link.d;
     });
@@ -65,8 +64,8 @@ void Tangent::apply_links(const Positions& motion, Positions& result) const {
   VectorX squares(connections.size()), densities(connections.size());
   parallel_for(connections.size(), [&](int c) {
     const auto& [a, b] = connections.ends[c];
-    squares[c] = 2 * links_[c].d.dot(motion.col(b) - motion.col(a));
-    densities[c] = links_[c].slope / 2 * squares[c];
+    squares[c] = 2 * (positions_.col(b) - positions_.col(a)).dot(motion.col(b) - motion.col(a));
+    densities[c] = slopes_[c] * squares[c];
   });
   for (const auto& part : model_.elasticity()) part->add_change(squares, densities);
   if (!model_.viscosity().empty()) {
@@ -74,7 +73,7 @@ void Tangent::apply_links(const Positions& motion, Positions& result) const {
     for (const auto& part : model_.viscosity()) part->add_change(squares, densities);
   }
   graph.add_flows(result, [&](int c, int a, int b) -> Vector3 {
-    const Link& link = links_[c];
+    const Link link = this->link(c);
     return link.density * (motion.col(a) - motion.col(b)) - densities[c] * link.d;
   });
 }
@@ -89,18 +88,14 @@ void Tangent::visit_local_blocks(const BlockVisitor& visit) const {
     for (const int i : {0, 1})
       for (const int j : {0, 1}) visit(ends[c][i], ends[other][j], i == j ? block : Matrix3(-block));
   };
-  for (std::size_t c = 0; c < links_.size(); ++c) {
-    const auto& [d, density, slope] = links_[c];
-    visit_pair(static_cast<int>(c), static_cast<int>(c), density * Matrix3::Identity() + slope * d * d.transpose());
-  }
+  for (int c = 0; c < model_.body().connections.size(); ++c) visit_pair(c, c, link_block(c));
   const auto visit_cell = [&](double weight) {
     return [&, weight](std::span<const int> connections, const double* slopes) {
       const std::size_t sides = connections.size();
       for (std::size_t i = 0; i < sides; ++i)
         for (std::size_t j = 0; j < sides; ++j)
-          visit_pair(
-              connections[i], connections[j],
-              2 * weight * slopes[i * sides + j] * links_[connections[i]].d * links_[connections[j]].d.transpose());
+          visit_pair(connections[i], connections[j],
+                     2 * weight * slopes[i * sides + j] * link(connections[i]).d * link(connections[j]).d.transpose());
     };
   };
   for (const auto& part : model_.elasticity()) part->visit_cells(visit_cell(1));
@@ -122,12 +117,10 @@ std::vector<WidePart> Tangent::wide_parts() const {
 
 void Tangent::visit_cells(const std::function<void(double, std::span<const int>, const double*)>& visit) const {
   for (const auto& part : model_.elasticity())
-    part->visit_cells(
-        [&](std::span<const int> connections, const double* slopes) { visit(1, connections, slopes); });
+    part->visit_cells([&](std::span<const int> connections, const double* slopes) { visit(1, connections, slopes); });
   for (const auto& part : model_.viscosity())
-    part->visit_cells([&](std::span<const int> connections, const double* slopes) {
-      visit(weights_.velocity, connections, slopes);
-    });
+    part->visit_cells(
+        [&](std::span<const int> connections, const double* slopes) { visit(weights_.velocity, connections, slopes); });
 }
 
 void Tangent::visit_other_diagonal(const std::function<void(int, const Matrix3&)>& visit) const {
@@ -151,11 +144,7 @@ void Tangent::set_diagonal() {
   diagonal_.assign(body.size(), Matrix3::Zero());
   if (weights_.acceleration != 0)  // bodies that never move need no masses
     for (int a = 0; a < body.size(); ++a) diagonal_[a].diagonal().setConstant(weights_.acceleration * body.mass[a]);
-  for (std::size_t c = 0; c < links_.size(); ++c) {
-    const auto& [d, density, slope] = links_[c];
-    const Matrix3 block = density * Matrix3::Identity() + slope * d * d.transpose();
-    for (const int end : ends[c]) diagonal_[end] += block;
-  }
+  model_.graph_->add_to_ends(diagonal_, [&](int c) { return link_block(c); });
   const auto add_cell = [&](double weight) {
     return [&, weight](std::span<const int> connections, const double* slopes) {
       for (const int c : connections) {
@@ -167,9 +156,9 @@ void Tangent::set_diagonal() {
             const auto& [first, second] = ends[connections[other]];
             if (first != molecule && second != molecule) continue;
             const double sign = ends[connections[other]][end] == molecule ? 1 : -1;
-            sum += sign * slopes[other] * links_[connections[other]].d;
+            sum += sign * slopes[other] * link(connections[other]).d;
           }
-          diagonal_[molecule] += 2 * weight * links_[c].d * sum.transpose();
+          diagonal_[molecule] += 2 * weight * link(c).d * sum.transpose();
         }
         slopes += connections.size();
       }

@@ -42,7 +42,10 @@ class Tangent {
     double density;  ///< q [N/m]
     double slope;    ///< 2 ∂q/∂s [N/m³]: the change of q is slope · d·δd
   };
-  const Link& link(int connection) const { return links_[static_cast<std::size_t>(connection)]; }
+  Link link(int connection) const {
+    const auto& [a, b] = model_.body().connections.ends[static_cast<std::size_t>(connection)];
+    return {positions_.col(b) - positions_.col(a), densities_[connection], 2 * slopes_[connection]};
+  }
   /// Calls visit(weight, connections, slopes) for each cell whose connections influence each other.
   void visit_cells(const std::function<void(double, std::span<const int>, const double*)>& visit) const;
   /// The blocks K_aa of what is neither link nor cell nor inertia: the loads' and those of laws that have more than
@@ -50,16 +53,24 @@ class Tangent {
   void visit_other_diagonal(const std::function<void(int, const Matrix3&)>& visit) const;
 
   const Model& model() const { return model_; }
+  /// Of the molecules, where it was taken.
+  const Positions& positions() const { return positions_; }
   const Weights& weights() const { return weights_; }
 
  private:
+  Matrix3 link_block(int connection) const {
+    const auto [d, density, slope] = link(connection);
+    return density * Matrix3::Identity() + slope * d * d.transpose();
+  }
   void apply_links(const Positions& motion, Positions& result) const;
   void visit_local_blocks(const BlockVisitor& visit) const;
   void set_diagonal();
   const Model& model_;
   const State& state_;
   Weights weights_;
-  std::vector<Link> links_;
+  // Vectors from end to end are made anew from these: that takes less time than to read them.
+  Positions positions_;
+  VectorX densities_, slopes_;
   std::vector<Matrix3> diagonal_;
   bool coupled_ = false, loads_change_ = false;
 };

@@ -48,7 +48,7 @@ Cells<4> lower_hull(const Positions& x, const VectorX& weights, const Positions&
 
 }  // namespace
 
-Cells<4> delaunay_tetrahedra(const Positions& places) {
+Cells<4> delaunay_tetrahedra(const Positions& places, const std::function<bool(const std::array<int, 4>&)>& matter) {
   if (places.cols() < 4) throw InputError("tetrahedra need at least four molecules");
   const Vector3 middle = places.rowwise().mean();
   const double spread = (places.colwise() - middle).colwise().norm().maxCoeff();
@@ -59,16 +59,20 @@ Cells<4> delaunay_tetrahedra(const Positions& places) {
   const auto draw = [&](double most) { return most * static_cast<double>(generator() >> 11) * 0x1.0p-53; };
   VectorX weights(places.cols());
   for (double& weight : weights) weight = draw(0.01);
+  const auto is_sliver = [&](const std::array<int, 4>& cell) {
+    return flatness(places, cell) < kSliver && (!matter || matter(cell));
+  };
+  const auto count = [&](const Cells<4>& of) { return std::count_if(of.begin(), of.end(), is_sliver); };
   Cells<4> best = lower_hull(x, weights, places);
-  int fewest = count_slivers(places, best);
+  auto fewest = count(best);
   Cells<4> cells = best;
   constexpr int rounds = 8;
   for (int round = 0; round < rounds && fewest > 0; ++round) {
     for (const auto& cell : cells)
-      if (flatness(places, cell) < kSliver)
+      if (is_sliver(cell))
         for (const int molecule : cell) weights[molecule] = draw(0.05);
     cells = lower_hull(x, weights, places);
-    const int slivers = count_slivers(places, cells);
+    const auto slivers = count(cells);
     if (slivers < fewest) fewest = slivers, best = cells;
   }
   return best;

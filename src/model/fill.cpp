@@ -108,13 +108,22 @@ double flatness(const Positions& places, const std::array<int, 4>& cell) {
   return signed_volume(places, cell) / std::pow(longest, 3);
 }
 
-/// Tetrahedra whose middle is inside.
-Cells<4> carve(const TriangleTree& tree, const Positions& places, const Cells<4>& cells) {
+bool is_inside(const TriangleTree& tree, const Positions& places, const std::array<int, 4>& cell) {
+  Vector3 middle = Vector3::Zero();
+  for (const int corner : cell) middle += places.col(corner) / 4;
+  return tree.signed_distance(middle) < 0;
+}
+
+/// Delaunay's tetrahedra whose middle is inside. Flat ones between molecules on the surface do not matter: they are
+/// peeled off.
+Cells<4> tetrahedra_inside(const TriangleTree& tree, const Positions& places, int on_surface) {
+  const Cells<4> cells = delaunay_tetrahedra(places, [&](const std::array<int, 4>& cell) {
+    return std::any_of(cell.begin(), cell.end(), [&](int c) { return c >= on_surface; }) &&
+           is_inside(tree, places, cell);
+  });
   std::vector<char> kept(cells.size());
   parallel_for(static_cast<int>(cells.size()), [&](int cell) {
-    Vector3 middle = Vector3::Zero();
-    for (const int corner : cells[static_cast<std::size_t>(cell)]) middle += places.col(corner) / 4;
-    kept[static_cast<std::size_t>(cell)] = tree.signed_distance(middle) < 0;
+    kept[static_cast<std::size_t>(cell)] = is_inside(tree, places, cells[static_cast<std::size_t>(cell)]);
   });
   Cells<4> inside;
   for (std::size_t cell = 0; cell < cells.size(); ++cell)
@@ -191,7 +200,7 @@ Filling Inside::fill(const FillOptions& options) const {
                                           : add_blue_noise(*tree_, options, found);
   filling.places.resize(3, found.size());
   for (int m = 0; m < found.size(); ++m) filling.places.col(m) = found.places()[static_cast<std::size_t>(m)];
-  if (found.size() >= 4) filling.tetrahedra = carve(*tree_, filling.places, delaunay_tetrahedra(filling.places));
+  if (found.size() >= 4) filling.tetrahedra = tetrahedra_inside(*tree_, filling.places, filling.on_surface);
   peel(filling.places, filling.tetrahedra);
   if (filling.tetrahedra.empty()) throw InputError("the spacing is too wide: no tetrahedron fits inside the surface");
   leave_out_loose(filling);

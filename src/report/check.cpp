@@ -135,7 +135,7 @@ void add_modes(std::string& out, Scene& scene) {
   const Connections& connections = scene.specimen.body.connections;
   std::vector<char> stiff(static_cast<std::size_t>(connections.size()), 0);
   std::fill_n(stiff.begin(), connections.proper(), 1);
-  const ModeReport report = find_zero_energy_modes(scene.specimen.body, model.supports, stiff);
+  const ModeReport report = find_modes_in_parts(scene.specimen.body, model.supports, stiff);
   add_line(out, "held molecules", number(static_cast<int>(model.supports.size())));
   add_line(out, "free rigid motions",
            fmt::format("{}{}", report.rigid_motions, report.rigid_motions ? " (left by the grips; no mechanism)" : ""));
@@ -182,6 +182,25 @@ void add_steps_in_time(std::string& out, Scene& scene) {
   }
 }
 
+/// What each strategy of the scene has made for it, beside the body as it is: nothing that it does not need.
+void add_built(std::string& out, Scene& scene) {
+  std::map<std::string, std::vector<std::string>> built;
+  const Body& body = scene.specimen.body;
+  for (const StrategyChoice& choice : scene.strategies) {
+    const Strategy& strategy = choice.strategy;
+    if (!unsuited(scene.specimen, *scene.experiment, choice).empty()) continue;
+    std::string what = strategy.constants            ? "a constant a connection"
+                       : needs_cells(strategy, body) ? "the constants of each cell"
+                                                     : "force densities from places alone";
+    if (strategy.needs_voronoi(body)) what += ", Voronoi cells";
+    if (strategy.volume_modulus) what += ", volume groups";
+    if (choice.calibrated) what += ", measured by linear solves";
+    built[what].push_back(choice.label);
+  }
+  for (const auto& [what, names] : built)
+    add_line(out, "built for it", fmt::format("{}: {}", what, fmt::join(names, ", ")));
+}
+
 }  // namespace
 
 CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<Overlap>& overlaps) {
@@ -217,6 +236,7 @@ CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<
   }
   add_line(report.text, "the scene builds",
            objects + (scene.statics.linear ? "; small displacements" : "; large displacements"));
+  add_built(report.text, scene);
   for (const std::string& note : scene.notes) add_line(report.text, "note", note);
   for (const std::string& warning : scene.warnings) add_line(report.text, "warning", warning);
   return report;

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "contact/search.h"
@@ -17,118 +16,6 @@
 
 namespace elastin {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json to_json(const std::vector<std::pair<std::string, double>>& values) {
-  Json object = Json::object();
-  for (const auto& [name, value] : values) object[name] = value;
-  return object;
-}
-
-Json to_json(const Verdict& verdict) {
-  const Expectation& expectation = verdict.expectation;
-  if (!expectation.outcome.empty())
-    return {{"outcome", expectation.outcome},
-            {"cause", expectation.cause},
-            {"source", expectation.source},
-            {"holds", verdict.holds},
-            {"judged", true}};
-  Json object{{"measure", expectation.measure},
-              {"expected", expectation.value},
-              {"source", expectation.source},
-              {"holds", verdict.holds},
-              {"judged", verdict.judged}};
-  if (std::isfinite(verdict.measured)) object["measured"] = verdict.measured;
-  if (std::isfinite(verdict.difference)) object["difference"] = verdict.difference;
-  if (!verdict.judged) object["not_reproduced"] = verdict.expectation.not_reproduced;
-  return object;
-}
-
-Json to_json(const Vector3& vector) { return {vector.x(), vector.y(), vector.z()}; }
-
-Json contact_json(const ContactReport& contact, const std::vector<std::string>& obstacles) {
-  Json object{{"pairs", contact.pairs},
-              {"sticking", contact.sticking},
-              {"largest_penetration", contact.largest_penetration},
-              {"area", contact.area},
-              {"largest_pressure", contact.largest_pressure},
-              {"on_obstacles", Json::object()},
-              {"between_pieces", to_json(contact.between_pieces)},
-              {"broad_seconds", contact.broad_seconds},
-              {"narrow_seconds", contact.narrow_seconds}};
-  for (std::size_t i = 0; i < obstacles.size(); ++i)
-    object["on_obstacles"][obstacles[i]] = to_json(contact.on_obstacles[i]);
-  return object;
-}
-
-Json to_json(const Record& record) {
-  const Run& run = record.run;
-  Json object{{"scene", record.scene},
-              {"title", record.title},
-              {"strategy", run.strategy},
-              {"solver", run.solver},
-              {"solver_reason", run.solver_reason},
-              {"outcome", outcome_name(run)},
-              {"cause", run.cause},
-              {"molecules", record.molecules},
-              {"connections", record.connections},
-              {"cell_sides", record.cell_sides},
-              {"cells", record.cells},
-              {"threads", record.threads},
-              {"measures", to_json(run.measures.all())},
-              {"errors", to_json(record.errors)},
-              {"seconds", {{"build", run.build_seconds}, {"solve", run.solve_seconds}}},
-              {"iterations", run.newton_iterations},
-              {"linear_iterations", run.linear_iterations},
-              {"cut_steps", run.cut_steps},
-              {"halved_load_steps", run.halved_load_steps},
-              {"residual", run.residual},
-              {"zero_energy_modes", run.zero_energy_modes},
-              {"warnings", record.warnings},
-              {"notes", record.notes}};
-  if (run.measures.stiffness_matrix) {
-    object["stiffness_matrix"] = Json::array();
-    for (const auto& row : run.measures.stiffness_matrix->rowwise())
-      object["stiffness_matrix"].push_back(std::vector<double>(row.begin(), row.end()));
-  }
-  if (run.calibration_factor != 1) object["calibration_factor"] = run.calibration_factor;
-  if (run.volume_modulus != 0) object["volume_modulus"] = run.volume_modulus;
-  if (run.identified)
-    object["identified"] = {{"polynomial", run.identified->polynomial},
-                            {"up_to", run.identified->up_to},
-                            {"misfit", run.identified->misfit},
-                            {"standard_errors", run.identified->standard_errors},
-                            {"load_curves", run.identified->evaluations}};
-  if (run.time) {
-    const TimeReport& time = *run.time;
-    object["time"] = {{"integrator", time.scheme},       {"simulated", time.simulated},
-                      {"seconds", time.seconds},         {"steps", time.steps},
-                      {"rejected_steps", time.rejected}, {"shortest_step", time.shortest_step},
-                      {"last_step", time.last_step}};
-    if (time.seconds > 0) {
-      object["time"]["steps_per_second"] = time.steps / time.seconds;
-      object["time"]["real_time_factor"] = time.simulated / time.seconds;
-    }
-    if (time.critical_step > 0 && std::isfinite(time.critical_step))
-      object["time"]["critical_step"] = time.critical_step;
-  }
-  if (run.contact) object["contact"] = contact_json(*run.contact, record.obstacles);
-  object["curve"] = Json::array();
-  for (const CurvePoint& point : run.curve) {
-    Json row = to_json(point.measures.all());
-    if (run.time) {
-      row["time"] = point.time;
-      row["step"] = point.step;
-    } else {
-      row["load_factor"] = point.load_factor;
-    }
-    object["curve"].push_back(row);
-  }
-  object["expectations"] = Json::array();
-  for (const Verdict& verdict : record.verdicts) object["expectations"].push_back(to_json(verdict));
-  return object;
-}
 
 /// A number with all its digits, or nothing: files never hold NaN.
 std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
@@ -144,6 +31,13 @@ std::string csv_field(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
   return out + "\"";
+}
+
+/// "body.lattice.molecules=[5, 5, 5]; …": what a study has changed.
+std::string variant_field(const Record& record) {
+  std::string text;
+  for (const auto& [key, value] : record.variant) text += (text.empty() ? "" : "; ") + key + "=" + value;
+  return csv_field(text);
 }
 
 /// One row a frame, with the measures that the run has.
@@ -188,12 +82,6 @@ void write_whole(const std::string& path, const std::string& text) {
   throw InputError(path + ": cannot write: " + problem.message());
 }
 
-std::string json_text(const std::vector<Record>& records) {
-  Json runs = Json::array();
-  for (const Record& record : records) runs.push_back(to_json(record));
-  return Json{{"runs", runs}}.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
 std::string csv_text(const std::vector<Record>& records) {
   std::vector<std::string> errors;
   for (const Record& record : records)
@@ -202,7 +90,9 @@ std::string csv_text(const std::vector<Record>& records) {
   std::string out = "scene,strategy,solver,outcome,molecules,connections,cells,threads";
   for (const MeasureInfo& info : measure_list()) out += "," + headed(info);
   for (const std::string& name : errors) out += ",error " + name;
-  out += ",build [s],solve [s],iterations,linear_iterations,residual,zero_energy_modes,warnings\n";
+  out +=
+      ",build [s],solve [s],repeats,median "
+      "[s],variant,iterations,linear_iterations,residual,zero_energy_modes,warnings\n";
   for (const Record& record : records) {
     const Run& run = record.run;
     out += fmt::format("{},{},{},{},{},{},{},{}", csv_field(record.scene), csv_field(run.strategy), run.solver,
@@ -211,9 +101,10 @@ std::string csv_text(const std::vector<Record>& records) {
     for (const std::string& name : errors) out += "," + cell(record.error(name));
     std::string notes = run.cause;
     for (const std::string& warning : record.warnings) notes += (notes.empty() ? "" : "; ") + warning;
-    out +=
-        fmt::format(",{},{},{},{},{},{},{}\n", cell(run.build_seconds), cell(run.solve_seconds), run.newton_iterations,
-                    run.linear_iterations, cell(run.residual), run.zero_energy_modes, csv_field(notes));
+    out += fmt::format(",{},{},{},{},{},{},{},{},{},{}\n", cell(run.build_seconds), cell(run.solve_seconds),
+                       std::max<std::size_t>(1, record.repeats.size()), cell(record.median_seconds()),
+                       variant_field(record), run.newton_iterations, run.linear_iterations, cell(run.residual),
+                       run.zero_energy_modes, csv_field(notes));
   }
   return out;
 }

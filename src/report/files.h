@@ -9,9 +9,6 @@ namespace elastin {
 /// Writes a whole file or none: to a neighbour first, then in its place. Throws InputError naming the path.
 void write_whole(const std::string& path, const std::string& text);
 
-/// The JSON of README's "Files": {"runs": [...]}, SI units.
-std::string json_text(const std::vector<Record>& records);
-
 /// One row a run; columns scene, strategy, …, every measure, every error, seconds.
 std::string csv_text(const std::vector<Record>& records);
 

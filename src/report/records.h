@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,17 @@ struct Record {
   std::vector<std::string> warnings;   ///< of the scene and of the run
   std::vector<std::string> notes;      ///< of the scene
   std::vector<std::string> obstacles;  ///< of its contact, by name
+  std::vector<Reference> references;   ///< of the scene, or found by the study itself
+  /// What a study changes from row to row: "body.lattice.molecules" = "[5, 5, 5]"; empty where nothing is.
+  std::vector<std::pair<std::string, std::string>> variant;
+  double spacing = 0;  ///< of the body's molecules, up to a factor that refinement leaves alone; see relative_spacing
+  /// Build and solve of every repeat [s]; `run` has those of the fastest. Empty: one run, not repeated.
+  std::vector<std::array<double, 2>> repeats;
+  /// Takes a repeat of the same row in: the fastest counts.
+  void add_repeat(const Record& again);
+  /// The least and the middle of build + solve [s].
+  double least_seconds() const;
+  double median_seconds() const;
   /// Whether it stopped as the scene says that it must.
   bool stopped_as_expected() const;
   /// Not failed: converged, or stopped as expected, or the body does not suit the strategy; and every judged
@@ -53,5 +65,12 @@ struct Record {
 };
 
 Record make_record(const Scene& scene, Run run);
+
+/// What falls as 1/n where each side of a body is cut into n times as many parts: cells^(−1/3) of tetrahedra or cubes,
+/// triangles^(−1/2), molecules^(−1/3) of a body without cells.
+double relative_spacing(const Body& body);
+
+/// Relative errors of the measured values against these references, as MEASURE_to_reference, in place of older ones.
+void set_references(Record& record, const std::vector<Reference>& references);
 
 }  // namespace elastin

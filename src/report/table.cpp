@@ -6,12 +6,19 @@
 #include <cmath>
 #include <utility>
 
+#include "report/plot.h"
+
 namespace elastin {
 namespace {
 
 /// Columns that a terminal uses for a UTF-8 text without wide characters.
 std::size_t shown_width(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+const char* name_of(Tone tone) {
+  constexpr const char* names[] = {"plain", "good", "poor", "bad", "faint", "bold"};
+  return names[static_cast<int>(tone)];
 }
 
 }  // namespace
@@ -51,6 +58,31 @@ std::string Table::text(bool colours, const std::string& indent) const {
   add_row(head);
   for (const auto& row : rows_) add_row(row);
   return out;
+}
+
+std::string Table::html(const std::function<std::string(const std::string&)>& colour) const {
+  const auto right = [&](std::size_t column) {
+    return std::any_of(rows_.begin(), rows_.end(),
+                       [&](const auto& row) { return column < row.size() && row[column].right; });
+  };
+  std::string out = "<div class=\"scroll\"><table><thead><tr>";
+  for (std::size_t column = 0; column < head_.size(); ++column)
+    out += fmt::format("<th scope=\"col\"{}><button type=\"button\">{}</button></th>",
+                       right(column) ? " class=\"n\"" : "", head_[column].empty() ? "notes" : escaped(head_[column]));
+  out += "</tr></thead><tbody>\n";
+  for (const auto& row : rows_) {
+    out += "<tr>";
+    for (std::size_t column = 0; column < row.size(); ++column) {
+      const auto& [text, tone, number, value] = row[column];
+      const std::string mark =
+          column == 0 && colour ? fmt::format("<i class=\"dot\" style=\"background:{}\"></i>", colour(text)) : "";
+      out += fmt::format("<{} class=\"{}{}\"{}>{}{}</{}>", column ? "td" : "th scope=\"row\"", name_of(tone),
+                         number ? " n" : "", number && std::isfinite(value) ? fmt::format(" data-v=\"{}\"", value) : "",
+                         mark, escaped(text), column ? "td" : "th");
+    }
+    out += "</tr>\n";
+  }
+  return out + "</tbody></table></div>\n";
 }
 
 namespace {

@@ -1,5 +1,8 @@
 #pragma once
+#include <functional>
+#include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "elastin/base/units.h"
@@ -13,7 +16,14 @@ struct TableCell {
   std::string text;
   Tone tone = Tone::plain;
   bool right = false;  ///< flush right, as numbers are
+  /// What it is sorted by on a page; NaN = by its text.
+  double value = std::numeric_limits<double>::quiet_NaN();
 };
+
+/// A number, flush right.
+inline TableCell number_cell(std::string text, double value, Tone tone = Tone::plain) {
+  return {std::move(text), tone, true, value};
+}
 
 /// Rows of cells, aligned by what a terminal shows. Colours only if asked for.
 class Table {
@@ -22,6 +32,8 @@ class Table {
   void add(std::vector<TableCell> row) { rows_.push_back(std::move(row)); }
   bool empty() const { return rows_.empty(); }
   std::string text(bool colours, const std::string& indent = "  ") const;
+  /// As HTML, sortable by its heads. `colour` of the mark before the first cell of a row, by its text; may be empty.
+  std::string html(const std::function<std::string(const std::string& first)>& colour = {}) const;
 
  private:
   std::vector<std::string> head_;

@@ -3,19 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "report/comparison.h"
 #include "report/ranking.h"
 #include "report/table.h"
 
 namespace elastin {
 namespace {
-
-/// An error of E up to here is fit for use.
-constexpr double kNear = 0.05;
-
-Tone tone_of_error(double error) {
-  const double size = std::abs(error);
-  return size <= 1e-3 ? Tone::good : size <= kNear ? Tone::plain : size <= 0.25 ? Tone::poor : Tone::bad;
-}
 
 std::string head_text(const Record& record, bool colours) {
   std::string counts = counted(record.molecules, "molecule") + ", " + counted(record.connections, "connection");
@@ -25,142 +18,6 @@ std::string head_text(const Record& record, bool colours) {
   counts += "; asked: " + record.prescribed + "; " + counted(record.threads, "thread");
   return painted(record.scene, Tone::bold, colours) + (record.title == record.scene ? "" : "  " + record.title) +
          "\n  " + painted(counts, Tone::faint, colours) + "\n";
-}
-
-std::string verdicts_text(const std::vector<const Verdict*>& verdicts, bool colours) {
-  if (verdicts.empty()) return "";
-  Table table({"strategy", "measure", "expected", "here", "difference", "", "source"});
-  for (const Verdict* verdict : verdicts) {
-    if (!verdict->expectation.outcome.empty()) {
-      table.add({{verdict->strategy},
-                 {"outcome"},
-                 {verdict->expectation.outcome},
-                 {""},
-                 {""},
-                 {verdict->holds ? "holds" : "FAILS", verdict->holds ? Tone::good : Tone::bad},
-                 {verdict->expectation.source, Tone::faint}});
-      continue;
-    }
-    const MeasureInfo& info = find_measure(verdict->expectation.measure);
-    const bool missing = !std::isfinite(verdict->measured);
-    const Tone tone = !verdict->judged ? Tone::faint : verdict->holds ? Tone::good : Tone::bad;
-    table.add({{verdict->strategy},
-               {verdict->expectation.measure},
-               {readable(verdict->expectation.value, info, 6), Tone::plain, true},
-               {missing ? "none" : readable(verdict->measured, info, 6), Tone::plain, true},
-               {percent(verdict->difference), Tone::plain, true},
-               {!verdict->judged ? "not reproduced"
-                : verdict->holds ? "holds"
-                                 : "FAILS",
-                tone},
-               {verdict->expectation.source + (verdict->judged ? "" : ": " + verdict->expectation.not_reproduced),
-                Tone::faint}});
-  }
-  return "\n" + table.text(colours);
-}
-
-/// A measure's value; small ratios with digits that tell them from nothing.
-std::string value_text(double value, const MeasureInfo& info, int digits = 5) {
-  const bool tiny = info.unit == dimension::none && std::abs(value) > 1e-14 && std::abs(value) < 0.1;
-  return tiny ? fmt::format("{:.5g}", value) : readable(value, info, digits);
-}
-
-/// "limit reached", "not suited": an outcome in words.
-std::string outcome_text(const Run& run) {
-  std::string text = run.suited ? name_of(run.outcome) : "not suited";
-  std::replace(text.begin(), text.end(), '_', ' ');
-  return text;
-}
-
-/// What a row says beside its numbers: why there are none, and the first words of each warning.
-std::string notes_of(const Record& record) {
-  const Run& run = record.run;
-  std::string notes = solved(record) ? "" : outcome_text(run) + ": " + run.cause;
-  for (const std::string& warning : run.warnings) {
-    std::string first = warning.substr(0, warning.find_first_of(";("));
-    first.erase(first.find_last_not_of(' ') + 1);
-    notes += (notes.empty() ? "" : "; ") + first;
-  }
-  return notes;
-}
-
-/// Columns of one main measure: its value, its error against the material's own where there is one (a ratio's shows in
-/// the value; of the second and third modulus it says enough), and against a reference.
-struct MeasureColumns {
-  const MeasureInfo& info;
-  bool value, error, reference;
-};
-
-std::vector<MeasureColumns> columns_of(const std::vector<Record>& records) {
-  const auto any = [&](const auto& has) { return std::any_of(records.begin(), records.end(), has); };
-  const bool failed = !any(solved);
-  std::vector<MeasureColumns> columns;
-  for (const auto& [name, prescribed] : records.front().main_measures) {
-    const MeasureInfo& info = find_measure(std::string(name));
-    const std::string to_reference = std::string(name) + "_to_reference";
-    if (!failed && !any([&](const Record& r) { return std::isfinite(r.run.measures.get(info.name)); })) continue;
-    const bool error = std::isfinite(prescribed) && info.unit != dimension::none;
-    const bool reference = any([&](const Record& r) { return std::isfinite(r.error(to_reference)); });
-    columns.push_back({info, columns.empty() || !error || reference, error, reference});
-  }
-  return columns;
-}
-
-std::vector<std::string> comparison_head(const std::vector<MeasureColumns>& columns) {
-  std::vector<std::string> head{"strategy"};
-  for (const auto& [info, value, error, reference] : columns) {
-    if (value) head.push_back(info.label() + (error ? " measured" : ""));
-    if (error) head.push_back("error of " + info.label());
-    if (reference) head.push_back("to reference");
-  }
-  for (const char* name : {"iterations", "build", "solve", ""}) head.push_back(name);
-  return head;
-}
-
-std::vector<TableCell> comparison_row(const Record& record, const std::vector<MeasureColumns>& columns, bool best) {
-  const Run& run = record.run;
-  std::vector<TableCell> row{{run.strategy, best ? Tone::bold : run.suited ? Tone::plain : Tone::faint}};
-  for (const auto& [info, value, with_error, reference] : columns) {
-    const std::string shown = row.size() > 1 || solved(record) ? value_text(run.measures.get(info.name), info) : "—";
-    if (value) row.push_back({shown, Tone::plain, true});
-    const double error = record.error(info.name);
-    if (with_error) row.push_back({percent(error), tone_of_error(error), true});
-    if (reference) row.push_back({percent(record.error(std::string(info.name) + "_to_reference")), Tone::plain, true});
-  }
-  row.push_back(
-      {run.suited ? fmt::format("{} / {}", run.newton_iterations, run.linear_iterations) : "", Tone::plain, true});
-  row.push_back({run.suited ? readable_seconds(run.build_seconds) : "", Tone::plain, true});
-  row.push_back({run.suited ? readable_seconds(run.solve_seconds) : "", Tone::plain, true});
-  row.push_back({notes_of(record), solved(record) ? Tone::poor : run.suited ? Tone::bad : Tone::faint});
-  return row;
-}
-
-/// "take lattice: E +0.001 %, Poisson's ratio 0.2500 (asked: …), 3 ms".
-std::string advice_text(const Ranking& ranking, bool colours) {
-  const Record* best = ranking.best;
-  if (!best) return "\n  none to take: each one failed or has a warning\n";
-  std::string found, goal;
-  for (const std::string& name : ranking.measures) {
-    const std::string label = find_measure(name).label(), comma = found.empty() ? "" : ", ";
-    found += comma + label + " " + percent(best->error(ranking.error_name(name)));
-    goal += comma + label;
-  }
-  if (ranking.by_reference) found += " to the reference";
-  for (const auto& [name, prescribed] : best->main_measures) {
-    const MeasureInfo& info = find_measure(std::string(name));
-    const double value = best->run.measures.get(name);
-    const bool modulus = info.unit != dimension::none;
-    const bool told = std::find(ranking.measures.begin(), ranking.measures.end(), name) != ranking.measures.end();
-    if (told || !std::isfinite(prescribed) || (modulus && !std::isfinite(value))) continue;
-    found += ", " + info.label() + " " +
-             (!std::isfinite(value) ? "not measured"
-              : modulus             ? percent(best->error(name))
-                                    : value_text(value, info));
-  }
-  return fmt::format("\n  {} {}: {} (asked: {}), {}\n",
-                     ranking.error(*best) <= kNear ? "take" : "none is near " + goal + "; the nearest is",
-                     painted(best->run.strategy, Tone::bold, colours), found, best->prescribed,
-                     readable_seconds(best->run.build_seconds + best->run.solve_seconds));
 }
 
 std::string stiffness_text(const Stiffness6& stiffness, bool colours) {
@@ -264,22 +121,19 @@ std::string identified_text(const Identified& found) {
 
 std::string comparison_text(const std::vector<Record>& records, bool colours) {
   if (records.empty()) return "";
-  const std::vector<MeasureColumns> columns = columns_of(records);
-  Table table(comparison_head(columns));
   const Ranking ranking = rank_strategies(records);
-  for (const Record& record : records) table.add(comparison_row(record, columns, &record == ranking.best));
-  std::string out = head_text(records.front(), colours) + "\n" + table.text(colours);
-  std::vector<const Verdict*> verdicts;
-  std::vector<std::string> remarks;
+  std::string out = head_text(records.front(), colours) + "\n" + comparison_table(records, ranking).text(colours);
+  const Table verdicts = verdicts_table(records);
+  if (!verdicts.empty()) out += "\n" + verdicts.text(colours);
+  if (records.size() > 1 && can_rank(records)) out += advice_text(ranking, colours);
   for (const Record& record : records) {
-    for (const Verdict& verdict : record.verdicts) verdicts.push_back(&verdict);
-    if (!record.run.remark.empty()) remarks.push_back(record.run.strategy + ": " + record.run.remark);
-    if (record.run.identified) remarks.push_back(record.run.strategy + ": " + identified_text(*record.run.identified));
+    const Run& run = record.run;
+    if (!run.remark.empty())
+      out += "  " + painted("remark: " + run.strategy + ": " + run.remark, Tone::faint, colours) + "\n";
+    if (run.identified)
+      out += "  " + painted("remark: " + run.strategy + ": " + identified_text(*run.identified), Tone::faint, colours) +
+             "\n";
   }
-  out += verdicts_text(verdicts, colours);
-  const auto can_rank = [](const MeasureColumns& c) { return c.error || c.reference; };
-  if (records.size() > 1 && std::any_of(columns.begin(), columns.end(), can_rank)) out += advice_text(ranking, colours);
-  for (const std::string& remark : remarks) out += "  " + painted("remark: " + remark, Tone::faint, colours) + "\n";
   return out + "\n";
 }
 
@@ -323,9 +177,8 @@ std::string run_text(const Record& record, bool colours) {
   if (!table.empty()) out += "\n" + table.text(colours);
   if (run.measures.stiffness_matrix) out += stiffness_text(*run.measures.stiffness_matrix, colours);
   if (run.curve.size() > 1) out += curve_text(run.curve, run.time.has_value(), colours);
-  std::vector<const Verdict*> verdicts;
-  for (const Verdict& verdict : record.verdicts) verdicts.push_back(&verdict);
-  out += verdicts_text(verdicts, colours);
+  const Table verdicts = verdicts_table({record});
+  if (!verdicts.empty()) out += "\n" + verdicts.text(colours);
   return out + "\n";
 }
 

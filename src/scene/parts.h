@@ -6,6 +6,7 @@
 #include "experiment/inflation.h"
 #include "experiment/specimen.h"
 #include "scene/reader.h"
+#include "scene/study.h"
 
 namespace elastin {
 
@@ -42,6 +43,8 @@ struct ExperimentPlace {
 std::unique_ptr<Experiment> read_timed_experiment(Reader reader, const std::string& kind, const ExperimentPlace& place);
 std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace& place);
 std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentPlace& place);
+/// {vary: [{KEY.PATH: [value, …], …}, …], repeats: 5, threads: [1, 2], own_reference: STRATEGY}
+Study read_study(Reader reader, const std::vector<StrategyChoice>& known);
 std::unique_ptr<Experiment> read_indentation(Reader reader, const ExperimentPlace& place);
 std::unique_ptr<Experiment> read_press(Reader reader, const ExperimentPlace& place);
 std::unique_ptr<Experiment> read_sliding(Reader reader, const ExperimentPlace& place);

@@ -215,6 +215,12 @@ std::string Reader::text() const {
   return node_.Scalar();
 }
 
+std::string Reader::line() const {
+  YAML::Emitter emitter;
+  emitter << YAML::Flow << node_;
+  return emitter.c_str();
+}
+
 double Reader::quantity(const Dimension& dimension, const Range& range) const {
   const std::string given = text();
   const Quantity quantity = located([&] { return parse_quantity(given, dimension); });

@@ -51,6 +51,8 @@ class Reader {
   std::vector<Reader> items(std::size_t count) const;
 
   std::string text() const;
+  /// The value as one line of YAML, whatever it is: what --set can put elsewhere.
+  std::string line() const;
   /// In SI units. Throws if it has no unit where other values of the file have one, or the other way round.
   double quantity(const Dimension& dimension, const Range& range = {}) const;
   int whole(int low, int high = std::numeric_limits<int>::max()) const;

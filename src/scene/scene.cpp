@@ -59,6 +59,8 @@ Reference read_reference(Reader reader) {
   reference.measure = info.name;
   reference.value = reader.at("value").quantity(info.unit);
   reference.source = reader.at("source").text();
+  if (auto uncertainty = reader.find("uncertainty"))
+    reference.uncertainty = uncertainty->quantity(dimension::none, kPositive);
   reader.finish();
   return reference;
 }
@@ -200,6 +202,7 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
     for (const Reader& item : expect->items()) scene->expectations.push_back(read_expectation(item, known, catalog));
   if (auto references = reader.find("reference"))
     for (const Reader& item : references->items()) scene->references.push_back(read_reference(item));
+  if (auto study = reader.find("study")) scene->study = read_study(*study, known);
   reader.finish();
   scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return scene;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "experiment/specimen.h"
+#include "scene/study.h"
 
 namespace elastin {
 
@@ -24,6 +25,7 @@ struct Reference {
   std::string measure;
   double value = 0;
   std::string source;
+  double uncertainty = 0;  ///< relative; 0 = not said
 };
 
 /// One scene file, read, checked and built.
@@ -37,6 +39,7 @@ struct Scene {
   std::optional<TimeOptions> time;  ///< of a timed experiment, and only of one
   std::vector<Expectation> expectations;
   std::vector<Reference> references;
+  Study study;                        ///< what `compare` changes from row to row; empty where the scene has none
   std::vector<std::string> warnings;  ///< of the scene as a whole
   std::vector<std::string> notes;     ///< what was made of it that its author may want to know
   double build_seconds = 0;           ///< body and experiment

@@ -6,7 +6,8 @@ namespace elastin {
 
 Matrix3 positive_inverse(const Matrix3& block) {
   // Nearly all blocks are well-conditioned and positive, and then minors say so and give the inverse.
-  const double xx = block(0, 0), yy = block(1, 1), zz = block(2, 2), xy = block(0, 1), xz = block(0, 2), yz = block(1, 2);
+  const double xx = block(0, 0), yy = block(1, 1), zz = block(2, 2), xy = block(0, 1), xz = block(0, 2),
+               yz = block(1, 2);
   const double first = yy * zz - yz * yz, second = xx * yy - xy * xy, third = xx * zz - xz * xz;
   const double xy_minor = xz * yz - xy * zz, xz_minor = xy * yz - xz * yy, yz_minor = xy * xz - xx * yz;
   const double determinant = xx * first + xy * xy_minor + xz * xz_minor, size = xx + yy + zz;

@@ -10,7 +10,7 @@ namespace elastin {
 namespace {
 
 constexpr int kCorners = BoxGrid::kCorners, kPairs = kCorners * (kCorners - 1) / 2;
-using Corners = Eigen::Array<float, kCorners, 1>;
+using Corners = BoxGrid::Corners;
 using Pairs = Eigen::Array<float, kPairs, 1>;
 
 struct Pair {
@@ -33,12 +33,14 @@ constexpr std::array<Pair, kPairs> kPair = pairs_of_corners();
 /// a stiffness of a part of the box's own, which no even strain feels [Flanagan & Belytschko 1981]; and all motions
 /// against each other a trace, which keeps mechanisms from being endlessly soft.
 Pairs stabilisation() {
-  constexpr float bumps = 0.05F, trace = 1e-6F;
+  constexpr float bumps = 0.2F, trace = 1e-6F;
   Pairs table;
   for (int p = 0; p < kPairs; ++p) {
     float sum = 0;
     for (const int bits : {3, 5, 6, 7}) {  // yz, xz, xy, xyz as products of signs
-      const auto sign = [bits](int corner) { return __builtin_popcount(static_cast<unsigned>(corner & bits)) % 2 ? -1 : 1; };
+      const auto sign = [bits](int corner) {
+        return __builtin_popcount(static_cast<unsigned>(corner & bits)) % 2 ? -1 : 1;
+      };
       sum += static_cast<float>(sign(kPair[p].first) * sign(kPair[p].second));
     }
     table[p] = (bumps * sum - trace) / kCorners;
@@ -46,35 +48,45 @@ Pairs stabilisation() {
   return table;
 }
 
-Corners values_at(const Eigen::Vector3f& at) {
-  Corners values;
-  for (int c = 0; c < kCorners; ++c)
-    values[c] = (c % 2 ? at.x() : 1 - at.x()) * (c / 2 % 2 ? at.y() : 1 - at.y()) * (c / 4 ? at.z() : 1 - at.z());
-  return values;
-}
-
 /// How fast the values change along a vector in units of boxes.
 Corners slopes_along(const Eigen::Vector3f& at, const Eigen::Vector3f& d) {
   Corners slopes;
   for (int c = 0; c < kCorners; ++c) {
     const float x = c % 2 ? at.x() : 1 - at.x(), y = c / 2 % 2 ? at.y() : 1 - at.y(), z = c / 4 ? at.z() : 1 - at.z();
-    slopes[c] = (c % 2 ? d.x() : -d.x()) * y * z + (c / 2 % 2 ? d.y() : -d.y()) * x * z + (c / 4 ? d.z() : -d.z()) * x * y;
+    slopes[c] =
+        (c % 2 ? d.x() : -d.x()) * y * z + (c / 2 % 2 ? d.y() : -d.y()) * x * z + (c / 4 ? d.z() : -d.z()) * x * y;
   }
   return slopes;
 }
 
-/// Mean over the molecules of the shortest connection of each [m].
+/// How far apart neighbours are [m]: the median over the molecules of the mean of each one's three shortest
+/// connections. On a cubic lattice that is its constant, up to the corners.
 double spacing_of(const Body& body) {
-  VectorX shortest = VectorX::Constant(body.size(), std::numeric_limits<double>::infinity());
+  constexpr float none = std::numeric_limits<float>::infinity();
+  std::vector<std::array<float, 3>> shortest(static_cast<std::size_t>(body.size()), {none, none, none});
   const Connections& connections = body.connections;
-  for (int c = 0; c < connections.size(); ++c)
-    for (const int end : connections.ends[static_cast<std::size_t>(c)])
-      shortest[end] = std::min(shortest[end], connections.rest_length[static_cast<std::size_t>(c)]);
-  double sum = 0;
-  int count = 0;
-  for (const double length : shortest)
-    if (std::isfinite(length) && length > 0) sum += length, ++count;
-  return count ? sum / count : 1;
+  for (int c = 0; c < connections.size(); ++c) {
+    const auto length = static_cast<float>(connections.rest_length[static_cast<std::size_t>(c)]);
+    for (const int end : connections.ends[static_cast<std::size_t>(c)]) {
+      auto& [first, second, third] = shortest[static_cast<std::size_t>(end)];
+      if (length >= third) continue;
+      third = length;
+      if (third < second) std::swap(second, third);
+      if (second < first) std::swap(first, second);
+    }
+  }
+  std::vector<float> means;
+  for (const auto& lengths : shortest) {
+    float sum = 0;
+    int count = 0;
+    for (const float length : lengths)
+      if (length < none) sum += length, ++count;
+    if (sum > 0) means.push_back(sum / static_cast<float>(count));
+  }
+  if (means.empty()) return 1;
+  const auto middle = means.begin() + static_cast<std::ptrdiff_t>(means.size() / 2);
+  std::nth_element(means.begin(), middle, means.end());
+  return *middle;
 }
 
 /// Items sorted by box, ascending in each.
@@ -82,7 +94,8 @@ struct Sorted {
   std::vector<int> start, items;
 };
 Sorted sorted_by_box(const BoxGrid& grid, const std::vector<int>& outline_boxes) {
-  Sorted sorted{std::vector<int>(static_cast<std::size_t>(grid.boxes()) + 1, 0), std::vector<int>(outline_boxes.size())};
+  Sorted sorted{std::vector<int>(static_cast<std::size_t>(grid.boxes()) + 1, 0),
+                std::vector<int>(outline_boxes.size())};
   for (const int box : outline_boxes) ++sorted.start[static_cast<std::size_t>(grid.number_of(box)) + 1];
   for (std::size_t box = 1; box < sorted.start.size(); ++box) sorted.start[box] += sorted.start[box - 1];
   std::vector<int> next(sorted.start.begin(), sorted.start.end() - 1);
@@ -95,19 +108,22 @@ Sorted sorted_by_box(const BoxGrid& grid, const std::vector<int>& outline_boxes)
 class Assembly {
  public:
   Assembly(const Tangent& tangent, BoxLevel& level)
-      : tangent_(tangent), body_(tangent.model().body()), level_(level), grid_(level.grid()),
+      : tangent_(tangent),
+        body_(tangent.model().body()),
+        level_(level),
+        grid_(level.grid()),
         stiffness_(VectorX::Zero(grid_.boxes())) {}
 
   /// Layers touch the points between them: every second at a time.
   void add_links(const Sorted& links) {
     for (const int colour : {0, 1})
-      parallel_for(
-          (grid_.layers() + 1 - colour) / 2,
-          [&](int half) {
-            const int layer = 2 * half + colour;
-            for (int box = grid_.first_box(layer); box < grid_.first_box(layer + 1); ++box) add_links(links, box);
-          },
-          2);
+      parallel_for((grid_.layers() + 1 - colour) / 2,
+                   [&](int half) {
+                     const int layer = 2 * half + colour;
+                     for (int box = grid_.first_box(layer); box < grid_.first_box(layer + 1); ++box)
+                       add_links(links, box);
+                   },
+                   2);
   }
 
   /// The energy Σ slopes δs δs / 4 … of a cell's sides, δs = 2 d·δd, as Tangent has it.
@@ -132,13 +148,15 @@ class Assembly {
   /// factor · (Σ g·x)² / 2
   void add_gradient(std::span<const std::pair<int, Vector3>> gradient, double factor) {
     Vector3 middle = Vector3::Zero();
-    for (const auto& [molecule, g] : gradient) middle += body_.rest.col(molecule) / static_cast<double>(gradient.size());
+    for (const auto& [molecule, g] : gradient)
+      middle += body_.rest.col(molecule) / static_cast<double>(gradient.size());
     const BoxGrid::Place place = grid_.place(middle);
     if (place.box < 0) return;
     Eigen::Matrix<float, 3 * kCorners, 1> change = Eigen::Matrix<float, 3 * kCorners, 1>::Zero();
     for (const auto& [molecule, g] : gradient) {
       const Corners along = slopes_along(place.at, grid_.along(body_.rest.col(molecule) - middle).cast<float>());
-      for (int corner = 0; corner < kCorners; ++corner) change.segment<3>(3 * corner) += along[corner] * g.cast<float>();
+      for (int corner = 0; corner < kCorners; ++corner)
+        change.segment<3>(3 * corner) += along[corner] * g.cast<float>();
     }
     add_box(place.box, static_cast<float>(factor) * change * change.transpose());
   }
@@ -146,7 +164,7 @@ class Assembly {
   /// A stiffness of its own at a place.
   void add_at(const Vector3& where, const Matrix3& block) {
     const BoxGrid::Place place = grid_.place(where);
-    const Corners values = values_at(place.at);
+    const Corners values = BoxGrid::values_at(place.at);
     const auto& corners = grid_.corners(place.box);
     const Eigen::Matrix3f single = block.cast<float>();
     const Eigen::Map<const Eigen::Matrix<float, 1, 9>> numbers(single.data());
@@ -268,18 +286,19 @@ BoxPicture picture_in_boxes(const Tangent& tangent, const std::vector<Support>& 
   grid.number();
 
   BoxPicture picture;
-  picture.level = std::make_unique<BoxLevel>(std::move(grid));
-  const BoxGrid& kept = picture.level->grid();
-  Sorted molecules = sorted_by_box(kept, of_molecule);
+  Sorted molecules = sorted_by_box(grid, of_molecule);
   picture.members.start = std::move(molecules.start);
   picture.members.members.resize(molecules.items.size());
   parallel_for(body.size(), [&](int i) {
     const int molecule = molecules.items[i];
-    picture.members.members[i] = {molecule, kept.place(body.rest.col(molecule)).at};
+    picture.members.members[i] = {molecule, grid.place(body.rest.col(molecule)).at};
   });
 
+  const Sorted links = sorted_by_box(grid, of_link);
+  of_link = {};
+  picture.level = std::make_unique<BoxLevel>(std::move(grid));
   Assembly assembly(tangent, *picture.level);
-  assembly.add_links(sorted_by_box(kept, of_link));
+  assembly.add_links(links);
   tangent.visit_cells([&](double weight, std::span<const int> sides, const double* slopes) {
     assembly.add_cell(weight, sides, slopes);
   });

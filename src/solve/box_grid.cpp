@@ -9,29 +9,35 @@ BoxGrid::BoxGrid(const Positions& places, double size) : size_(size) {
   const Vector3 low = places.rowwise().minCoeff(), extent = places.rowwise().maxCoeff() - low;
   std::sort(axes_.begin(), axes_.end(), [&](int a, int b) { return extent[a] < extent[b]; });
   origin_ = {low[axes_[0]], low[axes_[1]], low[axes_[2]]};
+  // Boxes of which less than half would be filled are left out: what sticks out belongs to those before, extrapolated.
   // A bent sheet fills little of its outline, which has to stay small enough for a table.
   const double most = 1e5 + 32 * static_cast<double>(places.cols());
-  const auto wanted = [&](int axis) { return std::max(1., std::ceil(extent[axes_[axis]] / size_ - 1e-6)); };
+  const auto wanted = [&](int axis) { return std::max(1., std::ceil(extent[axes_[axis]] / size_ - 0.49)); };
   while (wanted(0) * wanted(1) * wanted(2) > most) size_ *= 1.25;
   for (int axis = 0; axis < 3; ++axis) counts_[axis] = static_cast<int>(wanted(axis));
+  per_size_ = 1 / size_;
   kept_.assign(static_cast<std::size_t>(counts_[0]) * counts_[1] * counts_[2], 0);
 }
 
-int BoxGrid::outline_box(const Vector3& place) const {
+int BoxGrid::outline_box(const Vector3& place, Eigen::Vector3f& at) const {
   int box = 0;
   for (int axis = 2; axis >= 0; --axis) {
-    const double along = (place[axes_[axis]] - origin_[axis]) / size_;
-    box = box * counts_[axis] + std::clamp(static_cast<int>(along), 0, counts_[axis] - 1);
+    const double along = (place[axes_[axis]] - origin_[axis]) * per_size_;
+    const int number = std::clamp(static_cast<int>(along), 0, counts_[axis] - 1);
+    at[axis] = static_cast<float>(along - number);
+    box = box * counts_[axis] + number;
   }
   return box;
 }
 
+int BoxGrid::outline_box(const Vector3& place) const {
+  Eigen::Vector3f ignored;
+  return outline_box(place, ignored);
+}
+
 BoxGrid::Place BoxGrid::place(const Vector3& place) const {
-  const int box = outline_box(place);
-  Place result{number_of_box_[static_cast<std::size_t>(box)], {}};
-  int rest = box;
-  for (int axis = 0; axis < 3; ++axis, rest /= counts_[axis - 1])
-    result.at[axis] = static_cast<float>((place[axes_[axis]] - origin_[axis]) / size_ - rest % counts_[axis]);
+  Place result;
+  result.box = number_of(outline_box(place, result.at));
   return result;
 }
 
@@ -78,6 +84,7 @@ void BoxGrid::number() {
 BoxGrid BoxGrid::coarser() const {
   BoxGrid grid;
   grid.size_ = 2 * size_;
+  grid.per_size_ = per_size_ / 2;
   grid.origin_ = origin_;
   grid.axes_ = axes_;
   for (int axis = 0; axis < 3; ++axis) grid.counts_[axis] = (counts_[axis] + 1) / 2;

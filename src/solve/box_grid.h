@@ -6,8 +6,8 @@
 
 namespace elastin {
 
-/// A regular grid of cubes over a body's places, as far as they hold anything: a coarse picture of any body, however its
-/// molecules are connected. Functions are trilinear in a box, given by values at its corners, the grid's points.
+/// A regular grid of cubes over a body's places, as far as they hold anything: a coarse picture of any body, however
+/// its molecules are connected. Functions are trilinear in a box, given by values at its corners, the grid's points.
 ///
 /// Boxes and points are numbered layer by layer, layers across the body's longest direction.
 class BoxGrid {
@@ -19,6 +19,16 @@ class BoxGrid {
     int box;
     Eigen::Vector3f at;
   };
+
+  /// One number for each corner of a box.
+  using Corners = Eigen::Array<float, kCorners, 1>;
+  /// The functions of a box's corners at a place in it.
+  static Corners values_at(const Eigen::Vector3f& at) {
+    Corners values;
+    for (int c = 0; c < kCorners; ++c)
+      values[c] = (c % 2 ? at.x() : 1 - at.x()) * (c / 2 % 2 ? at.y() : 1 - at.y()) * (c / 4 ? at.z() : 1 - at.z());
+    return values;
+  }
 
   /// @param size of a box [m], taken larger where a body is so thin or bent that its outline has too many boxes.
   BoxGrid(const Positions& places, double size);
@@ -44,7 +54,9 @@ class BoxGrid {
   int number_of(int outline_box) const { return number_of_box_[static_cast<std::size_t>(outline_box)]; }
   Place place(const Vector3& place) const;
   /// A vector of the body's space along the grid's axes, in units of a box's size.
-  Vector3 along(const Vector3& vector) const { return Vector3(vector[axes_[0]], vector[axes_[1]], vector[axes_[2]]) / size_; }
+  Vector3 along(const Vector3& vector) const {
+    return Vector3(vector[axes_[0]], vector[axes_[1]], vector[axes_[2]]) * per_size_;
+  }
   /// The points of a box, corner x + 2 y + 4 z.
   const std::array<int, kCorners>& corners(int box) const { return corners_[static_cast<std::size_t>(box)]; }
   /// Where a point is on the grid.
@@ -55,7 +67,9 @@ class BoxGrid {
  private:
   BoxGrid() = default;
 
-  double size_ = 0;
+  int outline_box(const Vector3& place, Eigen::Vector3f& at) const;
+
+  double size_ = 0, per_size_ = 0;
   Vector3 origin_ = Vector3::Zero();  ///< along the grid's axes
   std::array<int, 3> axes_{0, 1, 2};  ///< the body's direction that is the grid's x, y, z: shortest first
   std::array<int, 3> counts_{};       ///< boxes of the outline

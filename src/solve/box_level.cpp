@@ -99,7 +99,8 @@ inline Eigen::Vector3f BoxLevel::difference(const Vectors& x, int point) const {
 }
 
 void BoxLevel::set_residual(const Vectors& b, const Vectors& x, Vectors& residual) const {
-  parallel_for(points(), [&](int i) { residual.col(i) = b.col(i) - difference(x, i); }, kPointThreshold);
+  parallel_for(
+      points(), [&](int i) { residual.col(i) = b.col(i) - difference(x, i); }, kPointThreshold);
 }
 
 void BoxLevel::start(const Vectors& b, Vectors& x) const {
@@ -117,14 +118,16 @@ void BoxLevel::smooth(const Vectors& b, const Vectors& x, Vectors& better) const
 void BoxLevel::set_damping() {
   Vectors x(3, points()), y(3, points());
   for (int i = 0; i < points(); ++i)
-    for (int k = 0; k < 3; ++k) x(k, i) = std::sin(1.F + 12.9898F * static_cast<float>(i % 4099) + 78.233F * static_cast<float>(k));
+    for (int k = 0; k < 3; ++k)
+      x(k, i) = std::sin(1.F + 12.9898F * static_cast<float>(i % 4099) + 78.233F * static_cast<float>(k));
   double largest = 1;
   for (int step = 0; step < 8; ++step) {
-    parallel_for(points(), [&](int i) { y.col(i) = inverse_[i] * difference(x, i); }, kPointThreshold);
-    const double size = std::sqrt(
-        ordered_sum(points(), [&](int i) { return static_cast<double>(y.col(i).squaredNorm()); }));
-    const double before = std::sqrt(
-        ordered_sum(points(), [&](int i) { return static_cast<double>(x.col(i).squaredNorm()); }));
+    parallel_for(
+        points(), [&](int i) { y.col(i) = inverse_[i] * difference(x, i); }, kPointThreshold);
+    const double size =
+        std::sqrt(ordered_sum(points(), [&](int i) { return static_cast<double>(y.col(i).squaredNorm()); }));
+    const double before =
+        std::sqrt(ordered_sum(points(), [&](int i) { return static_cast<double>(x.col(i).squaredNorm()); }));
     if (!(before > 0) || !std::isfinite(size)) break;
     largest = std::max(1., size / before);
     x = y / static_cast<float>(size);

@@ -11,7 +11,7 @@ namespace elastin {
 /// rounding, nor do the soft bending modes of slender bodies.
 class BoxLevel {
  public:
-  static constexpr int kSlots = 28;  ///< 27 neighbours and one to fill the vector registers
+  static constexpr int kSlots = 28;             ///< 27 neighbours and one to fill the vector registers
   using Row = Eigen::Matrix<float, kSlots, 9>;  ///< of a point: its neighbours' blocks by columns; S_i in the middle
   using Vectors = Eigen::Matrix3Xf;
 
@@ -44,7 +44,9 @@ class BoxLevel {
 
   /// The block A_ij, itself included, in double precision.
   Matrix3 block_to(int point, int code) const;
-  int neighbour(int point, int code) const { return around_[static_cast<std::size_t>(point)][static_cast<std::size_t>(code)]; }
+  int neighbour(int point, int code) const {
+    return around_[static_cast<std::size_t>(point)][static_cast<std::size_t>(code)];
+  }
 
  private:
   Eigen::Vector3f difference(const Vectors& x, int point) const;

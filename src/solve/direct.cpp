@@ -110,7 +110,7 @@ class Direct final : public LinearSolver {
 
 double stiffness_scale(const Tangent& tangent) {
   double sum = 0;
-  const auto blocks = tangent.diagonal();
+  const auto& blocks = tangent.diagonal();
   for (const Matrix3& block : blocks) sum += std::abs(block.trace()) / 3;
   return blocks.empty() || sum == 0 ? 1 : sum / static_cast<double>(blocks.size());
 }

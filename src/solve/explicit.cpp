@@ -125,9 +125,13 @@ class Explicit final : public Integrator {
     parallel_ranges(
         n,
         [&](int begin, int end) {
-          for (int i = 3 * begin; i < 3 * end; ++i) next_x[i] = x[i] + dt * (v[i] + half * a[i]);
-          if (!guess) return;
-          for (int i = 3 * begin; i < 3 * end; ++i) next_v[i] = v[i] + dt * a[i];
+          constexpr int block = 1024;  // so many molecules that what one loop reads the next finds near
+          for (int first = begin; first < end; first += block) {
+            const int last = 3 * std::min(end, first + block);
+            for (int i = 3 * first; i < last; ++i) next_x[i] = x[i] + dt * (v[i] + half * a[i]);
+            if (!guess) continue;
+            for (int i = 3 * first; i < last; ++i) next_v[i] = v[i] + dt * a[i];
+          }
         },
         kMoleculeThreshold);
     place_supports(model, next_.positions);

@@ -84,27 +84,20 @@ void Multigrid::add(const Positions& forces, double size, Positions& motion) {
   const BoxGrid& grid = levels_.front()->grid();
   auto& [b, x, _] = rooms_.front();
   b.setZero();
-  const auto weights = [](const Eigen::Vector3f& at) {
-    std::array<float, 8> values;
-    for (int c = 0; c < 8; ++c)
-      values[c] = (c % 2 ? at.x() : 1 - at.x()) * (c / 2 % 2 ? at.y() : 1 - at.y()) * (c / 4 ? at.z() : 1 - at.z());
-    return values;
-  };
   // Layers touch the points between them: every second at a time.
   for (const int colour : {0, 1})
-    parallel_for(
-        (grid.layers() + 1 - colour) / 2,
-        [&](int half) {
-          const int layer = 2 * half + colour;
-          for (int box = grid.first_box(layer); box < grid.first_box(layer + 1); ++box)
-            for (int at = members_.start[box]; at < members_.start[box + 1]; ++at) {
-              const auto& member = members_.members[at];
-              const auto values = weights(member.at);
-              const Eigen::Vector3f force = (forces.col(member.molecule) / size).cast<float>();
-              for (int c = 0; c < 8; ++c) b.col(grid.corners(box)[c]) += values[c] * force;
-            }
-        },
-        2);
+    parallel_for((grid.layers() + 1 - colour) / 2,
+                 [&](int half) {
+                   const int layer = 2 * half + colour;
+                   for (int box = grid.first_box(layer); box < grid.first_box(layer + 1); ++box)
+                     for (int at = members_.start[box]; at < members_.start[box + 1]; ++at) {
+                       const auto& member = members_.members[at];
+                       const auto values = BoxGrid::values_at(member.at);
+                       const Eigen::Vector3f force = (forces.col(member.molecule) / size).cast<float>();
+                       for (int c = 0; c < 8; ++c) b.col(grid.corners(box)[c]) += values[c] * force;
+                     }
+                 },
+                 2);
   cycle(0);
   parallel_for(
       grid.boxes(),
@@ -113,7 +106,7 @@ void Multigrid::add(const Positions& forces, double size, Positions& motion) {
         for (int c = 0; c < 8; ++c) corner.col(c) = x.col(grid.corners(box)[c]);
         for (int at = members_.start[box]; at < members_.start[box + 1]; ++at) {
           const auto& member = members_.members[at];
-          const auto values = weights(member.at);
+          const auto values = BoxGrid::values_at(member.at);
           Eigen::Vector3f sum = Eigen::Vector3f::Zero();
           for (int c = 0; c < 8; ++c) sum += values[c] * corner.col(c);
           motion.col(member.molecule) += size * sum.cast<double>();

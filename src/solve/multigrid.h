@@ -6,9 +6,9 @@
 
 namespace elastin {
 
-/// A coarse picture of a body in ever larger boxes, for what conjugate gradients with the blocks of single molecules are
-/// slow at: motions that are smooth over many of them. One V-cycle, symmetric, in single precision; the last grid is
-/// factorised in double.
+/// A coarse picture of a body in ever larger boxes, for what conjugate gradients with the blocks of single molecules
+/// are slow at: motions that are smooth over many of them. One V-cycle, symmetric, in single precision; the last grid
+/// is factorised in double.
 class Multigrid {
  public:
   Multigrid(const Tangent& tangent, const std::vector<Support>& supports);

@@ -1,9 +1,11 @@
 #include <cmath>
+#include <optional>
 
 #include "base/parallel.h"
 #include "solve/block_inverse.h"
 #include "solve/linear_solver.h"
 #include "solve/multigrid.h"
+#include "solve/rigid_motions.h"
 #include "solve/sparse_stiffness.h"
 
 namespace elastin {
@@ -27,6 +29,9 @@ class Pcg final : public LinearSolver {
     std::unique_ptr<Multigrid> coarse;
     if (multigrid_) coarse = std::make_unique<Multigrid>(tangent, supports);
     if (coarse && !coarse->positive()) coarse.reset();
+    // Single precision makes a little of any motion that nothing resists; its size would then be whatever it is.
+    std::optional<RigidMotions> whole;
+    if (coarse) whole.emplace(tangent, supports);
     Positions r = rhs, z(3, n), p(3, n), kp(3, n);
     x.setZero(3, n);
     // r·z and r·r in one pass; moved = 0 leaves x and r as they are.
@@ -110,6 +115,7 @@ class Pcg final : public LinearSolver {
       size_of_p = now[0] + beta * beta * size_of_p;
     }
     result.residual = std::sqrt(now[1] / first);
+    if (whole) whole->remove_from(tangent.positions(), x);
     return result;
   }
 

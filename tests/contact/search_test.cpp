@@ -375,6 +375,18 @@ TEST_CASE("a layer folded onto itself touches itself, not through its own thickn
   CHECK(pressed > 100);
 }
 
+TEST_CASE("pieces that a tie holds together do not touch each other", "[contact]") {
+  for (const bool self : {false, true}) {
+    Setting setting{pressed_blocks(5e-4), false, self};
+    ContactSearch free = setting.search();
+    CHECK(found_by(free, setting.body.rest, {}, 0).size() > 10);
+    const int upper = setting.body.size() - 1;
+    setting.body.ties.push_back({upper, {0, 1, 2}, {0.5, 0.25, 0.25}, 1});
+    ContactSearch tied = setting.search();
+    CHECK(found_by(tied, setting.body.rest, {}, 0).empty());
+  }
+}
+
 TEST_CASE("an obstacle that moves is found though the body stays, and places that are no numbers find nothing",
           "[contact]") {
   const Setting setting{lattice(4), true, false, {{"ball", shape::Sphere{0.01}}}};

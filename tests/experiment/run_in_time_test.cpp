@@ -8,6 +8,7 @@
 #include "elastin/base/error.h"
 #include "elastin/base/threads.h"
 #include "report/files.h"
+#include "report/json.h"
 #include "temporary_folder.h"
 
 using namespace elastin;

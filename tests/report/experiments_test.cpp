@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "report/files.h"
+#include "report/json.h"
 #include "report/ranking.h"
 #include "report/table.h"
 #include "temporary_folder.h"

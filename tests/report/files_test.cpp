@@ -1,4 +1,5 @@
 #include "report/files.h"
+#include "report/json.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

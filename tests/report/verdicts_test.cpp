@@ -8,6 +8,7 @@
 #include "elastin/base/threads.h"
 #include "experiment/specimen.h"
 #include "report/files.h"
+#include "report/json.h"
 #include "temporary_folder.h"
 
 using namespace elastin;

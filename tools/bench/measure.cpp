@@ -16,16 +16,11 @@
 #include <thread>
 
 #include "elastin/model/shapes.h"
+#include "report/machine.h"
 #include "report/table.h"
 
 namespace bench {
 namespace {
-
-#ifdef __clang__
-constexpr const char* kCompiler = "clang++";
-#else
-constexpr const char* kCompiler = "g++";
-#endif
 
 struct Column {
   const char* key;   // in the CSV, with its SI unit
@@ -71,13 +66,6 @@ constexpr Column kColumns[] = {
     {"order", "order", &Figures::order, [](double v) { return fmt::format("{:.2f}", v); }},
     {"peak_B", "peak MB", &Figures::peak, millions},
 };
-
-std::string processor() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);)
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
-  return "unknown processor";
-}
 
 std::string quoted(std::string text) {
   std::replace(text.begin(), text.end(), '"', '\'');
@@ -154,12 +142,7 @@ double peak_memory() {
   return 1024. * static_cast<double>(usage.ru_maxrss);
 }
 
-std::string machine() {
-  double load = kNone;
-  getloadavg(&load, 1);
-  return fmt::format("{}, {} cores, load {:.1f} before; {} {}; {}", processor(), std::thread::hardware_concurrency(),
-                     load, kCompiler, __VERSION__, ELASTIN_BENCH_FLAGS);
-}
+std::string machine() { return elastin::this_machine().text(); }
 
 void print_rows(const std::vector<Row>& rows) {
   std::vector<const Column*> shown;

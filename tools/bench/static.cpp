@@ -1,6 +1,12 @@
+#include <fmt/format.h>
+
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCholesky>
+#ifdef ELASTIN_BENCH_CHOLMOD
+#include <Eigen/CholmodSupport>
+#endif
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <stdexcept>
 
@@ -11,6 +17,7 @@
 #include "measure.h"
 #include "solve/linear_solver.h"
 #include "solve/sparse_stiffness.h"
+#include "tension_cube.h"
 
 namespace bench {
 namespace {
@@ -18,56 +25,24 @@ namespace {
 using namespace elastin;
 using Sparse = Eigen::SparseMatrix<double>;
 
-constexpr double kTolerance = 1e-8;
-
-/// The tension cube under the load that stretches it by 1e-5, ready to be solved.
-struct Problem {
-  explicit Problem(int side) : body(make_cube(side)), model(body) {
-    TensionSetup setup;
-    setup.force = kMaterial.youngs_modulus * kCubeLength * kCubeLength * 1e-5;
-    experiment = make_tension(body, setup);
-    model.add(make_springs(body, built_in_catalog().find("lattice").constants(body, kMaterial, {})));
-    experiment->hold(model);
-    experiment->set_load(model, 1);
-    loads = model.load_forces(state_at_rest(body));
-  }
-  Body body;
-  Model model;
-  std::unique_ptr<Experiment> experiment;
-  Positions loads;
-};
-
-/// K about rest without a shift; the sliding grips leave three rigid motions, on which the load does no work.
-Sparse assembled(Problem& problem) {
-  const State rest = state_at_rest(problem.body);
-  const Tangent tangent(problem.model, rest);
-  return sparse_stiffness(tangent, problem.model.supports, 0, stiffness_scale(tangent));
-}
-
-/// The right-hand side that every linear contender gets.
-VectorX free_loads(const Problem& problem) {
-  Positions loads = problem.loads;
-  keep_free(problem.model.supports, loads);
-  return Eigen::Map<const VectorX>(loads.data(), loads.size());
-}
-
 struct Solved {
   VectorX motion;  ///< empty for large displacements
   double newton = kNone, iterations = kNone, residual = kNone;
 };
 
-Solved elastin_linear(Problem& problem, const Sparse&) {
+template <LinearMethod method>
+Solved elastin_linear(TensionCube& problem, const Sparse&) {
   const Positions no_way = Positions::Zero(3, problem.body.size());
-  const StaticOptions options{.linear = true, .method = LinearMethod::pcg, .tolerance = kTolerance};
+  const StaticOptions options{.linear = true, .method = method, .tolerance = kTolerance};
   const StaticResponse response = static_response(problem.model, problem.body.rest, problem.loads, no_way, options);
   if (response.result.outcome != Outcome::converged) throw std::runtime_error(response.result.cause);
   return {Eigen::Map<const VectorX>(response.motion.data(), response.motion.size()), kNone,
           static_cast<double>(response.result.linear_iterations)};
 }
 
-Solved elastin_newton(Problem& problem, const Sparse&) {
+Solved elastin_newton(TensionCube& problem, const Sparse&) {
   State state = state_at_rest(problem.body);
-  const StaticOptions options{.method = LinearMethod::pcg, .tolerance = kTolerance};
+  const StaticOptions options{.tolerance = kTolerance};
   const StaticResult result = solve_static(problem.model, state, options);
   if (result.outcome != Outcome::converged) throw std::runtime_error(result.cause);
   return {{},
@@ -76,7 +51,7 @@ Solved elastin_newton(Problem& problem, const Sparse&) {
           result.residual};
 }
 
-Solved eigen_cg(Problem& problem, const Sparse& matrix) {
+Solved eigen_cg(TensionCube& problem, const Sparse& matrix) {
   Eigen::setNbThreads(threads());
   Eigen::ConjugateGradient<Sparse, Eigen::Lower | Eigen::Upper, Eigen::DiagonalPreconditioner<double>> solver(matrix);
   solver.setTolerance(kTolerance);
@@ -84,12 +59,8 @@ Solved eigen_cg(Problem& problem, const Sparse& matrix) {
   return {motion, kNone, static_cast<double>(solver.iterations())};
 }
 
-/// A shift lets the factorisation pass the rigid motions; refinement takes its effect away again.
-Solved eigen_ldlt(Problem& problem, const Sparse& matrix) {
-  const VectorX loads = free_loads(problem);
-  Sparse shifted = matrix;
-  shifted.diagonal().array() += 1e-9 * matrix.diagonal().mean();
-  const Eigen::SimplicialLDLT<Sparse> factor(shifted);
+template <class Factor>
+Solved refined(const Factor& factor, const Sparse& matrix, const VectorX& loads) {
   VectorX motion = factor.solve(loads);
   for (int step = 0; step < 10; ++step) {
     const VectorX left = loads - matrix * motion;
@@ -99,18 +70,42 @@ Solved eigen_ldlt(Problem& problem, const Sparse& matrix) {
   return {motion};
 }
 
+/// A shift lets the factorisation pass the rigid motions; refinement takes its effect away again.
+Solved eigen_ldlt(TensionCube& problem, const Sparse& matrix) {
+  const VectorX loads = free_loads(problem);
+  Sparse shifted = matrix;
+  shifted.diagonal().array() += 1e-9 * matrix.diagonal().mean();
+  const Eigen::SimplicialLDLT<Sparse> factor(shifted);
+  return refined(factor, matrix, loads);
+}
+
+#ifdef ELASTIN_BENCH_CHOLMOD
+Solved cholmod(TensionCube& problem, const Sparse& matrix) {
+  const VectorX loads = free_loads(problem);
+  Sparse shifted = matrix;
+  shifted.diagonal().array() += 1e-9 * matrix.diagonal().mean();
+  const Eigen::CholmodSupernodalLLT<Sparse> factor(shifted);
+  return refined(factor, matrix, loads);
+}
+#endif
+
 struct Contender {
   const char* name;
-  Solved (*solve)(Problem&, const Sparse&);
+  Solved (*solve)(TensionCube&, const Sparse&);
   bool assembles, compared;  ///< `compared`: solves the same linear problem as the peer
   int most_threads, largest_side;
+  int slow_side = 1 << 20;  ///< from here on it takes so long that it runs once, alone
 };
 
 // Eigen's factorisation takes minutes where iterations take a tenth of a second: small bodies only.
 constexpr Contender kContenders[] = {
-    {"elastin, small displacements", elastin_linear, false, true, 1 << 10, 1 << 20},
+    {"elastin multigrid, small displacements", elastin_linear<LinearMethod::multigrid>, false, true, 1 << 10, 1 << 20},
     {"Eigen ConjugateGradient", eigen_cg, true, true, 1 << 10, 47},
+    {"elastin pcg, small displacements", elastin_linear<LinearMethod::pcg>, false, true, 1 << 10, 1 << 20},
     {"Eigen SimplicialLDLT", eigen_ldlt, true, true, 1, 10},
+#ifdef ELASTIN_BENCH_CHOLMOD
+    {"CHOLMOD (supernodal), by BLAS on its own threads", cholmod, true, true, 1 << 10, 47, 30},
+#endif
     {"elastin, large displacements", elastin_newton, false, false, 1 << 10, 1 << 20},
 };
 constexpr const Contender& kPeer = kContenders[1];
@@ -123,12 +118,12 @@ struct Entry {
 /// Every entry on one problem in one process, in turn.
 std::vector<Figures> race(int side, const std::vector<Entry>& entries, int repeats) {
   std::vector<double> build, assembly;
-  std::unique_ptr<Problem> problem;
+  std::unique_ptr<TensionCube> problem;
   Sparse matrix;
   set_threads(entries.back().threads);
   for (int repeat = 0; repeat < repeats; ++repeat) {
     problem.reset();
-    build.push_back(seconds_of([&] { problem = std::make_unique<Problem>(side); }));
+    build.push_back(seconds_of([&] { problem = std::make_unique<TensionCube>(side); }));
     // Without a peer of this size the matrix still serves to check the answer.
     if (repeat == 0 || side <= kPeer.largest_side)
       assembly.push_back(seconds_of([&] { matrix = assembled(*problem); }));
@@ -159,16 +154,64 @@ std::vector<Figures> race(int side, const std::vector<Entry>& entries, int repea
   return found;
 }
 
-/// One entry alone in a process.
+/// One entry alone in a process, once.
 std::vector<Figures> memory(int side, const Entry& entry) {
   const double before = peak_memory();
   set_threads(entry.threads);
-  Problem problem(side);
+  TensionCube problem(side);
   const Sparse matrix = entry.contender->assembles ? assembled(problem) : Sparse();
-  entry.contender->solve(problem, matrix);
   Figures figures;
+  Solved solved;
+  figures.median = figures.minimum = seconds_of([&] { solved = entry.contender->solve(problem, matrix); });
   figures.peak = peak_memory() - before;
+  if (entry.contender->assembles && solved.motion.size()) {
+    const VectorX loads = free_loads(problem);
+    figures.residual = (loads - matrix * solved.motion).norm() / loads.norm();
+  }
   return {figures};
+}
+
+/// PETSc in processes of its own, right after: so many MPI ranks for so many threads. Its time is without the matrix.
+std::vector<Row> petsc_rows(int side, const Settings& settings) {
+  constexpr int largest = 47;
+  std::vector<Row> rows;
+  const std::string name = "PETSc GAMG (smoothed aggregation, rigid motions)";
+#ifdef ELASTIN_BENCH_GAMG
+  if (side > largest) return rows;
+  for (const int ranks : settings.threads) {
+    const std::string line =
+        fmt::format("OMP_NUM_THREADS=1 mpirun --allow-run-as-root --oversubscribe -np {} '{}' {} {}", ranks,
+                    ELASTIN_BENCH_GAMG, side, settings.repeats + 1);
+    FILE* output = popen(line.c_str(), "r");
+    std::vector<double> seconds;
+    Figures figures;
+    double time = 0, iterations = 0, residual = 0, peak = 0;
+    while (output && std::fscanf(output, "%lf %lf %lf %lf", &time, &iterations, &residual, &peak) == 4)
+      seconds.push_back(time);
+    if (!output || pclose(output) != 0 || seconds.size() < 2 || !(residual < 10 * kTolerance)) {
+      rows.push_back({"static", name, side, ranks, 0, {}, "failed: " + line});
+      continue;
+    }
+    seconds.erase(seconds.begin());  // to warm up
+    const Sample sample = summary(seconds);
+    figures.minimum = sample.minimum;
+    figures.median = sample.median;
+    figures.iterations = iterations;
+    figures.residual = residual;
+    figures.peak = peak;
+    rows.push_back({"static", name, side, ranks, settings.repeats, figures, "threads: MPI ranks; peak: of all ranks"});
+  }
+#else
+  rows.push_back({"static",
+                  name,
+                  side,
+                  settings.threads.back(),
+                  0,
+                  {},
+                  "skipped: PETSc was not here at build time; apt-get install libpetsc-real-dev"});
+  (void)largest;
+#endif
+  return rows;
 }
 
 }  // namespace
@@ -177,10 +220,11 @@ std::vector<Row> run_static(const Settings& settings) {
   std::vector<Row> rows;
   for (const int side : settings.sides) {
     say("static, side " + std::to_string(side));
-    std::vector<Entry> entries;
+    std::vector<Entry> entries, slow;
     for (const Contender& contender : kContenders)
       for (const int count : settings.threads)
-        if (count <= contender.most_threads && side <= contender.largest_side) entries.push_back({&contender, count});
+        if (count <= contender.most_threads && side <= contender.largest_side)
+          (side < contender.slow_side ? entries : slow).push_back({&contender, count});
     std::vector<Figures> found = in_child([&] { return race(side, entries, settings.repeats); });
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const Contender& contender = *entries[i].contender;
@@ -198,6 +242,10 @@ std::vector<Row> run_static(const Settings& settings) {
       rows.push_back({"static", contender.name, side, entries[i].threads, settings.repeats, found[i],
                       contender.assembles ? "peak: assembly from triplets" : ""});
     }
+    if (!slow.empty())  // at its best
+      rows.push_back({"static", slow.back().contender->name, side, slow.back().threads, 1,
+                      in_child([&] { return memory(side, slow.back()); }).front(), "once, alone"});
+    for (const Row& row : petsc_rows(side, settings)) rows.push_back(row);
   }
   return rows;
 }

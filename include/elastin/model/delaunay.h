@@ -1,4 +1,6 @@
 #pragma once
+#include <functional>
+
 #include "elastin/model/body.h"
 
 namespace elastin {
@@ -9,7 +11,9 @@ namespace elastin {
 /// corners of nearly flat cells are drawn anew a few times [Cheng et al. 2000, sliver exudation]. The same places give
 /// the same cells. A body that is not convex is filled to its hull. In elastin::lab, by Qhull.
 /// Throws InputError on fewer than four molecules, or if they lie in one plane.
-Cells<4> delaunay_tetrahedra(const Positions& places);
+/// Draws go on, up to eight of them, while there are nearly flat cells that `matter`; empty = all do.
+Cells<4> delaunay_tetrahedra(const Positions& places,
+                             const std::function<bool(const std::array<int, 4>&)>& matter = {});
 
 /// Tetrahedra whose volume is below 1e-4 of the cube of their longest side (a regular one has 0.118).
 int count_slivers(const Positions& places, const Cells<4>& tetrahedra);

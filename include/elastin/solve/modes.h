@@ -30,4 +30,8 @@ struct ModeReport {
 ModeReport find_zero_energy_modes(const Body& body, const std::vector<Support>& supports,
                                   const std::vector<char>& stiff = {});
 
+/// The same, but of a body of several parts those of each part by itself, bone left out: a part that is free to move as
+/// a whole, until a tie or contact stops it, is no mechanism. Texts go by the part's name and its own numbers.
+ModeReport find_modes_in_parts(const Body& body, const std::vector<Support>& supports, const std::vector<char>& stiff);
+
 }  // namespace elastin

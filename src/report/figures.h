@@ -1,0 +1,37 @@
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "report/plot.h"
+#include "report/ranking.h"
+
+namespace elastin {
+
+/// A solution by another program, to stand beside ours.
+struct Peer {
+  std::string scene;  ///< whose problem it solves; empty = of every scene
+  std::string name;
+  double seconds = 0, error = 0;  ///< error relative to the same reference
+};
+
+/// Reads the columns method, minimum_s, error, and scene if there is one, of a CSV file; rows without both numbers are
+/// left out. Throws InputError: file:line.
+std::vector<Peer> load_peers(const std::string& path);
+
+/// Two columns of a CSV file against each other on logarithmic axes, a series a method: what benchmarks write.
+Plot csv_plot(const std::string& path, const std::string& x, const std::string& y);
+
+/// The colour of each strategy, the same on a whole page: by first appearance.
+std::map<std::string, int> strategy_colours(const std::vector<Record>& records);
+
+/// Error against time of one scene's records, a series a strategy or curve of a study; the best so far as a staircase.
+/// Errors below 1e-7 stand at the foot. No series where nothing can be ranked.
+Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, const std::map<std::string, int>& colours,
+                const std::vector<Peer>& peers = {});
+
+/// The course of each record: stress over strain, torque over angle, a deflection over load or time; of a study the
+/// finest of each curve. No series where there is no such measure.
+Plot course_plot(const std::vector<Record>& records, const std::map<std::string, int>& colours);
+
+}  // namespace elastin

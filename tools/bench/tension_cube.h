@@ -1,0 +1,27 @@
+#pragma once
+#include <Eigen/SparseCore>
+#include <memory>
+
+#include "elastin/forces/model.h"
+#include "experiment/experiment.h"
+
+namespace bench {
+
+inline constexpr double kTolerance = 1e-8;  ///< of the residual, over the loads
+
+/// The tension cube under the load that stretches it by 1e-5, ready to be solved.
+struct TensionCube {
+  explicit TensionCube(int side);
+  elastin::Body body;
+  elastin::Model model;
+  std::unique_ptr<elastin::Experiment> experiment;
+  elastin::Positions loads;
+};
+
+/// K about rest without a shift; the sliding grips leave three rigid motions, on which the load does no work.
+Eigen::SparseMatrix<double> assembled(TensionCube& cube);
+
+/// The right-hand side that every linear contender gets.
+elastin::VectorX free_loads(const TensionCube& cube);
+
+}  // namespace bench
