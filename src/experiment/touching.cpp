@@ -67,11 +67,11 @@ bool ForceControl::adjust(double force) {
   return true;
 }
 
-/// Along the secant, but no more than four times as far as now; where nothing resists yet, twice as far.
+/// Along the secant, but to no less than half and no more than twice the way; where nothing resists yet, twice.
 double ForceControl::towards(double force) const {
   const double slope = (last_force_ - before_force_) / (last_way_ - before_way_), now = std::abs(last_way_);
   if (!(slope > 0)) return last_way_ + now;
-  return last_way_ + std::clamp((force - last_force_) / slope, -0.75 * now, 3 * now);
+  return last_way_ + std::clamp((force - last_force_) / slope, -0.5 * now, now);
 }
 
 }  // namespace elastin
