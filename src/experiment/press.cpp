@@ -40,8 +40,11 @@ class Press final : public Experiment {
   void hold(Model& model) override {
     const Matrix3 along = setup_.axis * setup_.axis.transpose();
     const Matrix3 free = setup_.grip == Grip::clamped ? Matrix3(Matrix3::Zero()) : Matrix3(Matrix3::Identity() - along);
-    for (const int molecule : held_) model.supports.push_back({molecule, free, Vector3::Zero()});
-    for (const int molecule : moved_) model.supports.push_back({molecule, free, Vector3::Zero()});
+    for (const std::vector<int>* grip : {&held_, &moved_}) {
+      const std::size_t first = model.supports.size();
+      for (const int molecule : *grip) model.supports.push_back({molecule, free, Vector3::Zero()});
+      if (setup_.grip == Grip::sliding) keep_in_plane(model, first);
+    }
     contact_ = contact_of(model);
   }
 
@@ -90,6 +93,24 @@ class Press final : public Experiment {
   }
 
  private:
+  /// A smooth grip lets its body drift and turn in its plane. One molecule near the middle is held there, the one that
+  /// is farthest from it may only come nearer or go away: that takes no force of a body in balance.
+  void keep_in_plane(Model& model, std::size_t first) const {
+    const auto place = [&](std::size_t i) -> Vector3 { return model.body().rest.col(model.supports[i].molecule); };
+    const std::size_t end = model.supports.size();
+    Vector3 centre = Vector3::Zero();
+    for (std::size_t i = first; i < end; ++i) centre += place(i) / static_cast<double>(end - first);
+    std::size_t middle = first, far = first;
+    for (std::size_t i = first; i < end; ++i) {
+      if ((place(i) - centre).norm() < (place(middle) - centre).norm()) middle = i;
+      if ((place(i) - centre).norm() > (place(far) - centre).norm()) far = i;
+    }
+    if (far == middle) return;
+    const Vector3 out = (place(far) - place(middle)).normalized();
+    model.supports[middle].free.setZero();
+    model.supports[far].free = out * out.transpose();
+  }
+
   void move_to(Model& model, double way) {
     way_ = way;
     for (std::size_t i = held_.size(); i < held_.size() + moved_.size(); ++i)
