@@ -119,16 +119,17 @@ TouchSetting ContactForce::setting_of(const State& state, const Touch& touch, co
   const Sample& sample = search_.samples()[touch.sample];
   TouchSetting setting;
   double area = sample.area, inverse_mass = 0;
+  const bool resisting = resists();  // else velocities may be anything: see feels_velocity
   for (int i = 0; i < sample.count; ++i) {
     inverse_mass += sample.weights[i] * sample.weights[i] / body_.mass[sample.molecules[i]];
-    setting.velocity += sample.weights[i] * state.velocities.col(sample.molecules[i]);
+    if (resisting) setting.velocity += sample.weights[i] * state.velocities.col(sample.molecules[i]);
   }
   if (touch.count == 0) {
-    setting.velocity -= poses_[touch.target].velocity_at(touch.place);
+    if (resisting) setting.velocity -= poses_[touch.target].velocity_at(touch.place);
   } else {
     for (int i = 0; i < touch.count; ++i) {
       inverse_mass += touch.weights[i] * touch.weights[i] / body_.mass[touch.molecules[i]];
-      setting.velocity -= touch.weights[i] * state.velocities.col(touch.molecules[i]);
+      if (resisting) setting.velocity -= touch.weights[i] * state.velocities.col(touch.molecules[i]);
     }
     // Of spheres the smaller counts; triangles press on each other from both sides, each with half.
     area = spheres_ ? std::min(area, area_[touch.molecules[0]]) : area / 2;

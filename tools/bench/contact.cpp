@@ -80,7 +80,11 @@ struct Ours {
   std::vector<Touch> found = {};
   bool back = false;
   Ours(const Scene& scene, bool triangles, bool anew)
-      : search(make(scene, triangles)), here(scene.body.rest), there(here), poses(scene.poses()) {
+      : search(make(scene, triangles)), here(scene.body.rest), poses(scene.poses()) {
+    if (triangles)  // their surface goes through the molecules' middles
+      for (const int molecule : scene.all.back())
+        here(2, molecule) -= (scene.obstacles.empty() ? std::sqrt(0.5) : 0.5) * scene.spacing;
+    there = here;
     there.row(0).array() += (anew ? 2 : 1e-3) * scene.spacing;
   }
   static ContactSearch make(const Scene& scene, bool triangles) {

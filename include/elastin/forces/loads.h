@@ -44,7 +44,7 @@ class Load {
   virtual void add_resistance(const State& state, Positions& forces) const {
     if (resists()) add_forces(state, forces);
   }
-  /// Whether its forces change with the velocities.
+  /// Whether its forces change with the velocities; if not it must not look at them.
   virtual bool feels_velocity() const { return changes(); }
   /// Whether the blocks of visit_blocks make a symmetric matrix.
   virtual bool symmetric() const { return true; }
