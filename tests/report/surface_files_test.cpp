@@ -9,6 +9,7 @@
 #include "elastin/contact/surface_check.h"
 #include "elastin/model/mesh_file.h"
 #include "report/files.h"
+#include "report/json.h"
 #include "report/table.h"
 #include "temporary_folder.h"
 
