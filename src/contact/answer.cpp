@@ -28,7 +28,8 @@ void set_friction(const Touch& geometry, const TouchSetting& setting, Answer& an
   const Vector3 slip = across * setting.slip, rate = across * setting.velocity;
   const Vector3 trial = -k * slip - c * rate;
   const double size = trial.norm();
-  answer.sticks = size <= most;
+  // What just touches sticks: whether rounding has left it a force decides nothing.
+  answer.sticks = size <= most + 1e-3 * kNearness * k * setting.onset;
   if (answer.sticks) {
     answer.friction = trial;
     answer.slip = slip;

@@ -183,7 +183,7 @@ void write_states(const std::string& folder, const std::string& name, const Body
         list(run.curve[frame].time, file_of(parts[part], frame));
   // Of every frame of a run in time that would be as much again; contact is worth it.
   const bool contact = !run.snapshots.empty() && run.snapshots.front().contact_pressure.size() > 0;
-  const Cells<3> surface = contact || !run.time ? surface_triangles(body) : Cells<3>{};
+  const Cells<3> surface = contact ? surface_triangles(body) : Cells<3>{};
   for (const Snapshot& shot : run.snapshots) {
     const auto number = static_cast<std::size_t>(shot.number);
     part = 0;

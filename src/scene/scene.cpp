@@ -127,7 +127,7 @@ void read_whole_body(Reader& reader, Scene& scene) {
     if (!why.empty()) reader.at("material").at("bending").fail(why);
     add_cell_sides(specimen.body, bending_pairs(specimen.body));
   }
-  warn_of_pieces(specimen.body, "the body", scene.warnings);
+  if (!reader.has("contact")) warn_of_pieces(specimen.body, "the body", scene.warnings);
 }
 
 void turn_fibres(Specimen& specimen, const Matrix3& rotation) {
