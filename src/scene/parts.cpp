@@ -54,11 +54,10 @@ StaticOptions read_solver(Reader reader) {
                                             {"explicit", StaticWay::explicit_steps},
                                             {"implicit", StaticWay::implicit_steps}});
   if (auto value = reader.find("linear_solver"))
-    options.method = value->choice<LinearMethod>(
-        {{"automatic", LinearMethod::automatic},
-         {"pcg", LinearMethod::pcg},
-         {"multigrid", LinearMethod::multigrid},
-         {"direct", LinearMethod::direct}});
+    options.method = value->choice<LinearMethod>({{"automatic", LinearMethod::automatic},
+                                                  {"pcg", LinearMethod::pcg},
+                                                  {"multigrid", LinearMethod::multigrid},
+                                                  {"direct", LinearMethod::direct}});
   if (auto value = reader.find("tolerance")) options.tolerance = value->quantity(dimension::none, {1e-14, 0.1, false});
   if (auto value = reader.find("newton_limit")) options.newton_limit = value->whole(1, 100000);
   reader.finish();
