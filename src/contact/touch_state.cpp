@@ -191,13 +191,14 @@ bool ContactForce::tighten(State& state) const {
   double deepest = 0;
   for (const Answer& answer : answers(state)) deepest = std::max(deepest, -answer.gap);
   if (deepest <= options_.penetration) return false;
+  set_poses(state.time);
   remembered_.clear();
   std::size_t known = 0;
   for (std::size_t i = 0; i < answers_.size(); ++i) {
     const Touch& touch = touches_[i];
     while (known < state.touches.size() && before(state.touches[known], touch))
       remembered_.push_back(state.touches[known++]);
-    if (known < state.touches.size() && !(before_touch(touch, state.touches[known]))) {
+    if (known < state.touches.size() && !before_touch(touch, state.touches[known])) {
       remembered_.push_back(state.touches[known++]);
     } else {
       remembered_.push_back({touch.sample, touch.target});
