@@ -21,9 +21,21 @@ class Tangent {
  public:
   /// Linearises every elasticity of the model. Model and state must outlive the tangent.
   Tangent(Model& model, const State& state, const Weights& weights = {});
+  /// The same anew, without an allocation.
+  void take(const State& state, const Weights& weights);
 
-  /// result = K motion [N], motion [m]; result is overwritten.
-  void apply(const Positions& motion, Positions& result) const;
+  /// Room for what apply computes on the way; it belongs to the caller and only grows.
+  struct Room {
+    VectorX squares, densities;
+    Positions rates, change;
+    Scratch scratch;
+  };
+  /// result = K motion [N], motion [m]; result is overwritten. Without an allocation once `room` has served.
+  void apply(const Positions& motion, Positions& result, Room& room) const;
+  void apply(const Positions& motion, Positions& result) const {
+    Room room;
+    apply(motion, result, room);
+  }
 
   /// Calls visit(a, b, K_ab part) for every part of every 3×3 block, both triangles; the blocks are the sums, less the
   /// wide parts.
@@ -62,16 +74,17 @@ class Tangent {
     const auto [d, density, slope] = link(connection);
     return density * Matrix3::Identity() + slope * d * d.transpose();
   }
-  void apply_links(const Positions& motion, Positions& result) const;
+  void apply_links(const Positions& motion, Positions& result, Room& room) const;
   void visit_local_blocks(const BlockVisitor& visit) const;
   void set_diagonal();
-  const Model& model_;
-  const State& state_;
+  Model& model_;
+  const State* state_ = nullptr;
   Weights weights_;
   // Vectors from end to end are made anew from these: that takes less time than to read them.
   Positions positions_;
   VectorX densities_, slopes_;
   std::vector<Matrix3> diagonal_;
+  Scratch scratch_;
   bool coupled_ = false, loads_change_ = false;
 };
 
