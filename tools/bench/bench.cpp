@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "base/waiting_threads.h"
+#include "elastin/base/openmp.h"
 #include "measure.h"
 
 namespace {
@@ -51,7 +51,8 @@ constexpr Case kCases[] = {
 }  // namespace
 
 int main(int argc, char** argv) {
-  let_threads_sleep(argv);  // as the command does: what is measured is what its user gets
+  elastin::let_threads_sleep(argv);  // as the command does: what is measured is what its user gets
+  elastin::use_openmp();
   CLI::App app{
       "Benchmarks of Elastin. Ratios are of minima, against the peer at its best on no more threads: above 1 is "
       "faster."};
