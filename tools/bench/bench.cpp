@@ -45,6 +45,8 @@ constexpr Case kCases[] = {
      bench::run_calculix},
     {"contact", "finding what touches, and explicit steps with it; peer: FCL by hand, one collision object a molecule",
      bench::run_contact},
+    {"core", "the tension cube in a program on elastin::core alone; peer: the same with everything linked",
+     bench::run_core},
     {"rules", "setting the constants of every spring rule, 22 molecules a side", bench::run_rules},
 };
 
