@@ -1,5 +1,20 @@
 # cmake --install: libraries with their CMake package and pkg-config files, headers, the command, the scenes.
 include(CMakePackageConfigHelpers)
+include(CheckCXXSourceCompiles)
+
+# What one part of a program allocates by Eigen another frees, so all must align alike, also those that are compiled for
+# a wider machine (-march=native): users get the alignment that the libraries were built with.
+set(CMAKE_REQUIRED_LIBRARIES Eigen3::Eigen)
+foreach(alignment 16 32 64)
+  check_cxx_source_compiles("#include <Eigen/Core>
+                             static_assert(EIGEN_MAX_ALIGN_BYTES == ${alignment}); int main() {}" ELASTIN_ALIGN_${alignment})
+  if(ELASTIN_ALIGN_${alignment})
+    set(eigen_alignment EIGEN_MAX_ALIGN_BYTES=${alignment})
+    target_compile_definitions(elastin_core INTERFACE $<INSTALL_INTERFACE:${eigen_alignment}>)
+    break()
+  endif()
+endforeach()
+unset(CMAKE_REQUIRED_LIBRARIES)
 
 set(cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/elastin)
 set(components core openmp)
@@ -32,6 +47,7 @@ install(FILES ${PROJECT_BINARY_DIR}/elastin-config.cmake ${PROJECT_BINARY_DIR}/e
 # The prefix is found from where the .pc file lies, so that the whole may be moved.
 set(pkgconfig_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 file(RELATIVE_PATH up_to_prefix /${pkgconfig_folder} /)
+string(REGEX REPLACE "/$" "" up_to_prefix "${up_to_prefix}")
 foreach(component core contact)
   if(TARGET elastin_${component})
     configure_file(tools/package/elastin-${component}.pc.in ${PROJECT_BINARY_DIR}/elastin-${component}.pc @ONLY)
