@@ -66,6 +66,13 @@ case $what in
     "$compiler" "$work/core_alone.o" -o "$work/core_alone" $(pkg-config --libs elastin-core)
     "$work/core_alone"
     links_eigen_alone "$work/core_alone"
+    # Compiled for wider vectors it would crash: Eigen there frees memory in another way than the library takes it.
+    if [[ $(uname -m) == x86_64 ]]; then
+      # shellcheck disable=SC2046
+      refusal=$("$compiler" -std=c++20 -mavx -fsyntax-only -x c++ $(pkg-config --cflags elastin-core) \
+        -include elastin/base/types.h /dev/null 2>&1 || true)
+      [[ $refusal == *"compiled for other vectors"* ]] || fail "a program with other alignment is not refused: $refusal"
+    fi
     ;;
   subdirectory)
     build_project "$work/subdirectory" -DELASTIN_SOURCE="$source" -DCMAKE_BUILD_TYPE=Release \

@@ -2,19 +2,26 @@
 include(CMakePackageConfigHelpers)
 include(CheckCXXSourceCompiles)
 
-# What one part of a program allocates by Eigen another frees, so all must align alike, also those that are compiled for
-# a wider machine (-march=native): users get the alignment that the libraries were built with.
+# What one part of a program allocates by Eigen another frees: its users must do it as the libraries were built to do it,
+# and base/types.h refuses those that are compiled for other vectors. Eigen asks malloc itself where that aligns enough.
 set(CMAKE_REQUIRED_LIBRARIES Eigen3::Eigen)
 foreach(alignment 16 32 64)
   check_cxx_source_compiles("#include <Eigen/Core>
-                             static_assert(EIGEN_MAX_ALIGN_BYTES == ${alignment}); int main() {}" ELASTIN_ALIGN_${alignment})
-  if(ELASTIN_ALIGN_${alignment})
-    set(eigen_alignment EIGEN_MAX_ALIGN_BYTES=${alignment})
-    target_compile_definitions(elastin_core INTERFACE $<INSTALL_INTERFACE:${eigen_alignment}>)
+    static_assert(EIGEN_DEFAULT_ALIGN_BYTES == ${alignment}); int main() {}" ELASTIN_ALIGNED_${alignment})
+  if(ELASTIN_ALIGNED_${alignment})
+    set(elastin_alignment ${alignment})
     break()
   endif()
 endforeach()
+check_cxx_source_compiles("#include <Eigen/Core>
+  static_assert(EIGEN_MALLOC_ALREADY_ALIGNED); int main() {}" ELASTIN_ALIGNED_BY_MALLOC)
 unset(CMAKE_REQUIRED_LIBRARIES)
+set(by_malloc 0)
+if(ELASTIN_ALIGNED_BY_MALLOC)
+  set(by_malloc 1)
+endif()
+set(eigen_memory ELASTIN_ALIGNMENT=${elastin_alignment} EIGEN_MALLOC_ALREADY_ALIGNED=${by_malloc})
+target_compile_definitions(elastin_core INTERFACE "$<INSTALL_INTERFACE:${eigen_memory}>")
 
 set(cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/elastin)
 set(components core openmp)
@@ -44,6 +51,8 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/elastin-config-version.cm
 install(FILES ${PROJECT_BINARY_DIR}/elastin-config.cmake ${PROJECT_BINARY_DIR}/elastin-config-version.cmake
         tools/package/FindVoro++.cmake DESTINATION ${cmake_folder} COMPONENT development)
 
+list(TRANSFORM eigen_memory PREPEND " -D" OUTPUT_VARIABLE eigen_flags)
+list(JOIN eigen_flags "" eigen_flags)
 # The prefix is found from where the .pc file lies, so that the whole may be moved.
 set(pkgconfig_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 file(RELATIVE_PATH up_to_prefix /${pkgconfig_folder} /)
