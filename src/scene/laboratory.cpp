@@ -6,6 +6,7 @@
 #include "experiment/timed.h"
 #include "experiment/touching.h"
 #include "report/records.h"
+#include "scene/parts.h"
 
 namespace elastin {
 namespace {
@@ -42,6 +43,7 @@ LaboratoryResult result_of(const Scene& scene, Run made) {
   result.cause = run.cause;
   result.good = record.good() && (run.suited || record.stopped_as_expected());
   result.measures = measured(run.measures);
+  for (const MainMeasure& measure : record.main_measures) result.main.emplace_back(measure.name);
   for (const auto& [name, error] : record.errors) result.errors.push_back({name, "", error});
   for (const CurvePoint& point : run.curve)
     result.curve.push_back({run.time ? point.time : point.load_factor, measured(point.measures)});
@@ -162,6 +164,15 @@ Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions
   begin.supports = simulation.model().supports;
   simulation.restore(begin);
   return simulation;
+}
+
+Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings) {
+  const Reader reader = open_scene_text("body", yaml);
+  std::vector<std::string> notes;
+  Body body = read_body(reader, material, {warnings, notes});
+  check_material(reader, material, body);
+  warnings.insert(warnings.end(), notes.begin(), notes.end());
+  return body;
 }
 
 }  // namespace elastin

@@ -30,6 +30,7 @@ struct LaboratoryResult {
   std::string cause;               ///< why it did not converge or is unsuited; empty if it did
   bool good = true;                ///< as the command's exit code 0: no failure, and every `expect` of the scene holds
   std::vector<Measured> measures;  ///< of the last load step, or of the course of a run in time
+  std::vector<std::string> main;   ///< by which of them strategies are compared, the most telling first
   /// By measure, against what the material asks for: relative, or the difference of a ratio. MEASURE_to_reference:
   /// relative to the scene's reference.
   std::vector<Measured> errors;
@@ -92,5 +93,10 @@ class Laboratory {
   struct Inside;
   std::unique_ptr<Inside> inside_;
 };
+
+/// A body as scenes describe one under `body:`, in YAML: "lattice: {kind: cubic, molecules: [5, 5, 5], spacing: 1 mm}".
+/// Files are named from the working directory. What is to be said of it is added to `warnings`. Throws InputError:
+/// body:line:column.
+Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings);
 
 }  // namespace elastin
