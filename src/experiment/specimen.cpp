@@ -7,8 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "elastin/forces/bending.h"
-#include "elastin/forces/ties.h"
 #include "elastin/forces/volume.h"
 #include "elastin/model/parts.h"
 #include "elastin/model/surfaces.h"
@@ -117,15 +115,6 @@ void note_identified(const Identified& found, Run& run) {
 
 }  // namespace
 
-void hold_rigid_parts(Model& model) {
-  std::vector<char> held(static_cast<std::size_t>(model.body().size()), 0);
-  for (const Support& support : model.supports) held[static_cast<std::size_t>(support.molecule)] = 1;
-  for (const Part& part : model.body().parts)
-    if (part.rigid)
-      for (const int molecule : molecules_of(part))
-        if (!std::exchange(held[static_cast<std::size_t>(molecule)], 1)) model.supports.push_back({molecule});
-}
-
 bool needs_cells(const Strategy& strategy, const Body& body) {
   if (body.triangles.empty() && body.tetrahedra.empty()) return false;
   const Body bare = without_cells(body);
@@ -161,15 +150,9 @@ std::unique_ptr<Elasticity> make_elasticity(const Specimen& specimen, Experiment
 
 void add_surroundings(Model& model, const Specimen& specimen, Experiment& experiment, const StrategyChoice& any) {
   const StrategyChoice choice = on_body(any, specimen);
-  const Body& body = specimen.body;
-  const Material& material = specimen.material;
-  if (!choice.strategy.by_parts)
-    if (auto fibres = make_fibres(choice.strategy, body, material)) model.add(std::move(fibres));
-  if (material.bending_rigidity > 0) model.add(make_bending(body, material.bending_rigidity, material.poissons_ratio));
-  if (!body.cables.empty()) model.add(make_cables(body));
-  if (!body.ties.empty()) model.add(make_ties(body));
+  add_companions(model, choice.strategy, specimen.material);
   for (const auto& add_load : specimen.loads) add_load(model);
-  if (specimen.contact) model.add(make_contact(body, *specimen.contact));
+  if (specimen.contact) model.add(make_contact(specimen.body, *specimen.contact));
   experiment.hold(model);
   hold_rigid_parts(model);
 }

@@ -15,10 +15,6 @@ bool needs_cells(const Strategy& strategy, const Body& body);
 /// Why a strategy cannot run here, or "".
 std::string unsuited(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice);
 
-/// Supports all molecules of the body's rigid parts that have no support yet: bone stays where it is unless something
-/// moves it.
-void hold_rigid_parts(Model& model);
-
 /// The strategy at work on the specimen's body alone; null if that fails: the run says why. The body must be prepared,
 /// and outlive it.
 std::unique_ptr<Elasticity> make_elasticity(const Specimen& specimen, Experiment& experiment,

@@ -62,7 +62,7 @@ inline void check_signals() {
 struct Moving {
   explicit Moving(Simulation made) : simulation(std::move(made)) {}
   Simulation simulation;
-  std::recursive_mutex busy;  ///< observers, which run within a step, may ask it things
+  std::recursive_mutex busy;        ///< observers, which run within a step, may ask it things
   std::exception_ptr trouble = {};  ///< of an observer
   bool stepping = false;
 

@@ -85,9 +85,9 @@ std::string body_text(const Body& body) {
   const auto counted = [](std::size_t count, const char* what) {
     return count ? ", " + std::to_string(count) + " " + what : std::string();
   };
-  return "<elastin.Body: " + std::to_string(body.size()) + " molecules, " +
-         std::to_string(body.connections.proper()) + " connections" + counted(body.triangles.size(), "triangles") +
-         counted(body.tetrahedra.size(), "tetrahedra") + counted(body.parts.size(), "parts") + ">";
+  return "<elastin.Body: " + std::to_string(body.size()) + " molecules, " + std::to_string(body.connections.proper()) +
+         " connections" + counted(body.triangles.size(), "triangles") + counted(body.tetrahedra.size(), "tetrahedra") +
+         counted(body.parts.size(), "parts") + ">";
 }
 
 double in_range(const char* name, double value, double low, double high, const char* unit) {
@@ -179,14 +179,15 @@ void add_bodies(py::module_& module) {
   py::class_<Body, std::shared_ptr<Body>>(module, "Body",
                                           "A piece of tissue at rest: molecules joined by connections. It never "
                                           "changes; its arrays are views that cannot be written to.")
-      .def(py::init(&body_from_arrays), py::arg("positions"), py::arg("connections") = py::none(), py::kw_only(),
-           py::arg("triangles") = py::none(), py::arg("tetrahedra") = py::none(),
-           py::arg("rest_lengths") = py::none(), py::arg("masses") = py::none(), py::arg("radii") = py::none(),
-           py::arg("density") = 1000., py::arg("thickness") = 0.,
-           "positions (n, 3) [m]; connections (m, 2), numbers of molecules, by default the sides of the cells; "
-           "triangles (k, 3); tetrahedra (k, 4); rest_lengths (m,) [m], by default the distances; masses (n,) [kg], by "
-           "default from density [kg/m^3] and the cells (triangles: thickness [m]) or the bounding box; radii (n,) [m], "
-           "by default half the shortest connection. Arrays are copied.")
+      .def(
+          py::init(&body_from_arrays), py::arg("positions"), py::arg("connections") = py::none(), py::kw_only(),
+          py::arg("triangles") = py::none(), py::arg("tetrahedra") = py::none(), py::arg("rest_lengths") = py::none(),
+          py::arg("masses") = py::none(), py::arg("radii") = py::none(), py::arg("density") = 1000.,
+          py::arg("thickness") = 0.,
+          "positions (n, 3) [m]; connections (m, 2), numbers of molecules, by default the sides of the cells; "
+          "triangles (k, 3); tetrahedra (k, 4); rest_lengths (m,) [m], by default the distances; masses (n,) [kg], by "
+          "default from density [kg/m^3] and the cells (triangles: thickness [m]) or the bounding box; radii (n,) [m], "
+          "by default half the shortest connection. Arrays are copied.")
       .def_property_readonly("positions", part_of_body([](const Body& b) -> auto& { return b.rest; }),
                              "Places at rest [m], (n, 3).")
       .def_property_readonly("masses", part_of_body([](const Body& b) -> auto& { return b.mass; }), "[kg], (n,).")
@@ -203,8 +204,9 @@ void add_bodies(py::module_& module) {
       .def_property_readonly("triangles", part_of_body([](const Body& b) -> auto& { return b.triangles; }), "(k, 3).")
       .def_property_readonly("tetrahedra", part_of_body([](const Body& b) -> auto& { return b.tetrahedra; }),
                              "(k, 4), turned to positive volume.")
-      .def_property_readonly("proper_connections", [](const Body& b) { return b.connections.proper(); },
-                             "How many connections are more than sides of cells; they come first.")
+      .def_property_readonly(
+          "proper_connections", [](const Body& b) { return b.connections.proper(); },
+          "How many connections are more than sides of cells; they come first.")
       .def("__len__", &Body::size)
       .def("__repr__", &body_text);
   module.def(

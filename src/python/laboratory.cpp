@@ -91,9 +91,7 @@ auto array_of_result(Member member) {
   return [member](const py::object& self) { return view(self.cast<const Outcomes&>().result.*member, self); };
 }
 
-const char* outcome_text(const Outcomes& self) {
-  return self.result.suited ? name_of(self.result.outcome) : kUnsuited;
-}
+const char* outcome_text(const Outcomes& self) { return self.result.suited ? name_of(self.result.outcome) : kUnsuited; }
 
 void add_result(py::module_& module) {
   using Result = LaboratoryResult;
@@ -106,16 +104,19 @@ void add_result(py::module_& module) {
       .def_property_readonly("cause", part_of_result(&Result::cause), "Why it did not converge; '' if it did.")
       .def_property_readonly("good", part_of_result(&Result::good),
                              "As the command's exit code 0: no failure, and all that the scene expects holds.")
-      .def_property_readonly("measures", [](const Outcomes& self) { return by_name(self.result.measures); },
-                             "Value by name, of the last load step, or of the course of a run in time.")
+      .def_property_readonly(
+          "measures", [](const Outcomes& self) { return by_name(self.result.measures); },
+          "Value by name, of the last load step, or of the course of a run in time.")
       .def_property_readonly("main", part_of_result(&Result::main),
                              "Names of the measures by which strategies are compared, the most telling first.")
-      .def_property_readonly("errors", [](const Outcomes& self) { return by_name(self.result.errors); },
-                             "By measure, against what the material asks for: relative, or the difference of a ratio; "
-                             "MEASURE_to_reference: relative to the scene's reference.")
-      .def_property_readonly("curve", [](const Outcomes& self) { return columns_of(self.result); },
-                             "Columns, one row a load step or frame: 'at' (part of the load, or time [s]) and every "
-                             "measure. pandas.DataFrame takes it as it is.")
+      .def_property_readonly(
+          "errors", [](const Outcomes& self) { return by_name(self.result.errors); },
+          "By measure, against what the material asks for: relative, or the difference of a ratio; "
+          "MEASURE_to_reference: relative to the scene's reference.")
+      .def_property_readonly(
+          "curve", [](const Outcomes& self) { return columns_of(self.result); },
+          "Columns, one row a load step or frame: 'at' (part of the load, or time [s]) and every "
+          "measure. pandas.DataFrame takes it as it is.")
       .def_property_readonly("positions", array_of_result(&Result::positions),
                              "Of the last state [m], (n, 3); (0, 3) where none was reached.")
       .def_property_readonly("tensions", array_of_result(&Result::tensions),
@@ -147,14 +148,16 @@ void add_laboratory(py::module_& module) {
       .def_property_readonly("title", [](const Room& self) { return self.laboratory.title(); })
       .def_property_readonly("body", &body_of)
       .def_property_readonly("material", [](const Room& self) { return self.laboratory.material(); })
-      .def_property_readonly("strategy", [](const Room& self) { return self.laboratory.strategy(); },
-                             "The scene's own.")
-      .def_property_readonly("strategies", [](const Room& self) { return self.laboratory.strategies(); },
-                             "Those that the scene compares.")
-      .def_property_readonly("references", [](const Room& self) { return as_list(self.laboratory.references()); },
-                             "Values of the same problem from elsewhere: dicts of measure, value, unit, source.")
-      .def_property_readonly("expectations", [](const Room& self) { return as_list(self.laboratory.expectations()); },
-                             "Values that the scene says must come out: dicts as references, with the strategy.")
+      .def_property_readonly(
+          "strategy", [](const Room& self) { return self.laboratory.strategy(); }, "The scene's own.")
+      .def_property_readonly(
+          "strategies", [](const Room& self) { return self.laboratory.strategies(); }, "Those that the scene compares.")
+      .def_property_readonly(
+          "references", [](const Room& self) { return as_list(self.laboratory.references()); },
+          "Values of the same problem from elsewhere: dicts of measure, value, unit, source.")
+      .def_property_readonly(
+          "expectations", [](const Room& self) { return as_list(self.laboratory.expectations()); },
+          "Values that the scene says must come out: dicts as references, with the strategy.")
       .def_property_readonly("warnings", [](const Room& self) { return self.laboratory.warnings(); })
       .def("run", &run, py::arg("strategy") = "", py::kw_only(), py::arg("progress") = py::none(),
            "Runs the experiment with a strategy by name ('calibrated:angles', 'lattice+volume'); '' takes the scene's "

@@ -70,7 +70,8 @@ std::shared_ptr<py::function> keep(py::function function) {
 Strategy strategy_from(const py::handle& given, const Catalog& catalog) {
   if (py::isinstance<Strategy>(given)) return given.cast<Strategy>();
   if (!py::isinstance<py::str>(given))
-    throw InputError("strategy: is a " + std::string(Py_TYPE(given.ptr())->tp_name) + "; allowed: a name or a Strategy");
+    throw InputError("strategy: is a " + std::string(Py_TYPE(given.ptr())->tp_name) +
+                     "; allowed: a name or a Strategy");
   const StrategyChoice choice = choose_strategy(catalog, given.cast<std::string>());
   if (choice.calibrated)
     throw InputError("'" + choice.label + "' is calibrated in an experiment: take Laboratory.simulation() of a scene");
@@ -100,12 +101,14 @@ void add_strategies(py::module_& module) {
       .def_readonly("summary", &Strategy::summary)
       .def_readonly("source", &Strategy::source)
       .def_readonly("parameters", &Strategy::parameters)
-      .def_property_readonly("kind", [](const Strategy& strategy) { return name_of(strategy.kind); },
-                             "'spring rule', 'spring rule, updated', 'cell law' or 'wrapper'.")
-      .def("constants", &constants_of, py::arg("body"), py::arg("material"),
-           py::arg("parameters") = ParameterValues{}, "The spring constants [N/m] that a spring rule gives a body, (m,).")
+      .def_property_readonly(
+          "kind", [](const Strategy& strategy) { return name_of(strategy.kind); },
+          "'spring rule', 'spring rule, updated', 'cell law' or 'wrapper'.")
+      .def("constants", &constants_of, py::arg("body"), py::arg("material"), py::arg("parameters") = ParameterValues{},
+           "The spring constants [N/m] that a spring rule gives a body, (m,).")
       .def("__repr__", [](const Strategy& s) { return "<elastin.Strategy " + s.name + ": " + s.summary + ">"; });
-  py::class_<Catalog, std::shared_ptr<Catalog>>(module, "Catalog", "Strategies by name: those of Elastin, and one's own.")
+  py::class_<Catalog, std::shared_ptr<Catalog>>(module, "Catalog",
+                                                "Strategies by name: those of Elastin, and one's own.")
       .def(py::init(&built_in_catalog), "Those that come with Elastin.")
       .def(
           "add", [](Catalog& catalog, const Strategy& strategy) { catalog.add(strategy); }, py::arg("strategy"),
@@ -113,10 +116,10 @@ void add_strategies(py::module_& module) {
       .def_property_readonly("names", &Catalog::names)
       .def("__getitem__", &Catalog::find, py::arg("name"), py::return_value_policy::copy)
       .def("__len__", [](const Catalog& catalog) { return catalog.strategies().size(); })
-      .def("__iter__",
-           [](const Catalog& catalog) { return py::iter(py::cast(catalog.strategies())); })
-      .def("__repr__",
-           [](const Catalog& c) { return "<elastin.Catalog: " + std::to_string(c.strategies().size()) + " strategies>"; });
+      .def("__iter__", [](const Catalog& catalog) { return py::iter(py::cast(catalog.strategies())); })
+      .def("__repr__", [](const Catalog& c) {
+        return "<elastin.Catalog: " + std::to_string(c.strategies().size()) + " strategies>";
+      });
 }
 
 }  // namespace elastin::python
