@@ -1,4 +1,5 @@
 #include "elastin/base/error.h"
+#include "elastin/base/openmp.h"
 #include "elastin/base/threads.h"
 #include "python/bind.h"
 #include "report/table.h"
@@ -20,6 +21,7 @@ std::vector<std::tuple<std::string, std::string, std::string>> measures() {
 
 PYBIND11_MODULE(_elastin, module) {
   using namespace elastin::python;
+  elastin::use_openmp();
   module.doc() = "Elastin's C++ side; import elastin instead.";
   py::register_exception<elastin::InputError>(module, "InputError", PyExc_ValueError).doc() =
       "Wrong use or wrong input: file:line:column, the key, what was given, what is allowed, the nearest name.";
