@@ -28,7 +28,7 @@ template <class T>
 py::array view(const T* data, std::vector<py::ssize_t> shape, const py::handle& owner, bool writable = false) {
   py::array_t<T> array(std::move(shape), data, owner);
   if (!writable) py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
-  return std::move(array);
+  return array;
 }
 /// Shape (n, 3).
 inline py::array view(const Positions& places, const py::handle& owner, bool writable = false) {

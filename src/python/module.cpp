@@ -9,6 +9,10 @@ namespace {
 
 std::string readable_measure(const std::string& name, double value) { return readable(value, find_measure(name)); }
 
+std::string missing_measure(const std::string& name, const std::vector<std::string>& there) {
+  return "no measure '" + name + "' here" + suggestion(name, there);
+}
+
 std::vector<std::tuple<std::string, std::string, std::string>> measures() {
   std::vector<std::tuple<std::string, std::string, std::string>> list;
   for (const MeasureInfo& info : measure_list())
@@ -30,6 +34,7 @@ PYBIND11_MODULE(_elastin, module) {
              "How many threads loops over large bodies take; 0 = one a core. Results have the same bits with any.");
   module.def("threads", &elastin::threads, "How many threads loops over large bodies take.");
   module.def("measures", &measures, "Every measure that an experiment can take: (name, SI unit, what it is).");
+  module.def("_missing_measure", &missing_measure, py::arg("name"), py::arg("there"));
   module.def("readable", &readable_measure, py::arg("measure"), py::arg("value"),
              "A measure's value as tables show it: '4.9945 kPa'.");
   module.def("percent", &elastin::percent, py::arg("ratio"), "A relative error as tables show it: '+0.02 %'.");

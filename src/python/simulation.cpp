@@ -159,8 +159,7 @@ void add_views(Class& simulation) {
       .def_property_readonly(
           "host_forces",
           [](const py::object& self) {
-            Positions& forces =
-                *self.cast<Moving&>().in_turn([](Simulation& simulation) { return &simulation.host_forces(); });
+            Positions& forces = *self.cast<Moving&>().in_turn([](Simulation& s) { return &s.host_forces(); });
             return view(forces, self, true);
           },
           "Forces of one's own [N], (n, 3): a view to write to. They act from the next step on until changed.");
