@@ -3,6 +3,8 @@
 import numbers
 import os
 
+import numpy
+
 
 def text(value):
     """One line of YAML; numbers with all their digits."""
@@ -10,8 +12,10 @@ def text(value):
         return value
     if isinstance(value, os.PathLike):
         return quoted(os.fspath(value))
-    if value is None or isinstance(value, bool) or type(value).__name__ == "bool_":
-        return {None: "null", True: "true", False: "false"}[None if value is None else bool(value)]
+    if value is None:
+        return "null"
+    if isinstance(value, (bool, numpy.bool_)):
+        return "true" if value else "false"
     if isinstance(value, numbers.Integral):
         return str(int(value))
     if isinstance(value, numbers.Real):
