@@ -162,7 +162,7 @@ class Course {
   }
 
   void keep_snapshot() {
-    if (options_.keep_snapshots) run_.snapshots.push_back(snapshot_of(model_, state_, state_.time, frame_));
+    elastin::keep_snapshot(model_, state_, state_.time, frame_, options_, run_);
   }
 
   void save() const {
