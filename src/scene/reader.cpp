@@ -1,5 +1,7 @@
 #include "scene/reader.h"
 
+#include <yaml-cpp/eventhandler.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -10,6 +12,7 @@
 #include <fstream>
 #include <functional>
 #include <set>
+#include <sstream>
 #include <utility>
 
 namespace elastin {
@@ -103,25 +106,50 @@ void put_override(YAML::Node root, const std::string& assignment) {
     node[path] = value;
 }
 
-/// The only document of a scene's text.
+/// Where a text's second YAML document begins.
+class SecondDocument final : public YAML::EventHandler {
+ public:
+  std::optional<YAML::Mark> find(const std::string& text) {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    while (begun_ < 2 && parser.HandleNextDocument(*this)) {
+    }
+    return begun_ < 2 ? std::nullopt : std::optional(second_);
+  }
+  void OnDocumentStart(const YAML::Mark& mark) override { ++begun_, second_ = mark; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+
+ private:
+  int begun_ = 0;
+  YAML::Mark second_;
+};
+
+/// The only document of a scene's text. yaml-cpp's LoadAll finds documents without end in some texts that are none.
 YAML::Node load_document(const std::string& path, const std::string& text) {
   const Place start{path, 1, 1};
   if (text.empty()) throw InputError(start, "the scene is empty");
-  std::vector<YAML::Node> documents;
+  YAML::Node document;
   try {
-    documents = YAML::LoadAll(text);
+    if (const auto second = SecondDocument().find(text))
+      throw InputError(Place{path, second->line + 1, second->column + 1},
+                       "a scene is one YAML document; a second one begins here");
+    document = YAML::Load(text);
   } catch (const YAML::Exception& error) {
     throw InputError(Place{path, error.mark.line + 1, error.mark.column + 1}, "not valid YAML: " + error.msg);
   }
-  if (documents.size() > 1)
-    throw InputError(start, "a scene is one YAML document; here are " + std::to_string(documents.size()));
-  if (documents.empty() || !documents[0].IsMap())
-    throw InputError(start, "a scene is a map of keys (body, material, experiment, …)");
+  if (!document.IsMap()) throw InputError(start, "a scene is a map of keys (body, material, experiment, …)");
   const auto place_of = [&](const YAML::Node& node) {
     return Place{path, node.Mark().line + 1, node.Mark().column + 1};
   };
-  TreeCheck(place_of, text.size()).check(documents[0]);
-  return documents[0];
+  TreeCheck(place_of, text.size()).check(document);
+  return document;
 }
 
 std::string range_text(const Range& range, const Dimension& dimension) {
@@ -252,7 +280,9 @@ double Reader::quantity(const Dimension& dimension, const Range& range) const {
 
 /// Throws if the file writes some dimensional values with units and others as plain numbers: one of them is a slip.
 void Reader::note_unit(const std::string& given, const Dimension& dimension, const Quantity& quantity) const {
-  auto& [path, first_unit, first_plain] = *file_;
+  const std::string& path = file_->path;
+  auto& first_unit = file_->first_unit;
+  auto& first_plain = file_->first_plain;
   if (quantity.has_unit && !first_unit) first_unit = place();
   if (!quantity.has_unit && quantity.value != 0 && !first_plain)
     first_plain = {place(), path_ + ": '" + given + "' has no unit; write for example " + unit_examples(dimension)};

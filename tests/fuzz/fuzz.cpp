@@ -230,6 +230,7 @@ void supervise(const Options& options, const fs::path& folder, Counts& counts) {
 int read_alone(const std::vector<std::string>& files, const fs::path& folder) {
   const auto kinds = fuzz::all_kinds(ELASTIN_SOURCE_DIR, folder.string());
   bool good = true;
+  std::signal(SIGPROF, too_slow);
   for (const std::string& file : files) {
     const std::string ending = fs::path(file).extension().string();
     for (const auto& kind : kinds)

@@ -1,0 +1,37 @@
+#include <cstdio>
+
+#include "elastin/base/threads.h"
+#include "face/handles.h"
+
+namespace {
+
+constexpr std::size_t kLongest = 4096;
+/// In place, so that a message costs no memory.
+thread_local char last_message[kLongest] = "";
+
+}  // namespace
+
+namespace elastin::face {
+
+elastin_status failed(elastin_status status, const char* message) noexcept {
+  std::snprintf(last_message, kLongest, "%s", message);
+  return status;
+}
+
+}  // namespace elastin::face
+
+extern "C" {
+
+int elastin_abi(void) { return ELASTIN_ABI; }
+
+const char* elastin_version(void) { return ELASTIN_VERSION; }
+
+const char* elastin_message(void) { return last_message; }
+
+elastin_status elastin_set_threads(int threads) {
+  return elastin::face::guarded([&] {
+    if (threads < 0) throw elastin::InputError("threads is " + std::to_string(threads) + "; it must be at least 0");
+    elastin::set_threads(threads);
+  });
+}
+}
