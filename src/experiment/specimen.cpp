@@ -7,8 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "elastin/forces/bending.h"
-#include "elastin/forces/ties.h"
 #include "elastin/forces/volume.h"
 #include "elastin/model/parts.h"
 #include "elastin/model/surfaces.h"
@@ -117,15 +115,6 @@ void note_identified(const Identified& found, Run& run) {
 
 }  // namespace
 
-void hold_rigid_parts(Model& model) {
-  std::vector<char> held(static_cast<std::size_t>(model.body().size()), 0);
-  for (const Support& support : model.supports) held[static_cast<std::size_t>(support.molecule)] = 1;
-  for (const Part& part : model.body().parts)
-    if (part.rigid)
-      for (const int molecule : molecules_of(part))
-        if (!std::exchange(held[static_cast<std::size_t>(molecule)], 1)) model.supports.push_back({molecule});
-}
-
 bool needs_cells(const Strategy& strategy, const Body& body) {
   if (body.triangles.empty() && body.tetrahedra.empty()) return false;
   const Body bare = without_cells(body);
@@ -161,11 +150,7 @@ std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment
     run.warnings.push_back("does not follow the material's curve: it takes its slope at no strain alone");
   std::optional<Model> model(body);
   model->add(std::move(elasticity));
-  if (!by_parts)
-    if (auto fibres = make_fibres(choice.strategy, body, material)) model->add(std::move(fibres));
-  if (material.bending_rigidity > 0) model->add(make_bending(body, material.bending_rigidity, material.poissons_ratio));
-  if (!body.cables.empty()) model->add(make_cables(body));
-  if (!body.ties.empty()) model->add(make_ties(body));
+  add_companions(*model, choice.strategy, material);
   for (const auto& add_load : specimen.loads) add_load(*model);
   if (specimen.contact) model->add(make_contact(body, *specimen.contact));
   experiment.hold(*model);

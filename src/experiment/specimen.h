@@ -15,10 +15,6 @@ bool needs_cells(const Strategy& strategy, const Body& body);
 /// Why a strategy cannot run here, or "".
 std::string unsuited(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice);
 
-/// Supports all molecules of the body's rigid parts that have no support yet: bone stays where it is unless something
-/// moves it.
-void hold_rigid_parts(Model& model);
-
 /// The strategy at work on the specimen with the scene's loads, held by the experiment; nothing if that fails: the run
 /// says why. The specimen's body must be prepared, and outlive the model.
 std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,

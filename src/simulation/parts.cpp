@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "elastin/forces/bending.h"
+#include "elastin/forces/ties.h"
 #include "elastin/forces/volume.h"
 #include "elastin/model/parts.h"
 #include "elastin/simulation/fibres.h"
@@ -152,6 +154,24 @@ Strategy in_parts(const Strategy& strategy, const Body& body, std::vector<Materi
     return make_in_parts(strategy, materials, whole, values);
   };
   return result;
+}
+
+void add_companions(Model& model, const Strategy& strategy, const Material& material) {
+  const Body& body = model.body();
+  if (!strategy.by_parts)
+    if (auto fibres = make_fibres(strategy, body, material)) model.add(std::move(fibres));
+  if (material.bending_rigidity > 0) model.add(make_bending(body, material.bending_rigidity, material.poissons_ratio));
+  if (!body.cables.empty()) model.add(make_cables(body));
+  if (!body.ties.empty()) model.add(make_ties(body));
+}
+
+void hold_rigid_parts(Model& model) {
+  std::vector<char> held(static_cast<std::size_t>(model.body().size()), 0);
+  for (const Support& support : model.supports) held[static_cast<std::size_t>(support.molecule)] = 1;
+  for (const Part& part : model.body().parts)
+    if (part.rigid)
+      for (const int molecule : molecules_of(part))
+        if (!std::exchange(held[static_cast<std::size_t>(molecule)], 1)) model.supports.push_back({molecule});
 }
 
 }  // namespace elastin
