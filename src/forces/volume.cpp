@@ -179,15 +179,15 @@ class Volume final : public Elasticity {
     return true;
   }
 
-  void add_diagonal(std::vector<Matrix3>& blocks) const override {
+  void visit_diagonal(const DiagonalVisitor& visit) const override {
     for (int group = 0; group < groups_.size(); ++group)
       for (const auto& [molecule, gradient] : group_gradient(group))
-        blocks[molecule] += modulus_ / group_volume_[group] * gradient * gradient.transpose();
+        visit(molecule, modulus_ / group_volume_[group] * gradient * gradient.transpose());
     static constexpr auto pairs = corner_pairs<4>();
     for (int t = 0; t < tetrahedra(); ++t)
       for (int c = 0; c < 6; ++c)
         for (const int corner : pairs[c])
-          blocks[cell(t)[corner]].diagonal().array() -= 2 * pressures_[t] * now_[t].slope[c];
+          visit(cell(t)[corner], -2 * pressures_[t] * now_[t].slope[c] * Matrix3::Identity());
   }
 
  private:

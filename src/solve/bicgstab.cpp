@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "solve/block_inverse.h"
 #include "solve/linear_solver.h"
 
 namespace elastin {
@@ -29,10 +30,10 @@ class BiCgStab final : public LinearSolver {
   LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                      double tolerance, Positions& x) override {
     const int n = static_cast<int>(rhs.cols());
-    const std::vector<Matrix3> inverse = block_preconditioner(tangent, supports);
+    const BlockInverses inverse(tangent, supports);
     const auto precondition = [&](const Positions& from, Positions& to) {
       parallel_for(
-          n, [&](int i) { to.col(i) = inverse[i] * from.col(i); }, kMoleculeThreshold);
+          n, [&](int i) { to.col(i) = inverse.times(i, from.col(i)); }, kMoleculeThreshold);
     };
     const auto apply = [&](const Positions& motion, Positions& result) {
       tangent.apply(motion, result);

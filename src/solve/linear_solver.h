@@ -43,9 +43,6 @@ std::unique_ptr<LinearSolver> make_multigrid();
 /// Vorst 1992]
 std::unique_ptr<LinearSolver> make_bicgstab();
 
-/// What both precondition with: the inverse of each molecule's block in its free directions.
-std::vector<Matrix3> block_preconditioner(const Tangent& tangent, const std::vector<Support>& supports);
-
 /// A sparse LDLᵀ factorisation with iterative refinement: for small bodies, indefinite stiffness and mode counts.
 std::unique_ptr<LinearSolver> make_direct();
 

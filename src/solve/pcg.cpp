@@ -25,7 +25,7 @@ class Pcg final : public LinearSolver {
   LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                      double tolerance, Positions& x) override {
     const int n = static_cast<int>(rhs.cols());
-    const std::vector<Matrix3> inverse = block_preconditioner(tangent, supports);
+    const BlockInverses inverse(tangent, supports);
     std::unique_ptr<Multigrid> coarse;
     if (multigrid_) coarse = std::make_unique<Multigrid>(tangent, supports);
     if (coarse && !coarse->positive()) coarse.reset();
@@ -43,7 +43,7 @@ class Pcg final : public LinearSolver {
               x.col(i) += step * p.col(i);
               r.col(i) -= step * kp.col(i);
             }
-            z.col(i) = inverse[i] * r.col(i);
+            z.col(i) = inverse.times(i, r.col(i));
             return Eigen::Vector2d(r.col(i).dot(z.col(i)), r.col(i).squaredNorm());
           },
           Eigen::Vector2d(0, 0), kMoleculeThreshold);
@@ -124,17 +124,6 @@ class Pcg final : public LinearSolver {
 };
 
 }  // namespace
-
-std::vector<Matrix3> block_preconditioner(const Tangent& tangent, const std::vector<Support>& supports) {
-  std::vector<Matrix3> blocks = tangent.diagonal();
-  for (const Support& support : supports) {
-    Matrix3& block = blocks[support.molecule];
-    block = (support.free * block * support.free).eval();
-  }
-  parallel_for(static_cast<int>(blocks.size()),
-               [&](int molecule) { blocks[molecule] = positive_inverse(blocks[molecule]); });
-  return blocks;
-}
 
 Positions scattered_directions(int molecules) {
   Positions directions(3, molecules);
