@@ -9,8 +9,8 @@
 #include "base/parallel.h"
 #include "elastin/base/error.h"
 #include "elastin/forces/cells.h"
+#include "elastin/stiffness/simplex.h"
 #include "forces/volume_groups.h"
-#include "stiffness/simplex.h"
 
 namespace elastin {
 namespace {
