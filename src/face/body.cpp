@@ -22,7 +22,8 @@ void require_positive(double value, const std::string& name) {
     throw InputError(name + " is " + std::to_string(value) + "; it must be above 0");
 }
 
-/// Groups of molecules: connections, cells. Throws InputError on a number that is no molecule, or one that stands twice.
+/// Groups of molecules: connections, cells. Throws InputError on a number that is no molecule, or one that stands
+/// twice.
 template <std::size_t corners>
 std::vector<std::array<int, corners>> groups_of(const int* numbers, std::size_t count, std::size_t molecules,
                                                 const char* what) {
@@ -74,8 +75,7 @@ void set_default_matter(Body& body, double density, double thickness) {
   if (body.connections.size() == 0) throw InputError("radii is null, and there is no connection of which to take half");
   const double radius = shortest_connection(body) / 2;
   const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
-  set_matter(body, radius, density, thickness,
-             size.prod() > 0 ? size.prod() : body.size() * std::pow(2 * radius, 3));
+  set_matter(body, radius, density, thickness, size.prod() > 0 ? size.prod() : body.size() * std::pow(2 * radius, 3));
 }
 
 /// Connections have a length, cells a volume or an area.
@@ -105,8 +105,8 @@ Body body_of(const elastin_arrays& arrays) {
   if (arrays.triangle_count > 0 && arrays.connections)
     throw InputError("the edges of triangles are the connections: leave connections null");
   check_shape(body);
-  if (!arrays.masses || !arrays.radii) set_default_matter(body, arrays.masses ? 1 : arrays.density,
-                                                          arrays.masses ? 1 : arrays.thickness);
+  if (!arrays.masses || !arrays.radii)
+    set_default_matter(body, arrays.masses ? 1 : arrays.density, arrays.masses ? 1 : arrays.thickness);
   if (arrays.masses) body.mass = each_positive(arrays.masses, body.rest.cols(), "masses of molecule");
   if (arrays.radii) body.radius = each_positive(arrays.radii, body.rest.cols(), "radii of molecule");
   return body;
@@ -123,13 +123,14 @@ Body lattice_of(const int counts[3], const double spacing[3], int pattern, doubl
     require_positive(spacing[axis], "spacing[" + std::to_string(axis) + "]");
     molecules *= counts[axis];
   }
-  if (molecules > 5e7) throw InputError("counts make " + std::to_string(molecules) + " molecules; at most 5e7 are taken");
+  if (molecules > 5e7)
+    throw InputError("counts make " + std::to_string(molecules) + " molecules; at most 5e7 are taken");
   if (pattern < 1 || pattern > (ELASTIN_AXIS | ELASTIN_FACE | ELASTIN_SPACE))
     throw InputError("pattern is " + std::to_string(pattern) +
                      "; it must be one or more of ELASTIN_AXIS, ELASTIN_FACE, ELASTIN_SPACE");
   const auto has = [&](int way) { return (pattern & way) != 0; };
-  Body body = cubic_lattice({counts[0], counts[1], counts[2]}, 1,
-                            {has(ELASTIN_AXIS), has(ELASTIN_FACE), has(ELASTIN_SPACE)});
+  Body body =
+      cubic_lattice({counts[0], counts[1], counts[2]}, 1, {has(ELASTIN_AXIS), has(ELASTIN_FACE), has(ELASTIN_SPACE)});
   stretch(body, {spacing[0], spacing[1], spacing[2]});
   set_default_matter(body, density, 0);
   return body;

@@ -17,7 +17,7 @@
 /// A host's task system that is two C functions away.
 class CallbackRunner final : public elastin::TaskRunner {
  public:
-  CallbackRunner(int width, elastin_run_tasks run, void* context) : width_(width), run_(run), context_(context) {}
+  CallbackRunner(int width, elastin_run_tasks tasks, void* context) : width_(width), run_(tasks), context_(context) {}
   int width() const noexcept override { return width_; }
   void run(int count, Task task, void* context) noexcept override { run_(context_, count, task, context); }
 

@@ -64,7 +64,13 @@ const std::map<std::string, NamedLoad>& known_loads() {
        {{{"coefficient", 0}},
         [](Model& model, const Values& values) { model.add(make_damping(not_negative(values, "coefficient"))); }}},
       {"floor",
-       {{{"x", 0}, {"y", 0}, {"z", 0}, {"normal_x", 0}, {"normal_y", 0}, {"normal_z", 1}, {"stiffness", 0},
+       {{{"x", 0},
+         {"y", 0},
+         {"z", 0},
+         {"normal_x", 0},
+         {"normal_y", 0},
+         {"normal_z", 1},
+         {"stiffness", 0},
          {"damping", 0}},
         add_floor}}};
   return all;

@@ -51,9 +51,13 @@ requires std::is_arithmetic_v<Number>
 void pass(Archive& archive, Number& number) { archive.raw(&number, sizeof number); }
 
 template <class Archive>
-void pass(Archive& archive, Vector3& vector) { archive.raw(vector.data(), 3 * sizeof(double)); }
+void pass(Archive& archive, Vector3& vector) {
+  archive.raw(vector.data(), 3 * sizeof(double));
+}
 template <class Archive>
-void pass(Archive& archive, Matrix3& matrix) { archive.raw(matrix.data(), 9 * sizeof(double)); }
+void pass(Archive& archive, Matrix3& matrix) {
+  archive.raw(matrix.data(), 9 * sizeof(double));
+}
 
 template <class Archive>
 void pass(Archive& archive, Positions& positions) {

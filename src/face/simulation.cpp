@@ -95,15 +95,11 @@ elastin_status elastin_time(const elastin_simulation* simulation, double* time) 
 }
 
 elastin_status elastin_positions(const elastin_simulation* simulation, const double** values, size_t* count) {
-  return guarded([&] {
-    elastin::face::show(given(simulation, "simulation").simulation.positions(), values, count);
-  });
+  return guarded([&] { elastin::face::show(given(simulation, "simulation").simulation.positions(), values, count); });
 }
 
 elastin_status elastin_velocities(const elastin_simulation* simulation, const double** values, size_t* count) {
-  return guarded([&] {
-    elastin::face::show(given(simulation, "simulation").simulation.velocities(), values, count);
-  });
+  return guarded([&] { elastin::face::show(given(simulation, "simulation").simulation.velocities(), values, count); });
 }
 
 elastin_status elastin_forces(const elastin_simulation* simulation, const double** values, size_t* count) {
@@ -115,15 +111,12 @@ elastin_status elastin_tensions(const elastin_simulation* simulation, const doub
 }
 
 elastin_status elastin_host_forces(elastin_simulation* simulation, double** values, size_t* count) {
-  return guarded([&] {
-    elastin::face::show(given(simulation, "simulation").simulation.host_forces(), values, count);
-  });
+  return guarded([&] { elastin::face::show(given(simulation, "simulation").simulation.host_forces(), values, count); });
 }
 
 elastin_status elastin_hold(elastin_simulation* simulation, int molecule, int free_axes) {
-  return guarded([&] {
-    given(simulation, "simulation").simulation.hold(molecule, elastin::free_directions(free_axes));
-  });
+  return guarded(
+      [&] { given(simulation, "simulation").simulation.hold(molecule, elastin::free_directions(free_axes)); });
 }
 
 elastin_status elastin_release(elastin_simulation* simulation, int molecule) {
@@ -131,9 +124,8 @@ elastin_status elastin_release(elastin_simulation* simulation, int molecule) {
 }
 
 elastin_status elastin_move_to(elastin_simulation* simulation, int molecule, const double place[3]) {
-  return guarded([&] {
-    given(simulation, "simulation").simulation.move_to(molecule, elastin::face::place_of(place, "place"));
-  });
+  return guarded(
+      [&] { given(simulation, "simulation").simulation.move_to(molecule, elastin::face::place_of(place, "place")); });
 }
 
 elastin_status elastin_reaction(const elastin_simulation* simulation, int molecule, double force[3]) {
@@ -163,9 +155,7 @@ elastin_status elastin_move_grip(elastin_simulation* simulation, int grip, const
 }
 
 elastin_status elastin_grip_force(const elastin_simulation* simulation, int grip, double force[3]) {
-  return guarded([&] {
-    elastin::write(given(simulation, "simulation").simulation.grip_force(grip), force, "force");
-  });
+  return guarded([&] { elastin::write(given(simulation, "simulation").simulation.grip_force(grip), force, "force"); });
 }
 
 elastin_status elastin_let_go(elastin_simulation* simulation, int grip) {

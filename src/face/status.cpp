@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "elastin/base/openmp.h"
 #include "elastin/base/threads.h"
 #include "face/handles.h"
 
@@ -29,9 +30,13 @@ const char* elastin_version(void) { return ELASTIN_VERSION; }
 const char* elastin_message(void) { return last_message; }
 
 elastin_status elastin_set_threads(int threads) {
-  return elastin::face::guarded([&] {
+  return elastin::face::guarded([&]() -> elastin_status {
     if (threads < 0) throw elastin::InputError("threads is " + std::to_string(threads) + "; it must be at least 0");
+    const bool several = elastin::use_openmp();
     elastin::set_threads(threads);
+    return several || threads == 1
+               ? ELASTIN_OK
+               : elastin::face::failed(ELASTIN_MISSING, "this library was built without OpenMP: one thread");
   });
 }
 }

@@ -41,8 +41,8 @@ enum {
 /* What the calling thread's last call that did not end with ELASTIN_OK said; until its next one. */
 ELASTIN_API const char* elastin_message(void);
 
-/* How many threads the loops over large bodies take; 0 = one a core, as in the beginning. Results have the same bits.
- */
+/* How many threads the loops over large bodies take; 0 = one a core. One where this is not called. Results have the
+ * same bits with any number. */
 ELASTIN_API elastin_status elastin_set_threads(int threads);
 
 /* How a step or a run ended. */
@@ -53,7 +53,8 @@ enum {
   ELASTIN_INVERTED = 2,
   ELASTIN_DIVERGED = 3,
   ELASTIN_MECHANISM = 4,
-  ELASTIN_INTERRUPTED = 5
+  ELASTIN_INTERRUPTED = 5,
+  ELASTIN_UNSUITED = 100 /* the strategy cannot run on this body; of runs alone */
 };
 
 /* ---- bodies ---- */
