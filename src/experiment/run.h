@@ -83,7 +83,7 @@ inline const char* outcome_name(const Run& run) { return run.suited ? name_of(ru
 struct RunOptions {
   StaticOptions statics;
   bool keep_snapshots = false;
-  bool last_snapshot = false;  ///< of them only that of the last state
+  bool last_snapshot = false;                                   ///< of them only that of the last state
   std::function<void(const std::string& doing)> progress = {};  ///< called before each load step; may be empty
   std::optional<TimeOptions> time = {};                         ///< what a timed experiment needs
   bool live = false;                                            ///< frames of a run in time no faster than its cap

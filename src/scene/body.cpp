@@ -1,4 +1,3 @@
-#include <cstdio>
 #include <filesystem>
 
 #include "elastin/model/arrays.h"
@@ -11,16 +10,10 @@
 namespace elastin {
 namespace {
 
-/// More molecules than this is a slip of the pen, not a scene.
-constexpr double kMostMolecules = 5e7;
-
 /// Three counts along the axes, of cells that hold `per_cell` molecules each.
 std::array<int, 3> read_counts(const Reader& reader, double per_cell) {
   const auto counts = reader.wholes(1);
-  const double molecules = per_cell * counts[0] * counts[1] * counts[2];
-  char text[80];
-  std::snprintf(text, sizeof text, "that is %.3g molecules; at most %g are taken", molecules, kMostMolecules);
-  if (molecules > kMostMolecules) reader.fail(text);
+  reader.check_size(per_cell * counts[0] * counts[1] * counts[2]);
   return counts;
 }
 
@@ -67,8 +60,9 @@ Body read_lattice(Reader reader) {
 Body read_packing(Reader reader) {
   const Vector3 size = reader.at("size").vector(dimension::length, kPositive);
   const double distance = reader.at("distance").quantity(dimension::length, kPositive);
-  const double molecules = size.prod() / std::pow(distance, 3);
-  if (molecules > kMostMolecules / 10) reader.fail("the size holds too many molecules at this distance");
+  const double molecules = (size.array() / distance + 1).prod();
+  if (!(molecules < 5e6)) reader.fail("the size holds too many molecules at this distance: at most 5e6 are taken");
+  reader.check_size(molecules);
   const int seed = reader.has("seed") ? reader.at("seed").whole(0) : 1;
   const auto reach = read_reach(reader.find("connections"));
   reader.finish();

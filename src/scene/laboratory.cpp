@@ -167,7 +167,7 @@ Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions
 }
 
 Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings) {
-  const Reader reader = open_scene_text("body", yaml);
+  const Reader reader = open_scene_text("body", yaml, {}, kMostMolecules);
   std::vector<std::string> notes;
   Body body = read_body(reader, material, {warnings, notes});
   check_material(reader, material, body);
