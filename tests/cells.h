@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <random>
 
-#include "stiffness/simplex.h"
+#include "elastin/stiffness/simplex.h"
 
 namespace elastin::testing {
 

@@ -1,2 +1,9 @@
-#define CATCH_CONFIG_MAIN
+#define CATCH_CONFIG_RUNNER
 #include <catch2/catch.hpp>
+
+#include "elastin/base/openmp.h"
+
+int main(int argc, char** argv) {
+  elastin::use_openmp();
+  return Catch::Session().run(argc, argv);
+}

@@ -1,12 +1,9 @@
 #include "base/parallel.h"
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
 namespace elastin {
 namespace {
 
+std::atomic<TaskRunner*> common_runner = nullptr;
 std::atomic<int> chosen_threads = 0;
 
 /// What the calling thread's innermost ThreadScope says.
@@ -27,17 +24,20 @@ struct Loop {
 
 }  // namespace
 
+void set_runner(TaskRunner* runner) { common_runner.store(runner, std::memory_order_release); }
+
+TaskRunner* runner() { return own_runner ? own_runner : common_runner.load(std::memory_order_acquire); }
+
 void set_threads(int threads) { chosen_threads.store(std::max(0, threads), std::memory_order_relaxed); }
 
 int threads() {
-  if (own_runner) return std::max(1, own_runner->width());
-#ifdef _OPENMP
-  if (own_threads > 0) return own_threads;
-  const int chosen = chosen_threads.load(std::memory_order_relaxed);
-  return chosen > 0 ? chosen : omp_get_num_procs();
-#else
-  return 1;
-#endif
+  const TaskRunner* used = runner();
+  if (!used) return 1;
+  if (used != own_runner) {
+    if (own_threads > 0) return own_threads;
+    if (const int chosen = chosen_threads.load(std::memory_order_relaxed); chosen > 0) return chosen;
+  }
+  return std::max(1, used->width());
 }
 
 ThreadScope::ThreadScope(TaskRunner* runner, int threads) noexcept
@@ -55,17 +55,11 @@ ThreadScope::~ThreadScope() {
 namespace detail {
 
 void run_ranges(int count, void* context, void (*range)(void*, int, int)) {
+  TaskRunner* used = runner();
+  if (!used) return range(context, 0, count);
   const Loop loop{count, threads(), context, range};
-  if (own_runner) {
-    const auto task = [](void* one, int part) { static_cast<const Loop*>(one)->run(part); };
-    return own_runner->run(loop.parts, task, const_cast<Loop*>(&loop));
-  }
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static) num_threads(loop.parts)
-  for (int part = 0; part < loop.parts; ++part) loop.run(part);
-#else
-  range(context, 0, count);
-#endif
+  const auto task = [](void* one, int part) { static_cast<const Loop*>(one)->run(part); };
+  used->run(loop.parts, task, const_cast<Loop*>(&loop));
 }
 
 }  // namespace detail

@@ -1,5 +1,6 @@
 #include "experiment/restart.h"
 
+#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -38,13 +39,28 @@ class Words {
     const std::string word = next();
     char* end = nullptr;
     const double value = std::strtod(word.c_str(), &end);
-    if (*end != 0) throw InputError("the restart file is damaged: '" + word + "' is no number");
+    if (*end != 0 || end != word.c_str() + word.size())
+      throw InputError("the restart file is damaged: '" + word + "' is no number");
     return value;
   }
-  int whole() { return static_cast<int>(number()); }
+  int whole() {
+    const std::string word = next();
+    int value = 0;
+    const auto [end, problem] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (problem != std::errc() || end != word.data() + word.size())
+      throw InputError("the restart file is damaged: '" + word + "' is no whole number");
+    return value;
+  }
+  /// How many things follow: not more than what is left has letters.
+  int count() {
+    const int given = whole();
+    const auto left = stream_.rdbuf()->in_avail();
+    if (given < 0 || given > left)
+      throw InputError("the restart file is damaged: " + std::to_string(given) + " things");
+    return given;
+  }
   Positions positions() {
-    const int columns = whole();
-    if (columns < 0 || columns > 100000000) throw InputError("the restart file is damaged");
+    const int columns = count();
     Positions values(3, columns);
     for (double& value : values.reshaped()) value = number();
     return values;
@@ -68,8 +84,7 @@ void put(std::string& out, const std::vector<TouchMemory>& touches) {
 }
 
 std::vector<TouchMemory> touches_of(Words& words) {
-  const int count = words.whole();
-  if (count < 0 || count > 100000000) throw InputError("the restart file is damaged");
+  const int count = words.count();
   std::vector<TouchMemory> found(static_cast<std::size_t>(count));
   for (TouchMemory& touch : found) {
     touch.sample = words.whole();
@@ -132,12 +147,12 @@ RestartPoint parse_restart(const std::string& text, const std::string& identity)
   point.state.velocities = words.positions();
   point.state.accelerations = words.positions();
   point.state.touches = touches_of(words);
-  const int rows = words.whole();
+  const int rows = words.count();
   for (int i = 0; i < rows; ++i) {
     CurvePoint row;
     for (double* value : {&row.load_factor, &row.residual, &row.time, &row.step}) *value = words.number();
     for (int* value : {&row.newton_iterations, &row.linear_iterations, &row.steps}) *value = words.whole();
-    const int measures = words.whole();
+    const int measures = words.count();
     for (int k = 0; k < measures; ++k) {
       const std::string name = words.next();
       row.measures.set(name, words.number());

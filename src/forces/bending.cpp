@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 #include "elastin/base/error.h"
-#include "stiffness/simplex.h"
+#include "elastin/stiffness/simplex.h"
 
 namespace elastin {
 namespace {

@@ -59,8 +59,8 @@ class Sum final : public Elasticity {
     for (const auto& term : terms_) whole &= term->visit_gradients(visit);
     return whole;
   }
-  void add_diagonal(std::vector<Matrix3>& blocks) const override {
-    for (const auto& term : terms_) term->add_diagonal(blocks);
+  void visit_diagonal(const DiagonalVisitor& visit) const override {
+    for (const auto& term : terms_) term->visit_diagonal(visit);
   }
 
  private:

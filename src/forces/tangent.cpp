@@ -11,14 +11,13 @@ Tangent::Tangent(Model& model, const State& state, const Weights& weights) : mod
 void Tangent::take(const State& state, const Weights& weights) {
   state_ = &state;
   weights_ = weights;
-  positions_ = state.positions;
   const int connections = model_.body().connections.size();
   densities_.setZero(connections);
   slopes_.setZero(connections);
   coupled_ = false;
-  for (const auto& part : model_.elasticity()) part->add_force_densities(positions_, densities_, scratch_);
+  for (const auto& part : model_.elasticity()) part->add_force_densities(state.positions, densities_, scratch_);
   for (const auto& part : model_.elasticity()) {
-    part->linearise(positions_);
+    part->linearise(state.positions);
     part->add_own_slopes(slopes_);
     coupled_ |= part->coupled();
   }
@@ -30,6 +29,8 @@ void Tangent::take(const State& state, const Weights& weights) {
       coupled_ |= part->coupled();
     }
   }
+  stressed_ = !densities_.isZero(0);
+  if (!stressed_ && weights.acceleration == 0) densities_.resize(0);
   const auto& loads = model_.loads();
   loads_change_ = std::any_of(loads.begin(), loads.end(), [&](const auto& load) {
     return load->changes() && (load->acts_at_rest() || weights.velocity != 0);
@@ -57,6 +58,13 @@ void Tangent::apply(const Positions& motion, Positions& result, Room& room) cons
 void Tangent::apply_links(const Positions& motion, Positions& result, Room& room) const {
   const Connections& connections = model_.body().connections;
   const Graph& graph = *model_.graph_;
+  if (!coupled_ && !stressed_) {
+    graph.add_flows(result, [&](int c, int a, int b) -> Vector3 {
+      const Vector3 d = positions().col(b) - positions().col(a);
+      return (2 * slopes_[c] * d.dot(motion.col(a) - motion.col(b))) * d;
+    });
+    return;
+  }
   if (!coupled_) {
     graph.add_flows(result, [&](int c, int a, int b) -> Vector3 {
       const Link link = this->link(c);
@@ -70,7 +78,7 @@ void Tangent::apply_links(const Positions& motion, Positions& result, Room& room
   densities.resize(connections.size());
   parallel_for(connections.size(), [&](int c) {
     const auto& [a, b] = connections.ends[c];
-    squares[c] = 2 * (positions_.col(b) - positions_.col(a)).dot(motion.col(b) - motion.col(a));
+    squares[c] = 2 * (positions().col(b) - positions().col(a)).dot(motion.col(b) - motion.col(a));
     densities[c] = slopes_[c] * squares[c];
   });
   for (const auto& part : model_.elasticity()) part->add_change(squares, densities, room.scratch);
@@ -137,9 +145,7 @@ void Tangent::visit_other_diagonal(const std::function<void(int, const Matrix3&)
   const auto nothing = [](std::span<const std::pair<int, Vector3>>, double) {};
   for (const auto& part : model_.elasticity()) {
     if (part->visit_gradients(nothing)) continue;
-    std::vector<Matrix3> blocks(diagonal_.size(), Matrix3::Zero());
-    part->add_diagonal(blocks);
-    for (std::size_t a = 0; a < blocks.size(); ++a) visit(static_cast<int>(a), blocks[a]);
+    part->visit_diagonal(visit);
   }
 }
 
@@ -147,10 +153,20 @@ void Tangent::visit_other_diagonal(const std::function<void(int, const Matrix3&)
 void Tangent::set_diagonal() {
   const Body& body = model_.body();
   const auto& ends = body.connections.ends;
-  diagonal_.assign(body.size(), Matrix3::Zero());
+  diagonal_.assign(static_cast<std::size_t>(body.size()), Six::Zero());
+  const auto add = [&](int a, const Matrix3& part) {
+    diagonal_[static_cast<std::size_t>(a)] +=
+        Six{part(0, 0), (part(0, 1) + part(1, 0)) / 2, (part(0, 2) + part(2, 0)) / 2,
+            part(1, 1), (part(1, 2) + part(2, 1)) / 2, part(2, 2)};
+  };
   if (weights_.acceleration != 0)  // bodies that never move need no masses
-    for (int a = 0; a < body.size(); ++a) diagonal_[a].diagonal().setConstant(weights_.acceleration * body.mass[a]);
-  model_.graph_->add_to_ends(diagonal_, [&](int c) { return link_block(c); });
+    for (int a = 0; a < body.size(); ++a) add(a, weights_.acceleration * body.mass[a] * Matrix3::Identity());
+  model_.graph_->add_to_ends(diagonal_, [&](int c) {
+    const auto [d, density, slope] = link(c);
+    const Vector3 s = slope * d;
+    return Six{s.x() * d.x() + density, s.x() * d.y(), s.x() * d.z(),
+               s.y() * d.y() + density, s.y() * d.z(), s.z() * d.z() + density};
+  });
   const auto add_cell = [&](double weight) {
     return [&, weight](std::span<const int> connections, const double* slopes) {
       for (const int c : connections) {
@@ -164,7 +180,7 @@ void Tangent::set_diagonal() {
             const double sign = ends[connections[other]][end] == molecule ? 1 : -1;
             sum += sign * slopes[other] * link(connections[other]).d;
           }
-          diagonal_[molecule] += 2 * weight * link(c).d * sum.transpose();
+          add(molecule, 2 * weight * link(c).d * sum.transpose());
         }
         slopes += connections.size();
       }
@@ -174,10 +190,10 @@ void Tangent::set_diagonal() {
   for (const auto& part : model_.elasticity()) part->visit_cells(std::ref(add_elastic));
   for (const auto& part : model_.viscosity()) part->visit_cells(std::ref(add_viscous));
   const BlockVisitor add_own = [&](int a, int b, const Matrix3& part) {
-    if (a == b) diagonal_[a] += part;
+    if (a == b) add(a, part);
   };
   for (const auto& load : model_.loads()) load->visit_blocks(*state_, weights_.velocity, add_own);
-  for (const auto& part : model_.elasticity()) part->add_diagonal(diagonal_);
+  for (const auto& part : model_.elasticity()) part->visit_diagonal(std::ref(add));
 }
 
 }  // namespace elastin

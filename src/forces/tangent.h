@@ -45,8 +45,13 @@ class Tangent {
   /// What these blocks leave out, of loads that join all molecules with all.
   std::vector<WidePart> wide_parts() const;
 
-  /// The diagonal blocks K_aa [N/m].
-  const std::vector<Matrix3>& diagonal() const { return diagonal_; }
+  /// The diagonal block K_aa [N/m] of a molecule, its symmetric part.
+  Matrix3 diagonal(int molecule) const {
+    const Six& own = diagonal_[static_cast<std::size_t>(molecule)];
+    Matrix3 block;
+    block << own[0], own[1], own[2], own[1], own[3], own[4], own[2], own[4], own[5];
+    return block;
+  }
 
   /// What one connection does by itself.
   struct Link {
@@ -56,7 +61,8 @@ class Tangent {
   };
   Link link(int connection) const {
     const auto& [a, b] = model_.body().connections.ends[static_cast<std::size_t>(connection)];
-    return {positions_.col(b) - positions_.col(a), densities_[connection], 2 * slopes_[connection]};
+    const double density = stressed_ ? densities_[connection] : 0;
+    return {positions().col(b) - positions().col(a), density, 2 * slopes_[connection]};
   }
   /// Calls visit(weight, connections, slopes) for each cell whose connections influence each other.
   void visit_cells(const std::function<void(double, std::span<const int>, const double*)>& visit) const;
@@ -66,10 +72,12 @@ class Tangent {
 
   const Model& model() const { return model_; }
   /// Of the molecules, where it was taken.
-  const Positions& positions() const { return positions_; }
+  const Positions& positions() const { return state_->positions; }
   const Weights& weights() const { return weights_; }
 
  private:
+  using Six = Eigen::Matrix<double, 6, 1>;  ///< xx xy xz yy yz zz
+
   Matrix3 link_block(int connection) const {
     const auto [d, density, slope] = link(connection);
     return density * Matrix3::Identity() + slope * d * d.transpose();
@@ -80,12 +88,12 @@ class Tangent {
   Model& model_;
   const State* state_ = nullptr;
   Weights weights_;
-  // Vectors from end to end are made anew from these: that takes less time than to read them.
-  Positions positions_;
-  VectorX densities_, slopes_;
-  std::vector<Matrix3> diagonal_;
+  // Vectors from end to end are made anew from the positions: that takes less time than to read them.
+  VectorX densities_;  ///< not there in a static problem where no connection is stressed
+  VectorX slopes_;
+  std::vector<Six> diagonal_;
   Scratch scratch_;
-  bool coupled_ = false, loads_change_ = false;
+  bool stressed_ = false, coupled_ = false, loads_change_ = false;
 };
 
 }  // namespace elastin

@@ -12,8 +12,8 @@
 #include "base/parallel.h"
 #include "elastin/base/error.h"
 #include "elastin/forces/cells.h"
+#include "elastin/stiffness/simplex.h"
 #include "forces/volume_groups.h"
-#include "stiffness/simplex.h"
 
 namespace elastin {
 namespace {
@@ -184,16 +184,16 @@ class Volume final : public Elasticity {
     return true;
   }
 
-  void add_diagonal(std::vector<Matrix3>& blocks) const override {
+  void visit_diagonal(const DiagonalVisitor& visit) const override {
     GradientRoom room;
     for (int group = 0; group < groups_.size(); ++group)
       for (const auto& [molecule, gradient] : group_gradient(group, room))
-        blocks[molecule] += modulus_ / group_volume_[group] * gradient * gradient.transpose();
+        visit(molecule, modulus_ / group_volume_[group] * gradient * gradient.transpose());
     static constexpr auto pairs = corner_pairs<4>();
     for (int t = 0; t < tetrahedra(); ++t)
       for (int c = 0; c < 6; ++c)
         for (const int corner : pairs[c])
-          blocks[cell(t)[corner]].diagonal().array() -= 2 * pressures_[t] * now_[t].slope[c];
+          visit(cell(t)[corner], -2 * pressures_[t] * now_[t].slope[c] * Matrix3::Identity());
   }
 
  private:

@@ -7,14 +7,24 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "elastin/base/error.h"
 #include "elastin/model/parts.h"
 
 namespace elastin {
 namespace {
 
-std::uint64_t bucket_key(const Eigen::Vector3i& bucket) {
-  constexpr std::uint64_t offset = 1 << 20, mask = (1 << 21) - 1;
-  return ((bucket.x() + offset) & mask) << 42 | ((bucket.y() + offset) & mask) << 21 | ((bucket.z() + offset) & mask);
+using Bucket = Eigen::Matrix<std::int64_t, 3, 1>;
+
+/// Places beyond any sense share the outermost buckets.
+Bucket bucket_of(const Vector3& place, double size) {
+  constexpr double most = 1e15;
+  return (place / size).array().floor().max(-most).min(most).cast<std::int64_t>();
+}
+
+std::uint64_t bucket_key(const Bucket& bucket) {
+  constexpr std::int64_t offset = 1 << 20, mask = (1 << 21) - 1;
+  const auto part = [&](int axis) { return static_cast<std::uint64_t>((bucket[axis] + offset) & mask); };
+  return part(0) << 42 | part(1) << 21 | part(2);
 }
 
 Connections with_present_lengths(const Positions& places, std::vector<std::array<int, 2>> ends) {
@@ -24,6 +34,17 @@ Connections with_present_lengths(const Positions& places, std::vector<std::array
   connections.rest_length.reserve(connections.ends.size());
   for (const auto& [a, b] : connections.ends) connections.rest_length.push_back((places.col(b) - places.col(a)).norm());
   return connections;
+}
+
+/// More connections than this is a slip of the pen: each molecule would have a thousand neighbours.
+std::size_t most_connections(Eigen::Index molecules) {
+  constexpr std::size_t few = 1000000, all = 500000000;
+  return std::clamp(500 * static_cast<std::size_t>(molecules), few, all);
+}
+
+std::string too_wide(Eigen::Index molecules, std::size_t most) {
+  return "the reach is too wide: that is more than " + std::to_string(most) + " connections between " +
+         std::to_string(molecules) + " molecules";
 }
 
 template <class CellList>
@@ -37,24 +58,23 @@ void add_edges(const CellList& cells, std::vector<std::array<int, 2>>& ends) {
 }  // namespace
 
 Connections connections_within(const Positions& places, double reach) {
-  const auto bucket_of = [&](int molecule) -> Eigen::Vector3i {
-    return (places.col(molecule) / reach).array().floor().cast<int>();
-  };
   std::unordered_map<std::uint64_t, std::vector<int>> buckets;
   for (int molecule = 0; molecule < places.cols(); ++molecule)
-    buckets[bucket_key(bucket_of(molecule))].push_back(molecule);
+    buckets[bucket_key(bucket_of(places.col(molecule), reach))].push_back(molecule);
 
+  const std::size_t most = most_connections(places.cols());
   std::vector<std::array<int, 2>> ends;
   for (int first = 0; first < places.cols(); ++first) {
-    const Eigen::Vector3i home = bucket_of(first);
+    const Bucket home = bucket_of(places.col(first), reach);
     for (int dx = -1; dx <= 1; ++dx)
       for (int dy = -1; dy <= 1; ++dy)
         for (int dz = -1; dz <= 1; ++dz) {
-          const auto found = buckets.find(bucket_key(home + Eigen::Vector3i(dx, dy, dz)));
+          const auto found = buckets.find(bucket_key(home + Bucket(dx, dy, dz)));
           if (found == buckets.end()) continue;
           for (const int second : found->second)
             if (second > first && (places.col(second) - places.col(first)).squaredNorm() <= reach * reach)
               ends.push_back({first, second});
+          if (ends.size() > most) throw InputError(too_wide(places.cols(), most));
         }
   }
   return with_present_lengths(places, std::move(ends));

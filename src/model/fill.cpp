@@ -18,7 +18,6 @@
 namespace elastin {
 namespace {
 
-constexpr double kMostMolecules = 5e6;
 /// Molecules inside keep this part of the spacing from a surface that has molecules of its own.
 constexpr double kFromSurface = 0.55;
 /// Tetrahedra below this volume over the cube of the longest side are peeled off the surface: what four molecules of a
@@ -158,6 +157,24 @@ void peel(const Positions& places, Cells<4>& cells) {
   }
 }
 
+double area_of(const TriangleTree& tree) {
+  double sum = 0;
+  for (const auto& [a, b, c] : tree.triangles()) {
+    const Vector3 from = tree.points().col(a);
+    sum += (tree.points().col(b) - from).cross(tree.points().col(c) - from).norm() / 2;
+  }
+  return sum;
+}
+
+/// Throws before anybody allocates for them.
+void check_count(double molecules, const char* where, const FillOptions& options) {
+  if (molecules <= options.most_molecules) return;
+  char text[120];
+  std::snprintf(text, sizeof text, "that is %.3g molecules %s; at most %g are taken", molecules, where,
+                options.most_molecules);
+  throw InputError(text);
+}
+
 /// Leaves out molecules without a tetrahedron.
 void leave_out_loose(Filling& filling) {
   std::vector<int> number(static_cast<std::size_t>(filling.places.cols()), -1), left;
@@ -187,12 +204,8 @@ Filling Inside::fill(const FillOptions& options) const {
   Filling filling;
   filling.surface_volume = volume_inside(tree_->points(), tree_->triangles());
   const Vector3 box = tree_->points().rowwise().maxCoeff() - tree_->points().rowwise().minCoeff();
-  if (box.prod() / std::pow(options.spacing, 3) > kMostMolecules) {
-    char text[100];
-    std::snprintf(text, sizeof text, "that is %.3g molecules in the surface's box; at most %g are taken",
-                  box.prod() / std::pow(options.spacing, 3), kMostMolecules);
-    throw InputError(text);
-  }
+  check_count((box.array() / options.spacing + 1).prod(), "in the surface's box", options);
+  if (options.follow) check_count(area_of(*tree_) / options.spacing / options.spacing, "on the surface", options);
   SpacedPoints found(options.spacing);
   if (options.follow) add_surface_points(tree_->points(), tree_->triangles(), options.spacing, options.seed, found);
   filling.on_surface = found.size();

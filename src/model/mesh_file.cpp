@@ -67,6 +67,13 @@ std::string refusal(const CellType& type, long long code) {
          "); only linear tetrahedra and triangles are used: mesh with linear tetrahedra, e.g. gmsh -3 -order 1";
 }
 
+int MeshBuilder::point_at(const Vector3& place) {
+  const Eigen::Vector3f at = place.cast<float>().array() + 0.F;  // −0 and 0 are one place
+  const auto [found, fresh] = places_.try_emplace({at.x(), at.y(), at.z()}, point_count());
+  if (fresh) add_point(place);
+  return found->second;
+}
+
 std::string MeshBuilder::add_cell(CellKind kind, std::array<int, 4> corners) {
   switch (kind) {
     case CellKind::tetrahedron:
@@ -150,8 +157,8 @@ using Reader = void (*)(Cursor, MeshBuilder&);
 
 std::pair<std::string, Reader> reader_for(const std::string& path) {
   static constexpr std::pair<const char*, Reader> readers[] = {{".msh", read_gmsh}, {".vtk", read_vtk},
-                                                               {".vtu", read_vtu},  {".obj", nullptr},
-                                                               {".stl", nullptr},   {".ply", nullptr}};
+                                                               {".vtu", read_vtu},  {".ply", read_ply},
+                                                               {".obj", nullptr},   {".stl", nullptr}};
   const std::string name = path.substr(path.find_last_of('/') + 1);
   std::string ending = name.find('.') == std::string::npos ? "" : name.substr(name.rfind('.'));
   for (char& letter : ending) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));

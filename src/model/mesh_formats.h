@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,6 +31,8 @@ class MeshBuilder {
  public:
   int point_count() const { return static_cast<int>(points_.size()); }
   void add_point(const Vector3& point) { points_.push_back(point); }
+  /// The point that this one took first at the same place, in single precision; adds it if there is none.
+  int point_at(const Vector3& place);
   /// Takes a cell that is not refused, its corners less than point_count() where the kind has them. Returns what is
   /// wrong with it (" is a flat triangle: …"), or "".
   std::string add_cell(CellKind kind, std::array<int, 4> corners);
@@ -41,6 +44,7 @@ class MeshBuilder {
   std::string add_tetrahedron(std::array<int, 4> corners);
 
   std::vector<Vector3> points_;
+  std::map<std::array<float, 3>, int> places_;  ///< of point_at
   Cells<3> triangles_;
   Cells<4> tetrahedra_;
   std::size_t lines_ = 0;
@@ -66,7 +70,9 @@ void read_gmsh(Cursor in, MeshBuilder& mesh);
 void read_vtk(Cursor in, MeshBuilder& mesh);
 void read_vtu(Cursor in, MeshBuilder& mesh);
 
-/// .obj, .stl, .ply by the library Assimp; `ending` with its dot, in small letters.
+void read_ply(Cursor in, MeshBuilder& mesh);
+
+/// .obj, .stl by the library Assimp; `ending` with its dot, in small letters.
 void read_surface(const File& file, const std::string& ending, MeshBuilder& mesh);
 
 /// load_mesh for a file that is in memory already; the format goes by the path's ending.

@@ -19,7 +19,8 @@ constexpr int kTrials = 30;
 std::uint64_t bucket_of(const Vector3& place, double size, int dx, int dy, int dz) {
   constexpr std::int64_t offset = 1 << 20, mask = (1 << 21) - 1;
   const auto number = [&](double x, int d) {
-    return static_cast<std::uint64_t>((static_cast<std::int64_t>(std::floor(x / size)) + d + offset) & mask);
+    return static_cast<std::uint64_t>(
+        (static_cast<std::int64_t>(std::clamp(std::floor(x / size), -1e15, 1e15)) + d + offset) & mask);
   };
   return number(place.x(), dx) << 42 | number(place.y(), dy) << 21 | number(place.z(), dz);
 }

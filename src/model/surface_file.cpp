@@ -2,7 +2,6 @@
 #include <assimp/scene.h>
 
 #include <assimp/Importer.hpp>
-#include <map>
 #include <string>
 
 #include "elastin/base/error.h"
@@ -18,7 +17,6 @@ void read_surface(const File& file, const std::string& ending, MeshBuilder& mesh
   const aiScene* scene = importer.ReadFileFromMemory(file.bytes.data(), file.bytes.size(), aiProcess_Triangulate,
                                                      ending.substr(1).c_str());
   if (!scene) refuse(std::string("not a surface that can be read: ") + importer.GetErrorString());
-  std::map<std::array<float, 3>, int> known;
   std::size_t number = 0;
   for (unsigned part = 0; part < scene->mNumMeshes; ++part) {
     const aiMesh& piece = *scene->mMeshes[part];
@@ -27,10 +25,7 @@ void read_surface(const File& file, const std::string& ending, MeshBuilder& mesh
       const aiVector3D& at = piece.mVertices[corner];
       const Vector3 place(at.x, at.y, at.z);
       if (!place.allFinite()) refuse("point " + std::to_string(corner) + " has a coordinate that is not finite");
-      // −0 and 0 are one place.
-      const auto [found, fresh] = known.try_emplace({at.x + 0.F, at.y + 0.F, at.z + 0.F}, mesh.point_count());
-      if (fresh) mesh.add_point(place);
-      point[corner] = found->second;
+      point[corner] = mesh.point_at(place);
     }
     for (unsigned face = 0; face < piece.mNumFaces; ++face, ++number) {
       const aiFace& corners = piece.mFaces[face];

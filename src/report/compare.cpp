@@ -71,6 +71,7 @@ class Comparison {
   std::vector<ScenePlan> plans_;
   std::optional<Journal> journal_;
   std::vector<Record> records_;
+  std::vector<Peer> peers_;
   std::size_t rows_ = 0, done_ = 0, run_ = 0;  ///< of all repeats: there are, finished, not found finished
   double seconds_ = 0;                         ///< that the rows run here took
   Clock::time_point written_ = Clock::now();
@@ -234,7 +235,7 @@ std::vector<Record> Comparison::records_of(const std::string& scene) const {
 void Comparison::print_scene(const ScenePlan& plan) {
   if (request_.to_screen() && request_.compare && !request_.summary) {
     const std::vector<Record> records = records_of(plan.name);
-    fmt::print("{}", plan.varied() || plan.repeats > 1 ? study_text(records, colours_on(STDOUT_FILENO))
+    fmt::print("{}", plan.varied() || plan.repeats > 1 ? study_text(records, colours_on(STDOUT_FILENO), peers_)
                                                        : comparison_text(records, colours_on(STDOUT_FILENO)));
   }
   std::fflush(stdout);
@@ -263,7 +264,7 @@ bool Comparison::run() {
   progress_.pause();
   if (!request_.restart.empty() && (plans_.size() != 1 || plans_[0].rows() != 1 || !plans_[0].scene->time))
     throw InputError("--restart: goes on with one strategy of one scene that runs in time");
-  if (!request_.peers.empty()) load_peers(request_.peers);
+  if (!request_.peers.empty()) peers_ = load_peers(request_.peers);
   if (!request_.out.empty() && request_.compare) journal_.emplace(request_.out, request_.resume);
   if (!request_.resume) write_tables(request_, {});  // a folder that cannot be written to is said before the work
   int passes = 0;

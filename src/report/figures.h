@@ -3,21 +3,11 @@
 #include <string>
 #include <vector>
 
+#include "report/peers.h"
 #include "report/plot.h"
 #include "report/ranking.h"
 
 namespace elastin {
-
-/// A solution by another program, to stand beside ours.
-struct Peer {
-  std::string scene;  ///< whose problem it solves; empty = of every scene
-  std::string name;
-  double seconds = 0, error = 0;  ///< error relative to the same reference
-};
-
-/// Reads the columns method, minimum_s, error, and scene if there is one, of a CSV file; rows without both numbers are
-/// left out. Throws InputError: file:line.
-std::vector<Peer> load_peers(const std::string& path);
 
 /// Two columns of a CSV file against each other on logarithmic axes, a series a method: what benchmarks write.
 Plot csv_plot(const std::string& path, const std::string& x, const std::string& y);

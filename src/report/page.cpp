@@ -203,7 +203,7 @@ std::string scene_html(const Scenery& scene, std::size_t number, const Colours& 
          figure(course, course.y.title + " over " + course.x.title, first.scene + "-course") + "</div>\n";
   out += stage_html(scene, matter.views, room);
   if (scene.study && !scene.ranking.measures.empty())
-    out += card("Time to an error", time_to_table(scene.records, scene.ranking).html());
+    out += card("Time to an error", time_to_table(scene.records, scene.ranking, matter.peers).html());
   out += card("All rows", scene.study ? study_table(scene.records, scene.ranking).html(mark)
                                       : comparison_table(scene.records, scene.ranking).html(mark));
   if (const Table stability = stability_table(scene); !stability.empty())

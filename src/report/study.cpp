@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "elastin/base/error.h"
@@ -163,35 +164,75 @@ Table study_table(const std::vector<Record>& records, const Ranking& ranking) {
   return table;
 }
 
-Table time_to_table(const std::vector<Record>& records, const Ranking& ranking) {
-  struct Row {
-    std::string name;
-    TimeTo goals[2];
-  };
-  std::vector<Row> rows;
+namespace {
+
+/// A curve's way to the goals; a peer's if it is another program's.
+struct WayToGoals {
+  std::string name;
+  bool peer;
+  TimeTo goals[2];
+};
+
+double order_of(const TimeTo& time) { return std::isfinite(time.seconds) ? time.seconds : INFINITY; }
+
+WayToGoals way_of(const std::string& name, bool peer, const std::vector<std::pair<double, double>>& points) {
+  return {name, peer, {time_to(points, kGoals[0]), time_to(points, kGoals[1])}};
+}
+
+std::vector<WayToGoals> ways_of_peers(const std::vector<Peer>& peers, const std::string& scene) {
+  std::map<std::string, std::vector<std::pair<double, double>>> points;
+  for (const Peer& peer : peers)
+    if (peer.scene.empty() || peer.scene == scene) points[peer.name].emplace_back(peer.seconds, peer.error);
+  std::vector<WayToGoals> ways;
+  for (auto& [name, own] : points) {
+    std::sort(own.begin(), own.end());
+    ways.push_back(way_of(name, true, own));
+  }
+  return ways;
+}
+
+}  // namespace
+
+Table time_to_table(const std::vector<Record>& records, const Ranking& ranking, const std::vector<Peer>& peers) {
+  std::vector<WayToGoals> ways;
+  if (!records.empty()) ways = ways_of_peers(peers, records.front().scene);
+  const bool beside = !ways.empty();
   for (const StudyCurve& curve : curves_of(records)) {
     std::vector<std::pair<double, double>> points;
     for (const Record* record : curve.rows)
       if (solved(*record)) points.emplace_back(record->least_seconds(), ranking.error(*record));
-    rows.push_back({curve.name, {time_to(points, kGoals[0]), time_to(points, kGoals[1])}});
+    ways.push_back(way_of(curve.name, false, points));
   }
-  const auto order = [](const TimeTo& t) { return std::isfinite(t.seconds) ? t.seconds : INFINITY; };
-  std::stable_sort(rows.begin(), rows.end(), [&](const Row& a, const Row& b) {
-    return std::pair{order(a.goals[0]), order(a.goals[1])} < std::pair{order(b.goals[0]), order(b.goals[1])};
+  std::stable_sort(ways.begin(), ways.end(), [&](const WayToGoals& a, const WayToGoals& b) {
+    return std::pair{order_of(a.goals[0]), order_of(a.goals[1])} <
+           std::pair{order_of(b.goals[0]), order_of(b.goals[1])};
   });
-  Table table({"strategy", "to 1 %", "to 0.1 %"});
-  for (const Row& row : rows) {
-    std::vector<TableCell> cells{{row.name}};
-    for (const TimeTo& goal : row.goals)
+  double best[2] = {INFINITY, INFINITY};
+  for (const WayToGoals& way : ways)
+    for (int goal = 0; goal < 2; ++goal)
+      if (!way.peer) best[goal] = std::min(best[goal], order_of(way.goals[goal]));
+  std::vector<std::string> head{"strategy"};
+  for (const char* goal : {"to 1 %", "to 0.1 %"}) {
+    head.push_back(goal);
+    if (beside) head.push_back("of Elastin's best");
+  }
+  Table table(head);
+  for (const WayToGoals& way : ways) {
+    std::vector<TableCell> cells{{way.name}};
+    for (int goal = 0; goal < 2; ++goal) {
+      const TimeTo& time = way.goals[goal];
+      const double times = order_of(time) / best[goal];
       cells.push_back(number_cell(
-          std::isfinite(goal.seconds) ? (goal.at_most ? "≤ " : "") + readable_seconds(goal.seconds) : "not reached",
-          order(goal)));
+          std::isfinite(time.seconds) ? (time.at_most ? "≤ " : "") + readable_seconds(time.seconds) : "not reached",
+          order_of(time)));
+      if (beside) cells.push_back(number_cell(std::isfinite(times) ? fmt::format("× {:.3g}", times) : "", times));
+    }
     table.add(std::move(cells));
   }
   return table;
 }
 
-std::string study_text(const std::vector<Record>& records, bool colours) {
+std::string study_text(const std::vector<Record>& records, bool colours, const std::vector<Peer>& peers) {
   if (records.empty()) return "";
   const Ranking ranking = rank_strategies(records);
   std::string out = painted(records.front().scene, Tone::bold, colours) + "  " + records.front().title + "\n  " +
@@ -201,7 +242,7 @@ std::string study_text(const std::vector<Record>& records, bool colours) {
                                readable(reference.value, find_measure(reference.measure), 6), reference.source),
                    Tone::faint, colours);
   out += "\n" + study_table(records, ranking).text(colours);
-  if (!ranking.measures.empty()) out += "\n" + time_to_table(records, ranking).text(colours);
+  if (!ranking.measures.empty()) out += "\n" + time_to_table(records, ranking, peers).text(colours);
   return out + "\n";
 }
 

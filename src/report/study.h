@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "report/peers.h"
 #include "report/ranking.h"
 #include "report/records.h"
 #include "report/table.h"
@@ -46,10 +47,11 @@ TimeTo time_to(const std::vector<std::pair<double, double>>& times_and_errors, d
 
 /// A row a run: what was changed, what came out, its error and times.
 Table study_table(const std::vector<Record>& records, const Ranking& ranking);
-/// Time to 1 % and to 0.1 % of error, a row a curve; the fastest in front.
-Table time_to_table(const std::vector<Record>& records, const Ranking& ranking);
+/// Time to 1 % and to 0.1 % of error, a row a curve, and one each of the peers of this scene with how many times the
+/// best of ours they take; the fastest in front.
+Table time_to_table(const std::vector<Record>& records, const Ranking& ranking, const std::vector<Peer>& peers = {});
 
 /// Both tables, the references, and what failed.
-std::string study_text(const std::vector<Record>& records, bool colours);
+std::string study_text(const std::vector<Record>& records, bool colours, const std::vector<Peer>& peers = {});
 
 }  // namespace elastin

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "elastin/contact/surface_check.h"
 #include "scene/parts.h"
 
@@ -13,6 +15,7 @@ constexpr double kLeastVolume = 0.9;
 
 FillOptions read_options(Reader& reader) {
   FillOptions options;
+  options.most_molecules = std::min(options.most_molecules, reader.most_molecules());
   options.spacing = reader.at("spacing").quantity(dimension::length, kPositive);
   if (auto packing = reader.find("packing"))
     options.packing =

@@ -67,9 +67,8 @@ StressStrain read_secant_modulus(Reader reader) {
 
 Fibre read_fibre(Reader reader) {
   const Vector3 direction = read_direction(reader.at("direction"));
-  const auto modulus = reader.find("youngs_modulus"), curve = reader.find("curve"),
-             pressed = reader.find("compression");
-  if (!modulus && !curve) reader.at("youngs_modulus");
+  const auto curve = reader.find("curve"), pressed = reader.find("compression");
+  const auto modulus = curve ? reader.find("youngs_modulus") : std::optional(reader.at("youngs_modulus"));
   if (modulus && curve) curve->fail("there is a youngs_modulus already; give one of them");
   const StressStrain own =
       curve ? read_curve(*curve) : StressStrain::linear(modulus->quantity(dimension::pressure, kPositive));

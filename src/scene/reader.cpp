@@ -1,13 +1,18 @@
 #include "scene/reader.h"
 
+#include <yaml-cpp/eventhandler.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <set>
+#include <sstream>
 #include <utility>
 
 namespace elastin {
@@ -21,23 +26,33 @@ std::string kind_of(const YAML::Node& node) {
 }
 
 /// Refuses what YAML forbids or never ends, and yaml-cpp lets pass: a key that stands twice in a map, an alias inside
-/// its own anchor. `place_of` says where a node stands.
-void check_tree(const YAML::Node& node, const std::function<Place(const YAML::Node&)>& place_of, int depth = 0) {
-  if (depth > 40) throw InputError(place_of(node), "nested too deeply; does an alias stand inside its own anchor?");
-  if (node.IsMap()) {
-    std::vector<std::string> seen;
-    for (const auto& entry : node) {
-      const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
-      if (key.empty()) throw InputError(place_of(entry.first), "a key must be a word");
-      if (std::find(seen.begin(), seen.end(), key) != seen.end())
-        throw InputError(place_of(entry.first), "key '" + key + "' stands here twice");
-      seen.push_back(key);
-      check_tree(entry.second, place_of, depth + 1);
+/// its own anchor, aliases that multiply without end.
+class TreeCheck {
+ public:
+  /// `place_of` says where a value stands; `size` of the text in letters: a value of its own takes at least one.
+  TreeCheck(std::function<Place(const YAML::Node&)> place_of, std::size_t size)
+      : place_of_(std::move(place_of)), left_(size + 1000000) {}
+
+  void check(const YAML::Node& node, int depth = 0) {
+    if (depth > 40) throw InputError(place_of_(node), "nested too deeply; does an alias stand inside its own anchor?");
+    if (left_-- == 0) throw InputError(place_of_(node), "too many values; do aliases stand in what aliases name?");
+    if (node.IsMap()) {
+      std::set<std::string> seen;
+      for (const auto& entry : node) {
+        const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+        if (key.empty()) throw InputError(place_of_(entry.first), "a key must be a word");
+        if (!seen.insert(key).second) throw InputError(place_of_(entry.first), "key '" + key + "' stands here twice");
+        check(entry.second, depth + 1);
+      }
+    } else if (node.IsSequence()) {
+      for (const auto& item : node) check(item, depth + 1);
     }
-  } else if (node.IsSequence()) {
-    for (const auto& item : node) check_tree(item, place_of, depth + 1);
   }
-}
+
+ private:
+  std::function<Place(const YAML::Node&)> place_of_;
+  std::size_t left_;
+};
 
 void mark_override(YAML::Node node) {
   node.SetTag(kOverrideTag);
@@ -74,7 +89,7 @@ void put_override(YAML::Node root, const std::string& assignment) {
   } catch (const YAML::Exception& error) {
     throw InputError(place, "the value is not valid YAML: " + error.msg);
   }
-  check_tree(value, [&](const YAML::Node&) { return place; });
+  TreeCheck([&](const YAML::Node&) { return place; }, assignment.size()).check(value);
   mark_override(value);
   YAML::Node node = root;
   for (std::size_t dot; (dot = path.find('.')) != std::string::npos; path = path.substr(dot + 1)) {
@@ -91,24 +106,50 @@ void put_override(YAML::Node root, const std::string& assignment) {
     node[path] = value;
 }
 
-/// The only document of a scene's text.
+/// Where a text's second YAML document begins.
+class SecondDocument final : public YAML::EventHandler {
+ public:
+  std::optional<YAML::Mark> find(const std::string& text) {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    while (begun_ < 2 && parser.HandleNextDocument(*this)) {
+    }
+    return begun_ < 2 ? std::nullopt : std::optional(second_);
+  }
+  void OnDocumentStart(const YAML::Mark& mark) override { ++begun_, second_ = mark; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+
+ private:
+  int begun_ = 0;
+  YAML::Mark second_;
+};
+
+/// The only document of a scene's text. yaml-cpp's LoadAll finds documents without end in some texts that are none.
 YAML::Node load_document(const std::string& path, const std::string& text) {
   const Place start{path, 1, 1};
   if (text.empty()) throw InputError(start, "the scene is empty");
-  std::vector<YAML::Node> documents;
+  YAML::Node document;
   try {
-    documents = YAML::LoadAll(text);
+    if (const auto second = SecondDocument().find(text))
+      throw InputError(Place{path, second->line + 1, second->column + 1},
+                       "a scene is one YAML document; a second one begins here");
+    document = YAML::Load(text);
   } catch (const YAML::Exception& error) {
     throw InputError(Place{path, error.mark.line + 1, error.mark.column + 1}, "not valid YAML: " + error.msg);
   }
-  if (documents.size() > 1)
-    throw InputError(start, "a scene is one YAML document; here are " + std::to_string(documents.size()));
-  if (documents.empty() || !documents[0].IsMap())
-    throw InputError(start, "a scene is a map of keys (body, material, experiment, …)");
-  check_tree(documents[0], [&](const YAML::Node& node) {
+  if (!document.IsMap()) throw InputError(start, "a scene is a map of keys (body, material, experiment, …)");
+  const auto place_of = [&](const YAML::Node& node) {
     return Place{path, node.Mark().line + 1, node.Mark().column + 1};
-  });
-  return documents[0];
+  };
+  TreeCheck(place_of, text.size()).check(document);
+  return document;
 }
 
 std::string range_text(const Range& range, const Dimension& dimension) {
@@ -221,6 +262,13 @@ std::string Reader::line() const {
   return emitter.c_str();
 }
 
+void Reader::check_size(double molecules) const {
+  if (molecules <= file_->most_molecules) return;
+  char text[100];
+  std::snprintf(text, sizeof text, "that is %.3g molecules; at most %g are taken", molecules, file_->most_molecules);
+  fail(text);
+}
+
 double Reader::quantity(const Dimension& dimension, const Range& range) const {
   const std::string given = text();
   const Quantity quantity = located([&] { return parse_quantity(given, dimension); });
@@ -232,7 +280,9 @@ double Reader::quantity(const Dimension& dimension, const Range& range) const {
 
 /// Throws if the file writes some dimensional values with units and others as plain numbers: one of them is a slip.
 void Reader::note_unit(const std::string& given, const Dimension& dimension, const Quantity& quantity) const {
-  auto& [path, first_unit, first_plain] = *file_;
+  const std::string& path = file_->path;
+  auto& first_unit = file_->first_unit;
+  auto& first_plain = file_->first_plain;
   if (quantity.has_unit && !first_unit) first_unit = place();
   if (!quantity.has_unit && quantity.value != 0 && !first_plain)
     first_plain = {place(), path_ + ": '" + given + "' has no unit; write for example " + unit_examples(dimension)};
@@ -274,7 +324,7 @@ std::string missing_file(const std::string& path) {
   return "no such file" + (near.empty() ? "" : "; did you mean '" + near + "'?");
 }
 
-Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides) {
+Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules) {
   const Place place{path};
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) throw InputError(place, missing_file(path));
@@ -282,9 +332,14 @@ Reader open_scene_file(const std::string& path, const std::vector<std::string>& 
   std::ifstream stream(path);
   if (!stream) throw InputError(place, std::string("cannot read the scene: ") + std::strerror(errno));
   const std::string text((std::istreambuf_iterator<char>(stream)), {});
-  const YAML::Node root = load_document(path, text);
+  return open_scene_text(path, text, overrides, most_molecules);
+}
+
+Reader open_scene_text(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
+                       double most_molecules) {
+  const YAML::Node root = load_document(name, text);
   for (const std::string& assignment : overrides) put_override(root, assignment);
-  return {std::make_shared<SceneFile>(SceneFile{path, {}, {}}), root, ""};
+  return {std::make_shared<SceneFile>(SceneFile{name, {}, {}, most_molecules}), root, ""};
 }
 
 }  // namespace elastin

@@ -21,6 +21,7 @@ struct SceneFile {
   std::optional<Place> first_unit;  ///< first dimensional value written with a unit
   /// First one written as a plain number, and the message that it is if units are used.
   std::optional<std::pair<Place, std::string>> first_plain;
+  double most_molecules = std::numeric_limits<double>::infinity();  ///< that a body may have
 };
 
 struct Range {
@@ -70,6 +71,9 @@ class Reader {
     fail("'" + word + "' is not known here" + suggestion(word, names));
   }
 
+  /// Fails where a body would have more molecules than are taken, before anybody allocates for them.
+  void check_size(double molecules) const;
+  double most_molecules() const { return file_->most_molecules; }
   /// Throws InputError with this value's place and key.
   [[noreturn]] void fail(const std::string& message) const;
   /// Runs build() and puts this value's place and key before an error that has none.
@@ -106,6 +110,9 @@ class Reader {
 std::string missing_file(const std::string& path);
 
 /// Reads a YAML file and puts `key.path=value` overrides in. Throws InputError: file:line:column.
-Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides);
+Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules);
+/// The same of a text at hand; `name` stands for the file in messages.
+Reader open_scene_text(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
+                       double most_molecules);
 
 }  // namespace elastin

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <new>
+#include <stdexcept>
 
 #include "elastin/forces/bending.h"
 #include "elastin/model/parts.h"
@@ -138,18 +140,10 @@ void turn_fibres(Specimen& specimen, const Matrix3& rotation) {
   for (Material& material : specimen.materials) turn(material);
 }
 
-}  // namespace
-
-const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, const std::string& label) {
-  const auto found =
-      std::find_if(choices.begin(), choices.end(), [&](const auto& choice) { return choice.label == label; });
-  return found == choices.end() ? nullptr : &*found;
-}
-
-std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,
-                                  const std::vector<std::string>& overrides) {
+std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalog,
+                                  const std::vector<std::string>& overrides, double most_molecules) {
   const auto start = std::chrono::steady_clock::now();
-  Reader reader = open_scene_file(path, overrides);
+  Reader reader = open_scene_file(path, overrides, most_molecules);
   auto scene = std::make_unique<Scene>();
   scene->path = path;
   scene->name = std::filesystem::path(path).stem().string();
@@ -206,6 +200,32 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
   reader.finish();
   scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return scene;
+}
+
+}  // namespace
+
+const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, const std::string& label) {
+  const auto found =
+      std::find_if(choices.begin(), choices.end(), [&](const auto& choice) { return choice.label == label; });
+  return found == choices.end() ? nullptr : &*found;
+}
+
+StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const std::string& label) {
+  const StrategyChoice* known = find_strategy(scene.strategies, label);
+  if (scene.stiffness.label == label && (!known || known->values.empty())) known = &scene.stiffness;
+  return known ? *known : choose_strategy(catalog, label);
+}
+
+std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,
+                                  const std::vector<std::string>& overrides, double most_molecules) {
+  const auto too_large = [&] { return InputError(Place{path}, "the scene does not fit into this machine's memory"); };
+  try {
+    return read_scene(path, catalog, overrides, most_molecules);
+  } catch (const std::bad_alloc&) {
+    throw too_large();
+  } catch (const std::length_error&) {
+    throw too_large();
+  }
 }
 
 }  // namespace elastin

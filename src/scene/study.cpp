@@ -1,5 +1,6 @@
 #include "scene/study.h"
 
+#include <cstdio>
 #include <memory>
 
 #include "scene/parts.h"
@@ -26,6 +27,16 @@ StudyAxis axis_of(Reader reader) {
   return axis;
 }
 
+/// Throws before anybody allocates for more rows than anyone compares.
+void check_rows(const std::vector<StudyAxis>& axes) {
+  constexpr double most = 1e5;
+  double rows = 1;
+  for (const StudyAxis& axis : axes) rows *= static_cast<double>(axis.values.size());
+  char text[80];
+  std::snprintf(text, sizeof text, "that is %.3g combinations; at most %g are taken", rows, most);
+  if (rows > most) throw InputError(text);
+}
+
 }  // namespace
 
 StudyAxis read_axis(const std::string& text) {
@@ -47,8 +58,10 @@ StudyAxis read_axis(const std::string& text) {
 
 Study read_study(Reader reader, const std::vector<StrategyChoice>& known) {
   Study study;
-  if (auto vary = reader.find("vary"))
+  if (auto vary = reader.find("vary")) {
     for (const Reader& item : vary->items()) study.axes.push_back(axis_of(item));
+    vary->located([&] { check_rows(study.axes); });
+  }
   if (auto repeats = reader.find("repeats")) study.repeats = repeats->whole(1, 1000);
   if (auto threads = reader.find("threads"))
     for (const Reader& item : threads->items()) study.threads.push_back(item.whole(1, 4096));
@@ -62,6 +75,7 @@ Study read_study(Reader reader, const std::vector<StrategyChoice>& known) {
 }
 
 std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const std::vector<StudyAxis>& axes) {
+  check_rows(axes);
   std::vector<std::vector<std::pair<std::string, std::string>>> all{{}};
   for (const StudyAxis& axis : axes) {
     std::vector<std::vector<std::pair<std::string, std::string>>> longer;

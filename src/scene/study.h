@@ -26,7 +26,7 @@ struct Study {
 StudyAxis read_axis(const std::string& text);
 
 /// Each combination of the axes' values, the last axis fastest: what becomes of which key. One empty combination
-/// without axes.
+/// without axes. Throws InputError where there are more than 100 000.
 std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const std::vector<StudyAxis>& axes);
 
 }  // namespace elastin

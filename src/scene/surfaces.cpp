@@ -17,7 +17,9 @@ Body read_sphere(Reader& reader, bool octant) {
   if (!octant) meshes.insert(meshes.begin(), {"icosahedron", SphereMesh::icosahedron});
   const auto mesh = reader.find("mesh");
   const SphereMesh kind = mesh ? mesh->choice(meshes) : meshes.front().second;
-  const int divisions = reader.at("divisions").whole(kind == SphereMesh::type_2 ? 3 : 1, kMostParts);
+  const Reader parts = reader.at("divisions");
+  const int divisions = parts.whole(kind == SphereMesh::type_2 ? 3 : 1, kMostParts);
+  parts.check_size((octant ? 0.5 : kind == SphereMesh::icosahedron ? 10. : 4.) * divisions * divisions);
   reader.finish();
   return octant ? sphere_octant(radius, kind, divisions) : sphere(radius, kind, divisions);
 }
@@ -32,13 +34,16 @@ Body read_sheet(Reader& reader) {
                                                                      {"one_way", SheetPattern::one_way},
                                                                      {"crossed", SheetPattern::crossed}})
                                     : SheetPattern::alternating;
+  reader.at("squares").check_size((kind == SheetPattern::crossed ? 2. : 1.) * squares[0] * squares[1]);
   reader.finish();
   return rectangular_sheet(size, squares, kind);
 }
 
 Body read_canopy(Reader& reader) {
   const double width = read_length(reader, "width"), span = read_length(reader, "span");
-  const int squares = reader.at("squares").whole(1, kMostParts);
+  const Reader across = reader.at("squares");
+  const int squares = across.whole(1, kMostParts);
+  across.check_size(span / width * squares * squares);
   reader.finish();
   return cross_canopy(width, span, squares);
 }
@@ -50,7 +55,9 @@ Body read_surface(const std::string& shape, Reader reader) {
   if (shape == "canopy") return read_canopy(reader);
   if (shape != "disc") return read_sphere(reader, shape == "sphere_octant");
   const double radius = read_length(reader, "radius");
-  const int rings = reader.at("rings").whole(1, kMostParts);
+  const Reader parts = reader.at("rings");
+  const int rings = parts.whole(1, kMostParts);
+  parts.check_size(3. * rings * rings);
   reader.finish();
   return disc(radius, rings);
 }

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "solve/block_inverse.h"
 #include "solve/linear_solver.h"
 
 namespace elastin {
@@ -29,10 +30,10 @@ class BiCgStab final : public LinearSolver {
   LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                      double tolerance, Positions& x) override {
     const int n = static_cast<int>(rhs.cols());
-    set_block_preconditioner(tangent, supports, inverse_);
+    inverse_.take(tangent, supports);
     const auto precondition = [&](const Positions& from, Positions& to) {
       parallel_for(
-          n, [&](int i) { to.col(i) = inverse_[static_cast<std::size_t>(i)] * from.col(i); }, kMoleculeThreshold);
+          n, [&](int i) { to.col(i) = inverse_.times(i, from.col(i)); }, kMoleculeThreshold);
     };
     const auto apply = [&](const Positions& motion, Positions& result) {
       tangent.apply(motion, result, room_);
@@ -90,7 +91,7 @@ class BiCgStab final : public LinearSolver {
  private:
   static constexpr int kPatience = 200;
   // Kept from one solve to the next, so that steps in time ask for no memory.
-  std::vector<Matrix3> inverse_;
+  BlockInverses inverse_;
   Positions r_, shadow_, p_, v_, t_, ready_, best_x_;
   Tangent::Room room_;
 };

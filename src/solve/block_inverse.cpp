@@ -2,6 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "base/parallel.h"
+#include "solve/sparse_stiffness.h"
+
 namespace elastin {
 
 Matrix3 positive_inverse(const Matrix3& block) {
@@ -21,6 +24,18 @@ Matrix3 positive_inverse(const Matrix3& block) {
   const double threshold = 1e-10 * values.maxCoeff();
   const Vector3 inverse = (values.array() > threshold).select(values.cwiseInverse(), 0);
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+void BlockInverses::take(const Tangent& tangent, const std::vector<Support>& supports) {
+  flexibility_ = 1 / stiffness_scale(tangent);
+  blocks_.resize(static_cast<std::size_t>(tangent.model().body().size()));
+  const auto set = [&](int molecule, const Matrix3& block) {
+    const Eigen::Matrix3f inverse = (positive_inverse(block) / flexibility_).cast<float>();
+    blocks_[molecule] = {inverse(0, 0), inverse(0, 1), inverse(0, 2), inverse(1, 1), inverse(1, 2), inverse(2, 2)};
+  };
+  parallel_for(static_cast<int>(blocks_.size()), [&](int molecule) { set(molecule, tangent.diagonal(molecule)); });
+  for (const Support& support : supports)
+    set(support.molecule, support.free * tangent.diagonal(support.molecule) * support.free);
 }
 
 }  // namespace elastin

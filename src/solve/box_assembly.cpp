@@ -257,7 +257,7 @@ void add_at_molecules(const Tangent& tangent, const std::vector<Support>& suppor
   }
   for (const Support& support : supports) {
     const Matrix3 held = Matrix3::Identity() - support.free;
-    const Matrix3 block = held * tangent.diagonal()[static_cast<std::size_t>(support.molecule)] * held;
+    const Matrix3 block = held * tangent.diagonal(support.molecule) * held;
     assembly.add_at(body.rest.col(support.molecule), positive_part(block));
   }
 }

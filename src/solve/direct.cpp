@@ -109,10 +109,10 @@ class Direct final : public LinearSolver {
 }  // namespace
 
 double stiffness_scale(const Tangent& tangent) {
+  const int n = tangent.model().body().size();
   double sum = 0;
-  const auto& blocks = tangent.diagonal();
-  for (const Matrix3& block : blocks) sum += std::abs(block.trace()) / 3;
-  return blocks.empty() || sum == 0 ? 1 : sum / static_cast<double>(blocks.size());
+  for (int i = 0; i < n; ++i) sum += std::abs(tangent.diagonal(i).trace()) / 3;
+  return sum == 0 ? 1 : sum / n;
 }
 
 Eigen::SparseMatrix<double> sparse_stiffness(const Tangent& tangent, const std::vector<Support>& supports, double shift,

@@ -44,10 +44,6 @@ std::unique_ptr<LinearSolver> make_multigrid();
 /// as the first. [van der Vorst 1992]
 std::unique_ptr<LinearSolver> make_bicgstab();
 
-/// What both precondition with: the inverse of each molecule's block in its free directions.
-void set_block_preconditioner(const Tangent& tangent, const std::vector<Support>& supports,
-                              std::vector<Matrix3>& blocks);
-
 /// A sparse LDLᵀ factorisation with iterative refinement: for small bodies, indefinite stiffness and mode counts.
 std::unique_ptr<LinearSolver> make_direct();
 

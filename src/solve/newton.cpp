@@ -73,7 +73,7 @@ bool may_buckle(const Body& body, const Positions& positions) {
 double rounding_floor(const Tangent& tangent, const Positions& positions) {
   const double reach = positions.cwiseAbs().maxCoeff();
   double sum = 0;
-  for (const Matrix3& block : tangent.diagonal()) sum += block.squaredNorm();
+  for (int i = 0; i < tangent.model().body().size(); ++i) sum += tangent.diagonal(i).squaredNorm();
   return std::numeric_limits<double>::epsilon() * reach * std::sqrt(sum);
 }
 

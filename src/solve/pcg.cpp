@@ -25,7 +25,7 @@ class Pcg final : public LinearSolver {
   LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                      double tolerance, Positions& x) override {
     const int n = static_cast<int>(rhs.cols());
-    set_block_preconditioner(tangent, supports, inverse_);
+    inverse_.take(tangent, supports);
     std::unique_ptr<Multigrid> coarse;
     if (multigrid_) coarse = std::make_unique<Multigrid>(tangent, supports);
     if (coarse && !coarse->positive()) coarse.reset();
@@ -45,7 +45,7 @@ class Pcg final : public LinearSolver {
               x.col(i) += step * p.col(i);
               r.col(i) -= step * kp.col(i);
             }
-            z.col(i) = inverse_[static_cast<std::size_t>(i)] * r.col(i);
+            z.col(i) = inverse_.times(i, r.col(i));
             return Eigen::Vector2d(r.col(i).dot(z.col(i)), r.col(i).squaredNorm());
           },
           Eigen::Vector2d(0, 0), kMoleculeThreshold);
@@ -123,23 +123,12 @@ class Pcg final : public LinearSolver {
  private:
   bool multigrid_;
   // Kept from one solve to the next, so that steps in time ask for no memory.
-  std::vector<Matrix3> inverse_;
+  BlockInverses inverse_;
   Positions r_, z_, p_, kp_, best_x_;
   Tangent::Room room_;
 };
 
 }  // namespace
-
-void set_block_preconditioner(const Tangent& tangent, const std::vector<Support>& supports,
-                              std::vector<Matrix3>& blocks) {
-  blocks = tangent.diagonal();
-  for (const Support& support : supports) {
-    Matrix3& block = blocks[support.molecule];
-    block = (support.free * block * support.free).eval();
-  }
-  parallel_for(static_cast<int>(blocks.size()),
-               [&](int molecule) { blocks[molecule] = positive_inverse(blocks[molecule]); });
-}
 
 Positions scattered_directions(int molecules) {
   Positions directions(3, molecules);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "solve/newton.h"
 #include "solve/relaxation.h"
@@ -71,16 +72,18 @@ StaticResponse static_response(Model& model, const Positions& at, const Position
                                const StaticOptions& options) {
   StaticResponse response;
   StaticResult& result = response.result;
-  Positions held_way = Positions::Zero(3, way.cols());
-  for (const Support& support : model.supports) {
-    const Vector3 w = way.col(support.molecule);
-    held_way.col(support.molecule) = w - support.free * w;
-  }
-  const State state{at, Positions::Zero(3, at.cols())};
+  const auto add_held_way = [&](Positions& motion) {
+    for (const Support& support : model.supports) {
+      const Vector3 w = way.col(support.molecule);
+      motion.col(support.molecule) += w - support.free * w;
+    }
+  };
+  const State state{at, model.feels_velocity() ? Positions(Positions::Zero(3, at.cols())) : Positions()};
   const Tangent tangent(model, state);
-  Positions forces(3, way.cols()), motion;
-  tangent.apply(held_way, forces);
-  Positions rhs = load_change - forces;
+  Positions rhs(3, way.cols()), motion = Positions::Zero(3, way.cols());
+  add_held_way(motion);
+  tangent.apply(motion, rhs);
+  rhs = load_change - rhs;
   const double held = held_parts(model.supports, rhs).norm();
   keep_free(model.supports, rhs);
   UsedSolver used;
@@ -103,9 +106,11 @@ StaticResponse static_response(Model& model, const Positions& at, const Position
                    : negative ? "the stiffness has directions of negative stiffness"
                               : "the linear solver ran out of iterations";
   }
-  response.motion = held_way + motion;
-  tangent.apply(response.motion, forces);
-  result.reactions = held_parts(model.supports, forces - load_change);
+  add_held_way(motion);
+  tangent.apply(motion, rhs);
+  rhs -= load_change;
+  result.reactions = held_parts(model.supports, rhs);
+  response.motion = std::move(motion);
   return response;
 }
 

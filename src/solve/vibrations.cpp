@@ -97,8 +97,7 @@ class Operator {
     const Block against = basis.transpose() * held.transpose() * held * basis;
     const Eigen::SelfAdjointEigenSolver<Block> free(against);
     double stiffest = 0;
-    const std::vector<Matrix3> blocks = tangent_.diagonal();
-    for (int i = 0; i < n; ++i) stiffest = std::max(stiffest, blocks[i].norm() / model_.body().mass[i]);
+    for (int i = 0; i < n; ++i) stiffest = std::max(stiffest, tangent_.diagonal(i).norm() / model_.body().mass[i]);
     for (Eigen::Index k = 0; k < against.cols(); ++k) {
       if (free.eigenvalues()[k] > 1e-12) continue;
       const Block motion = all * basis * free.eigenvectors().col(k);

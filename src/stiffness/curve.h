@@ -2,8 +2,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "elastin/stiffness/simplex.h"
 #include "stiffness/curve_size.h"
-#include "stiffness/simplex.h"
 
 namespace elastin {
 

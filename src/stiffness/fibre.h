@@ -1,7 +1,7 @@
 #pragma once
 #include <algorithm>
 
-#include "stiffness/simplex.h"
+#include "elastin/stiffness/simplex.h"
 
 namespace elastin {
 

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "elastin/stiffness/simplex.h"
 #include "stiffness/jet.h"
-#include "stiffness/simplex.h"
 
 namespace elastin {
 

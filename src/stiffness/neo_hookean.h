@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "stiffness/simplex.h"
+#include "elastin/stiffness/simplex.h"
 
 namespace elastin {
 

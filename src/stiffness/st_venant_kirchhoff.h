@@ -1,5 +1,5 @@
 #pragma once
-#include "stiffness/simplex.h"
+#include "elastin/stiffness/simplex.h"
 #include "stiffness/tension_field.h"
 
 namespace elastin {

@@ -136,10 +136,10 @@ TEST_CASE("the tangent's damping part is the change of the forces with the veloc
     Tangent(model, state).apply(dv, without);
     CHECK((with - without - measured).norm() <= 1e-7 * measured.norm());
     // And its diagonal is that of the same operator.
-    const std::vector<Matrix3> diagonal = Tangent(model, state, {.velocity = 1, .acceleration = 3}).diagonal();
+    const Matrix3 block = Tangent(model, state, {.velocity = 1, .acceleration = 3}).diagonal(4);
     Positions unit = Positions::Zero(3, body.size());
     unit(1, 4) = 1;
     Tangent(model, state, {.velocity = 1, .acceleration = 3}).apply(unit, with);
-    CHECK((with.col(4) - diagonal[4].col(1)).norm() <= 1e-12 * with.col(4).norm());
+    CHECK((with.col(4) - block.col(1)).norm() <= 1e-12 * with.col(4).norm());
   }
 }

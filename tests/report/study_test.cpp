@@ -74,6 +74,18 @@ TEST_CASE("rows that differ in the body are one curve; a reference of their own 
   CHECK(refer_to_own(records, "standard").find("cannot be extrapolated") != std::string::npos);
 }
 
+TEST_CASE("another program's time to an error stands beside our best", "[study]") {
+  std::vector<Record> records;
+  for (const double h : {1., 0.5, 0.25})  // errors of 8, 2, 0.5 % at 0.01, 0.04, 0.16 s: 1 % at 0.08 s
+    records.push_back(row("neo_hookean", "[" + std::to_string(h) + "]", h, 100 + 8 * h * h, 0.01 / (h * h)));
+  for (Record& record : records) set_references(record, {{"effective_modulus", 100, "elsewhere", 0}});
+  const std::vector<Peer> peers{{records[0].scene, "other", 0.8, 0.005}, {"another scene", "third", 1e-3, 1e-6}};
+  const std::string text = time_to_table(records, rank_strategies(records), peers).text(false);
+  CHECK_THAT(text, Contains("80.0 ms") && Contains("≤ 800.0 ms") && Contains("× 10") && Contains("× 1 "));
+  CHECK_THAT(text, !Contains("third"));
+  CHECK_THAT(time_to_table(records, rank_strategies(records)).text(false), !Contains("best"));
+}
+
 TEST_CASE("axes of a study multiply, their keys go together", "[study]") {
   const StudyAxis size =
       read_axis("{body.lattice.molecules: [[3, 3, 3], [5, 5, 5]], body.lattice.spacing: [2 mm, 1 mm]}");

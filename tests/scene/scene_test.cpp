@@ -551,7 +551,7 @@ TEST_CASE("a scene file that is none is refused", "[scene]") {
        std::vector<Row>{{"@# only a comment\n", "a scene is a map of keys"},
                         {"@- a\n- list\n", "a scene is a map of keys"},
                         {"@one word", "a scene is a map of keys"},
-                        {"@body: {}\n---\nbody: {}\n", "a scene is one YAML document; here are 2"},
+                        {"body: {}\n@---\nbody: {}\n", "a scene is one YAML document; a second one begins here"},
                         {"title: a\nbody: {lattice: 3\nmaterial@: {}\n", "not valid YAML: "},
                         {"title: a@: b\n", "not valid YAML: illegal map value"},
                         {"title: a\n@\tbody: {}\n", "not valid YAML: "},

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "base/waiting_threads.h"
+#include "elastin/base/openmp.h"
 #include "measure.h"
 
 namespace {
@@ -43,15 +43,22 @@ constexpr Case kCases[] = {
      bench::run_membrane},
     {"calculix", "the neo-Hookean static solve at some 1e5 cells; peer: CalculiX (ccx 2.20, package calculix-ccx)",
      bench::run_calculix},
+    {"accuracy",
+     "CalculiX's error and time on the problems of scenes/study, as a whole process; its rows go beside Elastin's by "
+     "`elastin compare --peers`",
+     bench::run_accuracy},
     {"contact", "finding what touches, and explicit steps with it; peer: FCL by hand, one collision object a molecule",
      bench::run_contact},
+    {"core", "the tension cube in a program on elastin::core alone; peer: the same with everything linked",
+     bench::run_core},
     {"rules", "setting the constants of every spring rule, 22 molecules a side", bench::run_rules},
 };
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  let_threads_sleep(argv);  // as the command does: what is measured is what its user gets
+  elastin::let_threads_sleep(argv);  // as the command does: what is measured is what its user gets
+  elastin::use_openmp();
   CLI::App app{
       "Benchmarks of Elastin. Ratios are of minima, against the peer at its best on no more threads: above 1 is "
       "faster."};

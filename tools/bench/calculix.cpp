@@ -1,15 +1,11 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <map>
-#include <sstream>
 #include <stdexcept>
 
 #include "blocks.h"
+#include "calculix_job.h"
 #include "elastin/base/threads.h"
 #include "experiment/faces.h"
 #include "measure.h"
@@ -89,67 +85,30 @@ Mesh quadratic_mesh(const Body& body) {
   return mesh;
 }
 
-void write_input(const Mesh& mesh, const BlockCase& block, double part, const std::string& path) {
+void write_input(const Mesh& mesh, const BlockCase& block, double part, const std::string& job) {
   const double mu = block.modulus / (2 * (1 + kPoissonsRatio)), bulk = block.modulus / (3 * (1 - 2 * kPoissonsRatio));
-  std::ofstream file(path);
-  file << "*NODE, NSET=ALL\n";
-  for (std::size_t i = 0; i < mesh.places.size(); ++i)
-    file << fmt::format("{},{:.15g},{:.15g},{:.15g}\n", i + 1, mesh.places[i].x(), mesh.places[i].y(),
-                        mesh.places[i].z());
-  file << "*ELEMENT, TYPE=" << mesh.type << ", ELSET=BODY\n";
-  for (std::size_t i = 0; i < mesh.cells.size(); ++i) {
-    file << i + 1;
-    for (const int corner : mesh.cells[i]) file << ',' << corner + 1;
-    file << '\n';
-  }
-  const auto write_set = [&](const char* name, const auto& numbers) {
-    file << "*NSET, NSET=" << name << '\n';
-    for (const int number : numbers) file << number + 1 << ",\n";
-  };
   std::vector<int> loaded;
   for (const auto& [place, share] : mesh.share) loaded.push_back(place);
-  write_set("HELD", mesh.held);
-  write_set("LOADED", loaded);
-  file << fmt::format("*MATERIAL, NAME=GEL\n*HYPERELASTIC, NEO HOOKE\n{:.15g},{:.15g}\n", mu / 2, 2 / bulk)
-       << "*SOLID SECTION, ELSET=BODY, MATERIAL=GEL\n*BOUNDARY\nHELD,1,3\n*STEP, NLGEOM, INC=1000\n"
-       << "*STATIC, SOLVER=SPOOLES\n"
-       << (part < 0.01 ? "1.,1.\n" : "0.25,1.\n") << "*CLOAD\n";
-  for (const auto& [place, share] : mesh.share) file << fmt::format("{},3,{:.15g}\n", place + 1, part * share);
-  file << "*NODE PRINT, NSET=LOADED, FREQUENCY=1000\nU\n*END STEP\n";
-  if (!file.flush()) throw std::runtime_error("cannot write " + path);
+  Deck deck{mesh.type, mesh.places, mesh.cells, {{"HELD", mesh.held}, {"WATCHED", loaded}}, {}, {}};
+  deck.rest = fmt::format("*MATERIAL, NAME=GEL\n*HYPERELASTIC, NEO HOOKE\n{:.15g},{:.15g}\n", mu / 2, 2 / bulk) +
+              "*SOLID SECTION, ELSET=BODY, MATERIAL=GEL\n*BOUNDARY\nHELD,1,3\n*STEP, NLGEOM, INC=1000\n"
+              "*STATIC, SOLVER=SPOOLES\n" +
+              (part < 0.01 ? "1.,1.\n" : "0.25,1.\n") + "*CLOAD\n";
+  for (const auto& [place, share] : mesh.share) deck.rest += fmt::format("{},3,{:.15g}\n", place + 1, part * share);
+  deck.rest += "*NODE PRINT, NSET=WATCHED, FREQUENCY=1000\nU\n*END STEP\n";
+  write_deck(deck, job);
 }
 
-/// Mean of the loaded face's last printed displacements along z [m].
-double read_elongation(const Mesh& mesh, const std::string& path) {
-  std::ifstream file(path);
+/// Mean of the loaded face's displacements along z [m].
+double read_elongation(const Mesh& mesh, const std::string& job) {
   double sum = 0, found = 0;
-  for (std::string line; std::getline(file, line);) {
-    if (line.find("displacements") != std::string::npos) sum = found = 0;
-    std::istringstream numbers(line);
-    int place = 0;
-    double x, y, z;
-    if (!(numbers >> place >> x >> y >> z)) continue;
-    sum += mesh.share.at(place - 1) * z;
-    found += mesh.share.at(place - 1);
+  for (const auto& [place, motion] : last_displacements(job)) {
+    sum += mesh.share.at(place) * motion.z();
+    found += mesh.share.at(place);
   }
-  if (std::abs(found - 1) > 1e-6) throw std::runtime_error("CalculiX left no answer in " + path);
+  if (std::abs(found - 1) > 1e-6) throw std::runtime_error("CalculiX left no whole answer in " + job + ".dat");
   return sum;
 }
-
-class WorkFolder {
- public:
-  WorkFolder() : path_((std::filesystem::temp_directory_path() / fmt::format("elastin-bench-{}", getpid())).string()) {
-    std::filesystem::create_directories(path_);
-  }
-  ~WorkFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  std::string path(const std::string& name) const { return path_ + "/" + name; }
-
- private:
-  std::string path_;
-};
 
 /// One program on one mesh: a run as a whole process, and the elongation that it found.
 struct Contender {
@@ -172,12 +131,10 @@ std::vector<Contender> contenders_of(const Task& task, int level, const WorkFold
   };
   const auto calculix_run = [&task, &folder](Mesh mesh) {
     const std::string job = folder.path(mesh.type);
-    write_input(mesh, block_of(task), task.part, job + ".inp");
+    write_input(mesh, block_of(task), task.part, job);
     return [mesh = std::move(mesh), job] {
-      const std::string line = fmt::format("cd '{}' && OMP_NUM_THREADS={} ccx -i '{}' > '{}.log' 2>&1",
-                                           std::filesystem::path(job).parent_path().string(), kThreads, job, job);
-      if (std::system(line.c_str()) != 0) throw std::runtime_error("ccx failed: " + line);
-      return read_elongation(mesh, job + ".dat");
+      run_calculix_job(job, kThreads);
+      return read_elongation(mesh, job);
     };
   };
   const BlockCase block = block_of(task);
@@ -192,8 +149,7 @@ std::vector<Contender> contenders_of(const Task& task, int level, const WorkFold
 }  // namespace
 
 std::vector<Row> run_calculix(const Settings& settings) {
-  if (std::system("command -v ccx > /dev/null 2>&1") != 0)
-    return {{"calculix", "CalculiX", 0, kThreads, 0, {}, "skipped: ccx is not here; apt-get install calculix-ccx"}};
+  if (!calculix_is_here()) return {{"calculix", "CalculiX", 0, kThreads, 0, {}, kCalculixMissing}};
   constexpr int level = 16;
   std::vector<Row> rows;
   for (const Task& task : kTasks) {

@@ -172,14 +172,14 @@ void write_csv(const std::string& path, const std::string& machine, const std::v
   std::ofstream file(path);
   file << "case,side,method,threads,repeats";
   for (const Column& column : kColumns) file << ',' << column.key;
-  file << ",note,machine\n";
+  file << ",note,scene,machine\n";
   for (const Row& row : rows) {
     file << fmt::format("{},{},{},{},{}", row.scenario, row.side, quoted(row.method), row.threads, row.repeats);
     for (const Column& column : kColumns) {
       const double value = row.figures.*column.value;
       file << ',' << (std::isnan(value) ? "" : fmt::format("{:.6g}", value));
     }
-    file << ',' << quoted(row.note) << ',' << quoted(machine) << '\n';
+    file << ',' << quoted(row.note) << ',' << row.scene << ',' << quoted(machine) << '\n';
   }
   if (!file.flush()) throw std::runtime_error("cannot write " + path);
 }

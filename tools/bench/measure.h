@@ -49,6 +49,7 @@ struct Row {
   int threads = 1, repeats = 1;
   Figures figures;
   std::string note;
+  std::string scene = {};  ///< whose problem it is, where that is one of scenes/
 };
 
 struct Settings {
@@ -99,6 +100,8 @@ std::vector<Row> run_laws(const Settings& settings);
 std::vector<Row> run_convergence(const Settings& settings);
 std::vector<Row> run_membrane(const Settings& settings);
 std::vector<Row> run_calculix(const Settings& settings);
+std::vector<Row> run_accuracy(const Settings& settings);
 std::vector<Row> run_contact(const Settings& settings);
+std::vector<Row> run_core(const Settings& settings);
 
 }  // namespace bench

@@ -2,13 +2,8 @@
 
 namespace elastin {
 
-/// Number of threads that large bodies use; 0 = as many as the machine has cores. Results have the same bits for any
-/// number. Without OpenMP it is always 1.
-void set_threads(int threads);
-/// What a loop begun by the calling thread would use: that of its ThreadScope, where one lives.
-int threads();
-
-/// A host's task system, to run loops over large bodies instead of OpenMP. Results have the same bits with any.
+/// A task system that runs loops over large bodies: the host's, or OpenMP's (see openmp.h). Results have the same bits
+/// with any, and with none.
 class TaskRunner {
  public:
   virtual ~TaskRunner() = default;
@@ -20,8 +15,20 @@ class TaskRunner {
   virtual void run(int count, Task task, void* context) noexcept = 0;
 };
 
+/// The runner of all loops that stand in no ThreadScope; it must outlive them. Null, as in the beginning: each loop
+/// runs on the thread that begins it.
+void set_runner(TaskRunner* runner);
+/// The runner of a loop begun by the calling thread, or null.
+TaskRunner* runner();
+
+/// Into how many tasks that runner parts a loop; 0 = its width.
+void set_threads(int threads);
+/// What a loop begun by the calling thread would use, its ThreadScope's where one lives; 1 without a runner.
+int threads();
+
 /// While it lives, loops that the calling thread begins run on `runner` or, where that is null, on `threads` of
-/// OpenMP's; both null: as before. Other threads are not touched. Scopes may stand in each other, on one thread.
+/// the common runner's; both null: as before. Other threads are not touched. Scopes may stand in each other, on one
+/// thread.
 class ThreadScope {
  public:
   explicit ThreadScope(TaskRunner* runner, int threads = 0) noexcept;

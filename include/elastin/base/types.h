@@ -12,3 +12,9 @@ using VectorX = Eigen::VectorXd;
 using Positions = Eigen::Matrix3Xd;
 
 }  // namespace elastin
+
+#ifdef ELASTIN_ALIGNMENT  // of an installed Elastin
+static_assert(EIGEN_DEFAULT_ALIGN_BYTES == ELASTIN_ALIGNMENT,
+              "compiled for other vectors (-march) than Elastin was: Eigen would free what it has not allocated; build "
+              "Elastin with the same flags, or take its sources into the project by add_subdirectory");
+#endif

@@ -92,8 +92,9 @@ class Elasticity {
   /// visit_blocks has more to say than that.
   using GradientVisitor = std::function<void(std::span<const std::pair<int, Vector3>> gradient, double factor)>;
   virtual bool visit_gradients(const GradientVisitor&) const { return true; }
-  /// Adds the diagonal ones of those blocks.
-  virtual void add_diagonal(std::vector<Matrix3>& /*blocks*/) const {}
+  /// Calls visit(a, part) for parts of the diagonal ones of those blocks.
+  using DiagonalVisitor = std::function<void(int a, const Matrix3& part)>;
+  virtual void visit_diagonal(const DiagonalVisitor&) const {}
 };
 
 /// Springs: q = k (1 − L/l), energy ½ k (l − L)². `constants` [N/m], one a connection, may be negative.

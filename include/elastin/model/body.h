@@ -87,7 +87,7 @@ struct Body {
 };
 
 /// Every pair of molecules at most `reach` [m] apart, ascending (first, second), with its present length as rest
-/// length. Cost O(n) for bodies of even density (grid of buckets).
+/// length. Cost O(n) for bodies of even density (grid of buckets). Throws InputError beyond 1000 neighbours a molecule.
 Connections connections_within(const Positions& places, double reach);
 
 /// The edges of the body's cells, each once, ascending, with its present length as rest length.

@@ -18,6 +18,7 @@ struct FillOptions {
   /// Whether molecules lie on the surface, along its sharp sides (more than 40°) too, and those inside keep away from
   /// it.
   bool follow = true;
+  double most_molecules = 5e6;  ///< that the surface's bounding box may hold, and the surface
 };
 
 /// What fills a surface.
@@ -41,7 +42,7 @@ class Inside {
   ~Inside();
 
   /// Fills it with molecules and tetrahedra. The same options give the same filling. Cost O(n log n). Throws InputError
-  /// where the spacing is too wide for one tetrahedron, or so narrow that there are more than 5e6 molecules.
+  /// where the spacing is too wide for one tetrahedron, or so narrow that there are more molecules than are taken.
   Filling fill(const FillOptions& options) const;
 
   /// Every pair of molecules at most `reach` [m] apart that sees each other: the way between them lies inside, but for

@@ -24,7 +24,8 @@ struct SimulationOptions {
   /// A step that would take more parts ends as limit_reached and leaves the state as it was: real time has a limit.
   int most_parts = 1000;
   /// Who runs the loops over large bodies (some 50 000 connections on): the host's task system, which must outlive the
-  /// simulation; or, where it is null, so many threads of OpenMP's, 0 = as set_threads says. The same bits with any.
+  /// simulation; or, where it is null, so many threads of the common one (set_runner, use_openmp), 0 = as set_threads
+  /// says. The same bits with any.
   TaskRunner* runner = nullptr;
   int threads = 0;
 };

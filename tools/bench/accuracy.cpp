@@ -1,0 +1,165 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "calculix_job.h"
+#include "elastin/base/threads.h"
+#include "measure.h"
+#include "scene/scene.h"
+
+namespace bench {
+namespace {
+
+using namespace elastin;
+
+/// A block of hexahedra as CalculiX wants it, `counts` along x, y, z; quadratic ones have a place in the middle of each
+/// side.
+Deck hexahedra(const std::array<int, 3>& counts, const Vector3& size, bool quadratic) {
+  Deck deck;
+  deck.type = quadratic ? "C3D20R" : "C3D8I";
+  const int step = quadratic ? 2 : 1;
+  std::map<std::array<int, 3>, int> numbers;  // by half (quadratic) or whole steps
+  const auto number = [&](const std::array<int, 3>& at) {
+    const auto [place, is_new] = numbers.try_emplace(at, static_cast<int>(deck.places.size()));
+    if (is_new)
+      deck.places.emplace_back(size.x() * at[0] / (step * counts[0]), size.y() * at[1] / (step * counts[1]),
+                               size.z() * at[2] / (step * counts[2]));
+    return place->second;
+  };
+  static constexpr std::array<std::array<int, 3>, 20> corners{
+      {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 0, 2}, {2, 0, 2}, {2, 2, 2}, {0, 2, 2}, {1, 0, 0}, {2, 1, 0},
+       {1, 2, 0}, {0, 1, 0}, {1, 0, 2}, {2, 1, 2}, {1, 2, 2}, {0, 1, 2}, {0, 0, 1}, {2, 0, 1}, {2, 2, 1}, {0, 2, 1}}};
+  for (int z = 0; z < counts[2]; ++z)
+    for (int y = 0; y < counts[1]; ++y)
+      for (int x = 0; x < counts[0]; ++x) {
+        if (z + 1 == counts[2]) deck.cell_sets["TOP"].push_back(static_cast<int>(deck.cells.size()));
+        auto& cell = deck.cells.emplace_back();
+        for (int c = 0; c < (quadratic ? 20 : 8); ++c)
+          cell.push_back(number({step * x + corners[c][0] * step / 2, step * y + corners[c][1] * step / 2,
+                                 step * z + corners[c][2] * step / 2}));
+      }
+  return deck;
+}
+
+/// What is solved: a scene of scenes/study, and how CalculiX is told the same.
+struct Task {
+  const char* scene;
+  Vector3 size;
+  int hold;  ///< the face that is held lies across this axis, at the origin
+  std::string (*rest)();
+  /// The scene's measure from the motion of what is watched.
+  double (*measure)(const Deck& deck, const std::map<int, Vector3>& motion);
+  bool (*watched)(const Vector3& place);
+  std::array<int, 3> (*counts)(int level);
+  std::vector<int> quadratic, linear;  ///< levels, from the coarsest on
+};
+
+constexpr double kBlock = 0.03, kHeight = 0.015, kForce = 45e-6;  // m, N
+constexpr double kLength = 1, kSide = 0.2;
+
+/// The mean over a face: of quadratic ones the middles of the sides count a third of each square, the corners −1/12.
+double mean_over_top(const Deck& deck, const std::map<int, Vector3>& motion) {
+  double sum = 0, area = 0;
+  for (const int cell : deck.cell_sets.at("TOP")) {
+    const auto& places = deck.cells[static_cast<std::size_t>(cell)];
+    const bool quadratic = places.size() == 20;
+    for (const int corner : {4, 5, 6, 7})
+      sum += (quadratic ? -1. / 12 : 1. / 4) * motion.at(places[static_cast<std::size_t>(corner)]).z();
+    for (const int middle : {12, 13, 14, 15})
+      if (quadratic) sum += motion.at(places[static_cast<std::size_t>(middle)]).z() / 3;
+    area += 1;
+  }
+  return sum / area;
+}
+
+const Task kTasks[] = {
+    {"clamped-block",
+     {kBlock, kBlock, kHeight},
+     2,
+     [] {
+       return fmt::format(
+           "*MATERIAL, NAME=GEL\n*ELASTIC\n5000.,0.25\n*SOLID SECTION, ELSET=BODY, MATERIAL=GEL\n"
+           "*BOUNDARY\nHELD,1,3\n*STEP\n*STATIC, SOLVER=SPOOLES\n*DLOAD\nTOP,P2,{:.15g}\n",
+           -kForce / (kBlock * kBlock));
+     },
+     [](const Deck& deck, const std::map<int, Vector3>& motion) {
+       return kForce * kHeight / (kBlock * kBlock * mean_over_top(deck, motion));
+     },
+     [](const Vector3& place) { return place.z() > (1 - 1e-9) * kHeight; },
+     [](int level) {
+       return std::array{2 * level, 2 * level, level};
+     },
+     {2, 3, 4, 6, 8, 12},
+     {2, 4, 8, 16}},
+    {"cantilever-green",
+     {kLength, kSide, kSide},
+     0,
+     [] {
+       return std::string(
+           "*MATERIAL, NAME=GEL\n*ELASTIC\n1e6,0.3\n*DENSITY\n1000.\n*SOLID SECTION, ELSET=BODY, MATERIAL=GEL\n"
+           "*BOUNDARY\nHELD,1,3\n*STEP, NLGEOM, INC=1000\n*STATIC, SOLVER=SPOOLES\n0.25,1.\n"
+           "*DLOAD\nBODY,GRAV,9.81,0.,0.,-1.\n");
+     },
+     [](const Deck&, const std::map<int, Vector3>& motion) { return -motion.begin()->second.z(); },
+     [](const Vector3& place) { return (place - Vector3(kLength, kSide / 2, kSide / 2)).norm() < 1e-6; },
+     [](int level) {
+       return std::array{5 * level, level, level};
+     },
+     {2, 4, 6, 8, 10},
+     {2, 4, 8, 12}}};
+
+Deck deck_of(const Task& task, int level, bool quadratic) {
+  Deck deck = hexahedra(task.counts(level), task.size, quadratic);
+  for (std::size_t place = 0; place < deck.places.size(); ++place) {
+    if (deck.places[place][task.hold] < 1e-9) deck.place_sets["HELD"].push_back(static_cast<int>(place));
+    if (task.watched(deck.places[place])) deck.place_sets["WATCHED"].push_back(static_cast<int>(place));
+  }
+  deck.rest = task.rest() + "*NODE PRINT, NSET=WATCHED, FREQUENCY=1000\nU\n*END STEP\n";
+  return deck;
+}
+
+/// What takes longer runs once [s].
+constexpr double kSlow = 10;
+
+/// The scene's reference.
+Reference reference_of(const Task& task) {
+  const Catalog catalog = built_in_catalog();
+  return load_scene(fmt::format("{}/scenes/study/{}.yaml", ELASTIN_SOURCE_DIR, task.scene), catalog)->references.at(0);
+}
+
+}  // namespace
+
+std::vector<Row> run_accuracy(const Settings& settings) {
+  const int threads = settings.threads.back(), repeats = std::min(settings.repeats, 3);
+  if (!calculix_is_here()) return {{"accuracy", "CalculiX", 0, threads, 0, {}, kCalculixMissing}};
+  std::vector<Row> rows;
+  for (const Task& task : kTasks) {
+    const Reference reference = reference_of(task);
+    for (const bool quadratic : {true, false})
+      for (const int level : quadratic ? task.quadratic : task.linear) {
+        const WorkFolder folder;
+        const Deck deck = deck_of(task, level, quadratic);
+        say(fmt::format("accuracy, {}, {}, {}", task.scene, deck.type, level));
+        const std::string job = folder.path("job");
+        write_deck(deck, job);
+        std::vector<double> seconds;
+        do seconds.push_back(seconds_of([&] { run_calculix_job(job, threads); }));
+        while (static_cast<int>(seconds.size()) < repeats && seconds.back() < kSlow);
+        Figures figures;
+        figures.minimum = summary(seconds).minimum;
+        figures.median = summary(seconds).median;
+        figures.cells = static_cast<double>(deck.cells.size());
+        const double measured = task.measure(deck, last_displacements(job));
+        figures.value = measured / reference.value;
+        figures.error = std::abs(figures.value - 1);
+        rows.push_back({"accuracy", "CalculiX " + deck.type, level, threads, static_cast<int>(seconds.size()), figures,
+                        fmt::format("{} {:.9g}", reference.measure, measured), task.scene});
+      }
+  }
+  return rows;
+}
+
+}  // namespace bench

@@ -1,0 +1,11 @@
+# voro++ brings no CMake package: gives the target voro++::voro++.
+find_path(VOROPP_INCLUDE_DIR voro++/voro++.hh)
+find_library(VOROPP_LIBRARY voro++)
+mark_as_advanced(VOROPP_INCLUDE_DIR VOROPP_LIBRARY)
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(Voro++ REQUIRED_VARS VOROPP_LIBRARY VOROPP_INCLUDE_DIR)
+if(Voro++_FOUND AND NOT TARGET voro++::voro++)
+  add_library(voro++::voro++ UNKNOWN IMPORTED)
+  set_target_properties(voro++::voro++ PROPERTIES IMPORTED_LOCATION "${VOROPP_LIBRARY}"
+                        INTERFACE_INCLUDE_DIRECTORIES "${VOROPP_INCLUDE_DIR}")
+endif()

@@ -1,0 +1,70 @@
+# cmake --install: libraries with their CMake package and pkg-config files, headers, the command, the scenes.
+include(CMakePackageConfigHelpers)
+include(CheckCXXSourceCompiles)
+
+# What one part of a program allocates by Eigen another frees: its users must do it as the libraries were built to do it,
+# and base/types.h refuses those that are compiled for other vectors. Eigen asks malloc itself where that aligns enough.
+set(CMAKE_REQUIRED_LIBRARIES Eigen3::Eigen)
+foreach(alignment 16 32 64)
+  check_cxx_source_compiles("#include <Eigen/Core>
+    static_assert(EIGEN_DEFAULT_ALIGN_BYTES == ${alignment}); int main() {}" ELASTIN_ALIGNED_${alignment})
+  if(ELASTIN_ALIGNED_${alignment})
+    set(elastin_alignment ${alignment})
+    break()
+  endif()
+endforeach()
+check_cxx_source_compiles("#include <Eigen/Core>
+  static_assert(EIGEN_MALLOC_ALREADY_ALIGNED); int main() {}" ELASTIN_ALIGNED_BY_MALLOC)
+unset(CMAKE_REQUIRED_LIBRARIES)
+set(by_malloc 0)
+if(ELASTIN_ALIGNED_BY_MALLOC)
+  set(by_malloc 1)
+endif()
+set(eigen_memory ELASTIN_ALIGNMENT=${elastin_alignment} EIGEN_MALLOC_ALREADY_ALIGNED=${by_malloc})
+target_compile_definitions(elastin_core INTERFACE "$<INSTALL_INTERFACE:${eigen_memory}>")
+
+set(cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/elastin)
+set(components core openmp)
+if(ELASTIN_CONTACT)
+  list(APPEND components contact)
+endif()
+if(ELASTIN_LAB)
+  list(APPEND components lab)
+endif()
+foreach(component IN LISTS components)
+  set_target_properties(elastin_${component} PROPERTIES EXPORT_NAME ${component})
+  install(TARGETS elastin_${component} EXPORT elastin-${component} COMPONENT development
+          INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  install(EXPORT elastin-${component} FILE elastin-${component}-targets.cmake NAMESPACE elastin::
+          DESTINATION ${cmake_folder} COMPONENT development)
+endforeach()
+install(DIRECTORY include/elastin DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+
+set(openmp_needs "")
+if(OpenMP_CXX_FOUND)
+  set(openmp_needs OpenMP)
+endif()
+list(JOIN components " " components)
+configure_package_config_file(tools/package/elastin-config.cmake.in ${PROJECT_BINARY_DIR}/elastin-config.cmake
+                              INSTALL_DESTINATION ${cmake_folder})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/elastin-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/elastin-config.cmake ${PROJECT_BINARY_DIR}/elastin-config-version.cmake
+        tools/package/FindVoro++.cmake DESTINATION ${cmake_folder} COMPONENT development)
+
+list(TRANSFORM eigen_memory PREPEND " -D" OUTPUT_VARIABLE eigen_flags)
+list(JOIN eigen_flags "" eigen_flags)
+# The prefix is found from where the .pc file lies, so that the whole may be moved.
+set(pkgconfig_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+file(RELATIVE_PATH up_to_prefix /${pkgconfig_folder} /)
+string(REGEX REPLACE "/$" "" up_to_prefix "${up_to_prefix}")
+foreach(component core contact)
+  if(TARGET elastin_${component})
+    configure_file(tools/package/elastin-${component}.pc.in ${PROJECT_BINARY_DIR}/elastin-${component}.pc @ONLY)
+    install(FILES ${PROJECT_BINARY_DIR}/elastin-${component}.pc DESTINATION ${pkgconfig_folder} COMPONENT development)
+  endif()
+endforeach()
+
+if(TARGET elastin)
+  install(TARGETS elastin COMPONENT command)
+  install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/elastin COMPONENT command)
+endif()
