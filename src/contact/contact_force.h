@@ -77,7 +77,7 @@ class ContactForce final : public Contact {
   // A cache of the last state's touches: the answers never depend on it.
   mutable ContactSearch search_;
   mutable bool cached_ = false;
-  mutable std::vector<Pose> poses_;
+  mutable std::vector<Pose> poses_, begin_;
   mutable std::vector<Touch> found_, touches_;  // near; of these, those that were answered
   mutable std::vector<double> multipliers_;
   mutable std::vector<Answer> answers_;

@@ -38,7 +38,7 @@ double ContactForce::obstacle_way(const Positions& places, const std::vector<Pos
 double ContactForce::free_way(const State& from, const State& to) const {
   const std::vector<Sample>& samples = search_.samples();
   set_poses(from.time);
-  const std::vector<Pose> begin = poses_;
+  begin_ = poses_;
   set_poses(to.time);
   // No sample gets deeper in one go than half its own size, or half the obstacle, where the way out is still the way
   // in.
@@ -46,17 +46,17 @@ double ContactForce::free_way(const State& from, const State& to) const {
     const double own = mean_size_ / 2;
     return touch.count > 0 ? own : std::min(own, samples[touch.sample].radius + half_thickness_[touch.target] / 2);
   };
-  const double reach = obstacle_way(from.positions, begin, poses_) + 2 * farthest(from.positions, to.positions);
+  const double reach = obstacle_way(from.positions, begin_, poses_) + 2 * farthest(from.positions, to.positions);
   double least = mean_size_ / 2;
   for (const double thickness : half_thickness_) least = std::min(least, thickness / 2);
   if (reach <= least) return 1;
-  search_.find(from.positions, begin, reach, found_);
+  search_.find(from.positions, begin_, reach, found_);
   double part = 1;
   for (const Touch& touch : found_) {
     const Sample& sample = samples[touch.sample];
     Vector3 way = sample_place(to, touch.sample) - sample_place(from, touch.sample);
     if (touch.count == 0) {
-      const Vector3 own = begin[touch.target].to_own(touch.place);
+      const Vector3 own = begin_[touch.target].to_own(touch.place);
       way -= poses_[touch.target].to_world(own) - touch.place;
     } else {
       way -= place_of(touch.molecules, touch.weights, touch.count, to.positions) -

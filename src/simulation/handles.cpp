@@ -9,12 +9,6 @@
 namespace elastin {
 namespace {
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
-
 bool is_projector(const Matrix3& matrix) {
   return (matrix - matrix.transpose()).norm() < 1e-9 && (matrix * matrix - matrix).norm() < 1e-9;
 }

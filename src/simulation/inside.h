@@ -2,6 +2,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "elastin/simulation/simulation.h"
@@ -9,6 +10,9 @@
 #include "simulation/holds.h"
 
 namespace elastin {
+
+/// As messages write it.
+std::string number(double value);
 
 struct Simulation::Inside {
   Inside(Body a_body, SimulationOptions some_options);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <limits>
 #include <utility>
 
 #include "base/parallel.h"
@@ -13,13 +15,13 @@
 
 namespace elastin {
 
-namespace {
-
 std::string number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%g", value);
   return text;
 }
+
+namespace {
 
 void check(const Body& body, const SimulationOptions& options) {
   if (body.size() == 0) throw InputError("the body has no molecules");
@@ -174,7 +176,7 @@ StaticResult Simulation::settle(const StaticOptions& options) noexcept {
   in.holds.begin(in.shown.time, in.shown.time);
   in.holds.jump();
   in.work.velocities.setZero();
-  in.work.accelerations.resize(3, 0);
+  in.work.accelerations.setZero();
   StaticResult result = solve_static(in.model, in.work, options);
   if (result.outcome == Outcome::converged) {
     in.model.remember(in.work);

@@ -23,6 +23,7 @@ class Implicit final : public Integrator {
   Scheme scheme() const override { return options_.scheme; }
 
   StepResult advance(Model& model, State& state, double dt) override {
+    if (state.accelerations.cols() != state.positions.cols()) set_accelerations(model, state);
     before_ = state;
     StepResult result;
     result.parts = 0;
@@ -79,7 +80,6 @@ class Implicit final : public Integrator {
   /// The state stays if it fails; the result then says why.
   void try_step(Model& model, State& state, double dt, StepResult& result) {
     const bool newmark = options_.scheme == Scheme::newmark;
-    if (newmark && state.accelerations.cols() != state.positions.cols()) set_accelerations(model, state);
     if (model.drive) model.drive(state.time + dt, model.supports);
     set_kinematics(state, dt);
     set_first_guess(model, state, dt, newmark);

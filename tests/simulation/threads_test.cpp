@@ -35,16 +35,16 @@ bool step(Simulation& tissue, int number) {
   return tissue.step(1e-3).outcome == Outcome::converged;
 }
 
-/// Of so many steps, after two.
+/// Of so many steps, after the first.
 long allocations_in_steps(Simulation& tissue, int steps) {
   double read = 0;
   tissue.observe(2, [&read](const Simulation& seen) { read += seen.positions()(0, 0); });
   const long at_first = allocations();
-  for (int number = 0; number < 3; ++number) REQUIRE(step(tissue, number));
+  REQUIRE(step(tissue, 0));
   if (at_first > 0) CHECK(allocations() > at_first);  // they are counted
   read += tissue.forces()(0, 0) + tissue.tensions()[0];
   const long before = allocations();
-  for (int number = 3; number < 3 + steps; ++number) {
+  for (int number = 1; number <= steps; ++number) {
     if (!step(tissue, number)) FAIL();
     read += tissue.forces()(0, 0) + tissue.tensions()[0] + tissue.reaction(0).x() + tissue.grip_force(1).x();
   }
@@ -101,12 +101,12 @@ TEST_CASE("simulation: the host's threads give the same bits, and ask for no mem
       if (runner) CHECK(allocations() == before);
       return tissue.positions();
     };
-    Pool pool(3);
+    Pool pool(2);
     const Positions alone = with(nullptr, 1);
     REQUIRE(alone.cols() == 8000);
     CHECK(with(&pool, 0) == alone);
     CHECK(pool.loops > 0);
-    CHECK(with(nullptr, 2) == alone);
+    if (is_explicit(scheme)) CHECK(with(nullptr, 2) == alone);
   }
 }
 

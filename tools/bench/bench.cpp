@@ -51,6 +51,10 @@ constexpr Case kCases[] = {
      bench::run_contact},
     {"core", "the tension cube in a program on elastin::core alone; peer: the same with everything linked",
      bench::run_core},
+    {"embed",
+     "the largest soft cube (10 cm, 10 kPa) that a host steps 1000 times a second on one core, and how steadily; limit: "
+     "its force passes alone, peer: Bullet",
+     bench::run_embed},
     {"rules", "setting the constants of every spring rule, 22 molecules a side", bench::run_rules},
 };
 
@@ -75,6 +79,7 @@ int main(int argc, char** argv) {
       ->delimiter(',')
       ->check(CLI::Range(3, 200));
   app.add_option("--threads", settings.threads, "numbers of threads: 1,2")->delimiter(',')->check(CLI::Range(1, 256));
+  app.add_option("--seconds", settings.seconds, "how long embed steps steadily")->check(CLI::Range(0.1, 86400.));
   app.add_option("--csv", csv, "file for all rows, SI units");
   app.add_flag("--list", list, "name the cases and stop");
   try {

@@ -36,7 +36,7 @@ Figures time_steps(const BudgetCase& one, int side, int threads) {
   const Body body = one.body(side);
   Material material = kMaterial;
   material.poissons_ratio = 0.3;
-  const Strategy& strategy = built_in_catalog().find(one.law);
+  const Strategy strategy = built_in_catalog().find(one.law);
   Model model(body);
   model.add(strategy.make(body, material, {}));
   State state = state_at_rest(body);

@@ -32,6 +32,11 @@ struct Figures {
   double behind = kNone;       ///< this median over that of Elastin's lattice steps: what those are ahead by
   double without = kNone;      ///< this minimum over that without contact
   double late = kNone;         ///< 99 % of the steps take no longer [s]
+  double later = kNone;        ///< 99.9 % of them [s]
+  double most = kNone;         ///< all of them [s]
+  double missed = kNone;       ///< steps that ended after their deadline
+  double asked = kNone;        ///< for memory, so many times
+  double parts = kNone;        ///< in how many parts a step goes
   double newton = kNone;       ///< Newton iterations
   double iterations = kNone;   ///< of conjugate gradients, all Newton iterations together
   double residual = kNone;  ///< ‖b − K x‖/‖b‖ with the assembled matrix; of Newton, unbalanced force over loads
@@ -55,6 +60,7 @@ struct Row {
 struct Settings {
   int repeats = 5;
   std::vector<int> sides{10, 22, 47}, threads{1, 2};
+  double seconds = 60;  ///< of steady stepping
 };
 
 /// Gives each molecule the radius and mass that a scene would.
@@ -95,6 +101,7 @@ std::vector<Row> run_static(const Settings& settings);
 std::vector<Row> run_forces(const Settings& settings);
 std::vector<Row> run_steps(const Settings& settings);
 std::vector<Row> run_budget(const Settings& settings);
+std::vector<Row> run_embed(const Settings& settings);
 std::vector<Row> run_rules(const Settings& settings);
 std::vector<Row> run_laws(const Settings& settings);
 std::vector<Row> run_convergence(const Settings& settings);

@@ -63,7 +63,7 @@ struct SimulationState {
 ///
 /// The views (positions, velocities, forces, tensions) keep their address as long as the simulation lives. step(), the
 /// views and the calls that are noexcept allocate nothing after the first step and the first call of each, throw
-/// nothing, lock nothing and print nothing; steps that go wrong, and what is named at make_integrator, may allocate.
+/// nothing, lock nothing and print nothing; what of that a step cannot promise is said at Integrator::advance.
 /// Functions that throw InputError do so before they change anything. One that was moved from can be assigned to and
 /// destroyed, and step() says that it is empty; nothing else may be asked of it.
 class Simulation {
