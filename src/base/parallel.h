@@ -1,8 +1,8 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <type_traits>
-#include <vector>
 
 #include "elastin/base/threads.h"
 
@@ -33,8 +33,8 @@ void parallel_for(int count, Work&& work, int threshold = kParallelThreshold) {
   });
 }
 
-/// Σ term(i) over 0 … count−1 in a fixed order: the same bits on any number of threads. Value is a number, or a small
-/// vector where several sums share a pass.
+/// Σ term(i) over 0 … count−1 in a fixed order: the same bits on any number of threads, and no allocation. Value is a
+/// number, or a small vector where several sums share a pass.
 template <class Value = double, class Term>
 Value ordered_sum(int count, Term&& term, Value zero = Value(0), int threshold = kParallelThreshold) {
   const int blocks = (count + kSumBlock - 1) / kSumBlock;
@@ -44,17 +44,21 @@ Value ordered_sum(int count, Term&& term, Value zero = Value(0), int threshold =
     return sum;
   };
   if (blocks == 1) return block_sum(0);
-  std::vector<Value> sums(blocks, zero);
+  Value total = zero;
   if (count < threshold || threads() == 1) {
-    for (int block = 0; block < blocks; ++block) sums[block] = block_sum(block);
-  } else {
-    auto work = [&](int block) { sums[block] = block_sum(block); };
-    detail::run_ranges(blocks, &work, [](void* context, int begin, int end) {
+    for (int block = 0; block < blocks; ++block) total += block_sum(block);
+    return total;
+  }
+  constexpr int most = std::max(16, static_cast<int>(16384 / sizeof(Value)));  // on the stack: no allocation
+  std::array<Value, most> sums;
+  for (int first = 0; first < blocks; first += most) {
+    const int some = std::min(most, blocks - first);
+    auto work = [&](int block) { sums[static_cast<std::size_t>(block)] = block_sum(first + block); };
+    detail::run_ranges(some, &work, [](void* context, int begin, int end) {
       for (int block = begin; block < end; ++block) (*static_cast<decltype(work)*>(context))(block);
     });
+    for (int block = 0; block < some; ++block) total += sums[static_cast<std::size_t>(block)];
   }
-  Value total = zero;
-  for (const Value& sum : sums) total += sum;
   return total;
 }
 

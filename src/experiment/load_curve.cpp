@@ -111,7 +111,7 @@ void solve_load_curve(Model& model, Experiment& experiment, const Material& mate
   if (!find_start(model, experiment, options, !begin, at_start, start, run)) return;
   LoadPath path(model, experiment, options.statics, std::move(at_start));
   const auto keep = [&](double load_factor, int step) {
-    if (options.keep_snapshots) run.snapshots.push_back(snapshot_of(model, path.state(), load_factor, step));
+    keep_snapshot(model, path.state(), load_factor, step, options, run);
   };
   keep(0, 0);
   const int steps = experiment.load_steps();

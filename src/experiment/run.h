@@ -56,7 +56,7 @@ struct Run {
   std::string cause;
   Measures measures;                     ///< of the last converged load step
   std::vector<CurvePoint> curve;         ///< one point a converged load step
-  std::vector<Snapshot> snapshots;       ///< of the start and of each point, if asked for
+  std::vector<Snapshot> snapshots;       ///< of the start and of each point, or the last of them, if asked for
   VectorX constants;                     ///< spring constants [N/m]; empty for laws without
   double calibration_factor = 1;         ///< what calibration has multiplied the rule's constants with
   double volume_modulus = 0;             ///< κ of the springs' volume term [Pa]; 0 without
@@ -83,6 +83,7 @@ inline const char* outcome_name(const Run& run) { return run.suited ? name_of(ru
 struct RunOptions {
   StaticOptions statics;
   bool keep_snapshots = false;
+  bool last_snapshot = false;                                   ///< of them only that of the last state
   std::function<void(const std::string& doing)> progress = {};  ///< called before each load step; may be empty
   std::optional<TimeOptions> time = {};                         ///< what a timed experiment needs
   bool live = false;                                            ///< frames of a run in time no faster than its cap

@@ -161,9 +161,7 @@ class Course {
     return false;
   }
 
-  void keep_snapshot() {
-    if (options_.keep_snapshots) run_.snapshots.push_back(snapshot_of(model_, state_, state_.time, frame_));
-  }
+  void keep_snapshot() { elastin::keep_snapshot(model_, state_, state_.time, frame_, options_, run_); }
 
   void save() const {
     options_.checkpoint(restart_text({frame_, state_, ledger_.dissipated, ledger_.work, control_.memory,

@@ -135,26 +135,35 @@ std::string unsuited(const Specimen& specimen, Experiment& experiment, const Str
   return reason;
 }
 
-std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& any,
-                                const RunOptions& options, Run& run) {
+std::unique_ptr<Elasticity> make_elasticity(const Specimen& specimen, Experiment& experiment, const StrategyChoice& any,
+                                            const RunOptions& options, Run& run) {
   const StrategyChoice choice = on_body(any, specimen);
-  const Body& body = specimen.body;
-  const Material& material = specimen.material;
-  const bool by_parts = choice.strategy.by_parts;
-  auto elasticity = by_parts && !choice.calibrated ? make_by_parts(specimen, choice, run)
-                    : choice.strategy.constants    ? make_rule(specimen, experiment, choice, options, run)
-                                                   : choice.strategy.make(body, material, choice.values);
-  if (!elasticity) return std::nullopt;
+  auto elasticity = choice.strategy.by_parts && !choice.calibrated ? make_by_parts(specimen, choice, run)
+                    : choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
+                                                : choice.strategy.make(specimen.body, specimen.material, choice.values);
+  if (!elasticity) return nullptr;
   note_negative_constants(run);
   if (has_curve(specimen) && !choice.strategy.follows_curve)
     run.warnings.push_back("does not follow the material's curve: it takes its slope at no strain alone");
-  std::optional<Model> model(body);
+  return elasticity;
+}
+
+void add_surroundings(Model& model, const Specimen& specimen, Experiment& experiment, const StrategyChoice& any) {
+  const StrategyChoice choice = on_body(any, specimen);
+  add_companions(model, choice.strategy, specimen.material);
+  for (const auto& add_load : specimen.loads) add_load(model);
+  if (specimen.contact) model.add(make_contact(specimen.body, *specimen.contact));
+  experiment.hold(model);
+  hold_rigid_parts(model);
+}
+
+std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                                const RunOptions& options, Run& run) {
+  auto elasticity = make_elasticity(specimen, experiment, choice, options, run);
+  if (!elasticity) return std::nullopt;
+  std::optional<Model> model(specimen.body);
   model->add(std::move(elasticity));
-  add_companions(*model, choice.strategy, material);
-  for (const auto& add_load : specimen.loads) add_load(*model);
-  if (specimen.contact) model->add(make_contact(body, *specimen.contact));
-  experiment.hold(*model);
-  hold_rigid_parts(*model);
+  add_surroundings(*model, specimen, experiment, choice);
   return model;
 }
 

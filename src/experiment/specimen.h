@@ -15,8 +15,17 @@ bool needs_cells(const Strategy& strategy, const Body& body);
 /// Why a strategy cannot run here, or "".
 std::string unsuited(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice);
 
-/// The strategy at work on the specimen with the scene's loads, held by the experiment; nothing if that fails: the run
-/// says why. The specimen's body must be prepared, and outlive the model.
+/// The strategy at work on the specimen's body alone; null if that fails: the run says why. The body must be prepared,
+/// and outlive it.
+std::unique_ptr<Elasticity> make_elasticity(const Specimen& specimen, Experiment& experiment,
+                                            const StrategyChoice& choice, const RunOptions& options, Run& run);
+
+/// Adds what acts beside it to a model of the specimen's body: fibres, bending, cables, ties, the scene's loads, its
+/// contact, and the experiment's supports and load.
+void add_surroundings(Model& model, const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice);
+
+/// Both: the strategy at work with the scene's loads, held by the experiment; nothing if that fails. The specimen must
+/// outlive the model.
 std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
                                 const RunOptions& options, Run& run);
 

@@ -48,6 +48,12 @@ Snapshot snapshot_of(const Model& model, const State& state, double at, int numb
   return shot;
 }
 
+void keep_snapshot(const Model& model, const State& state, double at, int number, const RunOptions& options, Run& run) {
+  if (!options.keep_snapshots) return;
+  if (options.last_snapshot) run.snapshots.clear();
+  run.snapshots.push_back(snapshot_of(model, state, at, number));
+}
+
 void ForceControl::aim(double part) {
   part_ = part;
   if (part == 0) {

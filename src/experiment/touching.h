@@ -21,6 +21,9 @@ void note_contact(const ContactReport& report, double copies, Measures& measures
 /// A state to be looked at, with what touches in it.
 Snapshot snapshot_of(const Model& model, const State& state, double at, int number);
 
+/// Keeps it with the run as far as the options ask for that.
+void keep_snapshot(const Model& model, const State& state, double at, int number, const RunOptions& options, Run& run);
+
 /// Finds the way on which something must go until it meets a wanted resistance: secants from equilibrium to
 /// equilibrium.
 class ForceControl {

@@ -15,7 +15,9 @@ class Gravity final : public Load {
     parallel_for(body_.size(), [&](int molecule) { forces.col(molecule) += body_.mass[molecule] * acceleration_; });
   }
   double energy(const State& state) const override {
-    return -acceleration_.dot((state.positions - body_.rest) * body_.mass);
+    return -ordered_sum(body_.size(), [&](int molecule) {
+      return body_.mass[molecule] * acceleration_.dot(state.positions.col(molecule) - body_.rest.col(molecule));
+    });
   }
 
  private:
@@ -85,21 +87,22 @@ class Varying final : public Load {
  public:
   Varying(std::unique_ptr<Load> load, TimeFunction function) : load_(std::move(load)), function_(std::move(function)) {}
   void add_forces(const State& state, Positions& forces) const override {
-    Positions whole = Positions::Zero(3, forces.cols());
-    load_->add_forces(state, whole);
-    forces += function_.value(state.time) * whole;
+    whole_.setZero(3, forces.cols());
+    load_->add_forces(state, whole_);
+    forces += function_.value(state.time) * whole_;
   }
   double energy(const State& state) const override { return function_.value(state.time) * load_->energy(state); }
   bool changes() const override { return load_->changes(); }
   void add_change(const State& state, const Positions& motion, const Positions& change,
                   Positions& forces) const override {
-    Positions whole = Positions::Zero(3, forces.cols());
-    load_->add_change(state, motion, change, whole);
-    forces += function_.value(state.time) * whole;
+    whole_.setZero(3, forces.cols());
+    load_->add_change(state, motion, change, whole_);
+    forces += function_.value(state.time) * whole_;
   }
   void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override {
     const double factor = function_.value(state.time);
-    load_->visit_blocks(state, velocity_weight, [&](int a, int b, const Matrix3& part) { visit(a, b, factor * part); });
+    const auto scaled = [&](int a, int b, const Matrix3& part) { visit(a, b, factor * part); };
+    load_->visit_blocks(state, velocity_weight, std::ref(scaled));
   }
   bool steady() const override { return function_.constant() && load_->steady(); }
   bool acts_at_rest() const override { return load_->acts_at_rest(); }
@@ -107,6 +110,7 @@ class Varying final : public Load {
  private:
   std::unique_ptr<Load> load_;
   TimeFunction function_;
+  mutable Positions whole_;  // of the load that varies: a step must not ask for memory
 };
 
 }  // namespace

@@ -112,7 +112,8 @@ VectorX Model::viscous_densities(const State& state) const {
   VectorX densities = VectorX::Zero(body_->connections.size());
   if (viscosity_.empty()) return densities;
   const auto [squares, rates] = squares_and_rates(state);
-  for (const auto& part : viscosity_) part->add_force_densities(squares, rates, densities);
+  Scratch scratch;
+  for (const auto& part : viscosity_) part->add_force_densities(squares, rates, densities, scratch);
   return densities;
 }
 
@@ -127,7 +128,8 @@ void Model::set_forces(const State& state, Positions& forces, Scratch& scratch) 
   if (!viscosity_.empty()) {
     set_squares_and_rates(state, scratch.squares, scratch.rates);
     scratch.densities.setZero(body_->connections.size());
-    for (const auto& part : viscosity_) part->add_force_densities(scratch.squares, scratch.rates, scratch.densities);
+    for (const auto& part : viscosity_)
+      part->add_force_densities(scratch.squares, scratch.rates, scratch.densities, scratch);
     gather(state.positions, scratch.densities, forces);
   }
   for (const auto& load : loads_) load->add_forces(state, forces);

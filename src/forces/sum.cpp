@@ -45,8 +45,8 @@ class Sum final : public Elasticity {
   bool coupled() const override {
     return !all([](const Elasticity& term) { return !term.coupled(); });
   }
-  void add_change(const VectorX& squares, VectorX& densities) const override {
-    for (const auto& term : terms_) term->add_change(squares, densities);
+  void add_change(const VectorX& squares, VectorX& densities, Scratch& scratch) const override {
+    for (const auto& term : terms_) term->add_change(squares, densities, scratch);
   }
   void visit_cells(const CellVisitor& visit) const override {
     for (const auto& term : terms_) term->visit_cells(visit);

@@ -6,34 +6,39 @@
 
 namespace elastin {
 
-Tangent::Tangent(Model& model, const State& state, const Weights& weights)
-    : model_(model),
-      state_(state),
-      weights_(weights),
-      densities_(model.force_densities(state.positions)),
-      slopes_(VectorX::Zero(model.body().connections.size())) {
-  for (const auto& part : model.elasticity()) {
+Tangent::Tangent(Model& model, const State& state, const Weights& weights) : model_(model) { take(state, weights); }
+
+void Tangent::take(const State& state, const Weights& weights) {
+  state_ = &state;
+  weights_ = weights;
+  const int connections = model_.body().connections.size();
+  densities_.setZero(connections);
+  slopes_.setZero(connections);
+  coupled_ = false;
+  for (const auto& part : model_.elasticity()) part->add_force_densities(state.positions, densities_, scratch_);
+  for (const auto& part : model_.elasticity()) {
     part->linearise(state.positions);
     part->add_own_slopes(slopes_);
     coupled_ |= part->coupled();
   }
-  if (!model.viscosity().empty()) {
-    const auto [squares, rates] = model.squares_and_rates(state);
-    for (const auto& part : model.viscosity()) {
-      part->add_force_densities(squares, rates, densities_);
-      part->add_own_slopes(squares, rates, weights.velocity, slopes_);
+  if (!model_.viscosity().empty()) {
+    model_.set_squares_and_rates(state, scratch_.squares, scratch_.rates);
+    for (const auto& part : model_.viscosity()) {
+      part->add_force_densities(scratch_.squares, scratch_.rates, densities_, scratch_);
+      part->add_own_slopes(scratch_.squares, scratch_.rates, weights.velocity, slopes_);
       coupled_ |= part->coupled();
     }
   }
-  if (densities_.isZero(0)) densities_.resize(0);
-  const auto& loads = model.loads();
+  stressed_ = !densities_.isZero(0);
+  if (!stressed_ && weights.acceleration == 0) densities_.resize(0);
+  const auto& loads = model_.loads();
   loads_change_ = std::any_of(loads.begin(), loads.end(), [&](const auto& load) {
     return load->changes() && (load->acts_at_rest() || weights.velocity != 0);
   });
   set_diagonal();
 }
 
-void Tangent::apply(const Positions& motion, Positions& result) const {
+void Tangent::apply(const Positions& motion, Positions& result, Room& room) const {
   if (weights_.acceleration != 0)
     parallel_for(
         static_cast<int>(motion.cols()),
@@ -41,19 +46,19 @@ void Tangent::apply(const Positions& motion, Positions& result) const {
         kParallelThreshold / 10);
   else
     result.setZero();
-  apply_links(motion, result);
+  apply_links(motion, result, room);
   if (!loads_change_) return;
-  const Positions rates = weights_.velocity * motion;
-  Positions change = Positions::Zero(3, motion.cols());
+  room.rates = weights_.velocity * motion;
+  room.change.setZero(3, motion.cols());
   for (const auto& load : model_.loads())
-    if (load->changes()) load->add_change(state_, motion, rates, change);
-  result -= change;
+    if (load->changes()) load->add_change(*state_, motion, room.rates, room.change);
+  result -= room.change;
 }
 
-void Tangent::apply_links(const Positions& motion, Positions& result) const {
+void Tangent::apply_links(const Positions& motion, Positions& result, Room& room) const {
   const Connections& connections = model_.body().connections;
   const Graph& graph = *model_.graph_;
-  if (!coupled_ && densities_.size() == 0) {
+  if (!coupled_ && !stressed_) {
     graph.add_flows(result, [&](int c, int a, int b) -> Vector3 {
       const Vector3 d = positions().col(b) - positions().col(a);
       return (2 * slopes_[c] * d.dot(motion.col(a) - motion.col(b))) * d;
@@ -68,16 +73,18 @@ void Tangent::apply_links(const Positions& motion, Positions& result) const {
     });
     return;
   }
-  VectorX squares(connections.size()), densities(connections.size());
+  VectorX &squares = room.squares, &densities = room.densities;
+  squares.resize(connections.size());
+  densities.resize(connections.size());
   parallel_for(connections.size(), [&](int c) {
     const auto& [a, b] = connections.ends[c];
     squares[c] = 2 * (positions().col(b) - positions().col(a)).dot(motion.col(b) - motion.col(a));
     densities[c] = slopes_[c] * squares[c];
   });
-  for (const auto& part : model_.elasticity()) part->add_change(squares, densities);
+  for (const auto& part : model_.elasticity()) part->add_change(squares, densities, room.scratch);
   if (!model_.viscosity().empty()) {
     squares *= weights_.velocity;
-    for (const auto& part : model_.viscosity()) part->add_change(squares, densities);
+    for (const auto& part : model_.viscosity()) part->add_change(squares, densities, room.scratch);
   }
   graph.add_flows(result, [&](int c, int a, int b) -> Vector3 {
     const Link link = this->link(c);
@@ -107,7 +114,7 @@ void Tangent::visit_local_blocks(const BlockVisitor& visit) const {
   };
   for (const auto& part : model_.elasticity()) part->visit_cells(visit_cell(1));
   for (const auto& part : model_.viscosity()) part->visit_cells(visit_cell(weights_.velocity));
-  for (const auto& load : model_.loads()) load->visit_blocks(state_, weights_.velocity, visit);
+  for (const auto& load : model_.loads()) load->visit_blocks(*state_, weights_.velocity, visit);
 }
 
 void Tangent::visit_blocks(const BlockVisitor& visit) const {
@@ -118,7 +125,7 @@ void Tangent::visit_blocks(const BlockVisitor& visit) const {
 std::vector<WidePart> Tangent::wide_parts() const {
   std::vector<WidePart> parts;
   for (const auto& load : model_.loads())
-    for (WidePart& part : load->wide_parts(state_)) parts.push_back(std::move(part));
+    for (WidePart& part : load->wide_parts(*state_)) parts.push_back(std::move(part));
   return parts;
 }
 
@@ -132,7 +139,7 @@ void Tangent::visit_cells(const std::function<void(double, std::span<const int>,
 
 void Tangent::visit_other_diagonal(const std::function<void(int, const Matrix3&)>& visit) const {
   for (const auto& load : model_.loads())
-    load->visit_blocks(state_, weights_.velocity, [&](int a, int b, const Matrix3& part) {
+    load->visit_blocks(*state_, weights_.velocity, [&](int a, int b, const Matrix3& part) {
       if (a == b) visit(a, part);
     });
   const auto nothing = [](std::span<const std::pair<int, Vector3>>, double) {};
@@ -179,13 +186,14 @@ void Tangent::set_diagonal() {
       }
     };
   };
-  for (const auto& part : model_.elasticity()) part->visit_cells(add_cell(1));
-  for (const auto& part : model_.viscosity()) part->visit_cells(add_cell(weights_.velocity));
+  const auto add_elastic = add_cell(1), add_viscous = add_cell(weights_.velocity);
+  for (const auto& part : model_.elasticity()) part->visit_cells(std::ref(add_elastic));
+  for (const auto& part : model_.viscosity()) part->visit_cells(std::ref(add_viscous));
   const BlockVisitor add_own = [&](int a, int b, const Matrix3& part) {
     if (a == b) add(a, part);
   };
-  for (const auto& load : model_.loads()) load->visit_blocks(state_, weights_.velocity, add_own);
-  for (const auto& part : model_.elasticity()) part->visit_diagonal(add);
+  for (const auto& load : model_.loads()) load->visit_blocks(*state_, weights_.velocity, add_own);
+  for (const auto& part : model_.elasticity()) part->visit_diagonal(std::ref(add));
 }
 
 }  // namespace elastin

@@ -21,9 +21,21 @@ class Tangent {
  public:
   /// Linearises every elasticity of the model. Model and state must outlive the tangent.
   Tangent(Model& model, const State& state, const Weights& weights = {});
+  /// The same anew, without an allocation.
+  void take(const State& state, const Weights& weights);
 
-  /// result = K motion [N], motion [m]; result is overwritten.
-  void apply(const Positions& motion, Positions& result) const;
+  /// Room for what apply computes on the way; it belongs to the caller and only grows.
+  struct Room {
+    VectorX squares, densities;
+    Positions rates, change;
+    Scratch scratch;
+  };
+  /// result = K motion [N], motion [m]; result is overwritten. Without an allocation once `room` has served.
+  void apply(const Positions& motion, Positions& result, Room& room) const;
+  void apply(const Positions& motion, Positions& result) const {
+    Room room;
+    apply(motion, result, room);
+  }
 
   /// Calls visit(a, b, K_ab part) for every part of every 3×3 block, both triangles; the blocks are the sums, less the
   /// wide parts.
@@ -49,7 +61,7 @@ class Tangent {
   };
   Link link(int connection) const {
     const auto& [a, b] = model_.body().connections.ends[static_cast<std::size_t>(connection)];
-    const double density = densities_.size() > 0 ? densities_[connection] : 0;
+    const double density = stressed_ ? densities_[connection] : 0;
     return {positions().col(b) - positions().col(a), density, 2 * slopes_[connection]};
   }
   /// Calls visit(weight, connections, slopes) for each cell whose connections influence each other.
@@ -60,7 +72,7 @@ class Tangent {
 
   const Model& model() const { return model_; }
   /// Of the molecules, where it was taken.
-  const Positions& positions() const { return state_.positions; }
+  const Positions& positions() const { return state_->positions; }
   const Weights& weights() const { return weights_; }
 
  private:
@@ -70,17 +82,18 @@ class Tangent {
     const auto [d, density, slope] = link(connection);
     return density * Matrix3::Identity() + slope * d * d.transpose();
   }
-  void apply_links(const Positions& motion, Positions& result) const;
+  void apply_links(const Positions& motion, Positions& result, Room& room) const;
   void visit_local_blocks(const BlockVisitor& visit) const;
   void set_diagonal();
-  const Model& model_;
-  const State& state_;
+  Model& model_;
+  const State* state_ = nullptr;
   Weights weights_;
   // Vectors from end to end are made anew from the positions: that takes less time than to read them.
-  VectorX densities_;  ///< empty where no connection is stressed, as at rest
+  VectorX densities_;  ///< not there in a static problem where no connection is stressed
   VectorX slopes_;
   std::vector<Six> diagonal_;
-  bool coupled_ = false, loads_change_ = false;
+  Scratch scratch_;
+  bool stressed_ = false, coupled_ = false, loads_change_ = false;
 };
 
 }  // namespace elastin

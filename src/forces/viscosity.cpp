@@ -1,5 +1,7 @@
 #include "elastin/forces/viscosity.h"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 #include "base/parallel.h"
@@ -13,7 +15,7 @@ class ConnectionDamping final : public Viscosity {
  public:
   explicit ConnectionDamping(double coefficient) : coefficient_(coefficient) {}
 
-  void add_force_densities(const VectorX& squares, const VectorX& rates, VectorX& densities) const override {
+  void add_force_densities(const VectorX& squares, const VectorX& rates, VectorX& densities, Scratch&) const override {
     parallel_for(static_cast<int>(squares.size()), [&](int c) {
       if (squares[c] > 0) densities[c] += coefficient_ * rates[c] / (2 * squares[c]);
     });
@@ -39,24 +41,23 @@ class RestDamping final : public Viscosity {
     slopes_ *= time;
   }
 
-  void add_force_densities(const VectorX&, const VectorX& rates, VectorX& densities) const override {
+  void add_force_densities(const VectorX&, const VectorX& rates, VectorX& densities, Scratch& scratch) const override {
     densities += slopes_.cwiseProduct(rates);
-    if (law_->coupled()) add_change(rates, densities);
+    if (law_->coupled()) add_change(rates, densities, scratch);
   }
   void add_own_slopes(const VectorX&, const VectorX&, double rate_weight, VectorX& slopes) const override {
     slopes += rate_weight * slopes_;
   }
   bool coupled() const override { return law_->coupled(); }
-  void add_change(const VectorX& change_of_rates, VectorX& change_of_densities) const override {
-    law_->add_change(time_ * change_of_rates, change_of_densities);
+  void add_change(const VectorX& change_of_rates, VectorX& change_of_densities, Scratch& scratch) const override {
+    scratch.scaled = time_ * change_of_rates;
+    law_->add_change(scratch.scaled, change_of_densities, scratch);
   }
   void visit_cells(const Elasticity::CellVisitor& visit) const override {
     law_->visit_cells([&](std::span<const int> connections, const double* slopes) {
-      const std::vector<double> scaled = [&] {
-        std::vector<double> all(slopes, slopes + connections.size() * connections.size());
-        for (double& slope : all) slope *= time_;
-        return all;
-      }();
+      std::array<double, 36> scaled;  // of a tetrahedron's six sides, or fewer
+      std::transform(slopes, slopes + connections.size() * connections.size(), scaled.begin(),
+                     [this](double slope) { return slope * time_; });
       visit(connections, scaled.data());
     });
   }

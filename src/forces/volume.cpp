@@ -1,8 +1,11 @@
 #include "elastin/forces/volume.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <memory_resource>
 #include <optional>
 #include <utility>
 
@@ -120,9 +123,9 @@ class Volume final : public Elasticity {
 
   void linearise(const Positions& positions) override {
     positions_ = positions;
-    VectorX sums(groups_.size());
+    changes_.resize(groups_.size());
     pressures_.resize(tetrahedra());
-    set_pressures(positions, sums, pressures_);
+    set_pressures(positions, changes_, pressures_);
     now_.resize(static_cast<std::size_t>(tetrahedra()));
     parallel_for(tetrahedra(), [&](int t) { now_[static_cast<std::size_t>(t)] = tetrahedron(positions, t); });
   }
@@ -130,8 +133,9 @@ class Volume final : public Elasticity {
   void add_own_slopes(VectorX&) const override {}
   bool coupled() const override { return true; }
 
-  void add_change(const VectorX& change_of_squares, VectorX& change_of_densities) const override {
-    VectorX changes(tetrahedra()), sums(groups_.size()), pressures(tetrahedra());
+  void add_change(const VectorX& change_of_squares, VectorX& change_of_densities, Scratch& scratch) const override {
+    auto changes = scratch.take(Scratch::changes, tetrahedra()), sums = scratch.take(Scratch::groups, groups_.size()),
+         pressures = scratch.take(Scratch::cells, tetrahedra());
     const auto squares = [&](int t) {
       CellVector<4> change;
       for (int c = 0; c < 6; ++c) change[c] = change_of_squares[graph_.slot_connection[6 * t + c]];
@@ -140,7 +144,7 @@ class Volume final : public Elasticity {
     parallel_for(tetrahedra(), [&](int t) { changes[t] = now_[t].slope.dot(squares(t)); });
     set_group_sums([&](int t) { return changes[t]; }, sums);
     set_spread(sums, pressures);
-    VectorX slots(tetrahedra() * 6);
+    auto slots = scratch.take(Scratch::slots, tetrahedra() * 6);
     parallel_for(tetrahedra(), [&](int t) {
       CellVector<4> change = pressures[t] * now_[t].slope;
       if (pressures_[t] != 0) change += pressures_[t] * now_[t].change_of_slope(squares(t));
@@ -174,14 +178,16 @@ class Volume final : public Elasticity {
 
   /// Without the parts of a tetrahedron's own, which are small where the pressure is against the modulus.
   bool visit_gradients(const GradientVisitor& visit) const override {
+    GradientRoom room;
     for (int group = 0; group < groups_.size(); ++group)
-      if (group_volume_[group] != 0) visit(group_gradient(group), modulus_ / group_volume_[group]);
+      if (group_volume_[group] != 0) visit(group_gradient(group, room), modulus_ / group_volume_[group]);
     return true;
   }
 
   void visit_diagonal(const DiagonalVisitor& visit) const override {
+    GradientRoom room;
     for (int group = 0; group < groups_.size(); ++group)
-      for (const auto& [molecule, gradient] : group_gradient(group))
+      for (const auto& [molecule, gradient] : group_gradient(group, room))
         visit(molecule, modulus_ / group_volume_[group] * gradient * gradient.transpose());
     static constexpr auto pairs = corner_pairs<4>();
     for (int t = 0; t < tetrahedra(); ++t)
@@ -223,27 +229,39 @@ class Volume final : public Elasticity {
     set_spread(changes, pressures);
   }
 
+  using Gradient = std::pmr::vector<std::pair<int, Vector3>>;
+  /// Room for one group's gradient after the other, without an allocation where groups are of usual size.
+  struct GradientRoom {
+    std::array<std::byte, 16384> bytes;
+    std::pmr::monotonic_buffer_resource memory{bytes.data(), bytes.size()};
+    Gradient sums{&memory};
+  };
+
   /// ∂(Σ w V_T)/∂x of each molecule of a group [m²], ascending.
-  std::vector<std::pair<int, Vector3>> group_gradient(int group) const {
-    std::vector<std::pair<int, Vector3>> parts, sums;
+  const Gradient& group_gradient(int group, GradientRoom& room) const {
+    room.sums.clear();
     for (const int t : groups_.members[group]) {
       const AreaVectors n = volume_gradient(positions_, cell(t));
-      for (int corner = 0; corner < 4; ++corner) parts.emplace_back(cell(t)[corner], groups_.weight * n.col(corner));
+      for (int corner = 0; corner < 4; ++corner) {
+        const int molecule = cell(t)[corner];
+        const auto at = std::lower_bound(room.sums.begin(), room.sums.end(), molecule,
+                                         [](const auto& part, int wanted) { return part.first < wanted; });
+        const Vector3 part = groups_.weight * n.col(corner);
+        if (at != room.sums.end() && at->first == molecule)
+          at->second += part;
+        else
+          room.sums.emplace(at, molecule, part);
+      }
     }
-    std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (const auto& part : parts)
-      if (sums.empty() || sums.back().first != part.first)
-        sums.push_back(part);
-      else
-        sums.back().second += part.second;
-    return sums;
+    return room.sums;
   }
 
   /// visit(a, b, block) for a ≤ b of every group's κ/V_g ∂V_g/∂x_a ∂V_g/∂x_bᵀ.
   template <class Visit>
   void visit_group_blocks(Visit visit) const {
+    GradientRoom room;
     for (int group = 0; group < groups_.size(); ++group) {
-      const auto gradient = group_gradient(group);
+      const Gradient& gradient = group_gradient(group, room);
       for (std::size_t i = 0; i < gradient.size(); ++i)
         for (std::size_t j = i; j < gradient.size(); ++j)
           visit(gradient[i].first, gradient[j].first,
@@ -258,6 +276,7 @@ class Volume final : public Elasticity {
   VectorX group_volume_;
   // At the positions of linearise().
   Positions positions_;
+  VectorX changes_;  // of the groups' volumes
   VectorX pressures_;
   std::vector<Tetrahedron> now_;
 };

@@ -58,11 +58,8 @@ std::vector<StrategyChoice> chosen_strategies(const Request& request, const Cata
       for (StrategyChoice& choice : all_strategies(catalog))
         if (!find_strategy(choices, choice.label)) choices.push_back(std::move(choice));
     if (label == "all" || find_strategy(choices, label)) continue;
-    // A strategy that the scene names keeps the scene's parameters.
-    const StrategyChoice* known = find_strategy(scene.strategies, label);
-    if (scene.stiffness.label == label && (!known || known->values.empty())) known = &scene.stiffness;
     try {
-      choices.push_back(known ? *known : choose_strategy(catalog, label));
+      choices.push_back(choose_strategy(scene, catalog, label));
     } catch (const InputError& error) {
       throw InputError(std::string("--strategies: ") + error.what());
     }

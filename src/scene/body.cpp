@@ -1,5 +1,6 @@
 #include <filesystem>
 
+#include "elastin/model/arrays.h"
 #include "elastin/model/delaunay.h"
 #include "elastin/model/mesh_file.h"
 #include "elastin/model/shapes.h"
@@ -158,16 +159,6 @@ Body read_shape(Reader& reader, VectorX& volumes, Remarks remarks) {
   return read_list(*shape, reader.find("connections"), reader.find("triangles"));
 }
 
-/// Length of the shortest connection proper [m]; 0 if there is none.
-double shortest_connection(const Body& body) {
-  double shortest = 0;
-  for (int c = 0; c < body.connections.proper(); ++c) {
-    const double length = body.connections.rest_length[static_cast<std::size_t>(c)];
-    if (length > 0 && (shortest == 0 || length < shortest)) shortest = length;
-  }
-  return shortest;
-}
-
 void read_grade(Reader reader, Body& body) {
   const int axis = reader.at("axis").choice<int>({{"x", 0}, {"y", 1}, {"z", 2}});
   const double ratio = reader.at("ratio").quantity(dimension::none, {0.01, 100});
@@ -251,12 +242,9 @@ Body read_body(Reader reader, const Material& material, Remarks remarks) {
   if (auto cells = reader.find("cells")) read_cells(*cells, body, remarks.warnings);
   const auto radius = reader.find("radius"), regions = reader.find("regions"), lines = reader.find("lines");
   reader.finish();
-  const double shortest = shortest_connection(body);
-  if (!radius && shortest == 0) reader.fail("give a radius: there is no connection of which to take half the length");
-  const double r = radius ? radius->quantity(dimension::length, kPositive) : shortest / 2;
-  const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
-  const double volume = size.prod() > 0 ? size.prod() : body.size() * std::pow(2 * r, 3);
-  set_matter(body, r, material.density, material.thickness, volume);
+  const std::optional<double> given =
+      radius ? std::optional(radius->quantity(dimension::length, kPositive)) : std::nullopt;
+  reader.located([&] { set_matter(body, material.density, material.thickness, given); });
   if (volumes.size()) body.mass = material.density * volumes;
   if (regions && (material.curve || material.fibre))
     regions->fail("a body with regions takes a material without curve or fibre");

@@ -332,9 +332,14 @@ Reader open_scene_file(const std::string& path, const std::vector<std::string>& 
   std::ifstream stream(path);
   if (!stream) throw InputError(place, std::string("cannot read the scene: ") + std::strerror(errno));
   const std::string text((std::istreambuf_iterator<char>(stream)), {});
-  const YAML::Node root = load_document(path, text);
+  return open_scene_text(path, text, overrides, most_molecules);
+}
+
+Reader open_scene_text(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
+                       double most_molecules) {
+  const YAML::Node root = load_document(name, text);
   for (const std::string& assignment : overrides) put_override(root, assignment);
-  return {std::make_shared<SceneFile>(SceneFile{path, {}, {}, most_molecules}), root, ""};
+  return {std::make_shared<SceneFile>(SceneFile{name, {}, {}, most_molecules}), root, ""};
 }
 
 }  // namespace elastin

@@ -111,5 +111,8 @@ std::string missing_file(const std::string& path);
 
 /// Reads a YAML file and puts `key.path=value` overrides in. Throws InputError: file:line:column.
 Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules);
+/// The same of a text at hand; `name` stands for the file in messages.
+Reader open_scene_text(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
+                       double most_molecules);
 
 }  // namespace elastin

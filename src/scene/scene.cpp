@@ -210,6 +210,12 @@ const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, 
   return found == choices.end() ? nullptr : &*found;
 }
 
+StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const std::string& label) {
+  const StrategyChoice* known = find_strategy(scene.strategies, label);
+  if (scene.stiffness.label == label && (!known || known->values.empty())) known = &scene.stiffness;
+  return known ? *known : choose_strategy(catalog, label);
+}
+
 std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,
                                   const std::vector<std::string>& overrides, double most_molecules) {
   const auto too_large = [&] { return InputError(Place{path}, "the scene does not fit into this machine's memory"); };

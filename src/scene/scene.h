@@ -51,6 +51,10 @@ inline constexpr double kMostMolecules = 5e7;
 /// The one with this label, or nullptr.
 const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, const std::string& label);
 
+/// The one that a label names in a scene: a strategy that the scene names keeps the scene's parameters. Throws
+/// InputError with the nearest name.
+StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const std::string& label);
+
 /// Reads a scene and builds its body and experiment. `overrides` are key.path=value. Throws InputError, of a body with
 /// more molecules than these too.
 std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,

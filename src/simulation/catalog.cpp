@@ -130,6 +130,29 @@ Strategy with_wrinkling(const Strategy& strategy) {
   return result;
 }
 
+Strategy make_spring_rule(const std::string& name, RuleConstants constants, std::vector<ParameterInfo> parameters) {
+  Strategy rule;
+  rule.name = name;
+  rule.parameters = std::move(parameters);
+  rule.follows_curve = true;
+  rule.constants = [described = rule, constants](const Body& body, const Material& material,
+                                                 const ParameterValues& given) {
+    ParameterValues values = given;
+    for (const auto& [key, value] : given) detail::checked_parameter(described, key, value);
+    for (const ParameterInfo& info : described.parameters) values.try_emplace(info.name, info.fallback);
+    const auto seen = detail::proper_part(body);
+    const VectorX own = constants(*seen, material, values);
+    if (own.size() != seen->connections.size())
+      throw InputError("strategy " + described.name + " gives " + std::to_string(own.size()) +
+                       " constants; allowed: " + std::to_string(seen->connections.size()) + ", one a connection");
+    return detail::with_cell_sides(own, body);
+  };
+  rule.make = [constants = rule.constants](const Body& body, const Material& material, const ParameterValues& values) {
+    return make_springs(body, constants(body, material, values), material);
+  };
+  return rule;
+}
+
 const char* name_of(StrategyKind kind) {
   switch (kind) {
     case StrategyKind::spring_rule:

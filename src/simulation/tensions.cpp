@@ -20,7 +20,8 @@ void set_tensions(const Model& model, const State& state, VectorX& tensions, Scr
     scratch.squares[c] = d.squaredNorm();
     scratch.rates[c] = 2 * d.dot(state.velocities.col(b) - state.velocities.col(a));
   });
-  for (const auto& part : model.viscosity()) part->add_force_densities(scratch.squares, scratch.rates, tensions);
+  for (const auto& part : model.viscosity())
+    part->add_force_densities(scratch.squares, scratch.rates, tensions, scratch);
   parallel_for(count, [&](int c) { tensions[c] *= std::sqrt(scratch.squares[c]); });
 }
 

@@ -30,17 +30,20 @@ class BiCgStab final : public LinearSolver {
   LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                      double tolerance, Positions& x) override {
     const int n = static_cast<int>(rhs.cols());
-    const BlockInverses inverse(tangent, supports);
+    inverse_.take(tangent, supports);
     const auto precondition = [&](const Positions& from, Positions& to) {
       parallel_for(
-          n, [&](int i) { to.col(i) = inverse.times(i, from.col(i)); }, kMoleculeThreshold);
+          n, [&](int i) { to.col(i) = inverse_.times(i, from.col(i)); }, kMoleculeThreshold);
     };
     const auto apply = [&](const Positions& motion, Positions& result) {
-      tangent.apply(motion, result);
+      tangent.apply(motion, result, room_);
       keep_free(supports, result);
     };
     x.setZero(3, n);
-    Positions r = rhs, shadow = rhs, p = rhs, v(3, n), t(3, n), ready(3, n), best_x = x;
+    Positions &r = r_, &shadow = shadow_, &p = p_, &v = v_, &t = t_, &ready = ready_, &best_x = best_x_;
+    r = shadow = p = rhs;
+    best_x = x;
+    v.resize(3, n), t.resize(3, n), ready.resize(3, n);
     const double first = ordered_norm(rhs);
     LinearResult result;
     if (first == 0) return result;
@@ -87,6 +90,10 @@ class BiCgStab final : public LinearSolver {
 
  private:
   static constexpr int kPatience = 200;
+  // Kept from one solve to the next, so that steps in time ask for no memory.
+  BlockInverses inverse_;
+  Positions r_, shadow_, p_, v_, t_, ready_, best_x_;
+  Tangent::Room room_;
 };
 
 }  // namespace

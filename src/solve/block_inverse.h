@@ -13,7 +13,8 @@ Matrix3 positive_inverse(const Matrix3& block);
 /// The inverse of each molecule's own block in its free directions, in single precision, to precondition with.
 class BlockInverses {
  public:
-  BlockInverses(const Tangent& tangent, const std::vector<Support>& supports);
+  /// Allocates nothing where the body had as many molecules before.
+  void take(const Tangent& tangent, const std::vector<Support>& supports);
   /// Of a force [N]; [m].
   Vector3 times(int molecule, const Vector3& force) const {
     const auto& [xx, xy, xz, yy, yz, zz] = blocks_[static_cast<std::size_t>(molecule)];
@@ -23,7 +24,7 @@ class BlockInverses {
   }
 
  private:
-  double flexibility_;  ///< of the body's blocks in the mean [m/N]: what is kept is in parts of it
+  double flexibility_ = 0;  ///< of the body's blocks in the mean [m/N]: what is kept is in parts of it
   std::vector<std::array<float, 6>> blocks_;  ///< xx xy xz yy yz zz
 };
 

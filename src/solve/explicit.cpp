@@ -15,12 +15,12 @@ constexpr double kMostParts = 10000;
 /// A molecule's part of an update costs as much as some ten connections.
 constexpr int kMoleculeThreshold = kParallelThreshold / 10;
 
-void set_accelerations(const Model& model, State& state, Scratch& scratch) {
-  model.set_forces(state, state.accelerations, scratch);
-  keep_free(model.supports, state.accelerations);
+void set_accelerations(const Model& model, const State& state, Positions& accelerations, Scratch& scratch) {
+  model.set_forces(state, accelerations, scratch);
+  keep_free(model.supports, accelerations);
   const VectorX& mass = model.body().mass;
   parallel_for(
-      model.body().size(), [&](int i) { state.accelerations.col(i) /= mass[i]; }, kMoleculeThreshold);
+      model.body().size(), [&](int i) { accelerations.col(i) /= mass[i]; }, kMoleculeThreshold);
 }
 
 /// Passes over the molecules are bound by memory: each array is read and written as seldom as can be.
@@ -59,10 +59,22 @@ class Explicit final : public Integrator {
     return all;
   }
 
+  /// May call itself, with shorter steps: each keeps where it began.
+  StepResult again_in_parts(Model& model, State& state, double dt, double parts) {
+    const State before = state;
+    if (model.drive) model.drive(state.time, model.supports);
+    StepResult result = in_parts(model, state, dt, std::min(kMostParts, parts));
+    if (result.outcome != Outcome::converged) go_back(model, state, before);
+    return result;
+  }
+
   StepResult step(Model& model, State& state, double dt) {
     const int n = model.body().size();
     const bool verlet = scheme_ == Scheme::velocity_verlet;
-    if (!verlet || state.accelerations.cols() != n) set_accelerations(model, state, scratch_);
+    if (!verlet)
+      set_accelerations(model, state, accelerations_, scratch_);
+    else if (state.accelerations.cols() != n)
+      set_accelerations(model, state, state.accelerations, scratch_);
     next_.positions.resize(3, n);
     next_.velocities.resize(3, n);
     next_.time = state.time + dt;
@@ -81,11 +93,7 @@ class Explicit final : public Integrator {
       result.outcome = Outcome::inverted;
       result.cause = turned_over_text(model.body(), next_.positions);
     } else if (const double way = model.free_way(state, next_); way < 1) {
-      const State before = state;
-      if (model.drive) model.drive(state.time, model.supports);
-      StepResult parts = in_parts(model, state, dt, std::min(kMostParts, std::ceil(1 / way)));
-      if (parts.outcome != Outcome::converged) go_back(model, state, before);
-      return parts;
+      return again_in_parts(model, state, dt, std::ceil(1 / way));
     } else {
       model.remember(next_);
       std::swap(state, next_);
@@ -103,10 +111,10 @@ class Explicit final : public Integrator {
         [&](int begin, int end) {
           double most = 0;
           for (int i = begin; i < end; ++i) {
-            const Vector3 velocity = state.velocities.col(i) + dt * state.accelerations.col(i);
+            const Vector3 velocity = state.velocities.col(i) + dt * accelerations_.col(i);
             next_.velocities.col(i) = velocity;
             next_.positions.col(i) = state.positions.col(i) + dt * velocity;
-            most = larger(most, state.accelerations.col(i).squaredNorm(), velocity.squaredNorm());
+            most = larger(most, accelerations_.col(i).squaredNorm(), velocity.squaredNorm());
           }
           return most;
         },
@@ -174,6 +182,7 @@ class Explicit final : public Integrator {
 
   Scheme scheme_;
   State next_, before_;
+  Positions accelerations_;  // of a step's start, where the next step has no use for them
   Scratch scratch_;
 };
 
@@ -193,7 +202,7 @@ void move_with_supports(const std::vector<Support>& supports, Positions& velocit
 
 void set_accelerations(const Model& model, State& state) {
   Scratch scratch;
-  set_accelerations(model, state, scratch);
+  set_accelerations(model, state, state.accelerations, scratch);
 }
 
 std::unique_ptr<Integrator> make_explicit(Scheme scheme) { return std::make_unique<Explicit>(scheme); }

@@ -17,17 +17,18 @@ constexpr double kSmallestPart = 1. / 1024;
 class Implicit final : public Integrator {
  public:
   explicit Implicit(const IntegratorOptions& options) : options_(options) {
-    if (options.newton_iterations > 0) options_.newton.newton_limit = options.newton_iterations;
+    kinematics_.cut_short = options.newton_iterations > 0;
+    if (kinematics_.cut_short) options_.newton.newton_limit = options.newton_iterations;
   }
   Scheme scheme() const override { return options_.scheme; }
 
   StepResult advance(Model& model, State& state, double dt) override {
-    const State before = state;
+    before_ = state;
     StepResult result;
     result.parts = 0;
     advance(model, state, dt, dt * kSmallestPart, result);
     if (result.outcome != Outcome::converged) {
-      state = before;
+      state = before_;
       if (model.drive) model.drive(state.time, model.supports);
     }
     return result;
@@ -42,33 +43,37 @@ class Implicit final : public Integrator {
       advance(model, state, dt / 2, smallest, result);
   }
 
-  Kinematics kinematics_of(const State& state, double dt) const {
-    const Positions& v = state.velocities;
-    if (options_.scheme == Scheme::backward_euler)
-      return {{1 / dt, 1 / (dt * dt)}, state.positions, Positions::Zero(3, v.cols()), -v / dt};
-    const Positions& a = state.accelerations;
+  void set_kinematics(const State& state, double dt) {
+    const Positions &v = state.velocities, &a = state.accelerations;
+    kinematics_.start = state.positions;
+    if (options_.scheme == Scheme::backward_euler) {
+      kinematics_.weights = {1 / dt, 1 / (dt * dt)};
+      kinematics_.velocities.setZero(3, v.cols());
+      kinematics_.accelerations = -v / dt;
+      return;
+    }
     const double beta = options_.beta, gamma = options_.gamma;
-    return {{gamma / (beta * dt), 1 / (beta * dt * dt)},
-            state.positions,
-            v * (1 - gamma / beta) + a * (dt * (1 - gamma / (2 * beta))),
-            -v / (beta * dt) - a * (1 / (2 * beta) - 1)};
+    kinematics_.weights = {gamma / (beta * dt), 1 / (beta * dt * dt)};
+    kinematics_.velocities = v * (1 - gamma / beta) + a * (dt * (1 - gamma / (2 * beta)));
+    kinematics_.accelerations = -v / (beta * dt) - a * (1 / (2 * beta) - 1);
   }
 
   /// Where Newton starts: as if nothing changed, if that turns no cell over; else from where the body is.
-  static State first_guess(const Model& model, const Kinematics& kinematics, const State& state, double dt,
-                           bool newmark) {
-    State guess{state.positions + dt * state.velocities, state.velocities, state.time + dt, {}, state.touches};
+  void set_first_guess(const Model& model, const State& state, double dt, bool newmark) {
+    next_.positions = state.positions + dt * state.velocities;
+    next_.velocities = state.velocities;
+    next_.time = state.time + dt;
+    next_.touches = state.touches;
     if (newmark) {
-      guess.positions += dt * dt / 2 * state.accelerations;
+      next_.positions += dt * dt / 2 * state.accelerations;
     } else {
-      guess.accelerations = Positions::Zero(3, model.body().size());
-      balance_as_one(model, kinematics, guess);
+      next_.accelerations.setZero(3, model.body().size());
+      balance_as_one(model);
     }
-    place_supports(model, guess.positions);
-    if (model.admissible(guess.positions)) return guess;
-    guess.positions = state.positions;
-    place_supports(model, guess.positions);
-    return guess;
+    place_supports(model, next_.positions);
+    if (model.admissible(next_.positions)) return;
+    next_.positions = state.positions;
+    place_supports(model, next_.positions);
   }
 
   /// The state stays if it fails; the result then says why.
@@ -76,49 +81,59 @@ class Implicit final : public Integrator {
     const bool newmark = options_.scheme == Scheme::newmark;
     if (newmark && state.accelerations.cols() != state.positions.cols()) set_accelerations(model, state);
     if (model.drive) model.drive(state.time + dt, model.supports);
-    const Kinematics kinematics = kinematics_of(state, dt);
-    State next = first_guess(model, kinematics, state, dt, newmark);
-    const StaticResult solved = solve_newton(model, next, options_.newton, &kinematics);
+    set_kinematics(state, dt);
+    set_first_guess(model, state, dt, newmark);
+    const StaticResult solved = solve_newton(model, next_, options_.newton, &kinematics_, room_);
     result.newton_iterations += solved.newton_iterations;
     result.linear_iterations += solved.linear_iterations;
-    const bool cut_short = options_.newton_iterations > 0 && solved.outcome == Outcome::limit_reached;
-    if ((solved.outcome != Outcome::converged && !cut_short) || !next.positions.allFinite()) {
+    const bool cut_short = kinematics_.cut_short && solved.outcome == Outcome::limit_reached;
+    if ((solved.outcome != Outcome::converged && !cut_short) || !next_.positions.allFinite()) {
       result.outcome = solved.outcome == Outcome::converged ? Outcome::diverged : solved.outcome;
       result.cause = solved.cause;
       return;
     }
-    balance_as_one(model, kinematics, next);
-    if (model.free_way(state, next) < 1) {
+    balance_as_one(model);
+    if (model.free_way(state, next_) < 1) {
       result.outcome = Outcome::limit_reached;
       result.cause = "something would be passed through within a step";
       return;
     }
-    model.remember(next);
+    model.remember(next_);
     ++result.parts;
     result.cause.clear();
-    const Positions change =
-        newmark ? Positions(next.accelerations - state.accelerations) : Positions(next.accelerations);
+    const double change = newmark ? largest_square(next_.accelerations - state.accelerations)  //
+                                  : largest_square(next_.accelerations);
     // Newmark: [Zienkiewicz & Xie 1991]; Euler: half of dt² times the acceleration.
     const double factor = newmark ? std::max(std::abs(options_.beta - 1. / 6), 1. / 12) : 0.5;
-    result.error = factor * dt * dt * std::sqrt(change.colwise().squaredNorm().maxCoeff());
-    state = std::move(next);
+    result.error = factor * dt * dt * std::sqrt(change);
+    std::swap(state, next_);
+  }
+
+  template <class Vectors>
+  static double largest_square(const Vectors& vectors) {
+    return vectors.colwise().squaredNorm().maxCoeff();
   }
 
   /// What Newton leaves unbalanced of a free body's whole force would add up over the steps: the body moves as one to
   /// where it is not, which changes no length, so that momentum is kept to rounding.
-  static void balance_as_one(const Model& model, const Kinematics& kinematics, State& state) {
+  void balance_as_one(const Model& model) {
     if (!model.supports.empty()) return;
-    Positions forces;
-    model.set_forces(state, forces);
+    model.set_forces(next_, forces_, room_.trials.scratch);
     const double mass = model.body().mass.sum();
-    const Vector3 needed = state.accelerations * model.body().mass;
-    const Vector3 missing = (forces.rowwise().sum() - needed) / mass;
-    state.accelerations.colwise() += missing;
-    state.velocities.colwise() += missing * (kinematics.weights.velocity / kinematics.weights.acceleration);
-    state.positions.colwise() += missing / kinematics.weights.acceleration;
+    const Vector3 needed = next_.accelerations * model.body().mass;
+    const Vector3 missing = (forces_.rowwise().sum() - needed) / mass;
+    const Weights& weights = kinematics_.weights;
+    next_.accelerations.colwise() += missing;
+    next_.velocities.colwise() += missing * (weights.velocity / weights.acceleration);
+    next_.positions.colwise() += missing / weights.acceleration;
   }
 
   IntegratorOptions options_;
+  // Kept from one step to the next, so that steps ask for no memory.
+  State next_, before_;
+  Kinematics kinematics_;
+  Positions forces_;
+  NewtonRoom room_;
 };
 
 }  // namespace

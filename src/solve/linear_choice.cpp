@@ -31,7 +31,7 @@ LinearChoice choose_linear_solver(const Tangent& tangent, LinearMethod asked, do
   if (!model.symmetric()) return {LinearMethod::pcg, ""};
   const bool moving = tangent.weights().acceleration != 0;
   if (body.size() <= kTinyBody && !moving) return {LinearMethod::direct, counted_molecules(body) + " are few"};
-  if (moving) return {LinearMethod::pcg, "inertia keeps iterations few"};
+  if (moving) return {LinearMethod::pcg, ""};  // inertia keeps iterations few; a step has no memory for words
   if (!model.has_energy()) return {LinearMethod::pcg, "the stiffness is not symmetric"};
   const double across = connections_across(body), digits = std::max(1., -std::log10(tolerance));
   // In iterations of single molecules' blocks, with half as much again before the change is worth it.

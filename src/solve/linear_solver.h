@@ -33,14 +33,15 @@ class LinearSolver {
                              double tolerance, Positions& solution) = 0;
 };
 
-/// Conjugate gradients without a matrix, preconditioned by the 3×3 blocks of each molecule.
+/// Conjugate gradients without a matrix, preconditioned by the 3×3 blocks of each molecule. Its second solve of as many
+/// molecules, and those after it, allocate nothing.
 std::unique_ptr<LinearSolver> make_pcg();
 
 /// The same with a coarse picture of the body besides (solve/multigrid): for large and slender bodies.
 std::unique_ptr<LinearSolver> make_multigrid();
 
-/// Stabilised bi-conjugate gradients with the same preconditioner, for a stiffness that is not symmetric. [van der
-/// Vorst 1992]
+/// Stabilised bi-conjugate gradients with the same preconditioner, for a stiffness that is not symmetric; as to memory,
+/// as the first. [van der Vorst 1992]
 std::unique_ptr<LinearSolver> make_bicgstab();
 
 /// A sparse LDLᵀ factorisation with iterative refinement: for small bodies, indefinite stiffness and mode counts.

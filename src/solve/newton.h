@@ -1,24 +1,38 @@
 #pragma once
+#include <memory>
+#include <string>
+
 #include "elastin/solve/statics.h"
 #include "forces/tangent.h"
 #include "solve/linear_solver.h"
+#include "solve/trial.h"
 
 namespace elastin {
 
-/// What ties velocities and accelerations to the positions sought, at the end of a time step: v = v₀ + w_v (x − x₀),
-/// a = a₀ + w_a (x − x₀). A static problem has none of it.
-struct Kinematics {
-  Weights weights;
-  Positions start;          ///< x₀ [m]
-  Positions velocities;     ///< v₀ [m/s]
-  Positions accelerations;  ///< a₀ [m/s²]
+/// A linear solver kept from one solve to the next, for its memory.
+struct SolverKept {
+  std::unique_ptr<LinearSolver> solver;
+  LinearMethod method = LinearMethod::automatic;
+  bool symmetric = true;
+};
+
+/// Room for what Newton computes on the way; it only grows. Time steps of one model with conjugate gradients allocate
+/// nothing after the first.
+struct NewtonRoom {
+  Trial now;
+  TrialRoom trials;
+  std::unique_ptr<Tangent> tangent;  // of the model
+  SolverKept solver;
+  Positions motion;
 };
 
 /// The one Newton of static and implicit solvers: finds the positions where elastic forces, damping and loads balance
 /// inertia, from state.positions, with a line search on the energy where there is one and else on the unbalanced force.
 /// state.time is that of the answer; supports must be set for it. Never throws on numerical trouble.
-/// @param kinematics nullptr: static.
-StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics);
+/// @param kinematics nullptr: static. Else reactions are not asked for.
+/// @param room of this model alone.
+StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
+                          NewtonRoom& room);
 
 /// The unbalanced force [N] that rounding of the positions alone makes: nothing smaller can be asked for.
 double rounding_floor(const Tangent& tangent, const Positions& positions);
@@ -32,9 +46,10 @@ struct UsedSolver {
 /// cannot handle and the body is small enough for it; on a negative mode only if `through_saddles`.
 LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                           double tolerance, const StaticOptions& options, bool through_saddles, Positions& solution,
-                          UsedSolver& used);
+                          UsedSolver& used, SolverKept& kept);
 
 /// The held part of each supported molecule's column, 3 × supports.
+void set_held_parts(const std::vector<Support>& supports, const Positions& vectors, Positions& parts);
 Positions held_parts(const std::vector<Support>& supports, const Positions& vectors);
 
 /// Puts every supported molecule where its support wants it, in the held directions.

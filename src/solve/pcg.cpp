@@ -25,14 +25,16 @@ class Pcg final : public LinearSolver {
   LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                      double tolerance, Positions& x) override {
     const int n = static_cast<int>(rhs.cols());
-    const BlockInverses inverse(tangent, supports);
+    inverse_.take(tangent, supports);
     std::unique_ptr<Multigrid> coarse;
     if (multigrid_) coarse = std::make_unique<Multigrid>(tangent, supports);
     if (coarse && !coarse->positive()) coarse.reset();
     // Single precision makes a little of any motion that nothing resists; its size would then be whatever it is.
     std::optional<RigidMotions> whole;
     if (coarse) whole.emplace(tangent, supports);
-    Positions r = rhs, z(3, n), p(3, n), kp(3, n);
+    Positions &r = r_, &z = z_, &p = p_, &kp = kp_;
+    r = rhs;
+    z.resize(3, n), p.resize(3, n), kp.resize(3, n);
     x.setZero(3, n);
     // r·z and r·r in one pass; moved = 0 leaves x and r as they are.
     const auto advance = [&](double step) {
@@ -43,7 +45,7 @@ class Pcg final : public LinearSolver {
               x.col(i) += step * p.col(i);
               r.col(i) -= step * kp.col(i);
             }
-            z.col(i) = inverse.times(i, r.col(i));
+            z.col(i) = inverse_.times(i, r.col(i));
             return Eigen::Vector2d(r.col(i).dot(z.col(i)), r.col(i).squaredNorm());
           },
           Eigen::Vector2d(0, 0), kMoleculeThreshold);
@@ -68,9 +70,8 @@ class Pcg final : public LinearSolver {
     constexpr int patience = 100;
     double best = first;
     int best_at = 0;
-    Positions best_x;
     while (true) {
-      tangent.apply(p, kp);
+      tangent.apply(p, kp, room_);
       keep_free(supports, kp);
       const double curvature = ordered_sum(
           n, [&](int i) { return p.col(i).dot(kp.col(i)); }, 0., kMoleculeThreshold);
@@ -88,9 +89,9 @@ class Pcg final : public LinearSolver {
       now = advance(before / curvature);
       ++result.iterations;
       if (now[1] <= tolerance * tolerance * first) break;
-      if (!symmetric && now[1] < best) best = now[1], best_at = result.iterations, best_x = x;
+      if (!symmetric && now[1] < best) best = now[1], best_at = result.iterations, best_x_ = x;
       if (!symmetric && result.iterations - best_at > patience) {
-        if (best_at > 0) x = best_x;
+        if (best_at > 0) x = best_x_;
         now[1] = best;
         result.status = best < 0.25 * first ? LinearStatus::solved : LinearStatus::limit_reached;
         break;
@@ -121,6 +122,10 @@ class Pcg final : public LinearSolver {
 
  private:
   bool multigrid_;
+  // Kept from one solve to the next, so that steps in time ask for no memory.
+  BlockInverses inverse_;
+  Positions r_, z_, p_, kp_, best_x_;
+  Tangent::Room room_;
 };
 
 }  // namespace

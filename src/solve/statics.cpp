@@ -62,7 +62,8 @@ StaticResult solve_static(Model& model, State& state, const StaticOptions& optio
   if (options.way != StaticWay::newton) return relax(model, state, options);
   StaticResult moved;
   follow_supports(model, state, options, moved);
-  StaticResult result = solve_newton(model, state, options, nullptr);
+  NewtonRoom room;
+  StaticResult result = solve_newton(model, state, options, nullptr, room);
   result.linear_iterations += moved.linear_iterations;
   return result;
 }
@@ -86,8 +87,9 @@ StaticResponse static_response(Model& model, const Positions& at, const Position
   const double held = held_parts(model.supports, rhs).norm();
   keep_free(model.supports, rhs);
   UsedSolver used;
+  SolverKept kept;
   const LinearResult linear =
-      solve_linear(tangent, model.supports, rhs, options.tolerance, options, true, motion, used);
+      solve_linear(tangent, model.supports, rhs, options.tolerance, options, true, motion, used, kept);
   result.solver = "linear " + used.name;
   result.reason = used.reason;
   result.linear = true;

@@ -16,7 +16,8 @@ Positions forces_of(const Body& body, const Viscosity& viscosity, const State& s
   const Model model(body);
   const auto [squares, rates] = model.squares_and_rates(state);
   VectorX densities = VectorX::Zero(body.connections.size());
-  viscosity.add_force_densities(squares, rates, densities);
+  Scratch scratch;
+  viscosity.add_force_densities(squares, rates, densities, scratch);
   Positions forces = Positions::Zero(3, body.size());
   model.gather(state.positions, densities, forces);
   return forces;

@@ -1,5 +1,9 @@
 #include "tension_cube.h"
 
+#include <algorithm>
+#include <numeric>
+#include <random>
+
 #include "elastin/simulation/catalog.h"
 #include "experiment/tension.h"
 #include "measure.h"
@@ -10,11 +14,43 @@ namespace bench {
 
 using namespace elastin;
 
-TensionCube::TensionCube(int side) : body(make_cube(side)), model(body) {
+namespace {
+
+/// The cube with its springs; of a cube that is numbered at random nothing says that it is a lattice.
+std::pair<Body, VectorX> cube_and_constants(int side, Numbering numbering) {
+  Body cube = make_cube(side);
+  VectorX constants = built_in_catalog().find("lattice").constants(cube, kMaterial, {});
+  if (numbering == Numbering::lattice) return {std::move(cube), std::move(constants)};
+  auto shuffled = [generator = std::mt19937(1)](int count) mutable {
+    std::vector<int> order(static_cast<std::size_t>(count));
+    std::iota(order.begin(), order.end(), 0);
+    std::shuffle(order.begin(), order.end(), generator);
+    return order;
+  };
+  Body body = cube;
+  body.grid.reset();
+  body.cubes.clear();
+  const std::vector<int> molecules = shuffled(cube.size()), connections = shuffled(cube.connections.size());
+  for (int a = 0; a < cube.size(); ++a) body.rest.col(molecules[a]) = cube.rest.col(a);
+  VectorX own(constants.size());
+  for (int c = 0; c < cube.connections.size(); ++c) {
+    const auto& [a, b] = cube.connections.ends[connections[c]];
+    body.connections.ends[c] = {molecules[a], molecules[b]};
+    body.connections.rest_length[c] = cube.connections.rest_length[connections[c]];
+    own[c] = constants[connections[c]];
+  }
+  return {std::move(body), std::move(own)};
+}
+
+}  // namespace
+
+TensionCube::TensionCube(int side, Numbering numbering) : TensionCube(cube_and_constants(side, numbering)) {}
+
+TensionCube::TensionCube(std::pair<Body, VectorX> cube) : body(std::move(cube.first)), model(body) {
   TensionSetup setup;
   setup.force = kMaterial.youngs_modulus * kCubeLength * kCubeLength * 1e-5;
   experiment = make_tension(body, setup);
-  model.add(make_springs(body, built_in_catalog().find("lattice").constants(body, kMaterial, {})));
+  model.add(make_springs(body, std::move(cube.second)));
   experiment->hold(model);
   experiment->set_load(model, 1);
   loads = model.load_forces(state_at_rest(body));

@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/SparseCore>
 #include <memory>
+#include <utility>
 
 #include "elastin/forces/model.h"
 #include "experiment/experiment.h"
@@ -9,13 +10,19 @@ namespace bench {
 
 inline constexpr double kTolerance = 1e-8;  ///< of the residual, over the loads
 
+/// How a body's molecules and connections are numbered.
+enum class Numbering { lattice, at_random };
+
 /// The tension cube under the load that stretches it by 1e-5, ready to be solved.
 struct TensionCube {
-  explicit TensionCube(int side);
+  explicit TensionCube(int side, Numbering numbering = Numbering::lattice);
   elastin::Body body;
   elastin::Model model;
   std::unique_ptr<elastin::Experiment> experiment;
   elastin::Positions loads;
+
+ private:
+  explicit TensionCube(std::pair<elastin::Body, elastin::VectorX> cube);
 };
 
 /// K about rest without a shift; the sliding grips leave three rigid motions, on which the load does no work.

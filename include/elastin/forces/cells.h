@@ -123,7 +123,7 @@ class CellElasticity final : public Elasticity {
   void add_own_slopes(VectorX&) const override {}
   bool coupled() const override { return true; }
 
-  void add_change(const VectorX& change_of_squares, VectorX& change_of_densities) const override {
+  void add_change(const VectorX& change_of_squares, VectorX& change_of_densities, Scratch& scratch) const override {
     const auto change = [&](int cell) {
       Squares all;
       for (int side = 0; side < sides; ++side)
@@ -134,7 +134,7 @@ class CellElasticity final : public Elasticity {
       for (int cell = 0; cell < graph_.cells(); ++cell) add_to_connections(cell, change(cell), change_of_densities);
       return;
     }
-    VectorX slots(graph_.cells() * sides);
+    auto slots = scratch.take(Scratch::slots, graph_.cells() * sides);
     detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
       for (int cell = begin; cell < end; ++cell) slots.template segment<sides>(cell * sides) = change(cell);
     });

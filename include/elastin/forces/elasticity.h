@@ -18,7 +18,7 @@ class Graph;
 /// allocate nothing after the first.
 class Scratch {
  public:
-  enum Use { slots, cells, groups };
+  enum Use { slots, cells, groups, changes };
   /// Room for so many numbers; they are what was left there.
   Eigen::Map<VectorX> take(Use use, Eigen::Index size) { return grown(numbers_[use], size); }
   /// The same for each part of a parallel pass.
@@ -31,13 +31,14 @@ class Scratch {
 
   VectorX densities;       ///< [N/m], one a connection
   VectorX squares, rates;  ///< of its length [m²], [m²/s]
+  VectorX scaled;          ///< one a connection, what one law hands on to another
 
  private:
   static Eigen::Map<VectorX> grown(VectorX& numbers, Eigen::Index size) {
     if (numbers.size() < size) numbers.resize(size);
     return {numbers.data(), size};
   }
-  VectorX numbers_[3];
+  VectorX numbers_[4];
   std::vector<VectorX> of_parts_;
 };
 
@@ -77,8 +78,8 @@ class Elasticity {
   virtual void add_own_slopes(VectorX& slopes) const = 0;
   /// Whether connections influence each other; if not, the next two do nothing.
   virtual bool coupled() const { return false; }
-  /// Adds the coupled part of δq from δs.
-  virtual void add_change(const VectorX& /*change_of_squares*/, VectorX& /*change_of_densities*/) const {}
+  /// Adds the coupled part of δq from δs. Allocates nothing once `scratch` has served.
+  virtual void add_change(const VectorX& /*change_of_squares*/, VectorX& /*change_of_densities*/, Scratch&) const {}
   /// Calls visit(connections, slopes) for each cell; slopes row by row, rows = whose q.
   using CellVisitor = std::function<void(std::span<const int> connections, const double* slopes)>;
   virtual void visit_cells(const CellVisitor&) const {}

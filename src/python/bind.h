@@ -1,0 +1,82 @@
+#pragma once
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "elastin/base/types.h"
+#include "elastin/model/body.h"
+#include "elastin/simulation/catalog.h"
+#include "elastin/simulation/simulation.h"
+
+namespace elastin::python {
+
+namespace py = pybind11;
+
+void add_bodies(py::module_& module);
+void add_strategies(py::module_& module);
+void add_simulation(py::module_& module);
+void add_laboratory(py::module_& module);
+
+/// A numpy array over memory that belongs to `owner`, which lives as long as the array does.
+template <class T>
+py::array view(const T* data, std::vector<py::ssize_t> shape, const py::handle& owner, bool writable = false) {
+  py::array_t<T> array(std::move(shape), data, owner);
+  if (!writable) py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return array;
+}
+/// Shape (n, 3).
+inline py::array view(const Positions& places, const py::handle& owner, bool writable = false) {
+  return view(places.data(), {places.cols(), 3}, owner, writable);
+}
+inline py::array view(const VectorX& values, const py::handle& owner) {
+  return view(values.data(), {values.size()}, owner);
+}
+template <std::size_t corners>
+py::array view(const std::vector<std::array<int, corners>>& rows, const py::handle& owner) {
+  return view(rows.empty() ? nullptr : rows.front().data(),
+              {static_cast<py::ssize_t>(rows.size()), static_cast<py::ssize_t>(corners)}, owner);
+}
+
+/// Numbers of any shape that numpy can make of it; `name` is said in messages. Throws InputError.
+Positions places_from(const py::handle& given, const char* name);
+VectorX numbers_from(const py::handle& given, const char* name);
+
+/// A Python function that C++ keeps, copies and lets go on any thread, whoever holds the interpreter's lock.
+std::shared_ptr<py::function> keep(py::function function);
+
+/// The strategy itself, or the one of this name.
+Strategy strategy_from(const py::handle& given, const Catalog& catalog);
+
+/// Lets Ctrl-C through. The interpreter's lock must be held.
+inline void check_signals() {
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
+/// A simulation as Python has it. Its methods let other threads run, and take turns.
+struct Moving {
+  explicit Moving(Simulation made) : simulation(std::move(made)) {}
+  Simulation simulation;
+  std::recursive_mutex busy;        ///< observers, which run within a step, may ask it things
+  std::exception_ptr trouble = {};  ///< of an observer
+  bool stepping = false;
+
+  /// Does it without the interpreter's lock, in its turn.
+  template <class Do>
+  auto in_turn(Do&& act) {
+    const py::gil_scoped_release others_run;
+    const std::lock_guard turn(busy);
+    return act(simulation);
+  }
+};
+
+/// As keyword arguments give them.
+SimulationOptions simulation_options(const std::string& scheme, double safety, int most_parts, int newton_iterations,
+                                     ParameterValues parameters);
+
+}  // namespace elastin::python

@@ -1,0 +1,222 @@
+#include <pybind11/eigen.h>
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "elastin/base/error.h"
+#include "elastin/model/arrays.h"
+#include "elastin/scene/laboratory.h"
+#include "python/bind.h"
+
+namespace elastin::python {
+namespace {
+
+using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Wholes = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
+
+std::string shape_text(const py::array& array) {
+  std::string text;
+  for (py::ssize_t axis = 0; axis < array.ndim(); ++axis)
+    text += (axis ? ", " : "") + std::to_string(array.shape(axis));
+  return "(" + text + (array.ndim() == 1 ? ",)" : ")");
+}
+
+Numbers checked(const py::handle& given, const char* name, py::ssize_t columns) {
+  const Numbers array = Numbers::ensure(given);
+  if (!array) {
+    PyErr_Clear();
+    throw InputError(std::string(name) + ": cannot be read as an array of numbers");
+  }
+  const bool fits = columns == 1 ? array.ndim() == 1 : array.ndim() == 2 && array.shape(1) == columns;
+  if (!fits)
+    throw InputError(std::string(name) + ": has shape " + shape_text(array) + "; allowed: (n" +
+                     (columns == 1 ? ",)" : ", " + std::to_string(columns) + ")"));
+  return array;
+}
+
+/// Rows of numbers of molecules; None is none.
+template <std::size_t columns>
+std::vector<std::array<int, columns>> rows_from(const py::handle& given, const char* name) {
+  if (given.is_none()) return {};
+  const py::array any = py::array::ensure(given);
+  const bool whole = any && (any.dtype().kind() == 'i' || any.dtype().kind() == 'u');
+  if (any && any.size() == 0) return {};
+  if (!whole || any.ndim() != 2 || any.shape(1) != static_cast<py::ssize_t>(columns))
+    throw InputError(std::string(name) + ": " +
+                     (whole ? "has shape " + shape_text(any) : std::string("is no array of whole numbers")) +
+                     "; allowed: whole numbers of molecules, (n, " + std::to_string(columns) + ")");
+  const Wholes array = Wholes::ensure(any);
+  std::vector<std::array<int, columns>> rows(static_cast<std::size_t>(array.shape(0)));
+  for (py::ssize_t row = 0; row < array.shape(0); ++row)
+    for (std::size_t column = 0; column < columns; ++column) {
+      const std::int64_t number = array.at(row, column);
+      if (number < std::numeric_limits<int>::min() || number > std::numeric_limits<int>::max())
+        throw InputError(std::string(name) + "[" + std::to_string(row) + "]: there is no molecule " +
+                         std::to_string(number));
+      rows[static_cast<std::size_t>(row)][column] = static_cast<int>(number);
+    }
+  return rows;
+}
+
+VectorX numbers_or_none(const py::handle& given, const char* name) {
+  return given.is_none() ? VectorX() : numbers_from(given, name);
+}
+
+Body body_from_arrays(const py::object& positions, const py::object& connections, const py::object& triangles,
+                      const py::object& tetrahedra, const py::object& rest_lengths, const py::object& masses,
+                      const py::object& radii, double density, double thickness) {
+  BodyArrays arrays;
+  arrays.positions = places_from(positions, "positions");
+  arrays.connections = rows_from<2>(connections, "connections");
+  arrays.triangles = rows_from<3>(triangles, "triangles");
+  arrays.tetrahedra = rows_from<4>(tetrahedra, "tetrahedra");
+  arrays.rest_lengths = numbers_or_none(rest_lengths, "rest_lengths");
+  arrays.masses = numbers_or_none(masses, "masses");
+  arrays.radii = numbers_or_none(radii, "radii");
+  arrays.density = density;
+  arrays.thickness = thickness;
+  return make_body(arrays);
+}
+
+std::string body_text(const Body& body) {
+  const auto counted = [](std::size_t count, const char* what) {
+    return count ? ", " + std::to_string(count) + " " + what : std::string();
+  };
+  return "<elastin.Body: " + std::to_string(body.size()) + " molecules, " + std::to_string(body.connections.proper()) +
+         " connections" + counted(body.triangles.size(), "triangles") + counted(body.tetrahedra.size(), "tetrahedra") +
+         counted(body.parts.size(), "parts") + ">";
+}
+
+double in_range(const char* name, double value, double low, double high, const char* unit) {
+  if (value >= low && value <= high) return value;
+  char text[200];
+  std::snprintf(text, sizeof text, "%s: is %.6g; allowed: %g to %g%s", name, value, low, high, unit);
+  throw InputError(text);
+}
+
+double positive(const char* name, double value, const char* unit) {
+  if (value > 0 && std::isfinite(value)) return value;
+  char text[200];
+  std::snprintf(text, sizeof text, "%s: is %.6g; allowed: finite numbers above 0%s", name, value, unit);
+  throw InputError(text);
+}
+
+Material material_from(std::optional<double> youngs_modulus, double poissons_ratio, double density, double thickness,
+                       double bending_rigidity, const std::optional<std::vector<std::pair<double, double>>>& curve,
+                       const std::optional<Vector3>& fibre_direction, std::optional<double> fibre_modulus) {
+  Material material;
+  if (curve) {
+    std::vector<StressStrain::Point> points;
+    for (const auto& [strain, stress] : *curve) points.push_back({strain, stress});
+    material.curve = StressStrain::through(points);
+    if (youngs_modulus) throw InputError("youngs_modulus: there is a curve already; give one of them");
+    youngs_modulus = material.curve->modulus(0);
+  }
+  if (!youngs_modulus) throw InputError("give youngs_modulus [Pa], or a curve");
+  material.youngs_modulus = positive("youngs_modulus", *youngs_modulus, " Pa");
+  material.poissons_ratio = in_range("poissons_ratio", poissons_ratio, -0.99, 0.5, "");
+  material.density = positive("density", density, " kg/m^3");
+  material.thickness = in_range("thickness", thickness, 0, 1e30, " m");
+  material.bending_rigidity = in_range("bending_rigidity", bending_rigidity, 0, 1e30, " N m");
+  if (fibre_direction.has_value() != fibre_modulus.has_value())
+    throw InputError("fibres need both fibre_direction and fibre_modulus");
+  if (fibre_direction) {
+    positive("length of fibre_direction", fibre_direction->norm(), "");
+    positive("fibre_modulus", *fibre_modulus, " Pa");
+    material.fibre = Fibre{fibre_direction->normalized(), StressStrain::linear(*fibre_modulus)};
+  }
+  return material;
+}
+
+std::string material_text(const Material& material) {
+  char text[160];
+  std::snprintf(text, sizeof text, "<elastin.Material: E = %g Pa, nu = %g, %g kg/m^3%s%s>", material.youngs_modulus,
+                material.poissons_ratio, material.density, material.curve ? ", stress-strain curve" : "",
+                material.fibre ? ", fibres" : "");
+  return text;
+}
+
+void add_material(py::module_& module) {
+  py::class_<Material>(module, "Material", "What a body should behave like; SI units.")
+      .def(py::init(&material_from), py::arg("youngs_modulus") = py::none(), py::arg("poissons_ratio") = 0.25,
+           py::arg("density") = 1000., py::kw_only(), py::arg("thickness") = 0., py::arg("bending_rigidity") = 0.,
+           py::arg("curve") = py::none(), py::arg("fibre_direction") = py::none(),
+           py::arg("fibre_modulus") = py::none(),
+           "youngs_modulus [Pa] > 0 or `curve`, pairs (strain, stress [Pa]) in uniaxial stress; poissons_ratio from "
+           "-0.99 to 0.5; density [kg/m^3]; of sheets their thickness [m] and bending_rigidity [N m]; of fibres their "
+           "direction and modulus [Pa].")
+      .def_readonly("youngs_modulus", &Material::youngs_modulus, "E [Pa]; of a curve its slope at no strain.")
+      .def_readonly("poissons_ratio", &Material::poissons_ratio, "Poisson's ratio.")
+      .def_readonly("density", &Material::density, "[kg/m^3]")
+      .def_readonly("thickness", &Material::thickness, "[m], of a membrane.")
+      .def_readonly("bending_rigidity", &Material::bending_rigidity, "[N m]; 0 = limp.")
+      .def("__repr__", &material_text);
+}
+
+/// A property whose array belongs to the body.
+template <class Part>
+auto part_of_body(Part part) {
+  return [part](const py::object& self) { return view(part(self.cast<const Body&>()), self); };
+}
+
+}  // namespace
+
+Positions places_from(const py::handle& given, const char* name) {
+  const Numbers array = checked(given, name, 3);
+  return Eigen::Map<const Positions>(array.data(), 3, array.shape(0));
+}
+
+VectorX numbers_from(const py::handle& given, const char* name) {
+  const Numbers array = checked(given, name, 1);
+  return Eigen::Map<const VectorX>(array.data(), array.shape(0));
+}
+
+void add_bodies(py::module_& module) {
+  add_material(module);
+  py::class_<Body, std::shared_ptr<Body>>(module, "Body",
+                                          "A piece of tissue at rest: molecules joined by connections. It never "
+                                          "changes; its arrays are views that cannot be written to.")
+      .def(
+          py::init(&body_from_arrays), py::arg("positions"), py::arg("connections") = py::none(), py::kw_only(),
+          py::arg("triangles") = py::none(), py::arg("tetrahedra") = py::none(), py::arg("rest_lengths") = py::none(),
+          py::arg("masses") = py::none(), py::arg("radii") = py::none(), py::arg("density") = 1000.,
+          py::arg("thickness") = 0.,
+          "positions (n, 3) [m]; connections (m, 2), numbers of molecules, by default the sides of the cells; "
+          "triangles (k, 3); tetrahedra (k, 4); rest_lengths (m,) [m], by default the distances; masses (n,) [kg], by "
+          "default from density [kg/m^3] and the cells (triangles: thickness [m]) or the bounding box; radii (n,) [m], "
+          "by default half the shortest connection. Arrays are copied.")
+      .def_property_readonly("positions", part_of_body([](const Body& b) -> auto& { return b.rest; }),
+                             "Places at rest [m], (n, 3).")
+      .def_property_readonly("masses", part_of_body([](const Body& b) -> auto& { return b.mass; }), "[kg], (n,).")
+      .def_property_readonly("radii", part_of_body([](const Body& b) -> auto& { return b.radius; }), "[m], (n,).")
+      .def_property_readonly("connections", part_of_body([](const Body& b) -> auto& { return b.connections.ends; }),
+                             "The two molecules of each connection, (m, 2); sides of cells only come last.")
+      .def_property_readonly(
+          "rest_lengths",
+          [](const py::object& self) {
+            const auto& lengths = self.cast<const Body&>().connections.rest_length;
+            return view(lengths.data(), {static_cast<py::ssize_t>(lengths.size())}, self);
+          },
+          "Unstressed lengths of the connections [m], (m,).")
+      .def_property_readonly("triangles", part_of_body([](const Body& b) -> auto& { return b.triangles; }), "(k, 3).")
+      .def_property_readonly("tetrahedra", part_of_body([](const Body& b) -> auto& { return b.tetrahedra; }),
+                             "(k, 4), turned to positive volume.")
+      .def_property_readonly(
+          "proper_connections", [](const Body& b) { return b.connections.proper(); },
+          "How many connections are more than sides of cells; they come first.")
+      .def("__len__", &Body::size)
+      .def("__repr__", &body_text);
+  module.def(
+      "_body_of_scene",
+      [](const std::string& yaml, const Material& material) {
+        std::vector<std::string> warnings;
+        Body body = make_body(yaml, material, warnings);
+        return std::pair(std::make_shared<Body>(std::move(body)), warnings);
+      },
+      py::arg("yaml"), py::arg("material"));
+}
+
+}  // namespace elastin::python

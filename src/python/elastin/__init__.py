@@ -1,0 +1,31 @@
+"""Elastin: soft tissue as molecules joined by connections, and the modulus it really has.
+
+Quantities are in SI units. Arrays of places are (n, 3), one row a molecule; views never copy.
+
+    import elastin
+    result = elastin.run("scenes/tension/cube-1000.yaml", strategy="lattice")
+    result["effective_modulus"]                                   # [Pa]
+    elastin.compare("scenes/tension/cube-1000.yaml")              # every strategy of the scene, side by side
+    elastin.sweep("scenes/tension/cube-1000.yaml", "material.youngs_modulus", [1e3, 5e3, 1e4])
+
+    body = elastin.lattice((5, 5, 5), spacing=1e-3)
+    tissue = elastin.Simulation(body, "lattice", elastin.Material(5e3))
+    tissue.add_gravity((0, 0, -9.81))
+    tissue.step(1e-3)
+"""
+
+import os as _os
+
+# Threads that wait shall soon sleep: one that spins keeps a busy machine from running the one it waits for. OpenMP reads
+# this when it is loaded.
+if "OMP_WAIT_POLICY" not in _os.environ:
+    _os.environ.setdefault("GOMP_SPINCOUNT", "3000")
+
+from ._elastin import (Body, Catalog, InputError, Material, Parameter, Result, Simulation, SimulationState, StaticResult,
+                       StepResult, Strategy, __version__, measures, set_threads, threads)
+from ._bodies import body, lattice, read_mesh
+from ._laboratory import Comparison, Laboratory, Sweep, compare, run, strategies, sweep
+
+__all__ = ["Body", "Catalog", "Comparison", "InputError", "Laboratory", "Material", "Parameter", "Result", "Simulation",
+           "SimulationState", "StaticResult", "StepResult", "Strategy", "Sweep", "body", "compare", "lattice",
+           "measures", "read_mesh", "run", "set_threads", "strategies", "sweep", "threads"]

@@ -1,0 +1,145 @@
+"""Scenes: run, compared, swept."""
+
+import os
+
+from . import _elastin, _tables, _yaml
+from ._elastin import Catalog, Strategy
+
+
+class Laboratory(_elastin._Laboratory):
+    """A scene file, read, checked and built. `set` changes its keys, as the command's --set: {"material.youngs_modulus":
+    5e3, "experiment.force": "1 mN"}. With a Catalog, strategies of one's own may be named."""
+
+    def __init__(self, scene, *, set=None, catalog=None):
+        super().__init__(os.fspath(scene), _yaml.overrides(set), catalog)
+
+    def __repr__(self):
+        return f"<elastin.Laboratory {self.name}: {self.title}>"
+
+
+def _named(choices, catalog):
+    """Names of the strategies, and a catalog that has those which were handed over as objects."""
+    own = [choice for choice in choices if isinstance(choice, Strategy)]
+    if own:
+        chosen, catalog = catalog, Catalog()
+        known = _elastin.Catalog().names
+        for strategy in list(chosen or []) + own:
+            if strategy.name not in known:
+                catalog.add(strategy)
+                known.append(strategy.name)
+    return [getattr(choice, "name", choice) for choice in choices], catalog
+
+
+def run(scene, strategy="", *, set=None, catalog=None, progress=None):
+    """Runs a scene with a strategy (a name, or a Strategy; "" is the scene's own) and gives its Result. Numbers equal
+    those of the command to the last bit."""
+    (name,), catalog = _named([strategy], catalog)
+    return Laboratory(scene, set=set, catalog=catalog).run(name, progress=progress)
+
+
+def compare(scene, strategies=None, *, set=None, catalog=None, progress=None):
+    """Runs a scene with several strategies, by default those that it compares itself."""
+    names, catalog = _named(strategies or [], catalog)
+    laboratory = Laboratory(scene, set=set, catalog=catalog)
+    return Comparison([laboratory.run(name, progress=progress) for name in names or laboratory.strategies])
+
+
+def sweep(scene, key, values, *, strategy="", set=None, catalog=None, progress=None):
+    """Runs a scene once for each value of one of its keys: sweep(scene, "material.poissons_ratio", [0.1, 0.2, 0.3])."""
+    (name,), catalog = _named([strategy], catalog)
+    values = list(values)
+    changes = _yaml.overrides(set)
+    results = [Laboratory(scene, set=changes + _yaml.overrides({key: value}), catalog=catalog)
+               .run(name, progress=progress) for value in values]
+    return Sweep(key, values, results)
+
+
+def strategies(catalog=None):
+    """Every strategy there is, with summary, source and parameters."""
+    return list(catalog or Catalog())
+
+
+class Comparison(list):
+    """Results of one scene, a strategy each: a list that can be asked by name, and shows itself as a table."""
+
+    def __getitem__(self, key):
+        if not isinstance(key, str):
+            return super().__getitem__(key)
+        for result in self:
+            if result.strategy == key:
+                return result
+        raise KeyError(f"no strategy '{key}' here; there are " + ", ".join(result.strategy for result in self))
+
+    def _table(self):
+        return _tables.of_results(self)
+
+    def __repr__(self):
+        return self._table().text()
+
+    def _repr_html_(self):
+        return self._table().html()
+
+    def plot(self, measure=None, ax=None):
+        """Error of a measure, by default the most telling one, against the seconds that it took."""
+        from . import _plots
+        return _plots.speed_against_error(self, measure, ax)
+
+
+class Sweep(list):
+    """Results of one scene, one for each value of a key; sweep["effective_modulus"] gives a measure as an array."""
+
+    def __init__(self, key, values, results):
+        super().__init__(results)
+        self.key = key
+        self.values = values
+
+    def __getitem__(self, key):
+        if not isinstance(key, str):
+            return super().__getitem__(key)
+        import numpy
+        return numpy.array([result.get(key, float("nan")) for result in self])
+
+    def _table(self):
+        return _tables.of_results(self, (self.key, self.values))
+
+    def __repr__(self):
+        return self._table().text()
+
+    def _repr_html_(self):
+        return self._table().html()
+
+    def plot(self, measure=None, ax=None, **options):
+        """A measure, by default the most telling one, over the key's values. Options go to matplotlib's plot."""
+        from . import _plots
+        return _plots.measure_over_key(self, measure, ax, options)
+
+
+def _measure_of(result, measure):
+    """Its value; a name that was not measured raises KeyError with the nearest one."""
+    if measure not in result.measures:
+        raise KeyError(_elastin._missing_measure(measure, list(result.measures)))
+    return result.measures[measure]
+
+
+def _plot(result, ax=None, **options):
+    """The body in its last state, its connections coloured by their tension. Options go to Line3DCollection."""
+    from . import _plots
+    return _plots.body(result, ax, options)
+
+
+def _plot_curve(result, x=None, y=None, ax=None, **options):
+    """One measure of the curve over another: by default stress over strain, or what there is over the load or time."""
+    from . import _plots
+    return _plots.curve(result, x, y, ax, options)
+
+
+Result = _elastin.Result
+Result.__getitem__ = _measure_of
+Result.get = lambda result, measure, default=None: result.measures.get(measure, default)
+Result.__repr__ = lambda result: _tables.of_result(result).text()
+Result._repr_html_ = lambda result: _tables.of_result(result).html()
+Result.plot = _plot
+Result.plot_curve = _plot_curve
+for _method, _name in ((_measure_of, "__getitem__"), (_plot, "plot"), (_plot_curve, "plot_curve"), (Result.get, "get")):
+    _method.__name__, _method.__qualname__ = _name, f"Result.{_name}"
+Result.get.__doc__ = "The measure of this name, or `default` if it was not taken."

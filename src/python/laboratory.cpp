@@ -1,0 +1,179 @@
+#include "elastin/scene/laboratory.h"
+
+#include <pybind11/eigen.h>
+
+#include "experiment/run.h"
+#include "python/bind.h"
+
+namespace elastin::python {
+namespace {
+
+/// A laboratory as Python has it: a run lets other threads go on, and runs take turns.
+struct Room {
+  Laboratory laboratory;
+  std::mutex busy = {};
+};
+
+/// A result with the body that it is about.
+struct Outcomes {
+  LaboratoryResult result;
+  std::shared_ptr<Room> room;
+};
+
+py::dict by_name(const std::vector<Measured>& list) {
+  py::dict values;
+  for (const Measured& one : list) values[one.name.c_str()] = one.value;
+  return values;
+}
+
+py::list as_list(const std::vector<Stated>& stated) {
+  py::list list;
+  for (const auto& [strategy, measured, source] : stated)
+    list.append(py::dict(py::arg("strategy") = strategy, py::arg("measure") = measured.name,
+                         py::arg("value") = measured.value, py::arg("unit") = measured.unit,
+                         py::arg("source") = source));
+  return list;
+}
+
+/// A column a measure, NaN where a row has none.
+py::dict columns_of(const LaboratoryResult& result) {
+  const auto rows = static_cast<py::ssize_t>(result.curve.size());
+  py::dict columns;
+  const auto column = [&](const char* name) {
+    if (!columns.contains(name)) {
+      py::array_t<double> empty(rows);
+      std::fill_n(empty.mutable_data(), rows, std::nan(""));
+      columns[name] = empty;
+    }
+    return columns[name].cast<py::array_t<double>>().mutable_data();
+  };
+  for (py::ssize_t row = 0; row < rows; ++row) {
+    const auto& [at, measures] = result.curve[static_cast<std::size_t>(row)];
+    column("at")[row] = at;
+    for (const Measured& one : measures) column(one.name.c_str())[row] = one.value;
+  }
+  return columns;
+}
+
+std::shared_ptr<Outcomes> run(const std::shared_ptr<Room>& room, const std::string& strategy,
+                              const std::optional<py::function>& progress) {
+  const auto told = progress ? keep(*progress) : nullptr;
+  RunWatch watch;
+  watch.progress = [&](const std::string& doing) {
+    const py::gil_scoped_acquire locked;
+    check_signals();
+    if (told) (*told)(doing);
+  };
+  const py::gil_scoped_release others_run;
+  const std::lock_guard turn(room->busy);
+  return std::make_shared<Outcomes>(Outcomes{room->laboratory.run(strategy, watch), room});
+}
+
+std::shared_ptr<Moving> simulation(const std::shared_ptr<Room>& room, const std::string& strategy,
+                                   const SimulationOptions& options) {
+  const py::gil_scoped_release others_run;
+  const std::lock_guard turn(room->busy);
+  return std::make_shared<Moving>(room->laboratory.simulation(strategy, options));
+}
+
+/// The room's body: lives as long as whoever looks at it. Python has no way to change a body.
+std::shared_ptr<Body> body_of(const std::shared_ptr<Room>& room) {
+  return {room, const_cast<Body*>(&room->laboratory.body())};
+}
+
+template <class Member>
+auto part_of_result(Member member) {
+  return [member](const Outcomes& self) { return self.result.*member; };
+}
+
+template <class Member>
+auto array_of_result(Member member) {
+  return [member](const py::object& self) { return view(self.cast<const Outcomes&>().result.*member, self); };
+}
+
+const char* outcome_text(const Outcomes& self) { return self.result.suited ? name_of(self.result.outcome) : kUnsuited; }
+
+void add_result(py::module_& module) {
+  using Result = LaboratoryResult;
+  py::class_<Outcomes, std::shared_ptr<Outcomes>>(module, "Result", "What came of one strategy on a scene; SI units.")
+      .def_property_readonly("scene", [](const Outcomes& self) { return self.room->laboratory.name(); })
+      .def_property_readonly("strategy", part_of_result(&Result::strategy))
+      .def_property_readonly("outcome", &outcome_text,
+                             "'converged', or how it stopped: 'limit_reached', 'inverted', 'diverged', 'mechanism', "
+                             "'interrupted'; 'unsuited': the strategy cannot run on this body.")
+      .def_property_readonly("cause", part_of_result(&Result::cause), "Why it did not converge; '' if it did.")
+      .def_property_readonly("good", part_of_result(&Result::good),
+                             "As the command's exit code 0: no failure, and all that the scene expects holds.")
+      .def_property_readonly(
+          "measures", [](const Outcomes& self) { return by_name(self.result.measures); },
+          "Value by name, of the last load step, or of the course of a run in time.")
+      .def_property_readonly("main", part_of_result(&Result::main),
+                             "Names of the measures by which strategies are compared, the most telling first.")
+      .def_property_readonly(
+          "errors", [](const Outcomes& self) { return by_name(self.result.errors); },
+          "By measure, against what the material asks for: relative, or the difference of a ratio; "
+          "MEASURE_to_reference: relative to the scene's reference.")
+      .def_property_readonly(
+          "curve", [](const Outcomes& self) { return columns_of(self.result); },
+          "Columns, one row a load step or frame: 'at' (part of the load, or time [s]) and every "
+          "measure. pandas.DataFrame takes it as it is.")
+      .def_property_readonly("positions", array_of_result(&Result::positions),
+                             "Of the last state [m], (n, 3); (0, 3) where none was reached.")
+      .def_property_readonly("tensions", array_of_result(&Result::tensions),
+                             "Of the last state [N], one a connection, pulling is positive.")
+      .def_property_readonly("stiffness", part_of_result(&Result::stiffness),
+                             "6 x 6 [Pa], xx yy zz yz xz xy, of the experiment `material`; else None.")
+      .def_property_readonly("warnings", part_of_result(&Result::warnings))
+      .def_property_readonly("solver", part_of_result(&Result::solver))
+      .def_property_readonly("newton_iterations", part_of_result(&Result::newton_iterations))
+      .def_property_readonly("linear_iterations", part_of_result(&Result::linear_iterations))
+      .def_property_readonly("build_seconds", part_of_result(&Result::build_seconds))
+      .def_property_readonly("solve_seconds", part_of_result(&Result::solve_seconds))
+      .def_property_readonly("body", [](const Outcomes& self) { return body_of(self.room); });
+}
+
+}  // namespace
+
+void add_laboratory(py::module_& module) {
+  add_result(module);
+  py::class_<Room, std::shared_ptr<Room>>(module, "_Laboratory")
+      .def(py::init([](const std::string& scene, const std::vector<std::string>& overrides,
+                       const std::shared_ptr<Catalog>& catalog) {
+             const Catalog chosen = catalog ? *catalog : built_in_catalog();
+             const py::gil_scoped_release others_run;
+             return std::shared_ptr<Room>(new Room{Laboratory(scene, overrides, chosen)});
+           }),
+           py::arg("scene"), py::arg("overrides"), py::arg("catalog"))
+      .def_property_readonly("name", [](const Room& self) { return self.laboratory.name(); })
+      .def_property_readonly("title", [](const Room& self) { return self.laboratory.title(); })
+      .def_property_readonly("body", &body_of)
+      .def_property_readonly("material", [](const Room& self) { return self.laboratory.material(); })
+      .def_property_readonly(
+          "strategy", [](const Room& self) { return self.laboratory.strategy(); }, "The scene's own.")
+      .def_property_readonly(
+          "strategies", [](const Room& self) { return self.laboratory.strategies(); }, "Those that the scene compares.")
+      .def_property_readonly(
+          "references", [](const Room& self) { return as_list(self.laboratory.references()); },
+          "Values of the same problem from elsewhere: dicts of measure, value, unit, source.")
+      .def_property_readonly(
+          "expectations", [](const Room& self) { return as_list(self.laboratory.expectations()); },
+          "Values that the scene says must come out: dicts as references, with the strategy.")
+      .def_property_readonly("warnings", [](const Room& self) { return self.laboratory.warnings(); })
+      .def("run", &run, py::arg("strategy") = "", py::kw_only(), py::arg("progress") = py::none(),
+           "Runs the experiment with a strategy by name ('calibrated:angles', 'lattice+volume'); '' takes the scene's "
+           "own. progress(doing) is told before each load step or frame; what it raises ends the run. Numerical "
+           "trouble is an outcome in the result.")
+      .def(
+          "simulation",
+          [](const std::shared_ptr<Room>& room, const std::string& strategy, const std::string& scheme, double safety,
+             int most_parts, int newton_iterations, ParameterValues parameters) {
+            return simulation(room, strategy,
+                              simulation_options(scheme, safety, most_parts, newton_iterations, std::move(parameters)));
+          },
+          py::arg("strategy") = "", py::kw_only(), py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8,
+          py::arg("most_parts") = 1000, py::arg("newton_iterations") = 0, py::arg("parameters") = ParameterValues{},
+          "The scene's body at rest, or at time 0, with its strategy, loads, damping and contact, held by its "
+          "experiment and loaded in full at once, to be stepped.");
+}
+
+}  // namespace elastin::python

@@ -1,0 +1,46 @@
+#include "elastin/base/error.h"
+#include "elastin/base/openmp.h"
+#include "elastin/base/threads.h"
+#include "python/bind.h"
+#include "report/table.h"
+
+namespace elastin::python {
+namespace {
+
+std::string readable_measure(const std::string& name, double value) { return readable(value, find_measure(name)); }
+
+std::string missing_measure(const std::string& name, const std::vector<std::string>& there) {
+  return "no measure '" + name + "' here" + suggestion(name, there);
+}
+
+std::vector<std::tuple<std::string, std::string, std::string>> measures() {
+  std::vector<std::tuple<std::string, std::string, std::string>> list;
+  for (const MeasureInfo& info : measure_list())
+    list.emplace_back(std::string(info.name), info.unit_text(), std::string(info.text));
+  return list;
+}
+
+}  // namespace
+}  // namespace elastin::python
+
+PYBIND11_MODULE(_elastin, module) {
+  using namespace elastin::python;
+  elastin::use_openmp();
+  module.doc() = "Elastin's C++ side; import elastin instead.";
+  py::register_exception<elastin::InputError>(module, "InputError", PyExc_ValueError).doc() =
+      "Wrong use or wrong input: file:line:column, the key, what was given, what is allowed, the nearest name.";
+  module.attr("__version__") = ELASTIN_VERSION;
+  module.def("set_threads", &elastin::set_threads, py::arg("threads"),
+             "How many threads loops over large bodies take; 0 = one a core. Results have the same bits with any.");
+  module.def("threads", &elastin::threads, "How many threads loops over large bodies take.");
+  module.def("measures", &measures, "Every measure that an experiment can take: (name, SI unit, what it is).");
+  module.def("_missing_measure", &missing_measure, py::arg("name"), py::arg("there"));
+  module.def("readable", &readable_measure, py::arg("measure"), py::arg("value"),
+             "A measure's value as tables show it: '4.9945 kPa'.");
+  module.def("percent", &elastin::percent, py::arg("ratio"), "A relative error as tables show it: '+0.02 %'.");
+  module.def("readable_seconds", &elastin::readable_seconds, py::arg("seconds"), "'1.2 ms'.");
+  add_bodies(module);
+  add_strategies(module);
+  add_simulation(module);
+  add_laboratory(module);
+}

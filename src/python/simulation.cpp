@@ -1,0 +1,303 @@
+#include "elastin/simulation/simulation.h"
+
+#include <pybind11/eigen.h>
+
+#include <chrono>
+
+#include "elastin/base/error.h"
+#include "elastin/forces/floor.h"
+#include "experiment/specimen.h"
+#include "python/bind.h"
+
+namespace elastin::python {
+namespace {
+
+constexpr std::chrono::milliseconds kBetweenSignals{50};
+
+std::shared_ptr<Moving> make_simulation(const Body& body, const py::object& strategy, const Material& material,
+                                        const std::string& scheme, double safety, int most_parts, int newton_iterations,
+                                        ParameterValues parameters, const std::shared_ptr<Catalog>& catalog) {
+  const SimulationOptions options =
+      simulation_options(scheme, safety, most_parts, newton_iterations, std::move(parameters));
+  const Strategy chosen = strategy_from(strategy, catalog ? *catalog : built_in_catalog());
+  const py::gil_scoped_release others_run;
+  Body own = body;
+  prepare(own, chosen, material);
+  return std::make_shared<Moving>(Simulation(std::move(own), chosen, material, options));
+}
+
+/// Steps until one fails, an observer raises or Ctrl-C comes.
+StepResult step(Moving& self, double dt, int count) {
+  if (count < 1) throw InputError("count: is " + std::to_string(count) + "; allowed: 1 or more");
+  if (!(dt > 0)) throw InputError("dt: is " + std::to_string(dt) + "; allowed: above 0 s");
+  using Clock = std::chrono::steady_clock;
+  const StepResult last = self.in_turn([&](Simulation& simulation) {
+    if (self.stepping) throw InputError("an observer must not step the simulation that it observes");
+    StepResult result;
+    Clock::time_point looked = Clock::now();
+    self.stepping = true;
+    for (int i = 0; i < count && result.outcome == Outcome::converged && !self.trouble; ++i) {
+      result = simulation.step(dt);
+      if (count == 1 || Clock::now() - looked < kBetweenSignals) continue;
+      const py::gil_scoped_acquire locked;
+      if (PyErr_CheckSignals() != 0) self.trouble = std::make_exception_ptr(py::error_already_set());
+      looked = Clock::now();
+    }
+    self.stepping = false;
+    return result;
+  });
+  if (self.trouble) std::rethrow_exception(std::exchange(self.trouble, nullptr));
+  return last;
+}
+
+void observe(Moving& self, py::function see, int every) {
+  const auto call = [&self, kept = keep(std::move(see))](const Simulation&) {
+    if (self.trouble) return;  // of an observer before
+    const py::gil_scoped_acquire locked;
+    try {
+      (*kept)(py::cast(&self));
+    } catch (...) {  // nothing may come out of a step
+      self.trouble = std::current_exception();
+    }
+  };
+  self.in_turn([&](Simulation& simulation) { simulation.observe(every, call); });
+}
+
+/// "" or "xz" or a 3 × 3 projector: the directions in which a held molecule stays free.
+Matrix3 free_directions(const py::object& given) {
+  if (!py::isinstance<py::str>(given)) return given.cast<Matrix3>();
+  Matrix3 free = Matrix3::Zero();
+  for (const char axis : given.cast<std::string>()) {
+    if (axis < 'x' || axis > 'z')
+      throw InputError(std::string("free: '") + axis + "' is no axis; allowed: letters of xyz, or a 3 x 3 projector");
+    free(axis - 'x', axis - 'x') = 1;
+  }
+  return free;
+}
+
+Scheme scheme_from(const std::string& name) {
+  std::vector<std::string> known;
+  for (const Scheme scheme :
+       {Scheme::symplectic_euler, Scheme::velocity_verlet, Scheme::backward_euler, Scheme::newmark}) {
+    if (name == elastin::name_of(scheme)) return scheme;
+    known.emplace_back(elastin::name_of(scheme));
+  }
+  throw InputError("scheme: '" + name + "' is not known here" + suggestion(name, known));
+}
+
+/// A method that changes the simulation, in its turn.
+template <class Act>
+auto in_turn(Act act) {
+  return [act](Moving& self) { return self.in_turn(act); };
+}
+
+/// A view of what a simulation shows; `show` may have to compute it.
+template <class Show>
+auto shown(Show show) {
+  return [show](const py::object& self) {
+    auto& moving = self.cast<Moving&>();
+    const auto* values = moving.in_turn([&](Simulation& simulation) { return &show(simulation); });
+    return view(*values, self);
+  };
+}
+
+template <class Result>
+std::string end_text(const char* name, const Result& result) {
+  return std::string("<elastin.") + name + ": " + elastin::name_of(result.outcome) +
+         (result.cause.empty() ? "" : ", " + result.cause) + ">";
+}
+
+void add_results(py::module_& module) {
+  py::class_<StepResult>(module, "StepResult", "How a step ended; true if it went well.")
+      .def_property_readonly("outcome", [](const StepResult& r) { return elastin::name_of(r.outcome); })
+      .def_readonly("cause", &StepResult::cause, "Why it did not get there; the state then stayed as it was.")
+      .def_readonly("parts", &StepResult::parts, "In how many parts it had to go.")
+      .def_readonly("newton_iterations", &StepResult::newton_iterations)
+      .def_readonly("linear_iterations", &StepResult::linear_iterations)
+      .def("__bool__", [](const StepResult& r) { return r.outcome == Outcome::converged; })
+      .def("__repr__", [](const StepResult& r) { return end_text("StepResult", r); });
+  py::class_<StaticResult>(module, "StaticResult", "How the search for an equilibrium ended; true if it was found.")
+      .def_property_readonly("outcome", [](const StaticResult& r) { return elastin::name_of(r.outcome); })
+      .def_readonly("cause", &StaticResult::cause)
+      .def_readonly("solver", &StaticResult::solver)
+      .def_readonly("newton_iterations", &StaticResult::newton_iterations)
+      .def_readonly("linear_iterations", &StaticResult::linear_iterations)
+      .def_readonly("residual", &StaticResult::residual, "Unbalanced force over the size of loads and reactions.")
+      .def("__bool__", [](const StaticResult& r) { return r.outcome == Outcome::converged; })
+      .def("__repr__", [](const StaticResult& r) { return end_text("StaticResult", r); });
+  py::class_<SimulationState>(module, "SimulationState", "All that a simulation changes while it runs.")
+      .def_property_readonly(
+          "time", [](const SimulationState& s) { return s.state.time; }, "[s]")
+      .def_property_readonly(
+          "positions",
+          [](const py::object& self) { return view(self.cast<const SimulationState&>().state.positions, self); },
+          "[m], (n, 3).")
+      .def("__repr__", [](const SimulationState& s) {
+        return "<elastin.SimulationState at " + py::str(py::float_(s.state.time)).cast<std::string>() + " s>";
+      });
+}
+
+using Class = py::class_<Moving, std::shared_ptr<Moving>>;
+
+void add_views(Class& simulation) {
+  simulation
+      .def_property_readonly("body",
+                             [](const std::shared_ptr<Moving>& self) {
+                               return std::shared_ptr<Body>(self, const_cast<Body*>(&self->simulation.body()));
+                             })
+      .def_property_readonly(
+          "time", [](const Moving& self) { return self.simulation.time(); }, "[s]")
+      .def_property_readonly("positions", shown([](Simulation & s) -> auto& { return s.positions(); }),
+                             "[m], (n, 3): a view that changes with each step.")
+      .def_property_readonly("velocities", shown([](Simulation & s) -> auto& { return s.velocities(); }),
+                             "[m/s], (n, 3): a view that changes with each step.")
+      .def_property_readonly("forces", shown([](Simulation & s) -> auto& { return s.forces(); }),
+                             "All forces of the state reached [N], (n, 3): a view. Asking for it fills it: a view that "
+                             "was asked for before a step shows that earlier state until someone asks again.")
+      .def_property_readonly("tensions", shown([](Simulation & s) -> auto& { return s.tensions(); }),
+                             "Of each connection [N], pulling is positive, (m,): a view, as forces.")
+      .def_property_readonly(
+          "host_forces",
+          [](const py::object& self) {
+            Positions& forces = *self.cast<Moving&>().in_turn([](Simulation& s) { return &s.host_forces(); });
+            return view(forces, self, true);
+          },
+          "Forces of one's own [N], (n, 3): a view to write to. They act from the next step on until changed.");
+}
+
+void add_hands(Class& simulation) {
+  simulation
+      .def(
+          "hold",
+          [](Moving& self, int molecule, const py::object& free) {
+            const Matrix3 directions = free_directions(free);
+            self.in_turn([&](Simulation& s) { s.hold(molecule, directions); });
+          },
+          py::arg("molecule"), py::arg("free") = "",
+          "Holds a molecule where it is, but in the directions that `free` names: 'z', 'xy', or a 3 x 3 projector.")
+      .def(
+          "release", [](Moving& self, int molecule) { self.in_turn([&](Simulation& s) { s.release(molecule); }); },
+          py::arg("molecule"), "Lets a held molecule go.")
+      .def(
+          "move_to",
+          [](Moving& self, int molecule, const Vector3& place) {
+            self.in_turn([&](Simulation& s) { s.move_to(molecule, place); });
+          },
+          py::arg("molecule"), py::arg("place"), "Where a held molecule is to be at the end of the next step [m].")
+      .def(
+          "reaction",
+          [](Moving& self, int molecule) { return self.in_turn([&](Simulation& s) { return s.reaction(molecule); }); },
+          py::arg("molecule"), "Force of its support on a held molecule [N]; zero where nothing holds it.")
+      .def(
+          "grab",
+          [](Moving& self, int molecule, const Vector3& place, double stiffness, double damping) {
+            return self.in_turn([&](Simulation& s) { return s.grab(molecule, place, stiffness, damping); });
+          },
+          py::arg("molecule"), py::arg("place"), py::arg("stiffness"), py::arg("damping") = 0.,
+          "A spring [N/m] and damper [N s/m] between a molecule and a place [m]: a tool. Gives the grip's number.")
+      .def(
+          "move_grip",
+          [](Moving& self, GripId grip, const Vector3& place, const Vector3& velocity) {
+            self.in_turn([&](Simulation& s) { s.move_grip(grip, place, velocity); });
+          },
+          py::arg("grip"), py::arg("place"), py::arg("velocity") = Vector3(Vector3::Zero()), "[m], [m/s]")
+      .def(
+          "grip_force",
+          [](Moving& self, GripId grip) { return self.in_turn([&](Simulation& s) { return s.grip_force(grip); }); },
+          py::arg("grip"), "Force of the grip on its molecule [N] in the state reached.")
+      .def(
+          "let_go", [](Moving& self, GripId grip) { self.in_turn([&](Simulation& s) { s.let_go(grip); }); },
+          py::arg("grip"));
+}
+
+void add_loads(Class& simulation) {
+  const auto add = [](Moving& self, auto&& make) {
+    self.in_turn([&](Simulation& s) { s.model().add(make(s.body())); });
+  };
+  simulation
+      .def(
+          "add_gravity",
+          [add](Moving& self, const Vector3& acceleration) {
+            add(self, [&](const Body& body) { return make_gravity(body, acceleration); });
+          },
+          py::arg("acceleration"), "Weight: acceleration [m/s^2], (3,).")
+      .def(
+          "add_mass_damping",
+          [add](Moving& self, double rate) {
+            add(self, [&](const Body& body) { return make_mass_damping(body, rate); });
+          },
+          py::arg("rate"), "F = -rate m V, rate [1/s].")
+      .def(
+          "add_damping",
+          [add](Moving& self, double coefficient) {
+            add(self, [&](const Body&) { return make_damping(coefficient); });
+          },
+          py::arg("coefficient"), "Each connection resists its own lengthening, coefficient [N s/m].")
+      .def(
+          "add_stokes_drag",
+          [add](Moving& self, double viscosity) {
+            add(self, [&](const Body& body) { return make_stokes_drag(body, viscosity); });
+          },
+          py::arg("viscosity"), "F = -6 pi viscosity r V, viscosity [Pa s].")
+      .def(
+          "add_floor",
+          [add](Moving& self, const Vector3& point, const Vector3& normal, double stiffness, double damping) {
+            if (!(normal.norm() > 0)) throw InputError("normal: has no direction");
+            const Floor floor{point, normal.normalized(), stiffness, damping};
+            add(self, [&](const Body& body) { return make_floor(body, floor); });
+            if (damping > 0) add(self, [&](const Body& body) { return make_floor_damping(body, floor); });
+          },
+          py::arg("point"), py::arg("normal"), py::arg("stiffness"), py::arg("damping") = 0.,
+          "A plane through `point` [m] that molecules, as spheres, do not pass without resistance: stiffness [N/m] and "
+          "damping [N s/m] of each that is pressed in.");
+}
+
+}  // namespace
+
+SimulationOptions simulation_options(const std::string& scheme, double safety, int most_parts, int newton_iterations,
+                                     ParameterValues parameters) {
+  SimulationOptions options;
+  options.integrator.scheme = scheme_from(scheme);
+  options.integrator.newton_iterations = newton_iterations;
+  options.safety = safety;
+  options.most_parts = most_parts;
+  options.parameters = std::move(parameters);
+  return options;
+}
+
+void add_simulation(py::module_& module) {
+  add_results(module);
+  Class simulation(module, "Simulation",
+                   "A body that moves. Steps let other Python threads run; each simulation may run in a thread of its "
+                   "own. Views never copy: they stay where they are, and keep the simulation alive.");
+  simulation
+      .def(py::init(&make_simulation), py::arg("body"), py::arg("strategy"), py::arg("material"), py::kw_only(),
+           py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8, py::arg("most_parts") = 1000,
+           py::arg("newton_iterations") = 0, py::arg("parameters") = ParameterValues{}, py::arg("catalog") = py::none(),
+           "strategy: a name ('lattice', 'lattice+volume') or a Strategy; scheme: symplectic_euler, velocity_verlet, "
+           "backward_euler or newmark. Explicit schemes part a step so that each part is at most `safety` of the "
+           "body's stable step; a step that would take more than most_parts is not taken. Implicit ones take "
+           "newton_iterations a step, 0 = until they converge. parameters: of the strategy, by name.")
+      .def("step", &step, py::arg("dt"), py::arg("count") = 1,
+           "Brings the body forward by dt [s], `count` times; stops at the first step that fails, and gives the last "
+           "one's result. Numerical trouble is an outcome: the state then stays as it was.")
+      .def("settle", in_turn([](Simulation& s) { return s.settle(); }),
+           "Goes to the equilibrium of all that acts now, at rest: a start.")
+      .def("observe", &observe, py::arg("see"), py::arg("every") = 1,
+           "Calls see(simulation) after every so many steps that went well. It must not step; what it raises ends the "
+           "step() that it came from.")
+      .def("save", in_turn([](Simulation& s) { return s.save(); }), "The state to go on from, with the same bits.")
+      .def(
+          "restore",
+          [](Moving& self, const SimulationState& saved) { self.in_turn([&](Simulation& s) { s.restore(saved); }); },
+          py::arg("saved"))
+      .def("__repr__", [](const Moving& self) {
+        return "<elastin.Simulation: " + std::to_string(self.simulation.body().size()) + " molecules at " +
+               py::str(py::float_(self.simulation.time())).cast<std::string>() + " s>";
+      });
+  add_views(simulation);
+  add_hands(simulation);
+  add_loads(simulation);
+}
+
+}  // namespace elastin::python

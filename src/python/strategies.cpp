@@ -1,0 +1,125 @@
+#include <pybind11/eigen.h>
+
+#include <limits>
+
+#include "elastin/base/error.h"
+#include "experiment/specimen.h"
+#include "python/bind.h"
+
+namespace elastin::python {
+namespace {
+
+ParameterInfo make_parameter(const std::string& name, double fallback, double low, double high,
+                             const std::string& text) {
+  return {name, dimension::none, low, high, fallback, text};
+}
+
+std::string parameter_text(const ParameterInfo& info) {
+  const std::string unit = si_unit(info.unit);
+  return "<elastin.Parameter " + info.name + " = " + py::str(py::float_(info.fallback)).cast<std::string>() +
+         (unit.empty() ? "" : " " + unit) + ">";
+}
+
+/// Calls the Python function with body, material and the parameters by name.
+RuleConstants rule_of(py::function function) {
+  return [kept = keep(std::move(function))](const Body& body, const Material& material, const ParameterValues& values) {
+    const py::gil_scoped_acquire locked;
+    py::dict parameters;
+    for (const auto& [name, value] : values) parameters[name.c_str()] = value;
+    const py::object constants = (*kept)(std::make_shared<Body>(body), material, **parameters);
+    return numbers_from(constants, "constants");
+  };
+}
+
+Strategy make_strategy(const std::string& name, py::function constants, const std::string& summary,
+                       const std::string& source, std::vector<ParameterInfo> parameters,
+                       const std::optional<py::function>& unsuited) {
+  Strategy strategy = make_spring_rule(name, rule_of(std::move(constants)), std::move(parameters));
+  strategy.summary = summary;
+  strategy.source = source;
+  if (unsuited)
+    strategy.unsuited = [kept = keep(*unsuited)](const Body& body) {
+      const py::gil_scoped_acquire locked;
+      const py::object why = (*kept)(std::make_shared<Body>(body));
+      return why.is_none() ? std::string() : why.cast<std::string>();
+    };
+  return strategy;
+}
+
+VectorX constants_of(const Strategy& strategy, const Body& body, const Material& material,
+                     const ParameterValues& parameters) {
+  if (!strategy.constants)
+    throw InputError("'" + strategy.name + "' is a " + name_of(strategy.kind) + ": only a spring rule has constants");
+  const std::string why = strategy.unsuited(body);
+  if (!why.empty()) throw InputError("strategy '" + strategy.name + "' cannot run on this body: " + why);
+  Body prepared = body;
+  prepare(prepared, strategy, material);
+  return strategy.constants(prepared, material, parameters);
+}
+
+}  // namespace
+
+std::shared_ptr<py::function> keep(py::function function) {
+  return {new py::function(std::move(function)), [](py::function* kept) {
+            if (!Py_IsInitialized()) return;  // nobody is left to tell
+            const py::gil_scoped_acquire locked;
+            delete kept;
+          }};
+}
+
+Strategy strategy_from(const py::handle& given, const Catalog& catalog) {
+  if (py::isinstance<Strategy>(given)) return given.cast<Strategy>();
+  if (!py::isinstance<py::str>(given))
+    throw InputError("strategy: is a " + std::string(Py_TYPE(given.ptr())->tp_name) +
+                     "; allowed: a name or a Strategy");
+  const StrategyChoice choice = choose_strategy(catalog, given.cast<std::string>());
+  if (choice.calibrated)
+    throw InputError("'" + choice.label + "' is calibrated in an experiment: take Laboratory.simulation() of a scene");
+  return choice.strategy;
+}
+
+void add_strategies(py::module_& module) {
+  py::class_<ParameterInfo>(module, "Parameter", "A number that a strategy takes, described once.")
+      .def(py::init(&make_parameter), py::arg("name"), py::arg("default"), py::kw_only(),
+           py::arg("low") = -std::numeric_limits<double>::infinity(),
+           py::arg("high") = std::numeric_limits<double>::infinity(), py::arg("text") = "",
+           "Of a strategy of one's own, in SI units; low and high are allowed, too.")
+      .def_readonly("name", &ParameterInfo::name)
+      .def_readonly("default", &ParameterInfo::fallback)
+      .def_readonly("low", &ParameterInfo::low)
+      .def_readonly("high", &ParameterInfo::high)
+      .def_readonly("text", &ParameterInfo::text)
+      .def_property_readonly("unit", [](const ParameterInfo& info) { return si_unit(info.unit); })
+      .def("__repr__", &parameter_text);
+  py::class_<Strategy>(module, "Strategy", "One way to give a body's connections their stiffness.")
+      .def(py::init(&make_strategy), py::arg("name"), py::arg("constants"), py::kw_only(), py::arg("summary") = "",
+           py::arg("source") = "", py::arg("parameters") = std::vector<ParameterInfo>{},
+           py::arg("unsuited") = py::none(),
+           "A spring rule of one's own: constants(body, material, **parameters) gives the spring constants [N/m], one "
+           "a connection; unsuited(body) says why it cannot run on a body, or None.")
+      .def_readonly("name", &Strategy::name)
+      .def_readonly("summary", &Strategy::summary)
+      .def_readonly("source", &Strategy::source)
+      .def_readonly("parameters", &Strategy::parameters)
+      .def_property_readonly(
+          "kind", [](const Strategy& strategy) { return name_of(strategy.kind); },
+          "'spring rule', 'spring rule, updated', 'cell law' or 'wrapper'.")
+      .def("constants", &constants_of, py::arg("body"), py::arg("material"), py::arg("parameters") = ParameterValues{},
+           "The spring constants [N/m] that a spring rule gives a body, (m,).")
+      .def("__repr__", [](const Strategy& s) { return "<elastin.Strategy " + s.name + ": " + s.summary + ">"; });
+  py::class_<Catalog, std::shared_ptr<Catalog>>(module, "Catalog",
+                                                "Strategies by name: those of Elastin, and one's own.")
+      .def(py::init(&built_in_catalog), "Those that come with Elastin.")
+      .def(
+          "add", [](Catalog& catalog, const Strategy& strategy) { catalog.add(strategy); }, py::arg("strategy"),
+          "Its name must be new.")
+      .def_property_readonly("names", &Catalog::names)
+      .def("__getitem__", &Catalog::find, py::arg("name"), py::return_value_policy::copy)
+      .def("__len__", [](const Catalog& catalog) { return catalog.strategies().size(); })
+      .def("__iter__", [](const Catalog& catalog) { return py::iter(py::cast(catalog.strategies())); })
+      .def("__repr__", [](const Catalog& c) {
+        return "<elastin.Catalog: " + std::to_string(c.strategies().size()) + " strategies>";
+      });
+}
+
+}  // namespace elastin::python

@@ -1,0 +1,179 @@
+"""Bodies from arrays, from descriptions and files; materials; strategies of one's own; errors."""
+
+import os
+import tempfile
+import unittest
+
+import numpy
+
+import elastin
+from helpers import CUBE, SOURCE, said_by_command
+
+CORNERS = numpy.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float) * 1e-2
+PAIRS = [[0, 1], [1, 2], [2, 0], [0, 3]]
+
+
+class Bodies(unittest.TestCase):
+    def test_from_arrays(self):
+        body = elastin.Body(CORNERS, PAIRS, masses=[1, 2, 3, 4], radii=[1e-3] * 4)
+        self.assertEqual(body.positions.tobytes(), CORNERS.tobytes())
+        self.assertEqual(body.connections.tolist(), PAIRS)
+        self.assertEqual(body.masses.tolist(), [1, 2, 3, 4])
+        self.assertEqual(body.rest_lengths.tolist(), [1e-2, numpy.hypot(1e-2, 1e-2), 1e-2, 1e-2])
+
+    def test_cells_give_connections_and_masses(self):
+        body = elastin.Body(CORNERS, tetrahedra=[[0, 2, 1, 3]])  # turned over: it comes out right
+        self.assertEqual(len(body.connections), 6)
+        self.assertEqual(sorted(body.tetrahedra[0]), [0, 1, 2, 3])
+        a, b, c, d = CORNERS[body.tetrahedra[0]]
+        self.assertGreater(numpy.dot(b - a, numpy.cross(c - a, d - a)), 0)
+        self.assertAlmostEqual(body.masses.sum(), 1000 * 1e-6 / 6)
+
+    def test_sides_of_cells_beside_connections(self):
+        body = elastin.Body(CORNERS, PAIRS, tetrahedra=[[0, 1, 2, 3]])
+        self.assertEqual(body.proper_connections, 4)
+        self.assertEqual(len(body.connections), 6)
+
+    def test_any_array_of_numbers_will_do(self):
+        body = elastin.Body((CORNERS * 100).astype(numpy.float32).tolist(), numpy.array(PAIRS, numpy.uint8))
+        self.assertEqual(body.positions.tolist(), (CORNERS * 100).tolist())
+        self.assertEqual(elastin.Body(numpy.asfortranarray(CORNERS), PAIRS).positions.tolist(), CORNERS.tolist())
+
+    def test_wrong_arrays_are_named(self):
+        def said(*arguments, **options):
+            with self.assertRaises(elastin.InputError) as caught:
+                elastin.Body(*arguments, **options)
+            return str(caught.exception)
+
+        self.assertEqual(said(CORNERS.T, PAIRS), "positions: has shape (3, 4); allowed: (n, 3)")
+        self.assertEqual(said(CORNERS, [[0, 4]]), "connections[0]: there is no molecule 4; allowed: 0 to 3")
+        self.assertEqual(said(CORNERS, [[0, 1], [2, 2]]), "connections[1]: names molecule 2 twice")
+        self.assertEqual(said(CORNERS, [[0, 1.5]]),
+                         "connections: is no array of whole numbers; allowed: whole numbers of molecules, (n, 2)")
+        self.assertEqual(said(CORNERS, PAIRS, masses=[1, 1, 0, 1]),
+                         "masses[2]: is 0; allowed: finite numbers above 0 kg")
+        self.assertEqual(said(CORNERS, PAIRS, masses=[1]), "masses: has 1 numbers; allowed: 4, one a molecule")
+        self.assertEqual(said(CORNERS, PAIRS, rest_lengths=[1]), "rest_lengths: has 1 numbers; allowed: 4, one a connection")
+        self.assertEqual(said([[0, 0, numpy.nan]]), "positions[0]: is not finite")
+        self.assertEqual(said("ab"), "positions: cannot be read as an array of numbers")
+        flat = CORNERS * (1, 1, 0)
+        self.assertEqual(said(flat, tetrahedra=[[0, 1, 2, 3]]), "tetrahedra[0]: is flat")
+
+    def test_a_lattice_is_the_scenes(self):
+        body = elastin.lattice((3, 3, 3), 7.5e-3)
+        scene = elastin.Laboratory(CUBE).body
+        for name in ("positions", "masses", "radii", "connections", "rest_lengths"):
+            self.assertEqual(getattr(body, name).tobytes(), getattr(scene, name).tobytes(), name)
+
+    def test_every_shape_of_the_scenes(self):
+        block = elastin.body({"tetrahedra": {"kind": "kuhn", "cubes": [1, 1, 1], "size": [1, 1, 1]}},
+                             elastin.Material(1e3, density=600))
+        self.assertAlmostEqual(block.masses.sum(), 600)
+        mesh = elastin.read_mesh(f"{SOURCE}/scenes/tension/dogbone.msh", "mm")
+        self.assertEqual(len(mesh), len(elastin.Laboratory(f"{SOURCE}/scenes/tension/dogbone.yaml").body))
+        with self.assertRaisesRegex(elastin.InputError, r"body:1:\d+: .*did you mean 'cubic'"):
+            elastin.body({"lattice": {"kind": "cubik", "molecules": [2, 2, 2], "spacing": 1}})
+        with self.assertRaisesRegex(elastin.InputError, "thickness"):
+            elastin.body({"disc": {"radius": 1, "rings": 2}})
+
+
+class Materials(unittest.TestCase):
+    def test_ranges(self):
+        for options, said in (({"youngs_modulus": -1}, "youngs_modulus: is -1; allowed: finite numbers above 0 Pa"),
+                              ({}, "give youngs_modulus"), ({"youngs_modulus": 1, "poissons_ratio": 0.6}, "-0.99 to 0.5")):
+            with self.assertRaisesRegex(elastin.InputError, said):
+                elastin.Material(**options)
+
+    def test_curve(self):
+        material = elastin.Material(curve=[(0, 0), (0.1, 100), (0.2, 300)])
+        self.assertGreater(material.youngs_modulus, 0)
+        with self.assertRaisesRegex(elastin.InputError, "increase"):
+            elastin.Material(curve=[(0, 0), (0.1, -100)])
+
+
+class OwnStrategies(unittest.TestCase):
+    def setUp(self):
+        lattice = elastin.Catalog()["lattice"]
+        self.asked = []
+
+        def constants(body, material, factor):
+            self.asked.append((len(body), material.youngs_modulus, factor))
+            return factor * lattice.constants(body, material)
+
+        self.own = elastin.Strategy("own", constants, summary="the lattice's, times a factor",
+                                    parameters=[elastin.Parameter("factor", 1, low=0.1, high=10)])
+
+    def test_it_is_a_row_of_the_comparison(self):
+        result = elastin.compare(CUBE, ["lattice", self.own])
+        self.assertEqual(result["own"].measures, result["lattice"].measures)
+        self.assertEqual(self.asked, [(27, 5e3, 1)])
+
+    def test_it_can_be_calibrated_and_takes_parameters(self):
+        catalog = elastin.Catalog()
+        catalog.add(self.own)
+        result = elastin.run(CUBE, "calibrated:own", catalog=catalog)
+        self.assertAlmostEqual(result["effective_modulus"] / 5e3, 1, delta=1e-4)
+        doubled = elastin.run(CUBE, set={"stiffness": {"strategy": "own", "factor": 2}}, catalog=catalog)
+        self.assertAlmostEqual(doubled["effective_modulus"] / 1e4, 1, delta=1e-3)
+        with self.assertRaisesRegex(elastin.InputError, r"own.factor: 11 is out of range: 0.1 to 10"):
+            elastin.run(CUBE, set={"stiffness": {"strategy": "own", "factor": 11}}, catalog=catalog)
+        with self.assertRaisesRegex(elastin.InputError, "a strategy 'own' already"):
+            catalog.add(self.own)
+
+    def test_what_it_raises_comes_out(self):
+        def broken(body, material):
+            raise ZeroDivisionError("on purpose")
+
+        with self.assertRaisesRegex(ZeroDivisionError, "on purpose"):
+            elastin.run(CUBE, elastin.Strategy("broken", broken))
+        with self.assertRaisesRegex(elastin.InputError, "gives 2 constants; allowed: 126, one a connection"):
+            elastin.run(CUBE, elastin.Strategy("short", lambda body, material: [1, 2]))
+        unsuited = elastin.Strategy("none", broken, unsuited=lambda body: "never")
+        self.assertEqual(elastin.run(CUBE, unsuited).cause, "never")
+
+    def test_the_catalog(self):
+        catalog = elastin.Catalog()
+        self.assertEqual([strategy.name for strategy in elastin.strategies()], catalog.names)
+        uniform = catalog["uniform"]
+        self.assertEqual(uniform.kind, "spring rule")
+        self.assertTrue(uniform.parameters and all(p.low <= p.default <= p.high for p in uniform.parameters))
+        with self.assertRaisesRegex(elastin.InputError, "did you mean 'lattice'"):
+            catalog["latice"]
+
+
+class Errors(unittest.TestCase):
+    """The same words as the command's."""
+
+    def test_wrong_scenes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = os.path.join(folder, "scene.yaml")
+            with open(CUBE, encoding="utf8") as stream:
+                text = stream.read()
+            for wrong in (text.replace("poissons_ratio", "poison_ratio"), text.replace("5 kPa", "5 kg"),
+                          text.replace("kind: tension", "kind: tensoin"), text + "\n: :", "body: {}"):
+                with open(scene, "w", encoding="utf8") as stream:
+                    stream.write(wrong)
+                self.same(scene)
+
+    def test_wrong_use(self):
+        self.same(CUBE + "x")
+        for change in ("stiffness=latice", "material.youngs_modulus=-5", "material.youngs=5", "nonsense"):
+            self.same(CUBE, change)
+
+    def same(self, scene, *changes):
+        options = [word for change in changes for word in ("--set", change)]
+        with self.subTest(scene=scene, changes=changes):
+            with self.assertRaises(elastin.InputError) as caught:
+                elastin.run(scene, set=list(changes))
+            self.assertEqual(str(caught.exception), said_by_command("run", scene, *options))
+            self.assertIsInstance(caught.exception, ValueError)
+
+    def test_a_measure_that_was_not_taken(self):
+        result = elastin.run(CUBE)
+        with self.assertRaisesRegex(KeyError, "did you mean 'effective_modulus'"):
+            result["efective_modulus"]
+        self.assertIsNone(result.get("frequency"))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,110 @@
+"""Scenes: the same numbers as the command, to the last bit."""
+
+import unittest
+
+import numpy
+
+import elastin
+from helpers import CUBE, SOURCE, TABLE_1, runs_of_command
+
+ONE_OF_EACH_KIND = ["material/shear", "material/cube-stiffness", "dynamics/drag-stokes", "contact/indentation-flat",
+                    "membrane/balloon"]
+
+
+class TheCommandsNumbers(unittest.TestCase):
+    def hold_against(self, result, run):
+        self.assertEqual((result.scene, result.strategy, result.outcome), (run["scene"], run["strategy"], run["outcome"]))
+        self.assertEqual(result.cause, run["cause"])
+        self.assertEqual(result.measures, run["measures"])
+        self.assertEqual(result.errors, run["errors"])
+        self.assertEqual(result.warnings, run["warnings"])
+        self.assertEqual(result.linear_iterations, run["linear_iterations"])
+        rows = [{name: float(column[row]) for name, column in result.curve.items() if not numpy.isnan(column[row])}
+                for row in range(len(run["curve"]))]
+        for row, told in zip(rows, run["curve"]):
+            told.pop("step", None)
+            told["at"] = told.pop("time") if "time" in told else told.pop("load_factor")
+            self.assertEqual(row, told)
+
+    def test_tension_table(self):
+        compared = 0
+        for scene in TABLE_1:
+            for result, run in zip(elastin.compare(scene), runs_of_command("compare", scene), strict=True):
+                with self.subTest(scene=scene, strategy=run["strategy"]):
+                    self.hold_against(result, run)
+                    compared += "effective_modulus" in result.measures
+        self.assertGreaterEqual(compared, 12)
+
+    def test_other_experiments(self):
+        for name in ONE_OF_EACH_KIND:
+            with self.subTest(scene=name):
+                scene = f"{SOURCE}/scenes/{name}.yaml"
+                self.hold_against(elastin.run(scene), runs_of_command("run", scene)[0])
+
+    def test_changed_keys_and_strategies_by_name(self):
+        changes = {"material.youngs_modulus": 7123.456789012345, "body.lattice.molecules": [3, 4, 3]}
+        result = elastin.run(CUBE, "calibrated:angles", set=changes)
+        run = runs_of_command("compare", CUBE, "--strategies", "calibrated:angles",
+                              "--set", "material.youngs_modulus=7123.456789012345",
+                              "--set", "body.lattice.molecules=[3, 4, 3]")[0]
+        self.hold_against(result, run)
+
+    def test_sweep(self):
+        moduli = [1e3, 5e3]
+        swept = elastin.sweep(CUBE, "material.youngs_modulus", moduli, strategy="standard")
+        for modulus, measured in zip(moduli, swept["effective_modulus"], strict=True):
+            again = elastin.run(CUBE, "standard", set={"material.youngs_modulus": modulus})
+            self.assertEqual(measured, again["effective_modulus"])
+        self.assertTrue(numpy.isnan(swept["frequency"]).all())
+
+
+class WhatAResultHolds(unittest.TestCase):
+    def test_state_is_the_bodys(self):
+        result = elastin.run(CUBE)
+        body = result.body
+        self.assertEqual(result.positions.shape, (len(body), 3))
+        ends = result.positions[body.connections]
+        lengths = numpy.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        pulled = result.tensions > 1e-9 * abs(result.tensions).max()
+        self.assertTrue(pulled.any())
+        self.assertTrue((lengths > body.rest_lengths)[pulled].all())
+
+    def test_what_a_scene_says(self):
+        laboratory = elastin.Laboratory(TABLE_1[0])
+        self.assertEqual(laboratory.strategy, "standard")
+        self.assertEqual(laboratory.expectations[0],
+                         {"strategy": "standard", "measure": "effective_modulus", "value": 4994.5, "unit": "Pa",
+                          "source": "[M03] Table 1 a"})
+        self.assertTrue(laboratory.run().good)
+        self.assertFalse(elastin.run(TABLE_1[0], set={"material.youngs_modulus": 6e3}).good)
+
+    def test_unsuited_is_an_outcome(self):
+        result = elastin.run(CUBE, "neo_hookean")
+        self.assertEqual(result.outcome, "unsuited")
+        self.assertIn("tetrahedra", result.cause)
+        self.assertEqual(result.positions.shape, (0, 3))
+
+    def test_progress_is_told_and_may_end_a_run(self):
+        told = []
+        elastin.run(CUBE, progress=told.append)
+        self.assertIn("building", told)
+
+        def refuse(doing):
+            raise RuntimeError(doing)
+
+        with self.assertRaisesRegex(RuntimeError, "building"):
+            elastin.run(CUBE, progress=refuse)
+
+    def test_a_body_that_settles_comes_where_the_scene_does(self):
+        scene = f"{SOURCE}/scenes/tension/cube-1000.yaml"
+        laboratory = elastin.Laboratory(scene)
+        for strategy in ("standard", "calibrated:angles"):
+            result = laboratory.run(strategy)
+            tissue = laboratory.simulation(strategy)
+            self.assertTrue(tissue.settle())
+            way = abs(result.positions - result.body.positions).max()
+            self.assertLess(abs(tissue.positions - result.positions).max(), 1e-8 * way)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,67 @@
+"""The type hints speak of the module that there is: the same names, the same arguments."""
+
+import ast
+import inspect
+import os
+import re
+import unittest
+
+import elastin
+
+STUB = os.path.join(os.path.dirname(elastin.__file__), "__init__.pyi")
+
+
+def arguments_in_stub(function):
+    plain = function.args
+    names = [argument.arg for argument in plain.args + plain.kwonlyargs]
+    return [name for name in names if name != "self"] + [f"**{plain.kwarg.arg}"] * bool(plain.kwarg)
+
+
+def arguments_in_module(function):
+    """Of a function of Python by its signature, of one of C++ by the first line of its doc string."""
+    if inspect.isfunction(function):
+        names = [("**" if parameter.kind is parameter.VAR_KEYWORD else "") + name
+                 for name, parameter in inspect.signature(function).parameters.items()]
+        return [name for name in names if name not in ("self", "result")]
+    signature = function.__doc__.splitlines()[0]
+    return [name for name in re.findall(r"[(,] ?(\w+):", signature) if name != "self"]
+
+
+class Stubs(unittest.TestCase):
+    def setUp(self):
+        with open(STUB, encoding="utf8") as stream:
+            tree = ast.parse(stream.read())
+        self.functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+        self.classes = {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
+
+    def test_names(self):
+        self.assertEqual(sorted({*self.functions, *self.classes}), sorted(elastin.__all__))
+        self.assertTrue(os.path.exists(os.path.join(os.path.dirname(STUB), "py.typed")))
+
+    def test_functions(self):
+        for name, node in self.functions.items():
+            with self.subTest(function=name):
+                self.assertEqual(arguments_in_stub(node), arguments_in_module(getattr(elastin, name)))
+                self.assertTrue(getattr(elastin, name).__doc__)
+
+    def test_classes(self):
+        for name, node in self.classes.items():
+            in_stub = {item.name: item for item in node.body if isinstance(item, ast.FunctionDef)}
+            in_module = getattr(elastin, name)
+            self.assertTrue(in_module.__doc__ or name == "InputError", name)
+            public = {one for base in in_module.__mro__ if base.__module__.startswith("elastin") for one in vars(base)
+                      if not one.startswith("_")}
+            hinted = {one for one in in_stub if not one.startswith("__")}
+            with self.subTest(cls=name):
+                self.assertEqual(hinted, public)
+            for method, item in in_stub.items():
+                with self.subTest(cls=name, method=method):
+                    found = inspect.getattr_static(in_module, method)
+                    is_property = any(getattr(mark, "id", "") == "property" for mark in item.decorator_list)
+                    self.assertEqual(isinstance(found, property), is_property)
+                    if not is_property and method in (*hinted, "__init__"):
+                        self.assertEqual(arguments_in_stub(item), arguments_in_module(getattr(in_module, method)))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,158 @@
+"""Steps let other threads run; simulations in several threads; Ctrl-C; observers."""
+
+import os
+import signal
+import sys
+import threading
+import unittest
+
+import elastin
+
+
+def tissue(number=0):
+    simulation = elastin.Simulation(elastin.lattice((6, 6, 6), 1e-3), "lattice", elastin.Material(5e3))
+    simulation.add_gravity((0, 0.1 * number, -9.81))
+    simulation.hold(0)
+    return simulation
+
+
+class Stop(Exception):
+    pass
+
+
+class Threads(unittest.TestCase):
+    def test_a_step_gives_the_interpreter_free(self):
+        """The interpreter would not take it from a thread by itself: what the other thread does, it does in a step."""
+        interval = sys.getswitchinterval()
+        sys.setswitchinterval(1000)
+        self.addCleanup(sys.setswitchinterval, interval)
+        simulation, steps, asked, ended = tissue(), [0], threading.Event(), []
+
+        def see(_):
+            steps[0] += 500
+            if asked.is_set() or steps[0] > 500_000:
+                raise Stop
+
+        simulation.observe(see, every=500)
+
+        def work():
+            try:
+                simulation.step(1e-5, 10_000_000)
+            except Stop:
+                ended.append(steps[0])
+
+        thread = threading.Thread(target=work)
+        thread.start()
+        while steps[0] == 0:
+            threading.Event().wait(0.001)
+        self.assertEqual(ended, [])
+        asked.set()
+        thread.join()
+        self.assertLess(ended[0], 500_000)
+
+    def test_the_same_bits_in_many_threads(self):
+        alone = []
+        for number in range(3):
+            simulation = tissue(number)
+            simulation.step(1e-4, 300)
+            alone.append(simulation.positions.tobytes())
+        together = [tissue(number) for number in range(3)]
+        threads = [threading.Thread(target=simulation.step, args=(1e-4, 300)) for simulation in together]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual([simulation.positions.tobytes() for simulation in together], alone)
+
+    def test_threads_take_turns_at_one_simulation(self):
+        simulation = tissue()
+        threads = [threading.Thread(target=simulation.step, args=(1e-4, 100)) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        again = tissue()
+        again.step(1e-4, 400)
+        self.assertEqual(simulation.positions.tobytes(), again.positions.tobytes())
+
+
+class Interruptions(unittest.TestCase):
+    def test_ctrl_c_ends_many_steps(self):
+        simulation = tissue()
+        simulation.observe(lambda seen: os.kill(os.getpid(), signal.SIGINT) if seen.time > 1e-3 else None, every=100)
+        with self.assertRaises(KeyboardInterrupt):
+            simulation.step(1e-5, 100_000_000)
+        self.assertTrue(simulation.step(1e-5))
+
+    def test_ctrl_c_ends_a_run(self):
+        from helpers import SOURCE
+        with self.assertRaises(KeyboardInterrupt):
+            elastin.run(f"{SOURCE}/scenes/tension/cube-1000.yaml",
+                        progress=lambda doing: os.kill(os.getpid(), signal.SIGINT))
+
+    def test_what_an_observer_raises_comes_out_of_the_step(self):
+        simulation = tissue()
+
+        def refuse(seen):
+            raise Stop(seen.time)
+
+        simulation.observe(refuse, every=3)
+        with self.assertRaises(Stop) as caught:
+            simulation.step(1e-4, 10)
+        self.assertAlmostEqual(caught.exception.args[0], 3e-4)
+        self.assertAlmostEqual(simulation.time, 3e-4)
+
+    def test_an_observer_must_not_step(self):
+        simulation = tissue()
+        simulation.observe(lambda seen: seen.step(1e-4))
+        with self.assertRaisesRegex(elastin.InputError, "must not step"):
+            simulation.step(1e-4)
+
+
+class Hands(unittest.TestCase):
+    def test_hold_move_and_reaction(self):
+        """The support of the one molecule that is held bears the weight of all, at rest."""
+        simulation = tissue()
+        self.assertTrue(simulation.settle())
+        weight = 9.81 * simulation.body.masses.sum()
+        self.assertAlmostEqual(simulation.reaction(0)[2] / weight, 1, delta=1e-6)
+        place = simulation.positions[0] + (0, 0, 1e-6)
+        simulation.move_to(0, place)
+        simulation.step(1e-4)
+        self.assertEqual(list(simulation.positions[0]), list(place))
+        simulation.release(0)
+        self.assertEqual(list(simulation.reaction(0)), [0, 0, 0])
+
+    def test_free_directions(self):
+        simulation = tissue(1)
+        simulation.release(0)
+        simulation.hold(7, free="z")
+        x, y, z = simulation.positions[7].copy()
+        simulation.step(1e-3, 5)
+        self.assertEqual(list(simulation.positions[7][:2]), [x, y])
+        self.assertLess(simulation.positions[7][2], z)
+        with self.assertRaisesRegex(elastin.InputError, "'w' is no axis"):
+            simulation.hold(7, free="w")
+
+    def test_grip(self):
+        simulation = tissue()
+        place = simulation.positions[215] + (1e-4, 0, 0)
+        grip = simulation.grab(215, place, stiffness=0.5)
+        self.assertAlmostEqual(simulation.grip_force(grip)[0], 0.5e-4, delta=1e-12)
+        simulation.move_grip(grip, simulation.positions[215])
+        simulation.let_go(grip)
+        self.assertEqual(list(simulation.grip_force(grip)), [0, 0, 0])
+
+    def test_trouble_is_an_outcome(self):
+        simulation = elastin.Simulation(elastin.lattice((3, 3, 3), 1e-3), "lattice", elastin.Material(5e3),
+                                        most_parts=2)
+        before = simulation.positions.copy()
+        ended = simulation.step(10)
+        self.assertFalse(ended)
+        self.assertEqual(ended.outcome, "limit_reached")
+        self.assertIn("parts", ended.cause)
+        self.assertTrue((simulation.positions == before).all())
+
+
+if __name__ == "__main__":
+    unittest.main()
