@@ -30,7 +30,7 @@ class Shown(unittest.TestCase):
         lines = repr(comparison).splitlines()
         self.assertEqual(lines[0], "table1-a")
         self.assertEqual(len(lines), 2 + len(comparison))
-        self.assertRegex(lines[2], r"^standard +4\.9\d+ kPa +-0\.\d+ %")
+        self.assertRegex(lines[2], r"^standard +5\.0000 kPa +0\.0000 %")
         html = comparison._repr_html_()
         self.assertEqual(html.count("<tr>"), 1 + len(comparison))
         self.assertIn("effective_modulus", comparison["standard"]._repr_html_())
