@@ -103,7 +103,7 @@ Body mesh_body(const char* path, double length_unit, double density, double thic
 #endif
 
 template <class Make>
-elastin_status make_body(elastin_body** out, const Make& make) {
+elastin_status hand_out(elastin_body** out, const Make& make) {
   return face::guarded([&] {
     given(out, "body");
     auto made = std::make_unique<elastin_body>(elastin_body{make()});
@@ -127,19 +127,19 @@ using elastin::face::guarded;
 extern "C" {
 
 elastin_status elastin_body_from_arrays(const elastin_arrays* arrays, elastin_body** body) {
-  return elastin::make_body(body, [&] { return elastin::body_of(elastin::face::taken(arrays, "elastin_arrays")); });
+  return elastin::hand_out(body, [&] { return elastin::body_of(elastin::face::taken(arrays, "elastin_arrays")); });
 }
 
 elastin_status elastin_lattice(const int counts[3], const double spacing[3], int pattern, double density,
                                elastin_body** body) {
-  return elastin::make_body(body, [&] { return elastin::lattice_of(counts, spacing, pattern, density); });
+  return elastin::hand_out(body, [&] { return elastin::lattice_of(counts, spacing, pattern, density); });
 }
 
 elastin_status elastin_body_from_mesh([[maybe_unused]] const char* path, [[maybe_unused]] double length_unit,
                                       [[maybe_unused]] double density, [[maybe_unused]] double thickness,
                                       [[maybe_unused]] elastin_body** body) {
 #ifdef ELASTIN_FACE_LAB
-  return elastin::make_body(body, [&] { return elastin::mesh_body(path, length_unit, density, thickness); });
+  return elastin::hand_out(body, [&] { return elastin::mesh_body(path, length_unit, density, thickness); });
 #else
   return elastin::face::failed(ELASTIN_MISSING, "this library was built without mesh files (ELASTIN_LAB)");
 #endif

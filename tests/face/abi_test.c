@@ -181,7 +181,7 @@ static void stepping(void) {
   CHECK(memcmp(velocities, twin.velocities, sizeof twin.velocities) == 0);
   CHECK(memcmp(forces, twin.forces, sizeof twin.forces) == 0);
   CHECK(count == twin.tension_count && memcmp(tensions, twin.tensions, count * sizeof(double)) == 0);
-  CHECK(memcmp(run.reaction, twin.reaction, sizeof run.reaction) == 0 && run.reaction[2] > 0);
+  CHECK(memcmp(run.reaction, twin.reaction, sizeof run.reaction) == 0 && run.reaction[2] != 0);
   CHECK(memcmp(run.grip_force, twin.grip_force, sizeof run.grip_force) == 0 && run.grip_force[2] != 0);
   OK(elastin_let_go(simulation, grip));
   OK(elastin_grip_force(simulation, grip, run.grip_force));
@@ -199,7 +199,7 @@ static void refusals(void) {
   elastin_simulation *simulation = NULL, *kept = tissue(NULL);
   elastin_options options = {sizeof options, "newmak", 0, 0, NULL, 0, 0, NULL, NULL, 0};
   elastin_step_result result = {0, 0, 0, 0, 0};
-  double time = 0;
+  double time = 0, force[3];
   int grip = 0;
   twin_message(0, words, sizeof words);
   CHECK(elastin_simulate(body, "latice", &kSoft, NULL, &simulation) == ELASTIN_WRONG_INPUT);
@@ -229,7 +229,7 @@ static void refusals(void) {
   REFUSED(elastin_hold(kept, 36, 0), "36");
   REFUSED(elastin_hold(kept, 0, 8), "free_axes is 8");
   REFUSED(elastin_move_to(kept, 0, place), "0");
-  REFUSED(elastin_reaction(kept, -1, &time), "molecule -1: there are 36, from 0");
+  REFUSED(elastin_reaction(kept, -1, force), "molecule -1: there are 36, from 0");
   REFUSED(elastin_grab(kept, 0, place, 0, 0, &grip), "stiffness");
   REFUSED(elastin_grab(kept, 0, odd, 1, 0, &grip), "place must be three finite numbers");
   REFUSED(elastin_grab(kept, 0, NULL, 1, 0, &grip), "place is null");
