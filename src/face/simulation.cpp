@@ -1,6 +1,7 @@
 #ifdef ELASTIN_FACE_LAB
 #include "experiment/specimen.h"
 #endif
+#include "elastin/forces/bending.h"
 #include "face/handles.h"
 #include "face/saved_state.h"
 
@@ -9,13 +10,11 @@ namespace {
 
 using face::given;
 
-constexpr int kBytesOfResult = 0;
-
 /// What a step said, as the caller's structure; a status.
 template <class Result>
 elastin_status told(const Result& result, int parts, elastin_step_result* out) {
   if (out) {
-    const elastin_step_result values{kBytesOfResult, static_cast<int>(result.outcome), parts, result.newton_iterations,
+    const elastin_step_result values{0, static_cast<int>(result.outcome), parts, result.newton_iterations,
                                      result.linear_iterations};
     face::put(values, out, "elastin_step_result");
   }
@@ -39,6 +38,13 @@ void write(const Vector3& vector, double numbers[3], const char* name) {
   for (int axis = 0; axis < 3; ++axis) numbers[axis] = vector[axis];
 }
 
+/// Bending acts between molecules across a side: those are sides of cells too.
+void make_room_for_bending(Body& body) {
+  const std::string why = unsuited_for_bending(body);
+  if (!why.empty()) throw InputError("bending_rigidity: " + why);
+  add_cell_sides(body, bending_pairs(body));
+}
+
 std::unique_ptr<elastin_simulation> simulate(const elastin_body& body, const char* name,
                                              const elastin_material* material, const elastin_options* options) {
   const Strategy strategy = face::strategy_of(name);
@@ -46,6 +52,7 @@ std::unique_ptr<elastin_simulation> simulate(const elastin_body& body, const cha
   std::unique_ptr<CallbackRunner> runner;
   SimulationOptions chosen = face::options_of(options, runner);
   Body copy = body.body;
+  if (made_of.bending_rigidity > 0) make_room_for_bending(copy);
 #ifdef ELASTIN_FACE_LAB
   prepare(copy, strategy, made_of);
 #endif

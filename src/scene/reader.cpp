@@ -280,7 +280,6 @@ double Reader::quantity(const Dimension& dimension, const Range& range) const {
 
 /// Throws if the file writes some dimensional values with units and others as plain numbers: one of them is a slip.
 void Reader::note_unit(const std::string& given, const Dimension& dimension, const Quantity& quantity) const {
-  const std::string& path = file_->path;
   auto& first_unit = file_->first_unit;
   auto& first_plain = file_->first_plain;
   if (quantity.has_unit && !first_unit) first_unit = place();

@@ -44,13 +44,13 @@ static void layout(void) {
   CHECK(strcmp(elastin_version(), "0.1.0") == 0);
   CHECK(sizeof(elastin_status) == sizeof(int) && sizeof(elastin_outcome) == sizeof(int));
   if (sizeof(void*) != 8 || sizeof(size_t) != 8) return;
-  CHECK(sizeof(elastin_arrays) == 104 && offsetof(elastin_arrays, positions) == 8);
+  CHECK(sizeof(elastin_arrays) == 112 && offsetof(elastin_arrays, positions) == 8);
   CHECK(offsetof(elastin_arrays, masses) == 16 && offsetof(elastin_arrays, radii) == 24);
-  CHECK(offsetof(elastin_arrays, connections) == 32 && offsetof(elastin_arrays, triangles) == 40);
-  CHECK(offsetof(elastin_arrays, tetrahedra) == 48 && offsetof(elastin_arrays, molecule_count) == 56);
-  CHECK(offsetof(elastin_arrays, connection_count) == 64 && offsetof(elastin_arrays, triangle_count) == 72);
-  CHECK(offsetof(elastin_arrays, tetrahedron_count) == 80 && offsetof(elastin_arrays, density) == 88);
-  CHECK(offsetof(elastin_arrays, thickness) == 96);
+  CHECK(offsetof(elastin_arrays, connections) == 32 && offsetof(elastin_arrays, rest_lengths) == 40);
+  CHECK(offsetof(elastin_arrays, triangles) == 48 && offsetof(elastin_arrays, tetrahedra) == 56);
+  CHECK(offsetof(elastin_arrays, molecule_count) == 64 && offsetof(elastin_arrays, connection_count) == 72);
+  CHECK(offsetof(elastin_arrays, triangle_count) == 80 && offsetof(elastin_arrays, tetrahedron_count) == 88);
+  CHECK(offsetof(elastin_arrays, density) == 96 && offsetof(elastin_arrays, thickness) == 104);
   CHECK(sizeof(elastin_counts) == 40 && offsetof(elastin_counts, tetrahedra) == 32);
   CHECK(sizeof(elastin_material) == 40 && offsetof(elastin_material, bending_rigidity) == 32);
   CHECK(sizeof(elastin_parameter) == 56 && offsetof(elastin_parameter, fallback) == 48);
@@ -88,7 +88,7 @@ static const double kPlaces[15] = {0, 0, 0, 6e-3, 0, 0, 0, 6e-3, 0, 0, 0, 6e-3, 
 static const int kCells[8] = {0, 1, 2, 3, 0, 1, 2, 4};
 
 static elastin_arrays arrays(void) {
-  elastin_arrays given = {sizeof given, kPlaces, NULL, NULL, NULL, NULL, kCells, 5, 0, 0, 2, 1000, 0};
+  elastin_arrays given = {sizeof given, kPlaces, NULL, NULL, NULL, NULL, NULL, kCells, 5, 0, 0, 2, 1000, 0};
   return given;
 }
 
@@ -114,23 +114,23 @@ static void bodies(void) {
   body = NULL;
 
   given.tetrahedra = wrong, given.tetrahedron_count = 1;
-  REFUSED(elastin_body_from_arrays(&given, &body), "tetrahedron 0 names molecule 5; there are 5, from 0");
+  REFUSED(elastin_body_from_arrays(&given, &body), "tetrahedra[0]: there is no molecule 5; allowed: 0 to 4");
   given.tetrahedra = twice;
-  REFUSED(elastin_body_from_arrays(&given, &body), "tetrahedron 0 names molecule 2 twice");
+  REFUSED(elastin_body_from_arrays(&given, &body), "tetrahedra[0]: names molecule 2 twice");
   given.tetrahedra = NULL;
-  REFUSED(elastin_body_from_arrays(&given, &body), "tetrahedron is null");
+  REFUSED(elastin_body_from_arrays(&given, &body), "tetrahedra is null");
   given = arrays(), given.masses = masses;
-  REFUSED(elastin_body_from_arrays(&given, &body), "masses of molecule 4");
+  REFUSED(elastin_body_from_arrays(&given, &body), "masses[4]: is 0");
   given = arrays(), given.density = 0;
   REFUSED(elastin_body_from_arrays(&given, &body), "density is 0");
   given = arrays(), given.molecule_count = 0;
-  REFUSED(elastin_body_from_arrays(&given, &body), "molecule_count is 0");
+  REFUSED(elastin_body_from_arrays(&given, &body), "at least one molecule");
   given = arrays(), given.molecule_count = (size_t)1 << 60;
   REFUSED(elastin_body_from_arrays(&given, &body), "too many");
   given = arrays(), given.size = 0;
   REFUSED(elastin_body_from_arrays(&given, &body), "elastin_arrays.size is 0");
   given.size = sizeof given + 8;
-  REFUSED(elastin_body_from_arrays(&given, &body), "elastin_arrays.size is 112");
+  REFUSED(elastin_body_from_arrays(&given, &body), "elastin_arrays.size is 120");
   given = arrays(), given.connections = flat, given.connection_count = 2, given.tetrahedron_count = 0;
   OK(elastin_body_from_arrays(&given, &body));
   elastin_body_free(body);
@@ -181,7 +181,7 @@ static void stepping(void) {
   CHECK(memcmp(velocities, twin.velocities, sizeof twin.velocities) == 0);
   CHECK(memcmp(forces, twin.forces, sizeof twin.forces) == 0);
   CHECK(count == twin.tension_count && memcmp(tensions, twin.tensions, count * sizeof(double)) == 0);
-  CHECK(memcmp(run.reaction, twin.reaction, sizeof run.reaction) == 0 && run.reaction[2] > 0);
+  CHECK(memcmp(run.reaction, twin.reaction, sizeof run.reaction) == 0 && run.reaction[2] != 0);
   CHECK(memcmp(run.grip_force, twin.grip_force, sizeof run.grip_force) == 0 && run.grip_force[2] != 0);
   OK(elastin_let_go(simulation, grip));
   OK(elastin_grip_force(simulation, grip, run.grip_force));
@@ -199,7 +199,7 @@ static void refusals(void) {
   elastin_simulation *simulation = NULL, *kept = tissue(NULL);
   elastin_options options = {sizeof options, "newmak", 0, 0, NULL, 0, 0, NULL, NULL, 0};
   elastin_step_result result = {0, 0, 0, 0, 0};
-  double time = 0;
+  double time = 0, force[3];
   int grip = 0;
   twin_message(0, words, sizeof words);
   CHECK(elastin_simulate(body, "latice", &kSoft, NULL, &simulation) == ELASTIN_WRONG_INPUT);
@@ -229,7 +229,7 @@ static void refusals(void) {
   REFUSED(elastin_hold(kept, 36, 0), "36");
   REFUSED(elastin_hold(kept, 0, 8), "free_axes is 8");
   REFUSED(elastin_move_to(kept, 0, place), "0");
-  REFUSED(elastin_reaction(kept, -1, &time), "molecule -1: there are 36, from 0");
+  REFUSED(elastin_reaction(kept, -1, force), "molecule -1: there are 36, from 0");
   REFUSED(elastin_grab(kept, 0, place, 0, 0, &grip), "stiffness");
   REFUSED(elastin_grab(kept, 0, odd, 1, 0, &grip), "place must be three finite numbers");
   REFUSED(elastin_grab(kept, 0, NULL, 1, 0, &grip), "place is null");

@@ -1,8 +1,9 @@
 // Feeds Elastin's readers with broken files: each must be read, or refused with an InputError, in 10 s and 2 GB.
-//   elastin_fuzz [--seconds S] [--seed N] [--kind scene|mesh|table|restart|override|journal] [--keep DIR]
+//   elastin_fuzz [--seconds S] [--files N] [--seed N] [--kind scene|mesh|table|restart|override|journal] [--keep DIR]
 //   elastin_fuzz --file FILE …     reads these alone, by their endings
-// S counts processor time, so that a pause costs nothing. Finds stay in DIR with what was said; exit code 1 if there
-// are any. Files that go new ways are changed further; -fsanitize-coverage=trace-pc tells more of them apart.
+// S counts processor time, so that a pause costs nothing; what comes first ends it. Finds stay in DIR with what was
+// said; exit code 1 if there are any. Files that go new ways are changed further; -fsanitize-coverage=trace-pc tells
+// more of them apart.
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/time.h>
@@ -51,7 +52,8 @@ constexpr int kSlow = 70, kLarge = 71;
 constexpr long kBatch = 20000;
 
 struct Options {
-  double seconds = 2;
+  double seconds = 60;
+  long most_files = std::numeric_limits<long>::max();
   std::uint64_t seed = 1;
   std::string kind, keep;
   std::vector<std::string> files;
@@ -123,15 +125,16 @@ class Fuzzer {
     std::signal(SIGPROF, too_slow);
     fuzz::Mutator random(seed);
     const double until = processor_seconds(RUSAGE_SELF) + seconds;
+    const auto goes_on = [&] { return counts_.files < options_.most_files && processor_seconds(RUSAGE_SELF) < until; };
     long number = 0;  // whole files first: they show the ways that are known
     for (fuzz::Kind& kind : kinds_)
-      for (std::size_t s = 0; s < kind.seeds.size() && processor_seconds(RUSAGE_SELF) < until; ++s)
+      for (std::size_t s = 0; s < kind.seeds.size() && goes_on(); ++s)
         if (number++ == counts_.whole) {
           ++counts_.whole;
           read(kind, kind.seeds[s].ending, kind.seeds[s].bytes, false);
         }
     counts_.whole = std::numeric_limits<long>::max();
-    for (long i = 0; i < kBatch && processor_seconds(RUSAGE_SELF) < until; ++i) {
+    for (long i = 0; i < kBatch && goes_on(); ++i) {
       fuzz::Kind& kind = kinds_[random.pick(kinds_.size())];
       const auto& seeds = kind.seeds;
       // Every second file is one of the newest.
@@ -211,10 +214,11 @@ std::string ending_of(int status) {
 /// Starts a process for each batch until the time is used up; goes on after one that broke.
 void supervise(const Options& options, const fs::path& folder, Counts& counts) {
   Fuzzer fuzzer(options, folder, counts);
+  if (!fuzzer.any()) throw elastin::InputError("no kind '" + options.kind + "'");
   const fs::path log = folder / "log";
   for (std::uint64_t batch = 0;; ++batch) {
     const double left = options.seconds - processor_seconds(RUSAGE_CHILDREN);
-    if (left <= 0) return;
+    if (left <= 0 || counts.files >= options.most_files) return;
     const pid_t child = fork();
     if (child == 0) {
       if (!std::freopen(log.c_str(), "w", stderr)) _exit(1);
@@ -255,6 +259,8 @@ Options options_of(int count, char** words) {
       options.seconds = std::stod(value);
     else if (name == "--seed")
       options.seed = std::stoull(value);
+    else if (name == "--files")
+      options.most_files = std::stol(value);
     else if (name == "--kind")
       options.kind = value;
     else if (name == "--keep")

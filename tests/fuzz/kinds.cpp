@@ -83,12 +83,12 @@ Kind scenes(const fs::path& source, const fs::path& folder) {
 
 constexpr const char* kMeshScene =
     "title: a mesh\nbody: {mesh: {file: x, length_unit: mm}, radius: 1 mm}\n"
-    "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, thickness: 1 mm}\nstiffness: uniform\n"
-    "experiment: {kind: tension, axis: z, strain: 1 %}\n";
+    "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, thickness: 1 mm}\nstiffness: standard\n"
+    "experiment: {kind: tension, axis: z, displacement: 0.1 mm}\n";
 constexpr const char* kFillScene =
     "title: a filling\nbody: {fill: {file: x, length_unit: m, spacing: 0.4 m, connections: {within: 0.7 m}}}\n"
-    "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: uniform\n"
-    "experiment: {kind: tension, axis: z, strain: 1 %}\n";
+    "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: standard\n"
+    "experiment: {kind: tension, axis: z, displacement: 0.1 mm}\n";
 constexpr const char* kObj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 constexpr const char* kPly =
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
@@ -137,11 +137,11 @@ Kind meshes(const fs::path& source, const fs::path& folder) {
             [folder](const std::string& path) {
               if (elastin::load_mesh(path).points.cols() > kMostMolecules) return;
               const std::string name = fs::path(path).filename().string();
-              try {
-                read_scene((folder / "mesh.yaml").string(), {"body.mesh.file=" + name});
-              } catch (const InputError&) {  // a surface may still be good to be filled
-              }
-              read_scene((folder / "fill.yaml").string(), {"body.fill.file=" + name});
+              for (const char* shape : {"mesh", "fill"}) try {
+                  const std::string key = "body." + std::string(shape) + ".file=";
+                  read_scene((folder / shape).string() + ".yaml", {key + name});
+                } catch (const InputError&) {  // it was read, and makes no such body
+                }
             },
             false};
   for (const fs::path& file : files_below(source / "tests" / "model" / "data", {".msh", ".vtk", ".vtu"}))

@@ -87,7 +87,7 @@ class Materials(unittest.TestCase):
     def test_curve(self):
         material = elastin.Material(curve=[(0, 0), (0.1, 100), (0.2, 300)])
         self.assertGreater(material.youngs_modulus, 0)
-        with self.assertRaisesRegex(elastin.InputError, "increase"):
+        with self.assertRaisesRegex(elastin.InputError, "point 1: the stress must be greater"):
             elastin.Material(curve=[(0, 0), (0.1, -100)])
 
 
@@ -115,7 +115,7 @@ class OwnStrategies(unittest.TestCase):
         self.assertAlmostEqual(result["effective_modulus"] / 5e3, 1, delta=1e-4)
         doubled = elastin.run(CUBE, set={"stiffness": {"strategy": "own", "factor": 2}}, catalog=catalog)
         self.assertAlmostEqual(doubled["effective_modulus"] / 1e4, 1, delta=1e-3)
-        with self.assertRaisesRegex(elastin.InputError, r"own.factor: 11 is out of range: 0.1 to 10"):
+        with self.assertRaisesRegex(elastin.InputError, "stiffness.factor: '11' is out of range: must be at least 0.1"):
             elastin.run(CUBE, set={"stiffness": {"strategy": "own", "factor": 11}}, catalog=catalog)
         with self.assertRaisesRegex(elastin.InputError, "a strategy 'own' already"):
             catalog.add(self.own)

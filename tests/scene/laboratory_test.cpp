@@ -53,7 +53,7 @@ std::string refusal(const std::string& scene, const std::vector<std::string>& ov
 
 TEST_CASE("A laboratory measures what the command does, to the last bit", "[laboratory]") {
   for (const std::string path : {"tension/table1-a", "tension/table1-b", "tension/table1-c", "tension/table1-d",
-                                 "dynamics/drag-stokes", "contact/indentation-flat", "membrane/balloon"}) {
+                                 "dynamics/drag-stokes", "contact/patch-test", "membrane/sphere-corners-type-1"}) {
     INFO(path);
     Laboratory laboratory(kScenes + path + ".yaml");
     for (const std::string& strategy : laboratory.strategies()) {
@@ -149,7 +149,7 @@ TEST_CASE("A program's own rule runs in a scene", "[laboratory]") {
 }
 
 TEST_CASE("A scene's body, held and loaded, settles where its run does", "[laboratory]") {
-  for (const std::string path : {"tension/cube-27-face", "material/shear", "contact/indentation-flat"}) {
+  for (const std::string path : {"tension/cube-27-face", "material/shear", "contact/patch-test"}) {
     INFO(path);
     Laboratory laboratory(kScenes + path + ".yaml");
     const LaboratoryResult result = laboratory.run();

@@ -564,6 +564,42 @@ TEST_CASE("a scene file that is none is refused", "[scene]") {
   }
 }
 
+TEST_CASE("what is too large is refused before anybody makes room for it", "[scene]") {
+  const TemporaryFolder folder;
+  const auto said = [&](const std::string& body) {
+    return refusal(folder.write("large.yaml", "body: " + body +
+                                                  "\nmaterial: {youngs_modulus: 5 kPa, thickness: 1 mm}\n"
+                                                  "stiffness: standard\nexperiment: {kind: material}\n"));
+  };
+  struct Row {
+    std::string body, message;
+  };
+  for (const auto& [body, message] : std::vector<Row>{
+           {"{sphere: {radius: 1 m, divisions: 4000}}",
+            "body.sphere.divisions: that is 1.6e+08 molecules; at most 5e+07"},
+           {"{canopy: {width: 1 mm, span: 1e6 m, squares: 10}}", "body.canopy.squares: that is 1e+11 molecules"},
+           {"{packing: {size: [1 m, 1 m, 1 um], distance: 0.1 mm}}", "body.packing: the size holds too many molecules"},
+           {"{lattice: {kind: cubic, molecules: [20, 20, 20], spacing: 1 mm, connections: {within: 1 m}}}",
+            "body: the reach is too wide: that is more than 4000000 connections between 8000 molecules"}}) {
+    INFO(body);
+    CHECK_THAT(said(body), Contains(message));
+  }
+  // Aliases of aliases: nine to the ninth values in ten lines.
+  std::string bomb = "title: a\na: &a [x, x, x, x, x, x, x, x, x]\n";
+  for (char c = 'b'; c < 'j'; ++c) {
+    const std::string one(1, static_cast<char>(c - 1));
+    bomb += std::string(1, c) + ": &" + c + " [*" + one;
+    for (int i = 1; i < 9; ++i) bomb += ", *" + one;
+    bomb += "]\n";
+  }
+  CHECK_THAT(refusal(folder.write("bomb.yaml", bomb)),
+             Contains("too many values; do aliases stand in what aliases name?"));
+  CHECK_THROWS_WITH(load_scene(folder.write("right.yaml", kScene), built_in_catalog(), {}, 10),
+                    Contains("molecules; at most 10 are taken"));
+  const StudyAxis wide{std::vector<std::vector<std::pair<std::string, std::string>>>(1000)};
+  CHECK_THROWS_WITH(combinations({wide, wide}), Contains("that is 1e+06 combinations; at most 100000 are taken"));
+}
+
 TEST_CASE("a scene may be in plain SI numbers throughout, but not in both", "[scene]") {
   const TemporaryFolder folder;
   const std::string plain =

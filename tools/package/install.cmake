@@ -38,6 +38,14 @@ foreach(component IN LISTS components)
   install(EXPORT elastin-${component} FILE elastin-${component}-targets.cmake NAMESPACE elastin::
           DESTINATION ${cmake_folder} COMPONENT development)
 endforeach()
+if(TARGET elastin_c)  # shared: asks nothing of its users
+  list(APPEND components c)
+  set_target_properties(elastin_c PROPERTIES EXPORT_NAME c)
+  install(TARGETS elastin_c EXPORT elastin-c LIBRARY COMPONENT runtime NAMELINK_COMPONENT development
+          INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  install(EXPORT elastin-c FILE elastin-c-targets.cmake NAMESPACE elastin:: DESTINATION ${cmake_folder}
+          COMPONENT development)
+endif()
 install(DIRECTORY include/elastin DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 
 set(openmp_needs "")
@@ -57,7 +65,7 @@ list(JOIN eigen_flags "" eigen_flags)
 set(pkgconfig_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 file(RELATIVE_PATH up_to_prefix /${pkgconfig_folder} /)
 string(REGEX REPLACE "/$" "" up_to_prefix "${up_to_prefix}")
-foreach(component core contact)
+foreach(component core contact c)
   if(TARGET elastin_${component})
     configure_file(tools/package/elastin-${component}.pc.in ${PROJECT_BINARY_DIR}/elastin-${component}.pc @ONLY)
     install(FILES ${PROJECT_BINARY_DIR}/elastin-${component}.pc DESTINATION ${pkgconfig_folder} COMPONENT development)

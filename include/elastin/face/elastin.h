@@ -61,13 +61,14 @@ enum {
 typedef struct elastin_body elastin_body;
 
 typedef struct elastin_arrays {
-  size_t size;             /* sizeof(elastin_arrays) */
-  const double* positions; /* [m], at rest, 3 * molecules */
-  const double* masses;    /* [kg] > 0, one a molecule; null: from `density` and the cells or the bounding box */
-  const double* radii;     /* [m] > 0, one a molecule; null: half the shortest connection */
-  const int* connections;  /* pairs of molecules; null: the edges of the cells */
-  const int* triangles;    /* three molecules each */
-  const int* tetrahedra;   /* four molecules each; turned over where their volume is negative */
+  size_t size;                /* sizeof(elastin_arrays) */
+  const double* positions;    /* [m], at rest, 3 * molecules */
+  const double* masses;       /* [kg] > 0, one a molecule; null: from `density` and the cells or the bounding box */
+  const double* radii;        /* [m] > 0, one a molecule; null: half the shortest connection */
+  const int* connections;     /* pairs of molecules; null: the edges of the cells */
+  const double* rest_lengths; /* [m] > 0, one a connection; null: the distances */
+  const int* triangles;       /* three molecules each */
+  const int* tetrahedra;      /* four molecules each; turned over where their volume is negative */
   size_t molecule_count, connection_count, triangle_count, tetrahedron_count;
   double density;   /* [kg/m^3] > 0 where masses is null */
   double thickness; /* [m] > 0 of triangles where masses is null */
