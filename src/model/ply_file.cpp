@@ -135,6 +135,8 @@ void read_face(Cursor& in, std::size_t number, const Property& corners, const st
                MeshBuilder& mesh) {
   const std::size_t at = in.next_at();
   const std::size_t size = read_list_size(in, *corners.list);
+  if (size < 3)
+    in.fail(at, "face " + std::to_string(number) + " has " + std::to_string(size) + " corners; 3 or more make one");
   const Integers vertices = in.integers(size, "a vertex of a face", corners.type);
   std::vector<int> corner;
   for (std::size_t i = 0; i < size; ++i) {
@@ -181,6 +183,7 @@ void read_ply(Cursor in, MeshBuilder& mesh) {
       for (std::size_t number = 0; number < element.count; ++number)
         for (const Property& property : element.properties) skip(in, property);
   }
+  if (!header.binary) in.expect_end("numbers");
 }
 
 }  // namespace elastin::mesh_format

@@ -124,11 +124,12 @@ TEST_CASE("a PLY file that is broken is refused where it is", "[surface_file]") 
   CHECK_THAT(refusal("float z", "float w"), Contains("a.ply:3:1: expected a vertex with the properties x, y and z"));
   CHECK_THAT(refusal("vertex_indices", "corners"), Contains("a.ply:7:1: expected a face with the property list"));
   CHECK_THAT(refusal("element face 4", "element face 999999999"), Contains("a.ply:7:14: expected the number of"));
-  CHECK_THAT(refusal("element vertex 4", "element vertex 5"), Contains("expected"));
+  CHECK_THAT(refusal("element vertex 4", "element vertex 5"), Contains("face 1 has 1 corners; 3 or more make one"));
   CHECK_THAT(refusal("3 1 2 3", "3 1 2 4"), Contains("a.ply:14:7: face 0 uses vertex 4, but there are 4"));
   CHECK_THAT(refusal("3 1 2 3", "3 1 2 -1"), Contains("face 0 uses vertex -1"));
   CHECK_THAT(refusal("3 1 2 3", "3 1 2 2"), Contains("a.ply:14:1: face 0 is a flat triangle"));
   CHECK_THAT(refusal("0 0 3", "0 0 nan"), Contains("a.ply:13:5: expected a coordinate, a finite number"));
+  CHECK_THAT(refusal("3 0 1 3", "3 0 1 3 7"), Contains("expected no more numbers here"));
   CHECK_THAT(refusal("3 0 1 3", "3 0 1"), Contains("but the data ends here"));
   CHECK(load_mesh(folder.write("quad.ply",
                                "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
