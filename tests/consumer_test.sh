@@ -76,7 +76,7 @@ case $what in
     fi
     ;;
   subdirectory)
-    build_project "$work/subdirectory" -DELASTIN_SOURCE="$source" -DCMAKE_BUILD_TYPE=Release \
+    build_project "$work/subdirectory" -DELASTIN_SOURCE="$source" -DCMAKE_BUILD_TYPE=Release -DELASTIN_WERROR=ON \
       -DCMAKE_DISABLE_FIND_PACKAGE_fcl=ON -DCMAKE_DISABLE_FIND_PACKAGE_yaml-cpp=ON
     [[ ! -e $work/subdirectory/bin ]] || fail "Elastin changed where the project's programs go"
     "$work/subdirectory/core_alone"

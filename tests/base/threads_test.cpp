@@ -1,72 +1,63 @@
 #include "elastin/base/threads.h"
 
 #include <catch2/catch.hpp>
-#include <cmath>
-#include <thread>
 #include <vector>
 
 #include "base/parallel.h"
+#include "elastin/base/openmp.h"
 
 using namespace elastin;
 
 namespace {
 
-/// Does the tasks one after the other, the last one first.
-struct Backwards final : TaskRunner {
+/// A host's task system: runs what it is given at once, and counts.
+struct Counting final : TaskRunner {
   int width() const noexcept override { return 3; }
   void run(int count, Task task, void* context) noexcept override {
-    ++runs;
     for (int number = count - 1; number >= 0; --number) task(context, number);
+    tasks += count;
   }
-  int runs = 0;
+  int tasks = 0;
 };
 
-double sum_of_roots(int count) {
-  return ordered_sum(count, [](int i) { return std::sqrt(i); });
+double harmonic() {
+  return ordered_sum(
+      100000, [](int i) { return 1. / (i + 1); }, 0., 1);
 }
 
 }  // namespace
 
-TEST_CASE("a scope's runner runs the loops that its own thread begins, and those alone") {
-  constexpr int count = 3 * kParallelThreshold;
-  const int before = threads();
-  const double alone = sum_of_roots(count);
-  Backwards runner, other;
-  std::vector<int> seen(count, 0);
-  {
-    const ThreadScope scope(&runner);
-    CHECK(threads() == 3);
-    parallel_for(count, [&](int i) { ++seen[static_cast<std::size_t>(i)]; });
-    CHECK(sum_of_roots(count) == alone);
-    CHECK(runner.runs == 2);
-    parallel_for(kParallelThreshold - 1, [](int) {});  // not worth it
-    CHECK(runner.runs == 2);
-    {
-      const ThreadScope inner(&other);
-      sum_of_roots(count);
-      const ThreadScope none(nullptr);  // as before
-      sum_of_roots(count);
-    }
-    CHECK(other.runs == 2);
-    std::thread([&] { CHECK(threads() == before); }).join();
-    CHECK(threads() == 3);
-  }
-  CHECK(runner.runs == 2);
-  CHECK(threads() == before);
-  CHECK(seen == std::vector<int>(count, 1));
+TEST_CASE("loops run on the runner that the program has set, with the bits of one thread", "[threads]") {
+  TaskRunner* const openmp = runner();
+  set_runner(nullptr);
+  CHECK(threads() == 1);
+  set_threads(4);
+  CHECK(threads() == 1);  // nobody to run them
+  const double alone = harmonic();
+  Counting host;
+  set_runner(&host);
+  CHECK(threads() == 4);
+  CHECK(harmonic() == alone);
+  CHECK(host.tasks == 4);
+  set_threads(0);
+  CHECK(threads() == 3);
+  std::vector<int> visits(1000);
+  parallel_for(
+      1000, [&](int i) { ++visits[i]; }, 1);
+  CHECK(visits == std::vector<int>(1000, 1));
+  CHECK(host.tasks == 7);
+  if (use_openmp()) CHECK(runner() == &host);  // the program's own stays
+  set_runner(openmp);
 }
 
-TEST_CASE("an ordered sum has the same bits in any number of parts, whatever its length") {
-  for (const int count : {kSumBlock + 1, kParallelThreshold, 3000 * kSumBlock + 7}) {
-    double blocks = 0;  // as it is defined
-    for (int first = 0; first < count; first += kSumBlock) {
-      double sum = 0;
-      for (int i = first; i < std::min(count, first + kSumBlock); ++i) sum += std::sqrt(i);
-      blocks += sum;
-    }
-    CHECK(sum_of_roots(count) == blocks);
-    Backwards runner;
-    const ThreadScope scope(&runner);
-    CHECK(sum_of_roots(count) == blocks);
-  }
+TEST_CASE("OpenMP runs the loops where it is asked to, with the bits of one thread", "[threads]") {
+  TaskRunner* const before = runner();
+  set_runner(nullptr);
+  const double alone = harmonic();
+  const bool there = use_openmp();
+  set_threads(3);
+  CHECK(threads() == (there ? 3 : 1));
+  CHECK(harmonic() == alone);
+  set_threads(0);
+  set_runner(before);
 }
