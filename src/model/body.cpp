@@ -129,6 +129,7 @@ Body without_cell_sides(const Body& body) {
   proper.connections.ends.resize(static_cast<std::size_t>(body.connections.proper()));
   proper.connections.rest_length.resize(static_cast<std::size_t>(body.connections.proper()));
   proper.connections.cell_sides = 0;
+  if (proper.connection_stiffness.size()) proper.connection_stiffness.conservativeResize(body.connections.proper());
   return proper;
 }
 

@@ -140,7 +140,12 @@ Strategy make_spring_rule(const std::string& name, RuleConstants constants, std:
     ParameterValues values = given;
     for (const auto& [key, value] : given) detail::checked_parameter(described, key, value);
     for (const ParameterInfo& info : described.parameters) values.try_emplace(info.name, info.fallback);
-    const auto seen = detail::proper_part(body);
+    std::shared_ptr<const Body> seen = detail::proper_part(body);
+    if (seen->connection_stiffness.size()) {  // or a rule that asks another would count it twice
+      auto plain = std::make_shared<Body>(*seen);
+      plain->connection_stiffness.resize(0);
+      seen = std::move(plain);
+    }
     const VectorX own = constants(*seen, material, values);
     if (own.size() != seen->connections.size())
       throw InputError("strategy " + described.name + " gives " + std::to_string(own.size()) +

@@ -53,7 +53,8 @@ class Bodies(unittest.TestCase):
         self.assertEqual(said(CORNERS, PAIRS, masses=[1, 1, 0, 1]),
                          "masses[2]: is 0; allowed: finite numbers above 0 kg")
         self.assertEqual(said(CORNERS, PAIRS, masses=[1]), "masses: has 1 numbers; allowed: 4, one a molecule")
-        self.assertEqual(said(CORNERS, PAIRS, rest_lengths=[1]), "rest_lengths: has 1 numbers; allowed: 4, one a connection")
+        self.assertEqual(said(CORNERS, PAIRS, rest_lengths=[1]),
+                         "rest_lengths: has 1 numbers; allowed: 4, one a connection")
         self.assertEqual(said([[0, 0, numpy.nan]]), "positions[0]: is not finite")
         self.assertEqual(said("ab"), "positions: cannot be read as an array of numbers")
         flat = CORNERS * (1, 1, 0)
@@ -80,7 +81,8 @@ class Bodies(unittest.TestCase):
 class Materials(unittest.TestCase):
     def test_ranges(self):
         for options, said in (({"youngs_modulus": -1}, "youngs_modulus: is -1; allowed: finite numbers above 0 Pa"),
-                              ({}, "give youngs_modulus"), ({"youngs_modulus": 1, "poissons_ratio": 0.6}, "-0.99 to 0.5")):
+                              ({}, "give youngs_modulus"),
+                              ({"youngs_modulus": 1, "poissons_ratio": 0.6}, "-0.99 to 0.5")):
             with self.assertRaisesRegex(elastin.InputError, said):
                 elastin.Material(**options)
 

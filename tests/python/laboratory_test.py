@@ -13,7 +13,8 @@ ONE_OF_EACH_KIND = ["material/shear", "material/cube-stiffness", "dynamics/drag-
 
 class TheCommandsNumbers(unittest.TestCase):
     def hold_against(self, result, run):
-        self.assertEqual((result.scene, result.strategy, result.outcome), (run["scene"], run["strategy"], run["outcome"]))
+        self.assertEqual([result.scene, result.strategy, result.outcome],
+                         [run[name] for name in ("scene", "strategy", "outcome")])
         self.assertEqual(result.cause, run["cause"])
         self.assertEqual(result.measures, run["measures"])
         self.assertEqual(result.errors, run["errors"])

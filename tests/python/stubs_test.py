@@ -13,8 +13,8 @@ STUB = os.path.join(os.path.dirname(elastin.__file__), "__init__.pyi")
 
 def arguments_in_stub(function):
     plain = function.args
-    names = [argument.arg for argument in plain.args + plain.kwonlyargs] + ([f"**{plain.kwarg.arg}"] if plain.kwarg else [])
-    return [name for name in names if name != "self"]
+    names = [argument.arg for argument in plain.args + plain.kwonlyargs if argument.arg != "self"]
+    return names + [f"**{plain.kwarg.arg}"] if plain.kwarg else names
 
 
 def arguments_in_module(function):

@@ -60,8 +60,8 @@ Strategy with_volume(const Strategy& strategy);
 Strategy with_wrinkling(const Strategy& strategy);
 
 /// A spring rule that a program makes as it runs, as Catalog::add makes one of a type: `constants` [N/m], one a
-/// connection of the body that it is shown (Connections::proper), with a value for each of the parameters. A wrong
-/// number of constants throws InputError.
+/// connection of the body that it is shown (Connections::proper), with a value for each of the parameters; regions that
+/// are stiffer multiply them afterwards. A wrong number of constants throws InputError.
 using RuleConstants = std::function<VectorX(const Body&, const Material&, const ParameterValues&)>;
 Strategy make_spring_rule(const std::string& name, RuleConstants constants, std::vector<ParameterInfo> parameters = {});
 

@@ -16,13 +16,13 @@ Quantities are in SI units. Arrays of places are (n, 3), one row a molecule; vie
 
 import os as _os
 
-# Threads that wait shall soon sleep: one that spins keeps a busy machine from running the one it waits for. OpenMP reads
-# this when it is loaded.
+# Threads that wait shall soon sleep: one that spins keeps a busy machine from running the one it waits for. OpenMP
+# reads this when it is loaded.
 if "OMP_WAIT_POLICY" not in _os.environ:
     _os.environ.setdefault("GOMP_SPINCOUNT", "3000")
 
-from ._elastin import (Body, Catalog, InputError, Material, Parameter, Result, Simulation, SimulationState, StaticResult,
-                       StepResult, Strategy, __version__, measures, set_threads, threads)
+from ._elastin import (Body, Catalog, InputError, Material, Parameter, Result, Simulation, SimulationState,
+                       StaticResult, StepResult, Strategy, __version__, measures, set_threads, threads)
 from ._bodies import body, lattice, read_mesh
 from ._laboratory import Comparison, Laboratory, Sweep, compare, run, strategies, sweep
 

@@ -71,7 +71,8 @@ class Parameter:
 
 class Strategy:
     def __init__(self, name: str, constants: Callable[..., ArrayLike], *, summary: str = "", source: str = "",
-                 parameters: Sequence[Parameter] = ..., unsuited: Callable[[Body], str | None] | None = None) -> None: ...
+                 parameters: Sequence[Parameter] = ...,
+                 unsuited: Callable[[Body], str | None] | None = None) -> None: ...
     @property
     def name(self) -> str: ...
     @property

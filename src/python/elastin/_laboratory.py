@@ -7,8 +7,9 @@ from ._elastin import Catalog, Strategy
 
 
 class Laboratory(_elastin._Laboratory):
-    """A scene file, read, checked and built. `set` changes its keys, as the command's --set: {"material.youngs_modulus":
-    5e3, "experiment.force": "1 mN"}. With a Catalog, strategies of one's own may be named."""
+    """A scene file, read, checked and built. `set` changes its keys, as the command's --set:
+    {"material.youngs_modulus": 5e3, "experiment.force": "1 mN"}. With a Catalog, strategies of one's own may be
+    named."""
 
     def __init__(self, scene, *, set=None, catalog=None):
         super().__init__(os.fspath(scene), _yaml.overrides(set), catalog)
