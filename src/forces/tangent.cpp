@@ -156,8 +156,7 @@ void Tangent::set_diagonal() {
   diagonal_.assign(static_cast<std::size_t>(body.size()), Six::Zero());
   const auto add = [&](int a, const Matrix3& part) {
     diagonal_[static_cast<std::size_t>(a)] +=
-        Six{part(0, 0), (part(0, 1) + part(1, 0)) / 2, (part(0, 2) + part(2, 0)) / 2,
-            part(1, 1), (part(1, 2) + part(2, 1)) / 2, part(2, 2)};
+        Six{part(0, 0), part(0, 1), part(0, 2), part(1, 1), part(1, 2), part(2, 2)};
   };
   if (weights_.acceleration != 0)  // bodies that never move need no masses
     for (int a = 0; a < body.size(); ++a) add(a, weights_.acceleration * body.mass[a] * Matrix3::Identity());

@@ -45,7 +45,7 @@ class Tangent {
   /// What these blocks leave out, of loads that join all molecules with all.
   std::vector<WidePart> wide_parts() const;
 
-  /// The diagonal block K_aa [N/m] of a molecule, its symmetric part.
+  /// The diagonal block K_aa [N/m] of a molecule; of one that is not symmetric the upper triangle, mirrored.
   Matrix3 diagonal(int molecule) const {
     const Six& own = diagonal_[static_cast<std::size_t>(molecule)];
     Matrix3 block;

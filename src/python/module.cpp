@@ -2,12 +2,12 @@
 #include "elastin/base/openmp.h"
 #include "elastin/base/threads.h"
 #include "python/bind.h"
-#include "report/table.h"
+#include "report/comparison.h"
 
 namespace elastin::python {
 namespace {
 
-std::string readable_measure(const std::string& name, double value) { return readable(value, find_measure(name)); }
+std::string readable_measure(const std::string& name, double value) { return value_text(value, find_measure(name)); }
 
 std::string missing_measure(const std::string& name, const std::vector<std::string>& there) {
   return "no measure '" + name + "' here" + suggestion(name, there);

@@ -38,7 +38,7 @@ class Pcg final : public LinearSolver {
     x.setZero(3, n);
     // r·z and r·r in one pass; moved = 0 leaves x and r as they are.
     const auto advance = [&](double step) {
-      return ordered_sum<Eigen::Vector2d>(
+      const auto products = ordered_sum<Eigen::Vector2d>(
           n,
           [&](int i) {
             if (step != 0) {
@@ -49,6 +49,8 @@ class Pcg final : public LinearSolver {
             return Eigen::Vector2d(r.col(i).dot(z.col(i)), r.col(i).squaredNorm());
           },
           Eigen::Vector2d(0, 0), kMoleculeThreshold);
+      keep_free(supports, z);  // single precision leads a little out of slanted supports
+      return products;
     };
     const auto add_coarse = [&](Eigen::Vector2d& products) {
       if (!coarse || !(products[1] > 0)) return;

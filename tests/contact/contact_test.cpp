@@ -249,7 +249,8 @@ TEST_CASE("contact: a sled slows down by μ g", "[contact]") {
   scene.state.velocities.row(0).setConstant(1);
   scene.model->remember(scene.state);
   scene.step({Scheme::velocity_verlet}, 5e-5, 4000);
-  CHECK(1 - scene.speed().x() == Approx(mu * kGravity * 0.2).epsilon(1e-3));
+  // It rattles, as nothing damps it: friction takes μ times what the floor gives, its weight and its hops alike.
+  CHECK(1 - scene.speed().x() == Approx(mu * (kGravity * 0.2 + scene.speed().z())).epsilon(1e-3));
   scene.step({Scheme::velocity_verlet}, 5e-5, 6000);
   CHECK(std::abs(scene.speed().x()) < 1e-3);  // it has stopped, and does not start again
 }

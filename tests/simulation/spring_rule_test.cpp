@@ -29,6 +29,7 @@ TEST_CASE("A spring rule made at run time is one as any other", "[strategy]") {
                        },
                        {{"factor", dimension::none, 0.1, 10, 2, "by how much it is stiffer"}});
   Body block = tetrahedral_block(BlockKind::kuhn, {1, 1, 1}, {1, 1, 1});
+  set_matter(block, 0.1, 1000, 0, 1);
   const VectorX once = standard.constants(block, {5000}, {});
   CHECK(rule.constants(block, {5000}, {}) == 2 * once);
   CHECK(rule.constants(block, {5000}, {{"factor", 3}}) == 3 * once);

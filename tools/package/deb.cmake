@@ -13,9 +13,11 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(same_version "= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}")
-set(about "A body of spheres (molecules) joined by connections, and every known way to set their stiffness:
- Elastin measures the Young's modulus and Poisson's ratio that the whole body really has,
- and sets error against time.")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
+set(about "A body of spheres (molecules) joined by connections, and every known way to
+set their stiffness: Elastin measures the Young's modulus and Poisson's ratio
+that the whole body really has, and sets error against time.
+")
 
 # What core needs is a dependency; what only elastin::contact and elastin::lab need comes by default, but may stay away.
 set(CPACK_COMPONENTS_ALL development)
@@ -24,30 +26,27 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4)")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS
     "libfcl-dev, libqhull-dev, libyaml-cpp-dev, libfmt-dev, libpugixml-dev, zlib1g-dev, libassimp-dev, voro++-dev")
-set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Soft tissue as a molecular model: libraries and headers
- ${about}
- .
- Static libraries for C++20, their CMake package and pkg-config files.")
+set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "Soft tissue as a molecular model: libraries and headers
+${about}
+Static libraries for C++20, their CMake package and pkg-config files.")
 
 if(TARGET elastin)
   list(APPEND CPACK_COMPONENTS_ALL command)
   set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME elastin)
   set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION science)
-  set(CPACK_COMPONENT_COMMAND_DESCRIPTION "Soft tissue as a molecular model, and the modulus it really has
- ${about}
- .
- The command, with its scenes in /usr/share/elastin/scenes.")
+  set(CPACK_DEBIAN_COMMAND_DESCRIPTION "Soft tissue as a molecular model, and the modulus it really has
+${about}
+The command, with its scenes in /usr/share/elastin/scenes.")
 endif()
 
 if(TARGET elastin_c)
   list(APPEND CPACK_COMPONENTS_ALL runtime)
   set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME libelastin0)
   set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
-  set(CPACK_DEBIAN_RUNTIME_PACKAGE_GENERATE_SHLIBS ON)
-  set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "Soft tissue as a molecular model: shared library
- ${about}
- .
- The C face, for programs in any language.")
+  set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+  set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "Soft tissue as a molecular model: shared library
+${about}
+The C face, for programs in any language.")
   string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", libelastin0 (${same_version})")
 endif()
 
@@ -55,12 +54,14 @@ if(TARGET elastin_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-elastin)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
-  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
+  get_target_property(suffix elastin_python SUFFIX)  # .cpython-311-…: of this Python alone
+  string(REGEX MATCH "cpython-3([0-9]+)" found "${suffix}")
+  math(EXPR next "${CMAKE_MATCH_1} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.${CMAKE_MATCH_1}), python3 (<< 3.${next}), python3-numpy")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib")
-  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Soft tissue as a molecular model: Python bindings
- ${about}
- .
- import elastin: scenes run and bodies stepped, their places as numpy arrays without a copy.")
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Soft tissue as a molecular model: Python bindings
+${about}
+import elastin: scenes run and bodies stepped, their places as numpy arrays without a copy.")
 endif()
 
 include(CPack)

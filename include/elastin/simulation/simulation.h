@@ -56,7 +56,7 @@ struct SimulationState {
 
 /// A body that moves: what a simulator embeds. Any number may run in as many threads, each in one at a time.
 ///
-///   Simulation tissue(make_lattice(…), catalog.find("lattice"), material);
+///   Simulation tissue(body, catalog.find("lattice"), material);
 ///   tissue.model().add(make_gravity(tissue.body(), {0, 0, -9.81}));
 ///   const GripId tool = tissue.grab(17, place, 200);
 ///   while (…) { tissue.move_grip(tool, place); tissue.step(1e-3); push(-tissue.grip_force(tool)); }

@@ -3,8 +3,7 @@
 import numpy
 
 from . import _elastin
-
-UNITS = {name: unit for name, unit, _ in _elastin.measures()}
+from ._tables import UNITS
 
 
 def figure(ax, **options):
@@ -40,7 +39,7 @@ def body(result, ax, options):
     for axis, centre in zip("xyz", middle):
         getattr(ax, f"set_{axis}lim")(centre - half, centre + half)
         getattr(ax, f"set_{axis}label")(f"{axis} [m]")
-    ax.figure.colorbar(lines, ax=ax, label="tension [N]", shrink=0.7)
+    ax.figure.colorbar(lines, ax=ax, label="tension [N]", shrink=0.7, pad=0.12)
     ax.set_title(f"{result.scene}, {result.strategy}")
     return ax
 

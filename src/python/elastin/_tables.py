@@ -2,7 +2,16 @@
 
 from html import escape
 
-from ._elastin import percent, readable, readable_seconds
+from ._elastin import measures, percent, readable, readable_seconds
+
+UNITS = {name: unit for name, unit, _ in measures()}
+
+
+def error_text(result, name):
+    """Relative; of a ratio the difference."""
+    if name not in result.errors:
+        return ""
+    return percent(result.errors[name]) if UNITS[name] else f"{result.errors[name]:+.4f}"
 
 
 class Table:
@@ -38,7 +47,7 @@ def notes_of(result):
 def of_results(results, swept=None):
     """A row a result. `swept`: a key and its values, in place of the strategies."""
     main = list(dict.fromkeys(name for result in results for name in result.main if name in result.measures))
-    with_error = [name for name in main if any(name in result.errors for result in results)]
+    with_error = [name for name in main if UNITS[name] and any(name in result.errors for result in results)]
     head = [swept[0] if swept else "strategy"]
     for name in main:
         head += [name, "error"] if name in with_error else [name]
@@ -48,7 +57,7 @@ def of_results(results, swept=None):
         for name in main:
             row.append(readable(name, result.get(name)) if name in result.measures else "")
             if name in with_error:
-                row.append(percent(result.errors[name]) if name in result.errors else "")
+                row.append(error_text(result, name))
         ran = result.outcome != "unsuited"
         seconds = result.build_seconds + result.solve_seconds
         rows.append(row + [readable_seconds(seconds) if ran else "", notes_of(result)])
@@ -58,7 +67,6 @@ def of_results(results, swept=None):
 
 def of_result(result):
     """Every measure of one result."""
-    rows = [[name, readable(name, value), percent(result.errors[name]) if name in result.errors else ""]
-            for name, value in result.measures.items()]
+    rows = [[name, readable(name, value), error_text(result, name)] for name, value in result.measures.items()]
     title = f"{result.scene}, {result.strategy}: {result.outcome}" + (f": {result.cause}" if result.cause else "")
     return Table(["measure", "value", "error"], rows, title)
