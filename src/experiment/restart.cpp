@@ -98,6 +98,20 @@ std::vector<TouchMemory> touches_of(Words& words) {
   return found;
 }
 
+/// All of one size, and touches of molecules that there are.
+void check(const State& state) {
+  const Eigen::Index molecules = state.positions.cols(), known = state.accelerations.cols();
+  if (state.velocities.cols() != molecules || (known != 0 && known != molecules))
+    throw InputError("the restart file is damaged: its places, velocities and accelerations are not equally many");
+  for (const TouchMemory& touch : state.touches) {
+    bool sound = touch.count >= 0 && touch.count <= 3;
+    for (int i = 0; sound && i < touch.count; ++i)
+      sound =
+          touch.molecules[static_cast<std::size_t>(i)] >= 0 && touch.molecules[static_cast<std::size_t>(i)] < molecules;
+    if (!sound) throw InputError("the restart file is damaged: a touch of a molecule that there is not");
+  }
+}
+
 }  // namespace
 
 std::string restart_text(const RestartPoint& point, const std::string& identity) {
@@ -147,6 +161,7 @@ RestartPoint parse_restart(const std::string& text, const std::string& identity)
   point.state.velocities = words.positions();
   point.state.accelerations = words.positions();
   point.state.touches = touches_of(words);
+  check(point.state);
   const int rows = words.count();
   for (int i = 0; i < rows; ++i) {
     CurvePoint row;

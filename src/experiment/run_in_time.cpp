@@ -54,6 +54,9 @@ class Course {
 
   void resume() {
     const RestartPoint point = parse_restart(options_.restart, identity_);
+    if (point.state.positions.cols() != model_.body().size() || point.frame < 0 || point.frame > options_.time->frames)
+      throw InputError("the restart file is damaged: " + std::to_string(point.state.positions.cols()) +
+                       " molecules at frame " + std::to_string(point.frame));
     state_ = point.state;
     if (model_.drive) model_.drive(state_.time, model_.supports);
     ledger_ = Ledger(model_, state_);

@@ -127,9 +127,21 @@ void Simulation::restore(const SimulationState& saved) {
   check_shape("velocities", saved.state.velocities, n);
   if (saved.state.accelerations.cols() > 0) check_shape("accelerations", saved.state.accelerations, n);
   if (saved.host_forces.cols() > 0) check_shape("host forces", saved.host_forces, n);
+  for (const TouchMemory& touch : saved.state.touches) {
+    if (touch.count < 0 || touch.count > 3)
+      throw InputError("the saved state has a touch of " + std::to_string(touch.count) + " molecules");
+    for (int i = 0; i < touch.count; ++i) in.check_molecule(touch.molecules[static_cast<std::size_t>(i)]);
+  }
   if (!std::isfinite(saved.state.time)) throw InputError("the saved time is not finite");
   for (const Support& support : saved.supports) in.check_molecule(support.molecule);
-  for (const Grip& grip : saved.grips) in.check_molecule(grip.molecule);
+  if (saved.others_supports < 0 || static_cast<std::size_t>(saved.others_supports) > saved.supports.size())
+    throw InputError("the saved state has " + std::to_string(saved.supports.size()) + " supports, " +
+                     std::to_string(saved.others_supports) + " of them from elsewhere");
+  for (const Grip& grip : saved.grips) {
+    in.check_molecule(grip.molecule);
+    if (grip.id < 1 || grip.id > 2000000000 || !(grip.stiffness > 0) || !(grip.damping >= 0))
+      throw InputError("the saved state has a grip " + std::to_string(grip.id) + " that cannot be");
+  }
   for (const SimulationState::Hold& hold : saved.holds)
     if (std::none_of(saved.supports.begin(), saved.supports.end(),
                      [&](const Support& support) { return support.molecule == hold.molecule; }))

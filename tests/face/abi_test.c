@@ -259,7 +259,7 @@ static void saving(void) {
   double first[3 * 36], second[3 * 36];
   const double place[3] = {2e-3, 2e-3, 4e-3};
   char* bytes = NULL;
-  size_t needed = 0, more = 0;
+  size_t needed = 0, more = 0, at;
   int grip = 0;
   elastin_simulation* simulation = tissue(NULL);
   elastin_arrays given = arrays();
@@ -288,7 +288,20 @@ static void saving(void) {
   REFUSED(elastin_restore(simulation, bytes, needed), "version 2; version 1 is read");
   bytes[0] = 1, bytes[5] = 'X';
   REFUSED(elastin_restore(simulation, bytes, needed), "no saved state, or that of another kind of machine");
-  bytes[5] = 'l';
+  bytes[5] = 'a';
+  for (at = 0; at < needed; at += 3) { /* damaged bytes are refused, or a state like another */
+    const char kept = bytes[at];
+    elastin_status status;
+    bytes[at] = (char)(kept ^ (1 << at % 8));
+    status = elastin_restore(simulation, bytes, needed);
+    CHECK(status == ELASTIN_OK || status == ELASTIN_WRONG_INPUT);
+    status = elastin_step(simulation, 1e-3, NULL);
+    CHECK(status == ELASTIN_OK || status == ELASTIN_STOPPED);
+    bytes[at] = kept;
+  }
+  OK(elastin_restore(simulation, bytes, needed));
+  steps_of(simulation, 5, second);
+  CHECK(memcmp(first, second, sizeof first) == 0);
   OK(elastin_body_from_arrays(&given, &body));
   OK(elastin_simulate(body, "standard", &kSoft, NULL, &other));
   CHECK(elastin_restore(other, bytes, needed) == ELASTIN_WRONG_INPUT);
