@@ -52,7 +52,8 @@ constexpr Case kCases[] = {
     {"core", "the tension cube in a program on elastin::core alone; peer: the same with everything linked",
      bench::run_core},
     {"embed",
-     "the largest soft cube (10 cm, 10 kPa) that a host steps 1000 times a second on one core, and how steadily; limit: "
+     "the largest soft cube (10 cm, 10 kPa) that a host steps 1000 times a second on one core, and how steadily; "
+     "limit: "
      "its force passes alone, peer: Bullet",
      bench::run_embed},
     {"rules", "setting the constants of every spring rule, 22 molecules a side", bench::run_rules},
