@@ -19,7 +19,7 @@ namespace elastin {
 namespace {
 
 /// Keys and values that came from --set carry this tag: their marks are not places in the file.
-constexpr const char* kOverrideTag = "!override";
+constexpr const char* kOverrideTag = "\001override";  // no file can write this one
 
 std::string kind_of(const YAML::Node& node) {
   return node.IsMap() ? "a map of keys" : node.IsSequence() ? "a list" : node.IsScalar() ? "a single value" : "nothing";
