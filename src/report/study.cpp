@@ -225,7 +225,8 @@ Table time_to_table(const std::vector<Record>& records, const Ranking& ranking, 
       cells.push_back(number_cell(
           std::isfinite(time.seconds) ? (time.at_most ? "≤ " : "") + readable_seconds(time.seconds) : "not reached",
           order_of(time)));
-      if (beside) cells.push_back(number_cell(std::isfinite(times) ? fmt::format("× {:.3g}", times) : "", times));
+      const bool both = std::isfinite(times) && std::isfinite(best[goal]);
+      if (beside) cells.push_back(number_cell(both ? fmt::format("× {:.3g}", times) : "", times));
     }
     table.add(std::move(cells));
   }
