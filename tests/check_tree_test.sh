@@ -20,18 +20,18 @@ make_good_tree() {
   put README.md
   put .gitignore 'build*/' 'out/'
   put build-x/stray.h 'int x;'
-  put include/elastin/elastin.h '#pragma once' '#include "elastin/contact/pairs.h"' '#include "elastin/model/body.h"'
+  put include/elastin/elastin.h '#pragma once' '#include "elastin/contact/pairs.h"' '#include "elastin/core/model/body.h"'
   put include/elastin/base/types.h '// Types.' '' '#pragma once' '#include <Eigen/Core>'
-  put include/elastin/model/body.h '#pragma once' '#include "elastin/base/types.h"'
+  put include/elastin/model/body.h '#pragma once' '#include "elastin/core/base/types.h"'
   put include/elastin/contact/pairs.h '#pragma once'
   put src/base/parallel.h '#pragma once' '#include <omp.h>' '#pragma omp parallel for'
-  put src/solve/pcg.h '#pragma once' '#include "base/parallel.h"' '#include "elastin/model/body.h"'
+  put src/solve/pcg.h '#pragma once' '#include "core/parallel/parallel.h"' '#include "elastin/core/model/body.h"'
   put src/contact/pairs.cpp '#include <fcl/fcl.h>' '#include "elastin/contact/pairs.h"'
   put src/scene/load.h '#pragma once'
   put src/scene/load.cpp '#include "scene/load.h"' '#include <yaml-cpp/yaml.h>' '/* once:' '#include "gone.h"' '*/' \
     '// #include "gone.h"' '#include <sstream>' '#include "solve/pcg.h"'
   put include/elastin/face/elastin.h '#pragma once' '#include <stddef.h>'
-  put src/face/handles.h '#pragma once' '#include "elastin/face/elastin.h"' '#include "scene/load.h"'
+  put src/face/handles.h '#pragma once' '#include "elastin/c/elastin.h"' '#include "scene/load.h"'
   put src/python/bind.h '#pragma once' '#include <pybind11/numpy.h>' '#include "scene/load.h"'
   put tests/contact/pairs_test.cpp '#include <fcl/fcl.h>'
   put tools/bench/contact.cpp '#include <fcl/fcl.h>'
@@ -81,7 +81,7 @@ put include/elastin/scene/scene.h '#pragma once'
 put include/elastin/elastin.h '#pragma once' '#include "elastin/scene/scene.h"'
 expect include/elastin/elastin.h:2 'from scene (floor 4)'
 broken_by src/base/sum.cpp:1 'base includes "elastin/model/body.h" from model' \
-  src/base/sum.cpp '#include "elastin/model/body.h"'
+  src/base/sum.cpp '#include "elastin/core/model/body.h"'
 broken_by src/extras/x.cpp:1 'no folder that has a floor' src/extras/x.cpp
 broken_by src/x.cpp:1 'no folder that has a floor' src/x.cpp
 broken_by include/elastin/version.h:1 'no folder that has a floor' include/elastin/version.h '#pragma once'

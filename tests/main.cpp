@@ -1,9 +1,9 @@
 #define CATCH_CONFIG_RUNNER
 #include <catch2/catch.hpp>
 
-#include "elastin/base/openmp.h"
+#include "elastin/openmp/openmp.h"
 
 int main(int argc, char** argv) {
-  elastin::use_openmp();
+  elastin::openmp::use_openmp();
   return Catch::Session().run(argc, argv);
 }

@@ -1,10 +1,10 @@
 # Writes a C++ source that holds text files: cmake -D OUT=… -D FILES=a.js;b.css -P tools/embed.cmake
-set(text "// Made by tools/embed.cmake.\n#include \"report/page_parts.h\"\nnamespace elastin {\n")
+set(text "// Made by tools/embed.cmake.\n#include \"lab/report/page_parts.h\"\nnamespace elastin::lab {\n")
 foreach(path IN LISTS FILES)
   get_filename_component(name "${path}" NAME)
   string(REGEX REPLACE "[^a-z]" "_" name "${name}")
   file(READ "${path}" content)
   string(APPEND text "const char* const k_${name} = R\"elastin(" "${content}" ")elastin\";\n")
 endforeach()
-string(APPEND text "}  // namespace elastin\n")
+string(APPEND text "}  // namespace elastin::lab\n")
 file(WRITE "${OUT}" "${text}")

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace elastin {
+namespace elastin::contact {
 namespace {
 
 /// Of the onset: what just touches has stiffness though it has no force yet, or Newton would not see it.
@@ -83,4 +83,4 @@ double damping_ratio_of(double restitution) {
   return (low + high) / 2;
 }
 
-}  // namespace elastin
+}  // namespace elastin::contact

@@ -2,9 +2,9 @@
 #include <array>
 
 #include "contact/search.h"
-#include "elastin/model/state.h"
+#include "elastin/core/model/state.h"
 
-namespace elastin {
+namespace elastin::contact {
 
 /// A relative motion of a sample against its target, as weights of molecules: u = Σ weight · δx.
 struct Side {
@@ -59,4 +59,4 @@ void set_answer(const Touch& geometry, const TouchSetting& setting, Answer& answ
 /// times the speed it came with, 0.01 ≤ e ≤ 1. [Schwager & Pöschel 2007]
 double damping_ratio_of(double restitution);
 
-}  // namespace elastin
+}  // namespace elastin::contact

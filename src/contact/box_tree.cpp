@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-namespace elastin {
+namespace elastin::contact {
 namespace {
 
 using FclTree = fcl::detail::HierarchyTree<fcl::AABBd>;
@@ -68,4 +68,4 @@ void BoxTree::refit(const std::vector<Box>& items) {
   }
 }
 
-}  // namespace elastin
+}  // namespace elastin::contact

@@ -1,9 +1,9 @@
 #pragma once
 #include <vector>
 
-#include "elastin/base/types.h"
+#include "elastin/core/base/types.h"
 
-namespace elastin {
+namespace elastin::contact {
 
 /// An axis-parallel box.
 struct Box {
@@ -40,4 +40,4 @@ class BoxTree {
   double size_ = 0, size_when_made_ = 0;  ///< Σ diagonals of the boxes, but for the leaves' [m]
 };
 
-}  // namespace elastin
+}  // namespace elastin::contact

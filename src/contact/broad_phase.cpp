@@ -6,10 +6,10 @@
 #include <numeric>
 #include <utility>
 
-#include "base/parallel.h"
 #include "contact/triangle.h"
+#include "core/parallel/parallel.h"
 
-namespace elastin {
+namespace elastin::contact {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -269,4 +269,4 @@ void BroadPhase::add_spheres(int first, int second) {
   candidates_.push_back({first, parts_.first_sphere() + second, 0});
 }
 
-}  // namespace elastin
+}  // namespace elastin::contact

@@ -4,9 +4,9 @@
 #include "contact/box_tree.h"
 #include "contact/distance.h"
 #include "contact/search.h"
-#include "model/incidence.h"
+#include "core/model/incidence.h"
 
-namespace elastin {
+namespace elastin::contact {
 
 /// What the search looks at; never changes.
 struct ContactParts {
@@ -79,4 +79,4 @@ class BroadPhase {
   std::vector<int> starts_;
 };
 
-}  // namespace elastin
+}  // namespace elastin::contact

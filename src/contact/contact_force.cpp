@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "elastin/base/error.h"
+#include "elastin/core/base/error.h"
 
-namespace elastin {
+namespace elastin::contact {
 namespace {
 
 std::vector<Sample> samples_of(const Body& body, ContactSurface surface, const Cells<3>& triangles) {
@@ -149,4 +149,4 @@ std::unique_ptr<Contact> make_contact(const Body& body, const ContactOptions& op
   return std::make_unique<ContactForce>(body, options, triangles);
 }
 
-}  // namespace elastin
+}  // namespace elastin::contact

@@ -6,7 +6,7 @@
 #include "contact/search.h"
 #include "elastin/contact/contact.h"
 
-namespace elastin {
+namespace elastin::contact {
 
 /// The one kind of Contact. Its files: contact_force.cpp what a load does; touch_state.cpp the touches of a state, and
 /// what is remembered of them; passing.cpp what keeps steps short; contact_report.cpp.
@@ -94,4 +94,4 @@ inline Vector3 place_of(const std::array<int, 3>& molecules, const std::array<do
   return sum;
 }
 
-}  // namespace elastin
+}  // namespace elastin::contact

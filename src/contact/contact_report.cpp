@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace elastin {
+namespace elastin::contact {
 
 ContactReport ContactForce::report(const State& state) const {
   ContactReport report;
@@ -44,4 +44,4 @@ ContactReport ContactForce::report(const State& state) const {
   return report;
 }
 
-}  // namespace elastin
+}  // namespace elastin::contact

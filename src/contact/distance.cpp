@@ -5,9 +5,9 @@
 #include <string>
 
 #include "contact/mesh_distance.h"
-#include "elastin/base/error.h"
+#include "elastin/core/base/error.h"
 
-namespace elastin {
+namespace elastin::contact {
 namespace {
 
 /// Distance from a core (a point, a line) that is `radius` thick, at `away` [m] from the nearest place of the core;
@@ -128,4 +128,4 @@ SignedDistance::~SignedDistance() = default;
 SignedDistance::SignedDistance(SignedDistance&&) noexcept = default;
 Distance SignedDistance::at(const Vector3& point) const { return solid_->at(point); }
 
-}  // namespace elastin
+}  // namespace elastin::contact

@@ -3,7 +3,7 @@
 
 #include "elastin/contact/obstacle.h"
 
-namespace elastin {
+namespace elastin::contact {
 
 /// How far a point is from a solid.
 struct Distance {
@@ -32,4 +32,4 @@ class SignedDistance {
   std::unique_ptr<Solid> solid_;
 };
 
-}  // namespace elastin
+}  // namespace elastin::contact

@@ -7,10 +7,10 @@
 #include "contact/box_tree.h"
 #include "contact/surface_normals.h"
 #include "contact/triangle.h"
-#include "elastin/base/error.h"
-#include "model/convex_hull.h"
+#include "elastin/core/base/error.h"
+#include "hull/convex_hull.h"
 
-namespace elastin {
+namespace elastin::contact {
 namespace {
 
 class MeshSolid final : public SignedDistance::Solid {
@@ -87,16 +87,16 @@ std::unique_ptr<SignedDistance::Solid> make_mesh_distance(const Positions& point
 std::unique_ptr<SignedDistance::Solid> make_hull_distance(const Positions& points) {
   if (!points.allFinite()) throw InputError("a convex obstacle has points that are no finite numbers");
   Cells<3> facets;
-  const auto add = [&](const HullFacet& facet) {
+  const auto add = [&](const hull::HullFacet& facet) {
     std::array<int, 3> corners{facet.corners[0], facet.corners[1], facet.corners[2]};
     const Vector3 a = points.col(corners[0]), b = points.col(corners[1]), c = points.col(corners[2]);
     if ((b - a).cross(c - a).dot(Eigen::Map<const Vector3>(facet.normal)) < 0) std::swap(corners[1], corners[2]);
     facets.push_back(corners);
   };
   std::string problem = "fewer than 4 points";
-  if (points.cols() >= 4) problem = visit_hull(3, {points.data(), points.data() + points.size()}, true, add);
+  if (points.cols() >= 4) problem = hull::visit_hull(3, {points.data(), points.data() + points.size()}, true, add);
   if (!problem.empty()) throw InputError("the points of a convex obstacle have no hull: " + problem);
   return make_mesh_distance(points, facets);
 }
 
-}  // namespace elastin
+}  // namespace elastin::contact

@@ -9,7 +9,7 @@
 #include <memory>
 #include <unordered_set>
 
-namespace elastin {
+namespace elastin::contact {
 namespace {
 
 struct Query {
@@ -63,4 +63,4 @@ std::vector<Overlap> find_overlaps(const Body& body, const Positions& places, do
   return std::move(query.found);
 }
 
-}  // namespace elastin
+}  // namespace elastin::contact

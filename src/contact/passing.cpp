@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/parallel.h"
+#include "core/parallel/parallel.h"
 
-namespace elastin {
+namespace elastin::contact {
 
 /// The longest way of a molecule [m]; no sample goes farther.
 double ContactForce::farthest(const Positions& from, const Positions& to) const {
@@ -86,4 +86,4 @@ double ContactForce::square_frequency(const State& state, double ahead) const {
   return found_.empty() ? 0 : largest_square_frequency_;
 }
 
-}  // namespace elastin
+}  // namespace elastin::contact

@@ -4,12 +4,12 @@
 #include <chrono>
 #include <limits>
 
-#include "base/parallel.h"
 #include "contact/broad_phase.h"
 #include "contact/surface_normals.h"
 #include "contact/triangle.h"
+#include "core/parallel/parallel.h"
 
-namespace elastin {
+namespace elastin::contact {
 namespace {
 
 /// Places that are asked for what they touch, on several threads from so many on.
@@ -224,4 +224,4 @@ void ContactSearch::find(const Positions& places, const std::vector<Pose>& poses
 const std::vector<Sample>& ContactSearch::samples() const { return impl_->parts.samples; }
 const ContactSearch::Cost& ContactSearch::cost() const { return impl_->cost; }
 
-}  // namespace elastin
+}  // namespace elastin::contact

@@ -5,7 +5,7 @@
 
 #include "elastin/contact/obstacle.h"
 
-namespace elastin {
+namespace elastin::contact {
 
 /// A place on a body's surface that can touch something: Σ weight · place of up to three molecules.
 struct Sample {
@@ -79,4 +79,4 @@ class ContactSearch {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace elastin
+}  // namespace elastin::contact

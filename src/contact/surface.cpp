@@ -1,9 +1,9 @@
 #include <algorithm>
 
 #include "contact/search.h"
-#include "elastin/model/surfaces.h"
+#include "elastin/core/shapes/surfaces.h"
 
-namespace elastin {
+namespace elastin::contact {
 namespace {
 
 /// A part of a cell's surface by its corners in ascending order, so that the same part of two cells is found.
@@ -117,4 +117,4 @@ std::vector<Sample> triangle_samples(const Body& body, const Cells<3>& triangles
   return samples;
 }
 
-}  // namespace elastin
+}  // namespace elastin::contact

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "contact/box_tree.h"
-#include "elastin/model/surfaces.h"
+#include "elastin/core/shapes/surfaces.h"
 
-namespace elastin {
+namespace elastin::contact {
 namespace {
 
 using Triangle = std::array<int, 3>;
@@ -26,29 +26,29 @@ std::string count_text(std::size_t count, const char* one, const char* many) {
 }
 
 /// A side of a triangle.
-struct Side {
+struct Edge {
   std::array<int, 2> ends;  ///< ascending
   bool forwards;            ///< whether the triangle goes round in that order
   int triangle;
 };
 
-std::vector<Side> sorted_sides(const Cells<3>& triangles) {
-  std::vector<Side> sides;
+std::vector<Edge> sorted_edges(const Cells<3>& triangles) {
+  std::vector<Edge> sides;
   sides.reserve(3 * triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
       const int a = triangles[t][k], b = triangles[t][(k + 1) % 3];
       sides.push_back({{std::min(a, b), std::max(a, b)}, a < b, static_cast<int>(t)});
     }
-  std::stable_sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) { return x.ends < y.ends; });
+  std::stable_sort(sides.begin(), sides.end(), [](const Edge& x, const Edge& y) { return x.ends < y.ends; });
   return sides;
 }
 
 /// Sides that have not two triangles which go along them in opposite ways.
 struct OddSides {
-  std::vector<Side> alone, crowded, turned;
+  std::vector<Edge> alone, crowded, turned;
   explicit OddSides(const Cells<3>& triangles) {
-    const std::vector<Side> sides = sorted_sides(triangles);
+    const std::vector<Edge> sides = sorted_edges(triangles);
     for (std::size_t i = 0, next; i < sides.size(); i = next) {
       for (next = i + 1; next < sides.size() && sides[next].ends == sides[i].ends;) ++next;
       if (next == i + 1) alone.push_back(sides[i]);
@@ -154,7 +154,7 @@ std::string check_surface(const Positions& points, const Cells<3>& triangles) {
     const auto& [a, b, c] = triangles[static_cast<std::size_t>(t)];
     return text((points.col(a) + points.col(b) + points.col(c)) / 3);
   };
-  const auto middle_of_side = [&](const Side& side) {
+  const auto middle_of_side = [&](const Edge& side) {
     return text((points.col(side.ends[0]) + points.col(side.ends[1])) / 2);
   };
 
@@ -189,4 +189,4 @@ std::string check_surface(const Positions& points, const Cells<3>& triangles) {
   return "";
 }
 
-}  // namespace elastin
+}  // namespace elastin::contact

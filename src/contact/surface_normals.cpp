@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace elastin {
+namespace elastin::contact {
 namespace {
 
 /// (x1 − x0) × (x2 − x0), twice the area.
@@ -83,4 +83,4 @@ Distance SurfaceNormals::distance(const Positions& places, int triangle, const N
   return {sign * length, normal, sign / length * free};
 }
 
-}  // namespace elastin
+}  // namespace elastin::contact

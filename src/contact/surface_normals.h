@@ -3,9 +3,9 @@
 
 #include "contact/distance.h"
 #include "contact/triangle.h"
-#include "model/incidence.h"
+#include "core/model/incidence.h"
 
-namespace elastin {
+namespace elastin::contact {
 
 /// Outward normals of a surface of triangles at its faces, sides and corners, as it lies now. On a closed surface they
 /// tell inside from outside at any nearest place. [Baerentzen & Aanaes 2005]
@@ -24,4 +24,4 @@ class SurfaceNormals {
   Rows around_;
 };
 
-}  // namespace elastin
+}  // namespace elastin::contact

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace elastin {
+namespace elastin::contact {
 namespace {
 
 bool before(const TouchMemory& memory, const Touch& touch) {
@@ -212,4 +212,4 @@ bool ContactForce::tighten(State& state) const {
   return true;
 }
 
-}  // namespace elastin
+}  // namespace elastin::contact

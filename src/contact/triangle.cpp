@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace elastin {
+namespace elastin::contact {
 namespace {
 
 NearestPlace on_side(const std::array<Vector3, 3>& corners, int from, int to, double part) {
@@ -58,4 +58,4 @@ std::array<Vector3, 3> weight_slopes(const std::array<Vector3, 3>& corners, cons
   return slopes;
 }
 
-}  // namespace elastin
+}  // namespace elastin::contact

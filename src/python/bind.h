@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "elastin/base/types.h"
-#include "elastin/model/body.h"
-#include "elastin/simulation/catalog.h"
-#include "elastin/simulation/simulation.h"
+#include "elastin/core/base/types.h"
+#include "elastin/core/model/body.h"
+#include "elastin/core/simulation/catalog.h"
+#include "elastin/core/simulation/simulation.h"
 
 namespace elastin::python {
 

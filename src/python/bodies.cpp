@@ -6,12 +6,13 @@
 #include <optional>
 #include <string>
 
-#include "elastin/base/error.h"
-#include "elastin/model/arrays.h"
-#include "elastin/scene/laboratory.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/shapes/arrays.h"
+#include "elastin/lab/study/laboratory.h"
 #include "python/bind.h"
 
 namespace elastin::python {
+using namespace lab;
 namespace {
 
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;

@@ -1,11 +1,12 @@
-#include "elastin/scene/laboratory.h"
+#include "elastin/lab/study/laboratory.h"
 
 #include <pybind11/eigen.h>
 
-#include "experiment/run.h"
+#include "lab/experiment/run.h"
 #include "python/bind.h"
 
 namespace elastin::python {
+using namespace lab;
 namespace {
 
 /// A laboratory as Python has it: a run lets other threads go on, and runs take turns.

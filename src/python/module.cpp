@@ -1,10 +1,11 @@
-#include "elastin/base/error.h"
-#include "elastin/base/openmp.h"
-#include "elastin/base/threads.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/openmp/openmp.h"
+#include "lab/report/comparison.h"
 #include "python/bind.h"
-#include "report/comparison.h"
 
 namespace elastin::python {
+using namespace lab;
 namespace {
 
 std::string readable_measure(const std::string& name, double value) { return value_text(value, find_measure(name)); }
@@ -25,7 +26,7 @@ std::vector<std::tuple<std::string, std::string, std::string>> measures() {
 
 PYBIND11_MODULE(_elastin, module) {
   using namespace elastin::python;
-  elastin::use_openmp();
+  elastin::openmp::use_openmp();
   module.doc() = "Elastin's C++ side; import elastin instead.";
   py::register_exception<elastin::InputError>(module, "InputError", PyExc_ValueError).doc() =
       "Wrong use or wrong input: file:line:column, the key, what was given, what is allowed, the nearest name.";
@@ -37,8 +38,8 @@ PYBIND11_MODULE(_elastin, module) {
   module.def("_missing_measure", &missing_measure, py::arg("name"), py::arg("there"));
   module.def("readable", &readable_measure, py::arg("measure"), py::arg("value"),
              "A measure's value as tables show it: '4.9945 kPa'.");
-  module.def("percent", &elastin::percent, py::arg("ratio"), "A relative error as tables show it: '+0.02 %'.");
-  module.def("readable_seconds", &elastin::readable_seconds, py::arg("seconds"), "'1.2 ms'.");
+  module.def("percent", &elastin::lab::percent, py::arg("ratio"), "A relative error as tables show it: '+0.02 %'.");
+  module.def("readable_seconds", &elastin::lab::readable_seconds, py::arg("seconds"), "'1.2 ms'.");
   add_bodies(module);
   add_strategies(module);
   add_simulation(module);

@@ -1,15 +1,16 @@
-#include "elastin/simulation/simulation.h"
+#include "elastin/core/simulation/simulation.h"
 
 #include <pybind11/eigen.h>
 
 #include <chrono>
 
-#include "elastin/base/error.h"
-#include "elastin/forces/floor.h"
-#include "experiment/specimen.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/forces/floor.h"
+#include "lab/experiment/specimen.h"
 #include "python/bind.h"
 
 namespace elastin::python {
+using namespace lab;
 namespace {
 
 constexpr std::chrono::milliseconds kBetweenSignals{50};

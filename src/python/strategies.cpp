@@ -2,11 +2,12 @@
 
 #include <limits>
 
-#include "elastin/base/error.h"
-#include "experiment/specimen.h"
+#include "elastin/core/base/error.h"
+#include "lab/experiment/specimen.h"
 #include "python/bind.h"
 
 namespace elastin::python {
+using namespace lab;
 namespace {
 
 ParameterInfo make_parameter(const std::string& name, double fallback, double low, double high,

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "elastin/stiffness/law.h"
+#include "elastin/core/laws/law.h"
 
 /// A spring rule of this program's own, for cubic lattices that are joined along their axes: k = E A / L, where A is
 /// the section that the connection stands for. Inside it is L²; at a face of the body half the square lies outside, at

@@ -1,10 +1,10 @@
 // Elastin's command with a law of this program's own among the strategies:
 //   own_law compare cube.yaml
 #include "columns.h"
-#include "elastin/report/command.h"
+#include "elastin/command/command.h"
 
 int main(int argc, char** argv) {
   elastin::Catalog catalog = elastin::built_in_catalog();
   catalog.add<Columns>();
-  return elastin::run_command(argc, argv, catalog);
+  return elastin::command::run_command(argc, argv, catalog);
 }

@@ -4,16 +4,17 @@
 #include <cmath>
 #include <numbers>
 
-#include "bodies.h"
 #include "contact/answer.h"
-#include "elastin/base/error.h"
-#include "elastin/base/threads.h"
-#include "elastin/simulation/catalog.h"
-#include "elastin/solve/energies.h"
-#include "elastin/solve/integrator.h"
-#include "forces_of.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/core/simulation/catalog.h"
+#include "elastin/core/solve/energies.h"
+#include "elastin/core/solve/integrator.h"
+#include "support/bodies.h"
+#include "support/forces_of.h"
 
 using namespace elastin;
+using namespace elastin::contact;
 using namespace elastin::testing;
 
 namespace {

@@ -12,10 +12,11 @@
 #include <memory>
 #include <random>
 
-#include "elastin/base/error.h"
-#include "elastin/model/surfaces.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/shapes/surfaces.h"
 
 using namespace elastin;
+using namespace elastin::contact;
 
 namespace {
 

@@ -3,9 +3,10 @@
 #include <catch2/catch.hpp>
 #include <set>
 
-#include "bodies.h"
+#include "support/bodies.h"
 
 using namespace elastin;
+using namespace elastin::contact;
 using namespace elastin::testing;
 
 TEST_CASE("overlapping spheres equal all pairs tried, but for those that a connection joins", "[contact]") {

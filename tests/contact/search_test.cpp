@@ -8,12 +8,13 @@
 #include <limits>
 #include <set>
 
-#include "allocations.h"
-#include "bodies.h"
-#include "elastin/base/threads.h"
-#include "elastin/model/surfaces.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/core/shapes/surfaces.h"
+#include "support/allocations.h"
+#include "support/bodies.h"
 
 using namespace elastin;
+using namespace elastin::contact;
 using namespace elastin::testing;
 
 namespace {

@@ -3,9 +3,10 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "elastin/model/surfaces.h"
+#include "elastin/core/shapes/surfaces.h"
 
 using namespace elastin;
+using namespace elastin::contact;
 using Catch::Contains;
 
 namespace {

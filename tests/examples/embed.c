@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "elastin/face/elastin.h"
+#include "elastin/c/elastin.h"
 
 static int stop(void) {
   fprintf(stderr, "%s\n", elastin_message());

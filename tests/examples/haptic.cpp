@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "elastin/model/shapes.h"
-#include "elastin/simulation/simulation.h"
+#include "elastin/core/shapes/shapes.h"
+#include "elastin/core/simulation/simulation.h"
 #include "latest.h"
 
 using namespace elastin;

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <numbers>
 
-#include "elastin/model/shapes.h"
-#include "elastin/simulation/simulation.h"
+#include "elastin/core/shapes/shapes.h"
+#include "elastin/core/simulation/simulation.h"
 
 using namespace elastin;
 

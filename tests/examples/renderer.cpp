@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <thread>
 
-#include "elastin/model/shapes.h"
-#include "elastin/simulation/simulation.h"
+#include "elastin/core/shapes/shapes.h"
+#include "elastin/core/simulation/simulation.h"
 #include "latest.h"
 
 using namespace elastin;

@@ -27,8 +27,8 @@
 #include <typeinfo>
 #include <vector>
 
-#include "elastin/base/error.h"
-#include "elastin/base/threads.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/parallel/threads.h"
 #include "fuzz/coverage.h"
 #include "fuzz/kinds.h"
 #include "fuzz/mutate.h"

@@ -7,13 +7,13 @@
 #include <iterator>
 #include <regex>
 
-#include "elastin/base/error.h"
-#include "elastin/model/mesh_file.h"
-#include "elastin/simulation/catalog.h"
-#include "experiment/restart.h"
-#include "report/csv.h"
-#include "report/journal.h"
-#include "scene/scene.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/simulation/catalog.h"
+#include "elastin/mesh/mesh_file.h"
+#include "lab/experiment/restart.h"
+#include "lab/report/csv.h"
+#include "lab/scene/scene.h"
+#include "lab/study/journal.h"
 
 namespace fuzz {
 namespace {

@@ -6,14 +6,15 @@
 #include <map>
 
 #include "calculix_job.h"
-#include "elastin/base/threads.h"
+#include "elastin/core/parallel/threads.h"
+#include "lab/scene/scene.h"
 #include "measure.h"
-#include "scene/scene.h"
 
 namespace bench {
 namespace {
 
 using namespace elastin;
+using namespace elastin::lab;
 
 /// A block of hexahedra as CalculiX wants it, `counts` along x, y, z; quadratic ones have a place in the middle of each
 /// side.

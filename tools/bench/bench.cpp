@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "elastin/base/openmp.h"
+#include "elastin/openmp/openmp.h"
 #include "measure.h"
 
 namespace {
@@ -62,8 +62,8 @@ constexpr Case kCases[] = {
 }  // namespace
 
 int main(int argc, char** argv) {
-  elastin::let_threads_sleep(argv);  // as the command does: what is measured is what its user gets
-  elastin::use_openmp();
+  elastin::openmp::let_threads_sleep(argv);  // as the command does: what is measured is what its user gets
+  elastin::openmp::use_openmp();
   CLI::App app{
       "Benchmarks of Elastin. Ratios are of minima, against the peer at its best on no more threads: above 1 is "
       "faster."};

@@ -6,15 +6,16 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "elastin/simulation/catalog.h"
-#include "experiment/bending.h"
-#include "experiment/shear.h"
-#include "experiment/tension.h"
-#include "experiment/torsion.h"
+#include "elastin/core/simulation/catalog.h"
+#include "lab/experiment/bending.h"
+#include "lab/experiment/shear.h"
+#include "lab/experiment/tension.h"
+#include "lab/experiment/torsion.h"
 
 namespace bench {
 
 using namespace elastin;
+using namespace elastin::lab;
 
 namespace {
 

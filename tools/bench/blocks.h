@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "elastin/model/shapes.h"
-#include "experiment/specimen.h"
+#include "elastin/core/shapes/shapes.h"
+#include "lab/experiment/specimen.h"
 
 /// Boxes of tetrahedra whose converged solutions are known from other programs (dolfinx, CalculiX, GetFEM).
 namespace bench {

@@ -3,10 +3,10 @@
 #include <optional>
 #include <stdexcept>
 
-#include "elastin/base/threads.h"
-#include "elastin/model/shapes.h"
-#include "elastin/simulation/catalog.h"
-#include "elastin/solve/integrator.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/core/shapes/shapes.h"
+#include "elastin/core/simulation/catalog.h"
+#include "elastin/core/solve/integrator.h"
 #include "measure.h"
 
 namespace bench {

@@ -6,14 +6,15 @@
 
 #include "blocks.h"
 #include "calculix_job.h"
-#include "elastin/base/threads.h"
-#include "experiment/faces.h"
+#include "elastin/core/parallel/threads.h"
+#include "lab/experiment/faces.h"
 #include "measure.h"
 
 namespace bench {
 namespace {
 
 using namespace elastin;
+using namespace elastin::lab;
 
 constexpr int kThreads = 2;
 constexpr double kPoissonsRatio = 0.3;

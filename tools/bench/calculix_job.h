@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "elastin/base/types.h"
+#include "elastin/core/base/types.h"
 
 /// CalculiX as a peer: a process of its own on an input that is written here.
 namespace bench {

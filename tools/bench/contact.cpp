@@ -8,8 +8,8 @@
 
 #include "contact/search.h"
 #include "contact_steps.h"
-#include "elastin/base/threads.h"
-#include "elastin/model/shapes.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/core/shapes/shapes.h"
 #include "fcl_objects.h"
 #include "measure.h"
 
@@ -17,6 +17,7 @@ namespace bench {
 namespace {
 
 using namespace elastin;
+using namespace elastin::contact;
 
 enum class Against { plane, ball, body };
 constexpr const char* kScenes[] = {"on a plane", "on a ball", "body on body"};

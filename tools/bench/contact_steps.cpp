@@ -6,15 +6,16 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "elastin/base/threads.h"
 #include "elastin/contact/contact.h"
-#include "elastin/simulation/catalog.h"
-#include "elastin/solve/integrator.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/core/simulation/catalog.h"
+#include "elastin/core/solve/integrator.h"
 
 namespace bench {
 namespace {
 
 using namespace elastin;
+using namespace elastin::contact;
 
 enum class Kind { none, far_spheres, far_triangles, pressed_spheres, pressed_triangles };
 constexpr const char* kNames[] = {"steps: no contact", "steps: plane far away, spheres",

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "blocks.h"
-#include "elastin/base/threads.h"
+#include "elastin/core/parallel/threads.h"
 #include "measure.h"
 
 namespace bench {

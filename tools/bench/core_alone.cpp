@@ -10,14 +10,15 @@
 #include <memory>
 #include <vector>
 
-#include "elastin/model/shapes.h"
-#include "elastin/simulation/catalog.h"
-#include "elastin/solve/statics.h"
+#include "elastin/core/shapes/shapes.h"
+#include "elastin/core/simulation/catalog.h"
+#include "elastin/core/solve/statics.h"
 #ifdef ELASTIN_BENCH_EVERYTHING
-#include "elastin/report/command.h"
+#include "elastin/command/command.h"
 #endif
 
 using namespace elastin;
+using namespace elastin::command;
 
 namespace {
 

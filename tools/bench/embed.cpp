@@ -6,12 +6,12 @@
 #include <stdexcept>
 #include <thread>
 
-#include "allocations.h"
-#include "elastin/base/threads.h"
-#include "elastin/model/shapes.h"
-#include "elastin/simulation/simulation.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/core/shapes/shapes.h"
+#include "elastin/core/simulation/simulation.h"
 #include "measure.h"
 #include "peers.h"
+#include "support/allocations.h"
 
 namespace bench {
 namespace {

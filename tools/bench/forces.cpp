@@ -3,9 +3,9 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "elastin/base/threads.h"
-#include "elastin/forces/model.h"
-#include "elastin/simulation/catalog.h"
+#include "elastin/core/forces/model.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/core/simulation/catalog.h"
 #include "measure.h"
 #include "plain_loop.h"
 

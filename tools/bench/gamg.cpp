@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "elastin/base/threads.h"
+#include "elastin/core/parallel/threads.h"
 #include "tension_cube.h"
 
 namespace {

@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <memory>
 
-#include "elastin/base/threads.h"
-#include "elastin/forces/model.h"
-#include "elastin/model/shapes.h"
-#include "elastin/simulation/catalog.h"
-#include "forces/tangent.h"
+#include "core/forces/tangent.h"
+#include "elastin/core/forces/model.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/core/shapes/shapes.h"
+#include "elastin/core/simulation/catalog.h"
 #include "measure.h"
 #include "plain_loop.h"
 

@@ -15,9 +15,9 @@
 #include <stdexcept>
 #include <thread>
 
-#include "elastin/model/shapes.h"
-#include "report/machine.h"
-#include "report/table.h"
+#include "elastin/core/shapes/shapes.h"
+#include "lab/report/machine.h"
+#include "lab/report/table.h"
 
 namespace bench {
 namespace {

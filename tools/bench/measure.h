@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "elastin/model/body.h"
-#include "elastin/model/material.h"
+#include "elastin/core/model/body.h"
+#include "elastin/core/model/material.h"
 
 /// What the cases share: the cube they run on, how time and memory are taken, and the rows they report.
 namespace bench {

@@ -4,17 +4,18 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "elastin/base/threads.h"
-#include "elastin/model/shapes.h"
-#include "elastin/model/surfaces.h"
-#include "experiment/inflation.h"
-#include "experiment/specimen.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/core/shapes/shapes.h"
+#include "elastin/core/shapes/surfaces.h"
+#include "lab/experiment/inflation.h"
+#include "lab/experiment/specimen.h"
 #include "measure.h"
 
 namespace bench {
 namespace {
 
 using namespace elastin;
+using namespace elastin::lab;
 
 /// The sphere of [TP] Table 1, first case; radii [m] of the smooth sphere under each law.
 constexpr double kPressure = 10e3, kReference = 1.0848351;  // logarithmic strain, thinning: the material itself

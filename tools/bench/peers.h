@@ -2,7 +2,7 @@
 #include <functional>
 #include <string>
 
-#include "elastin/model/body.h"
+#include "elastin/core/model/body.h"
 
 /// Other programs that step the same springs.
 namespace bench {

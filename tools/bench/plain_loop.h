@@ -4,7 +4,7 @@
 #include <thread>
 #include <vector>
 
-#include "elastin/model/body.h"
+#include "elastin/core/model/body.h"
 
 /// The peer of the force passes: what one writes by hand, on threads of its own.
 namespace bench {

@@ -1,5 +1,5 @@
-#include "elastin/model/shapes.h"
-#include "elastin/simulation/catalog.h"
+#include "elastin/core/shapes/shapes.h"
+#include "elastin/core/simulation/catalog.h"
 #include "measure.h"
 
 namespace bench {

@@ -10,19 +10,20 @@
 #include <memory>
 #include <stdexcept>
 
-#include "elastin/base/threads.h"
-#include "elastin/simulation/catalog.h"
-#include "elastin/solve/statics.h"
-#include "experiment/tension.h"
+#include "core/linear/linear_solver.h"
+#include "core/linear/sparse_stiffness.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/core/simulation/catalog.h"
+#include "elastin/core/solve/statics.h"
+#include "lab/experiment/tension.h"
 #include "measure.h"
-#include "solve/linear_solver.h"
-#include "solve/sparse_stiffness.h"
 #include "tension_cube.h"
 
 namespace bench {
 namespace {
 
 using namespace elastin;
+using namespace elastin::lab;
 using Sparse = Eigen::SparseMatrix<double>;
 
 struct Solved {

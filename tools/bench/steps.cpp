@@ -2,9 +2,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "elastin/base/threads.h"
-#include "elastin/simulation/catalog.h"
-#include "elastin/solve/integrator.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/core/simulation/catalog.h"
+#include "elastin/core/solve/integrator.h"
 #include "measure.h"
 #include "peers.h"
 #include "plain_loop.h"

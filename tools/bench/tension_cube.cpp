@@ -4,15 +4,16 @@
 #include <numeric>
 #include <random>
 
-#include "elastin/simulation/catalog.h"
-#include "experiment/tension.h"
+#include "core/linear/linear_solver.h"
+#include "core/linear/sparse_stiffness.h"
+#include "elastin/core/simulation/catalog.h"
+#include "lab/experiment/tension.h"
 #include "measure.h"
-#include "solve/linear_solver.h"
-#include "solve/sparse_stiffness.h"
 
 namespace bench {
 
 using namespace elastin;
+using namespace elastin::lab;
 
 namespace {
 

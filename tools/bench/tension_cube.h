@@ -3,8 +3,8 @@
 #include <memory>
 #include <utility>
 
-#include "elastin/forces/model.h"
-#include "experiment/experiment.h"
+#include "elastin/core/forces/model.h"
+#include "lab/experiment/experiment.h"
 
 namespace bench {
 

@@ -1,4 +1,4 @@
-# cpack -G DEB: libelastin-dev, elastin (command and scenes), and where they are built libelastin0 (the C face) and
+# cpack -G DEB: libelastin-dev, elastin (command and scenes), and where they are built libelastin0 (the C library) and
 # python3-elastin.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR "Elastin")
@@ -46,7 +46,7 @@ if(TARGET elastin_c)
   set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
   set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "Soft tissue as a molecular model: shared library
 ${about}
-The C face, for programs in any language.")
+The C library, for programs in any language.")
   string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", libelastin0 (${same_version})")
 endif()
 

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "elastin/contact/obstacle.h"
-#include "elastin/forces/loads.h"
+#include "elastin/core/forces/loads.h"
 
-namespace elastin {
+namespace elastin::contact {
 
 /// As what a body touches.
 enum class ContactSurface {
@@ -59,4 +59,4 @@ class Contact : public Load {
 /// Throws InputError on options out of range, or a body without triangles where the surface asks for them.
 std::unique_ptr<Contact> make_contact(const Body& body, const ContactOptions& options);
 
-}  // namespace elastin
+}  // namespace elastin::contact

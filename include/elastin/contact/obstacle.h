@@ -3,9 +3,9 @@
 #include <string>
 #include <variant>
 
-#include "elastin/model/body.h"
+#include "elastin/core/model/body.h"
 
-namespace elastin {
+namespace elastin::contact {
 
 /// Where a rigid thing is and how it moves. A point p of its own frame lies at turn · p + place.
 struct Pose {
@@ -56,4 +56,4 @@ struct Obstacle {
   Pose at(double time) const { return motion ? motion(time) : pose; }
 };
 
-}  // namespace elastin
+}  // namespace elastin::contact

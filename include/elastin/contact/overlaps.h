@@ -1,9 +1,9 @@
 #pragma once
 #include <vector>
 
-#include "elastin/model/body.h"
+#include "elastin/core/model/body.h"
 
-namespace elastin {
+namespace elastin::contact {
 
 /// Two molecules whose spheres run into each other.
 struct Overlap {
@@ -15,4 +15,4 @@ struct Overlap {
 /// connection, ascending by pair. Broad phase by FCL's dynamic tree.
 std::vector<Overlap> find_overlaps(const Body& body, const Positions& places, double tolerance = 1e-6);
 
-}  // namespace elastin
+}  // namespace elastin::contact

@@ -1,0 +1,237 @@
+#pragma once
+#include <stddef.h>
+
+/* Elastin for C and whatever calls C: bodies of molecules joined by connections, that move or are measured.
+ *
+ *   elastin_body* body;  elastin_simulation* tissue;
+ *   elastin_lattice((int[]){5, 5, 5}, (double[]){1e-3, 1e-3, 1e-3}, ELASTIN_AXIS | ELASTIN_FACE, 1000, &body);
+ *   elastin_simulate(body, "lattice", &material, NULL, &tissue);
+ *   while (…) elastin_step(tissue, 1e-3, NULL);
+ *
+ * Quantities are in SI units. Vectors are three numbers in a row: x0 y0 z0 x1 y1 z1 … Molecules, connections and cells
+ * count from 0. What is given is copied; what is handed out belongs to its handle and lives as long as that. Every
+ * function gives a status; any other than ELASTIN_OK leaves a sentence in elastin_message() and changes nothing. No
+ * exception comes out of any. A handle serves one thread at a time, different handles as many as there are.
+ * Structures begin with their own size, set by the caller, so that later versions can add to them. */
+
+#if defined(ELASTIN_BUILDING_C) && defined(__GNUC__)
+#define ELASTIN_API __attribute__((visibility("default")))
+#else
+#define ELASTIN_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Grows where a program that was compiled with an older header would no longer work. */
+#define ELASTIN_ABI 0
+ELASTIN_API int elastin_abi(void);
+ELASTIN_API const char* elastin_version(void); /* "0.1.0" */
+
+typedef int elastin_status;
+enum {
+  ELASTIN_OK = 0,
+  ELASTIN_WRONG_INPUT = 1, /* an argument, a file; the message says which */
+  ELASTIN_STOPPED = 2,     /* a step that was not taken: numerical trouble is an outcome */
+  ELASTIN_NO_MEMORY = 3,
+  ELASTIN_MISSING = 4, /* this library was built without it */
+  ELASTIN_FAULT = 5    /* of Elastin's own */
+};
+/* What the calling thread's last call that did not end with ELASTIN_OK said; until its next one. */
+ELASTIN_API const char* elastin_message(void);
+
+/* How many threads the loops over large bodies take; 0 = one a core. One where this is not called. Results have the
+ * same bits with any number. */
+ELASTIN_API elastin_status elastin_set_threads(int threads);
+
+/* How a step or a run ended. */
+typedef int elastin_outcome;
+enum {
+  ELASTIN_CONVERGED = 0,
+  ELASTIN_LIMIT_REACHED = 1,
+  ELASTIN_INVERTED = 2,
+  ELASTIN_DIVERGED = 3,
+  ELASTIN_MECHANISM = 4,
+  ELASTIN_INTERRUPTED = 5,
+  ELASTIN_UNSUITED = 100 /* the strategy cannot run on this body; of runs alone */
+};
+
+/* ---- bodies ---- */
+typedef struct elastin_body elastin_body;
+
+typedef struct elastin_arrays {
+  size_t size;                /* sizeof(elastin_arrays) */
+  const double* positions;    /* [m], at rest, 3 * molecules */
+  const double* masses;       /* [kg] > 0, one a molecule; null: from `density` and the cells or the bounding box */
+  const double* radii;        /* [m] > 0, one a molecule; null: half the shortest connection */
+  const int* connections;     /* pairs of molecules; null: the edges of the cells */
+  const double* rest_lengths; /* [m] > 0, one a connection; null: the distances */
+  const int* triangles;       /* three molecules each */
+  const int* tetrahedra;      /* four molecules each; turned over where their volume is negative */
+  size_t molecule_count, connection_count, triangle_count, tetrahedron_count;
+  double density;   /* [kg/m^3] > 0 where masses is null */
+  double thickness; /* [m] > 0 of triangles where masses is null */
+} elastin_arrays;
+ELASTIN_API elastin_status elastin_body_from_arrays(const elastin_arrays* arrays, elastin_body** body);
+
+/* Along what neighbours of a cubic lattice are joined; or-ed. */
+enum { ELASTIN_AXIS = 1, ELASTIN_FACE = 2, ELASTIN_SPACE = 4 };
+/* A cubic lattice of counts[0] * counts[1] * counts[2] molecules, spacing [m] along x, y, z, density [kg/m^3]. */
+ELASTIN_API elastin_status elastin_lattice(const int counts[3], const double spacing[3], int pattern, double density,
+                                           elastin_body** body);
+/* A mesh file (.msh, .vtk, .vtu, .obj, .stl, .ply) whose numbers are in `length_unit` [m]: 1e-3 of millimetres. */
+ELASTIN_API elastin_status elastin_body_from_mesh(const char* path, double length_unit, double density,
+                                                  double thickness, elastin_body** body);
+ELASTIN_API void elastin_body_free(elastin_body* body); /* null is none */
+
+typedef struct elastin_counts {
+  size_t size; /* sizeof(elastin_counts) */
+  size_t molecules, connections, triangles, tetrahedra;
+} elastin_counts;
+ELASTIN_API elastin_status elastin_body_counts(const elastin_body* body, elastin_counts* counts);
+/* Places at rest [m], 3 * molecules. */
+ELASTIN_API elastin_status elastin_body_positions(const elastin_body* body, const double** positions, size_t* count);
+/* Two molecules of each connection; three of each triangle: what a renderer draws. */
+ELASTIN_API elastin_status elastin_body_connections(const elastin_body* body, const int** molecules, size_t* count);
+ELASTIN_API elastin_status elastin_body_triangles(const elastin_body* body, const int** molecules, size_t* count);
+
+/* ---- materials and strategies ---- */
+typedef struct elastin_material {
+  size_t size;             /* sizeof(elastin_material) */
+  double youngs_modulus;   /* E [Pa] > 0 */
+  double poissons_ratio;   /* from -0.99 to 0.5 */
+  double thickness;        /* t [m] of a membrane */
+  double bending_rigidity; /* D [N m] of a sheet; 0 = limp */
+} elastin_material;
+
+/* Strategies by number from 0 to *count - 1: how connections get their stiffness. A name takes the endings "+volume"
+ * and "+wrinkling" where the strategy can. Any of the outputs may be null. */
+ELASTIN_API elastin_status elastin_strategy_count(size_t* count);
+ELASTIN_API elastin_status elastin_strategy(size_t number, const char** name, const char** summary,
+                                            size_t* parameter_count);
+typedef struct elastin_parameter {
+  size_t size; /* sizeof(elastin_parameter) */
+  const char *name, *unit, *text;
+  double low, high, fallback; /* range, ends included, and what is taken where nothing is given */
+} elastin_parameter;
+ELASTIN_API elastin_status elastin_strategy_parameter(size_t strategy, size_t number, elastin_parameter* parameter);
+
+/* A value by name. */
+typedef struct elastin_value {
+  const char* name;
+  double value;
+} elastin_value;
+
+/* ---- simulations ---- */
+typedef struct elastin_simulation elastin_simulation;
+
+/* A host's task system: calls task(task_context, 0) to task(task_context, count - 1), each once, on any threads, and
+ * comes back when all have ended. */
+typedef void (*elastin_task)(void* task_context, int number);
+typedef void (*elastin_run_tasks)(void* context, int count, elastin_task task, void* task_context);
+
+typedef struct elastin_options {
+  size_t size;                     /* sizeof(elastin_options) */
+  const char* scheme;              /* symplectic_euler (null), velocity_verlet, backward_euler, newmark */
+  double safety;                   /* share of the stable step that a part of an explicit step takes; 0 = 0.8 */
+  int most_parts;                  /* of a step; more: it is not taken; 0 = 1000 */
+  const elastin_value* parameters; /* of the strategy */
+  size_t parameter_count;
+  int threads;           /* of loops over large bodies; 0 = as elastin_set_threads says. Same bits with any */
+  elastin_run_tasks run; /* who runs them instead; null: nobody */
+  void* run_context;
+  int run_width; /* into how many tasks loops are parted, >= 1 */
+} elastin_options;
+
+/* A body at rest that a strategy gives its stiffness; options null = all as said there. */
+ELASTIN_API elastin_status elastin_simulate(const elastin_body* body, const char* strategy,
+                                            const elastin_material* material, const elastin_options* options,
+                                            elastin_simulation** simulation);
+ELASTIN_API void elastin_simulation_free(elastin_simulation* simulation); /* null is none */
+
+/* What acts on all of it, before the first step:
+ *   gravity x y z [m/s^2] · stokes_drag viscosity [Pa s] · quadratic_drag density [kg/m^3] drag_coefficient ·
+ *   mass_damping rate [1/s] · connection_damping coefficient [N s/m] ·
+ *   floor x y z [m] (on it) normal_x normal_y normal_z stiffness [N/m] damping [N s/m], of each molecule pressed in */
+ELASTIN_API elastin_status elastin_add(elastin_simulation* simulation, const char* load, const elastin_value* values,
+                                       size_t value_count);
+
+typedef struct elastin_step_result {
+  size_t size; /* sizeof(elastin_step_result) */
+  elastin_outcome outcome;
+  int parts; /* in which the step had to go */
+  int newton_iterations, linear_iterations;
+} elastin_step_result;
+/* Brings it forward by dt > 0 [s]. ELASTIN_STOPPED: the state stays as it was and the message says why. Allocates
+ * nothing after the first step, prints nothing, locks nothing. result may be null. */
+ELASTIN_API elastin_status elastin_step(elastin_simulation* simulation, double dt, elastin_step_result* result);
+/* Goes to the equilibrium of all that acts now, at rest: a start. */
+ELASTIN_API elastin_status elastin_settle(elastin_simulation* simulation, elastin_step_result* result);
+ELASTIN_API elastin_status elastin_time(const elastin_simulation* simulation, double* time); /* [s] */
+
+/* Views: one address as long as the simulation lives; `count` numbers, may be null. */
+ELASTIN_API elastin_status elastin_positions(const elastin_simulation*, const double** values, size_t* count); /* [m] */
+ELASTIN_API elastin_status elastin_velocities(const elastin_simulation*, const double** values,
+                                              size_t* count); /* [m/s] */
+/* All forces on each molecule [N]; of each connection [N], pulling is positive. */
+ELASTIN_API elastin_status elastin_forces(const elastin_simulation*, const double** values, size_t* count);
+ELASTIN_API elastin_status elastin_tensions(const elastin_simulation*, const double** values, size_t* count);
+/* The host's own [N], to be written: they act from the next step on until they are changed. */
+ELASTIN_API elastin_status elastin_host_forces(elastin_simulation*, double** values, size_t* count);
+
+/* Holds a molecule where it is: in all directions (free_axes 0), or not along x (1), y (2), z (4); or-ed. */
+ELASTIN_API elastin_status elastin_hold(elastin_simulation*, int molecule, int free_axes);
+ELASTIN_API elastin_status elastin_release(elastin_simulation*, int molecule);
+/* Where a held molecule is to be at the end of the next step [m]. */
+ELASTIN_API elastin_status elastin_move_to(elastin_simulation*, int molecule, const double place[3]);
+/* Force of its support on a held molecule [N]; zero where nothing holds it. */
+ELASTIN_API elastin_status elastin_reaction(const elastin_simulation*, int molecule, double force[3]);
+
+/* A spring (stiffness > 0 [N/m]) and damper (>= 0 [N s/m]) from a molecule to a place [m]: a tool, a mouse. */
+ELASTIN_API elastin_status elastin_grab(elastin_simulation*, int molecule, const double place[3], double stiffness,
+                                        double damping, int* grip);
+ELASTIN_API elastin_status elastin_move_grip(elastin_simulation*, int grip, const double place[3],
+                                             const double velocity[3]); /* velocity [m/s] may be null */
+ELASTIN_API elastin_status elastin_grip_force(const elastin_simulation*, int grip,
+                                              double force[3]); /* on the molecule */
+ELASTIN_API elastin_status elastin_let_go(elastin_simulation*, int grip);
+
+/* Calls `see` after every so many steps that went well, with the simulation and the context; it must not step. */
+typedef void (*elastin_observer)(void* context, const elastin_simulation* simulation);
+ELASTIN_API elastin_status elastin_observe(elastin_simulation*, int every, elastin_observer see, void* context);
+
+/* The state, to go on from with the same bits: *needed bytes. Without room for them (buffer may be null) only *needed
+ * is set, and the status is ELASTIN_WRONG_INPUT unless capacity is 0. Read back on the same kind of machine alone. */
+ELASTIN_API elastin_status elastin_save(const elastin_simulation*, void* buffer, size_t capacity, size_t* needed);
+ELASTIN_API elastin_status elastin_restore(elastin_simulation*, const void* buffer, size_t bytes);
+
+/* ---- scenes ---- */
+typedef struct elastin_scene elastin_scene;
+typedef struct elastin_result elastin_result;
+/* A scene file with overrides "key.path=value", as the command's --set. */
+ELASTIN_API elastin_status elastin_scene_load(const char* path, const char* const* overrides, size_t override_count,
+                                              elastin_scene** scene);
+ELASTIN_API void elastin_scene_free(elastin_scene* scene); /* null is none */
+/* Its experiment with a strategy by name (calibrated:angles, lattice+volume); null = the scene's own. A run that
+ * stopped is a result: see its outcome. */
+ELASTIN_API elastin_status elastin_scene_run(elastin_scene* scene, const char* strategy, elastin_result** result);
+/* The body with its loads, held and loaded in full as the experiment does it, to be stepped. It may outlive the scene.
+ */
+ELASTIN_API elastin_status elastin_scene_simulate(elastin_scene* scene, const char* strategy,
+                                                  const elastin_options* options, elastin_simulation** simulation);
+
+ELASTIN_API void elastin_result_free(elastin_result* result); /* null is none */
+/* Why it stopped, "" if it did not; both outputs may be null. */
+ELASTIN_API elastin_status elastin_result_outcome(const elastin_result*, elastin_outcome* outcome, const char** cause);
+/* Measures by number, and one by name; a name that was not measured is ELASTIN_WRONG_INPUT. */
+ELASTIN_API elastin_status elastin_result_count(const elastin_result*, size_t* measures);
+ELASTIN_API elastin_status elastin_result_measure(const elastin_result*, size_t number, const char** name,
+                                                  const char** unit, double* value);
+ELASTIN_API elastin_status elastin_result_get(const elastin_result*, const char* measure, double* value);
+ELASTIN_API elastin_status elastin_result_positions(const elastin_result*, const double** values, size_t* count);
+ELASTIN_API elastin_status elastin_result_tensions(const elastin_result*, const double** values, size_t* count);
+
+#ifdef __cplusplus
+}
+#endif

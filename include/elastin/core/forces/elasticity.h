@@ -1,0 +1,123 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "elastin/core/base/types.h"
+#include "elastin/core/model/body.h"
+#include "elastin/core/model/material.h"
+
+namespace elastin {
+
+class Graph;
+
+/// Room for what a force pass computes on the way. It belongs to the caller and only grows: passes over one model
+/// allocate nothing after the first.
+class Scratch {
+ public:
+  enum Use { slots, cells, groups, changes };
+  /// Room for so many numbers; they are what was left there.
+  Eigen::Map<VectorX> take(Use use, Eigen::Index size) { return grown(numbers_[use], size); }
+  /// The same for each part of a parallel pass.
+  void make_parts(int parts) {
+    if (static_cast<int>(of_parts_.size()) < parts) of_parts_.resize(static_cast<std::size_t>(parts));
+  }
+  Eigen::Map<VectorX> take_part(int part, Eigen::Index size) {
+    return grown(of_parts_[static_cast<std::size_t>(part)], size);
+  }
+
+  VectorX densities;       ///< [N/m], one a connection
+  VectorX squares, rates;  ///< of its length [m²], [m²/s]
+  VectorX scaled;          ///< one a connection, what one law hands on to another
+
+ private:
+  static Eigen::Map<VectorX> grown(VectorX& numbers, Eigen::Index size) {
+    if (numbers.size() < size) numbers.resize(size);
+    return {numbers.data(), size};
+  }
+  VectorX numbers_[4];
+  std::vector<VectorX> of_parts_;
+};
+
+/// A stiffness strategy at work on one body. Everything elastic is one number per connection, its force density q
+/// [N/m]: the force on molecule a is Σ_b q_ab (x_b − x_a). [Schek 1974]
+///
+/// Tangent: with s = |d|² and d = x_b − x_a, the change of a connection's force is δq d + q δd, δq = Σ (∂q/∂s) δs,
+/// δs = 2 d·δd. Springs have a slope of their own; cells couple the connections of one cell.
+class Elasticity {
+ public:
+  virtual ~Elasticity() = default;
+  /// A copy of its own, to be linearised elsewhere.
+  virtual std::unique_ptr<Elasticity> clone() const = 0;
+
+  /// Whether forces come from an energy; if not, the tangent need not be symmetric and energy() is 0.
+  virtual bool has_energy() const { return true; }
+  /// Whether linearise() gives the whole derivative, or (angles_update) leaves a part out.
+  virtual bool has_full_tangent() const { return true; }
+  /// Stored energy [J]; +infinity where a cell is flat or turned over.
+  virtual double energy(const Positions& positions) const = 0;
+  /// Whether no cell is flat or turned over. Energies are +infinity where not; laws without an energy say it here.
+  virtual bool admissible(const Positions& /*positions*/) const { return true; }
+  /// Adds each connection's force density [N/m].
+  virtual void add_force_densities(const Positions& positions, VectorX& densities, Scratch& scratch) const = 0;
+  /// Adds the force on each molecule [N]: through the force densities, unless there is a shorter way. `graph` is that
+  /// of the body. The same bits on any number of threads.
+  virtual void add_forces(const Positions& positions, const Graph& graph, Positions& forces, Scratch& scratch) const;
+  /// Of laws of triangles: adds each triangle's own share [N/m], a column a triangle, order 01 02 12. False where the
+  /// force densities belong to connections.
+  virtual bool add_triangle_densities(const Positions& /*positions*/, Eigen::Matrix3Xd& /*densities*/) const {
+    return false;
+  }
+
+  /// Remembers the slopes ∂q/∂s [N/m³] at these positions for the three calls below.
+  virtual void linearise(const Positions& positions) = 0;
+  /// Adds the slope of each connection with respect to its own s.
+  virtual void add_own_slopes(VectorX& slopes) const = 0;
+  /// Whether connections influence each other; if not, the next two do nothing.
+  virtual bool coupled() const { return false; }
+  /// Adds the coupled part of δq from δs. Allocates nothing once `scratch` has served.
+  virtual void add_change(const VectorX& /*change_of_squares*/, VectorX& /*change_of_densities*/, Scratch&) const {}
+  /// Calls visit(connections, slopes) for each cell; slopes row by row, rows = whose q.
+  using CellVisitor = std::function<void(std::span<const int> connections, const double* slopes)>;
+  virtual void visit_cells(const CellVisitor&) const {}
+  /// For couplings too wide for dense slopes: calls visit(a, b, part) for parts of the 3×3 blocks of the stiffness
+  /// [N/m], without what the force densities and own slopes give. A law has either this or visit_cells.
+  using BlockVisitor = std::function<void(int a, int b, const Matrix3& part)>;
+  virtual void visit_blocks(const BlockVisitor&) const {}
+  /// Of couplings too wide for dense slopes, what a coarser picture of the body can use: calls visit(g, factor) for
+  /// parts factor · (Σ g_a·x_a)² / 2 of the energy, g a list of molecules and vectors whose sum is zero. False where
+  /// visit_blocks has more to say than that.
+  using GradientVisitor = std::function<void(std::span<const std::pair<int, Vector3>> gradient, double factor)>;
+  virtual bool visit_gradients(const GradientVisitor&) const { return true; }
+  /// Calls visit(a, part) for parts of the diagonal ones of those blocks.
+  using DiagonalVisitor = std::function<void(int a, const Matrix3& part)>;
+  virtual void visit_diagonal(const DiagonalVisitor&) const {}
+};
+
+/// Springs: q = k (1 − L/l), energy ½ k (l − L)². `constants` [N/m], one a connection, may be negative.
+std::unique_ptr<Elasticity> make_springs(const Body& body, VectorX constants);
+
+/// Springs that follow a curve P of their own strain ε: tension w L P(ε). `sections` w [m], one a connection: the
+/// spring constant at rest is w P′(0).
+std::unique_ptr<Elasticity> make_curve_springs(const Body& body, VectorX sections, const StressStrain& curve);
+
+/// Springs of these constants [N/m] at rest, each following the material's curve of its own strain; linear without one.
+std::unique_ptr<Elasticity> make_springs(const Body& body, VectorX constants, const Material& material);
+
+/// Springs whose constants are set anew from the present places; the tangent leaves their change out.
+using ConstantsAt = std::function<VectorX(const Positions&)>;
+std::unique_ptr<Elasticity> make_updated_springs(const Body& body, ConstantsAt constants);
+
+/// The body's cables: tension EA ε at a strain ε above 0, none below.
+std::unique_ptr<Elasticity> make_cables(const Body& body);
+
+/// Both at once.
+std::unique_ptr<Elasticity> make_sum(std::unique_ptr<Elasticity> first, std::unique_ptr<Elasticity> second);
+
+/// All of them at once; what they work on is kept as long as the sum and its clones.
+std::unique_ptr<Elasticity> make_sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> kept);
+
+}  // namespace elastin

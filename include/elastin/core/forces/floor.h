@@ -1,0 +1,23 @@
+#pragma once
+#include <memory>
+
+#include "elastin/core/forces/loads.h"
+
+namespace elastin {
+
+/// A plane that molecules, as spheres, do not pass without resistance: a penalty, not a contact. It has no friction.
+struct Floor {
+  Vector3 point = Vector3::Zero();    ///< on the plane [m]
+  Vector3 normal = Vector3::UnitZ();  ///< towards the free side
+  double stiffness = 0;               ///< of each molecule that is pressed in [N/m]
+  double damping = 0;                 ///< of each molecule that is pressed in [N s/m]
+};
+
+/// The force grows with the square of the depth over the first tenth of a radius, then with the stiffness: a smooth
+/// force with an energy.
+std::unique_ptr<Load> make_floor(const Body& body, const Floor& floor);
+
+/// Resists the speed along the normal of the molecules that are pressed in; it holds back those that leave, too.
+std::unique_ptr<Load> make_floor_damping(const Body& body, const Floor& floor);
+
+}  // namespace elastin

@@ -1,0 +1,100 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "elastin/core/forces/time_function.h"
+#include "elastin/core/model/body.h"
+#include "elastin/core/model/state.h"
+
+namespace elastin {
+
+/// A part of a stiffness that joins all molecules with all: factor · direction directionᵀ.
+struct WidePart {
+  double factor;        ///< [Pa/m³] of a pressure
+  Positions direction;  ///< [m²] of a pressure
+};
+
+/// A force from outside the elastic law. Absent from the scene = absent from the model.
+class Load {
+ public:
+  virtual ~Load() = default;
+  /// Adds the force on each molecule [N].
+  virtual void add_forces(const State& state, Positions& forces) const = 0;
+  /// Potential energy [J], zero at rest; 0 for forces that have none (drag, damping).
+  virtual double energy(const State&) const { return 0; }
+  /// Whether the forces change with the state; if not, the next two do nothing.
+  virtual bool changes() const { return false; }
+  /// Adds the change of the forces under small changes of positions [m] and velocities [m/s].
+  virtual void add_change(const State&, const Positions& /*change_of_positions*/,
+                          const Positions& /*change_of_velocities*/, Positions& /*change_of_forces*/) const {}
+  /// Calls visit(a, b, part) for parts of the 3×3 blocks of −∂F_a/∂x_b − velocity_weight ∂F_a/∂v_b [N/m].
+  using BlockVisitor = std::function<void(int a, int b, const Matrix3& part)>;
+  virtual void visit_blocks(const State&, double /*velocity_weight*/, const BlockVisitor&) const {}
+  /// What is left out there: stiffness that joins all molecules with all.
+  virtual std::vector<WidePart> wide_parts(const State&) const { return {}; }
+  /// Whether what it does to a body that does not move comes from energy().
+  virtual bool has_energy() const { return true; }
+  /// Whether energy() at one place stays the same over time: else what the load does is work from outside.
+  virtual bool steady() const { return true; }
+  /// Whether the load acts on a body that does not move. Drag does not.
+  virtual bool acts_at_rest() const { return true; }
+  /// Whether part of it takes energy from a body that moves; add_resistance adds that part [N].
+  virtual bool resists() const { return !acts_at_rest(); }
+  virtual void add_resistance(const State& state, Positions& forces) const {
+    if (resists()) add_forces(state, forces);
+  }
+  /// Whether its forces change with the velocities; if not it must not look at them.
+  virtual bool feels_velocity() const { return changes(); }
+  /// Whether the blocks of visit_blocks make a symmetric matrix.
+  virtual bool symmetric() const { return true; }
+
+  /// Contact has a memory, State::touches: called with each state that was reached, at the end of a step.
+  virtual void remember(State&) const {}
+  /// Changes the memory so that the next equilibrium is nearer to what was asked for. True: that takes another solve.
+  virtual bool tighten(State&) const { return false; }
+  /// The largest part (0 … 1] of the straight way from one state to another on which nothing is passed through unseen.
+  virtual double free_way(const State& /*from*/, const State& /*to*/) const { return 1; }
+  /// A bound on the square of the frequency [1/s²] that a stiffness gives which may set in within the next `ahead` [s].
+  virtual double square_frequency(const State&, double /*ahead*/) const { return 0; }
+};
+
+/// Weight: F = m g, `acceleration` [m/s²].
+std::unique_ptr<Load> make_gravity(const Body& body, const Vector3& acceleration);
+
+/// Dead forces on molecules: `forces` [N], 3 × the number of molecules named, times a factor that may change between
+/// steps.
+class PointLoads final : public Load {
+ public:
+  PointLoads(const Body& body, std::vector<int> molecules, Positions forces);
+  void set_factor(double factor) { factor_ = factor; }
+  /// Says that the factor changes in time: what the forces do is then work from outside.
+  void set_varying() { steady_ = false; }
+  bool steady() const override { return steady_; }
+  void add_forces(const State& state, Positions& forces) const override;
+  double energy(const State& state) const override;
+  const std::vector<int>& molecules() const { return molecules_; }
+  const Positions& full_forces() const { return forces_; }
+
+ private:
+  const Body& body_;
+  std::vector<int> molecules_;
+  Positions forces_;
+  double factor_ = 1;
+  bool steady_ = true;
+};
+
+/// A load times a function of the state's time. Its potential energy is that of the moment; it is not steady unless the
+/// function is one number.
+std::unique_ptr<Load> make_varying(std::unique_ptr<Load> load, TimeFunction function);
+
+/// Ambient viscous friction F = −6π η r V, η = `viscosity` [Pa s]. [M03]
+std::unique_ptr<Load> make_stokes_drag(const Body& body, double viscosity);
+
+/// Ambient friction F = −½ ρ C π r² |V| V, ρ = `density` [kg/m³] of the medium, C = `drag_coefficient`. [M03, reading]
+std::unique_ptr<Load> make_quadratic_drag(const Body& body, double density, double drag_coefficient);
+
+/// Rayleigh's mass-proportional damping, F = −α m V, α = `rate` [1/s]. [Rayleigh 1877]
+std::unique_ptr<Load> make_mass_damping(const Body& body, double rate);
+
+}  // namespace elastin

@@ -1,0 +1,93 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "elastin/core/forces/elasticity.h"
+#include "elastin/core/forces/loads.h"
+#include "elastin/core/forces/viscosity.h"
+#include "elastin/core/model/body.h"
+#include "elastin/core/model/state.h"
+
+namespace elastin {
+
+/// A molecule that is held: free to move only within the range of a projector, and moved by `displacement` [m] in the
+/// directions that are held.
+struct Support {
+  int molecule = 0;
+  Matrix3 free = Matrix3::Zero();          ///< projector on the free directions; zero = held in all
+  Vector3 displacement = Vector3::Zero();  ///< from rest; only its held part counts
+  Vector3 velocity = Vector3::Zero();      ///< [m/s] in the held directions, of a support that moves in time
+};
+
+/// A body with everything that acts on it. The body must outlive the model.
+class Model {
+ public:
+  explicit Model(const Body& body);
+  ~Model();
+  Model(Model&&) noexcept;
+
+  const Body& body() const { return *body_; }
+  void add(std::unique_ptr<Elasticity> elasticity) { elasticity_.push_back(std::move(elasticity)); }
+  void add(std::unique_ptr<Load> load) { loads_.push_back(std::move(load)); }
+  void add(std::unique_ptr<Viscosity> viscosity) { viscosity_.push_back(std::move(viscosity)); }
+  /// Hands the loads over: the model then has none.
+  std::vector<std::unique_ptr<Load>> take_loads() { return std::exchange(loads_, {}); }
+  const std::vector<std::unique_ptr<Elasticity>>& elasticity() const { return elasticity_; }
+  const std::vector<std::unique_ptr<Viscosity>>& viscosity() const { return viscosity_; }
+  const std::vector<std::unique_ptr<Load>>& loads() const { return loads_; }
+  std::vector<Support> supports;  ///< at most one a molecule
+  /// Moves the supports: sets their displacements and velocities for a time [s]. Empty: they stay where they are.
+  std::function<void(double time, std::vector<Support>&)> drive;
+
+  bool has_energy() const;
+  /// Whether at rest all forces, the loads' too, come from energies.
+  bool conservative() const;
+  bool has_full_tangent() const;
+  /// Whether no cell is flat or turned over.
+  bool admissible(const Positions& positions) const;
+  /// Whether a force depends on velocities: damping, drag.
+  bool feels_velocity() const;
+  /// Elastic energy [J], +infinity where a cell is flat or turned over.
+  double elastic_energy(const Positions& positions) const;
+  /// Potential energy of the loads [J].
+  double load_energy(const State& state) const;
+  /// Force density of each connection [N/m].
+  VectorX force_densities(const Positions& positions) const;
+  /// Elastic force on each molecule [N].
+  Positions elastic_forces(const Positions& positions) const;
+  /// Whether the loads' tangents are symmetric.
+  bool symmetric() const;
+  /// Calls these of the loads, see there: remember, tighten (any), free_way (the least), square_frequency (the sum).
+  void remember(State& state) const;
+  bool tighten(State& state) const;
+  double free_way(const State& from, const State& to) const;
+  double square_frequency(const State& state, double ahead) const;
+  /// Adds it to `forces`, without an allocation once `scratch` has served this model. The same bits on any number of
+  /// threads.
+  void add_elastic_forces(const Positions& positions, Positions& forces, Scratch& scratch) const;
+  /// Force of all loads on each molecule [N].
+  Positions load_forces(const State& state) const;
+  /// Squared length [m²] of each connection, and its rate [m²/s].
+  std::pair<VectorX, VectorX> squares_and_rates(const State& state) const;
+  /// Force density of each connection [N/m] that internal damping adds.
+  VectorX viscous_densities(const State& state) const;
+  /// All forces on each molecule [N]: elastic, damping, loads. `forces` is overwritten.
+  void set_forces(const State& state, Positions& forces) const;
+  /// The same without an allocation once `scratch` has served this model.
+  void set_forces(const State& state, Positions& forces, Scratch& scratch) const;
+  /// Sum of connection forces on each molecule: Σ q_ab (x_b − x_a). The same bits on any number of threads.
+  void gather(const Positions& positions, const VectorX& densities, Positions& forces) const;
+
+ private:
+  friend class Tangent;
+  void set_squares_and_rates(const State& state, VectorX& squares, VectorX& rates) const;
+  const Body* body_;
+  std::vector<std::unique_ptr<Elasticity>> elasticity_;
+  std::vector<std::unique_ptr<Viscosity>> viscosity_;
+  std::vector<std::unique_ptr<Load>> loads_;
+  std::unique_ptr<Graph> graph_;
+};
+
+}  // namespace elastin

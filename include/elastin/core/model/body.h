@@ -1,0 +1,135 @@
+#pragma once
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "elastin/core/geometry/cells.h"
+
+namespace elastin {
+
+/// Pairs of molecules joined by an elastic link, and the length at which each is unstressed.
+struct Connections {
+  std::vector<std::array<int, 2>> ends;
+  std::vector<double> rest_length;  ///< [m], > 0, one a connection
+  /// The last so many are sides of cells and nothing else: cells that were put over a body need them for their force
+  /// densities. Only laws and rules that work on cells give them stiffness; see add_cell_sides.
+  int cell_sides = 0;
+  int size() const { return static_cast<int>(ends.size()); }
+  /// Connections that are more than sides of cells; they come first.
+  int proper() const { return size() - cell_sides; }
+};
+
+/// A connection that is a cable, whatever the strategy: it resists lengthening alone, by EA [N] a strain.
+struct Cable {
+  int connection = 0;
+  double stiffness = 0;  ///< EA [N], > 0
+};
+
+/// The part of the body's convex hull that is nearest to each molecule, as far as spring rules use it. Made by
+/// voronoi_cells (elastin/model/voronoi.h), which is not part of elastin::core.
+struct VoronoiCells {
+  std::string problem;  ///< why there are none, in words for a user; then the rest is empty
+  VectorX face_area;  ///< [m²], one a connection proper: the face between its molecules' cells; 0 if they don't touch
+  VectorX volume;     ///< [m³], one a molecule; they sum to the hull's
+  Positions surface_area;  ///< outward area vector of each molecule's cell on the hull [m²]
+};
+
+/// Where a body's part has its cells in one of the body's lists.
+struct CellRange {
+  int first = 0, count = 0;
+};
+
+/// A named part of a body that was put together from several; see elastin/model/parts.h.
+struct Part {
+  std::string name;
+  int first = 0, count = 0;  ///< molecules of its own: first … first + count − 1
+  /// Molecules of other parts that ties have made its own too, ascending: one and the same molecule in both where they
+  /// met, or one that is fixed to this part where it is rigid.
+  std::vector<int> shared;
+  bool rigid = false;  ///< bone: its molecules, the shared ones too, never move against each other
+  int material = 0;    ///< number in the list of materials that belongs to the body
+  CellRange triangles, tetrahedra, cubes;
+  std::optional<VoronoiCells> voronoi;  ///< of the part alone; as Body::voronoi
+};
+
+/// A molecule that is tied to a place on a triangle of another part, Σ weight · corner, where it lies at rest.
+struct Tie {
+  int molecule = 0;
+  std::array<int, 3> corners{};
+  std::array<double, 3> weights{};  ///< ≥ 0, they sum to 1
+  double stiffness = 0;             ///< [N/m], > 0; see elastin/forces/ties.h
+};
+
+/// A piece of tissue: molecules (spheres) joined by connections, at rest. Never changes during a run.
+struct Body {
+  Positions rest;  ///< places of the molecules, unstressed [m]
+  VectorX mass;    ///< [kg], one a molecule
+  VectorX radius;  ///< [m], one a molecule
+  Connections connections;
+  Cells<3> triangles;
+  std::vector<Cable> cables;  ///< beside what the strategy does with its connections
+  Cells<4> tetrahedra;        ///< positively oriented: (x1−x0)·((x2−x0)×(x3−x0)) > 0
+  /// The cubes of a simple cubic lattice, each by its eight molecules; only such lattices have them.
+  Cells<8> cubes;
+  /// Molecules along x, y, z where they are numbered as a grid, x + nx (y + ny z), wherever they lie. Passes over
+  /// springs between neighbours on it need no list of connections.
+  std::optional<std::array<int, 3>> grid;
+  /// How many times as stiff as the material each connection and cell is; empty = all alike. See set_region.
+  VectorX connection_stiffness, cell_stiffness;
+  std::optional<VoronoiCells> voronoi;  ///< only where a strategy asks for them (Strategy::needs_voronoi)
+  std::vector<Part> parts;              ///< in the order of their molecules; empty = the body is one whole
+  std::vector<Tie> ties;                ///< between parts whose molecules do not meet
+  int size() const { return static_cast<int>(rest.cols()); }
+};
+
+/// Every pair of molecules at most `reach` [m] apart, ascending (first, second), with its present length as rest
+/// length. Cost O(n) for bodies of even density (grid of buckets). Throws InputError beyond 1000 neighbours a molecule.
+Connections connections_within(const Positions& places, double reach);
+
+/// The edges of the body's cells, each once, ascending, with its present length as rest length.
+Connections connections_of_cells(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra);
+
+/// Makes the present length of each connection its rest length.
+void set_present_lengths(Body& body);
+
+/// The two molecules of each side of each tetrahedron, each once, ascending.
+std::vector<std::array<int, 2>> sides_of(const Cells<4>& tetrahedra);
+
+/// Makes connections of those of the pairs that are none yet, as sides of cells only (Connections::cell_sides); those
+/// come last, ascending, with their present length as rest length.
+void add_cell_sides(Body& body, const std::vector<std::array<int, 2>>& sides);
+
+/// The body with its connections proper alone: what a rule sees that does not work on cells.
+Body without_cell_sides(const Body& body);
+
+/// Makes what lies in a box (its faces included) `stiffness` times as stiff as the material, and its molecules `mass`
+/// times as heavy: connections and cells by their middles. Of boxes that share a place the last counts.
+void set_region(Body& body, const Vector3& low, const Vector3& high, double stiffness, double mass);
+
+/// Lumped masses [kg]: a quarter of each tetrahedron's mass, a third of each triangle's (thickness t [m]) to its
+/// molecules.
+VectorX lumped_mass(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra, double density,
+                    double thickness);
+
+/// Signed volume of a tetrahedron [m³], positive when corners 1, 2, 3 turn counter-clockwise seen from corner 0's far
+/// side.
+double signed_volume(const Positions& places, const std::array<int, 4>& tetrahedron);
+
+/// Tetrahedra that are flat or turned over at these places: their volume is not above 1e-12 L³ of their longest side L.
+std::vector<int> flat_or_inverted_cells(const Body& body, const Positions& places);
+/// "cell 3 is flat or turned over", "cells 3, 7 are …": the first ten by number, how many others, and of how many.
+std::string flat_or_inverted_text(const std::vector<int>& cells, std::size_t of);
+
+/// What is wrong or odd with a body as a graph of its connections proper, in words a user can act on.
+struct BodyFindings {
+  int pieces = 0;                            ///< connected parts, loose molecules included
+  std::vector<int> piece_of;                 ///< the part each molecule belongs to, parts numbered by first molecule
+  std::vector<int> loose_molecules;          ///< molecules without any connection
+  std::vector<int> zero_length_connections;  ///< rest length below 1e-12 of the body's size
+  std::vector<int> duplicate_connections;    ///< the second and later ones of a pair
+  std::vector<int> flat_or_inverted_cells;   ///< at rest
+};
+BodyFindings inspect(const Body& body);
+
+}  // namespace elastin

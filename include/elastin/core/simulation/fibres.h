@@ -1,0 +1,19 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "elastin/core/simulation/catalog.h"
+
+namespace elastin {
+
+/// Whether the material's fibres need the body's Voronoi cells to join this strategy.
+bool fibres_need_voronoi(const Strategy& strategy, const Body& body, const Material& material);
+
+/// Why the material's fibres cannot join this strategy on this body, or ""; always "" for a material without fibres.
+std::string fibres_unsuited(const Strategy& strategy, const Body& body, const Material& material);
+
+/// The material's fibres, to be added to a model beside the strategy for the matrix: in each tetrahedron beside a cell
+/// law, as springs beside a spring rule. Null for a material without fibres. The body must outlive them.
+std::unique_ptr<Elasticity> make_fibres(const Strategy& strategy, const Body& body, const Material& material);
+
+}  // namespace elastin

@@ -1,0 +1,140 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "elastin/core/forces/model.h"
+#include "elastin/core/model/material.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/core/simulation/catalog.h"
+#include "elastin/core/solve/integrator.h"
+
+namespace elastin {
+
+/// Names a grip (see Simulation::grab); never used again after let_go.
+using GripId = int;
+
+struct SimulationOptions {
+  IntegratorOptions integrator = {Scheme::symplectic_euler};
+  ParameterValues parameters = {};  ///< of the strategy
+  /// Explicit schemes part a step so that each part is at most this share (0 … 1] of the longest stable step of the
+  /// body at rest and of its grips; see stable_step. A law that stiffens much as it is strained wants less.
+  double safety = 0.8;
+  /// A step that would take more parts ends as limit_reached and leaves the state as it was: real time has a limit.
+  int most_parts = 1000;
+  /// Who runs the loops over large bodies (some 50 000 connections on): the host's task system, which must outlive the
+  /// simulation; or, where it is null, so many threads of the common one (set_runner, use_openmp), 0 = as set_threads
+  /// says. The same bits with any.
+  TaskRunner* runner = nullptr;
+  int threads = 0;
+};
+
+/// A spring of length 0 and a damper between a molecule and a place.
+struct Grip {
+  GripId id = 0;
+  int molecule = 0;
+  double stiffness = 0, damping = 0;  ///< [N/m], [N s/m]
+  Vector3 place = Vector3::Zero();    ///< [m]
+  Vector3 velocity = Vector3::Zero();
+};
+
+/// Everything that a simulation changes while it runs; restoring it goes on with the same bits.
+struct SimulationState {
+  State state;
+  std::vector<Support> supports;
+  Positions host_forces;  ///< [N]; empty if nobody asked for them
+  std::vector<Grip> grips;
+  /// Of Simulation::hold and move_to: what these hold, and where it is to be at the end of the next step.
+  struct Hold {
+    int molecule = 0;
+    std::optional<Vector3> next;  ///< as Support::displacement [m]
+  };
+  std::vector<Hold> holds;
+  int others_supports = 0;  ///< so many of the supports come from elsewhere; they stand first
+};
+
+/// A body that moves: what a simulator embeds. Any number may run in as many threads, each in one at a time.
+///
+///   Simulation tissue(body, catalog.find("lattice"), material);
+///   tissue.model().add(make_gravity(tissue.body(), {0, 0, -9.81}));
+///   const GripId tool = tissue.grab(17, place, 200);
+///   while (…) { tissue.move_grip(tool, place); tissue.step(1e-3); push(-tissue.grip_force(tool)); }
+///
+/// The views (positions, velocities, forces, tensions) keep their address as long as the simulation lives. step(), the
+/// views and the calls that are noexcept allocate nothing after the first step and the first call of each, throw
+/// nothing, lock nothing and print nothing; what of that a step cannot promise is said at Integrator::advance.
+/// Functions that throw InputError do so before they change anything. One that was moved from can be assigned to and
+/// destroyed, and step() says that it is empty; nothing else may be asked of it.
+class Simulation {
+ public:
+  /// The strategy at work on the body, with what the material and the body bring besides: fibres, bending, cables,
+  /// ties, bone. Throws InputError where it cannot run there or a parameter is out of range. A body of several
+  /// materials wants a strategy made by in_parts.
+  Simulation(Body body, const Strategy& strategy, const Material& material, SimulationOptions options = {});
+  /// An elastic law that the host makes itself from the body, which stays where it is.
+  using MakeElasticity = std::function<std::unique_ptr<Elasticity>(const Body&)>;
+  Simulation(Body body, const MakeElasticity& make, SimulationOptions options = {});
+  ~Simulation();
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
+
+  const Body& body() const noexcept;
+  /// What acts on the body: loads, damping and contact are added here before the first step.
+  Model& model() noexcept;
+  const Model& model() const noexcept;
+
+  /// Brings the body forward by dt > 0 [s]; numerical trouble is an outcome, and the state then stays as it was.
+  StepResult step(double dt) noexcept;
+  double time() const noexcept;  ///< [s]
+  /// Solves for the equilibrium of all that acts at this time, and leaves the body there, at rest: a start. Allocates.
+  StaticResult settle(const StaticOptions& options = {}) noexcept;
+
+  const Positions& positions() const noexcept;   ///< [m], 3 × n
+  const Positions& velocities() const noexcept;  ///< [m/s], 3 × n
+  /// All forces of the state reached [N], 3 × n; what holds a held molecule is minus its part in the held directions.
+  /// One pass over the body at the first call after a step; who does not ask does not pay.
+  const Positions& forces() const noexcept;
+  /// Force of each connection with its damping [N], pulling is positive; as forces.
+  const VectorX& tensions() const noexcept;
+
+  /// The host's own forces [N], 3 × n: act from the next step on until they are changed. The first call makes room.
+  Positions& host_forces() noexcept;
+
+  /// Holds a molecule at its present place in all directions, or in those that `free` (a projector) leaves; again: with
+  /// the new ones. Throws InputError on a number that is no molecule, or a matrix that is no projector.
+  void hold(int molecule, const Matrix3& free = Matrix3::Zero());
+  /// Lets a molecule go, whoever held it; nothing happens where nothing does. Throws InputError as hold.
+  void release(int molecule);
+  /// Where a held molecule is to be at the end of the next step [m], in its held directions: it goes there at one
+  /// speed, and stays. Throws InputError if it is not held or the place is not finite.
+  void move_to(int molecule, const Vector3& place);
+  /// Force by which the support of a held molecule acts on it [N], without what its own inertia takes; zero where
+  /// nothing holds it. As forces.
+  Vector3 reaction(int molecule) const noexcept;
+
+  /// A spring of length 0 and a damper between a molecule and a place [m]: a tool, a mouse. stiffness > 0 [N/m],
+  /// damping ≥ 0 [N s/m]. Throws InputError.
+  GripId grab(int molecule, const Vector3& place, double stiffness, double damping = 0);
+  /// From the next step on; nothing happens where there is no such grip.
+  void move_grip(GripId grip, const Vector3& place, const Vector3& velocity = Vector3::Zero()) noexcept;
+  /// Force of the grip on its molecule [N] in the state reached; a haptic device gets its opposite. Zero where there is
+  /// no such grip.
+  Vector3 grip_force(GripId grip) const noexcept;
+  void let_go(GripId grip) noexcept;
+
+  /// Calls `see` after every so many (≥ 1) steps that went well. It must not step; what it throws ends in
+  /// std::terminate.
+  void observe(int every, std::function<void(const Simulation&)> see);
+
+  /// The state to go on from; with the same model the steps after it have the same bits.
+  SimulationState save() const;
+  /// Throws InputError where it is another body's.
+  void restore(const SimulationState& saved);
+
+ private:
+  struct Inside;
+  std::unique_ptr<Inside> inside_;
+};
+
+}  // namespace elastin

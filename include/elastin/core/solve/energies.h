@@ -1,0 +1,42 @@
+#pragma once
+#include "elastin/core/forces/model.h"
+
+namespace elastin {
+
+/// What a body has, and what it has taken in and given away since a run began. Energies in [J].
+struct Energies {
+  double kinetic = 0;
+  double elastic = 0;
+  double potential = 0;                        ///< of the loads that have one and stay as they are: weight, dead forces
+  double dissipated = 0;                       ///< by damping and drag
+  double work = 0;                             ///< put in by loads that change in time, and by supports that move
+  Vector3 momentum = Vector3::Zero();          ///< [kg m/s]
+  Vector3 angular_momentum = Vector3::Zero();  ///< about the origin [kg m²/s]
+
+  /// What the exact motion keeps: its change is the integrator's error.
+  double balance() const { return kinetic + elastic + potential + dissipated - work; }
+};
+
+/// Keeps the account of a run: adds up what passes the body's border, by the trapezoidal rule over its steps.
+class Ledger {
+ public:
+  Ledger(const Model& model, const State& start);
+  /// To be called after each step, with its end. Costs nothing where nothing passes the border.
+  void record(const Model& model, const State& state);
+  Energies energies(const Model& model, const State& state) const;
+
+  double dissipated = 0, work = 0;  ///< [J], so far
+
+ private:
+  /// Forces that take or give energy beside those with an energy of their own [N].
+  struct Border {
+    Positions resisting, driving, holding;  // empty where there are none
+    double held_kinetic = 0;                // of the held parts of the supports' motion [J]
+  };
+  Border border(const Model& model, const State& state) const;
+  bool open_;  // whether anything passes
+  Positions positions_;
+  Border last_;
+};
+
+}  // namespace elastin

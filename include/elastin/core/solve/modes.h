@@ -1,0 +1,37 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "elastin/core/forces/model.h"
+
+namespace elastin {
+
+/// A motion of some molecules that no connection resists, to first order.
+struct ZeroEnergyMode {
+  std::vector<int> molecules;           ///< those that move, most first where they differ
+  int count = 1;                        ///< independent modes of this group of molecules
+  Vector3 direction = Vector3::Zero();  ///< common direction if all move alike, else zero
+  std::string text;                     ///< "molecules 9, 10, 11 slide together along x"
+};
+
+/// The zero-energy modes of a supported body at rest: what the springs with constants ≠ 0 leave free.
+struct ModeReport {
+  int rigid_motions = 0;      ///< motions of the whole body that the supports leave free (0 … 6): no mechanism
+  int zero_energy_modes = 0;  ///< all others: mechanisms
+  bool counted = true;        ///< false: the undecided part of the body is too large to factorise; at least this many
+  std::vector<ZeroEnergyMode> modes;  ///< grouped by the molecules that move together; text for each group
+};
+
+/// Counts zero-energy modes exactly, as (free directions) − rank, in three steps, each exact: rigid motions of the
+/// whole body are held by pins that they alone feel; directions that connections to held ones make known are taken out,
+/// over and over (O(n), which settles most bodies); what is left falls into independent groups whose rank is found by
+/// eigenvalues (below 1e-9 of the largest is zero). `stiff[c]` says which connections count; empty = all.
+/// Assumes no negative constants: those can make modes that this does not see.
+ModeReport find_zero_energy_modes(const Body& body, const std::vector<Support>& supports,
+                                  const std::vector<char>& stiff = {});
+
+/// The same, but of a body of several parts those of each part by itself, bone left out: a part that is free to move as
+/// a whole, until a tie or contact stops it, is no mechanism. Texts go by the part's name and its own numbers.
+ModeReport find_modes_in_parts(const Body& body, const std::vector<Support>& supports, const std::vector<char>& stiff);
+
+}  // namespace elastin

@@ -1,0 +1,25 @@
+#pragma once
+#include "elastin/core/forces/model.h"
+
+namespace elastin {
+
+/// The longest step that an explicit scheme can take, and what sets it.
+struct StableStep {
+  double step = 0;          ///< dt_crit [s]; infinite if nothing resists
+  double frequency = 0;     ///< ω_max [rad/s]: the fastest vibration about the state
+  double damping_rate = 0;  ///< largest rate of M⁻¹ C [1/s]; 0 without damping and drag
+  double bound = 0;         ///< [rad/s], ≥ ω_max: from the row sums of M⁻¹ K by molecule. [Gershgorin 1931]
+  int molecule = -1;        ///< that sets the bound
+  int connection = -1;      ///< with the largest part of the fastest vibration's energy
+  int cell = -1;            ///< the same, if cells carry more of it than connections do
+};
+
+/// ω_max by power iteration on M⁻¹ K about the state (from a fixed start: the same bits every time), the damping rate
+/// in the same way; dt_crit = 2 / (√(ω² + c²) + c), c the damping rate: exact for velocity Verlet on one oscillator
+/// without damping, and on one without stiffness. Supports are taken into account.
+StableStep find_stable_step(Model& model, const State& state);
+
+/// The bound alone: one pass, for a watch on bodies that stiffen as they move [rad/s].
+double frequency_bound(Model& model, const State& state);
+
+}  // namespace elastin

@@ -1,0 +1,64 @@
+#pragma once
+#include <string>
+
+#include "elastin/core/forces/model.h"
+#include "elastin/core/linear/linear_method.h"
+
+namespace elastin {
+
+/// How a run ended.
+enum class Outcome {
+  converged,
+  limit_reached,
+  inverted,
+  diverged,
+  mechanism,
+  interrupted,  ///< the user stopped it
+};
+const char* name_of(Outcome outcome);
+
+/// How an equilibrium with large displacements is sought; see solve/relaxation.
+enum class StaticWay { newton, explicit_steps, implicit_steps };
+
+struct StaticOptions {
+  bool linear = false;  ///< true: small displacements, one linear solve about rest; false: large displacements
+  StaticWay way = StaticWay::newton;
+  LinearMethod method = LinearMethod::automatic;
+  double tolerance = 1e-10;  ///< largest unbalanced force over the size of loads and reactions, both as Euclidean norms
+  int newton_limit = 200;
+  /// Whether an equilibrium is asked if it is a minimum, by one more linear solve; if it is none (a straight column
+  /// beyond its buckling load), the body goes down from it. For what has an energy; large displacements.
+  bool probe = false;
+};
+
+struct StaticResult {
+  Outcome outcome = Outcome::converged;
+  std::string cause;    ///< why it did not converge; empty if it did
+  std::string solver;   ///< "newton pcg", "linear direct" …
+  std::string reason;   ///< why this linear solver, in words for a user; empty where there was no choice to make
+  bool linear = false;  ///< small displacements were assumed
+  int newton_iterations = 0;
+  int linear_iterations = 0;
+  int cut_steps = 0;         ///< steps that were shortened because they would have turned a cell over
+  double residual = 0;       ///< unbalanced force over the size of loads and reactions
+  bool left_saddle = false;  ///< went down from an equilibrium that was no minimum
+  bool unstable = false;     ///< the equilibrium found has a direction of negative stiffness: it is not a minimum
+  Positions reactions;       ///< what holds each support in its held directions [N], shape 3 × supports
+};
+
+/// Finds the equilibrium of the loads, supports and elastic forces. Starts from `state.positions`, which must be
+/// finite, and leaves the equilibrium there; velocities stay. Never throws on numerical trouble: the outcome says it.
+/// Zero-energy modes that the loads do not work on are left where they are; one that they do work on is followed with
+/// large displacements (it may stiffen) and ends as `mechanism` in the linear mode.
+StaticResult solve_static(Model& model, State& state, const StaticOptions& options = {});
+
+/// Small motion about the state `at` under changed loads [N] and moved supports (the held parts of `way` [m]), both 3 ×
+/// n.
+struct StaticResponse {
+  StaticResult result;  ///< its reactions are the changes of the reactions
+  Positions motion;     ///< [m], 3 × n
+};
+StaticResponse static_response(Model& model, const Positions& at, const Positions& load_change, const Positions& way,
+                               const StaticOptions& options = {});
+
+}  // namespace elastin

@@ -1,0 +1,102 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "elastin/core/simulation/simulation.h"
+
+namespace elastin::lab {
+
+/// A number that an experiment has read off a body, SI units.
+struct Measured {
+  std::string name, unit;  ///< "effective_modulus", "Pa"; unit "" of a ratio
+  double value = 0;
+};
+
+/// What a scene says that a measure is, and by what source.
+struct Stated {
+  std::string strategy;  ///< about which it is said; "" = any
+  Measured measured;
+  std::string source;
+};
+
+/// What came of one strategy on a scene.
+struct LaboratoryResult {
+  std::string strategy;
+  Outcome outcome = Outcome::converged;
+  bool suited = true;              ///< false: the strategy cannot run on this body
+  std::string cause;               ///< why it did not converge or is unsuited; empty if it did
+  bool good = true;                ///< as the command's exit code 0: no failure, and every `expect` of the scene holds
+  std::vector<Measured> measures;  ///< of the last load step, or of the course of a run in time
+  std::vector<std::string> main;   ///< by which of them strategies are compared, the most telling first
+  /// By measure, against what the material asks for: relative, or the difference of a ratio. MEASURE_to_reference:
+  /// relative to the scene's reference.
+  std::vector<Measured> errors;
+  /// One row a load step or frame: its load factor (time [s] of a run in time) and what was measured there.
+  struct Row {
+    double at = 0;
+    std::vector<Measured> measures;
+  };
+  std::vector<Row> curve;
+  std::optional<Eigen::Matrix<double, 6, 6>> stiffness;  ///< [Pa], xx yy zz yz xz xy; of the experiment `material`
+  Positions positions;  ///< [m], 3 × n, of the last state; empty where none was reached
+  VectorX tensions;     ///< [N], one a connection, pulling is positive; as positions
+  std::vector<std::string> warnings;
+  std::string solver;  ///< "newton pcg"; of a run in time its scheme
+  int newton_iterations = 0, linear_iterations = 0;
+  double build_seconds = 0, solve_seconds = 0;
+  /// The measure of this name; NaN if it was not taken.
+  double get(const std::string& name) const;
+};
+
+/// What a program may do while a scene runs.
+struct RunWatch {
+  /// Called before each load step or frame. What it throws ends the run and comes out of it.
+  std::function<void(const std::string& doing)> progress = {};
+  /// Asked after each frame of a run in time; true ends it as `interrupted`.
+  std::function<bool()> stop = {};
+};
+
+/// A scene file, read, checked and built: the laboratory for programs of their own. For one thread at a time.
+class Laboratory {
+ public:
+  /// `overrides` are "key.path=value", as the command's --set. A program that has laws of its own hands a catalog with
+  /// them over. Throws InputError as the command says it: file:line:column.
+  explicit Laboratory(const std::string& scene, const std::vector<std::string>& overrides = {},
+                      Catalog catalog = built_in_catalog());
+  ~Laboratory();
+  Laboratory(Laboratory&&) noexcept;
+  Laboratory& operator=(Laboratory&&) noexcept;
+
+  const std::string& name() const;
+  const std::string& title() const;
+  const Body& body() const;
+  const Material& material() const;
+  std::string strategy() const;                 ///< the scene's own: what run takes
+  std::vector<std::string> strategies() const;  ///< those that the scene compares
+  std::vector<Stated> references() const;       ///< of the same problem from elsewhere
+  std::vector<Stated> expectations() const;     ///< values that the scene says must come out
+  const std::vector<std::string>& warnings() const;
+
+  /// Runs the experiment with a strategy by name ("calibrated:angles", "lattice+volume"); "" takes the scene's own. A
+  /// strategy that the scene names keeps the scene's parameters. Equal to the command's numbers to the last bit. Throws
+  /// InputError; numerical trouble is an outcome.
+  LaboratoryResult run(const std::string& strategy = "", const RunWatch& watch = {});
+  /// The scene's body at rest (of a scene in time: as it is at time 0), its strategy, its loads, damping and contact,
+  /// held by its experiment and loaded in full at once, to be stepped. Independent of the laboratory from then on.
+  /// Throws InputError where the strategy does not suit, and where that state cannot be found.
+  Simulation simulation(const std::string& strategy = "", SimulationOptions options = {});
+
+ private:
+  struct Inside;
+  std::unique_ptr<Inside> inside_;
+};
+
+/// A body as scenes describe one under `body:`, in YAML: "lattice: {kind: cubic, molecules: [5, 5, 5], spacing: 1 mm}".
+/// Files are named from the working directory. What is to be said of it is added to `warnings`. Throws InputError:
+/// body:line:column.
+Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings);
+
+}  // namespace elastin::lab

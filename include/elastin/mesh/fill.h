@@ -1,0 +1,58 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+
+#include "elastin/core/model/body.h"
+
+namespace elastin {
+class TriangleTree;
+}  // namespace elastin
+
+namespace elastin::mesh {
+
+enum class FillPacking {
+  lattice,     ///< simple cubic, about the middle of the surface's bounding box
+  blue_noise,  ///< at random, no two closer than 0.9 of the spacing: one a cube of the spacing, nearly [Bridson 2007]
+};
+
+struct FillOptions {
+  double spacing = 0;  ///< [m], > 0
+  FillPacking packing = FillPacking::lattice;
+  std::uint64_t seed = 1;
+  /// Whether molecules lie on the surface, along its sharp sides (more than 40°) too, and those inside keep away from
+  /// it.
+  bool follow = true;
+  double most_molecules = 5e6;  ///< that the surface's bounding box may hold, and the surface
+};
+
+/// What fills a surface.
+struct Filling {
+  Positions places;           ///< [m]; those on the surface come first
+  int on_surface = 0;         ///< how many of them
+  Cells<4> tetrahedra;        ///< Delaunay's, without those outside; every molecule is a corner of one
+  double surface_volume = 0;  ///< inside the surface [m³], by the divergence theorem
+  double volume = 0;          ///< of the tetrahedra [m³]
+  VectorX share;              ///< of the volume, one a molecule; they sum to 1
+  int left_out = 0;           ///< molecules that no tetrahedron inside needed
+  int slivers = 0;            ///< see count_slivers
+};
+
+/// The space in a closed surface that does not cross itself, normals outwards: check_surface must find nothing wrong.
+class Inside {
+ public:
+  Inside(const Positions& points, const Cells<3>& triangles);
+  ~Inside();
+
+  /// Fills it with molecules and tetrahedra. The same options give the same filling. Cost O(n log n). Throws InputError
+  /// where the spacing is too wide for one tetrahedron, or so narrow that there are more molecules than are taken.
+  Filling fill(const FillOptions& options) const;
+
+  /// Every pair of molecules at most `reach` [m] apart that sees each other: the way between them lies inside, but for
+  /// a twentieth of its length where the surface is hollow. Sides of tetrahedra are pairs whatever they pass.
+  Connections connections_within(const Filling& filling, double reach) const;
+
+ private:
+  std::unique_ptr<TriangleTree> tree_;
+};
+
+}  // namespace elastin::mesh

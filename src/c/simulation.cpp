@@ -1,0 +1,199 @@
+#ifdef ELASTIN_C_LAB
+#include "lab/experiment/specimen.h"
+#endif
+#include "c/handles.h"
+#include "c/saved_state.h"
+#include "elastin/core/forces/bending.h"
+
+namespace elastin::c {
+namespace {
+
+/// What a step said, as the caller's structure; a status.
+template <class Result>
+elastin_status told(const Result& result, int parts, elastin_step_result* out) {
+  if (out) {
+    const elastin_step_result values{0, static_cast<int>(result.outcome), parts, result.newton_iterations,
+                                     result.linear_iterations};
+    put(values, out, "elastin_step_result");
+  }
+  return result.outcome == Outcome::converged ? ELASTIN_OK : failed(ELASTIN_STOPPED, result.cause.c_str());
+}
+
+Matrix3 free_directions(int axes) {
+  if (axes < 0 || axes > 7)
+    throw InputError("free_axes is " + std::to_string(axes) + "; it must be 0, or 1 (x), 2 (y) and 4 (z) or-ed");
+  return Vector3(axes & 1, (axes >> 1) & 1, (axes >> 2) & 1).asDiagonal();
+}
+
+void require_molecule(const Simulation& simulation, int molecule) {
+  if (molecule < 0 || molecule >= simulation.body().size())
+    throw InputError("molecule " + std::to_string(molecule) + ": there are " +
+                     std::to_string(simulation.body().size()) + ", from 0");
+}
+
+void write(const Vector3& vector, double numbers[3], const char* name) {
+  given(numbers, name);
+  for (int axis = 0; axis < 3; ++axis) numbers[axis] = vector[axis];
+}
+
+/// Bending acts between molecules across a side: those are sides of cells too.
+void make_room_for_bending(Body& body) {
+  const std::string why = unsuited_for_bending(body);
+  if (!why.empty()) throw InputError("bending_rigidity: " + why);
+  add_cell_sides(body, bending_pairs(body));
+}
+
+std::unique_ptr<elastin_simulation> simulate(const elastin_body& body, const char* name,
+                                             const elastin_material* material, const elastin_options* options) {
+  const Strategy strategy = strategy_of(name);
+  const Material made_of = material_of(material);
+  std::unique_ptr<CallbackRunner> runner;
+  SimulationOptions chosen = options_of(options, runner);
+  Body copy = body.body;
+  if (made_of.bending_rigidity > 0) make_room_for_bending(copy);
+#ifdef ELASTIN_C_LAB
+  lab::prepare(copy, strategy, made_of);
+#endif
+  Simulation simulation(std::move(copy), strategy, made_of, std::move(chosen));
+  return std::make_unique<elastin_simulation>(elastin_simulation{std::move(runner), std::move(simulation)});
+}
+
+}  // namespace
+}  // namespace elastin::c
+
+using elastin::c::given;
+using elastin::c::guarded;
+
+extern "C" {
+
+elastin_status elastin_simulate(const elastin_body* body, const char* strategy, const elastin_material* material,
+                                const elastin_options* options, elastin_simulation** simulation) {
+  return guarded([&] {
+    given(simulation, "simulation");
+    *simulation = elastin::c::simulate(given(body, "body"), strategy, material, options).release();
+  });
+}
+
+void elastin_simulation_free(elastin_simulation* simulation) { delete simulation; }
+
+elastin_status elastin_step(elastin_simulation* simulation, double dt, elastin_step_result* result) {
+  return guarded([&] {
+    elastin_simulation& handle = given(simulation, "simulation");
+    if (result) elastin::c::taken(result, "elastin_step_result");
+    handle.stepped = true;
+    const elastin::StepResult reached = handle.simulation.step(dt);
+    return elastin::c::told(reached, reached.parts, result);
+  });
+}
+
+elastin_status elastin_settle(elastin_simulation* simulation, elastin_step_result* result) {
+  return guarded([&] {
+    elastin_simulation& handle = given(simulation, "simulation");
+    if (result) elastin::c::taken(result, "elastin_step_result");
+    handle.stepped = true;
+    return elastin::c::told(handle.simulation.settle(), 1, result);
+  });
+}
+
+elastin_status elastin_time(const elastin_simulation* simulation, double* time) {
+  return guarded([&] { given(time, "time") = given(simulation, "simulation").simulation.time(); });
+}
+
+elastin_status elastin_positions(const elastin_simulation* simulation, const double** values, size_t* count) {
+  return guarded([&] { elastin::c::show(given(simulation, "simulation").simulation.positions(), values, count); });
+}
+
+elastin_status elastin_velocities(const elastin_simulation* simulation, const double** values, size_t* count) {
+  return guarded([&] { elastin::c::show(given(simulation, "simulation").simulation.velocities(), values, count); });
+}
+
+elastin_status elastin_forces(const elastin_simulation* simulation, const double** values, size_t* count) {
+  return guarded([&] { elastin::c::show(given(simulation, "simulation").simulation.forces(), values, count); });
+}
+
+elastin_status elastin_tensions(const elastin_simulation* simulation, const double** values, size_t* count) {
+  return guarded([&] { elastin::c::show(given(simulation, "simulation").simulation.tensions(), values, count); });
+}
+
+elastin_status elastin_host_forces(elastin_simulation* simulation, double** values, size_t* count) {
+  return guarded([&] { elastin::c::show(given(simulation, "simulation").simulation.host_forces(), values, count); });
+}
+
+elastin_status elastin_hold(elastin_simulation* simulation, int molecule, int free_axes) {
+  return guarded(
+      [&] { given(simulation, "simulation").simulation.hold(molecule, elastin::c::free_directions(free_axes)); });
+}
+
+elastin_status elastin_release(elastin_simulation* simulation, int molecule) {
+  return guarded([&] { given(simulation, "simulation").simulation.release(molecule); });
+}
+
+elastin_status elastin_move_to(elastin_simulation* simulation, int molecule, const double place[3]) {
+  return guarded(
+      [&] { given(simulation, "simulation").simulation.move_to(molecule, elastin::c::place_of(place, "place")); });
+}
+
+elastin_status elastin_reaction(const elastin_simulation* simulation, int molecule, double force[3]) {
+  return guarded([&] {
+    const elastin::Simulation& tissue = given(simulation, "simulation").simulation;
+    elastin::c::require_molecule(tissue, molecule);
+    elastin::c::write(tissue.reaction(molecule), force, "force");
+  });
+}
+
+elastin_status elastin_grab(elastin_simulation* simulation, int molecule, const double place[3], double stiffness,
+                            double damping, int* grip) {
+  return guarded([&] {
+    elastin::Simulation& tissue = given(simulation, "simulation").simulation;
+    given(grip, "grip");
+    *grip = tissue.grab(molecule, elastin::c::place_of(place, "place"), stiffness, damping);
+  });
+}
+
+elastin_status elastin_move_grip(elastin_simulation* simulation, int grip, const double place[3],
+                                 const double velocity[3]) {
+  return guarded([&] {
+    elastin::Simulation& tissue = given(simulation, "simulation").simulation;
+    const elastin::Vector3 at = elastin::c::place_of(place, "place"), still = elastin::Vector3::Zero();
+    tissue.move_grip(grip, at, velocity ? elastin::c::place_of(velocity, "velocity") : still);
+  });
+}
+
+elastin_status elastin_grip_force(const elastin_simulation* simulation, int grip, double force[3]) {
+  return guarded(
+      [&] { elastin::c::write(given(simulation, "simulation").simulation.grip_force(grip), force, "force"); });
+}
+
+elastin_status elastin_let_go(elastin_simulation* simulation, int grip) {
+  return guarded([&] { given(simulation, "simulation").simulation.let_go(grip); });
+}
+
+elastin_status elastin_observe(elastin_simulation* simulation, int every, elastin_observer see, void* context) {
+  return guarded([&] {
+    elastin_simulation& handle = given(simulation, "simulation");
+    given(see, "see");
+    handle.simulation.observe(every, [see, context, &handle](const elastin::Simulation&) { see(context, &handle); });
+  });
+}
+
+elastin_status elastin_save(const elastin_simulation* simulation, void* buffer, size_t capacity, size_t* needed) {
+  return guarded([&] {
+    const auto bytes = elastin::c::bytes_of(given(simulation, "simulation").simulation.save());
+    given(needed, "needed") = bytes.size();
+    if (capacity == 0) return;
+    given(static_cast<char*>(buffer), "buffer");
+    if (capacity < bytes.size())
+      throw elastin::InputError("capacity is " + std::to_string(capacity) + "; the state takes " +
+                                std::to_string(bytes.size()) + " bytes");
+    std::memcpy(buffer, bytes.data(), bytes.size());
+  });
+}
+
+elastin_status elastin_restore(elastin_simulation* simulation, const void* buffer, size_t bytes) {
+  return guarded([&] {
+    elastin_simulation& handle = given(simulation, "simulation");
+    given(static_cast<const char*>(buffer), "buffer");
+    handle.simulation.restore(elastin::c::state_of(buffer, bytes));
+  });
+}
+}

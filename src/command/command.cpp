@@ -1,0 +1,255 @@
+#include "elastin/command/command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <string_view>
+
+#include "elastin/contact/overlaps.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/openmp/openmp.h"
+#include "lab/report/figures.h"
+#include "lab/report/json.h"
+#include "lab/report/progress.h"
+#include "lab/scene/scene.h"
+#include "lab/study/check.h"
+#include "lab/study/compare.h"
+#include "lab/study/verdicts.h"
+
+namespace elastin::command {
+using namespace lab;
+namespace {
+
+constexpr const char* kExamples = R"(
+Examples:
+  {0} compare scenes/tension/cube-1000.yaml                 every stiffness strategy of the scene, side by side
+  {0} compare scenes/tension/*.yaml --strategies all        all that the catalog has, on every scene
+  {0} compare scenes/zoo/*.yaml --summary                   what each strategy is worth over all bodies
+  {0} compare scenes/material/cantilever.yaml --out out     also a page: error against time, the body in 3D, tables
+  {0} compare scenes/tension/cube-1000.yaml --vary 'solver.linear_solver=[pcg, direct]' --repeats 5
+  {0} run scenes/tension/dogbone.yaml --out out             one strategy, all measures; files for ParaView in out/
+  {0} run scenes/tension/cube-27-face.yaml --set stiffness=lattice --set material.youngs_modulus='10 kPa'
+  {0} run scenes/tension/cube-1000.yaml --json - | jq .runs[0].measures
+  {0} check scenes/tension/table1-b.yaml                    what the body is, and its zero-energy modes
+  {0} verify scenes/hard/*.yaml --choices                   hard cases against their known answers: a verdict each
+  {0} list                                                  strategies and their parameters
+
+Exit codes: 0 all expectations hold; 1 an expectation or a run failed; 2 wrong use or input.
+)";
+
+struct Options : Request {
+  std::string resume_from, x_column = "minimum_s", y_column = "error";
+  int threads = 0;
+  bool others = false, markdown = false;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+
+/// The first interrupt ends a run in time after its frame and a comparison after its row, with everything written; the
+/// second ends the command.
+void note_interrupt(int) {
+  constexpr std::string_view said = "\n  ends after this row or frame; once more: at once\n";
+  if (write(STDERR_FILENO, said.data(), said.size()) < 0) interrupted = 1;  // nobody to tell
+  interrupted = 1;
+  std::signal(SIGINT, SIG_DFL);
+}
+
+/// Holds every scene against what it says must come of it.
+int verify_scenes(const Options& options, const Catalog& catalog) {
+  Progress progress(options.to_screen() && isatty(STDERR_FILENO));
+  for (const std::string& path : options.scenes)
+    load_scene(path, catalog, options.overrides);  // a slip is said at once
+  write_tables(options, {});
+  VerifyOptions verify{options.overrides, options.others, !options.out.empty()};
+  verify.progress = [&](const std::string& doing) { progress.set(doing); };
+  verify.finished = [&](const Scene& scene, Record& record) { write_run(options, scene, record); };
+  std::vector<Case> cases;
+  std::vector<Record> records;
+  for (const std::string& path : options.scenes)
+    for (Case& a_case : verify_scene(path, catalog, verify)) {
+      records.push_back(a_case.own);
+      cases.push_back(std::move(a_case));
+      write_tables(options, records);
+    }
+  progress.pause();
+  if (options.to_screen()) fmt::print("{}", verdicts_text(cases, colours_on(STDOUT_FILENO), options.markdown));
+  if (options.json == "-") fmt::print("{}", json_text(records));
+  return std::all_of(cases.begin(), cases.end(), passed) ? 0 : 1;
+}
+
+/// `compare` and `run`. The first interrupt ends the row under way and leaves whole files; see note_interrupt.
+int run_all(Options& options, const Catalog& catalog, bool compare) {
+  options.compare = compare;
+  options.interrupted = [] { return interrupted != 0; };
+  if (!options.resume_from.empty()) {
+    if (!options.out.empty() && options.out != options.resume_from)
+      throw InputError("--resume: goes on in its own folder; leave --out away");
+    options.out = options.resume_from;
+    options.resume = true;
+  }
+  std::signal(SIGINT, note_interrupt);
+  return run_scenes(options, catalog) ? 0 : 1;
+}
+
+int plot_columns(const Options& options) {
+  for (const std::string& path : options.scenes)
+    fmt::print("{}", svg_text(csv_plot(path, options.x_column, options.y_column), 760, true));
+  return 0;
+}
+
+int check_scenes(const Options& options, const Catalog& catalog) {
+  bool sound = true;
+  for (const std::string& path : options.scenes) {
+    const auto scene = load_scene(path, catalog, options.overrides);
+    const Body& body = scene->specimen.body;
+    const CheckReport report = check_scene(*scene, catalog, contact::find_overlaps(body, body.rest));
+    if (!options.quiet) fmt::print("{}\n", report.text);
+    sound &= report.sound;
+  }
+  return sound ? 0 : 1;
+}
+
+int list_catalog(const Catalog& catalog) {
+  fmt::print("{}", catalog_text(catalog, colours_on(STDOUT_FILENO)));
+  return 0;
+}
+
+void add_scene_options(CLI::App& command, Options& options) {
+  command.add_option("scenes", options.scenes, "Scene files (YAML)")->required();
+  command
+      .add_option("--set", options.overrides,
+                  "Set a key of the scene: KEY.PATH=VALUE; a plain number is SI. May be repeated")
+      ->take_all()
+      ->allow_extra_args(false);
+  command
+      .add_option("--threads", options.threads, "Threads for large bodies; 0 = one a core. Same bits for any number")
+      ->check(CLI::Range(0, 4096));
+  command.add_flag("--quiet", options.quiet, "Print nothing but errors");
+}
+
+void add_file_options(CLI::App& command, Options& options) {
+  command.add_option("--out", options.out, "Folder for CSV, JSON, curves and ParaView files");
+  command.add_option("--restart", options.restart,
+                     "Go on with a run in time from a .restart file that --out has got from it");
+  command.add_flag("--live", options.live, "No more frames a second than time.frame_rate says");
+  command.add_option("--json", options.json, "JSON file; - for standard output, and nothing else there");
+}
+
+void add_study_options(CLI::App& command, Options& options) {
+  command.add_flag("--summary", options.summary, "Print only the summary over all scenes: by strategy, by body");
+  command
+      .add_option("--vary", options.vary,
+                  "Change a key from row to row: KEY.PATH=[VALUE, …], or {KEY: […], KEY: […]} of keys that go "
+                  "together. May be repeated: every combination runs")
+      ->take_all()
+      ->allow_extra_args(false);
+  command.add_option("--repeats", options.repeats, "Run everything so often, in turn; the fastest counts")
+      ->check(CLI::Range(1, 1000));
+  command.add_option("--resume", options.resume_from,
+                     "Go on in this folder that --out has filled: finished rows are not run again");
+  command.add_option("--peers", options.peers,
+                     "CSV of other programs' rows for the page: method, minimum_s, error, scene");
+}
+
+void add_run_options(CLI::App& command, Options& options) {
+  add_scene_options(command, options);
+  add_file_options(command, options);
+  command.add_option("--strategies", options.strategies,
+                     "Comma-separated names, all among them; instead of the scene's own");
+}
+
+/// "unknown option '--thread'; did you mean …", of the first command or option that there is not; "" if there are all.
+std::string unknown_word(const CLI::App& app, int argc, const char* const* argv) {
+  std::vector<std::string> commands, options;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    commands.push_back(command->get_name());
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& name : option->get_lnames())
+        if (std::find(options.begin(), options.end(), "--" + name) == options.end()) options.push_back("--" + name);
+  }
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = std::string(argv[i]).substr(0, std::string_view(argv[i]).find('='));
+    const bool option = word.starts_with("--");
+    const std::vector<std::string>& known = option ? options : commands;
+    if ((option || i == 1) && std::find(known.begin(), known.end(), word) == known.end())
+      return std::string("unknown ") + (option ? "option '" : "command '") + word + "'" + suggestion(word, known);
+  }
+  return "";
+}
+
+/// The commands of the command line; what they are given goes to `options`.
+struct Commands {
+  CLI::App app;
+  CLI::App *run, *compare, *verify, *check, *list, *plot;
+
+  Commands(const std::string& name, Options& options)
+      : app("Elastin: soft tissue as molecules and connections, and the modulus it really has.", name),
+        run(app.add_subcommand("run", "Run a scene with its own stiffness strategy; print every measure")),
+        compare(
+            app.add_subcommand("compare", "Run a scene with many strategies; print measured modulus, error and cost")),
+        verify(app.add_subcommand("verify", "Hold scenes against the answers that they state; print verdicts")),
+        check(app.add_subcommand("check", "Say what a scene's body is: counts, loose parts, zero-energy modes")),
+        list(app.add_subcommand("list", "List strategies, their parameters, and measures")),
+        plot(app.add_subcommand("plot", "Draw two columns of a CSV file against each other: SVG")) {
+    app.require_subcommand(1);
+    add_run_options(*run, options);
+    add_run_options(*compare, options);
+    add_study_options(*compare, options);
+    add_scene_options(*verify, options);
+    add_file_options(*verify, options);
+    verify->add_flag("--choices", options.others,
+                     "Also what explicit and implicit steps, small displacements and plain springs make of each case");
+    verify->add_flag("--markdown", options.markdown, "The table as Markdown, with titles");
+    add_scene_options(*check, options);
+    plot->add_option("files", options.scenes, "CSV files with a column method")->required();
+    plot->add_option("--x", options.x_column, "Column along; default minimum_s");
+    plot->add_option("--y", options.y_column, "Column up; default error");
+    const std::string examples = fmt::format(kExamples, name);
+    for (CLI::App* command : {&app, run, compare, verify, check, list, plot}) command->footer(examples);
+  }
+};
+
+int run_chosen(const Commands& commands, Options& options, const Catalog& catalog) {
+  openmp::use_openmp();
+  set_threads(options.threads);
+  if (*commands.list) return list_catalog(catalog);
+  if (*commands.verify) return verify_scenes(options, catalog);
+  if (*commands.check) return check_scenes(options, catalog);
+  if (*commands.plot) return plot_columns(options);
+  return run_all(options, catalog, static_cast<bool>(*commands.compare));
+}
+
+}  // namespace
+
+int run_command(int argc, const char* const* argv, const Catalog& catalog) {
+  const std::string name = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "elastin";
+  try {
+    Options options;
+    options.command = name;
+    for (int i = 1; i < argc; ++i) options.command += " " + std::string(argv[i]);
+    Commands commands(name, options);
+    try {
+      commands.app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      const std::string unknown = unknown_word(commands.app, argc, argv);
+      if (error.get_exit_code() == 0 || unknown.empty()) return commands.app.exit(error) == 0 ? 0 : 2;
+      fmt::print(stderr, "{}: {}\n", name, unknown);
+      return 2;
+    }
+    return run_chosen(commands, options, catalog);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "{}: {}\n", name, error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: internal error: {}\n", name, error.what());
+    return 1;
+  }
+}
+
+}  // namespace elastin::command

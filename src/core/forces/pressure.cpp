@@ -1,0 +1,196 @@
+#include "elastin/core/forces/pressure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+
+#include "core/model/incidence.h"
+#include "core/parallel/parallel.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/shapes/surfaces.h"
+
+namespace elastin {
+namespace {
+
+Matrix3 cross_matrix(const Vector3& v) {
+  Matrix3 matrix;
+  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return matrix;
+}
+
+/// The volume, and how it changes under a motion.
+Eigen::Vector2d volume_and_change(const Cells<3>& triangles, const Positions& places, const Vector3& apex,
+                                  const Positions& motion) {
+  return ordered_sum<Eigen::Vector2d>(
+      static_cast<int>(triangles.size()),
+      [&](int cell) -> Eigen::Vector2d {
+        const auto& [a, b, c] = triangles[static_cast<std::size_t>(cell)];
+        const Vector3 x = places.col(a) - apex, y = places.col(b) - apex, z = places.col(c) - apex;
+        const Vector3 yz = y.cross(z), zx = z.cross(x), xy = x.cross(y);
+        return {x.dot(yz) / 6, (yz.dot(motion.col(a)) + zx.dot(motion.col(b)) + xy.dot(motion.col(c))) / 6};
+      },
+      Eigen::Vector2d(0, 0));
+}
+
+}  // namespace
+
+Filling constant_pressure(double pressure) {
+  return [=](double volume, double rest) { return Inside{pressure, 0, pressure * (volume - rest)}; };
+}
+
+Filling enclosed_gas(double amount, double exponent, double ambient) {
+  return [=](double volume, double rest) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    if (!(volume > 0)) return Inside{infinity, -infinity, -infinity};
+    const double absolute = amount / rest * std::pow(rest / volume, exponent);
+    const double work =
+        exponent == 1 ? amount * std::log(volume / rest) : (amount - absolute * volume) / (exponent - 1);
+    return Inside{absolute - ambient, -exponent * absolute / volume, work - ambient * (volume - rest)};
+  };
+}
+
+Filling controlled_volume(double volume, double stiffness, double pressure) {
+  return [=](double now, double rest) {
+    const double missing = volume - now, before = volume - rest;
+    return Inside{pressure + stiffness * missing, -stiffness,
+                  pressure * (now - rest) + stiffness / 2 * (before - missing) * (before + missing)};
+  };
+}
+
+double enclosed_volume(const Cells<3>& triangles, const Positions& places, const Vector3& apex) {
+  return ordered_sum(static_cast<int>(triangles.size()), [&](int cell) {
+    const auto& [a, b, c] = triangles[static_cast<std::size_t>(cell)];
+    const Vector3 x = places.col(a) - apex, y = places.col(b) - apex, z = places.col(c) - apex;
+    return x.dot(y.cross(z)) / 6;
+  });
+}
+
+SurfaceFindings inspect_surface(const Cells<3>& triangles) {
+  struct Side {
+    int triangle;
+    bool ascending;
+  };
+  std::map<std::array<int, 2>, std::vector<Side>> sides;
+  for (std::size_t cell = 0; cell < triangles.size(); ++cell)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const int a = triangles[cell][i], b = triangles[cell][(i + 1) % 3];
+      sides[{std::min(a, b), std::max(a, b)}].push_back({static_cast<int>(cell), a < b});
+    }
+  SurfaceFindings findings;
+  for (const auto& [_, of] : sides) {
+    findings.rim_sides += of.size() == 1;
+    if (of.size() == 2 && of[0].ascending == of[1].ascending) findings.turned.push_back(of[1].triangle);
+    if (of.size() > 2)
+      for (const Side& side : of) findings.branchings.push_back(side.triangle);
+  }
+  for (std::vector<int>* list : {&findings.turned, &findings.branchings}) {
+    std::sort(list->begin(), list->end());
+    list->erase(std::unique(list->begin(), list->end()), list->end());
+  }
+  return findings;
+}
+
+Pressure::Pressure(const Body& body, Filling filling, const Vector3& apex, bool rim_held) : body_(body), apex_(apex) {
+  if (body.triangles.empty()) throw InputError("a pressure needs a body with triangles");
+  const SurfaceFindings findings = inspect_surface(body.triangles);
+  const auto refuse = [](const std::vector<int>& list, const std::string& why) {
+    if (!list.empty())
+      throw InputError("triangle " + std::to_string(list.front()) +
+                       (list.size() > 1 ? " (and " + std::to_string(list.size() - 1) + " more)" : "") + " " + why);
+  };
+  refuse(findings.branchings, "shares a side with more than one other: a pressure needs a surface with two faces");
+  refuse(findings.turned, "is turned against its neighbour: a pressure needs one side of the surface to be inside");
+  conservative_ = rim_held || findings.rim_sides == 0;
+  rest_volume_ = volume(body.rest);
+  set_filling(std::move(filling));
+  std::vector<int> corners;
+  for (const auto& triangle : body.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
+  Rows rows = rows_by_target(body.size(), corners);
+  start_ = std::move(rows.start);
+  slots_ = std::move(rows.entries);
+}
+
+double Pressure::volume(const Positions& places) const { return enclosed_volume(body_.triangles, places, apex_); }
+
+/// Adds a vector of each triangle to its three corners. One thread scatters, several gather; both add a molecule's
+/// triangles in ascending order, so the bits are the same.
+template <class OfTriangle>
+void Pressure::add_to_corners(Positions& sums, OfTriangle&& of_triangle) const {
+  const int triangles = static_cast<int>(body_.triangles.size());
+  if (triangles < kParallelThreshold || threads() == 1) {
+    for (int cell = 0; cell < triangles; ++cell) {
+      const auto& corners = body_.triangles[static_cast<std::size_t>(cell)];
+      const Vector3 vector = of_triangle(corners);
+      for (const int corner : corners) sums.col(corner) += vector;
+    }
+    return;
+  }
+  Positions vectors(3, triangles);
+  parallel_for(triangles,
+               [&](int cell) { vectors.col(cell) = of_triangle(body_.triangles[static_cast<std::size_t>(cell)]); });
+  parallel_for(
+      body_.size(),
+      [&](int molecule) {
+        Vector3 sum = sums.col(molecule);
+        const auto at = static_cast<std::size_t>(molecule);
+        for (int slot = start_[at]; slot < start_[at + 1]; ++slot)
+          sum += vectors.col(slots_[static_cast<std::size_t>(slot)] / 3);
+        sums.col(molecule) = sum;
+      },
+      1);
+}
+
+void Pressure::set_filling(Filling filling) {
+  filling_ = std::move(filling);
+  const Inside at_rest = filling_(rest_volume_, rest_volume_);
+  constant_ = at_rest.slope == 0 && filling_(2 * rest_volume_, rest_volume_).slope == 0;
+}
+
+void Pressure::add_forces(const State& state, Positions& forces) const {
+  const double share = inside(state.positions).pressure / 3;
+  add_to_corners(forces, [&](const std::array<int, 3>& triangle) -> Vector3 {
+    return share * area_vector(state.positions, triangle);
+  });
+}
+
+double Pressure::energy(const State& state) const { return conservative_ ? -inside(state.positions).work : 0; }
+
+void Pressure::add_change(const State& state, const Positions& dx, const Positions&, Positions& forces) const {
+  const Positions& x = state.positions;
+  Eigen::Vector2d volume(rest_volume_, 0);
+  if (!constant_) volume = volume_and_change(body_.triangles, x, apex_, dx);
+  const Inside now = filling_(volume[0], rest_volume_);
+  const double share = now.pressure / 6, share_change = now.slope * volume[1] / 6;
+  add_to_corners(forces, [&](const std::array<int, 3>& triangle) -> Vector3 {
+    const auto& [a, b, c] = triangle;
+    const Vector3 first = x.col(b) - x.col(a), second = x.col(c) - x.col(a);
+    const Vector3 d_first = dx.col(b) - dx.col(a), d_second = dx.col(c) - dx.col(a);
+    Vector3 change = share * (d_first.cross(second) + first.cross(d_second));
+    if (share_change != 0) change += share_change * first.cross(second);
+    return change;
+  });
+}
+
+/// The area vector's derivative by corner b is ½ [x_{b+2} − x_{b+1}]×, the same for the force on each corner a.
+void Pressure::visit_blocks(const State& state, double, const BlockVisitor& visit) const {
+  const double pressure = inside(state.positions).pressure;
+  for (const auto& triangle : body_.triangles)
+    for (std::size_t b = 0; b < 3; ++b) {
+      const Vector3 across = state.positions.col(triangle[(b + 2) % 3]) - state.positions.col(triangle[(b + 1) % 3]);
+      const Matrix3 block = -pressure / 6 * cross_matrix(across);
+      for (const int a : triangle) visit(a, triangle[b], block);
+    }
+}
+
+std::vector<WidePart> Pressure::wide_parts(const State& state) const {
+  const double slope = inside(state.positions).slope;
+  if (slope == 0) return {};
+  Positions areas = Positions::Zero(3, body_.size());
+  add_to_corners(
+      areas, [&](const std::array<int, 3>& triangle) -> Vector3 { return area_vector(state.positions, triangle) / 3; });
+  return {{-slope, std::move(areas)}};
+}
+
+}  // namespace elastin

@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <utility>
+
+#include "core/forces/graph.h"
+#include "core/forces/grid_springs.h"
+#include "core/forces/spring_kernel.h"
+#include "core/parallel/parallel.h"
+#include "elastin/core/forces/elasticity.h"
+
+namespace elastin {
+namespace {
+
+double length(const Connections& connections, const Positions& positions, int c) {
+  const auto& [a, b] = connections.ends[c];
+  return (positions.col(b) - positions.col(a)).norm();
+}
+
+/// q = k (1 − L/l), written with l − L, which loses no digits at small strain. A connection of no length has no
+/// direction: no force.
+double spring_density(double length, double constant, double rest_length) {
+  return length > 0 ? constant * (length - rest_length) / length : 0;
+}
+
+void add_spring_densities(const Connections& connections, const VectorX& constants, const Positions& positions,
+                          VectorX& densities) {
+  parallel_for(connections.size(), [&](int c) {
+    densities[c] += spring_density(length(connections, positions, c), constants[c], connections.rest_length[c]);
+  });
+}
+
+/// ∂q/∂s = k L / (2 l³)
+void add_spring_slopes(const Connections& connections, const VectorX& constants, const Positions& positions,
+                       VectorX& slopes) {
+  parallel_for(connections.size(), [&](int c) {
+    const double l = length(connections, positions, c);
+    if (l > 0) slopes[c] += constants[c] * connections.rest_length[c] / (2 * l * l * l);
+  });
+}
+
+class Springs final : public Elasticity {
+ public:
+  Springs(const Body& body, VectorX constants)
+      : connections_(body.connections), constants_(std::move(constants)), grid_(GridSprings::make(body, constants_)) {}
+
+  std::unique_ptr<Elasticity> clone() const override { return std::make_unique<Springs>(*this); }
+  double energy(const Positions& positions) const override {
+    return ordered_sum(connections_.size(), [&](int c) {
+      const double stretch = length(connections_, positions, c) - connections_.rest_length[c];
+      return 0.5 * constants_[c] * stretch * stretch;
+    });
+  }
+  void add_force_densities(const Positions& positions, VectorX& densities, Scratch&) const override {
+    add_spring_densities(connections_, constants_, positions, densities);
+  }
+  void add_forces(const Positions& positions, const Graph& graph, Positions& forces, Scratch& scratch) const override {
+    if (grid_) return grid_->add_forces(positions, forces, scratch);
+    if (!graph.gathers())
+      return graph.for_each_part([&](const Graph::Part& part) { scatter(part, positions, forces); });
+    graph.gather(forces, [&](int c, int a, int b) -> Vector3 {
+      const Vector3 d = positions.col(b) - positions.col(a);
+      return spring_density(d.norm(), constants_[c], connections_.rest_length[c]) * d;
+    });
+  }
+  void linearise(const Positions& positions) override { positions_ = positions; }
+  void add_own_slopes(VectorX& slopes) const override {
+    add_spring_slopes(connections_, constants_, positions_, slopes);
+  }
+
+ private:
+  /// Square roots and divisions are what takes time: those of a block of connections are done together, in vectors.
+  void scatter(const Graph::Part& part, const Positions& positions, Positions& forces) const {
+    constexpr int block = 64;
+    double d[3][block], q[block];
+    const SetSpringDensities set_densities = spring_kernel().set_densities;
+    const double* x = positions.data();
+    double* f = forces.data();
+    for (int first = part.first; first < part.last; first += block) {
+      const int count = std::min(block, part.last - first);
+      const auto* ends = connections_.ends.data() + first;
+      for (int i = 0; i < count; ++i) {
+        const double *a = x + 3 * static_cast<std::ptrdiff_t>(ends[i][0]),
+                     *b = x + 3 * static_cast<std::ptrdiff_t>(ends[i][1]);
+        d[0][i] = b[0] - a[0], d[1][i] = b[1] - a[1], d[2][i] = b[2] - a[2];
+      }
+      set_densities({d[0], block}, constants_.data() + first, connections_.rest_length.data() + first, count, q);
+      // Connections of one molecule follow each other: its sum need not go through memory.
+      for (int i = 0; i < count;) {
+        const int a = ends[i][0];
+        double* on_a = f + 3 * static_cast<std::ptrdiff_t>(a);
+        double x_sum = on_a[0], y_sum = on_a[1], z_sum = on_a[2];
+        for (; i < count && ends[i][0] == a; ++i) {
+          const double fx = q[i] * d[0][i], fy = q[i] * d[1][i], fz = q[i] * d[2][i];
+          x_sum += fx, y_sum += fy, z_sum += fz;
+          const int b = ends[i][1];
+          if (b < part.begin || b >= part.end) continue;
+          double* on_b = f + 3 * static_cast<std::ptrdiff_t>(b);
+          on_b[0] -= fx, on_b[1] -= fy, on_b[2] -= fz;
+        }
+        if (a >= part.begin) on_a[0] = x_sum, on_a[1] = y_sum, on_a[2] = z_sum;
+      }
+    }
+  }
+
+  const Connections& connections_;
+  VectorX constants_;
+  Positions positions_;  ///< of linearise()
+  std::optional<GridSprings> grid_;
+};
+
+class UpdatedSprings final : public Elasticity {
+ public:
+  UpdatedSprings(const Body& body, ConstantsAt constants)
+      : connections_(body.connections), constants_at_(std::move(constants)) {}
+
+  std::unique_ptr<Elasticity> clone() const override { return std::make_unique<UpdatedSprings>(*this); }
+  bool has_energy() const override { return false; }
+  bool has_full_tangent() const override { return false; }
+  double energy(const Positions&) const override { return 0; }
+  void add_force_densities(const Positions& positions, VectorX& densities, Scratch&) const override {
+    add_spring_densities(connections_, constants_at_(positions), positions, densities);
+  }
+  void linearise(const Positions& positions) override {
+    slopes_ = VectorX::Zero(connections_.size());
+    add_spring_slopes(connections_, constants_at_(positions), positions, slopes_);
+  }
+  void add_own_slopes(VectorX& slopes) const override { slopes += slopes_; }
+
+ private:
+  const Connections& connections_;
+  ConstantsAt constants_at_;
+  VectorX slopes_;
+};
+
+}  // namespace
+
+std::unique_ptr<Elasticity> make_springs(const Body& body, VectorX constants) {
+  return std::make_unique<Springs>(body, std::move(constants));
+}
+
+std::unique_ptr<Elasticity> make_updated_springs(const Body& body, ConstantsAt constants) {
+  return std::make_unique<UpdatedSprings>(body, std::move(constants));
+}
+
+}  // namespace elastin

@@ -1,0 +1,88 @@
+#include <algorithm>
+#include <utility>
+
+#include "elastin/core/forces/elasticity.h"
+
+namespace elastin {
+namespace {
+
+class Sum final : public Elasticity {
+ public:
+  Sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> kept)
+      : kept_(std::move(kept)), terms_(std::move(terms)) {}
+
+  std::unique_ptr<Elasticity> clone() const override {
+    std::vector<std::unique_ptr<Elasticity>> terms;
+    for (const auto& term : terms_) terms.push_back(term->clone());
+    return std::make_unique<Sum>(std::move(terms), kept_);
+  }
+  bool admissible(const Positions& positions) const override {
+    return all([&](const Elasticity& term) { return term.admissible(positions); });
+  }
+  bool has_energy() const override {
+    return all([](const Elasticity& term) { return term.has_energy(); });
+  }
+  bool has_full_tangent() const override {
+    return all([](const Elasticity& term) { return term.has_full_tangent(); });
+  }
+  double energy(const Positions& positions) const override {
+    double sum = 0;
+    for (const auto& term : terms_) sum += term->energy(positions);
+    return sum;
+  }
+  void add_force_densities(const Positions& positions, VectorX& densities, Scratch& scratch) const override {
+    for (const auto& term : terms_) term->add_force_densities(positions, densities, scratch);
+  }
+  void add_forces(const Positions& positions, const Graph& graph, Positions& forces, Scratch& scratch) const override {
+    for (const auto& term : terms_) term->add_forces(positions, graph, forces, scratch);
+  }
+  void linearise(const Positions& positions) override {
+    for (const auto& term : terms_) term->linearise(positions);
+  }
+  void add_own_slopes(VectorX& slopes) const override {
+    for (const auto& term : terms_) term->add_own_slopes(slopes);
+  }
+  bool coupled() const override {
+    return !all([](const Elasticity& term) { return !term.coupled(); });
+  }
+  void add_change(const VectorX& squares, VectorX& densities, Scratch& scratch) const override {
+    for (const auto& term : terms_) term->add_change(squares, densities, scratch);
+  }
+  void visit_cells(const CellVisitor& visit) const override {
+    for (const auto& term : terms_) term->visit_cells(visit);
+  }
+  void visit_blocks(const BlockVisitor& visit) const override {
+    for (const auto& term : terms_) term->visit_blocks(visit);
+  }
+  bool visit_gradients(const GradientVisitor& visit) const override {
+    bool whole = true;
+    for (const auto& term : terms_) whole &= term->visit_gradients(visit);
+    return whole;
+  }
+  void visit_diagonal(const DiagonalVisitor& visit) const override {
+    for (const auto& term : terms_) term->visit_diagonal(visit);
+  }
+
+ private:
+  template <class Holds>
+  bool all(Holds holds) const {
+    return std::all_of(terms_.begin(), terms_.end(), [&](const auto& term) { return holds(*term); });
+  }
+
+  std::shared_ptr<const void> kept_;  // outlives the terms
+  std::vector<std::unique_ptr<Elasticity>> terms_;
+};
+
+}  // namespace
+
+std::unique_ptr<Elasticity> make_sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> kept) {
+  return std::make_unique<Sum>(std::move(terms), std::move(kept));
+}
+
+std::unique_ptr<Elasticity> make_sum(std::unique_ptr<Elasticity> first, std::unique_ptr<Elasticity> second) {
+  std::vector<std::unique_ptr<Elasticity>> terms;
+  terms.push_back(std::move(first)), terms.push_back(std::move(second));
+  return make_sum(std::move(terms), nullptr);
+}
+
+}  // namespace elastin

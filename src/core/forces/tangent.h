@@ -1,0 +1,99 @@
+#pragma once
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "elastin/core/forces/model.h"
+
+namespace elastin {
+
+/// What a small change of position means for velocity and acceleration, where these follow from it: static problems are
+/// (0, 0), a time step has its integrator's weights.
+struct Weights {
+  double velocity = 0;      ///< δv/δx [1/s]
+  double acceleration = 0;  ///< δa/δx [1/s²]
+};
+
+/// The stiffness −∂(all forces)/∂positions of a model at one state, without a matrix, with damping and inertia by their
+/// weights: per connection d = x_b − x_a, force density q and own slope; the coupled slopes that each cell law keeps;
+/// the loads'. What is left out: that a viscosity's ṡ turns with the body (unsymmetric, and small where a step is).
+class Tangent {
+ public:
+  /// Linearises every elasticity of the model. Model and state must outlive the tangent.
+  Tangent(Model& model, const State& state, const Weights& weights = {});
+  /// The same anew, without an allocation.
+  void take(const State& state, const Weights& weights);
+
+  /// Room for what apply computes on the way; it belongs to the caller and only grows.
+  struct Room {
+    VectorX squares, densities;
+    Positions rates, change;
+    Scratch scratch;
+  };
+  /// result = K motion [N], motion [m]; result is overwritten. Without an allocation once `room` has served.
+  void apply(const Positions& motion, Positions& result, Room& room) const;
+  void apply(const Positions& motion, Positions& result) const {
+    Room room;
+    apply(motion, result, room);
+  }
+
+  /// Calls visit(a, b, K_ab part) for every part of every 3×3 block, both triangles; the blocks are the sums, less the
+  /// wide parts.
+  using BlockVisitor = Elasticity::BlockVisitor;
+  void visit_blocks(const BlockVisitor& visit) const;
+
+  /// What these blocks leave out, of loads that join all molecules with all.
+  std::vector<WidePart> wide_parts() const;
+
+  /// The diagonal block K_aa [N/m] of a molecule; of one that is not symmetric the upper triangle, mirrored.
+  Matrix3 diagonal(int molecule) const {
+    const Six& own = diagonal_[static_cast<std::size_t>(molecule)];
+    Matrix3 block;
+    block << own[0], own[1], own[2], own[1], own[3], own[4], own[2], own[4], own[5];
+    return block;
+  }
+
+  /// What one connection does by itself.
+  struct Link {
+    Vector3 d;
+    double density;  ///< q [N/m]
+    double slope;    ///< 2 ∂q/∂s [N/m³]: the change of q is slope · d·δd
+  };
+  Link link(int connection) const {
+    const auto& [a, b] = model_.body().connections.ends[static_cast<std::size_t>(connection)];
+    const double density = stressed_ ? densities_[connection] : 0;
+    return {positions().col(b) - positions().col(a), density, 2 * slopes_[connection]};
+  }
+  /// Calls visit(weight, connections, slopes) for each cell whose connections influence each other.
+  void visit_cells(const std::function<void(double, std::span<const int>, const double*)>& visit) const;
+  /// The blocks K_aa of what is neither link nor cell nor inertia: the loads' and those of laws that have more than
+  /// gradients (Elasticity::visit_gradients).
+  void visit_other_diagonal(const std::function<void(int, const Matrix3&)>& visit) const;
+
+  const Model& model() const { return model_; }
+  /// Of the molecules, where it was taken.
+  const Positions& positions() const { return state_->positions; }
+  const Weights& weights() const { return weights_; }
+
+ private:
+  using Six = Eigen::Matrix<double, 6, 1>;  ///< xx xy xz yy yz zz
+
+  Matrix3 link_block(int connection) const {
+    const auto [d, density, slope] = link(connection);
+    return density * Matrix3::Identity() + slope * d * d.transpose();
+  }
+  void apply_links(const Positions& motion, Positions& result, Room& room) const;
+  void visit_local_blocks(const BlockVisitor& visit) const;
+  void set_diagonal();
+  Model& model_;
+  const State* state_ = nullptr;
+  Weights weights_;
+  // Vectors from end to end are made anew from the positions: that takes less time than to read them.
+  VectorX densities_;  ///< not there in a static problem where no connection is stressed
+  VectorX slopes_;
+  std::vector<Six> diagonal_;
+  Scratch scratch_;
+  bool stressed_ = false, coupled_ = false, loads_change_ = false;
+};
+
+}  // namespace elastin

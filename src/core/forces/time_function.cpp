@@ -1,0 +1,57 @@
+#include "elastin/core/forces/time_function.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "elastin/core/base/error.h"
+
+namespace elastin {
+
+TimeFunction::TimeFunction(std::vector<std::pair<double, double>> points) : points_(std::move(points)) {
+  if (points_.empty()) throw InputError("a function of time needs at least one point");
+  for (std::size_t i = 1; i < points_.size(); ++i)
+    if (points_[i].first < points_[i - 1].first)
+      throw InputError("the times of a function must not fall: point " + std::to_string(i) + " does");
+}
+
+TimeFunction TimeFunction::sine(double frequency, double phase, double mean) {
+  TimeFunction function;
+  function.points_.clear();
+  function.circular_frequency_ = 2 * std::numbers::pi * frequency;
+  function.phase_ = phase;
+  function.mean_ = mean;
+  return function;
+}
+
+std::size_t TimeFunction::after(double time) const {
+  const auto found = std::upper_bound(points_.begin(), points_.end(), time,
+                                      [](double wanted, const auto& point) { return wanted < point.first; });
+  return static_cast<std::size_t>(found - points_.begin());
+}
+
+double TimeFunction::value(double time) const {
+  if (points_.empty()) return mean_ + std::sin(circular_frequency_ * time + phase_);
+  const std::size_t next = after(time);
+  if (next == 0) return points_.front().second;
+  if (next == points_.size()) return points_.back().second;
+  const auto& before = points_[next - 1];
+  const double part = (time - before.first) / (points_[next].first - before.first);
+  return before.second + part * (points_[next].second - before.second);
+}
+
+double TimeFunction::rate(double time) const {
+  if (points_.empty()) return circular_frequency_ * std::cos(circular_frequency_ * time + phase_);
+  const std::size_t next = after(time);
+  if (next == 0 || next == points_.size()) return 0;
+  const auto& before = points_[next - 1];
+  return (points_[next].second - before.second) / (points_[next].first - before.first);
+}
+
+bool TimeFunction::constant() const {
+  if (points_.empty()) return circular_frequency_ == 0;
+  return std::all_of(points_.begin(), points_.end(),
+                     [&](const auto& point) { return point.first <= 0 || point.second == value(0); });
+}
+
+}  // namespace elastin

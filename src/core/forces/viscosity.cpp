@@ -1,0 +1,99 @@
+#include "elastin/core/forces/viscosity.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/laws/solids/st_venant_kirchhoff.h"
+#include "core/parallel/parallel.h"
+#include "elastin/core/forces/cells.h"
+
+namespace elastin {
+namespace {
+
+class ConnectionDamping final : public Viscosity {
+ public:
+  explicit ConnectionDamping(double coefficient) : coefficient_(coefficient) {}
+
+  void add_force_densities(const VectorX& squares, const VectorX& rates, VectorX& densities, Scratch&) const override {
+    parallel_for(static_cast<int>(squares.size()), [&](int c) {
+      if (squares[c] > 0) densities[c] += coefficient_ * rates[c] / (2 * squares[c]);
+    });
+  }
+  void add_own_slopes(const VectorX& squares, const VectorX& rates, double rate_weight,
+                      VectorX& slopes) const override {
+    parallel_for(static_cast<int>(squares.size()), [&](int c) {
+      if (squares[c] > 0) slopes[c] += coefficient_ * (rate_weight - rates[c] / squares[c]) / (2 * squares[c]);
+    });
+  }
+
+ private:
+  double coefficient_;
+};
+
+/// q = β Σ (∂q/∂s) ṡ with the slopes that a law has at rest.
+class RestDamping final : public Viscosity {
+ public:
+  RestDamping(const Body& body, std::unique_ptr<Elasticity> law, double time) : law_(std::move(law)), time_(time) {
+    law_->linearise(body.rest);
+    slopes_ = VectorX::Zero(body.connections.size());
+    law_->add_own_slopes(slopes_);
+    slopes_ *= time;
+  }
+
+  void add_force_densities(const VectorX&, const VectorX& rates, VectorX& densities, Scratch& scratch) const override {
+    densities += slopes_.cwiseProduct(rates);
+    if (law_->coupled()) add_change(rates, densities, scratch);
+  }
+  void add_own_slopes(const VectorX&, const VectorX&, double rate_weight, VectorX& slopes) const override {
+    slopes += rate_weight * slopes_;
+  }
+  bool coupled() const override { return law_->coupled(); }
+  void add_change(const VectorX& change_of_rates, VectorX& change_of_densities, Scratch& scratch) const override {
+    scratch.scaled = time_ * change_of_rates;
+    law_->add_change(scratch.scaled, change_of_densities, scratch);
+  }
+  void visit_cells(const Elasticity::CellVisitor& visit) const override {
+    law_->visit_cells([&](std::span<const int> connections, const double* slopes) {
+      std::array<double, 36> scaled;  // of a tetrahedron's six sides, or fewer
+      std::transform(slopes, slopes + connections.size() * connections.size(), scaled.begin(),
+                     [this](double slope) { return slope * time_; });
+      visit(connections, scaled.data());
+    });
+  }
+
+ private:
+  std::unique_ptr<Elasticity> law_;
+  double time_;
+  VectorX slopes_;  // own ones, times β
+};
+
+/// The law whose slopes are those of Labelle's damping; its force densities are of no use.
+struct LabelleDamping {
+  static constexpr int corners = 4;
+  static constexpr std::string_view name = "cell_damping", summary = "viscous stress of tetrahedra", source = "[L03]";
+  using Constants = CellMatrix<4>;
+  double bulk = 0, shear = 0;
+
+  Constants constants(const Eigen::Matrix<double, 3, 4>& rest, const Material&) const {
+    const Simplex<4> cell(rest);
+    return StVenantKirchhoff::stiffness(cell, cell.measure, bulk, shear);
+  }
+  CellVector<4> force_densities(const Constants& k, const CellVector<4>& s) const { return k * s; }
+  CellMatrix<4> slope(const Constants& k, const CellVector<4>&) const { return k; }
+};
+
+}  // namespace
+
+std::unique_ptr<Viscosity> make_damping(double coefficient) { return std::make_unique<ConnectionDamping>(coefficient); }
+
+std::unique_ptr<Viscosity> make_cell_damping(const Body& body, double bulk, double shear) {
+  auto law = std::make_unique<CellElasticity<LabelleDamping>>(body, Material{}, LabelleDamping{bulk, shear});
+  return std::make_unique<RestDamping>(body, std::move(law), 1);
+}
+
+std::unique_ptr<Viscosity> make_stiffness_damping(const Body& body, const Elasticity& law, double time) {
+  return std::make_unique<RestDamping>(body, law.clone(), time);
+}
+
+}  // namespace elastin

@@ -1,0 +1,301 @@
+#include "elastin/core/forces/volume.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <memory_resource>
+#include <optional>
+#include <utility>
+
+#include "core/forces/volume_groups.h"
+#include "core/parallel/parallel.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/forces/cells.h"
+#include "elastin/core/laws/simplex.h"
+
+namespace elastin {
+namespace {
+
+using AreaVectors = Eigen::Matrix<double, 3, 4>;
+
+/// n_a = ∂V/∂x_a [m²] of the signed volume: a third of the area vector of the face across corner a, inward.
+AreaVectors volume_gradient(const Positions& places, const std::array<int, 4>& cell) {
+  const Vector3 origin = places.col(cell[0]);
+  const Vector3 a = places.col(cell[1]) - origin, b = places.col(cell[2]) - origin, c = places.col(cell[3]) - origin;
+  AreaVectors n;
+  n.col(1) = b.cross(c) / 6;
+  n.col(2) = c.cross(a) / 6;
+  n.col(3) = a.cross(b) / 6;
+  n.col(0) = -(n.col(1) + n.col(2) + n.col(3));
+  return n;
+}
+
+/// A tetrahedron as its squared lengths s see it. With G_ab = n_a·n_b / V², the dot products of the gradients of the
+/// barycentric coordinates,
+///   ∂V/∂s_ab = −½ V G_ab,  ∂²V/∂s_ab∂s_cd = ¼ V (G_ab G_cd − G_ac G_bd − G_ad G_bc).
+struct Tetrahedron {
+  CellVector<4> slope;  ///< ∂V/∂s [m]
+  double volume;        ///< with its sign, kept off zero [m³]
+
+  Tetrahedron() = default;
+  Tetrahedron(const Positions& places, const std::array<int, 4>& cell, double rest_volume) {
+    static constexpr auto pairs = corner_pairs<4>();
+    const AreaVectors n = volume_gradient(places, cell);
+    volume = signed_volume(places, cell);
+    // The forces of a flat tetrahedron are finite, its force densities are not: they are those of one nearly flat.
+    const double least = 1e-7 * rest_volume;
+    if (std::abs(volume) < least) volume = volume < 0 ? -least : least;
+    for (int c = 0; c < 6; ++c) slope[c] = -n.col(pairs[c][0]).dot(n.col(pairs[c][1])) / (2 * volume);
+  }
+
+  /// Σ_d ∂²V/∂s_c∂s_d δs_d [m].
+  CellVector<4> change_of_slope(const CellVector<4>& change) const {
+    static constexpr auto pairs = corner_pairs<4>();
+    Eigen::Matrix4d G = Eigen::Matrix4d::Zero(), D = G;
+    for (int c = 0; c < 6; ++c) {
+      const auto [a, b] = pairs[c];
+      G(a, b) = G(b, a) = -2 * slope[c] / volume;
+      D(a, b) = D(b, a) = change[c];
+    }
+    G.diagonal() = -G.rowwise().sum();
+    const Eigen::Matrix4d turned = G * D * G;
+    const double trace = -2 * slope.dot(change) / volume;  // Σ_cd G_cd δs_cd
+    CellVector<4> result;
+    for (int c = 0; c < 6; ++c)
+      result[c] = volume / 4 * (G(pairs[c][0], pairs[c][1]) * trace - turned(pairs[c][0], pairs[c][1]));
+    return result;
+  }
+};
+
+bool has_sides(const Connections& connections, const Cells<4>& tetrahedra) {
+  std::vector<std::array<int, 2>> known;
+  known.reserve(connections.ends.size());
+  for (const auto& [a, b] : connections.ends) known.push_back({std::min(a, b), std::max(a, b)});
+  std::sort(known.begin(), known.end());
+  const auto sides = sides_of(tetrahedra);
+  return std::includes(known.begin(), known.end(), sides.begin(), sides.end());
+}
+
+/// Cubes where all their sides are connections, else tetrahedra.
+std::optional<VolumeGroups> groups_of(const Body& body) {
+  if (!body.cubes.empty()) {
+    VolumeGroups groups = groups_of_cubes(body.cubes);
+    if (has_sides(body.connections, groups.tetrahedra)) return groups;
+  }
+  if (body.tetrahedra.empty()) return std::nullopt;
+  return groups_of_molecules(body.size(), body.tetrahedra);
+}
+
+class Volume final : public Elasticity {
+ public:
+  Volume(const Body& body, VolumeGroups groups, double modulus)
+      : groups_(std::move(groups)), graph_(body.connections, groups_.tetrahedra), modulus_(modulus) {
+    for (const auto& cell : groups_.tetrahedra) rest_volume_.push_back(signed_volume(body.rest, cell));
+    group_volume_.resize(groups_.size());
+    set_group_sums([&](int t) { return rest_volume_[static_cast<std::size_t>(t)]; }, group_volume_);
+  }
+
+  std::unique_ptr<Elasticity> clone() const override { return std::make_unique<Volume>(*this); }
+
+  bool admissible(const Positions& positions) const override { return std::isfinite(energy(positions)); }
+
+  double energy(const Positions& positions) const override {
+    return ordered_sum(groups_.size(), [&](int group) {
+      if (group_volume_[group] == 0) return 0.;  // no tetrahedron around this molecule
+      double sum = 0;
+      for (const int t : groups_.members[group]) sum += groups_.weight * signed_volume(positions, cell(t));
+      const double ratio = sum / group_volume_[group];
+      if (!(ratio > 0)) return std::numeric_limits<double>::infinity();
+      return group_volume_[group] * modulus_ / 2 * (ratio - 1) * (ratio - 1);
+    });
+  }
+
+  void add_force_densities(const Positions& positions, VectorX& densities, Scratch& scratch) const override {
+    auto sums = scratch.take(Scratch::groups, groups_.size()), pressures = scratch.take(Scratch::cells, tetrahedra());
+    set_pressures(positions, sums, pressures);
+    auto slots = scratch.take(Scratch::slots, tetrahedra() * 6);
+    parallel_for(tetrahedra(),
+                 [&](int t) { slots.segment<6>(6 * t) = 2 * pressures[t] * tetrahedron(positions, t).slope; });
+    graph_.gather(slots, densities);
+  }
+
+  void linearise(const Positions& positions) override {
+    positions_ = positions;
+    changes_.resize(groups_.size());
+    pressures_.resize(tetrahedra());
+    set_pressures(positions, changes_, pressures_);
+    now_.resize(static_cast<std::size_t>(tetrahedra()));
+    parallel_for(tetrahedra(), [&](int t) { now_[static_cast<std::size_t>(t)] = tetrahedron(positions, t); });
+  }
+
+  void add_own_slopes(VectorX&) const override {}
+  bool coupled() const override { return true; }
+
+  void add_change(const VectorX& change_of_squares, VectorX& change_of_densities, Scratch& scratch) const override {
+    auto changes = scratch.take(Scratch::changes, tetrahedra()), sums = scratch.take(Scratch::groups, groups_.size()),
+         pressures = scratch.take(Scratch::cells, tetrahedra());
+    const auto squares = [&](int t) {
+      CellVector<4> change;
+      for (int c = 0; c < 6; ++c) change[c] = change_of_squares[graph_.slot_connection[6 * t + c]];
+      return change;
+    };
+    parallel_for(tetrahedra(), [&](int t) { changes[t] = now_[t].slope.dot(squares(t)); });
+    set_group_sums([&](int t) { return changes[t]; }, sums);
+    set_spread(sums, pressures);
+    auto slots = scratch.take(Scratch::slots, tetrahedra() * 6);
+    parallel_for(tetrahedra(), [&](int t) {
+      CellVector<4> change = pressures[t] * now_[t].slope;
+      if (pressures_[t] != 0) change += pressures_[t] * now_[t].change_of_slope(squares(t));
+      slots.segment<6>(6 * t) = 2 * change;
+    });
+    graph_.gather(slots, change_of_densities);
+  }
+
+  void visit_blocks(const BlockVisitor& visit) const override {
+    visit_group_blocks([&](int a, int b, const Matrix3& block) {
+      visit(a, b, block);
+      if (a != b) visit(b, a, block.transpose());
+    });
+    // A tetrahedron's own part: p ∂²V/∂x_a∂x_b = −p [e]×/6, e the side across, without the force densities 2p ∂V/∂s.
+    static constexpr auto pairs = corner_pairs<4>();
+    static constexpr std::array<std::array<int, 2>, 6> across{{{2, 3}, {3, 1}, {1, 2}, {0, 3}, {2, 0}, {0, 1}}};
+    for (int t = 0; t < tetrahedra(); ++t)
+      for (int c = 0; c < 6; ++c) {
+        const int a = cell(t)[pairs[c][0]], b = cell(t)[pairs[c][1]];
+        const Vector3 e =
+            pressures_[t] / 6 * (positions_.col(cell(t)[across[c][1]]) - positions_.col(cell(t)[across[c][0]]));
+        Matrix3 turn;
+        turn << 0, -e.z(), e.y(), e.z(), 0, -e.x(), -e.y(), e.x(), 0;
+        const Matrix3 density = 2 * pressures_[t] * now_[t].slope[c] * Matrix3::Identity();
+        visit(a, b, density - turn);
+        visit(b, a, density + turn);
+        visit(a, a, -density);
+        visit(b, b, -density);
+      }
+  }
+
+  /// Without the parts of a tetrahedron's own, which are small where the pressure is against the modulus.
+  bool visit_gradients(const GradientVisitor& visit) const override {
+    GradientRoom room;
+    for (int group = 0; group < groups_.size(); ++group)
+      if (group_volume_[group] != 0) visit(group_gradient(group, room), modulus_ / group_volume_[group]);
+    return true;
+  }
+
+  void visit_diagonal(const DiagonalVisitor& visit) const override {
+    GradientRoom room;
+    for (int group = 0; group < groups_.size(); ++group)
+      for (const auto& [molecule, gradient] : group_gradient(group, room))
+        visit(molecule, modulus_ / group_volume_[group] * gradient * gradient.transpose());
+    static constexpr auto pairs = corner_pairs<4>();
+    for (int t = 0; t < tetrahedra(); ++t)
+      for (int c = 0; c < 6; ++c)
+        for (const int corner : pairs[c])
+          visit(cell(t)[corner], -2 * pressures_[t] * now_[t].slope[c] * Matrix3::Identity());
+  }
+
+ private:
+  int tetrahedra() const { return static_cast<int>(groups_.tetrahedra.size()); }
+  const std::array<int, 4>& cell(int t) const { return groups_.tetrahedra[static_cast<std::size_t>(t)]; }
+  Tetrahedron tetrahedron(const Positions& positions, int t) const {
+    return {positions, cell(t), std::abs(rest_volume_[static_cast<std::size_t>(t)])};
+  }
+
+  /// Σ w value(T) over each group.
+  template <class Value>
+  void set_group_sums(Value value, Eigen::Ref<VectorX> sums) const {
+    parallel_for(groups_.size(), [&](int group) {
+      double sum = 0;
+      for (const int t : groups_.members[group]) sum += groups_.weight * value(t);
+      sums[group] = sum;
+    });
+  }
+
+  /// Σ w κ ΔV_g/V_g over the groups of each tetrahedron [Pa], from the groups' changes of volume ΔV_g.
+  void set_spread(Eigen::Ref<const VectorX> changes, Eigen::Ref<VectorX> pressures) const {
+    parallel_for(tetrahedra(), [&](int t) {
+      double sum = 0;
+      for (const int group : groups_.groups_of[t]) sum += changes[group] / group_volume_[group];
+      pressures[t] = groups_.weight * modulus_ * sum;
+    });
+  }
+
+  /// What multiplies ∂V/∂x in the energy's gradient, of each tetrahedron [Pa]; `changes` of the groups' volumes [m³].
+  void set_pressures(const Positions& positions, Eigen::Ref<VectorX> changes, Eigen::Ref<VectorX> pressures) const {
+    set_group_sums([&](int t) { return signed_volume(positions, cell(t)); }, changes);
+    changes -= group_volume_;
+    set_spread(changes, pressures);
+  }
+
+  using Gradient = std::pmr::vector<std::pair<int, Vector3>>;
+  /// Room for one group's gradient after the other, without an allocation where groups are of usual size.
+  struct GradientRoom {
+    std::array<std::byte, 16384> bytes;
+    std::pmr::monotonic_buffer_resource memory{bytes.data(), bytes.size()};
+    Gradient sums{&memory};
+  };
+
+  /// ∂(Σ w V_T)/∂x of each molecule of a group [m²], ascending.
+  const Gradient& group_gradient(int group, GradientRoom& room) const {
+    room.sums.clear();
+    for (const int t : groups_.members[group]) {
+      const AreaVectors n = volume_gradient(positions_, cell(t));
+      for (int corner = 0; corner < 4; ++corner) {
+        const int molecule = cell(t)[corner];
+        const auto at = std::lower_bound(room.sums.begin(), room.sums.end(), molecule,
+                                         [](const auto& part, int wanted) { return part.first < wanted; });
+        const Vector3 part = groups_.weight * n.col(corner);
+        if (at != room.sums.end() && at->first == molecule)
+          at->second += part;
+        else
+          room.sums.emplace(at, molecule, part);
+      }
+    }
+    return room.sums;
+  }
+
+  /// visit(a, b, block) for a ≤ b of every group's κ/V_g ∂V_g/∂x_a ∂V_g/∂x_bᵀ.
+  template <class Visit>
+  void visit_group_blocks(Visit visit) const {
+    GradientRoom room;
+    for (int group = 0; group < groups_.size(); ++group) {
+      const Gradient& gradient = group_gradient(group, room);
+      for (std::size_t i = 0; i < gradient.size(); ++i)
+        for (std::size_t j = i; j < gradient.size(); ++j)
+          visit(gradient[i].first, gradient[j].first,
+                modulus_ / group_volume_[group] * gradient[i].second * gradient[j].second.transpose());
+    }
+  }
+
+  VolumeGroups groups_;
+  CellGraph graph_;
+  double modulus_;
+  std::vector<double> rest_volume_;
+  VectorX group_volume_;
+  // At the positions of linearise().
+  Positions positions_;
+  VectorX changes_;  // of the groups' volumes
+  VectorX pressures_;
+  std::vector<Tetrahedron> now_;
+};
+
+}  // namespace
+
+std::string unsuited_for_volumes(const Body& body) {
+  if (body.cell_stiffness.size() || body.connection_stiffness.size())
+    return "needs one stiffness for its volumes, and the body has regions";
+  if (groups_of(body)) return "";
+  return body.cubes.empty() ? "needs tetrahedra or cubes for its volumes: give the body cells: delaunay"
+                            : "needs the lattice's axes and face diagonals for its volumes: connect them, or give the "
+                              "body cells: delaunay";
+}
+
+std::unique_ptr<Elasticity> make_volume(const Body& body, double modulus) {
+  auto groups = groups_of(body);
+  if (!groups) throw InputError("a volume term " + unsuited_for_volumes(body));
+  return std::make_unique<Volume>(body, std::move(*groups), modulus);
+}
+
+}  // namespace elastin

@@ -1,0 +1,45 @@
+#include "core/geometry/boundary.h"
+
+#include <algorithm>
+
+namespace elastin {
+namespace {
+
+/// `faces` are corner numbers, counter-clockwise seen from outside.
+template <std::size_t corners, std::size_t face_count, std::size_t sides>
+std::vector<std::array<int, sides>> outside(const std::vector<std::array<int, corners>>& cells,
+                                            const std::array<std::array<int, sides>, face_count>& faces) {
+  struct Face {
+    std::array<int, sides> sorted, turned;
+  };
+  std::vector<Face> all;
+  all.reserve(cells.size() * face_count);
+  for (const auto& cell : cells)
+    for (const auto& face : faces) {
+      Face& added = all.emplace_back();
+      for (std::size_t side = 0; side < sides; ++side) added.turned[side] = cell[face[side]];
+      added.sorted = added.turned;
+      std::sort(added.sorted.begin(), added.sorted.end());
+    }
+  std::sort(all.begin(), all.end(), [](const Face& a, const Face& b) { return a.sorted < b.sorted; });
+  std::vector<std::array<int, sides>> found;
+  for (std::size_t f = 0; f < all.size(); ++f)
+    if ((f == 0 || all[f].sorted != all[f - 1].sorted) && (f + 1 == all.size() || all[f].sorted != all[f + 1].sorted))
+      found.push_back(all[f].turned);
+  return found;
+}
+
+}  // namespace
+
+Cells<3> boundary_of(const Cells<4>& tetrahedra) {
+  constexpr std::array<std::array<int, 3>, 4> faces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+  return outside(tetrahedra, faces);
+}
+
+std::vector<std::array<int, 4>> boundary_of(const Cells<8>& cubes) {
+  constexpr std::array<std::array<int, 4>, 6> faces{
+      {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+  return outside(cubes, faces);
+}
+
+}  // namespace elastin

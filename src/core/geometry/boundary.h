@@ -1,0 +1,10 @@
+#pragma once
+#include "elastin/core/geometry/cells.h"
+
+namespace elastin {
+
+/// Faces that only one cell has, in the order of their sorted corners; corners counter-clockwise seen from outside.
+Cells<3> boundary_of(const Cells<4>& tetrahedra);
+std::vector<std::array<int, 4>> boundary_of(const Cells<8>& cubes);
+
+}  // namespace elastin

@@ -1,0 +1,41 @@
+#include "core/linear/block_inverse.h"
+
+#include <Eigen/Eigenvalues>
+
+#include "core/linear/sparse_stiffness.h"
+#include "core/parallel/parallel.h"
+
+namespace elastin {
+
+Matrix3 positive_inverse(const Matrix3& block) {
+  // Nearly all blocks are well-conditioned and positive, and then minors say so and give the inverse.
+  const double xx = block(0, 0), yy = block(1, 1), zz = block(2, 2), xy = block(0, 1), xz = block(0, 2),
+               yz = block(1, 2);
+  const double first = yy * zz - yz * yz, second = xx * yy - xy * xy, third = xx * zz - xz * xz;
+  const double xy_minor = xz * yz - xy * zz, xz_minor = xy * yz - xz * yy, yz_minor = xy * xz - xx * yz;
+  const double determinant = xx * first + xy * xy_minor + xz * xz_minor, size = xx + yy + zz;
+  if (xx > 0 && second > 0 && determinant > 1e-4 * size * size * size) {
+    Matrix3 inverse;
+    inverse << first, xy_minor, xz_minor, xy_minor, third, yz_minor, xz_minor, yz_minor, second;
+    return inverse / determinant;
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix3> eigen(block);
+  const Vector3 values = eigen.eigenvalues().cwiseAbs();
+  const double threshold = 1e-10 * values.maxCoeff();
+  const Vector3 inverse = (values.array() > threshold).select(values.cwiseInverse(), 0);
+  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+void BlockInverses::take(const Tangent& tangent, const std::vector<Support>& supports) {
+  flexibility_ = 1 / stiffness_scale(tangent);
+  blocks_.resize(static_cast<std::size_t>(tangent.model().body().size()));
+  const auto set = [&](int molecule, const Matrix3& block) {
+    const Eigen::Matrix3f inverse = (positive_inverse(block) / flexibility_).cast<float>();
+    blocks_[molecule] = {inverse(0, 0), inverse(0, 1), inverse(0, 2), inverse(1, 1), inverse(1, 2), inverse(2, 2)};
+  };
+  parallel_for(static_cast<int>(blocks_.size()), [&](int molecule) { set(molecule, tangent.diagonal(molecule)); });
+  for (const Support& support : supports)
+    set(support.molecule, support.free * tangent.diagonal(support.molecule) * support.free);
+}
+
+}  // namespace elastin

@@ -1,0 +1,315 @@
+#include "core/linear/box_assembly.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <limits>
+
+#include "core/parallel/parallel.h"
+
+namespace elastin {
+namespace {
+
+constexpr int kCorners = BoxGrid::kCorners, kPairs = kCorners * (kCorners - 1) / 2;
+using Corners = BoxGrid::Corners;
+using Pairs = Eigen::Array<float, kPairs, 1>;
+
+struct Pair {
+  int first, second;
+  int code;  ///< where the second is around the first; always after it
+};
+constexpr std::array<Pair, kPairs> pairs_of_corners() {
+  std::array<Pair, kPairs> pairs{};
+  std::size_t count = 0;
+  for (int i = 0; i < kCorners; ++i)
+    for (int j = i + 1; j < kCorners; ++j) {
+      const int x = j % 2 - i % 2, y = j / 2 % 2 - i / 2 % 2, z = j / 4 - i / 4;
+      pairs[count++] = {i, j, x + 1 + 3 * (y + 1) + 9 * (z + 1)};
+    }
+  return pairs;
+}
+constexpr std::array<Pair, kPairs> kPair = pairs_of_corners();
+
+/// A box that few connections look into would let motions pass that its molecules feel: those that are no gradient get
+/// a stiffness of a part of the box's own, which no even strain feels [Flanagan & Belytschko 1981]; and all motions
+/// against each other a trace, which keeps mechanisms from being endlessly soft.
+Pairs stabilisation() {
+  constexpr float bumps = 0.2F, trace = 1e-6F;
+  Pairs table;
+  for (int p = 0; p < kPairs; ++p) {
+    float sum = 0;
+    for (const int bits : {3, 5, 6, 7}) {  // yz, xz, xy, xyz as products of signs
+      const auto sign = [bits](int corner) {
+        return __builtin_popcount(static_cast<unsigned>(corner & bits)) % 2 ? -1 : 1;
+      };
+      sum += static_cast<float>(sign(kPair[p].first) * sign(kPair[p].second));
+    }
+    table[p] = (bumps * sum - trace) / kCorners;
+  }
+  return table;
+}
+
+/// How fast the values change along a vector in units of boxes.
+Corners slopes_along(const Eigen::Vector3f& at, const Eigen::Vector3f& d) {
+  Corners slopes;
+  for (int c = 0; c < kCorners; ++c) {
+    const float x = c % 2 ? at.x() : 1 - at.x(), y = c / 2 % 2 ? at.y() : 1 - at.y(), z = c / 4 ? at.z() : 1 - at.z();
+    slopes[c] =
+        (c % 2 ? d.x() : -d.x()) * y * z + (c / 2 % 2 ? d.y() : -d.y()) * x * z + (c / 4 ? d.z() : -d.z()) * x * y;
+  }
+  return slopes;
+}
+
+/// How far apart neighbours are [m]: the median over the molecules of the mean of each one's three shortest
+/// connections. On a cubic lattice that is its constant, up to the corners.
+double spacing_of(const Body& body) {
+  constexpr float none = std::numeric_limits<float>::infinity();
+  std::vector<std::array<float, 3>> shortest(static_cast<std::size_t>(body.size()), {none, none, none});
+  const Connections& connections = body.connections;
+  for (int c = 0; c < connections.size(); ++c) {
+    const auto length = static_cast<float>(connections.rest_length[static_cast<std::size_t>(c)]);
+    for (const int end : connections.ends[static_cast<std::size_t>(c)]) {
+      auto& [first, second, third] = shortest[static_cast<std::size_t>(end)];
+      if (length >= third) continue;
+      third = length;
+      if (third < second) std::swap(second, third);
+      if (second < first) std::swap(first, second);
+    }
+  }
+  std::vector<float> means;
+  for (const auto& lengths : shortest) {
+    float sum = 0;
+    int count = 0;
+    for (const float length : lengths)
+      if (length < none) sum += length, ++count;
+    if (sum > 0) means.push_back(sum / static_cast<float>(count));
+  }
+  if (means.empty()) return 1;
+  const auto middle = means.begin() + static_cast<std::ptrdiff_t>(means.size() / 2);
+  std::nth_element(means.begin(), middle, means.end());
+  return *middle;
+}
+
+/// Items sorted by box, ascending in each.
+struct Sorted {
+  std::vector<int> start, items;
+};
+Sorted sorted_by_box(const BoxGrid& grid, const std::vector<int>& outline_boxes) {
+  Sorted sorted{std::vector<int>(static_cast<std::size_t>(grid.boxes()) + 1, 0),
+                std::vector<int>(outline_boxes.size())};
+  for (const int box : outline_boxes) ++sorted.start[static_cast<std::size_t>(grid.number_of(box)) + 1];
+  for (std::size_t box = 1; box < sorted.start.size(); ++box) sorted.start[box] += sorted.start[box - 1];
+  std::vector<int> next(sorted.start.begin(), sorted.start.end() - 1);
+  for (std::size_t item = 0; item < outline_boxes.size(); ++item)
+    sorted.items[static_cast<std::size_t>(next[static_cast<std::size_t>(grid.number_of(outline_boxes[item]))]++)] =
+        static_cast<int>(item);
+  return sorted;
+}
+
+class Assembly {
+ public:
+  Assembly(const Tangent& tangent, BoxLevel& level)
+      : tangent_(tangent),
+        body_(tangent.model().body()),
+        level_(level),
+        grid_(level.grid()),
+        stiffness_(VectorX::Zero(grid_.boxes())) {}
+
+  /// Layers touch the points between them: every second at a time.
+  void add_links(const Sorted& links) {
+    for (const int colour : {0, 1})
+      parallel_for((grid_.layers() + 1 - colour) / 2,
+                   [&](int half) {
+                     const int layer = 2 * half + colour;
+                     for (int box = grid_.first_box(layer); box < grid_.first_box(layer + 1); ++box)
+                       add_links(links, box);
+                   },
+                   2);
+  }
+
+  /// The energy Σ slopes δs δs / 4 … of a cell's sides, δs = 2 d·δd, as Tangent has it.
+  void add_cell(double weight, std::span<const int> sides, const double* slopes) {
+    Vector3 middle = Vector3::Zero();
+    for (const int c : sides)
+      for (const int end : body_.connections.ends[static_cast<std::size_t>(c)])
+        middle += body_.rest.col(end) / (2 * static_cast<double>(sides.size()));
+    const BoxGrid::Place place = grid_.place(middle);
+    const auto count = static_cast<Eigen::Index>(sides.size());
+    Eigen::MatrixXf change(count, 3 * kCorners), slope(count, count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const int c = sides[static_cast<std::size_t>(i)];
+      const Corners along = slopes_along(place.at, grid_.along(rest_vector(c)).cast<float>());
+      const Eigen::RowVector3f d = tangent_.link(c).d.cast<float>().transpose();
+      for (int corner = 0; corner < kCorners; ++corner) change.block<1, 3>(i, 3 * corner) = along[corner] * d;
+      for (Eigen::Index j = 0; j < count; ++j) slope(i, j) = static_cast<float>(2 * weight * slopes[i * count + j]);
+    }
+    add_box(place.box, change.transpose() * slope * change);
+  }
+
+  /// factor · (Σ g·x)² / 2
+  void add_gradient(std::span<const std::pair<int, Vector3>> gradient, double factor) {
+    Vector3 middle = Vector3::Zero();
+    for (const auto& [molecule, g] : gradient)
+      middle += body_.rest.col(molecule) / static_cast<double>(gradient.size());
+    const BoxGrid::Place place = grid_.place(middle);
+    if (place.box < 0) return;
+    Eigen::Matrix<float, 3 * kCorners, 1> change = Eigen::Matrix<float, 3 * kCorners, 1>::Zero();
+    for (const auto& [molecule, g] : gradient) {
+      const Corners along = slopes_along(place.at, grid_.along(body_.rest.col(molecule) - middle).cast<float>());
+      for (int corner = 0; corner < kCorners; ++corner)
+        change.segment<3>(3 * corner) += along[corner] * g.cast<float>();
+    }
+    add_box(place.box, static_cast<float>(factor) * change * change.transpose());
+  }
+
+  /// A stiffness of its own at a place.
+  void add_at(const Vector3& where, const Matrix3& block) {
+    const BoxGrid::Place place = grid_.place(where);
+    const Corners values = BoxGrid::values_at(place.at);
+    const auto& corners = grid_.corners(place.box);
+    const Eigen::Matrix3f single = block.cast<float>();
+    const Eigen::Map<const Eigen::Matrix<float, 1, 9>> numbers(single.data());
+    for (const auto& [first, second, code] : kPair)
+      level_.block(corners[first], code) += values[first] * values[second] * numbers;
+    for (int corner = 0; corner < kCorners; ++corner) level_.sum(corners[corner]) += values[corner] * block;
+  }
+
+  void stabilise() {
+    const Pairs table = stabilisation();
+    for (int box = 0; box < grid_.boxes(); ++box)
+      for (int p = 0; p < kPairs; ++p)
+        for (const int k : {0, 4, 8})
+          level_.block(grid_.corners(box)[kPair[p].first], kPair[p].code)[k] +=
+              static_cast<float>(std::max(0., stiffness_[box])) * table[p];
+  }
+
+ private:
+  Vector3 rest_vector(int c) const {
+    const auto& [a, b] = body_.connections.ends[static_cast<std::size_t>(c)];
+    return body_.rest.col(b) - body_.rest.col(a);
+  }
+
+  void add_links(const Sorted& links, int box) {
+    // xx, xy, xz, yy, yz, zz of each pair's block
+    Pairs blocks[6];
+    for (Pairs& block : blocks) block.setZero();
+    for (int at = links.start[box]; at < links.start[box + 1]; ++at) {
+      const int c = links.items[at];
+      const auto& [a, b] = body_.connections.ends[c];
+      const BoxGrid::Place place = grid_.place((body_.rest.col(a) + body_.rest.col(b)) / 2);
+      const Corners along = slopes_along(place.at, grid_.along(rest_vector(c)).cast<float>());
+      Pairs products;
+      for (int i = 0, p = 0; i < kCorners; ++i)
+        for (int j = i + 1; j < kCorners; ++j, ++p) products[p] = along[i] * along[j];
+      const auto& [d, density, slope] = tangent_.link(c);
+      const auto x = static_cast<float>(d.x()), y = static_cast<float>(d.y()), z = static_cast<float>(d.z()),
+                 s = static_cast<float>(slope), q = static_cast<float>(density);
+      blocks[0] += (s * x * x + q) * products;
+      blocks[1] += s * x * y * products;
+      blocks[2] += s * x * z * products;
+      blocks[3] += (s * y * y + q) * products;
+      blocks[4] += s * y * z * products;
+      blocks[5] += (s * z * z + q) * products;
+    }
+    const auto& corners = grid_.corners(box);
+    for (int p = 0; p < kPairs; ++p) {
+      auto block = level_.block(corners[kPair[p].first], kPair[p].code);
+      constexpr int from[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
+      for (int k = 0; k < 9; ++k) block[k] += blocks[from[k]][p];
+      stiffness_[box] -= (blocks[0][p] + blocks[3][p] + blocks[5][p]) / (1.5F * kCorners);
+    }
+  }
+
+  void add_box(int box, const Eigen::Matrix<float, 3 * kCorners, 3 * kCorners>& stiffness) {
+    const auto& corners = grid_.corners(box);
+    for (const auto& [first, second, code] : kPair) {
+      const Eigen::Matrix3f block = stiffness.block<3, 3>(3 * first, 3 * second);
+      level_.block(corners[first], code) += Eigen::Map<const Eigen::Matrix<float, 1, 9>>(block.data());
+    }
+    stiffness_[box] += stiffness.trace() / (3 * kCorners);
+  }
+
+  const Tangent& tangent_;
+  const Body& body_;
+  BoxLevel& level_;
+  const BoxGrid& grid_;
+  VectorX stiffness_;  ///< of each box: mean of its diagonal [N/m]
+};
+
+/// The part of a symmetric block that is positive.
+Matrix3 positive_part(const Matrix3& block) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3> eigen((block + block.transpose()) / 2);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+/// What stands at molecules themselves: inertia, loads, supports.
+void add_at_molecules(const Tangent& tangent, const std::vector<Support>& supports, Assembly& assembly) {
+  const Body& body = tangent.model().body();
+  std::vector<Matrix3> own;
+  tangent.visit_other_diagonal([&](int molecule, const Matrix3& block) {
+    if (own.empty()) own.assign(static_cast<std::size_t>(body.size()), Matrix3::Zero());
+    own[static_cast<std::size_t>(molecule)] += block;
+  });
+  const double inertia = tangent.weights().acceleration;
+  for (int a = 0; a < body.size() && (inertia != 0 || !own.empty()); ++a) {
+    Matrix3 block = own.empty() ? Matrix3::Zero() : positive_part(own[static_cast<std::size_t>(a)]);
+    if (inertia != 0) block.diagonal().array() += inertia * body.mass[a];
+    if (!block.isZero(0)) assembly.add_at(body.rest.col(a), block);
+  }
+  for (const Support& support : supports) {
+    const Matrix3 held = Matrix3::Identity() - support.free;
+    const Matrix3 block = held * tangent.diagonal(support.molecule) * held;
+    assembly.add_at(body.rest.col(support.molecule), positive_part(block));
+  }
+}
+
+}  // namespace
+
+BoxPicture picture_in_boxes(const Tangent& tangent, const std::vector<Support>& supports) {
+  const Body& body = tangent.model().body();
+  BoxGrid grid(body.rest, 2 * spacing_of(body));
+  std::vector<int> of_molecule(static_cast<std::size_t>(body.size())),
+      of_link(static_cast<std::size_t>(body.connections.size()));
+  parallel_for(body.size(), [&](int a) { of_molecule[a] = grid.outline_box(body.rest.col(a)); });
+  parallel_for(body.connections.size(), [&](int c) {
+    const auto& [a, b] = body.connections.ends[c];
+    of_link[c] = grid.outline_box((body.rest.col(a) + body.rest.col(b)) / 2);
+  });
+  for (const int box : of_molecule) grid.keep(box);
+  for (const int box : of_link) grid.keep(box);
+  tangent.visit_cells([&](double, std::span<const int> sides, const double*) {
+    Vector3 middle = Vector3::Zero();
+    for (const int c : sides)
+      for (const int end : body.connections.ends[static_cast<std::size_t>(c)])
+        middle += body.rest.col(end) / (2 * static_cast<double>(sides.size()));
+    grid.keep(grid.outline_box(middle));
+  });
+  grid.number();
+
+  BoxPicture picture;
+  Sorted molecules = sorted_by_box(grid, of_molecule);
+  picture.members.start = std::move(molecules.start);
+  picture.members.members.resize(molecules.items.size());
+  parallel_for(body.size(), [&](int i) {
+    const int molecule = molecules.items[i];
+    picture.members.members[i] = {molecule, grid.place(body.rest.col(molecule)).at};
+  });
+
+  const Sorted links = sorted_by_box(grid, of_link);
+  of_link = {};
+  picture.level = std::make_unique<BoxLevel>(std::move(grid));
+  Assembly assembly(tangent, *picture.level);
+  assembly.add_links(links);
+  tangent.visit_cells([&](double weight, std::span<const int> sides, const double* slopes) {
+    assembly.add_cell(weight, sides, slopes);
+  });
+  for (const auto& part : tangent.model().elasticity())
+    part->visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double factor) {
+      assembly.add_gradient(gradient, factor);
+    });
+  assembly.stabilise();
+  add_at_molecules(tangent, supports, assembly);
+  picture.level->finish();
+  return picture;
+}
+
+}  // namespace elastin

@@ -1,0 +1,32 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "core/forces/tangent.h"
+#include "core/linear/box_level.h"
+#include "elastin/core/forces/model.h"
+
+namespace elastin {
+
+/// A body's molecules by the boxes of a grid they lie in.
+struct BoxMembers {
+  struct Member {
+    int molecule;
+    Eigen::Vector3f at;  ///< in its box
+  };
+  std::vector<int> start;  ///< of each box's members; one more
+  std::vector<Member> members;
+};
+
+/// What a body is to a grid of boxes of twice its molecules' spacing.
+struct BoxPicture {
+  std::unique_ptr<BoxLevel> level;
+  BoxMembers members;
+};
+
+/// The stiffness of the trilinear functions over any body: each connection and cell deforms with the gradient in its
+/// middle, so that it lies in one box. On lattices, whose connections end at the boxes' faces, that is Pᵀ K P. Supports
+/// hold the boxes by the stiffness of what they hold.
+BoxPicture picture_in_boxes(const Tangent& tangent, const std::vector<Support>& supports);
+
+}  // namespace elastin

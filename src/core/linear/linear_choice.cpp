@@ -1,0 +1,45 @@
+#include "core/linear/linear_choice.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastin {
+namespace {
+
+/// Below this many molecules a factorisation beats iterations, but for time steps, whose inertia makes them few.
+constexpr int kTinyBody = 60;
+
+std::string counted_molecules(const Body& body) {
+  return std::to_string(body.size()) + (body.size() == 1 ? " molecule" : " molecules");
+}
+
+/// How many connections long the body is from end to end.
+double connections_across(const Body& body) {
+  const Connections& connections = body.connections;
+  double sum = 0;
+  for (const double length : connections.rest_length) sum += length;
+  if (!(sum > 0)) return 0;
+  return (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).maxCoeff() * connections.size() / sum;
+}
+
+}  // namespace
+
+LinearChoice choose_linear_solver(const Tangent& tangent, LinearMethod asked, double tolerance) {
+  const Model& model = tangent.model();
+  const Body& body = model.body();
+  if (asked != LinearMethod::automatic) return {asked, ""};
+  if (!model.symmetric()) return {LinearMethod::pcg, ""};
+  const bool moving = tangent.weights().acceleration != 0;
+  if (body.size() <= kTinyBody && !moving) return {LinearMethod::direct, counted_molecules(body) + " are few"};
+  if (moving) return {LinearMethod::pcg, ""};  // inertia keeps iterations few; a step has no memory for words
+  if (!model.has_energy()) return {LinearMethod::pcg, "the stiffness is not symmetric"};
+  const double across = connections_across(body), digits = std::max(1., -std::log10(tolerance));
+  // In iterations of single molecules' blocks, with half as much again before the change is worth it.
+  const bool worth_it = 1.25 * across * digits > 1.5 * (20 + 8 * digits);
+  const std::string size =
+      counted_molecules(body) + ", " + std::to_string(std::lround(across)) + " connections from end to end";
+  if (worth_it) return {LinearMethod::multigrid, size + ": conjugate gradients alone would take many iterations"};
+  return {LinearMethod::pcg, size + " are not many"};
+}
+
+}  // namespace elastin

@@ -1,0 +1,20 @@
+#pragma once
+#include <string>
+
+#include "core/forces/tangent.h"
+#include "elastin/core/linear/linear_method.h"
+
+namespace elastin {
+
+struct LinearChoice {
+  LinearMethod method;  ///< never automatic
+  std::string reason;   ///< in words for a user; empty where the method was not up to us
+};
+
+/// What solves K x = b to this tolerance quickest: a factorisation for a handful of molecules; else conjugate
+/// gradients, with a coarse picture of the body where they would take many iterations without. Those are some ten for
+/// each connection from end to end of the body at 1e-8, in proportion to the digits asked for (measured: cubes, rods
+/// 100 times as long as thick); with the picture some 30 of two to three times the cost, and building it costs 20.
+LinearChoice choose_linear_solver(const Tangent& tangent, LinearMethod asked, double tolerance);
+
+}  // namespace elastin

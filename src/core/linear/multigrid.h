@@ -1,0 +1,36 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "core/linear/box_assembly.h"
+
+namespace elastin {
+
+/// A coarse picture of a body in ever larger boxes, for what conjugate gradients with the blocks of single molecules
+/// are slow at: motions that are smooth over many of them. One V-cycle, symmetric, in single precision; the last grid
+/// is factorised in double.
+class Multigrid {
+ public:
+  Multigrid(const Tangent& tangent, const std::vector<Support>& supports);
+  ~Multigrid();
+
+  /// Whether the last grid's stiffness is positive, as it has to be for conjugate gradients.
+  bool positive() const;
+  /// motion += P A⁻¹ Pᵀ forces, nearly. `size` of the forces [N], so that they fit into single precision.
+  void add(const Positions& forces, double size, Positions& motion);
+  int levels() const { return static_cast<int>(levels_.size()); }
+
+ private:
+  struct Room {
+    BoxLevel::Vectors b, x, other;
+  };
+  class Last;
+  void cycle(std::size_t level);
+
+  BoxMembers members_;
+  std::vector<std::unique_ptr<BoxLevel>> levels_;
+  std::vector<Room> rooms_;
+  std::unique_ptr<Last> last_;
+};
+
+}  // namespace elastin

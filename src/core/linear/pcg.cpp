@@ -1,0 +1,154 @@
+#include <cmath>
+#include <optional>
+
+#include "core/linear/block_inverse.h"
+#include "core/linear/linear_solver.h"
+#include "core/linear/multigrid.h"
+#include "core/linear/rigid_motions.h"
+#include "core/linear/sparse_stiffness.h"
+#include "core/parallel/parallel.h"
+
+namespace elastin {
+namespace {
+
+/// A molecule's share of a pass costs as much as ten connections.
+constexpr int kMoleculeThreshold = kParallelThreshold / 10;
+
+/// A coarse picture that serves takes some 30 iterations, a poor one 200.
+constexpr int kCoarseLimit = 400;
+
+class Pcg final : public LinearSolver {
+ public:
+  explicit Pcg(bool multigrid) : multigrid_(multigrid) {}
+  const char* name() const override { return multigrid_ ? "multigrid" : "pcg"; }
+
+  LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
+                     double tolerance, Positions& x) override {
+    const int n = static_cast<int>(rhs.cols());
+    inverse_.take(tangent, supports);
+    std::unique_ptr<Multigrid> coarse;
+    if (multigrid_) coarse = std::make_unique<Multigrid>(tangent, supports);
+    if (coarse && !coarse->positive()) coarse.reset();
+    // Single precision makes a little of any motion that nothing resists; its size would then be whatever it is.
+    std::optional<RigidMotions> whole;
+    if (coarse) whole.emplace(tangent, supports);
+    Positions &r = r_, &z = z_, &p = p_, &kp = kp_;
+    r = rhs;
+    z.resize(3, n), p.resize(3, n), kp.resize(3, n);
+    x.setZero(3, n);
+    // r·z and r·r in one pass; moved = 0 leaves x and r as they are.
+    const auto advance = [&](double step) {
+      const auto products = ordered_sum<Eigen::Vector2d>(
+          n,
+          [&](int i) {
+            if (step != 0) {
+              x.col(i) += step * p.col(i);
+              r.col(i) -= step * kp.col(i);
+            }
+            z.col(i) = inverse_.times(i, r.col(i));
+            return Eigen::Vector2d(r.col(i).dot(z.col(i)), r.col(i).squaredNorm());
+          },
+          Eigen::Vector2d(0, 0), kMoleculeThreshold);
+      keep_free(supports, z);  // single precision leads a little out of slanted supports
+      return products;
+    };
+    const auto add_coarse = [&](Eigen::Vector2d& products) {
+      if (!coarse || !(products[1] > 0)) return;
+      coarse->add(r, std::sqrt(products[1]), z);
+      keep_free(supports, z);
+      products[0] = ordered_sum(
+          n, [&](int i) { return r.col(i).dot(z.col(i)); }, 0., kMoleculeThreshold);
+    };
+    Eigen::Vector2d now = advance(0);
+    const double first = now[1];
+    LinearResult result;
+    if (first == 0) return result;
+    add_coarse(now);
+    p = z;
+    double size_of_p = now[0];  // pᵀ M p, M the preconditioner: what pᵀ K p is small or large against
+    const int limit = 10000 + 3 * n / 10;
+    // On a stiffness that is not symmetric the search gets stuck: the best place it came by is what it has to give.
+    const bool symmetric = tangent.model().has_energy();
+    constexpr int patience = 100;
+    double best = first;
+    int best_at = 0;
+    while (true) {
+      tangent.apply(p, kp, room_);
+      keep_free(supports, kp);
+      const double curvature = ordered_sum(
+          n, [&](int i) { return p.col(i).dot(kp.col(i)); }, 0., kMoleculeThreshold);
+      if (!(curvature > 1e-13 * size_of_p)) {
+        result.status = curvature < -1e-10 * size_of_p ? LinearStatus::negative_mode : LinearStatus::zero_mode;
+        if (result.status == LinearStatus::negative_mode) result.negative_direction = p;
+        // The way on: down the negative direction, or along what is left of the force where there is no stiffness.
+        if (result.status == LinearStatus::zero_mode)
+          x += r / stiffness_scale(tangent);
+        else if (result.iterations == 0)
+          x = p;
+        break;
+      }
+      const double before = now[0];
+      now = advance(before / curvature);
+      ++result.iterations;
+      if (now[1] <= tolerance * tolerance * first) break;
+      if (!symmetric && now[1] < best) best = now[1], best_at = result.iterations, best_x_ = x;
+      if (!symmetric && result.iterations - best_at > patience) {
+        if (best_at > 0) x = best_x_;
+        now[1] = best;
+        result.status = best < 0.25 * first ? LinearStatus::solved : LinearStatus::limit_reached;
+        break;
+      }
+      if (result.iterations >= limit || !std::isfinite(now[1])) {
+        result.status = LinearStatus::limit_reached;
+        break;
+      }
+      add_coarse(now);
+      // Not positive after all, or blind to what this body is slow at (stiff lumps that share boxes with soft tissue):
+      // go on without, from here.
+      if (coarse && (!(now[0] > 0) || result.iterations == kCoarseLimit)) {
+        coarse.reset();
+        now = advance(0);
+        p = z;
+        size_of_p = now[0];
+        continue;
+      }
+      const double beta = now[0] / before;
+      parallel_for(
+          n, [&](int i) { p.col(i) = z.col(i) + beta * p.col(i); }, kMoleculeThreshold);
+      size_of_p = now[0] + beta * beta * size_of_p;
+    }
+    result.residual = std::sqrt(now[1] / first);
+    if (whole) whole->remove_from(tangent.positions(), x);
+    return result;
+  }
+
+ private:
+  bool multigrid_;
+  // Kept from one solve to the next, so that steps in time ask for no memory.
+  BlockInverses inverse_;
+  Positions r_, z_, p_, kp_, best_x_;
+  Tangent::Room room_;
+};
+
+}  // namespace
+
+Positions scattered_directions(int molecules) {
+  Positions directions(3, molecules);
+  for (int i = 0; i < molecules; ++i)
+    for (int k = 0; k < 3; ++k) directions(k, i) = std::sin(1.0 + 12.9898 * i + 78.233 * k);
+  return directions;
+}
+
+void keep_free(const std::vector<Support>& supports, Positions& vectors) {
+  for (const Support& support : supports) vectors.col(support.molecule) = support.free * vectors.col(support.molecule);
+}
+
+double ordered_norm(const Positions& vectors) {
+  return std::sqrt(ordered_sum(static_cast<int>(vectors.cols()), [&](int i) { return vectors.col(i).squaredNorm(); }));
+}
+
+std::unique_ptr<LinearSolver> make_pcg() { return std::make_unique<Pcg>(false); }
+
+std::unique_ptr<LinearSolver> make_multigrid() { return std::make_unique<Pcg>(true); }
+
+}  // namespace elastin

@@ -1,0 +1,245 @@
+#include "elastin/core/model/body.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <unordered_map>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/model/parts.h"
+
+namespace elastin {
+namespace {
+
+using Bucket = Eigen::Matrix<std::int64_t, 3, 1>;
+
+/// Places beyond any sense share the outermost buckets.
+Bucket bucket_of(const Vector3& place, double size) {
+  constexpr double most = 1e15;
+  return (place / size).array().floor().max(-most).min(most).cast<std::int64_t>();
+}
+
+std::uint64_t bucket_key(const Bucket& bucket) {
+  constexpr std::int64_t offset = 1 << 20, mask = (1 << 21) - 1;
+  const auto part = [&](int axis) { return static_cast<std::uint64_t>((bucket[axis] + offset) & mask); };
+  return part(0) << 42 | part(1) << 21 | part(2);
+}
+
+Connections with_present_lengths(const Positions& places, std::vector<std::array<int, 2>> ends) {
+  std::sort(ends.begin(), ends.end());
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  Connections connections{std::move(ends), {}, 0};
+  connections.rest_length.reserve(connections.ends.size());
+  for (const auto& [a, b] : connections.ends) connections.rest_length.push_back((places.col(b) - places.col(a)).norm());
+  return connections;
+}
+
+/// More connections than this is a slip of the pen: each molecule would have a thousand neighbours.
+std::size_t most_connections(Eigen::Index molecules) {
+  constexpr std::size_t few = 1000000, all = 500000000;
+  return std::clamp(500 * static_cast<std::size_t>(molecules), few, all);
+}
+
+std::string too_wide(Eigen::Index molecules, std::size_t most) {
+  return "the reach is too wide: that is more than " + std::to_string(most) + " connections between " +
+         std::to_string(molecules) + " molecules";
+}
+
+template <class CellList>
+void add_edges(const CellList& cells, std::vector<std::array<int, 2>>& ends) {
+  for (const auto& cell : cells)
+    for (std::size_t i = 0; i < cell.size(); ++i)
+      for (std::size_t j = i + 1; j < cell.size(); ++j)
+        ends.push_back({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
+}
+
+}  // namespace
+
+Connections connections_within(const Positions& places, double reach) {
+  std::unordered_map<std::uint64_t, std::vector<int>> buckets;
+  for (int molecule = 0; molecule < places.cols(); ++molecule)
+    buckets[bucket_key(bucket_of(places.col(molecule), reach))].push_back(molecule);
+
+  const std::size_t most = most_connections(places.cols());
+  std::vector<std::array<int, 2>> ends;
+  for (int first = 0; first < places.cols(); ++first) {
+    const Bucket home = bucket_of(places.col(first), reach);
+    for (int dx = -1; dx <= 1; ++dx)
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dz = -1; dz <= 1; ++dz) {
+          const auto found = buckets.find(bucket_key(home + Bucket(dx, dy, dz)));
+          if (found == buckets.end()) continue;
+          for (const int second : found->second)
+            if (second > first && (places.col(second) - places.col(first)).squaredNorm() <= reach * reach)
+              ends.push_back({first, second});
+          if (ends.size() > most) throw InputError(too_wide(places.cols(), most));
+        }
+  }
+  return with_present_lengths(places, std::move(ends));
+}
+
+Connections connections_of_cells(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra) {
+  std::vector<std::array<int, 2>> ends;
+  ends.reserve(3 * triangles.size() + 6 * tetrahedra.size());
+  add_edges(triangles, ends);
+  add_edges(tetrahedra, ends);
+  return with_present_lengths(places, std::move(ends));
+}
+
+void set_present_lengths(Body& body) {
+  auto& [ends, lengths, _] = body.connections;
+  lengths.resize(ends.size());
+  for (std::size_t c = 0; c < ends.size(); ++c)
+    lengths[c] = (body.rest.col(ends[c][1]) - body.rest.col(ends[c][0])).norm();
+}
+
+std::vector<std::array<int, 2>> sides_of(const Cells<4>& tetrahedra) {
+  std::vector<std::array<int, 2>> sides;
+  sides.reserve(6 * tetrahedra.size());
+  add_edges(tetrahedra, sides);
+  std::sort(sides.begin(), sides.end());
+  sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
+  return sides;
+}
+
+void add_cell_sides(Body& body, const std::vector<std::array<int, 2>>& sides) {
+  const auto ascending = [](const std::array<int, 2>& pair) {
+    return std::array{std::min(pair[0], pair[1]), std::max(pair[0], pair[1])};
+  };
+  Connections& connections = body.connections;
+  std::vector<std::array<int, 2>> known, added;
+  for (int c = 0; c < connections.proper(); ++c) known.push_back(ascending(connections.ends[c]));
+  for (const auto& side : sides) added.push_back(ascending(side));
+  added.insert(added.end(), connections.ends.begin() + connections.proper(), connections.ends.end());
+  std::sort(known.begin(), known.end());
+  std::erase_if(added, [&](const auto& pair) { return std::binary_search(known.begin(), known.end(), pair); });
+  const Connections tail = with_present_lengths(body.rest, std::move(added));
+
+  const auto proper = static_cast<std::size_t>(connections.proper());
+  connections.ends.resize(proper), connections.rest_length.resize(proper);
+  connections.ends.insert(connections.ends.end(), tail.ends.begin(), tail.ends.end());
+  connections.rest_length.insert(connections.rest_length.end(), tail.rest_length.begin(), tail.rest_length.end());
+  connections.cell_sides = tail.size();
+}
+
+Body without_cell_sides(const Body& body) {
+  Body proper = body;
+  proper.connections.ends.resize(static_cast<std::size_t>(body.connections.proper()));
+  proper.connections.rest_length.resize(static_cast<std::size_t>(body.connections.proper()));
+  proper.connections.cell_sides = 0;
+  if (proper.connection_stiffness.size()) proper.connection_stiffness.conservativeResize(body.connections.proper());
+  return proper;
+}
+
+VectorX lumped_mass(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra, double density,
+                    double thickness) {
+  VectorX mass = VectorX::Zero(places.cols());
+  for (const auto& cell : tetrahedra)
+    for (const int molecule : cell) mass[molecule] += density * signed_volume(places, cell) / 4;
+  for (const auto& [a, b, c] : triangles) {
+    const double area = 0.5 * (places.col(b) - places.col(a)).cross(places.col(c) - places.col(a)).norm();
+    for (const int molecule : {a, b, c}) mass[molecule] += density * thickness * area / 3;
+  }
+  return mass;
+}
+
+void set_region(Body& body, const Vector3& low, const Vector3& high, double stiffness, double mass) {
+  const Vector3 slack = Vector3::Constant(1e-9 * (high - low).norm());
+  const auto inside = [&](const Vector3& place) {
+    return ((place - low + slack).array() >= 0).all() && ((high + slack - place).array() >= 0).all();
+  };
+  const auto set_those_inside = [&](const auto& members, VectorX& factors) {
+    if (factors.size() == 0) factors = VectorX::Ones(static_cast<Eigen::Index>(members.size()));
+    for (std::size_t member = 0; member < members.size(); ++member) {
+      Vector3 middle = Vector3::Zero();
+      for (const int molecule : members[member])
+        middle += body.rest.col(molecule) / static_cast<double>(members[member].size());
+      if (inside(middle)) factors[static_cast<Eigen::Index>(member)] = stiffness;
+    }
+  };
+  set_those_inside(body.connections.ends, body.connection_stiffness);
+  if (body.tetrahedra.empty())
+    set_those_inside(body.triangles, body.cell_stiffness);
+  else
+    set_those_inside(body.tetrahedra, body.cell_stiffness);
+  for (int molecule = 0; molecule < body.size(); ++molecule)
+    if (inside(body.rest.col(molecule))) body.mass[molecule] *= mass;
+}
+
+double signed_volume(const Positions& places, const std::array<int, 4>& tetrahedron) {
+  const Vector3 origin = places.col(tetrahedron[0]);
+  const Vector3 a = places.col(tetrahedron[1]) - origin, b = places.col(tetrahedron[2]) - origin,
+                c = places.col(tetrahedron[3]) - origin;
+  return a.dot(b.cross(c)) / 6;
+}
+
+std::vector<int> flat_or_inverted_cells(const Body& body, const Positions& places) {
+  std::vector<int> cells;
+  for (std::size_t cell = 0; cell < body.tetrahedra.size(); ++cell) {
+    const auto& corners = body.tetrahedra[cell];
+    double longest = 0;
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < i; ++j) longest = std::max(longest, (places.col(corners[i]) - places.col(corners[j])).norm());
+    if (!(signed_volume(places, corners) > 1e-12 * longest * longest * longest))
+      cells.push_back(static_cast<int>(cell));
+  }
+  return cells;
+}
+
+std::string flat_or_inverted_text(const std::vector<int>& cells, std::size_t of) {
+  constexpr std::size_t shown = 10;
+  std::string text = cells.size() == 1 ? "cell" : "cells";
+  for (std::size_t i = 0; i < std::min(shown, cells.size()); ++i) text += (i ? ", " : " ") + std::to_string(cells[i]);
+  if (cells.size() > shown) text += " and " + std::to_string(cells.size() - shown) + " more";
+  return text + " of " + std::to_string(of) + (cells.size() == 1 ? " is" : " are") + " flat or turned over";
+}
+
+BodyFindings inspect(const Body& body) {
+  BodyFindings findings;
+  const int n = body.size();
+  std::vector<int> parent(n), degree(n, 0);
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int molecule) {
+    while (parent[molecule] != molecule) molecule = parent[molecule] = parent[parent[molecule]];
+    return molecule;
+  };
+  const auto join = [&](int a, int b) {
+    const int low = std::min(root(a), root(b)), high = std::max(root(a), root(b));
+    parent[high] = low;
+  };
+  const double size = n ? (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).norm() : 0;
+  std::vector<std::pair<std::array<int, 2>, int>> sorted;
+  for (int connection = 0; connection < body.connections.proper(); ++connection) {
+    auto [a, b] = body.connections.ends[connection];
+    ++degree[a], ++degree[b];
+    join(a, b);
+    if (!(body.connections.rest_length[connection] > 1e-12 * size))
+      findings.zero_length_connections.push_back(connection);
+    sorted.push_back({{std::min(a, b), std::max(a, b)}, connection});
+  }
+  for (const Part& part : body.parts)
+    if (part.rigid)
+      for (const int molecule : molecules_of(part)) join(part.count > 0 ? part.first : part.shared.front(), molecule);
+  for (const Tie& tie : body.ties)
+    for (const int corner : tie.corners) join(tie.molecule, corner);
+  std::sort(sorted.begin(), sorted.end());
+  for (std::size_t i = 1; i < sorted.size(); ++i)
+    if (sorted[i].first == sorted[i - 1].first) findings.duplicate_connections.push_back(sorted[i].second);
+  std::sort(findings.duplicate_connections.begin(), findings.duplicate_connections.end());
+
+  findings.piece_of.assign(n, -1);
+  for (int molecule = 0; molecule < n; ++molecule) {
+    const int first = root(molecule);
+    if (first == molecule)
+      findings.piece_of[molecule] = findings.pieces++;
+    else
+      findings.piece_of[molecule] = findings.piece_of[first];
+    if (degree[molecule] == 0) findings.loose_molecules.push_back(molecule);
+  }
+  findings.flat_or_inverted_cells = flat_or_inverted_cells(body, body.rest);
+  return findings;
+}
+
+}  // namespace elastin

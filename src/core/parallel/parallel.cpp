@@ -1,0 +1,66 @@
+#include "core/parallel/parallel.h"
+
+namespace elastin {
+namespace {
+
+std::atomic<TaskRunner*> common_runner = nullptr;
+std::atomic<int> chosen_threads = 0;
+
+/// What the calling thread's innermost ThreadScope says.
+thread_local TaskRunner* own_runner = nullptr;
+thread_local int own_threads = 0;
+
+int part_start(int count, int parts, int part) {
+  return static_cast<int>(static_cast<long long>(count) * part / parts);
+}
+
+struct Loop {
+  int count, parts;
+  void* context;
+  void (*range)(void*, int, int);
+
+  void run(int part) const { range(context, part_start(count, parts, part), part_start(count, parts, part + 1)); }
+};
+
+}  // namespace
+
+void set_runner(TaskRunner* runner) { common_runner.store(runner, std::memory_order_release); }
+
+TaskRunner* runner() { return own_runner ? own_runner : common_runner.load(std::memory_order_acquire); }
+
+void set_threads(int threads) { chosen_threads.store(std::max(0, threads), std::memory_order_relaxed); }
+
+int threads() {
+  const TaskRunner* used = runner();
+  if (!used) return 1;
+  if (used != own_runner) {
+    if (own_threads > 0) return own_threads;
+    if (const int chosen = chosen_threads.load(std::memory_order_relaxed); chosen > 0) return chosen;
+  }
+  return std::max(1, used->width());
+}
+
+ThreadScope::ThreadScope(TaskRunner* runner, int threads) noexcept
+    : runner_before_(own_runner), threads_before_(own_threads) {
+  if (!runner && threads <= 0) return;
+  own_runner = runner;
+  own_threads = threads;
+}
+
+ThreadScope::~ThreadScope() {
+  own_runner = runner_before_;
+  own_threads = threads_before_;
+}
+
+namespace detail {
+
+void run_ranges(int count, void* context, void (*range)(void*, int, int)) {
+  TaskRunner* used = runner();
+  if (!used) return range(context, 0, count);
+  const Loop loop{count, threads(), context, range};
+  const auto task = [](void* one, int part) { static_cast<const Loop*>(one)->run(part); };
+  used->run(loop.parts, task, const_cast<Loop*>(&loop));
+}
+
+}  // namespace detail
+}  // namespace elastin

@@ -1,0 +1,130 @@
+#include "elastin/core/shapes/arrays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/shapes/shapes.h"
+#include "elastin/core/shapes/surfaces.h"
+
+namespace elastin {
+namespace {
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+std::string row(const char* array, std::size_t index) { return std::string(array) + "[" + std::to_string(index) + "]"; }
+
+template <std::size_t corners>
+void check_numbers(const char* array, const std::vector<std::array<int, corners>>& rows, int molecules) {
+  for (std::size_t index = 0; index < rows.size(); ++index)
+    for (std::size_t a = 0; a < corners; ++a) {
+      const int molecule = rows[index][a];
+      if (molecule < 0 || molecule >= molecules)
+        throw InputError(row(array, index) + ": there is no molecule " + std::to_string(molecule) + "; allowed: 0 to " +
+                         std::to_string(molecules - 1));
+      for (std::size_t b = 0; b < a; ++b)
+        if (rows[index][b] == molecule)
+          throw InputError(row(array, index) + ": names molecule " + std::to_string(molecule) + " twice");
+    }
+}
+
+/// Nothing given is fine.
+void check_positive(const char* array, const VectorX& values, std::size_t count, const char* each, const char* unit) {
+  if (values.size() == 0) return;
+  if (static_cast<std::size_t>(values.size()) != count)
+    throw InputError(std::string(array) + ": has " + std::to_string(values.size()) +
+                     " numbers; allowed: " + std::to_string(count) + ", one a " + each);
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    if (!(values[i] > 0) || !std::isfinite(values[i]))
+      throw InputError(row(array, static_cast<std::size_t>(i)) + ": is " + number(values[i]) +
+                       "; allowed: finite numbers above 0 " + unit);
+}
+
+void check_positions(const Positions& positions) {
+  if (positions.cols() == 0) throw InputError("positions: a body needs at least one molecule");
+  for (Eigen::Index molecule = 0; molecule < positions.cols(); ++molecule)
+    if (!positions.col(molecule).allFinite())
+      throw InputError(row("positions", static_cast<std::size_t>(molecule)) + ": is not finite");
+}
+
+void take_cells(const BodyArrays& arrays, Body& body) {
+  body.triangles = arrays.triangles;
+  body.tetrahedra = arrays.tetrahedra;
+  for (auto& cell : body.tetrahedra)
+    if (signed_volume(body.rest, cell) < 0) std::swap(cell[2], cell[3]);
+  const auto refuse_flat = [](const char* array, const std::vector<int>& flat) {
+    if (!flat.empty()) throw InputError(row(array, static_cast<std::size_t>(flat.front())) + ": is flat");
+  };
+  refuse_flat("tetrahedra", flat_or_inverted_cells(body, body.rest));
+  refuse_flat("triangles", flat_triangles(body, body.rest));
+}
+
+void take_connections(const BodyArrays& arrays, Body& body) {
+  const Connections sides = connections_of_cells(body.rest, body.triangles, body.tetrahedra);
+  if (arrays.connections.empty()) {
+    body.connections = sides;
+  } else {
+    body.connections.ends = arrays.connections;
+    set_present_lengths(body);
+    add_cell_sides(body, sides.ends);
+  }
+  auto& lengths = body.connections.rest_length;
+  const auto proper = static_cast<std::size_t>(body.connections.proper());
+  check_positive("rest_lengths", arrays.rest_lengths, proper, "connection", "m");
+  std::copy(arrays.rest_lengths.begin(), arrays.rest_lengths.end(), lengths.begin());
+  const auto none = std::find_if(lengths.begin(), lengths.end(), [](double length) { return !(length > 0); });
+  if (none != lengths.end())
+    throw InputError(row("connections", static_cast<std::size_t>(none - lengths.begin())) +
+                     ": has no length: its molecules lie at one place");
+}
+
+}  // namespace
+
+Body make_body(const BodyArrays& arrays) {
+  check_positions(arrays.positions);
+  const auto molecules = static_cast<int>(arrays.positions.cols());
+  check_numbers("connections", arrays.connections, molecules);
+  check_numbers("triangles", arrays.triangles, molecules);
+  check_numbers("tetrahedra", arrays.tetrahedra, molecules);
+  check_positive("masses", arrays.masses, static_cast<std::size_t>(molecules), "molecule", "kg");
+  check_positive("radii", arrays.radii, static_cast<std::size_t>(molecules), "molecule", "m");
+  Body body;
+  body.rest = arrays.positions;
+  take_cells(arrays, body);
+  take_connections(arrays, body);
+  if (arrays.masses.size() == 0 || arrays.radii.size() == 0)
+    set_matter(body, arrays.density, arrays.thickness,
+               arrays.radii.size() ? std::optional(arrays.radii.mean()) : std::nullopt);
+  if (arrays.masses.size()) body.mass = arrays.masses;
+  if (arrays.radii.size()) body.radius = arrays.radii;
+  check_positive("masses", body.mass, static_cast<std::size_t>(molecules), "molecule",
+                 "kg (from density, thickness and the cells that the molecule belongs to)");
+  return body;
+}
+
+double shortest_connection(const Body& body) {
+  double shortest = 0;
+  for (int c = 0; c < body.connections.proper(); ++c) {
+    const double length = body.connections.rest_length[static_cast<std::size_t>(c)];
+    if (length > 0 && (shortest == 0 || length < shortest)) shortest = length;
+  }
+  return shortest;
+}
+
+void set_matter(Body& body, double density, double thickness, std::optional<double> radius) {
+  const double shortest = shortest_connection(body);
+  if (!radius && shortest == 0)
+    throw InputError("give a radius: there is no connection of which to take half the length");
+  const double r = radius.value_or(shortest / 2);
+  const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
+  const double volume = size.prod() > 0 ? size.prod() : body.size() * std::pow(2 * r, 3);
+  set_matter(body, r, density, thickness, volume);
+}
+
+}  // namespace elastin

@@ -1,0 +1,110 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+#include "core/base/random.h"
+#include "elastin/core/shapes/shapes.h"
+
+namespace elastin {
+namespace {
+
+/// Moves overlapping spheres apart, with soft springs between them and the descent of [Bitzek et al. 2006, FIRE].
+/// Centres stay in the box. Returns how far each molecule still overlaps others, summed; all zero where there was room.
+VectorX push_apart(Positions& places, const Vector3& size, double distance) {
+  constexpr int steps = 400;
+  constexpr double skin = 0.3;
+  double step = 0.1, mixing = 0.1;
+  int downhill = 0;
+  Positions velocity = Positions::Zero(3, places.cols()), force(3, places.cols());
+  Connections near;
+  double moved = INFINITY;  // since the pairs were listed; they serve until two could have met unseen
+  for (int i = 0;; ++i) {
+    if (2 * moved > skin * distance) {
+      near = connections_within(places, (1 + skin) * distance);
+      moved = 0;
+    }
+    force.setZero();
+    VectorX overlaps = VectorX::Zero(places.cols());
+    for (const auto& [a, b] : near.ends) {
+      const Vector3 gap = places.col(b) - places.col(a);
+      const double length = gap.norm(), overlap = distance - length;
+      if (overlap <= 0) continue;
+      overlaps[a] += overlap, overlaps[b] += overlap;
+      const Vector3 push = length > 0 ? Vector3(gap * (overlap / length)) : Vector3(overlap, 0, 0);
+      force.col(a) -= push;
+      force.col(b) += push;
+    }
+    if (i == steps || overlaps.maxCoeff() == 0) return overlaps;
+    if (force.cwiseProduct(velocity).sum() > 0) {
+      velocity = (1 - mixing) * velocity + mixing * velocity.norm() / force.norm() * force;
+      if (++downhill > 5) step = std::min(1.1 * step, 0.3), mixing *= 0.99;
+    } else {
+      velocity.setZero();
+      step *= 0.5, mixing = 0.1, downhill = 0;
+    }
+    velocity += step * force;
+    const Positions next = (places + step * velocity).cwiseMax(0).cwiseMin(size.replicate(1, places.cols()));
+    moved += std::sqrt((next - places).colwise().squaredNorm().maxCoeff());
+    velocity = (next - places) / step;  // what a wall stops, stops
+    places = next;
+  }
+}
+
+}  // namespace
+
+Body random_packing(const Vector3& size, double distance, double reach, std::uint64_t seed) {
+  // Centres fill `size`, so the spheres themselves fill half a diameter more on every side. 0.62 of that is more than
+  // walls let in; the molecules that find no room are taken out, the most crowded first, until all others have it.
+  constexpr double fraction = 0.62;
+  const double volume = (size.array() + distance).prod(), sphere = std::numbers::pi / 6 * std::pow(distance, 3);
+  const int count = std::max(1, static_cast<int>(fraction * volume / sphere));
+  std::mt19937_64 generator(seed);
+  Positions places(3, count);
+  for (int molecule = 0; molecule < count; ++molecule)
+    for (int axis = 0; axis < 3; ++axis) places(axis, molecule) = size[axis] * unit_random(generator);
+
+  const double apart = distance * 1.001;  // a little more than asked, so that rounding breaks no distance
+  for (VectorX overlaps; (overlaps = push_apart(places, size, apart)).maxCoeff() > 0;) {
+    std::vector<int> crowded(static_cast<std::size_t>(places.cols()));
+    std::iota(crowded.begin(), crowded.end(), 0);
+    std::stable_sort(crowded.begin(), crowded.end(), [&](int a, int b) { return overlaps[a] > overlaps[b]; });
+    crowded.resize(1 + crowded.size() / 200);
+    std::sort(crowded.begin(), crowded.end(), std::greater<>());
+    for (const int molecule : crowded) {
+      places.middleCols(molecule, places.cols() - molecule - 1) = places.rightCols(places.cols() - molecule - 1).eval();
+      places.conservativeResize(3, places.cols() - 1);
+    }
+  }
+  std::vector<Vector3> rest;
+  for (int molecule = 0; molecule < places.cols(); ++molecule) rest.push_back(places.col(molecule));
+  Body body = listed_body(rest, {});
+  body.connections = connections_within(body.rest, reach);
+  return body;
+}
+
+void add_jitter(Body& body, double amount, std::uint64_t seed) {
+  std::mt19937_64 generator(seed);
+  const Vector3 low = body.rest.rowwise().minCoeff(), high = body.rest.rowwise().maxCoeff();
+  const double tolerance = 1e-9 * (high - low).norm();
+  for (int molecule = 0; molecule < body.size(); ++molecule)
+    for (int axis = 0; axis < 3; ++axis) {
+      const double move = amount * (2 * unit_random(generator) - 1);
+      double& place = body.rest(axis, molecule);
+      if (place > low[axis] + tolerance && place < high[axis] - tolerance) place += move;
+    }
+  set_present_lengths(body);
+}
+
+void rotate(Body& body, const Matrix3& rotation) { body.rest = (rotation * body.rest).eval(); }
+
+void set_matter(Body& body, double radius, double density, double thickness, double volume) {
+  body.radius = VectorX::Constant(body.size(), radius);
+  const bool has_cells = !body.triangles.empty() || !body.tetrahedra.empty();
+  body.mass = has_cells ? lumped_mass(body.rest, body.triangles, body.tetrahedra, density, thickness)
+                        : VectorX::Constant(body.size(), density * volume / body.size());
+}
+
+}  // namespace elastin

@@ -1,0 +1,224 @@
+#include "elastin/core/simulation/catalog.h"
+
+#include <cstdio>
+#include <utility>
+
+#include "core/laws/membranes/curve_membrane.h"
+#include "core/laws/membranes/hencky_membrane.h"
+#include "core/laws/membranes/neo_hookean_membrane.h"
+#include "core/laws/membranes/two_parameter.h"
+#include "core/laws/solids/curve.h"
+#include "core/laws/solids/neo_hookean.h"
+#include "core/laws/solids/st_venant_kirchhoff.h"
+#include "core/laws/springs/angles.h"
+#include "core/laws/springs/angles_update.h"
+#include "core/laws/springs/divided.h"
+#include "core/laws/springs/lattice.h"
+#include "core/laws/springs/lloyd.h"
+#include "core/laws/springs/patch.h"
+#include "core/laws/springs/standard.h"
+#include "core/laws/springs/statistical.h"
+#include "core/laws/springs/uniform.h"
+#include "core/laws/springs/van_gelder.h"
+#include "core/laws/springs/van_gelder_simplified.h"
+#include "core/laws/springs/voronoi.h"
+#include "elastin/core/forces/volume.h"
+
+namespace elastin {
+
+Catalog built_in_catalog() {
+  Catalog catalog;
+  catalog.add<Standard>();
+  catalog.add<Divided>();
+  catalog.add<Angles>();
+  catalog.add<AnglesUpdate>();
+  catalog.add<Statistical>();
+  catalog.add<VanGelder>();
+  catalog.add<VanGelderSimplified>();
+  catalog.add<Lloyd>();
+  catalog.add<Lattice>();
+  catalog.add<Voronoi>();
+  catalog.add<Patch>();
+  catalog.add<Uniform>();
+  catalog.add<StVenantKirchhoff>();
+  catalog.add<StVenantKirchhoffMembrane>();
+  catalog.add<NeoHookean>();
+  catalog.add<Curve>();
+  catalog.add<HenckyMembrane>();
+  catalog.add<NeoHookeanMembrane>();
+  catalog.add<CurveMembrane>();
+  catalog.add<TwoParameter>();
+  const auto add_wrapper = [&](const char* name, const char* summary, const char* source) {
+    Strategy wrapper;
+    wrapper.name = name;
+    wrapper.summary = summary;
+    wrapper.source = source;
+    wrapper.kind = StrategyKind::wrapper;
+    catalog.add(std::move(wrapper));
+  };
+  add_wrapper("calibrated", "any spring rule, times E / E measured by one linear solve of the scene: calibrated:RULE",
+              "[M03]'s divisor found by hand, made automatic");
+  add_wrapper("volume",
+              "any spring rule or neo_hookean on a solid, with a volume term: nu from 0 to 0.4999: RULE+volume",
+              "Bonet & Burton 1998, averaged nodal volumes");
+  add_wrapper("wrinkling", "a membrane law that bears no compression: LAW+wrinkling", "[Pipkin 1986] relaxed energy");
+  return catalog;
+}
+
+namespace {
+
+double volume_modulus(const Material& material, bool of_springs) {
+  const double E = material.youngs_modulus, nu = material.poissons_ratio;
+  if (!(nu >= 0 && nu <= 0.4999)) {
+    char text[100];
+    std::snprintf(text, sizeof text, "poissons_ratio %g is out of range: a volume term takes 0 to 0.4999", nu);
+    throw InputError(text);
+  }
+  return E / ((1 + nu) * (1 - 2 * nu)) * (of_springs ? (4 * nu - 1) / 2 : nu);
+}
+
+/// The material whose springs have the shear modulus of the one asked for.
+Material shear_material(Material material) {
+  material.youngs_modulus *= 1.25 / (1 + material.poissons_ratio);
+  return material;
+}
+
+}  // namespace
+
+Strategy with_volume(const Strategy& strategy) {
+  const bool springs = strategy.kind == StrategyKind::spring_rule || strategy.kind == StrategyKind::updated_spring_rule;
+  if (strategy.volume_modulus) throw InputError("'" + strategy.name + "' has a volume term already");
+  if (!springs && !strategy.make_without_volume)
+    throw InputError("'" + strategy.name + "': a volume term goes with a spring rule or neo_hookean");
+  Strategy result = strategy;
+  result.name += "+volume";
+  result.summary += "; with a volume term";
+  result.make_without_volume = nullptr;
+  result.volume_modulus = [springs](const Material& material) { return volume_modulus(material, springs); };
+  result.unsuited = [strategy](const Body& body) {
+    const std::string why = strategy.unsuited(body);
+    return why.empty() ? unsuited_for_volumes(body) : why;
+  };
+  if (strategy.constants)
+    result.constants = [strategy](const Body& body, const Material& material, const ParameterValues& values) {
+      return strategy.constants(body, shear_material(material), values);
+    };
+  if (strategy.constants_at)
+    result.constants_at = [strategy](const Body& body, const Material& material, const ParameterValues& values) {
+      return strategy.constants_at(body, shear_material(material), values);
+    };
+  result.make = [strategy, springs, modulus = result.volume_modulus](const Body& body, const Material& material,
+                                                                     const ParameterValues& values) {
+    auto shape = springs ? strategy.make(body, shear_material(material), values)
+                         : strategy.make_without_volume(body, material, values);
+    return make_sum(std::move(shape), make_volume(body, modulus(material)));
+  };
+  return result;
+}
+
+Strategy with_wrinkling(const Strategy& strategy) {
+  if (strategy.name.ends_with("+wrinkling")) throw InputError("'" + strategy.name + "' drops compression already");
+  if (!strategy.make_without_compression)
+    throw InputError("'" + strategy.name +
+                     "': compression can be dropped from st_venant_kirchhoff_membrane, hencky_membrane, "
+                     "neo_hookean_membrane and curve_membrane");
+  Strategy result = strategy;
+  result.name += "+wrinkling";
+  result.summary += "; without compression";
+  result.make = strategy.make_without_compression;
+  result.make_without_compression = nullptr;
+  return result;
+}
+
+Strategy make_spring_rule(const std::string& name, RuleConstants constants, std::vector<ParameterInfo> parameters) {
+  Strategy rule;
+  rule.name = name;
+  rule.parameters = std::move(parameters);
+  rule.follows_curve = true;
+  rule.constants = [described = rule, constants](const Body& body, const Material& material,
+                                                 const ParameterValues& given) {
+    ParameterValues values = given;
+    for (const auto& [key, value] : given) detail::checked_parameter(described, key, value);
+    for (const ParameterInfo& info : described.parameters) values.try_emplace(info.name, info.fallback);
+    std::shared_ptr<const Body> seen = detail::proper_part(body);
+    if (seen->connection_stiffness.size()) {  // or a rule that asks another would count it twice
+      auto plain = std::make_shared<Body>(*seen);
+      plain->connection_stiffness.resize(0);
+      seen = std::move(plain);
+    }
+    const VectorX own = constants(*seen, material, values);
+    if (own.size() != seen->connections.size())
+      throw InputError("strategy " + described.name + " gives " + std::to_string(own.size()) +
+                       " constants; allowed: " + std::to_string(seen->connections.size()) + ", one a connection");
+    return detail::with_cell_sides(own, body);
+  };
+  rule.make = [constants = rule.constants](const Body& body, const Material& material, const ParameterValues& values) {
+    return make_springs(body, constants(body, material, values), material);
+  };
+  return rule;
+}
+
+const char* name_of(StrategyKind kind) {
+  switch (kind) {
+    case StrategyKind::spring_rule:
+      return "spring rule";
+    case StrategyKind::updated_spring_rule:
+      return "spring rule, updated";
+    case StrategyKind::cell_law:
+      return "cell law";
+    case StrategyKind::wrapper:
+      return "wrapper";
+  }
+  return "";
+}
+
+void Catalog::add(Strategy strategy) {
+  for (const Strategy& other : strategies_)
+    if (other.name == strategy.name) throw InputError("the catalog has a strategy '" + strategy.name + "' already");
+  strategies_.push_back(std::move(strategy));
+}
+
+const Strategy& Catalog::find(const std::string& name) const {
+  for (const Strategy& strategy : strategies_)
+    if (strategy.name == name) return strategy;
+  throw InputError("unknown strategy '" + name + "'" + suggestion(name, names()));
+}
+
+std::vector<std::string> Catalog::names() const {
+  std::vector<std::string> names;
+  for (const Strategy& strategy : strategies_) names.push_back(strategy.name);
+  return names;
+}
+
+namespace detail {
+
+std::shared_ptr<const Body> proper_part(const Body& body) {
+  if (body.connections.cell_sides == 0) return {std::shared_ptr<void>(), &body};
+  return std::make_shared<const Body>(without_cell_sides(body));
+}
+
+VectorX with_cell_sides(VectorX constants, const Body& body) {
+  constants.conservativeResizeLike(VectorX::Zero(body.connections.size()));
+  if (body.connection_stiffness.size()) constants = constants.cwiseProduct(body.connection_stiffness).eval();
+  return constants;
+}
+
+const ParameterInfo& checked_parameter(const Strategy& strategy, const std::string& name, double value) {
+  std::vector<std::string> names;
+  for (const ParameterInfo& info : strategy.parameters) {
+    if (info.name != name) {
+      names.push_back(info.name);
+      continue;
+    }
+    if (value >= info.low && value <= info.high) return info;
+    char text[160];
+    std::snprintf(text, sizeof text, "%g is out of range: %g to %g %s", value, info.low, info.high,
+                  si_unit(info.unit).c_str());
+    throw InputError(strategy.name + "." + name + ": " + text + " (" + info.text + ")");
+  }
+  if (names.empty()) throw InputError("'" + name + "': strategy " + strategy.name + " takes no parameters");
+  throw InputError("unknown parameter '" + name + "' of strategy " + strategy.name + suggestion(name, names));
+}
+
+}  // namespace detail
+}  // namespace elastin

@@ -1,0 +1,177 @@
+#include "elastin/core/simulation/parts.h"
+
+#include <utility>
+
+#include "core/laws/springs/patch.h"
+#include "elastin/core/forces/bending.h"
+#include "elastin/core/forces/ties.h"
+#include "elastin/core/forces/volume.h"
+#include "elastin/core/model/parts.h"
+#include "elastin/core/simulation/fibres.h"
+
+namespace elastin {
+namespace {
+
+/// A part at work: by itself, as spring rules see it, and as what its cells are in the whole.
+struct PartAtWork {
+  const Material& material;
+  PartAlone alone;
+  Body in_whole;  ///< with the part's cells only
+};
+
+/// What the elasticities of the parts work on.
+struct Works {
+  std::vector<Material> materials;
+  std::vector<std::unique_ptr<const PartAtWork>> soft;
+};
+
+std::shared_ptr<const Works> works_of(const Body& whole, const std::vector<Material>& materials) {
+  auto works = std::make_shared<Works>();
+  works->materials = materials;
+  for (const Part& part : whole.parts)
+    if (!part.rigid)
+      works->soft.push_back(
+          std::make_unique<const PartAtWork>(PartAtWork{works->materials.at(static_cast<std::size_t>(part.material)),
+                                                        part_alone(whole, part), with_cells_of(whole, part)}));
+  return works;
+}
+
+/// Adds what a part has for its connections to those of the whole.
+void spread(const PartAlone& alone, const VectorX& own, VectorX& whole) {
+  for (std::size_t c = 0; c < alone.connections.size(); ++c)
+    whole[alone.connections[c]] += own[static_cast<Eigen::Index>(c)];
+}
+
+VectorX spread(const PartAlone& alone, const VectorX& own, int connections) {
+  VectorX whole = VectorX::Zero(connections);
+  spread(alone, own, whole);
+  return whole;
+}
+
+using Terms = std::vector<std::unique_ptr<Elasticity>>;
+
+/// The springs of all parts: those without a curve in one.
+void add_springs(const Strategy& strategy, const Body& whole, const Works& works, const ParameterValues& values,
+                 Terms& terms) {
+  VectorX straight = VectorX::Zero(whole.connections.size());
+  for (const auto& part : works.soft) {
+    const VectorX own = strategy.constants(part->alone.body, part->material, values);
+    if (part->material.curve)
+      terms.push_back(make_springs(whole, spread(part->alone, own, whole.connections.size()), part->material));
+    else
+      spread(part->alone, own, straight);
+  }
+  terms.push_back(make_springs(whole, std::move(straight)));
+}
+
+void add_updated_springs(const Strategy& strategy, const Body& whole, const std::shared_ptr<const Works>& works,
+                         const ParameterValues& values, Terms& terms) {
+  std::vector<ConstantsAt> rules;
+  for (const auto& part : works->soft) rules.push_back(strategy.constants_at(part->alone.body, part->material, values));
+  const int connections = whole.connections.size();
+  terms.push_back(make_updated_springs(whole, [works, rules = std::move(rules), connections](const Positions& places) {
+    VectorX constants = VectorX::Zero(connections);
+    for (std::size_t p = 0; p < rules.size(); ++p) {
+      const PartAlone& alone = works->soft[p]->alone;
+      spread(alone, rules[p](places(Eigen::all, alone.molecules)), constants);
+    }
+    return constants;
+  }));
+}
+
+/// The part's fibres, beside its law or its springs.
+std::unique_ptr<Elasticity> fibres_of(const Strategy& strategy, const Body& whole, const PartAtWork& part) {
+  if (!part.material.fibre || strategy.kind == StrategyKind::cell_law)
+    return make_fibres(strategy, part.in_whole, part.material);
+  const Body& body = part.alone.body;
+  const VectorX sections = fibre_sections(*detail::proper_part(body), part.material.fibre->direction);
+  return make_curve_springs(whole,
+                            spread(part.alone, detail::with_cell_sides(sections, body), whole.connections.size()),
+                            part.material.fibre->curve);
+}
+
+std::unique_ptr<Elasticity> make_in_parts(const Strategy& strategy, const std::vector<Material>& materials,
+                                          const Body& whole, const ParameterValues& values) {
+  const std::shared_ptr<const Works> works = works_of(whole, materials);
+  Terms terms;
+  if (strategy.constants)
+    add_springs(strategy, whole, *works, values, terms);
+  else if (strategy.constants_at)
+    add_updated_springs(strategy, whole, works, values, terms);
+  for (const auto& part : works->soft) {
+    if (strategy.kind == StrategyKind::cell_law)
+      terms.push_back(strategy.make(part->in_whole, part->material, values));
+    else if (strategy.volume_modulus)
+      terms.push_back(make_volume(part->in_whole, strategy.volume_modulus(part->material)));
+    if (auto fibres = fibres_of(strategy, whole, *part)) terms.push_back(std::move(fibres));
+  }
+  return make_sum(std::move(terms), works);
+}
+
+/// Why the strategy cannot run on the first part on which it cannot, or "".
+std::string unsuited_part(const Strategy& strategy, const std::vector<Material>& materials, const Body& whole) {
+  for (const Part& part : whole.parts) {
+    if (part.rigid) continue;
+    const Body body = part_alone(whole, part).body;
+    std::string why = strategy.unsuited(body);
+    if (why.empty()) why = fibres_unsuited(strategy, body, materials.at(static_cast<std::size_t>(part.material)));
+    if (!why.empty()) return "body '" + part.name + "': " + why;
+  }
+  return "";
+}
+
+bool part_needs_voronoi(const Strategy& strategy, const std::vector<Material>& materials, const Body& whole) {
+  for (const Part& part : whole.parts) {
+    if (part.rigid || part.voronoi) continue;
+    const Body body = part_alone(whole, part).body;
+    if (strategy.needs_voronoi(body) ||
+        fibres_need_voronoi(strategy, body, materials.at(static_cast<std::size_t>(part.material))))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Strategy in_parts(const Strategy& strategy, const Body& body, std::vector<Material> materials) {
+  if (body.parts.empty() || strategy.by_parts || strategy.kind == StrategyKind::wrapper) return strategy;
+  Strategy result = strategy;
+  result.by_parts = true;
+  result.make_without_volume = nullptr, result.make_without_compression = nullptr, result.constants_at = nullptr;
+  result.unsuited = [strategy, materials](const Body& whole) { return unsuited_part(strategy, materials, whole); };
+  result.needs_voronoi = [strategy, materials](const Body& whole) {
+    return part_needs_voronoi(strategy, materials, whole);
+  };
+  if (strategy.constants)
+    result.constants = [strategy, materials](const Body& whole, const Material&, const ParameterValues& values) {
+      VectorX constants = VectorX::Zero(whole.connections.size());
+      const std::shared_ptr<const Works> works = works_of(whole, materials);  // outlives the loop
+      for (const auto& part : works->soft)
+        spread(part->alone, strategy.constants(part->alone.body, part->material, values), constants);
+      return constants;
+    };
+  result.make = [strategy, materials](const Body& whole, const Material&, const ParameterValues& values) {
+    return make_in_parts(strategy, materials, whole, values);
+  };
+  return result;
+}
+
+void add_companions(Model& model, const Strategy& strategy, const Material& material) {
+  const Body& body = model.body();
+  if (!strategy.by_parts)
+    if (auto fibres = make_fibres(strategy, body, material)) model.add(std::move(fibres));
+  if (material.bending_rigidity > 0) model.add(make_bending(body, material.bending_rigidity, material.poissons_ratio));
+  if (!body.cables.empty()) model.add(make_cables(body));
+  if (!body.ties.empty()) model.add(make_ties(body));
+}
+
+void hold_rigid_parts(Model& model) {
+  std::vector<char> held(static_cast<std::size_t>(model.body().size()), 0);
+  for (const Support& support : model.supports) held[static_cast<std::size_t>(support.molecule)] = 1;
+  for (const Part& part : model.body().parts)
+    if (part.rigid)
+      for (const int molecule : molecules_of(part))
+        if (!std::exchange(held[static_cast<std::size_t>(molecule)], 1)) model.supports.push_back({molecule});
+}
+
+}  // namespace elastin

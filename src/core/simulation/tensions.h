@@ -1,0 +1,10 @@
+#pragma once
+#include "elastin/core/forces/model.h"
+
+namespace elastin {
+
+/// Force of each connection [N], elastic and of its damping, pulling is positive; without an allocation once `scratch`
+/// and `tensions` have served this model.
+void set_tensions(const Model& model, const State& state, VectorX& tensions, Scratch& scratch);
+
+}  // namespace elastin

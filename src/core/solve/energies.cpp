@@ -1,0 +1,97 @@
+#include "elastin/core/solve/energies.h"
+
+#include <algorithm>
+
+#include "core/parallel/parallel.h"
+#include "elastin/core/solve/integrator.h"
+
+namespace elastin {
+namespace {
+
+bool resists(const Load& load) { return load.resists(); }
+bool drives(const Load& load) { return load.acts_at_rest() && !load.steady(); }
+
+template <class Which>
+bool any_load(const Model& model, Which which) {
+  return std::any_of(model.loads().begin(), model.loads().end(), [&](const auto& load) { return which(*load); });
+}
+
+template <class Which>
+void add_loads(const Model& model, const State& state, Which which, Positions& forces) {
+  for (const auto& load : model.loads())
+    if (which(*load)) load->add_forces(state, forces);
+}
+
+/// ½ (a + b)·way, 0 where there are no forces.
+double work_of(const Positions& a, const Positions& b, const Positions& way) {
+  if (a.cols() == 0) return 0;
+  return ordered_sum(static_cast<int>(way.cols()), [&](int i) { return (a.col(i) + b.col(i)).dot(way.col(i)) / 2; });
+}
+
+}  // namespace
+
+Ledger::Ledger(const Model& model, const State& start) : positions_(start.positions) {
+  open_ = model.drive || !model.viscosity().empty() || any_load(model, resists) || any_load(model, drives);
+  if (open_) last_ = border(model, start);
+}
+
+Ledger::Border Ledger::border(const Model& model, const State& state) const {
+  const Positions none = Positions::Zero(3, model.body().size());
+  Border forces;
+  if (!model.viscosity().empty() || any_load(model, resists)) {
+    forces.resisting = none;
+    if (!model.viscosity().empty()) model.gather(state.positions, model.viscous_densities(state), forces.resisting);
+    for (const auto& load : model.loads()) load->add_resistance(state, forces.resisting);
+  }
+  if (any_load(model, drives)) {
+    forces.driving = none;
+    add_loads(model, state, drives, forces.driving);
+  }
+  if (model.drive) {
+    // What holds the supports against all other forces; what moves their own mass is counted by its kinetic energy.
+    Positions all;
+    model.set_forces(state, all);
+    forces.holding = none;
+    for (const Support& support : model.supports) {
+      const Vector3 force = all.col(support.molecule), velocity = state.velocities.col(support.molecule);
+      forces.holding.col(support.molecule) = support.free * force - force;
+      forces.held_kinetic +=
+          model.body().mass[support.molecule] * (velocity - support.free * velocity).squaredNorm() / 2;
+    }
+  }
+  return forces;
+}
+
+void Ledger::record(const Model& model, const State& state) {
+  if (!open_) return;
+  const Positions way = state.positions - positions_;
+  Border now = border(model, state);
+  dissipated -= work_of(last_.resisting, now.resisting, way);
+  work += work_of(last_.driving, now.driving, way) + work_of(last_.holding, now.holding, way) + now.held_kinetic -
+          last_.held_kinetic;
+  positions_ = state.positions;
+  last_ = std::move(now);
+}
+
+Energies Ledger::energies(const Model& model, const State& state) const {
+  const VectorX& mass = model.body().mass;
+  const int n = model.body().size();
+  Energies found;
+  found.kinetic = ordered_sum(n, [&](int i) { return mass[i] * state.velocities.col(i).squaredNorm() / 2; });
+  found.elastic = model.elastic_energy(state.positions);
+  for (const auto& load : model.loads())
+    if (load->acts_at_rest() && load->steady()) found.potential += load->energy(state);
+  found.dissipated = dissipated;
+  found.work = work;
+  found.momentum = ordered_sum<Vector3>(
+      n, [&](int i) -> Vector3 { return mass[i] * state.velocities.col(i); }, Vector3(Vector3::Zero()));
+  found.angular_momentum = ordered_sum<Vector3>(
+      n,
+      [&](int i) -> Vector3 {
+        return mass[i] * Vector3(state.positions.col(i)).cross(Vector3(state.velocities.col(i)));
+      },
+      Vector3(Vector3::Zero()));
+  return found;
+}
+
+}  // namespace elastin

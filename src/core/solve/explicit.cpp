@@ -1,0 +1,210 @@
+#include "core/solve/explicit.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/parallel/parallel.h"
+#include "core/solve/newton.h"
+
+namespace elastin {
+namespace {
+
+/// Of one step.
+constexpr double kMostParts = 10000;
+
+/// A molecule's part of an update costs as much as some ten connections.
+constexpr int kMoleculeThreshold = kParallelThreshold / 10;
+
+void set_accelerations(const Model& model, const State& state, Positions& accelerations, Scratch& scratch) {
+  model.set_forces(state, accelerations, scratch);
+  keep_free(model.supports, accelerations);
+  const VectorX& mass = model.body().mass;
+  parallel_for(
+      model.body().size(), [&](int i) { accelerations.col(i) /= mass[i]; }, kMoleculeThreshold);
+}
+
+/// Passes over the molecules are bound by memory: each array is read and written as seldom as can be.
+class Explicit final : public Integrator {
+ public:
+  explicit Explicit(Scheme scheme) : scheme_(scheme) {}
+  Scheme scheme() const override { return scheme_; }
+
+  /// In parts where a stiffness sets in that the step is too long for, or something would be passed through.
+  StepResult advance(Model& model, State& state, double dt) override {
+    const double parts = std::max(1., std::ceil(dt * std::sqrt(model.square_frequency(state, dt))));
+    if (!(parts > 1)) return step(model, state, dt);
+    before_ = state;
+    StepResult result = in_parts(model, state, dt, std::min(parts, kMostParts));
+    if (result.outcome != Outcome::converged) go_back(model, state, before_);
+    return result;
+  }
+
+ private:
+  static void go_back(Model& model, State& state, const State& before) {
+    state = before;
+    if (model.drive) model.drive(state.time, model.supports);
+  }
+
+  StepResult in_parts(Model& model, State& state, double dt, double parts) {
+    const double end = state.time + dt;
+    StepResult all;
+    for (int part = 0; part < parts; ++part) {
+      StepResult result = step(model, state, dt / parts);
+      result.parts += part > 0 ? all.parts : 0;
+      result.error = std::max(result.error, all.error);
+      all = std::move(result);
+      if (all.outcome != Outcome::converged) return all;
+    }
+    state.time = end;
+    return all;
+  }
+
+  /// May call itself, with shorter steps: each keeps where it began.
+  StepResult again_in_parts(Model& model, State& state, double dt, double parts) {
+    const State before = state;
+    if (model.drive) model.drive(state.time, model.supports);
+    StepResult result = in_parts(model, state, dt, std::min(kMostParts, parts));
+    if (result.outcome != Outcome::converged) go_back(model, state, before);
+    return result;
+  }
+
+  StepResult step(Model& model, State& state, double dt) {
+    const int n = model.body().size();
+    const bool verlet = scheme_ == Scheme::velocity_verlet;
+    if (!verlet)
+      set_accelerations(model, state, accelerations_, scratch_);
+    else if (state.accelerations.cols() != n)
+      set_accelerations(model, state, state.accelerations, scratch_);
+    next_.positions.resize(3, n);
+    next_.velocities.resize(3, n);
+    next_.time = state.time + dt;
+    next_.touches = state.touches;
+    if (model.drive) model.drive(next_.time, model.supports);
+    StepResult result;
+    const double largest = verlet ? verlet_step(model, state, dt) : euler_step(state, dt);
+    place_supports(model, next_.positions);
+    move_with_supports(model.supports, next_.velocities);
+    // Local error: Verlet's is dt³/6 of the third derivative, as in central differences; Euler's dt²/2 of the second.
+    result.error = dt * dt / (verlet ? 6 : 2) * std::sqrt(largest);
+    if (!std::isfinite(largest)) {
+      result.outcome = Outcome::diverged;
+      result.cause = "the next step has no finite velocities: the step is too long";
+    } else if (!model.admissible(next_.positions)) {
+      result.outcome = Outcome::inverted;
+      result.cause = turned_over_text(model.body(), next_.positions);
+    } else if (const double way = model.free_way(state, next_); way < 1) {
+      return again_in_parts(model, state, dt, std::ceil(1 / way));
+    } else {
+      model.remember(next_);
+      std::swap(state, next_);
+      return result;
+    }
+    if (model.drive) model.drive(state.time, model.supports);
+    return result;
+  }
+
+  /// Kick, drift. The largest square of an acceleration, infinity if something is not finite.
+  double euler_step(const State& state, double dt) {
+    next_.accelerations.resize(3, 0);
+    return largest_of_ranges(
+        static_cast<int>(state.positions.cols()),
+        [&](int begin, int end) {
+          double most = 0;
+          for (int i = begin; i < end; ++i) {
+            const Vector3 velocity = state.velocities.col(i) + dt * accelerations_.col(i);
+            next_.velocities.col(i) = velocity;
+            next_.positions.col(i) = state.positions.col(i) + dt * velocity;
+            most = larger(most, accelerations_.col(i).squaredNorm(), velocity.squaredNorm());
+          }
+          return most;
+        },
+        kMoleculeThreshold);
+  }
+
+  /// Half a kick, drift, half a kick. The largest square of a change of acceleration, infinity if something is not
+  /// finite.
+  double verlet_step(const Model& model, const State& state, double dt) {
+    const int n = static_cast<int>(state.positions.cols());
+    const double *x = state.positions.data(), *v = state.velocities.data(), *a = state.accelerations.data();
+    double *next_x = next_.positions.data(), *next_v = next_.velocities.data();
+    const double half = dt / 2;
+    // Forces that depend on velocity see a guess of the whole kick.
+    const bool guess = model.feels_velocity();
+    parallel_ranges(
+        n,
+        [&](int begin, int end) {
+          constexpr int block = 1024;  // so many molecules that what one loop reads the next finds near
+          for (int first = begin; first < end; first += block) {
+            const int last = 3 * std::min(end, first + block);
+            for (int i = 3 * first; i < last; ++i) next_x[i] = x[i] + dt * (v[i] + half * a[i]);
+            if (!guess) continue;
+            for (int i = 3 * first; i < last; ++i) next_v[i] = v[i] + dt * a[i];
+          }
+        },
+        kMoleculeThreshold);
+    place_supports(model, next_.positions);
+    if (guess) move_with_supports(model.supports, next_.velocities);
+    model.set_forces(next_, next_.accelerations, scratch_);
+    keep_free(model.supports, next_.accelerations);
+    return largest_of_ranges(
+        n, [&](int begin, int end) { return kick(model.body().mass, state, half, begin, end); }, kMoleculeThreshold);
+  }
+
+  /// The second half of a kick, from the forces in next_.accelerations, which become accelerations.
+  double kick(const VectorX& mass, const State& state, double half, int begin, int end) {
+    constexpr int block = 64;  // so many molecules that what one loop leaves for the next stays near
+    double inverse[3 * block], changes[3 * block], sizes[3 * block], most = 0;
+    for (int first = begin; first < end; first += block) {
+      const int count = std::min(block, end - first);
+      for (int i = 0; i < count; ++i) inverse[3 * i] = inverse[3 * i + 1] = inverse[3 * i + 2] = 1 / mass[first + i];
+      const double *v = state.velocities.data() + 3 * first, *a = state.accelerations.data() + 3 * first;
+      double *next_v = next_.velocities.data() + 3 * first, *next_a = next_.accelerations.data() + 3 * first;
+      for (int i = 0; i < 3 * count; ++i) {
+        const double now = next_a[i] * inverse[i], velocity = v[i] + half * (a[i] + now);
+        changes[i] = (now - a[i]) * (now - a[i]);
+        sizes[i] = velocity * velocity;
+        next_a[i] = now;
+        next_v[i] = velocity;
+      }
+      for (int i = 0; i < 3 * count; i += 3)
+        most = larger(most, changes[i] + changes[i + 1] + changes[i + 2], sizes[i] + sizes[i + 1] + sizes[i + 2]);
+    }
+    return most;
+  }
+
+  /// The larger of two squares, infinity if the second or `size` is not finite. A place that is not gives forces that
+  /// are not.
+  static double larger(double most, double square, double size) {
+    const double value = square + (size - size);  // infinity less itself is no number
+    if (value <= most) return most;
+    return value < std::numeric_limits<double>::infinity() ? value : std::numeric_limits<double>::infinity();
+  }
+
+  Scheme scheme_;
+  State next_, before_;
+  Positions accelerations_;  // of a step's start, where the next step has no use for them
+  Scratch scratch_;
+};
+
+}  // namespace
+
+std::string turned_over_text(const Body& body, const Positions& positions) {
+  const std::vector<int> cells = flat_or_inverted_cells(body, positions);
+  return cells.empty() ? "a cell is flat or turned over" : flat_or_inverted_text(cells, body.tetrahedra.size());
+}
+
+void move_with_supports(const std::vector<Support>& supports, Positions& velocities) {
+  for (const Support& support : supports) {
+    const Vector3 off = support.velocity - velocities.col(support.molecule);
+    velocities.col(support.molecule) += off - support.free * off;
+  }
+}
+
+void set_accelerations(const Model& model, State& state) {
+  Scratch scratch;
+  set_accelerations(model, state, state.accelerations, scratch);
+}
+
+std::unique_ptr<Integrator> make_explicit(Scheme scheme) { return std::make_unique<Explicit>(scheme); }
+
+}  // namespace elastin

@@ -1,0 +1,314 @@
+#include "elastin/core/solve/modes.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <numeric>
+
+#include "core/model/incidence.h"
+
+namespace elastin {
+namespace {
+
+constexpr double kParallel = 1e-7;  ///< sine below which a direction counts as contained in a subspace
+
+/// Directions of one molecule that are known not to move, as an orthonormal basis.
+struct Held {
+  Matrix3 basis = Matrix3::Zero();
+  int count = 0;
+  /// Takes a direction in if it is a new one.
+  bool add(Vector3 direction) {
+    const double size = direction.norm();
+    if (count == 3 || size == 0) return false;
+    for (int pass = 0; pass < 2; ++pass)
+      for (int i = 0; i < count; ++i) direction -= basis.col(i).dot(direction) * basis.col(i);
+    if (!(direction.norm() > kParallel * size)) return false;
+    basis.col(count++) = direction.normalized();
+    return true;
+  }
+  bool contains(const Vector3& direction) const {
+    Vector3 rest = direction;
+    for (int i = 0; i < count; ++i) rest -= basis.col(i).dot(direction) * basis.col(i);
+    return rest.norm() <= kParallel * direction.norm();
+  }
+};
+
+/// Motion of a place under each of the six rigid motions about `centre`, lengths measured in `size`.
+Eigen::Matrix<double, 3, 6> rigid_rows(const Vector3& place, const Vector3& centre, double size) {
+  const Vector3 arm = (place - centre) / size;
+  Eigen::Matrix<double, 3, 6> rows;
+  rows.leftCols<3>().setIdentity();
+  rows.rightCols<3>() << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
+  return rows;
+}
+
+class Search {
+ public:
+  Search(const Body& body, const std::vector<Support>& supports, const std::vector<char>& stiff)
+      : body_(body), held_(body.size()), free_basis_(body.size()) {
+    for (int c = 0; c < body.connections.size(); ++c)
+      if ((stiff.empty() || stiff[c]) && direction(c).norm() > 0) links_.ends.push_back(body.connections.ends[c]);
+    incident_ = connections_of_molecules(body.size(), links_);
+    for (const Support& support : supports) {
+      const Matrix3 held = Matrix3::Identity() - support.free;
+      for (int axis = 0; axis < 3; ++axis)
+        if (held.col(axis).norm() > 1e-6) held_[support.molecule].add(held.col(axis));
+    }
+  }
+
+  ModeReport run() {
+    ModeReport report;
+    report.rigid_motions = pin_rigid_motions();
+    spread();
+    count_the_rest(report);
+    return report;
+  }
+
+ private:
+  Vector3 direction(int c) const {
+    const auto& [a, b] = body_.connections.ends[c];
+    return body_.rest.col(b) - body_.rest.col(a);
+  }
+  Vector3 link(int c) const { return body_.rest.col(links_.ends[c][1]) - body_.rest.col(links_.ends[c][0]); }
+
+  /// Holds the rigid motions that the supports leave, at as few molecules as can: the first, one joined to it, one
+  /// joined to both. Each pin takes exactly one rigid motion, so the count of other modes stays as it is.
+  int pin_rigid_motions() {
+    const int n = body_.size();
+    if (n == 0) return 0;
+    const Vector3 centre = body_.rest.rowwise().mean();
+    const double size = std::max((body_.rest.colwise() - centre).colwise().norm().maxCoeff(), 1e-300);
+    Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
+    for (int m = 0; m < n; ++m)
+      for (int i = 0; i < held_[m].count; ++i) {
+        const Eigen::Matrix<double, 1, 6> row =
+            held_[m].basis.col(i).transpose() * rigid_rows(body_.rest.col(m), centre, size);
+        gram += row.transpose() * row;
+      }
+    // Rotations about the line of a body on a line move nothing: they are no motion at all.
+    Eigen::Matrix<double, 6, 6> all = Eigen::Matrix<double, 6, 6>::Zero();
+    for (int m = 0; m < n; ++m) {
+      const auto rows = rigid_rows(body_.rest.col(m), centre, size);
+      all += rows.transpose() * rows / n;
+    }
+    const auto null_space = [](const Eigen::MatrixXd& matrix, double scale) -> Eigen::MatrixXd {
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
+      const int zeros = static_cast<int>((eigen.eigenvalues().array() < 1e-12 * scale).count());
+      return eigen.eigenvectors().leftCols(zeros);
+    };
+    const Eigen::MatrixXd still = null_space(all, 1);
+    Eigen::MatrixXd motions = null_space(gram + still * still.transpose(), std::max(1., gram.trace()));
+    const int rigid = static_cast<int>(motions.cols());
+    for (const int m : pin_order()) {
+      if (motions.cols() == 0) break;
+      const Eigen::MatrixXd moves = rigid_rows(body_.rest.col(m), centre, size) * motions;
+      const Eigen::JacobiSVD<Eigen::MatrixXd> svd(moves, Eigen::ComputeFullU | Eigen::ComputeFullV);
+      int rank = 0;
+      while (rank < svd.singularValues().size() && svd.singularValues()[rank] > 1e-5) ++rank;
+      for (int i = 0; i < rank; ++i) held_[m].add(svd.matrixU().col(i));
+      motions = (motions * svd.matrixV().rightCols(motions.cols() - rank)).eval();
+    }
+    return rigid;
+  }
+
+  /// A molecule, then its neighbours (so that a triangle of connections carries the pins on), then everyone else.
+  std::vector<int> pin_order() const {
+    int first = 0;  // one that is held already, if any: it carries furthest
+    for (int m = 0; m < body_.size(); ++m)
+      if (held_[m].count > held_[first].count) first = m;
+    std::vector<int> order{first};
+    std::vector<char> seen(body_.size(), 0);
+    seen[first] = 1;
+    const auto append = [&](int m) {
+      if (!seen[m]) seen[m] = 1, order.push_back(m);
+    };
+    for (const int c : incident_[first]) {
+      const int second = other_end(c, first);
+      append(second);
+      // Two that are both joined to the first and to each other stand next to one another in the order.
+      for (const int d : incident_[second]) {
+        const int third = other_end(d, second);
+        if (third != first && joined(third, first)) append(third);
+      }
+    }
+    for (int m = 0; m < body_.size(); ++m) append(m);
+    return order;
+  }
+
+  int other_end(int c, int molecule) const {
+    return links_.ends[c][0] == molecule ? links_.ends[c][1] : links_.ends[c][0];
+  }
+  bool joined(int a, int b) const {
+    return std::any_of(incident_[a].begin(), incident_[a].end(), [&](int c) { return other_end(c, a) == b; });
+  }
+
+  /// A connection whose one end is known not to move along it holds the other end along it too.
+  void spread() {
+    std::deque<int> queue;
+    std::vector<char> waiting(body_.size(), 1);
+    for (int m = 0; m < body_.size(); ++m) queue.push_back(m);
+    while (!queue.empty()) {
+      const int m = queue.front();
+      queue.pop_front();
+      waiting[m] = 0;
+      for (const int c : incident_[m]) {
+        const int other = other_end(c, m);
+        if (held_[other].count < 3 && held_[m].contains(link(c)) && held_[other].add(link(c)) && !waiting[other]) {
+          waiting[other] = 1;
+          queue.push_back(other);
+        }
+      }
+    }
+  }
+
+  /// The free directions of a molecule: along its connections as far as can be, so that groups fall apart.
+  void choose_free_basis(int m) {
+    Held all = held_[m];
+    for (const int c : incident_[m]) all.add(link(c));
+    for (int axis = 0; axis < 3; ++axis) all.add(Vector3::Unit(axis));
+    free_basis_[m] = all.basis.rightCols(3 - held_[m].count);
+  }
+
+  void count_the_rest(ModeReport& report) {
+    const int n = body_.size();
+    std::vector<int> first_unknown(n + 1, 0);
+    for (int m = 0; m < n; ++m) {
+      choose_free_basis(m);
+      first_unknown[m + 1] = first_unknown[m] + static_cast<int>(free_basis_[m].cols());
+    }
+    const int unknowns = first_unknown[n];
+    if (unknowns == 0) return;
+    // One row for each connection: its lengthening by each unknown. Unknowns that share a row belong to one group.
+    std::vector<int> parent(unknowns);
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int u) {
+      while (parent[u] != u) u = parent[u] = parent[parent[u]];
+      return u;
+    };
+    std::vector<std::vector<std::pair<int, double>>> rows;
+    for (int c = 0; c < links_.size(); ++c) {
+      std::vector<std::pair<int, double>> row;
+      for (const int side : {0, 1}) {
+        const int m = links_.ends[c][side];
+        const VectorX part = (side ? 1 : -1) * free_basis_[m].transpose() * link(c).normalized();
+        for (int i = 0; i < part.size(); ++i)
+          if (std::abs(part[i]) > kParallel) row.push_back({first_unknown[m] + i, part[i]});
+      }
+      for (std::size_t i = 1; i < row.size(); ++i) parent[root(row[i].first)] = root(row[0].first);
+      if (!row.empty()) rows.push_back(std::move(row));
+    }
+    std::map<int, std::pair<std::vector<int>, std::vector<int>>> groups;  // root → unknowns, rows
+    for (int u = 0; u < unknowns; ++u) groups[root(u)].first.push_back(u);
+    for (std::size_t r = 0; r < rows.size(); ++r) groups[root(rows[r][0].first)].second.push_back(static_cast<int>(r));
+    std::vector<int> molecule_of(unknowns);
+    for (int m = 0; m < n; ++m)
+      for (int u = first_unknown[m]; u < first_unknown[m + 1]; ++u) molecule_of[u] = m;
+    for (const auto& [_, group] : groups)
+      settle_group(group.first, group.second, rows, molecule_of, first_unknown, report);
+  }
+
+  void settle_group(const std::vector<int>& unknowns, const std::vector<int>& row_numbers,
+                    const std::vector<std::vector<std::pair<int, double>>>& rows, const std::vector<int>& molecule_of,
+                    const std::vector<int>& first_unknown, ModeReport& report) const {
+    const int size = static_cast<int>(unknowns.size());
+    std::map<int, int> local;
+    for (int i = 0; i < size; ++i) local[unknowns[i]] = i;
+    constexpr int dense_limit = 400, sparse_limit = 12000;
+    ZeroEnergyMode mode;
+    if (size <= dense_limit) {
+      Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(size, size);
+      for (const int r : row_numbers)
+        for (const auto& [u, x] : rows[r])
+          for (const auto& [v, y] : rows[r]) gram(local[u], local[v]) += x * y;
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+      const double threshold = 1e-9 * std::max(eigen.eigenvalues()[size - 1], 1e-9);
+      mode.count = static_cast<int>((eigen.eigenvalues().array() <= threshold).count());
+      if (mode.count == 0) return;
+      Positions motion = Positions::Zero(3, body_.size());
+      VectorX reach = VectorX::Zero(body_.size());  // how far a molecule goes in all the group's modes together
+      for (int k = 0; k < mode.count; ++k) {
+        Positions one = Positions::Zero(3, body_.size());
+        for (int i = 0; i < size; ++i) {
+          const int m = molecule_of[unknowns[i]];
+          one.col(m) += eigen.eigenvectors()(i, k) * free_basis_[m].col(unknowns[i] - first_unknown[m]);
+        }
+        if (k == 0) motion = one;
+        reach += one.colwise().squaredNorm().transpose();
+      }
+      for (int m = 0; m < body_.size(); ++m)
+        if (reach[m] > 1e-12) mode.molecules.push_back(m);
+      mode.direction = common_direction(motion, mode);
+    } else {
+      if (size > sparse_limit) {
+        report.counted = false;
+        return;
+      }
+      std::vector<Eigen::Triplet<double>> entries;
+      for (const int r : row_numbers)
+        for (const auto& [u, x] : rows[r])
+          for (const auto& [v, y] : rows[r]) entries.emplace_back(local[u], local[v], x * y);
+      for (int i = 0; i < size; ++i)
+        entries.emplace_back(i, i, -1e-9);  // Sylvester: negative pivots = modes below this
+      Eigen::SparseMatrix<double> gram(size, size);
+      gram.setFromTriplets(entries.begin(), entries.end());
+      const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(gram);
+      mode.count = static_cast<int>((factor.vectorD().array() < 0).count());
+      if (mode.count == 0) return;
+      for (const int u : unknowns)
+        if (mode.molecules.empty() || mode.molecules.back() != molecule_of[u]) mode.molecules.push_back(molecule_of[u]);
+    }
+    mode.text = describe(mode);
+    report.zero_energy_modes += mode.count;
+    report.modes.push_back(std::move(mode));
+  }
+
+  /// The direction in which all molecules of a single mode move alike, or zero.
+  static Vector3 common_direction(const Positions& motion, const ZeroEnergyMode& mode) {
+    if (mode.count != 1) return Vector3::Zero();
+    const Vector3 first = motion.col(mode.molecules.front());
+    for (const int m : mode.molecules)
+      if ((motion.col(m) - first).norm() > 1e-6 * first.norm()) return Vector3::Zero();
+    const Vector3 unit = first.normalized();
+    int largest = 0;
+    unit.cwiseAbs().maxCoeff(&largest);
+    return unit[largest] < 0 ? Vector3(-unit) : unit;
+  }
+
+  static std::string describe(const ZeroEnergyMode& mode) {
+    std::string text = mode.molecules.size() == 1 ? "molecule " : "molecules ";
+    constexpr std::size_t shown = 8;
+    for (std::size_t i = 0; i < std::min(shown, mode.molecules.size()); ++i)
+      text += (i ? ", " : "") + std::to_string(mode.molecules[i]);
+    if (mode.molecules.size() > shown) text += " and " + std::to_string(mode.molecules.size() - shown) + " more";
+    if (mode.direction == Vector3::Zero())
+      return text +
+             (mode.count > 1 ? ": " + std::to_string(mode.count) + " independent motions" : ": one joint motion");
+    text += mode.molecules.size() == 1 ? " moves along " : " slide together along ";
+    for (int axis = 0; axis < 3; ++axis)
+      if (mode.direction[axis] > 1 - 1e-9) return text + "xyz"[axis];
+    char buffer[64];
+    std::snprintf(buffer, sizeof buffer, "(%.3f, %.3f, %.3f)", mode.direction.x(), mode.direction.y(),
+                  mode.direction.z());
+    return text + buffer;
+  }
+
+  const Body& body_;
+  Connections links_;  // the connections that count
+  Rows incident_;
+  std::vector<Held> held_;
+  std::vector<Eigen::Matrix<double, 3, Eigen::Dynamic>> free_basis_;
+};
+
+}  // namespace
+
+ModeReport find_zero_energy_modes(const Body& body, const std::vector<Support>& supports,
+                                  const std::vector<char>& stiff) {
+  return Search(body, supports, stiff).run();
+}
+
+}  // namespace elastin

@@ -1,0 +1,256 @@
+#include "core/solve/newton.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/linear/linear_choice.h"
+#include "core/parallel/parallel.h"
+#include "core/solve/explicit.h"
+
+namespace elastin {
+namespace {
+
+/// Above this many molecules a factorisation is never tried where iterations got stuck.
+constexpr int kDirectLimit = 2500;
+
+/// Newton iterations in which a body that was stable at the start is followed down past negative modes before saddles
+/// are tried: nearly incompressible ones pass through pressures that are not there at the end.
+constexpr int kDownhillSteps = 25;
+
+/// Saddles that one solve goes down from.
+constexpr int kSaddles = 3;
+
+const std::string kAdrift = "the loads work on a zero-energy mode that does not stiffen";
+
+/// The solver of the last time, if it was of this kind.
+LinearSolver& solver_of(LinearMethod method, bool symmetric, SolverKept& kept) {
+  if (kept.solver && kept.method == method && kept.symmetric == symmetric) return *kept.solver;
+  if (!symmetric)
+    kept.solver = make_bicgstab();
+  else if (method == LinearMethod::direct)
+    kept.solver = make_direct();
+  else
+    kept.solver = method == LinearMethod::multigrid ? make_multigrid() : make_pcg();
+  kept.method = method;
+  kept.symmetric = symmetric;
+  return *kept.solver;
+}
+
+/// A way out of an equilibrium that is no minimum, which no force leads out of: a direction of negative stiffness, met
+/// on the way to the answer for a load that has a part in all of them. Null columns where there is none.
+Positions way_down(const Tangent& tangent, const std::vector<Support>& supports, int& iterations) {
+  Positions load = scattered_directions(tangent.model().body().size()), ignored;
+  keep_free(supports, load);
+  const LinearResult found = make_pcg()->solve(tangent, supports, load, 1e-5, ignored);
+  iterations += found.iterations;
+  return found.negative_direction;
+}
+
+/// A direction without stiffness has no length of its own: no molecule goes further than half its connections' mean.
+void limit_motion(const Body& body, Positions& motion) {
+  const double mean = mean_length(body);
+  const double furthest = std::sqrt(motion.colwise().squaredNorm().maxCoeff());
+  if (furthest > 0.5 * mean) motion *= 0.5 * mean / furthest;
+}
+
+/// Whether a body may be strained enough to buckle, which is worth another linear solve to find out. A column with one
+/// end free buckles at a strain of π²/48 (h/L)², any other later; and where the body is thinner than its outline,
+/// struts up to 45 times as long as they are thick do at 1e-4.
+bool may_buckle(const Body& body, const Positions& positions) {
+  const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
+  const double thin = size.minCoeff() / size.maxCoeff(), limit = std::min(1e-4, 0.1 * thin * thin);
+  for (int c = 0; c < body.connections.size(); ++c) {
+    const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+    const double rest = body.connections.rest_length[static_cast<std::size_t>(c)];
+    if (!(std::abs((positions.col(b) - positions.col(a)).norm() - rest) < limit * rest)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+double rounding_floor(const Tangent& tangent, const Positions& positions) {
+  const double reach = positions.cwiseAbs().maxCoeff();
+  double sum = 0;
+  for (int i = 0; i < tangent.model().body().size(); ++i) sum += tangent.diagonal(i).squaredNorm();
+  return std::numeric_limits<double>::epsilon() * reach * std::sqrt(sum);
+}
+
+LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
+                          double tolerance, const StaticOptions& options, bool through_saddles, Positions& solution,
+                          UsedSolver& used, SolverKept& kept) {
+  const int molecules = tangent.model().body().size();
+  const LinearChoice choice = choose_linear_solver(tangent, options.method, tolerance);
+  used.reason = choice.reason;
+  const bool symmetric = tangent.model().symmetric();
+  LinearSolver* solver = &solver_of(choice.method, symmetric, kept);
+  LinearResult result = solver->solve(tangent, supports, rhs, tolerance, solution);
+  std::unique_ptr<LinearSolver> other_solver;
+  if (result.negative_modes > 0 && !through_saddles) {  // a factorisation leads to the saddle, iterations downhill
+    other_solver = make_pcg();
+    solver = other_solver.get();
+    const int before = result.iterations;
+    result = solver->solve(tangent, supports, rhs, tolerance, solution);
+    result.iterations += before;
+  }
+  const bool iterated = choice.method != LinearMethod::direct && symmetric;
+  const bool downhill = result.status == LinearStatus::negative_mode && !through_saddles;
+  if (result.status != LinearStatus::solved && !downhill && iterated && options.method == LinearMethod::automatic &&
+      molecules <= kDirectLimit) {
+    Positions other;
+    auto direct = make_direct();
+    const LinearResult second = direct->solve(tangent, supports, rhs, tolerance, other);
+    if (second.residual <= std::max(result.residual, tolerance)) {
+      solution = other;
+      other_solver = std::move(direct);
+      solver = other_solver.get();
+      used.reason = "iterations got stuck, and with " + std::to_string(molecules) + " molecules it is affordable";
+      result = {second.status, result.iterations + second.iterations, second.residual, second.negative_modes, {}};
+    }
+  }
+  used.name = solver->name();
+  return result;
+}
+
+void set_held_parts(const std::vector<Support>& supports, const Positions& vectors, Positions& parts) {
+  parts.resize(3, static_cast<Eigen::Index>(supports.size()));
+  for (std::size_t i = 0; i < supports.size(); ++i) {
+    const Vector3 v = vectors.col(supports[i].molecule);
+    parts.col(static_cast<Eigen::Index>(i)) = v - supports[i].free * v;
+  }
+}
+
+Positions held_parts(const std::vector<Support>& supports, const Positions& vectors) {
+  Positions parts;
+  set_held_parts(supports, vectors, parts);
+  return parts;
+}
+
+void place_supports(const Model& model, Positions& positions) {
+  for (const Support& support : model.supports) {
+    const Vector3 wanted = model.body().rest.col(support.molecule) + support.displacement;
+    const Vector3 off = wanted - positions.col(support.molecule);
+    positions.col(support.molecule) += off - support.free * off;
+  }
+}
+
+namespace {
+
+/// Of a memory that is tightened after each equilibrium, until it says that it is enough.
+constexpr int kTightenings = 50;
+
+/// An equilibrium with the memory that the state has.
+StaticResult balance_once(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
+                          NewtonRoom& room) {
+  StaticResult result;
+  const Problem problem(model, kinematics);
+  Trial& now = room.now;
+  now.state = state;
+  evaluate(problem, problem.with_energy, now, room.trials);
+  if (!std::isfinite(now.energy)) {
+    result.outcome = Outcome::inverted;
+    result.cause = turned_over_text(model.body(), now.state.positions) + " at the start of the step";
+    return result;
+  }
+  UsedSolver used{options.method == LinearMethod::direct ? "direct" : "pcg", ""};
+  bool stable_start = false, adrift = false;
+  int saddles = 0, last_saddle = 0;  // how many were left, and after how many iterations
+  double forcing = 1e-3, last = now.forces.norm;
+  while (true) {
+    if (!std::isfinite(now.forces.norm + now.forces.scale)) {
+      result.outcome = Outcome::diverged;
+      result.cause = "the forces are too large for numbers";
+      break;
+    }
+    const Weights weights = kinematics ? kinematics->weights : Weights{};
+    if (room.tangent && &room.tangent->model() == &model)
+      room.tangent->take(now.state, weights);
+    else
+      room.tangent = std::make_unique<Tangent>(model, now.state, weights);
+    const Tangent& tangent = *room.tangent;
+    const double floor = rounding_floor(tangent, now.state.positions);
+    result.residual = now.forces.scale > 0 ? now.forces.norm / now.forces.scale : 0;
+    const double goal = std::max(options.tolerance * now.forces.scale, 2 * floor);
+    if (now.forces.norm <= goal) {
+      const bool probe = options.probe && !kinematics && problem.with_energy && saddles < kSaddles;
+      if (!probe || !may_buckle(model.body(), now.state.positions)) break;
+      const Positions down = way_down(tangent, model.supports, result.linear_iterations);
+      result.unstable = down.size() > 0;
+      if (!result.unstable || !stable_start || !leave_saddle(problem, down, now, room.trials)) break;
+      ++saddles;
+      last_saddle = result.newton_iterations;
+      result.left_saddle = true;
+      continue;
+    }
+    if (result.newton_iterations == options.newton_limit) {
+      result.outcome = adrift ? Outcome::mechanism : Outcome::limit_reached;
+      if (!kinematics || !kinematics->cut_short || adrift)
+        result.cause = adrift ? kAdrift
+                              : "no equilibrium within " + std::to_string(options.newton_limit) + " Newton iteration" +
+                                    (options.newton_limit == 1 ? "" : "s");
+      break;
+    }
+    // Solve each step no further than the next unbalanced force can use. [Eisenstat & Walker 1996, choice 2]
+    if (result.newton_iterations > 0) forcing = std::min(1e-2, 0.5 * std::pow(now.forces.norm / last, 2));
+    forcing = std::max(forcing, 0.1 * goal / now.forces.norm);
+    // Conjugate gradients get stuck on a stiffness that is not symmetric: ask for little, and come again.
+    if (!model.has_energy()) forcing = std::max(forcing, 0.03);
+    last = now.forces.norm;
+    Positions& motion = room.motion;
+    const LinearResult linear = solve_linear(tangent, model.supports, now.forces.unbalanced, forcing, options,
+                                             !stable_start || result.newton_iterations >= last_saddle + kDownhillSteps,
+                                             motion, used, room.solver);
+    const bool negative = linear.status == LinearStatus::negative_mode || linear.negative_modes > 0;
+    if (result.newton_iterations == 0) stable_start = problem.with_energy && !negative;
+    result.linear_iterations += linear.iterations;
+    ++result.newton_iterations;
+    result.unstable = negative;
+    adrift = linear.status == LinearStatus::zero_mode && linear.residual > 0.9;
+    if (linear.status != LinearStatus::solved && linear.residual > 0.9) limit_motion(model.body(), motion);
+    // A full answer of an indefinite stiffness leads to a saddle of the energy: there only the force can be a guide.
+    const bool to_saddle = linear.negative_modes > 0;
+    bool inverted = false;
+    const bool found = motion.allFinite() &&
+                       line_search(problem, motion, problem.with_energy && !to_saddle, now, inverted, room.trials);
+    result.cut_steps += inverted;
+    if (!found) {
+      const bool mechanism = linear.status == LinearStatus::zero_mode;
+      result.outcome = mechanism ? Outcome::mechanism : inverted ? Outcome::inverted : Outcome::diverged;
+      result.cause = mechanism  ? kAdrift
+                     : inverted ? "every further step would turn a cell over"
+                                : "no step lowers the unbalanced force";
+      break;
+    }
+  }
+  state = now.state;
+  result.solver = "newton " + used.name;
+  result.reason = used.reason;
+  if (kinematics) return result;  // nobody asks for the reactions of a step
+  Positions forces;
+  model.set_forces(state, forces);
+  result.reactions = -held_parts(model.supports, forces);
+  return result;
+}
+
+}  // namespace
+
+StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
+                          NewtonRoom& room) {
+  StaticResult result = balance_once(model, state, options, kinematics, room);
+  for (int round = 0; result.outcome == Outcome::converged && model.tighten(state); ++round) {
+    if (round == kTightenings) {
+      result.outcome = Outcome::limit_reached;
+      result.cause = "contact is pressed in deeper than allowed after " + std::to_string(kTightenings) + " tightenings";
+      break;
+    }
+    StaticResult again = balance_once(model, state, options, kinematics, room);
+    again.newton_iterations += result.newton_iterations;
+    again.linear_iterations += result.linear_iterations;
+    again.cut_steps += result.cut_steps;
+    result = std::move(again);
+  }
+  return result;
+}
+
+}  // namespace elastin

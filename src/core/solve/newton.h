@@ -1,0 +1,58 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "core/forces/tangent.h"
+#include "core/linear/linear_solver.h"
+#include "core/solve/trial.h"
+#include "elastin/core/solve/statics.h"
+
+namespace elastin {
+
+/// A linear solver kept from one solve to the next, for its memory.
+struct SolverKept {
+  std::unique_ptr<LinearSolver> solver;
+  LinearMethod method = LinearMethod::automatic;
+  bool symmetric = true;
+};
+
+/// Room for what Newton computes on the way; it only grows. Time steps of one model with conjugate gradients allocate
+/// nothing after the first.
+struct NewtonRoom {
+  Trial now;
+  TrialRoom trials;
+  std::unique_ptr<Tangent> tangent;  // of the model
+  SolverKept solver;
+  Positions motion;
+};
+
+/// The one Newton of static and implicit solvers: finds the positions where elastic forces, damping and loads balance
+/// inertia, from state.positions, with a line search on the energy where there is one and else on the unbalanced force.
+/// state.time is that of the answer; supports must be set for it. Never throws on numerical trouble.
+/// @param kinematics nullptr: static. Else reactions are not asked for.
+/// @param room of this model alone.
+StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
+                          NewtonRoom& room);
+
+/// The unbalanced force [N] that rounding of the positions alone makes: nothing smaller can be asked for.
+double rounding_floor(const Tangent& tangent, const Positions& positions);
+
+/// What solved a linear problem, and why that: "multigrid", "103823 molecules, …".
+struct UsedSolver {
+  std::string name, reason;
+};
+
+/// One linear solve, by the method of the options; falls back on the factorisation where iterations met what they
+/// cannot handle and the body is small enough for it; on a negative mode only if `through_saddles`.
+LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
+                          double tolerance, const StaticOptions& options, bool through_saddles, Positions& solution,
+                          UsedSolver& used, SolverKept& kept);
+
+/// The held part of each supported molecule's column, 3 × supports.
+void set_held_parts(const std::vector<Support>& supports, const Positions& vectors, Positions& parts);
+Positions held_parts(const std::vector<Support>& supports, const Positions& vectors);
+
+/// Puts every supported molecule where its support wants it, in the held directions.
+void place_supports(const Model& model, Positions& positions);
+
+}  // namespace elastin

@@ -1,0 +1,134 @@
+#include "elastin/core/solve/stable_step.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "core/forces/tangent.h"
+#include "core/linear/linear_solver.h"
+#include "core/parallel/parallel.h"
+
+namespace elastin {
+namespace {
+
+using Operator = std::function<void(const Positions& motion, Positions& result)>;
+
+/// Scaled by √mass, so that M⁻¹ K becomes symmetric.
+VectorX inverse_root_mass(const Body& body) { return body.mass.cwiseSqrt().cwiseInverse(); }
+
+/// Largest eigenvalue by size of a symmetric operator by Lanczos-free power iteration; `mode` is left at its vector.
+double largest_eigenvalue(const Operator& apply, Positions& mode) {
+  Positions image(3, mode.cols());
+  double value = 0;
+  mode /= std::max(ordered_norm(mode), std::numeric_limits<double>::min());
+  for (int iteration = 0; iteration < 500; ++iteration) {
+    apply(mode, image);
+    const double norm = ordered_norm(image), last = value;
+    value = norm;
+    if (!(norm > 0) || !std::isfinite(norm)) return 0;
+    mode = image / norm;
+    if (iteration > 20 && std::abs(value - last) <= 1e-6 * value) break;
+  }
+  return value;
+}
+
+double spectral_norm(const Matrix3& block) {
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix3>(block.transpose() * block, Eigen::EigenvaluesOnly)
+                       .eigenvalues()
+                       .maxCoeff());
+}
+
+/// Row sums of the blocks' norms over the molecules' masses.
+std::pair<double, int> bound_of(const Tangent& tangent) {
+  const Body& body = tangent.model().body();
+  // The parts of one block must be added before its norm is taken, or cells would count many times: blocks by row.
+  std::vector<std::vector<std::pair<int, Matrix3>>> rows(body.size());
+  tangent.visit_blocks([&](int a, int b, const Matrix3& part) {
+    auto& row = rows[a];
+    const auto at = std::find_if(row.begin(), row.end(), [&](const auto& entry) { return entry.first == b; });
+    if (at == row.end())
+      row.emplace_back(b, part);
+    else
+      at->second += part;
+  });
+  std::pair<double, int> most{0, -1};
+  for (int a = 0; a < body.size(); ++a) {
+    double sum = 0;
+    for (const auto& [b, block] : rows[a]) sum += spectral_norm(block) / std::sqrt(body.mass[a] * body.mass[b]);
+    if (sum > most.first) most = {sum, a};
+  }
+  return most;
+}
+
+/// Which connection or cell stores most of a mode's energy, ½ (2 d·δ)² slope and q |δ|² of springs.
+void name_culprit(Model& model, const State& state, const Positions& mode, StableStep& found) {
+  const Connections& connections = model.body().connections;
+  VectorX squares(connections.size()), slopes = VectorX::Zero(connections.size());
+  const VectorX densities = model.force_densities(state.positions);
+  VectorX share(connections.size());
+  for (const auto& part : model.elasticity()) part->add_own_slopes(slopes);
+  for (int c = 0; c < connections.size(); ++c) {
+    const auto& [a, b] = connections.ends[c];
+    const Vector3 delta = mode.col(b) - mode.col(a);
+    squares[c] = 2 * (state.positions.col(b) - state.positions.col(a)).dot(delta);
+    share[c] = std::abs(slopes[c] * squares[c] * squares[c] + densities[c] * delta.squaredNorm());
+  }
+  double most = share.size() ? share.maxCoeff(&found.connection) : 0;
+  int cell = 0;
+  for (const auto& part : model.elasticity())
+    part->visit_cells([&](std::span<const int> sides, const double* slope) {
+      double energy = 0;
+      for (std::size_t i = 0; i < sides.size(); ++i)
+        for (std::size_t j = 0; j < sides.size(); ++j)
+          energy += squares[sides[i]] * slope[i * sides.size() + j] * squares[sides[j]];
+      if (std::abs(energy) > most) most = std::abs(energy), found.cell = cell, found.connection = -1;
+      ++cell;
+    });
+}
+
+}  // namespace
+
+StableStep find_stable_step(Model& model, const State& state) {
+  StableStep found;
+  const Body& body = model.body();
+  const VectorX root = inverse_root_mass(body);
+  const Tangent stiffness(model, state), damped(model, state, {.velocity = 1});
+  const auto scaled = [&](const Tangent& tangent, const Positions& motion, Positions& result) {
+    const Positions moved = motion * root.asDiagonal();
+    tangent.apply(moved, result);
+    result = (result * root.asDiagonal()).eval();
+    keep_free(model.supports, result);
+  };
+  Positions mode = scattered_directions(body.size());
+  keep_free(model.supports, mode);
+  const Positions start = mode;
+  found.frequency = std::sqrt(
+      largest_eigenvalue([&](const Positions& motion, Positions& result) { scaled(stiffness, motion, result); }, mode));
+  const Positions fastest = mode * root.asDiagonal();
+  const bool resists = !model.viscosity().empty() || std::any_of(model.loads().begin(), model.loads().end(),
+                                                                 [](const auto& load) { return load->changes(); });
+  if (resists) {
+    mode = start;
+    Positions other(3, body.size());
+    found.damping_rate = largest_eigenvalue(
+        [&](const Positions& motion, Positions& result) {
+          scaled(damped, motion, result);
+          scaled(stiffness, motion, other);
+          result -= other;
+        },
+        mode);
+  }
+  const double w = found.frequency, c = found.damping_rate, sum = std::sqrt(w * w + c * c) + c;
+  found.step = sum > 0 ? 2 / sum : std::numeric_limits<double>::infinity();
+  const auto [bound, molecule] = bound_of(stiffness);
+  found.bound = std::sqrt(bound);
+  found.molecule = molecule;
+  name_culprit(model, state, fastest, found);
+  return found;
+}
+
+double frequency_bound(Model& model, const State& state) { return std::sqrt(bound_of(Tangent(model, state)).first); }
+
+}  // namespace elastin

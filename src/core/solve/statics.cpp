@@ -1,0 +1,117 @@
+#include "elastin/core/solve/statics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/solve/newton.h"
+#include "core/solve/relaxation.h"
+
+namespace elastin {
+namespace {
+
+/// The body stretched with the mean motion that moved supports impose is a far better start than a torn first layer:
+/// one linear solve about the present state, with the supports' way as its only load.
+void follow_supports(Model& model, State& state, const StaticOptions& options, StaticResult& result) {
+  Positions moved = state.positions;
+  place_supports(model, moved);
+  const Positions way = moved - state.positions;
+  if (way.cwiseAbs().maxCoeff() == 0) return;
+  StaticOptions rough = options;
+  rough.tolerance = 1e-3;
+  const StaticResponse response = static_response(model, state.positions, Positions::Zero(3, way.cols()), way, rough);
+  result.linear_iterations += response.result.linear_iterations;
+  const Positions stretched = state.positions + response.motion;
+  const bool usable = response.motion.allFinite() && std::isfinite(model.elastic_energy(stretched));
+  state.positions = usable ? stretched : moved;
+}
+
+StaticResult solve_linear_statics(Model& model, State& state, const StaticOptions& options) {
+  const State rest = state_at_rest(model.body());
+  Positions way = rest.positions;
+  place_supports(model, way);
+  way -= rest.positions;
+  StaticResponse response = static_response(
+      model, rest.positions, model.load_forces(rest) + model.elastic_forces(rest.positions), way, options);
+  if (response.result.outcome == Outcome::converged) state.positions = rest.positions + response.motion;
+  return response.result;
+}
+
+}  // namespace
+
+const char* name_of(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::converged:
+      return "converged";
+    case Outcome::limit_reached:
+      return "limit_reached";
+    case Outcome::inverted:
+      return "inverted";
+    case Outcome::diverged:
+      return "diverged";
+    case Outcome::mechanism:
+      return "mechanism";
+    case Outcome::interrupted:
+      return "interrupted";
+  }
+  return "";
+}
+
+StaticResult solve_static(Model& model, State& state, const StaticOptions& options) {
+  if (options.linear) return solve_linear_statics(model, state, options);
+  if (options.way != StaticWay::newton) return relax(model, state, options);
+  StaticResult moved;
+  follow_supports(model, state, options, moved);
+  NewtonRoom room;
+  StaticResult result = solve_newton(model, state, options, nullptr, room);
+  result.linear_iterations += moved.linear_iterations;
+  return result;
+}
+
+StaticResponse static_response(Model& model, const Positions& at, const Positions& load_change, const Positions& way,
+                               const StaticOptions& options) {
+  StaticResponse response;
+  StaticResult& result = response.result;
+  const auto add_held_way = [&](Positions& motion) {
+    for (const Support& support : model.supports) {
+      const Vector3 w = way.col(support.molecule);
+      motion.col(support.molecule) += w - support.free * w;
+    }
+  };
+  const State state{at, model.feels_velocity() ? Positions(Positions::Zero(3, at.cols())) : Positions()};
+  const Tangent tangent(model, state);
+  Positions rhs(3, way.cols()), motion = Positions::Zero(3, way.cols());
+  add_held_way(motion);
+  tangent.apply(motion, rhs);
+  rhs = load_change - rhs;
+  const double held = held_parts(model.supports, rhs).norm();
+  keep_free(model.supports, rhs);
+  UsedSolver used;
+  SolverKept kept;
+  const LinearResult linear =
+      solve_linear(tangent, model.supports, rhs, options.tolerance, options, true, motion, used, kept);
+  result.solver = "linear " + used.name;
+  result.reason = used.reason;
+  result.linear = true;
+  result.newton_iterations = 1;
+  result.linear_iterations = linear.iterations;
+  const double size = ordered_norm(rhs);
+  result.residual = size > 0 ? linear.residual * size / (size + held) : 0;
+  result.unstable = linear.negative_modes > 0 || linear.status == LinearStatus::negative_mode;
+  // An indefinite stiffness still has its one answer, which a factorisation finds and iterations do not.
+  if (linear.status != LinearStatus::solved && linear.residual > std::max(options.tolerance, 1e-8)) {
+    const bool mode = linear.status == LinearStatus::zero_mode, negative = linear.status == LinearStatus::negative_mode;
+    result.outcome = mode ? Outcome::mechanism : negative ? Outcome::diverged : Outcome::limit_reached;
+    result.cause = mode       ? "the loads work on a zero-energy mode"
+                   : negative ? "the stiffness has directions of negative stiffness"
+                              : "the linear solver ran out of iterations";
+  }
+  add_held_way(motion);
+  tangent.apply(motion, rhs);
+  rhs -= load_change;
+  result.reactions = held_parts(model.supports, rhs);
+  response.motion = std::move(motion);
+  return response;
+}
+
+}  // namespace elastin

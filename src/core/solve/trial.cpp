@@ -1,0 +1,158 @@
+#include "core/solve/trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/parallel/parallel.h"
+#include "core/solve/explicit.h"
+#include "core/solve/newton.h"
+
+namespace elastin {
+namespace {
+
+void set_balance(const Problem& problem, const State& state, Balance& result, TrialRoom& room) {
+  const Model& model = problem.model;
+  const int n = model.body().size();
+  result.scale = 0;
+  // Each load by itself: together they may cancel, as a weight and the floor that it rests on.
+  room.loads.setZero(3, n);
+  for (const auto& load : model.loads()) {
+    room.one.setZero(3, n);
+    load->add_forces(state, room.one);
+    result.scale += ordered_norm(room.one);
+    room.loads += room.one;
+  }
+  if (problem.kinematics) {
+    model.set_forces(state, result.unbalanced, room.scratch);
+    room.one = state.accelerations * model.body().mass.asDiagonal();  // inertia
+    result.unbalanced -= room.one;
+    result.scale += ordered_norm(room.one);
+  } else {
+    result.unbalanced.setZero(3, n);
+    model.add_elastic_forces(state.positions, result.unbalanced, room.scratch);
+    result.unbalanced += room.loads;
+  }
+  set_held_parts(model.supports, result.unbalanced, room.held);
+  result.scale += room.held.norm();
+  keep_free(model.supports, result.unbalanced);
+  result.norm = ordered_norm(result.unbalanced);
+}
+
+/// Velocities and accelerations that go with the positions; supports move as they say.
+void follow(const Model& model, const Kinematics& kinematics, State& state) {
+  const Weights& weights = kinematics.weights;
+  state.velocities = kinematics.velocities + weights.velocity * (state.positions - kinematics.start);
+  state.accelerations = kinematics.accelerations + weights.acceleration * (state.positions - kinematics.start);
+  move_with_supports(model.supports, state.velocities);
+}
+
+/// What the step's kinetic energy adds to the energy that its end minimises: ½ w_a |Δx|² + a₀·Δx, by mass.
+double step_energy(const Model& model, const Kinematics& kinematics, const Positions& positions) {
+  const VectorX& mass = model.body().mass;
+  return ordered_sum(model.body().size(), [&](int i) {
+    const Vector3 way = positions.col(i) - kinematics.start.col(i);
+    return mass[i] *
+           (kinematics.weights.acceleration / 2 * way.squaredNorm() + kinematics.accelerations.col(i).dot(way));
+  });
+}
+
+/// What rounding of the positions does to the energy [J].
+double noise_of(const Model& model, const Trial& trial, TrialRoom& room) {
+  const Positions& positions = trial.state.positions;
+  const int connections = model.body().connections.size();
+  room.densities.setZero(connections);
+  for (const auto& part : model.elasticity()) part->add_force_densities(positions, room.densities, room.scratch);
+  const auto& ends = model.body().connections.ends;
+  const double pull = ordered_sum(connections, [&](int c) {
+    return std::abs(room.densities[c]) * (positions.col(ends[c][1]) - positions.col(ends[c][0])).norm();
+  });
+  const double all = pull + std::sqrt(static_cast<double>(positions.cols())) * trial.forces.scale;
+  return 4 * std::numeric_limits<double>::epsilon() * positions.cwiseAbs().maxCoeff() * all;
+}
+
+double work(const Balance& forces, const Positions& motion) {
+  return ordered_sum(static_cast<int>(motion.cols()),
+                     [&](int i) { return forces.unbalanced.col(i).dot(motion.col(i)); });
+}
+
+/// The trial state `way` · motion further on.
+void set_state(const State& from, double way, const Positions& motion, State& state) {
+  state.positions = from.positions + way * motion;
+  state.velocities = from.velocities;
+  state.accelerations = from.accelerations;
+  state.time = from.time;
+  state.touches = from.touches;
+}
+
+}  // namespace
+
+Problem::Problem(Model& a_model, const Kinematics* some_kinematics) : model(a_model), kinematics(some_kinematics) {
+  with_energy = model.conservative();
+  if (!kinematics) return;
+  with_energy &= model.viscosity().empty();
+  for (const auto& load : model.loads()) with_energy &= !load->resists();
+}
+
+void evaluate(const Problem& problem, bool with_energy, Trial& trial, TrialRoom& room) {
+  const Model& model = problem.model;
+  const Positions& positions = trial.state.positions;
+  trial.noise = 0;
+  trial.forces.norm = trial.forces.scale = 0;
+  if (problem.kinematics) follow(model, *problem.kinematics, trial.state);
+  trial.energy = model.elastic_energy(positions) + model.load_energy(trial.state);
+  if (!model.admissible(positions)) trial.energy = std::numeric_limits<double>::infinity();
+  if (problem.kinematics) trial.energy += step_energy(model, *problem.kinematics, positions);
+  if (!std::isfinite(trial.energy)) return;
+  set_balance(problem, trial.state, trial.forces, room);
+  if (with_energy) trial.noise = noise_of(model, trial, room);
+}
+
+bool line_search(const Problem& problem, const Positions& motion, bool with_energy, Trial& now, bool& inverted,
+                 TrialRoom& room) {
+  const double slope = -work(now.forces, motion);
+  inverted = false;
+  set_state(now.state, 1, motion, room.whole);
+  Trial& trial = room.next;
+  for (double step = problem.model.free_way(now.state, room.whole); step > 1e-9; step /= 2) {
+    set_state(now.state, step, motion, trial.state);
+    evaluate(problem, with_energy, trial, room);
+    inverted |= std::isinf(trial.energy);
+    if (!std::isfinite(trial.energy) || !std::isfinite(trial.forces.norm)) continue;
+    bool falls = with_energy && slope < 0 && trial.energy <= now.energy + 1e-4 * step * slope;
+    if (!problem.with_energy && problem.kinematics)
+      falls = slope < 0 && (work(trial.forces, motion) - slope) / 2 >= -1e-4 * slope;
+    const bool calmer = trial.forces.norm < (1 - 1e-4 * step) * now.forces.norm;
+    // Near the answer the energy differs by less than its rounding; far from it, a calmer force alone may be a saddle.
+    const bool same_energy = !with_energy || trial.energy - now.energy <= trial.noise;
+    if (falls || (calmer && same_energy)) {
+      std::swap(now, trial);
+      return true;
+    }
+  }
+  return false;
+}
+
+bool leave_saddle(const Problem& problem, const Positions& direction, Trial& now, TrialRoom& room) {
+  const double furthest = std::sqrt(direction.colwise().squaredNorm().maxCoeff());
+  const double length = 0.1 * mean_length(problem.model.body()) / furthest;
+  Trial& trial = room.next;
+  for (double step = length; step > 1e-6 * length; step /= 4)
+    for (const double way : {step, -step}) {
+      set_state(now.state, way, direction, trial.state);
+      evaluate(problem, true, trial, room);
+      if (!(now.energy - trial.energy > 10 * std::max(now.noise, trial.noise))) continue;
+      std::swap(now, trial);
+      return true;
+    }
+  return false;
+}
+
+double mean_length(const Body& body) {
+  double mean = 0;
+  for (const double length : body.connections.rest_length)
+    mean += length / static_cast<double>(body.connections.rest_length.size());
+  return mean;
+}
+
+}  // namespace elastin

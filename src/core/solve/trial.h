@@ -1,0 +1,67 @@
+#pragma once
+#include <vector>
+
+#include "core/forces/tangent.h"
+#include "elastin/core/forces/model.h"
+
+namespace elastin {
+
+/// What ties velocities and accelerations to the positions sought, at the end of a time step: v = v₀ + w_v (x − x₀),
+/// a = a₀ + w_a (x − x₀). A static problem has none of it.
+struct Kinematics {
+  Weights weights;
+  Positions start;          ///< x₀ [m]
+  Positions velocities;     ///< v₀ [m/s]
+  Positions accelerations;  ///< a₀ [m/s²]
+  /// Whether the step ends after its last iteration, balanced or not; nobody then wants to hear that it is not.
+  bool cut_short = false;
+};
+
+/// What stays the same through Newton's iterations.
+struct Problem {
+  Model& model;
+  const Kinematics* kinematics;  ///< null: static
+  bool with_energy;              ///< whether the answer minimises an energy
+
+  Problem(Model& a_model, const Kinematics* some_kinematics);
+};
+
+struct Balance {
+  Positions unbalanced;  ///< all forces less inertia, in the free directions [N]
+  double norm = 0;       ///< its size
+  double scale = 0;      ///< size of loads, inertia and reactions
+};
+
+/// Where a line search stands: total energy (where there is one) and unbalanced force.
+struct Trial {
+  State state;
+  Balance forces;
+  double energy = 0;  ///< +infinity where a cell is flat or turned over
+  double noise = 0;   ///< what rounding of the positions does to the energy [J]
+};
+
+/// Room for what trials compute on the way; it only grows.
+struct TrialRoom {
+  Trial next;
+  State whole;
+  Positions loads, one, held;
+  VectorX densities;
+  Scratch scratch;
+};
+
+/// Sets all of the trial that follows from its state's positions.
+void evaluate(const Problem& problem, bool with_energy, Trial& trial, TrialRoom& room);
+
+/// Halves the step until the energy falls (Armijo) or, where rounding hides that or there is no energy, the unbalanced
+/// force does; and while a cell is turned over, with or without an energy. A time step with damping or drag has no
+/// energy, but forces whose work on the way says the same. Returns false if no step helps; `now` then stays.
+bool line_search(const Problem& problem, const Positions& motion, bool with_energy, Trial& now, bool& inverted,
+                 TrialRoom& room);
+
+/// Goes along a direction, or against it, as far as the energy falls by more than its rounding. Returns whether it did.
+bool leave_saddle(const Problem& problem, const Positions& direction, Trial& now, TrialRoom& room);
+
+/// Mean rest length of the connections [m].
+double mean_length(const Body& body);
+
+}  // namespace elastin

@@ -1,0 +1,129 @@
+#include "lab/experiment/bending.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "elastin/core/base/error.h"
+#include "lab/experiment/faces.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Beyond this part of the length the linear beam is off by more than half a hundredth.
+constexpr double kSmallDeflection = 0.1;
+
+class Bending final : public Experiment {
+ public:
+  Bending(const Body& body, const BendingSetup& setup, const Material& material)
+      : body_(body), setup_(setup), root_(end_face(body, -setup.axis, setup.grip_depth)) {
+    const Face tip = end_face(body, setup.axis, setup.grip_depth);
+    choose_tip(tip);
+    full_forces_ = setup.gravity * setup.direction * body.mass.transpose();
+    for (std::size_t i = 0; i < tip.molecules.size(); ++i)
+      full_forces_.col(tip.molecules[i]) += setup.force * tip.share[static_cast<Eigen::Index>(i)] * setup.direction;
+    const double root_height = setup.axis.dot(middle_of(root_, body.rest));
+    length_ = setup.axis.dot(middle_of(tip, body.rest)) - root_height;
+    find_beam_deflection(root_height, material.poissons_ratio);
+  }
+
+  std::string name() const override { return "bending"; }
+  CourseMeasures course() const override { return {"tip_deflection", ""}; }
+  bool let_go(Model& model) override {
+    set_load(model, 0);
+    return true;
+  }
+  int load_steps() const override { return setup_.load_steps; }
+
+  void hold(Model& model) override {
+    for (const int molecule : root_.molecules) model.supports.push_back({molecule, Matrix3::Zero(), Vector3::Zero()});
+    std::vector<int> all(static_cast<std::size_t>(body_.size()));
+    for (int molecule = 0; molecule < body_.size(); ++molecule) all[static_cast<std::size_t>(molecule)] = molecule;
+    auto load = std::make_unique<PointLoads>(body_, std::move(all), full_forces_);
+    load_ = load.get();
+    model.add(std::move(load));
+  }
+
+  void set_load(Model&, double factor) override {
+    load_->set_factor(factor);
+    factor_ = factor;
+  }
+
+  Measures measure(Model& model, const Start& start, const State& state, const StaticOptions&,
+                   StaticResult& solved) const override {
+    Vector3 motion = Vector3::Zero();
+    for (const int molecule : tip_)
+      motion += (state.positions.col(molecule) - start.positions.col(molecule)) / static_cast<double>(tip_.size());
+    const double deflection = setup_.direction.dot(motion);
+    const Vector3 weight = factor_ * full_forces_.rowwise().sum();
+    Measures measures;
+    if (std::abs(deflection) <= kSmallDeflection * length_ || solved.linear)
+      measures.set("effective_modulus", factor_ * deflection_times_modulus_ / deflection);
+    measures.set("tip_deflection", deflection);
+    measures.set("tip_shortening", -setup_.axis.dot(motion));
+    measures.set("force", weight.norm());
+    if (model.has_energy() && !solved.linear) measures.set("energy", model.elastic_energy(state.positions));
+    const Vector3 left = model.load_forces(state).rowwise().sum() + solved.reactions.rowwise().sum();
+    measures.set("reaction_balance", left.norm() / weight.norm());
+    return measures;
+  }
+
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
+    return {{"effective_modulus", material.youngs_modulus}, {"tip_deflection"}, {"tip_shortening"}};
+  }
+
+  std::string remark(const Measures& measures) const override {
+    const double part = std::abs(measures.get("tip_deflection")) / length_;
+    if (!(part > kSmallDeflection) || std::isfinite(measures.get("effective_modulus"))) return "";
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the tip sinks by %.3g %% of the length, too far for the formula that gives effective_modulus",
+                  100 * part);
+    return text;
+  }
+
+ private:
+  void choose_tip(const Face& tip) {
+    const Vector3 middle = middle_of(tip, body_.rest);
+    const auto plane = across(setup_.axis);
+    std::vector<double> distance;
+    for (const int molecule : tip.molecules)
+      distance.push_back((plane.transpose() * (body_.rest.col(molecule) - middle)).norm());
+    const double nearest = *std::min_element(distance.begin(), distance.end());
+    const double reach = nearest + 1e-6 * *std::max_element(distance.begin(), distance.end());
+    for (std::size_t i = 0; i < distance.size(); ++i)
+      if (distance[i] <= reach) tip_.push_back(tip.molecules[i]);
+  }
+
+  /// E times the deflection of the beam's tip: Σ F (x² (3L − x) / (6 I) + x (12 + 11ν) / (5 A)) over the forces F at
+  /// distance x from the root.                                                     [Timoshenko 1921, Cowper 1966]
+  void find_beam_deflection(double root_height, double poissons_ratio) {
+    Eigen::Matrix<double, 3, 2> plane;
+    plane << setup_.direction, setup_.axis.cross(setup_.direction);
+    const Points2 section = convex_hull(plane.transpose() * body_.rest);
+    const double area = polygon_area(section), moment = polygon_second_moment(section);
+    if (!(area > 0 && moment > 0)) throw InputError("the body's molecules span no cross-section that could bend");
+    for (int molecule = 0; molecule < body_.size(); ++molecule) {
+      const double x = std::max(0., setup_.axis.dot(body_.rest.col(molecule)) - root_height);
+      const double force = setup_.direction.dot(full_forces_.col(molecule));
+      deflection_times_modulus_ +=
+          force * (x * x * (3 * length_ - x) / (6 * moment) + x * (12 + 11 * poissons_ratio) / (5 * area));
+    }
+  }
+
+  const Body& body_;
+  BendingSetup setup_;
+  Face root_;
+  std::vector<int> tip_;  // molecules whose mean is the tip's middle
+  Positions full_forces_;
+  double length_ = 0, deflection_times_modulus_ = 0, factor_ = 1;
+  PointLoads* load_ = nullptr;  // owned by the model that was held last
+};
+
+}  // namespace
+
+std::unique_ptr<Experiment> make_bending(const Body& body, const BendingSetup& setup, const Material& material) {
+  return std::make_unique<Bending>(body, setup, material);
+}
+
+}  // namespace elastin::lab

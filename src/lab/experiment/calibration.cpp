@@ -1,0 +1,182 @@
+#include "lab/experiment/calibration.h"
+
+#include <cmath>
+#include <optional>
+
+#include "elastin/core/forces/volume.h"
+#include "lab/experiment/curve_fit.h"
+#include "lab/experiment/load_curve.h"
+#include "lab/experiment/volume_fit.h"
+
+namespace elastin::lab {
+namespace {
+
+Material without_fibres(const Material& material) {
+  Material matrix = material;
+  matrix.fibre.reset();
+  return matrix;
+}
+
+/// The measure to which a rule is calibrated: the first that the material prescribes a value for.
+std::optional<MainMeasure> calibrated_measure(const Experiment& experiment, const Material& material) {
+  for (const MainMeasure& measure : experiment.main_measures(without_fibres(material), {}))
+    if (std::isfinite(measure.prescribed)) return measure;
+  return std::nullopt;
+}
+
+void fail_calibration(Run& run, const std::string& cause) {
+  if (run.outcome != Outcome::converged) return;  // the solve itself has said why
+  run.outcome = Outcome::diverged;
+  run.cause = "calibration: " + cause;
+}
+
+/// What one linear solve under a small load measures; nothing if it fails.
+std::optional<Measures> measure_linear(const Specimen& specimen, Experiment& experiment,
+                                       std::unique_ptr<Elasticity> elasticity, const StaticOptions& options, Run& run) {
+  Model model(specimen.body);
+  model.add(std::move(elasticity));
+  experiment.hold(model);
+  experiment.set_load(model, 0x1p-10);
+  State state = state_at_rest(specimen.body);
+  StaticOptions linear = options;
+  linear.linear = true;
+  StaticResult solved = solve_static(model, state, linear);
+  const Start rest{specimen.body.rest, Positions::Zero(3, solved.reactions.cols())};
+  Measures measures;
+  if (solved.outcome == Outcome::converged) measures = experiment.measure(model, rest, state, linear, solved);
+  run.linear_iterations += solved.linear_iterations;
+  if (solved.outcome == Outcome::converged) return measures;
+  run.outcome = solved.outcome;
+  run.cause = "calibration: " + solved.cause;
+  return std::nullopt;
+}
+
+/// Whether what was measured is rounding: the load meets a stiffness far below that of any single connection.
+bool meets_nothing(const Measures& measures, const VectorX& constants) {
+  const double stiffness = std::abs(measures.get("force") / measures.get("elongation"));
+  return stiffness < 1e-9 * constants.cwiseAbs().maxCoeff();
+}
+
+/// If so, the strategy does not suit the body.
+bool note_mechanism(const std::optional<Measures>& measures, Run& run) {
+  if (!measures || !meets_nothing(*measures, run.constants)) return false;
+  run.suited = false;
+  run.cause = "nothing to calibrate: the body is a mechanism that does not resist this load";
+  return true;
+}
+
+/// The springs of the run's constants, all on one curve if there is one, and a volume term of this modulus if the
+/// strategy has one.
+std::unique_ptr<Elasticity> assembled(const Specimen& specimen, const StrategyChoice& choice, const Run& run,
+                                      double volume_modulus, const std::optional<StressStrain>& curve = {}) {
+  auto springs = curve ? make_curve_springs(specimen.body, run.constants / specimen.material.youngs_modulus, *curve)
+                       : make_springs(specimen.body, run.constants);
+  if (!choice.strategy.volume_modulus) return springs;
+  return make_sum(std::move(springs), make_volume(specimen.body, volume_modulus));
+}
+
+void scale(Run& run, double factor, double volume_modulus) {
+  run.calibration_factor = factor;
+  run.constants *= factor;
+  run.volume_modulus = volume_modulus;
+}
+
+/// Scales the run's stiffness to the modulus prescribed / measured.
+void scale_to_modulus(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                      const StaticOptions& options, Run& run) {
+  const auto measures =
+      measure_linear(specimen, experiment, assembled(specimen, choice, run, run.volume_modulus), options, run);
+  if (note_mechanism(measures, run)) return;
+  const MainMeasure target = *calibrated_measure(experiment, specimen.material);
+  const double factor = measures ? target.prescribed / measures->get(target.name) : 0;
+  if (!(factor > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
+  scale(run, factor, factor * run.volume_modulus);
+}
+
+/// Fits the run's constants and volume term to E and ν.
+void fit_springs_and_volume(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                            const StaticOptions& options, Run& run) {
+  const auto fit = fit_volume(specimen.material, [&](double modulus) -> std::optional<std::pair<double, double>> {
+    const auto measures = measure_linear(specimen, experiment, assembled(specimen, choice, run, modulus), options, run);
+    if (note_mechanism(measures, run) || !measures) return std::nullopt;
+    return std::pair{measures->get("effective_modulus"), measures->get("poissons_ratio")};
+  });
+  if (!run.suited) return;
+  if (!fit) return fail_calibration(run, "the linear solves measure no positive E, or no Poisson's ratio");
+  scale(run, fit->spring_factor, fit->volume_modulus);
+  if (std::abs(fit->poissons_ratio - specimen.material.poissons_ratio) > 0.002)
+    run.warnings.push_back("calibration reaches no nearer Poisson's ratio than " + std::to_string(fit->poissons_ratio));
+}
+
+/// Whether an experiment measures both E and ν of a material.
+bool measures_both(const Experiment& experiment, const Material& material) {
+  int found = 0;
+  for (const MainMeasure& measure : experiment.main_measures(material, {}))
+    found += measure.name == "effective_modulus" || measure.name == "poissons_ratio";
+  return found == 2;
+}
+
+/// A curve of the springs with which the body shows the material's.
+StressStrain fitted_curve(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                          const RunOptions& options, Run& run) {
+  const Material matrix = without_fibres(specimen.material);
+  RunOptions quiet;
+  quiet.statics = options.statics;
+  const CurveFit fit = fit_curve(*matrix.curve, [&](const StressStrain& springs) {
+    if (options.progress) options.progress("fitting the springs' curve");
+    Model model(specimen.body);
+    model.add(assembled(specimen, choice, run, run.volume_modulus, springs));
+    experiment.hold(model);
+    Run trial;
+    solve_load_curve(model, experiment, matrix, quiet, trial);
+    run.linear_iterations += trial.linear_iterations;
+    std::vector<StressStrain::Point> shown;
+    for (const CurvePoint& point : trial.curve)
+      shown.push_back({point.measures.get("strain"), point.measures.get("stress")});
+    return shown;
+  });
+  if (fit.error > 0.01)
+    run.warnings.push_back("the springs' curve could not be fitted: the body's is " +
+                           std::to_string(static_cast<int>(std::round(100 * fit.error))) + " % off the material's");
+  return fit.springs;
+}
+
+/// Names the first connection whose constant is not finite.
+std::string non_finite_text(const Body& body, const VectorX& constants) {
+  int connection = 0;
+  while (std::isfinite(constants[connection])) ++connection;
+  const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(connection)];
+  return "the spring constant of connection " + std::to_string(connection) + " (molecules " + std::to_string(a) + ", " +
+         std::to_string(b) + ") is not finite" +
+         (body.connections.rest_length[static_cast<std::size_t>(connection)] > 0 ? "" : ": it has no length");
+}
+
+}  // namespace
+
+std::string calibration_unsuited(Experiment& experiment, const Material& material) {
+  if (experiment.at_rest() && calibrated_measure(*experiment.at_rest(), material)) return "";
+  return "the experiment " + experiment.name() + " measures on this body no modulus to calibrate to";
+}
+
+std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& whole, const StrategyChoice& choice,
+                                      const RunOptions& options, Run& run) {
+  Experiment& experiment = whole.at_rest() ? *whole.at_rest() : whole;
+  const bool with_volume = static_cast<bool>(choice.strategy.volume_modulus);
+  run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
+  if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
+  if (choice.calibrated) {
+    const bool both = with_volume && measures_both(experiment, specimen.material);
+    (both ? fit_springs_and_volume : scale_to_modulus)(specimen, experiment, choice, options.statics, run);
+  }
+  if (!run.constants.allFinite()) {
+    run.outcome = Outcome::diverged;
+    run.cause = non_finite_text(specimen.body, run.constants);
+  }
+  if (!run.suited || run.outcome != Outcome::converged) return nullptr;
+  std::optional<StressStrain> curve = specimen.material.curve;
+  if (curve && choice.calibrated && !options.statics.linear && experiment.axis())
+    curve = fitted_curve(specimen, experiment, choice, options, run);
+  return assembled(specimen, choice, run, run.volume_modulus, curve);
+}
+
+}  // namespace elastin::lab

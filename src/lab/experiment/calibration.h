@@ -1,0 +1,24 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "lab/experiment/choice.h"
+#include "lab/experiment/run.h"
+
+namespace elastin::lab {
+
+/// Why a rule cannot be calibrated in this experiment, or "".
+std::string calibration_unsuited(Experiment& experiment, const Material& material);
+
+/// The springs of a rule, with their volume term if any, without the material's fibres. A choice that is `calibrated`
+/// is fitted to the material by solves of the experiment alone, without the scene's other loads and without fibres:
+///   * the constants to the first modulus that the experiment measures, by one linear solve of a small load (so that
+///     ways which are curved are straight too);
+///   * with a volume term, and where the experiment measures both E and ν, constants and term to both, by two linear
+///     solves and at most two more;
+///   * where the material has a stress–strain curve, then the springs' own curve to it (see curve_fit.h).
+/// Sets the run's constants and what calibration found. Null if a solve fails: the run says why.
+std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                                      const RunOptions& options, Run& run);
+
+}  // namespace elastin::lab

@@ -1,0 +1,32 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "elastin/core/simulation/catalog.h"
+
+namespace elastin::lab {
+
+/// A strategy as a scene or a command line names it: "standard", "lattice+volume", "calibrated:angles", with its
+/// parameters.
+struct StrategyChoice {
+  std::string label;  ///< as it was named
+  Strategy strategy;  ///< the rule or law itself, with its volume term if any; for calibrated:RULE the rule
+  bool calibrated = false;
+  ParameterValues values;
+};
+
+/// Reads "NAME" or "calibrated:RULE" ("calibrated" alone is calibrated:standard), either with "+volume" or "+wrinkling"
+/// behind it.
+/// Throws InputError with the nearest name.
+StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label);
+
+/// The same choice with a volume term, "+volume" added to its label. Throws InputError if it cannot have one.
+StrategyChoice with_volume(StrategyChoice choice);
+
+/// The same choice without compression, "+wrinkling" added to its label. Throws InputError if it cannot.
+StrategyChoice with_wrinkling(StrategyChoice choice);
+
+/// Every strategy of the catalog, and every spring rule calibrated too.
+std::vector<StrategyChoice> all_strategies(const Catalog& catalog);
+
+}  // namespace elastin::lab

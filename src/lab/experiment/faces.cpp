@@ -1,0 +1,129 @@
+#include "lab/experiment/faces.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "elastin/core/base/error.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Triangles of tetrahedra that stand on the boundary, of those whose three corners are `among`; corners ascending.
+std::vector<std::array<int, 3>> boundary_triangles(const Body& body, const std::vector<char>& among) {
+  std::vector<std::array<int, 3>> triangles, boundary;
+  for (const auto& cell : body.tetrahedra)
+    for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+      std::array<int, 3> corners{cell[(left_out + 1) % 4], cell[(left_out + 2) % 4], cell[(left_out + 3) % 4]};
+      std::sort(corners.begin(), corners.end());
+      if (std::all_of(corners.begin(), corners.end(), [&](int m) { return among[static_cast<std::size_t>(m)]; }))
+        triangles.push_back(corners);
+    }
+  std::sort(triangles.begin(), triangles.end());
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const bool between_two_cells = i + 1 < triangles.size() && triangles[i] == triangles[i + 1];
+    if (between_two_cells)
+      ++i;
+    else
+      boundary.push_back(triangles[i]);
+  }
+  return boundary;
+}
+
+/// A third of the area, seen along `direction`, of each boundary triangle whose three corners are in the face.
+VectorX triangle_thirds(const Body& body, const std::vector<int>& molecules, const Vector3& direction) {
+  std::vector<char> among(static_cast<std::size_t>(body.size()), 0);
+  for (const int molecule : molecules) among[static_cast<std::size_t>(molecule)] = 1;
+  VectorX areas = VectorX::Zero(body.size());
+  for (const auto& triangle : boundary_triangles(body, among)) {
+    const auto& [a, b, c] = triangle;
+    const Vector3 ab = body.rest.col(b) - body.rest.col(a), ac = body.rest.col(c) - body.rest.col(a);
+    for (const int corner : triangle) areas[corner] += std::abs(ab.cross(ac).dot(direction)) / 6;
+  }
+  return areas(molecules);
+}
+
+}  // namespace
+
+Eigen::Matrix<double, 3, 2> across(const Vector3& axis) {
+  int least = 0;
+  axis.cwiseAbs().minCoeff(&least);
+  const Vector3 first = axis.cross(Vector3::Unit(least)).normalized();
+  Eigen::Matrix<double, 3, 2> plane;
+  plane << first, axis.cross(first);
+  return plane;
+}
+
+Face end_face(const Body& body, const Vector3& direction, double depth) {
+  const VectorX height = body.rest.transpose() * direction;
+  const double low = height.minCoeff(), high = height.maxCoeff();
+  depth = std::max(depth, 1e-6 * (high - low));
+  if (!(high - low > 2 * depth)) throw InputError("the body has no length along the axis beyond its grips");
+  Face face;
+  for (int molecule = 0; molecule < body.size(); ++molecule)
+    if (height[molecule] >= high - depth) face.molecules.push_back(molecule);
+  const auto count = static_cast<Eigen::Index>(face.molecules.size());
+  Points2 layer(2, count);
+  const auto plane = across(direction);
+  for (Eigen::Index i = 0; i < count; ++i)
+    layer.col(i) = plane.transpose() * body.rest.col(face.molecules[static_cast<std::size_t>(i)]);
+  const Points2 outline = convex_hull(layer);
+  face.area = polygon_area(outline);
+  face.share = VectorX::Constant(count, 1. / static_cast<double>(count));
+  if (!(face.area > 0)) return face;
+  if (!body.tetrahedra.empty()) {
+    const VectorX thirds = triangle_thirds(body, face.molecules, direction);
+    if (thirds.sum() > 0) {
+      face.area = thirds.sum();
+      face.share = thirds / face.area;
+      return face;
+    }
+  }
+  const std::vector<double> areas = tributary_areas(layer, outline);
+  for (Eigen::Index i = 0; i < count; ++i) face.share[i] = areas[static_cast<std::size_t>(i)] / face.area;
+  return face;
+}
+
+Vector3 middle_of(const Face& face, const Positions& places) {
+  Vector3 middle = Vector3::Zero();
+  for (std::size_t i = 0; i < face.molecules.size(); ++i)
+    middle += face.share[static_cast<Eigen::Index>(i)] * places.col(face.molecules[i]);
+  return middle;
+}
+
+Box find_box(const Body& body, const Matrix3& axes, double depth) {
+  const Positions along = axes.transpose() * body.rest;
+  Box box;
+  box.size = along.rowwise().maxCoeff() - along.rowwise().minCoeff();
+  for (int side = 0; side < 6; ++side) {
+    const int axis = side / 2;
+    box.sides[static_cast<std::size_t>(side)] = end_face(body, (side % 2 ? 1 : -1) * axes.col(axis), depth);
+    const double whole = box.size.prod() / box.size[axis];
+    if (!(box.sides[static_cast<std::size_t>(side)].area >= 0.5 * whole))
+      throw InputError("the body is no box: its molecules at the end of " + std::string(side % 2 ? "+" : "-") +
+                       "xyz"[axis] + " span less than half of that side (give grip_depth if they lie behind it)");
+  }
+  return box;
+}
+
+Surface find_surface(const Body& body, const Matrix3& axes, double depth) {
+  Surface surface;
+  std::vector<char> outside(static_cast<std::size_t>(body.size()), 0);
+  if (!body.tetrahedra.empty()) {
+    if (depth > 0) throw InputError("grip_depth: the body's cells say what its surface is");
+    for (const auto& triangle : boundary_triangles(body, std::vector<char>(outside.size(), 1)))
+      for (const int corner : triangle) outside[static_cast<std::size_t>(corner)] = 1;
+    for (const auto& cell : body.tetrahedra) surface.volume += signed_volume(body.rest, cell);
+  } else {
+    if (!body.triangles.empty()) throw InputError("a membrane of triangles is no solid");
+    const Box box = find_box(body, axes, depth);
+    surface.volume = box.size.prod();
+    for (const Face& side : box.sides)
+      for (const int molecule : side.molecules) outside[static_cast<std::size_t>(molecule)] = 1;
+  }
+  for (int molecule = 0; molecule < body.size(); ++molecule)
+    if (outside[static_cast<std::size_t>(molecule)]) surface.molecules.push_back(molecule);
+  return surface;
+}
+
+}  // namespace elastin::lab

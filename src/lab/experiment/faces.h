@@ -1,0 +1,49 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "elastin/core/model/body.h"
+#include "lab/experiment/tributary.h"
+
+namespace elastin::lab {
+
+/// Two directions that span the plane across an axis, as columns.
+Eigen::Matrix<double, 3, 2> across(const Vector3& axis);
+
+/// The molecules at one end of a body.
+struct Face {
+  std::vector<int> molecules;
+  double area = 0;  ///< of their hull, seen along the direction [m²]; 0 where they lie on a line
+  /// What part of the area each carries, sum 1: a third of its triangles on the face where the body has tetrahedra (the
+  /// consistent load of linear cells), else the part of the hull nearest to it; equal parts where there is no area.
+  VectorX share;
+};
+
+/// The molecules furthest along `direction` (unit), and those less than `depth` [m] behind them; 0 = the end plane
+/// alone, to 1e-6 of the body's length. Throws InputError if that is the whole body.
+Face end_face(const Body& body, const Vector3& direction, double depth);
+
+/// Middle of a face: mean place of its molecules by share [m].
+Vector3 middle_of(const Face& face, const Positions& places);
+
+/// A solid body in the form of a box.
+struct Box {
+  std::array<Face, 6> sides;  ///< along −a, +a, −b, +b, −c, +c, the columns of the axes
+  Vector3 size;               ///< along the axes [m]
+};
+
+/// The sides of a box along `axes` (orthonormal columns), each as end_face gives it. Throws InputError if the body is
+/// no box: if the molecules of a side span less than half of it.
+Box find_box(const Body& body, const Matrix3& axes, double depth);
+
+/// What bounds a solid body.
+struct Surface {
+  std::vector<int> molecules;  ///< ascending
+  double volume = 0;           ///< inside [m³]
+};
+
+/// The surface of the cells where the body has tetrahedra; else the six sides of a box, and its volume. Throws
+/// InputError if the body is neither, or if a depth is given where cells say what the surface is.
+Surface find_surface(const Body& body, const Matrix3& axes, double depth);
+
+}  // namespace elastin::lab

@@ -1,0 +1,215 @@
+#include "lab/experiment/identification.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <unsupported/Eigen/NonLinearOptimization>
+#include <unsupported/Eigen/NumericalDiff>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/forces/bending.h"
+#include "lab/experiment/load_path.h"
+#include "lab/experiment/specimen.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Solves the experiment's load curve for one material after the other.
+class Curves {
+ public:
+  Curves(const Identification& wanted, const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+         const RunOptions& options)
+      : wanted_(wanted), specimen_(specimen), experiment_(experiment), choice_(choice), options_(options) {}
+
+  /// The relative misfit of each value; none if the material cannot be, or its load curve cannot be solved.
+  std::optional<VectorX> misfits(const VectorX& scaled) {
+    ++evaluations;
+    Material material = specimen_.material;
+    try {
+      material.curve = StressStrain::secant_polynomial(coefficients(scaled), wanted_.up_to);
+    } catch (const InputError&) {
+      return std::nullopt;
+    }
+    material.youngs_modulus = material.curve->modulus(0);
+    Model model(specimen_.body);
+    model.add(choice_.strategy.make(specimen_.body, material, choice_.values));
+    if (material.bending_rigidity > 0)
+      model.add(make_bending(specimen_.body, material.bending_rigidity, material.poissons_ratio));
+    for (const auto& add_load : specimen_.loads) add_load(model);
+    experiment_.hold(model);
+    auto values = from_last(model);
+    if (!values) values = from_start(model);
+    return values;
+  }
+
+  /// Coefficients over this make numbers of one size.
+  std::vector<double> coefficients(const VectorX& scaled) const {
+    std::vector<double> result;
+    for (Eigen::Index k = 0; k < scaled.size(); ++k)
+      result.push_back(scaled[k] * modulus * std::pow(wanted_.up_to, -static_cast<double>(k)));
+    return result;
+  }
+
+  double modulus = 1;  ///< [Pa]
+  int evaluations = 0;
+
+ private:
+  std::optional<double> misfit(Model& model, const State& state, StaticResult& solved, std::size_t step) const {
+    if (solved.outcome != Outcome::converged) return std::nullopt;
+    const Start start{specimen_.body.rest, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
+    const double shown = experiment_.measure(model, start, state, options_.statics, solved).get(wanted_.measure);
+    if (!std::isfinite(shown)) return std::nullopt;
+    return shown / wanted_.values[step] - 1;
+  }
+  double factor(std::size_t step) const {
+    return static_cast<double>(step + 1) / static_cast<double>(wanted_.values.size());
+  }
+
+  std::optional<VectorX> from_last(Model& model) {
+    if (states_.empty()) return std::nullopt;
+    VectorX values(static_cast<Eigen::Index>(wanted_.values.size()));
+    for (std::size_t step = 0; step < wanted_.values.size(); ++step) {
+      experiment_.set_load(model, factor(step));
+      State state = states_[step];
+      StaticResult solved = solve_static(model, state, options_.statics);
+      const auto value = misfit(model, state, solved, step);
+      if (!value) return std::nullopt;
+      values[static_cast<Eigen::Index>(step)] = *value;
+      states_[step] = std::move(state);
+    }
+    return values;
+  }
+
+  std::optional<VectorX> from_start(Model& model) {
+    std::vector<State> states;
+    VectorX values(static_cast<Eigen::Index>(wanted_.values.size()));
+    LoadPath path(model, experiment_, options_.statics, state_at_rest(specimen_.body));
+    for (std::size_t step = 0; step < wanted_.values.size(); ++step) {
+      StaticResult solved = path.advance(factor(step));
+      const auto value = misfit(model, path.state(), solved, step);
+      if (!value) return std::nullopt;
+      values[static_cast<Eigen::Index>(step)] = *value;
+      states.push_back(path.state());
+    }
+    states_ = std::move(states);
+    return values;
+  }
+
+  const Identification& wanted_;
+  const Specimen& specimen_;
+  Experiment& experiment_;
+  const StrategyChoice& choice_;
+  const RunOptions& options_;
+  std::vector<State> states_;
+};
+
+/// What Eigen's Levenberg–Marquardt asks for.
+struct Functor {
+  using Scalar = double;
+  using InputType = VectorX;
+  using ValueType = VectorX;
+  using JacobianType = Eigen::MatrixXd;
+  enum { InputsAtCompileTime = Eigen::Dynamic, ValuesAtCompileTime = Eigen::Dynamic };
+
+  Curves* curves;
+  int unknowns, equations;
+  int inputs() const { return unknowns; }
+  int values() const { return equations; }
+  int operator()(const VectorX& scaled, VectorX& misfits) const {
+    constexpr double impossible = 10;  // a step to there is taken back
+    misfits = curves->misfits(scaled).value_or(VectorX::Constant(equations, impossible));
+    return 0;
+  }
+};
+
+/// The guess as scaled coefficients, of the highest degree that can be solved.
+std::optional<VectorX> first_guess(const Identification& wanted, Curves& curves) {
+  const auto points = static_cast<Eigen::Index>(wanted.guess.size());
+  for (int degree = std::min<int>(wanted.degree, static_cast<int>(points) - 1); degree >= 0; --degree) {
+    Eigen::MatrixXd powers(points, degree + 1);
+    VectorX moduli(points);
+    for (Eigen::Index row = 0; row < points; ++row) {
+      const auto& [strain, modulus] = wanted.guess[static_cast<std::size_t>(row)];
+      moduli[row] = modulus / curves.modulus;
+      for (int term = 0; term <= degree; ++term) powers(row, term) = std::pow(strain / wanted.up_to, term);
+    }
+    VectorX scaled = VectorX::Zero(wanted.degree + 1);
+    scaled.head(degree + 1) = powers.colPivHouseholderQr().solve(moduli);
+    if (curves.misfits(scaled)) return scaled;
+  }
+  return std::nullopt;
+}
+
+/// Standard errors of E at no strain, half way and at the end: s² (JᵀJ)⁻¹, s² the misfits' variance.
+std::vector<double> standard_errors(const Eigen::MatrixXd& jacobian, double squares, double modulus) {
+  const Eigen::Index spare = jacobian.rows() - jacobian.cols();
+  if (spare <= 0) return {};
+  const Eigen::MatrixXd covariance =
+      (jacobian.transpose() * jacobian).inverse() * (squares / static_cast<double>(spare));
+  std::vector<double> errors;
+  for (const double at : {0., 0.5, 1.}) {
+    VectorX powers(jacobian.cols());
+    for (Eigen::Index k = 0; k < powers.size(); ++k) powers[k] = std::pow(at, static_cast<double>(k));
+    errors.push_back(modulus * std::sqrt(powers.dot(covariance * powers)));
+  }
+  return errors;
+}
+
+}  // namespace
+
+double Identified::modulus(double strain) const {
+  double sum = 0;
+  for (auto c = polynomial.rbegin(); c != polynomial.rend(); ++c) sum = sum * std::abs(strain) + *c;
+  return sum;
+}
+
+std::string identification_unsuited(const StrategyChoice& choice) {
+  if (choice.calibrated || !choice.strategy.follows_curve)
+    return "does not follow a material's curve (or is calibrated to one): none can be identified with it";
+  return "";
+}
+
+bool identify_material(const Identification& wanted, Specimen& specimen, Experiment& experiment,
+                       const StrategyChoice& choice, const RunOptions& options, Run& run) {
+  if (options.progress) options.progress("identifying the material");
+  const auto fail = [&](Outcome outcome, const std::string& why) {
+    run.outcome = outcome, run.cause = why;
+    return false;
+  };
+  const int unknowns = wanted.degree + 1, equations = static_cast<int>(wanted.values.size());
+  if (equations < unknowns)
+    return fail(Outcome::limit_reached, std::to_string(equations) + " measured values do not settle " +
+                                            std::to_string(unknowns) + " coefficients");
+  Curves curves(wanted, specimen, experiment, choice, options);
+  for (const auto& point : wanted.guess) curves.modulus = std::max(curves.modulus, point.modulus);
+  std::optional<VectorX> scaled = first_guess(wanted, curves);
+  if (!scaled) return fail(Outcome::diverged, "no load curve could be solved for a first idea of the material");
+
+  // Equilibria are known to about 1e-9: differences over 1e-4 of a coefficient lose nothing in them.
+  Eigen::NumericalDiff<Functor> functor(Functor{&curves, unknowns, equations}, 1e-8);
+  Eigen::LevenbergMarquardt<Eigen::NumericalDiff<Functor>> fit(functor);
+  fit.parameters.ftol = fit.parameters.xtol = 1e-7;
+  fit.parameters.maxfev = 60 * unknowns;
+  fit.parameters.factor = 1;
+  const auto status = fit.minimize(*scaled);
+  if (status == Eigen::LevenbergMarquardtSpace::TooManyFunctionEvaluation)
+    run.warnings.push_back("the material was not settled within " + std::to_string(fit.nfev) + " load curves");
+
+  Identified found;
+  found.polynomial = curves.coefficients(*scaled);
+  found.up_to = wanted.up_to;
+  Eigen::MatrixXd jacobian(equations, unknowns);
+  functor.df(*scaled, jacobian);
+  const std::optional<VectorX> misfits = curves.misfits(*scaled);
+  if (!misfits) return fail(Outcome::diverged, "the load curve of the material found could not be solved");
+  found.misfit = std::sqrt(misfits->squaredNorm() / equations);
+  found.standard_errors = standard_errors(jacobian, misfits->squaredNorm(), curves.modulus);
+  found.evaluations = curves.evaluations;
+  specimen.material.curve = StressStrain::secant_polynomial(found.polynomial, found.up_to);
+  specimen.material.youngs_modulus = specimen.material.curve->modulus(0);
+  run.identified = found;
+  return true;
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,156 @@
+#include "lab/experiment/load_curve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "elastin/core/forces/tension.h"
+#include "lab/experiment/load_path.h"
+#include "lab/experiment/touching.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Adds what one solve cost and said to the run; returns whether it converged.
+bool note_solve(const StaticResult& solved, const std::string& where, Run& run) {
+  run.solver = solved.solver;
+  run.solver_reason = solved.reason;
+  run.newton_iterations += solved.newton_iterations;
+  run.linear_iterations += solved.linear_iterations;
+  run.cut_steps += solved.cut_steps;
+  run.residual = solved.residual;
+  const std::string unstable = "the equilibrium is not stable: directions of negative stiffness";
+  run.unstable |= solved.unstable;
+  if (solved.unstable && (run.warnings.empty() || run.warnings.back() != unstable)) run.warnings.push_back(unstable);
+  const std::string left = "left an equilibrium that was no minimum for one of less energy (buckling, snapping)";
+  if (solved.left_saddle && std::find(run.warnings.begin(), run.warnings.end(), left) == run.warnings.end())
+    run.warnings.push_back(left);
+  if (solved.outcome == Outcome::converged) return true;
+  run.outcome = solved.outcome;
+  run.cause = solved.cause + where;
+  return false;
+}
+
+double total_energy(const Model& model, const State& state) {
+  return model.elastic_energy(state.positions) + model.load_energy(state);
+}
+
+/// From a scene's own start a body may find no equilibrium, or one where it is tangled up: one of more energy than that
+/// to which it comes from rest. Then that one is taken, and said. [J] `before`: energy of the start.
+StaticResult untangle(Model& model, const RunOptions& options, double before, StaticResult solved, State& state,
+                      Run& run) {
+  State other = state_at_rest(model.body());
+  StaticResult from_rest = solve_static(model, other, options.statics);
+  if (from_rest.outcome != Outcome::converged) return solved;
+  const bool found = solved.outcome == Outcome::converged;
+  if (found && !model.has_energy()) return solved;
+  const double least = total_energy(model, other), above = total_energy(model, state) - least;
+  const double noise = std::isfinite(before) ? 1e-9 * std::abs(before - least) : 0;
+  if (found && above <= noise) return solved;
+  run.untangled = true;
+  run.warnings.push_back(std::string("from the scene's start the body ") +
+                         (found ? "comes to rest in a tangle, at more energy than at rest"
+                                : "finds no equilibrium (" + solved.cause + ")") +
+                         "; measured from the equilibrium that it has from rest");
+  state = std::move(other);
+  return from_rest;
+}
+
+/// The body before the experiment's load: at rest, or in equilibrium with the scene's other loads, or where it comes to
+/// rest from the scene's own start. False if that fails.
+bool find_start(Model& model, Experiment& experiment, const RunOptions& options, bool at_rest, State& state,
+                Start& start, Run& run) {
+  start = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
+  if (contact::Contact* contact = contact_of(model)) contact->set_moment(0);
+  experiment.set_load(model, 0);
+  if (at_rest && model.load_forces(state).isZero(0)) return true;
+  if (options.progress) options.progress(at_rest ? "the scene's own loads" : "the scene's start");
+  const double before = total_energy(model, state);
+  StaticResult solved = solve_static(model, state, options.statics);
+  if (!at_rest) solved = untangle(model, options, before, std::move(solved), state, run);
+  start = {state.positions, solved.reactions};
+  return note_solve(solved, at_rest ? " (under the scene's own loads)" : " (from the scene's start)", run);
+}
+
+/// Where the material says what stress belongs to a strain: the largest difference to it, over the largest such stress.
+void note_curve_error(const Experiment& experiment, const Material& material, Run& run) {
+  const auto axis = experiment.axis();
+  double difference = 0, largest = 0;
+  for (const CurvePoint& point : run.curve) {
+    const auto given = axis ? uniaxial_stress(material, *axis, point.measures.get("strain")) : std::nullopt;
+    if (!given) return;
+    difference = std::max(difference, std::abs(point.measures.get("stress") - *given));
+    largest = std::max(largest, std::abs(*given));
+  }
+  run.measures.set("curve_error", difference / largest);
+}
+
+void note_compression(const Model& model, const Positions& places, const Material& material, Run& run) {
+  const Compression found = find_compression(model, places);
+  const int all = static_cast<int>(model.body().triangles.size());
+  if (found.triangles == 0) return;
+  const auto& [a, b, c] = model.body().triangles[static_cast<std::size_t>(found.worst)];
+  const Vector3 at = (places.col(a) + places.col(b) + places.col(c)) / 3;
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "%d of %d triangles in compression (most: triangle %d at %.4g, %.4g, %.4g m, %.3g Pa): a membrane would "
+      "wrinkle there; `wrinkling: drop` leaves compression out",
+      found.triangles, all, found.worst, at.x(), at.y(), at.z(), found.tension / material.thickness);
+  run.warnings.push_back(text);
+}
+
+}  // namespace
+
+void solve_load_curve(Model& model, Experiment& experiment, const Material& material, const RunOptions& options,
+                      Run& run, const std::function<void(State&)>& begin) {
+  State at_start = state_at_rest(model.body());
+  if (begin) begin(at_start);
+  Start start;
+  if (!find_start(model, experiment, options, !begin, at_start, start, run)) return;
+  LoadPath path(model, experiment, options.statics, std::move(at_start));
+  const auto keep = [&](double load_factor, int step) {
+    keep_snapshot(model, path.state(), load_factor, step, options, run);
+  };
+  keep(0, 0);
+  const int steps = experiment.load_steps();
+  for (int step = 1; step <= steps; ++step) {
+    const std::string place = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "";
+    if (options.progress) options.progress(place.empty() ? "solving" : place);
+    const double load_factor = static_cast<double>(step) / steps;
+    StaticResult solved = path.advance(load_factor);
+    Measures measures;
+    if (solved.outcome == Outcome::converged) {
+      measures = experiment.measure(model, start, path.state(), options.statics, solved);
+      if (const contact::Contact* contact = contact_of(model)) {
+        run.contact = contact->report(path.state());
+        note_contact(*run.contact, experiment.copies(), measures);
+      }
+    }
+    run.halved_load_steps = path.halvings();
+    if (!note_solve(solved, place.empty() ? "" : " (" + place + ")", run)) return;
+    if (measures.get("elongation") < 0 && measures.get("strain") <= -1) {
+      run.outcome = Outcome::inverted;
+      run.cause =
+          "the load presses the body through itself: strain below −100 %" + (place.empty() ? "" : " (" + place + ")");
+      return;
+    }
+    run.curve.push_back({load_factor, measures, solved.newton_iterations, solved.linear_iterations, solved.residual});
+    keep(load_factor, step);
+  }
+  run.measures = run.curve.back().measures;
+  run.remark = experiment.remark(run.measures);
+  // What resists bending may bear compression.
+  if (!model.body().triangles.empty() && !options.statics.linear && !(material.bending_rigidity > 0))
+    note_compression(model, path.state().positions, material, run);
+  note_curve_error(experiment, material, run);
+  if (steps > 1 && model.has_full_tangent()) {
+    experiment.measure_end(model, path.state(), options.statics, run.measures, run.linear_iterations);
+    double sum = 0;
+    for (const CurvePoint& point : run.curve) sum += point.measures.get("effective_modulus");
+    run.measures.set("average_modulus", sum / steps);
+  }
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,83 @@
+#include "lab/experiment/load_path.h"
+
+#include <cmath>
+#include <utility>
+
+#include "lab/experiment/touching.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Of a load that is found by solving again.
+constexpr int kCorrections = 10;
+
+void add_cost(StaticResult& result, const StaticResult& cost) {
+  result.newton_iterations += cost.newton_iterations;
+  result.linear_iterations += cost.linear_iterations;
+  result.cut_steps += cost.cut_steps;
+}
+
+}  // namespace
+
+LoadPath::LoadPath(Model& model, Experiment& experiment, const StaticOptions& options, State start)
+    : model_(model), experiment_(experiment), options_(options), state_(std::move(start)) {
+  options_.probe = true;
+  model_.remember(state_);
+}
+
+/// Where the last way leads if it goes on: near the next equilibrium, unless a cell turns over or, under loads, the
+/// energy is higher than where the body stands (a bar that turns far would be torn).
+State LoadPath::start_of(double factor) const {
+  if (options_.linear) return state_;
+  State next = state_;
+  if (last_step_ == 0) {
+    experiment_.shape_start(next.positions);
+    return next;
+  }
+  next.positions += (factor - factor_) / last_step_ * way_;
+  const double gain = model_.elastic_energy(next.positions) + model_.load_energy(next) -
+                      model_.elastic_energy(state_.positions) - model_.load_energy(state_);
+  const bool loaded = model_.conservative() && !model_.load_forces(state_).isZero(0);
+  return std::isfinite(gain) && !(loaded && gain > 0) ? next : state_;
+}
+
+StaticResult LoadPath::advance(double factor) { return advance(factor, (factor - factor_) / 64); }
+
+StaticResult LoadPath::advance(double factor, double smallest) {
+  if (contact::Contact* contact = contact_of(model_)) contact->set_moment(factor);
+  experiment_.set_load(model_, factor);
+  State next = start_of(factor);
+  const bool went_on = next.positions != state_.positions;
+  StaticResult solved = solve_static(model_, next, options_);
+  if (solved.outcome == Outcome::diverged && went_on) {  // where the way bends sharply, its end may lead nowhere
+    next = state_;
+    const StaticResult before = std::exchange(solved, solve_static(model_, next, options_));
+    add_cost(solved, before);
+  }
+  for (int correction = 0; correction < kCorrections; ++correction) {
+    if (solved.outcome != Outcome::converged || !experiment_.adjust(next)) break;
+    StaticResult again = solve_static(model_, next, options_);
+    add_cost(again, solved);
+    solved = std::move(again);
+  }
+  if (solved.outcome == Outcome::converged) {
+    model_.remember(next);
+    way_ = next.positions - state_.positions;
+    state_ = std::move(next);
+    last_step_ = factor - factor_;
+    factor_ = factor;
+    return solved;
+  }
+  const double half = (factor - factor_) / 2;
+  const bool shorter_helps = solved.outcome == Outcome::inverted || solved.outcome == Outcome::diverged;
+  if (!shorter_helps || options_.linear || half < smallest) return solved;
+  ++halvings_;
+  StaticResult first = advance(factor_ + half, smallest);
+  add_cost(first, solved);
+  if (first.outcome != Outcome::converged) return first;
+  StaticResult second = advance(factor, smallest);
+  add_cost(second, first);
+  return second;
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,33 @@
+#pragma once
+#include "lab/experiment/experiment.h"
+
+namespace elastin::lab {
+
+/// The way of a body as its load grows: one equilibrium after the other, each started where the last way leads.
+class LoadPath {
+ public:
+  /// From `start`, an equilibrium of the load 0. All references must outlive the path.
+  LoadPath(Model& model, Experiment& experiment, const StaticOptions& options, State start);
+
+  /// Brings the load to `factor` (more than before, up to 1). Where that would turn a cell over, or leads nowhere, it
+  /// goes in halves, and those in halves, down to 1/64 of the way. The state stays at the last equilibrium if that
+  /// fails. The result is that of the last part, with the iterations of all.
+  StaticResult advance(double factor);
+
+  const State& state() const { return state_; }
+  int halvings() const { return halvings_; }  ///< parts of the load that had to be halved, so far
+
+ private:
+  StaticResult advance(double factor, double smallest);
+  State start_of(double factor) const;
+
+  Model& model_;
+  Experiment& experiment_;
+  StaticOptions options_;
+  State state_;
+  Positions way_;                      // from the equilibrium before
+  double factor_ = 0, last_step_ = 0;  // of the load: now, and how much the last part added
+  int halvings_ = 0;
+};
+
+}  // namespace elastin::lab

@@ -1,0 +1,30 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "elastin/core/model/state.h"
+#include "lab/experiment/run.h"
+#include "lab/experiment/step_control.h"
+
+namespace elastin::lab {
+
+/// All that a run in time needs to go on as if it had not stopped.
+struct RestartPoint {
+  int frame = 0;
+  State state;
+  double dissipated = 0, work = 0;  ///< [J], of the ledger
+  StepControl::Memory memory;
+  int newton_iterations = 0, linear_iterations = 0;
+  std::vector<CurvePoint> rows;
+};
+
+/// As text, every number with all its bits. `identity` names what must be the same when it is read.
+std::string restart_text(const RestartPoint& point, const std::string& identity);
+/// Throws InputError if the text is no restart file, or that of another run.
+RestartPoint parse_restart(const std::string& text, const std::string& identity);
+
+/// What a run must share with the one that it goes on from: body, strategy, scheme and frames.
+std::string restart_identity(const Body& body, const std::string& strategy, const TimeOptions& options,
+                             const std::string& scheme);
+
+}  // namespace elastin::lab

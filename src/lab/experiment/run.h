@@ -1,0 +1,95 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "elastin/contact/contact.h"
+#include "elastin/core/model/body.h"
+#include "elastin/core/model/material.h"
+#include "lab/experiment/experiment.h"
+#include "lab/experiment/time_options.h"
+
+namespace elastin::lab {
+
+/// How a run is said to have ended whose strategy cannot run on its body; beside the names of the outcomes.
+inline constexpr const char* kUnsuited = "unsuited";
+
+/// What does not change from strategy to strategy.
+struct Specimen {
+  Body body;
+  Material material;                                    ///< what experiments compare with
+  std::vector<std::function<void(Model&)>> loads;       ///< each adds one load, or damping, to a model of the body
+  std::function<void(State&)> start = {};               ///< changes the state in which a run begins; may be empty
+  std::vector<Material> materials = {};                 ///< of the body's parts, by Part::material; empty without parts
+  std::optional<contact::ContactOptions> contact = {};  ///< none: no contact object is built
+};
+
+/// One state on the way of the load.
+struct CurvePoint {
+  double load_factor = 0;
+  Measures measures;
+  int newton_iterations = 0, linear_iterations = 0;
+  double residual = 0;
+  double time = 0, step = 0;  ///< [s] of a run in time; step: the last one before
+  int steps = 0;              ///< since the point before
+};
+
+/// A state to be looked at.
+struct Snapshot {
+  double at = 0;                              ///< load factor; time [s] of a run in time
+  Positions positions;                        ///< [m]
+  VectorX densities;                          ///< force density of each connection [N/m]
+  int number = 0;                             ///< of the load step or frame
+  Positions contact_forces = {};              ///< [N]; empty without contact
+  VectorX contact_pressure = {};              ///< [Pa]
+  std::vector<contact::Pose> obstacles = {};  ///< where they were
+};
+
+/// What came of one strategy on one specimen. Everything in SI units.
+struct Run {
+  std::string strategy;
+  std::string solver;
+  std::string solver_reason;  ///< why that one; empty where there was no choice
+  Outcome outcome = Outcome::converged;
+  std::string cause;
+  Measures measures;                     ///< of the last converged load step
+  std::vector<CurvePoint> curve;         ///< one point a converged load step
+  std::vector<Snapshot> snapshots;       ///< of the start and of each point, or the last of them, if asked for
+  VectorX constants;                     ///< spring constants [N/m]; empty for laws without
+  double calibration_factor = 1;         ///< what calibration has multiplied the rule's constants with
+  double volume_modulus = 0;             ///< κ of the springs' volume term [Pa]; 0 without
+  std::optional<Identified> identified;  ///< the material that the experiment was there to find
+  double build_seconds = 0, solve_seconds = 0;
+  int newton_iterations = 0, linear_iterations = 0;
+  int cut_steps = 0;          ///< Newton steps that were shortened because they would have turned a cell over
+  int halved_load_steps = 0;  ///< parts of the load that were gone in halves, lest a cell turn over
+  double residual = 0;
+  int zero_energy_modes = 0;
+  std::vector<std::string> warnings;
+  std::string remark;              ///< of the experiment on what its measures mean here; empty = nothing to say
+  bool untangled = false;          ///< the start led nowhere: measured from the equilibrium that there is from rest
+  bool unstable = false;           ///< an equilibrium was found that is no minimum
+  bool uses_cells = false;         ///< the strategy could not run without the body's triangles or tetrahedra
+  bool suited = true;              ///< false: the strategy cannot run on this body; cause says why
+  std::optional<TimeReport> time;  ///< of a run in time
+  std::optional<contact::ContactReport> contact;  ///< of the last state, where there is contact
+};
+
+/// "converged", "unsuited" …
+inline const char* outcome_name(const Run& run) { return run.suited ? name_of(run.outcome) : kUnsuited; }
+
+struct RunOptions {
+  StaticOptions statics;
+  bool keep_snapshots = false;
+  bool last_snapshot = false;                                   ///< of them only that of the last state
+  std::function<void(const std::string& doing)> progress = {};  ///< called before each load step; may be empty
+  std::optional<TimeOptions> time = {};                         ///< what a timed experiment needs
+  bool live = false;                                            ///< frames of a run in time no faster than its cap
+  std::string restart = {};  ///< text that `checkpoint` got: a run in time goes on from there
+  std::function<void(const std::string& text)> checkpoint = {};  ///< called after frames that are to be kept
+  std::function<bool()> stop = {};                               ///< asked after each frame; true ends the run
+};
+
+}  // namespace elastin::lab

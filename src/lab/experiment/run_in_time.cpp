@@ -1,0 +1,267 @@
+#include "lab/experiment/run_in_time.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <thread>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/solve/energies.h"
+#include "lab/experiment/restart.h"
+#include "lab/experiment/timed.h"
+#include "lab/experiment/touching.h"
+
+namespace elastin::lab {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+double largest_strain(const Model& model, const State& state) {
+  const Connections& connections = model.body().connections;
+  double largest = 0;
+  for (int c = 0; c < connections.proper(); ++c) {
+    const auto& [a, b] = connections.ends[c];
+    const double rest = connections.rest_length[c];
+    if (rest > 0)
+      largest = std::max(largest, std::abs((state.positions.col(b) - state.positions.col(a)).norm() / rest - 1));
+  }
+  return largest;
+}
+
+/// One run's way through time.
+class Course {
+ public:
+  Course(Model& model, TimedExperiment& experiment, const RunOptions& options, Run& run, State start, Scheme scheme,
+         const std::string& identity)
+      : model_(model),
+        experiment_(experiment),
+        options_(options),
+        run_(run),
+        state_(std::move(start)),
+        identity_(identity),
+        begin_(state_.positions),
+        ledger_(model, state_),
+        control_(model, state_, *options.time, scheme, options.statics),
+        energies_(model.has_energy()) {}
+
+  void resume() {
+    const RestartPoint point = parse_restart(options_.restart, identity_);
+    if (point.state.positions.cols() != model_.body().size() || point.frame < 0 || point.frame > options_.time->frames)
+      throw InputError("the restart file is damaged: " + std::to_string(point.state.positions.cols()) +
+                       " molecules at frame " + std::to_string(point.frame));
+    state_ = point.state;
+    if (model_.drive) model_.drive(state_.time, model_.supports);
+    ledger_ = Ledger(model_, state_);
+    ledger_.dissipated = point.dissipated;
+    ledger_.work = point.work;
+    control_.memory = point.memory;
+    run_.newton_iterations = point.newton_iterations;
+    run_.linear_iterations = point.linear_iterations;
+    run_.curve = point.rows;
+    frame_ = point.frame;
+  }
+
+  void go() {
+    const Clock::time_point start = Clock::now();
+    const TimeOptions& time = *options_.time;
+    const double critical = control_.memory.critical;
+    if (time.choice == StepChoice::fixed && critical > 0 && time.step > critical)
+      run_.warnings.push_back("a step of " + number(time.step) + " s is longer than the longest stable one, " +
+                              number(critical) + " s");
+    if (run_.curve.empty()) keep_row({});
+    keep_snapshot();
+    const double first = state_.time;
+    const int first_step = control_.memory.steps, first_frame = frame_;
+    while (frame_ < time.frames && run_.outcome == Outcome::converged) {
+      if (options_.progress) options_.progress("t = " + number(state_.time) + " s of " + number(time.duration) + " s");
+      if (!advance_frame(time.duration * (frame_ + 1) / time.frames)) break;
+      ++frame_;
+      keep_snapshot();
+      if (options_.checkpoint && time.checkpoint && frame_ % time.checkpoint == 0) save();
+      if (options_.live) wait(start, (frame_ - first_frame) / time.frame_rate);
+      if (frame_ < time.frames && options_.stop && options_.stop()) interrupt();
+    }
+    run_.time->simulated = state_.time - first;
+    run_.time->seconds = seconds_since(start);
+    report(control_.memory.steps - first_step);
+  }
+
+ private:
+  bool advance_frame(double until) {
+    const int steps = control_.memory.steps;
+    const StepResult stepped =
+        control_.advance(model_, state_, until, [&](const State& now) { ledger_.record(model_, now); });
+    run_.newton_iterations += stepped.newton_iterations;
+    run_.linear_iterations += stepped.linear_iterations;
+    if (stepped.outcome != Outcome::converged) {
+      fail(stepped.outcome, stepped.cause);
+      return false;
+    }
+    CurvePoint row;
+    row.newton_iterations = stepped.newton_iterations;
+    row.linear_iterations = stepped.linear_iterations;
+    row.steps = control_.memory.steps - steps;
+    row.step = control_.memory.last;
+    return keep_row(row);
+  }
+
+  void fail(Outcome outcome, const std::string& cause) {
+    run_.outcome = outcome;
+    run_.cause = cause + " (at t = " + number(state_.time) + " s, after " + std::to_string(control_.memory.steps) +
+                 " steps of at most " + number(control_.memory.last) + " s" +
+                 (control_.memory.critical > 0 && std::isfinite(control_.memory.critical)
+                      ? "; the longest stable one was " + number(control_.memory.critical) + " s"
+                      : "") +
+                 ")";
+  }
+
+  /// False if the row shows that energy came from nowhere.
+  bool keep_row(CurvePoint row) {
+    row.time = state_.time;
+    row.measures = experiment_.read(model_, state_);
+    Measures& m = row.measures;
+    const VectorX& mass = model_.body().mass;
+    const Energies e = ledger_.energies(model_, state_);
+    m.set("speed", e.momentum.norm() / mass.sum());
+    m.set("centre_way", ((state_.positions - begin_) * mass).norm() / mass.sum());
+    m.set("largest_strain", largest_strain(model_, state_));
+    m.set("kinetic_energy", e.kinetic);
+    m.set("potential_energy", e.potential);
+    m.set("dissipated_energy", e.dissipated);
+    m.set("work", e.work);
+    m.set("momentum", e.momentum.norm());
+    m.set("angular_momentum", e.angular_momentum.norm());
+    if (const contact::Contact* contact = contact_of(model_)) {
+      run_.contact = contact->report(state_);
+      note_contact(*run_.contact, experiment_.copies(), m);
+    }
+    bool sound = true;
+    if (energies_) {
+      m.set("energy", e.elastic);
+      sound = note_balance(e, m);
+    }
+    if (sound) run_.curve.push_back(std::move(row));
+    return sound;
+  }
+
+  bool note_balance(const Energies& e, Measures& m) {
+    const Measures& first = run_.curve.empty() ? m : run_.curve.front().measures;
+    const double start = first.get("kinetic_energy") + first.get("energy") + first.get("potential_energy");
+    const double change = e.balance() - start, released = std::abs(e.potential - first.get("potential_energy"));
+    const double available = first.get("kinetic_energy") + first.get("energy") + released + std::abs(e.work);
+    m.set("energy_balance", change);
+    if (!(change > 10 * available) || !(e.kinetic + e.elastic > 100 * available)) return true;
+    fail(Outcome::diverged, "the steps make energy from nothing: " + number(e.kinetic + e.elastic) + " J where " +
+                                number(available) + " J were there");
+    return false;
+  }
+
+  void keep_snapshot() { lab::keep_snapshot(model_, state_, state_.time, frame_, options_, run_); }
+
+  void save() const {
+    options_.checkpoint(restart_text({frame_, state_, ledger_.dissipated, ledger_.work, control_.memory,
+                                      run_.newton_iterations, run_.linear_iterations, run_.curve},
+                                     identity_));
+  }
+
+  void interrupt() {
+    if (options_.checkpoint) save();
+    run_.outcome = Outcome::interrupted;
+    run_.cause = "stopped after frame " + std::to_string(frame_) + " of " + std::to_string(options_.time->frames) +
+                 ", at t = " + number(state_.time) + " s";
+  }
+
+  static void wait(Clock::time_point start, double seconds) {
+    std::this_thread::sleep_until(start +
+                                  std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds)));
+  }
+
+  void report(int steps) {
+    TimeReport& time = *run_.time;
+    const StepControl::Memory& memory = control_.memory;
+    time.steps = steps;
+    time.rejected = memory.rejected;
+    time.shortest_step = memory.shortest;
+    time.last_step = memory.last;
+    time.critical_step = memory.critical;
+    time.frequency = memory.frequency;
+    experiment_.read_course(run_.curve, run_.measures);
+    for (const auto& [name, value] : run_.curve.back().measures.all())
+      if (!std::isfinite(run_.measures.get(name))) run_.measures.set(name, value);
+    double largest = 0, drift = 0;
+    for (const CurvePoint& row : run_.curve) {
+      const Measures& m = row.measures;
+      largest = std::max(
+          {largest, m.get("kinetic_energy") + m.get("energy"), std::abs(m.get("work")), m.get("dissipated_energy")});
+      drift = std::max(drift, std::abs(row.measures.get("energy_balance")));
+    }
+    if (largest > 0) run_.measures.set("energy_drift", drift / largest);
+    run_.remark = experiment_.remark(run_.measures);
+  }
+
+  Model& model_;
+  TimedExperiment& experiment_;
+  const RunOptions& options_;
+  Run& run_;
+  State state_;
+  std::string identity_;
+  Positions begin_;
+  Ledger ledger_;
+  StepControl control_;
+  bool energies_;
+  int frame_ = 0;
+};
+
+}  // namespace
+
+std::pair<Scheme, std::string> chosen_scheme(const TimeOptions& options, bool uses_cells) {
+  if (options.scheme) return {*options.scheme, ""};
+  if (uses_cells)
+    return {Scheme::newmark, "cells make short stable steps: implicit steps may be as long as they are right"};
+  return {Scheme::velocity_verlet, "springs without cells: an explicit step costs one pass over them"};
+}
+
+void run_in_time(Model& model, TimedExperiment& experiment, const Specimen& specimen, const RunOptions& options,
+                 Run& run) {
+  if (!options.time) throw InputError("a " + experiment.name() + " experiment needs to know for how long: TimeOptions");
+  const auto [scheme, reason] = chosen_scheme(*options.time, run.uses_cells);
+  run.time = TimeReport{};
+  run.time->scheme = name_of(scheme);
+  run.time->reason = reason;
+  run.time->resumed = !options.restart.empty();
+  State state = state_at_rest(model.body());
+  if (options.progress) options.progress("finding the state it starts from");
+  const StaticResult started = experiment.start(model, state, options.statics);
+  run.newton_iterations += started.newton_iterations;
+  run.linear_iterations += started.linear_iterations;
+  run.solver = run.time->scheme;
+  if (started.outcome != Outcome::converged) {
+    run.outcome = started.outcome;
+    run.cause = started.cause + " (before time 0)";
+    return;
+  }
+  if (specimen.start) specimen.start(state);
+  if (model.drive) model.drive(0, model.supports);
+  model.remember(state);
+  if (!model.admissible(state.positions)) {
+    run.outcome = Outcome::inverted;
+    run.cause =
+        flat_or_inverted_text(flat_or_inverted_cells(model.body(), state.positions), model.body().tetrahedra.size()) +
+        " at time 0";
+    return;
+  }
+  const std::string identity = restart_identity(model.body(), run.strategy, *options.time, run.time->scheme);
+  Course course(model, experiment, options, run, std::move(state), scheme, identity);
+  if (run.time->resumed) course.resume();
+  course.go();
+}
+
+}  // namespace elastin::lab

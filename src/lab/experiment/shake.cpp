@@ -1,0 +1,98 @@
+#include <cmath>
+#include <numbers>
+
+#include "elastin/core/base/error.h"
+#include "lab/experiment/course_fits.h"
+#include "lab/experiment/faces.h"
+#include "lab/experiment/motion.h"
+
+namespace elastin::lab {
+namespace {
+
+class Shake final : public TimedExperiment {
+ public:
+  Shake(const Body& body, const ShakeSetup& setup)
+      : body_(body),
+        setup_(setup),
+        base_(end_face(body, -setup.axis, setup.grip_depth)),
+        far_(end_face(body, setup.axis, setup.grip_depth)) {}
+
+  std::string name() const override { return "shake"; }
+  Experiment* at_rest() override { return nullptr; }
+
+  void hold(Model& model) override {
+    for (const int molecule : base_.molecules) model.supports.push_back({molecule, Matrix3::Zero()});
+  }
+
+  StaticResult start(Model& model, State& state, const StaticOptions& options) override {
+    StaticResult result;
+    if (!model.load_forces(state).isZero(0)) result = solve_static(model, state, options);
+    middle_ = middle_of(far_, state.positions);
+    model.drive = [this](double time, std::vector<Support>& supports) {
+      const TimeFunction wave = TimeFunction::sine(setup_.frequency);
+      for (Support& support : supports) {
+        support.displacement = setup_.amplitude * wave.value(time) * setup_.direction;
+        support.velocity = setup_.amplitude * wave.rate(time) * setup_.direction;
+      }
+    };
+    return result;
+  }
+
+  Measures read(Model& model, const State& state) override {
+    Measures measures;
+    measures.set("base_way", setup_.direction.dot(model.supports.front().displacement));
+    measures.set("far_way", setup_.direction.dot(middle_of(far_, state.positions) - middle_));
+    return measures;
+  }
+
+  /// Over the last half of the time, in whole periods.
+  void read_course(const std::vector<CurvePoint>& rows, Measures& measures) const override {
+    const double period = 1 / setup_.frequency, end = rows.back().time;
+    const double periods = std::floor(end / 2 / period);
+    if (periods < 1) return;
+    const auto ratio_since = [&](double from, double to) {
+      Series far{VectorX(rows.size()), VectorX(rows.size())};
+      Eigen::Index count = 0;
+      for (const CurvePoint& row : rows)
+        if (row.time > from && row.time <= to * (1 + 1e-12)) {
+          far.times[count] = row.time;
+          far.values[count++] = row.measures.get("far_way");
+        }
+      far.times.conservativeResize(count);
+      far.values.conservativeResize(count);
+      return count < 8 ? VibrationFit{} : fit_sine(far, 2 * std::numbers::pi * setup_.frequency);
+    };
+    const VibrationFit fit = ratio_since(end - periods * period, end);
+    if (fit.circular_frequency == 0) return;
+    const double ratio = std::hypot(fit.cosine, fit.sine) / std::abs(setup_.amplitude);
+    measures.set("amplitude_ratio", ratio);
+    measures.set("phase", std::atan2(-fit.cosine, fit.sine * (setup_.amplitude > 0 ? 1 : -1)));
+    measures.set("sine_misfit", fit.misfit);
+  }
+
+  std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {
+    return {{"amplitude_ratio"}, {"phase"}};
+  }
+
+  std::string remark(const Measures& measures) const override {
+    if (!std::isfinite(measures.get("amplitude_ratio")))
+      return "too short: half of the duration has no whole period with eight frames";
+    return measures.get("sine_misfit") < 0.02
+               ? ""
+               : "not steady yet: the far end does not follow one sine over the last half of the time";
+  }
+
+ private:
+  const Body& body_;
+  ShakeSetup setup_;
+  Face base_, far_;
+  Vector3 middle_ = Vector3::Zero();
+};
+
+}  // namespace
+
+std::unique_ptr<TimedExperiment> make_shake(const Body& body, const ShakeSetup& setup) {
+  return std::make_unique<Shake>(body, setup);
+}
+
+}  // namespace elastin::lab

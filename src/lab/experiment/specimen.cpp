@@ -1,0 +1,239 @@
+#include "lab/experiment/specimen.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/laws/springs/voronoi.h"
+#include "elastin/core/forces/volume.h"
+#include "elastin/core/model/parts.h"
+#include "elastin/core/shapes/surfaces.h"
+#include "elastin/core/simulation/fibres.h"
+#include "elastin/core/simulation/parts.h"
+#include "elastin/core/solve/modes.h"
+#include "elastin/mesh/voronoi.h"
+#include "lab/experiment/calibration.h"
+#include "lab/experiment/load_curve.h"
+#include "lab/experiment/run_in_time.h"
+#include "lab/experiment/timed.h"
+
+namespace elastin::lab {
+namespace {
+
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::string counted(int count, const std::string& singular, const std::string& plural) {
+  return std::to_string(count) + " " + (count == 1 ? singular : plural);
+}
+
+void note_negative_constants(Run& run) {
+  const int negative = static_cast<int>((run.constants.array() < 0).count());
+  if (negative > 0)
+    run.warnings.push_back(counted(negative, "spring constant is", "spring constants are") + " negative (of " +
+                           std::to_string(run.constants.size()) + "): the body may have no stable equilibrium");
+}
+
+void note_lost_faces(const Body& body, const Strategy& strategy, Run& run) {
+  if (!strategy.name.starts_with(Voronoi::name)) return;  // with a volume term or without
+  const auto note = [&](const std::string& name, double lost) {
+    char percent[16];
+    std::snprintf(percent, sizeof percent, "%.1f %%", 100 * lost);
+    if (lost > 0.01)
+      run.warnings.push_back(percent + (" of " + name) +
+                             " hangs on faces between molecules that no connection joins, or on the surface");
+  };
+  if (body.parts.empty()) return note("the body", mesh::lost_share(body, *body.voronoi));
+  for (const Part& part : body.parts)
+    if (part.voronoi) note("body '" + part.name + "'", mesh::lost_share(part_alone(body, part).body, *part.voronoi));
+}
+
+void count_modes(const Model& model, Run& run) {
+  std::vector<char> stiff;
+  if (run.constants.size() > 0) {
+    stiff.resize(static_cast<std::size_t>(run.constants.size()));
+    for (Eigen::Index c = 0; c < run.constants.size(); ++c) stiff[static_cast<std::size_t>(c)] = run.constants[c] != 0;
+  }
+  const ModeReport report = find_modes_in_parts(model.body(), model.supports, stiff);
+  run.zero_energy_modes = report.zero_energy_modes;
+  if (report.zero_energy_modes > 0)
+    run.warnings.push_back("mechanism: " + std::string(report.counted ? "" : "at least ") +
+                           counted(report.zero_energy_modes, "zero-energy mode", "zero-energy modes") +
+                           "; the load is solved in the range of the stiffness");
+}
+
+bool needs_voronoi(const Body& body, const Strategy& strategy, const Material& material) {
+  if (strategy.by_parts) return strategy.needs_voronoi(body);
+  return !body.voronoi && (strategy.needs_voronoi(body) || fibres_need_voronoi(strategy, body, material));
+}
+
+/// The choice as it works on the specimen's body.
+StrategyChoice on_body(StrategyChoice choice, const Specimen& specimen) {
+  choice.strategy = in_parts(choice.strategy, specimen.body, specimen.materials);
+  return choice;
+}
+
+bool has_curve(const Specimen& specimen) {
+  return specimen.material.curve || std::any_of(specimen.materials.begin(), specimen.materials.end(),
+                                                [](const Material& material) { return material.curve.has_value(); });
+}
+
+/// Why one factor on all springs has no meaning here, or "".
+std::string calibration_of_parts_unsuited(const Specimen& specimen) {
+  if (specimen.body.parts.empty()) return "";
+  if (specimen.materials.size() > 1) return "bodies of several materials have no one modulus to calibrate to";
+  if (!specimen.body.ties.empty()) return "bodies tied where their molecules do not meet have no one modulus";
+  const auto rigid = [](const Part& part) { return part.rigid; };
+  if (std::any_of(specimen.body.parts.begin(), specimen.body.parts.end(), rigid)) return "bone has no modulus";
+  return specimen.material.fibre ? "several bodies with fibres have no one modulus to calibrate to" : "";
+}
+
+/// Springs that are not calibrated, each part with its own; run.constants are for what is said of them.
+std::unique_ptr<Elasticity> make_by_parts(const Specimen& specimen, const StrategyChoice& choice, Run& run) {
+  if (choice.strategy.constants)
+    run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
+  if (run.constants.allFinite()) return choice.strategy.make(specimen.body, specimen.material, choice.values);
+  run.outcome = Outcome::diverged;
+  run.cause = "a spring constant is not finite";
+  return nullptr;
+}
+
+void note_identified(const Identified& found, Run& run) {
+  run.measures.set("identified_modulus", found.modulus(0));
+  run.measures.set("identified_modulus_middle", found.modulus(found.up_to / 2));
+  run.measures.set("identified_modulus_end", found.modulus(found.up_to));
+  run.measures.set("identified_misfit", found.misfit);
+}
+
+}  // namespace
+
+bool needs_cells(const Strategy& strategy, const Body& body) {
+  if (body.triangles.empty() && body.tetrahedra.empty()) return false;
+  const Body bare = without_cells(body);
+  if (!strategy.by_parts && strategy.volume_modulus && !unsuited_for_volumes(bare).empty()) return true;
+  return !strategy.unsuited(bare).empty() && !strategy.needs_voronoi(bare);
+}
+
+std::string unsuited(const Specimen& specimen, Experiment& experiment, const StrategyChoice& any) {
+  const StrategyChoice choice = on_body(any, specimen);
+  std::string reason = choice.strategy.unsuited(specimen.body);
+  if (reason.empty() && choice.calibrated) reason = calibration_of_parts_unsuited(specimen);
+  if (reason.empty() && !choice.strategy.by_parts)
+    reason = fibres_unsuited(choice.strategy, specimen.body, specimen.material);
+  if (reason.empty() && choice.calibrated && specimen.body.connection_stiffness.size())
+    reason = "a body with regions has no one modulus to calibrate to";
+  if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen.material);
+  if (reason.empty() && experiment.identification()) reason = identification_unsuited(choice);
+  return reason;
+}
+
+std::unique_ptr<Elasticity> make_elasticity(const Specimen& specimen, Experiment& experiment, const StrategyChoice& any,
+                                            const RunOptions& options, Run& run) {
+  const StrategyChoice choice = on_body(any, specimen);
+  auto elasticity = choice.strategy.by_parts && !choice.calibrated ? make_by_parts(specimen, choice, run)
+                    : choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
+                                                : choice.strategy.make(specimen.body, specimen.material, choice.values);
+  if (!elasticity) return nullptr;
+  note_negative_constants(run);
+  if (has_curve(specimen) && !choice.strategy.follows_curve)
+    run.warnings.push_back("does not follow the material's curve: it takes its slope at no strain alone");
+  return elasticity;
+}
+
+void add_surroundings(Model& model, const Specimen& specimen, Experiment& experiment, const StrategyChoice& any) {
+  const StrategyChoice choice = on_body(any, specimen);
+  add_companions(model, choice.strategy, specimen.material);
+  for (const auto& add_load : specimen.loads) add_load(model);
+  if (specimen.contact) model.add(contact::make_contact(specimen.body, *specimen.contact));
+  experiment.hold(model);
+  hold_rigid_parts(model);
+}
+
+std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+                                const RunOptions& options, Run& run) {
+  auto elasticity = make_elasticity(specimen, experiment, choice, options, run);
+  if (!elasticity) return std::nullopt;
+  std::optional<Model> model(specimen.body);
+  model->add(std::move(elasticity));
+  add_surroundings(*model, specimen, experiment, choice);
+  return model;
+}
+
+void prepare(Body& body, const Strategy& strategy, const Material& material) {
+  if (!body.parts.empty()) {
+    for (Part& part : body.parts) {
+      if (part.rigid || part.voronoi) continue;
+      const Body alone = part_alone(body, part).body;
+      if (strategy.by_parts || needs_voronoi(alone, strategy, material)) part.voronoi = mesh::voronoi_cells(alone);
+    }
+    return;
+  }
+  if (needs_voronoi(body, strategy, material)) body.voronoi = mesh::voronoi_cells(body);
+}
+
+Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& any,
+                 const RunOptions& options) {
+  const Stopwatch build;
+  const StrategyChoice choice = on_body(any, specimen);
+  if (needs_voronoi(specimen.body, choice.strategy, specimen.material)) {
+    Specimen prepared = specimen;
+    prepare(prepared.body, choice.strategy, specimen.material);
+    const double seconds = build.seconds();
+    Run run = run_strategy(prepared, experiment, choice, options);
+    run.build_seconds += seconds;
+    return run;
+  }
+  Run run;
+  run.strategy = choice.label;
+  if (options.progress) options.progress("building");
+  run.cause = unsuited(specimen, experiment, choice);
+  if (!run.cause.empty()) {
+    run.suited = false;
+    return run;
+  }
+  note_lost_faces(specimen.body, choice.strategy, run);
+  run.uses_cells = needs_cells(choice.strategy, specimen.body);
+  if (run.uses_cells) {
+    const std::vector<int> cells = flat_or_inverted_cells(specimen.body, specimen.body.rest);
+    if (!cells.empty()) {
+      run.outcome = Outcome::inverted;
+      run.cause = flat_or_inverted_text(cells, specimen.body.tetrahedra.size()) + " at rest";
+      return run;
+    }
+    const std::vector<int> triangles = flat_triangles(specimen.body, specimen.body.rest);
+    if (!triangles.empty()) {
+      run.outcome = Outcome::inverted;
+      run.cause = flat_or_inverted_text(triangles, specimen.body.triangles.size()) + " at rest";
+      return run;
+    }
+  }
+  std::optional<Specimen> found;  // with the material identified
+  if (const auto wanted = experiment.identification()) {
+    found = specimen;
+    if (!identify_material(*wanted, *found, experiment, choice, options, run)) return run;
+  }
+  const Specimen& at_work = found ? *found : specimen;
+  std::optional<Model> model = make_model(at_work, experiment, choice, options, run);
+  if (!model) return run;
+  run.build_seconds = build.seconds();
+  if (!experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0)) count_modes(*model, run);
+
+  const Stopwatch solve;
+  if (TimedExperiment* timed = experiment.in_time())
+    run_in_time(*model, *timed, specimen, options, run);
+  else
+    solve_load_curve(*model, experiment, at_work.material, options, run, specimen.start);
+  if (run.identified) note_identified(*run.identified, run);
+  run.solve_seconds = solve.seconds();
+  return run;
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,61 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "elastin/core/solve/integrator.h"
+#include "lab/experiment/time_options.h"
+
+namespace elastin::lab {
+
+/// Takes a state from one frame to the next in steps of a length that the options set. What it remembers can be written
+/// down and read again: the steps that follow are then the same, bit by bit.
+class StepControl {
+ public:
+  /// Throws InputError if nothing says how long a step may be (an explicit scheme on a body that nothing holds
+  /// together).
+  StepControl(Model& model, const State& start, const TimeOptions& options, Scheme scheme, const StaticOptions& newton);
+
+  /// Steps to `until` [s] exactly. Ends early if a step fails: the state is then the last good one. `after` is called
+  /// with each step's end.
+  template <class After>
+  StepResult advance(Model& model, State& state, double until, After&& after) {
+    StepResult all;
+    all.parts = 0;
+    while (state.time < until) {
+      const StepResult step = one_step(model, state, until);
+      all.newton_iterations += step.newton_iterations;
+      all.linear_iterations += step.linear_iterations;
+      ++all.parts;
+      if (step.outcome != Outcome::converged) {
+        all.outcome = step.outcome;
+        all.cause = step.cause;
+        return all;
+      }
+      after(state);
+    }
+    return all;
+  }
+
+  /// What has to be written down.
+  struct Memory {
+    double wanted = 0;                   ///< length of the next step [s]
+    double first_bound = 0;              ///< of frequencies, where the watch began [rad/s]
+    double stable = 0;                   ///< longest step that is stable, with safety [s]
+    double critical = 0, frequency = 0;  ///< of explicit schemes at the start: longest stable step [s], ω_max [rad/s]
+    double shortest = 0, last = 0;       ///< steps taken [s]
+    int steps = 0, rejected = 0;
+  };
+  Memory memory;
+
+ private:
+  StepResult one_step(Model& model, State& state, double until);
+  void watch(Model& model, const State& state);
+
+  TimeOptions options_;
+  std::unique_ptr<Integrator> integrator_;
+  double size_ = 0;  // of the body [m]
+  double order_ = 2;
+  bool by_error_ = false, watched_ = false;
+};
+
+}  // namespace elastin::lab

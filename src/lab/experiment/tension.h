@@ -1,0 +1,31 @@
+#pragma once
+#include <array>
+#include <optional>
+
+#include "lab/experiment/experiment.h"
+
+namespace elastin::lab {
+
+enum class Grip { clamped, sliding };        ///< held sideways, or free to slide sideways
+enum class LoadSharing { molecules, area };  ///< equal parts, or by the area nearest to each molecule
+enum class Reading { mean, corner };  ///< elongation: mean of the loaded end by load share, or one corner molecule
+
+/// A bar pulled or pressed along an axis: one end's molecules are held along it, the other end's are loaded.
+struct TensionSetup {
+  Vector3 axis = Vector3::UnitZ();
+  std::optional<double> force;         ///< [N] on the loaded end, as dead forces; negative = compression
+  std::optional<double> displacement;  ///< [m] of the loaded end, the other way to load; negative = compression
+  Grip fixed_grip = Grip::sliding, loaded_grip = Grip::sliding;
+  LoadSharing sharing = LoadSharing::area;
+  Reading reading = Reading::mean;
+  double cross_section = 0;                    ///< A [m²]; 0 = the hull of all molecules seen along the axis
+  double gauge_length = 0;                     ///< l₀ [m]; 0 = distance between the ends' molecules
+  std::optional<std::array<double, 2>> gauge;  ///< planes [m] from the fixed end between which elongation is read
+  double grip_depth = 0;  ///< [m]: molecules this close to an end belong to it; 0 = those in the end plane
+  int load_steps = 1;
+};
+
+/// Checks the setup against the body; throws InputError (no molecule at an end, no cross-section, a gauge outside …).
+std::unique_ptr<Experiment> make_tension(const Body& body, const TensionSetup& setup);
+
+}  // namespace elastin::lab

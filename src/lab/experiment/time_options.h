@@ -1,0 +1,41 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "elastin/core/solve/integrator.h"
+
+namespace elastin::lab {
+
+/// By what the length of a time step is set.
+enum class StepChoice {
+  automatic,  ///< explicit schemes: 0.8 of the longest stable step, watched; implicit ones: by their error
+  fixed,
+  by_error,
+};
+
+/// How a scene wants time to go.
+struct TimeOptions {
+  double duration = 1;           ///< [s], > 0
+  std::optional<Scheme> scheme;  ///< none: velocity_verlet on springs without cells, newmark otherwise
+  double beta = 0.25, gamma = 0.5;
+  int newton_iterations = 0;
+  StepChoice choice = StepChoice::automatic;
+  double step = 0;                      ///< [s], of fixed ones; frames shorten it evenly
+  double error = 1e-4;                  ///< of a step in position, as a part of the body's size
+  double smallest = 0, largest = 1e30;  ///< [s], of steps by error
+  int frames = 100;                     ///< states that are kept, at equal times, beside the first
+  double frame_rate = 250;              ///< frames a second at most, where a run is shown live
+  int checkpoint = 0;                   ///< frames between two restart files; 0 = none
+};
+
+/// How time went.
+struct TimeReport {
+  std::string scheme, reason;               ///< the scheme, and why it was taken if the scene left that open
+  int steps = 0, rejected = 0;              ///< rejected: gone again, shorter, because their error was too large
+  double shortest_step = 0, last_step = 0;  ///< [s]
+  double critical_step = 0, frequency = 0;  ///< of explicit schemes: longest stable step [s], ω_max [rad/s]
+  double simulated = 0, seconds = 0;        ///< [s] of the body's time and of ours, of this run alone
+  bool resumed = false;
+};
+
+}  // namespace elastin::lab

@@ -1,0 +1,167 @@
+#include "lab/report/comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastin::lab {
+namespace {
+
+/// Columns of one main measure: its value, its error against the material's own where there is one (a ratio's shows in
+/// the value; of the second and third modulus it says enough), and against a reference.
+struct MeasureColumns {
+  const MeasureInfo& info;
+  bool value, error, reference;
+};
+
+std::vector<MeasureColumns> columns_of(const std::vector<Record>& records) {
+  const auto any = [&](const auto& has) { return std::any_of(records.begin(), records.end(), has); };
+  const bool failed = !any(solved);
+  std::vector<MeasureColumns> columns;
+  for (const auto& [name, prescribed] : records.front().main_measures) {
+    const MeasureInfo& info = find_measure(std::string(name));
+    const std::string to_reference = std::string(name) + "_to_reference";
+    if (!failed && !any([&](const Record& r) { return std::isfinite(r.run.measures.get(info.name)); })) continue;
+    const bool error = std::isfinite(prescribed) && info.unit != dimension::none;
+    const bool reference = any([&](const Record& r) { return std::isfinite(r.error(to_reference)); });
+    columns.push_back({info, columns.empty() || !error || reference, error, reference});
+  }
+  return columns;
+}
+
+std::vector<std::string> comparison_head(const std::vector<MeasureColumns>& columns) {
+  std::vector<std::string> head{"strategy"};
+  for (const auto& [info, value, error, reference] : columns) {
+    if (value) head.push_back(info.label() + (error ? " measured" : ""));
+    if (error) head.push_back("error of " + info.label());
+    if (reference) head.push_back("to reference");
+  }
+  for (const char* name : {"iterations", "build", "solve", ""}) head.push_back(name);
+  return head;
+}
+
+std::vector<TableCell> comparison_row(const Record& record, const std::vector<MeasureColumns>& columns, bool best) {
+  const Run& run = record.run;
+  std::vector<TableCell> row{{run.strategy, best ? Tone::bold : run.suited ? Tone::plain : Tone::faint}};
+  for (const auto& [info, value, with_error, reference] : columns) {
+    const std::string shown = row.size() > 1 || solved(record) ? value_text(run.measures.get(info.name), info) : "—";
+    if (value) row.push_back(number_cell(shown, run.measures.get(info.name)));
+    const double error = record.error(info.name);
+    if (with_error) row.push_back(number_cell(percent(error), std::abs(error), tone_of_error(error)));
+    if (!reference) continue;
+    const double off = record.error(std::string(info.name) + "_to_reference");
+    row.push_back(number_cell(percent(off), std::abs(off)));
+  }
+  row.push_back(number_cell(run.suited ? fmt::format("{} / {}", run.newton_iterations, run.linear_iterations) : "",
+                            run.linear_iterations));
+  for (const double seconds : {run.build_seconds, run.solve_seconds})
+    row.push_back(number_cell(run.suited ? readable_seconds(seconds) : "", seconds));
+  row.push_back({notes_of(record), solved(record) ? Tone::poor : run.suited ? Tone::bad : Tone::faint});
+  return row;
+}
+
+}  // namespace
+
+Tone tone_of_error(double error) {
+  const double size = std::abs(error);
+  return size <= 1e-3 ? Tone::good : size <= kNear ? Tone::plain : size <= 0.25 ? Tone::poor : Tone::bad;
+}
+
+std::string value_text(double value, const MeasureInfo& info, int digits) {
+  const bool tiny = info.unit == dimension::none && std::abs(value) > 1e-14 && std::abs(value) < 0.1;
+  return tiny ? fmt::format("{:.5g}", value) : readable(value, info, digits);
+}
+
+std::string outcome_text(const Run& run) {
+  std::string text = run.suited ? name_of(run.outcome) : "not suited";
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
+}
+
+std::string notes_of(const Record& record) {
+  const Run& run = record.run;
+  std::string notes = solved(record) ? "" : outcome_text(run) + ": " + run.cause;
+  for (const std::string& warning : run.warnings) {
+    std::string first = warning.substr(0, warning.find_first_of(";("));
+    first.erase(first.find_last_not_of(' ') + 1);
+    notes += (notes.empty() ? "" : "; ") + first;
+  }
+  return notes;
+}
+
+bool can_rank(const std::vector<Record>& records) {
+  if (records.empty()) return false;
+  const std::vector<MeasureColumns> columns = columns_of(records);
+  return std::any_of(columns.begin(), columns.end(), [](const MeasureColumns& c) { return c.error || c.reference; });
+}
+
+Table comparison_table(const std::vector<Record>& records, const Ranking& ranking) {
+  const std::vector<MeasureColumns> columns = columns_of(records);
+  Table table(comparison_head(columns));
+  for (const Record& record : records) table.add(comparison_row(record, columns, &record == ranking.best));
+  return table;
+}
+
+Table verdicts_table(const std::vector<Record>& records) {
+  std::vector<const Verdict*> verdicts;
+  for (const Record& record : records)
+    for (const Verdict& verdict : record.verdicts) verdicts.push_back(&verdict);
+  Table table({"strategy", "measure", "expected", "here", "difference", "", "source"});
+  for (const Verdict* verdict : verdicts) {
+    if (!verdict->expectation.outcome.empty()) {
+      table.add({{verdict->strategy},
+                 {"outcome"},
+                 {verdict->expectation.outcome},
+                 {""},
+                 {""},
+                 {verdict->holds ? "holds" : "FAILS", verdict->holds ? Tone::good : Tone::bad},
+                 {verdict->expectation.source, Tone::faint}});
+      continue;
+    }
+    const MeasureInfo& info = find_measure(verdict->expectation.measure);
+    const bool missing = !std::isfinite(verdict->measured);
+    const Tone tone = !verdict->judged ? Tone::faint : verdict->holds ? Tone::good : Tone::bad;
+    table.add({{verdict->strategy},
+               {verdict->expectation.measure},
+               {readable(verdict->expectation.value, info, 6), Tone::plain, true},
+               {missing ? "none" : readable(verdict->measured, info, 6), Tone::plain, true},
+               {percent(verdict->difference), Tone::plain, true},
+               {!verdict->judged ? "not reproduced"
+                : verdict->holds ? "holds"
+                                 : "FAILS",
+                tone},
+               {verdict->expectation.source + (verdict->judged ? "" : ": " + verdict->expectation.not_reproduced),
+                Tone::faint}});
+  }
+  return table;
+}
+
+std::string advice_text(const Ranking& ranking, bool colours) {
+  const Record* best = ranking.best;
+  if (!best) return "\n  none to take: each one failed or has a warning\n";
+  std::string found, goal;
+  for (const std::string& name : ranking.measures) {
+    const std::string label = find_measure(name).label(), comma = found.empty() ? "" : ", ";
+    found += comma + label + " " + percent(best->error(ranking.error_name(name)));
+    goal += comma + label;
+  }
+  if (ranking.by_reference) found += " to the reference";
+  for (const auto& [name, prescribed] : best->main_measures) {
+    const MeasureInfo& info = find_measure(std::string(name));
+    const double value = best->run.measures.get(name);
+    const bool modulus = info.unit != dimension::none;
+    const bool told = std::find(ranking.measures.begin(), ranking.measures.end(), name) != ranking.measures.end();
+    if (told || !std::isfinite(prescribed) || (modulus && !std::isfinite(value))) continue;
+    found += ", " + info.label() + " " +
+             (!std::isfinite(value) ? "not measured"
+              : modulus             ? percent(best->error(name))
+                                    : value_text(value, info));
+  }
+  return fmt::format("\n  {} {}: {} (asked: {}), {}\n",
+                     ranking.error(*best) <= kNear ? "take" : "none is near " + goal + "; the nearest is",
+                     painted(best->run.strategy, Tone::bold, colours), found, best->prescribed,
+                     readable_seconds(best->run.build_seconds + best->run.solve_seconds));
+}
+
+}  // namespace elastin::lab

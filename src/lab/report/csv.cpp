@@ -1,0 +1,73 @@
+#include "lab/report/csv.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "elastin/core/base/error.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Fields of all lines. A quote inside quotes is written twice.
+std::vector<std::vector<std::string>> fields_of(const std::string& text) {
+  std::vector<std::vector<std::string>> lines{{""}};
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    std::string& field = lines.back().back();
+    if (quoted && c == '"' && i + 1 < text.size() && text[i + 1] == '"')
+      field += text[++i];
+    else if (c == '"')
+      quoted = !quoted;
+    else if (c == ',' && !quoted)
+      lines.back().emplace_back();
+    else if (c == '\n' && !quoted)
+      lines.push_back({""});
+    else if (c != '\r' || quoted)
+      field += c;
+  }
+  return lines;
+}
+
+}  // namespace
+
+std::size_t Csv::column(const std::string& name) const {
+  const auto found = std::find(head.begin(), head.end(), name);
+  if (found == head.end()) throw InputError(Place{path, 1}, "no column '" + name + "'" + suggestion(name, head));
+  return static_cast<std::size_t>(found - head.begin());
+}
+
+bool Csv::has(const std::string& name) const { return std::find(head.begin(), head.end(), name) != head.end(); }
+
+double Csv::number(std::size_t row, std::size_t column) const {
+  const std::string& text = rows[row][column];
+  if (text.empty()) return std::nan("");
+  double value = 0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (problem != std::errc() || end != text.data() + text.size())
+    throw InputError(Place{path, static_cast<int>(row) + 2}, head[column] + ": '" + text + "' is no number");
+  return value;
+}
+
+Csv load_csv(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::error_code ignored;
+  if (!stream || std::filesystem::is_directory(path, ignored)) throw InputError(Place{path}, "cannot be read");
+  Csv csv{path, {}, fields_of({std::istreambuf_iterator<char>(stream), {}})};
+  csv.head = csv.rows.front();
+  if (csv.head == std::vector<std::string>{""}) throw InputError(Place{path, 1}, "no head: names of the columns");
+  csv.rows.erase(csv.rows.begin());
+  while (!csv.rows.empty() && csv.rows.back() == std::vector<std::string>{""}) csv.rows.pop_back();
+  for (std::size_t row = 0; row < csv.rows.size(); ++row)
+    if (csv.rows[row].size() != csv.head.size())
+      throw InputError(
+          Place{path, static_cast<int>(row) + 2},
+          std::to_string(csv.rows[row].size()) + " fields; the head has " + std::to_string(csv.head.size()));
+  return csv;
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,194 @@
+#include "lab/report/figures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lab/report/comparison.h"
+#include "lab/report/csv.h"
+#include "lab/report/study.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Smaller errors are told, but not drawn to scale: they are the solver's tolerance, not the strategy's.
+constexpr double kFoot = 1e-7;
+
+/// The points that no other one beats in both time and error, fastest first.
+PlotSeries front_of(const std::vector<PlotSeries>& series) {
+  PlotSeries front{"", -1, PlotSeries::Kind::staircase, {}};
+  std::vector<PlotPoint> points;
+  for (const PlotSeries& one : series)
+    for (const PlotPoint& point : one.points) points.push_back({point.x, point.y, ""});
+  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+  for (const PlotPoint& point : points)
+    if (front.points.empty() || point.y < front.points.back().y) front.points.push_back(point);
+  return front;
+}
+
+/// What a course is drawn over, and what of: the first pair that the records have.
+struct Course {
+  std::string x, y;
+  bool from_nothing;  ///< begins at 0, 0
+};
+
+bool measured(const std::vector<Record>& records, const std::string& name) {
+  return std::any_of(records.begin(), records.end(), [&](const Record& record) {
+    return !record.run.curve.empty() && std::isfinite(record.run.curve.back().measures.get(name));
+  });
+}
+
+Course course_of(const std::vector<Record>& records) {
+  const bool in_time =
+      std::any_of(records.begin(), records.end(), [](const Record& r) { return r.run.time.has_value(); });
+  if (!in_time)
+    for (const auto& [x, y, zero] : {Course{"strain", "stress", true},
+                                     {"angle", "torque", true},
+                                     {"volume_strain", "pressure", true},
+                                     {"stretch", "pressure", false},  // begins at 1
+                                     {"height", "pressure", true}})
+      if (measured(records, x) && measured(records, y)) return {x, y, zero};
+  for (const char* y : {"tip_deflection", "elongation", "angle", "compression", "fall_speed", "far_way", "radius",
+                        "height", "strain", "centre_way", "largest_strain", "effective_modulus"}) {
+    const std::string name(y);
+    const bool way = name == "tip_deflection" || name == "elongation" || name == "angle" || name == "height";
+    if (measured(records, name)) return {in_time ? "time" : "load", name, way && !in_time};
+  }
+  return {};
+}
+
+double along(const CurvePoint& point, const std::string& name) {
+  return name == "time" ? point.time : name == "load" ? point.load_factor : point.measures.get(name);
+}
+
+PlotAxis axis_of(const std::string& name) {
+  if (name == "time") return {"time", "s"};
+  if (name == "load") return {"share of the load", ""};
+  const MeasureInfo& info = find_measure(name);
+  const bool share = name == "strain" || name == "volume_strain" || name == "compression" || name == "largest_strain";
+  return {info.label(), share ? "%" : info.unit_text()};
+}
+
+/// What the material itself asks for, where that is a line through the origin.
+void add_asked(Plot& plot, const Course& course, const Record& record) {
+  if (course.x != "strain" || course.y != "stress" || record.main_measures.empty()) return;
+  const auto& [name, prescribed] = record.main_measures.front();
+  if (!std::isfinite(prescribed) || (name != "effective_modulus" && name != "shear_modulus")) return;
+  double low = 0, high = 0;  // no further than the others go in either direction
+  for (const PlotSeries& series : plot.series)
+    for (const PlotPoint& point : series.points) {
+      low = std::min(low, std::max(point.x, point.y / prescribed));
+      high = std::max(high, std::min(point.x, point.y / prescribed));
+    }
+  plot.series.push_back(
+      {"asked", -1, PlotSeries::Kind::dashed, {{low, low * prescribed, ""}, {high, high * prescribed, ""}}});
+}
+
+}  // namespace
+
+std::vector<Peer> load_peers(const std::string& path) {
+  const Csv csv = load_csv(path);
+  const std::size_t name = csv.column("method"), seconds = csv.column("minimum_s"), error = csv.column("error");
+  std::vector<Peer> peers;
+  for (std::size_t row = 0; row < csv.rows.size(); ++row) {
+    Peer peer{csv.has("scene") ? csv.rows[row][csv.column("scene")] : "", csv.rows[row][name], csv.number(row, seconds),
+              csv.number(row, error)};
+    if (std::isfinite(peer.seconds) && std::isfinite(peer.error)) peers.push_back(std::move(peer));
+  }
+  return peers;
+}
+
+Plot csv_plot(const std::string& path, const std::string& x, const std::string& y) {
+  const Csv csv = load_csv(path);
+  const std::size_t name = csv.column("method"), x_column = csv.column(x), y_column = csv.column(y);
+  const auto axis = [](const std::string& column) {
+    const bool seconds = column.ends_with("_s"), error = column.ends_with("error");
+    return PlotAxis{column, seconds ? "s" : error ? "%" : "", true};
+  };
+  Plot plot;
+  plot.title = path.substr(path.rfind('/') + 1);
+  plot.x = axis(x);
+  plot.y = axis(y);
+  for (std::size_t row = 0; row < csv.rows.size(); ++row) {
+    const std::string& method = csv.rows[row][name];
+    auto series = std::find_if(plot.series.begin(), plot.series.end(), [&](const auto& s) { return s.name == method; });
+    if (series == plot.series.end())
+      series =
+          plot.series.insert(series, {method, static_cast<int>(plot.series.size()), PlotSeries::Kind::marked_line, {}});
+    series->points.push_back({csv.number(row, x_column), csv.number(row, y_column), method});
+  }
+  return plot;
+}
+
+std::map<std::string, int> strategy_colours(const std::vector<Record>& records) {
+  std::map<std::string, int> colours;
+  for (const Record& record : records) colours.try_emplace(record.run.strategy, static_cast<int>(colours.size()));
+  return colours;
+}
+
+Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, const std::map<std::string, int>& colours,
+                const std::vector<Peer>& peers) {
+  Plot plot;
+  if (records.empty() || ranking.measures.empty()) return plot;
+  std::string of;
+  for (const std::string& name : ranking.measures) of += (of.empty() ? "" : ", ") + find_measure(name).label();
+  plot.title = records.front().title + ": error of " + of + " against time";
+  plot.x = {"time: build and solve", "s", true};
+  plot.y = {"error of " + of + (ranking.by_reference ? ", to the reference" : ""), "%", true};
+  const auto point_of = [&](double seconds, double error, const std::string& name, const std::string& more) {
+    return PlotPoint{seconds, std::max(error, kFoot),
+                     fmt::format("{}: error {:.3g} %, {}{}", name, 100 * error, readable_seconds(seconds), more)};
+  };
+  for (const StudyCurve& curve : curves_of(records)) {
+    PlotSeries series{curve.name,
+                      colours.at(curve.strategy),
+                      curve.rows.size() > 1 ? PlotSeries::Kind::marked_line : PlotSeries::Kind::marks,
+                      {}};
+    for (const Record* record : curve.rows)
+      if (solved(*record) && std::isfinite(ranking.error(*record)))
+        series.points.push_back(point_of(record->least_seconds(), ranking.error(*record), curve.name,
+                                         ", " + counted(record->molecules, "molecule")));
+    if (!series.points.empty()) plot.series.push_back(std::move(series));
+  }
+  for (const Peer& peer : peers) {
+    if (!peer.scene.empty() && peer.scene != records.front().scene) continue;
+    auto series =
+        std::find_if(plot.series.begin(), plot.series.end(), [&](const auto& s) { return s.name == peer.name; });
+    if (series == plot.series.end())
+      series = plot.series.insert(plot.series.end(), {peer.name, -1, PlotSeries::Kind::marked_line, {}});
+    series->points.push_back(point_of(peer.seconds, peer.error, peer.name, " (given by a file)"));
+  }
+  if (!plot.series.empty()) plot.series.insert(plot.series.begin(), front_of(plot.series));
+  for (const Reference& reference : records.front().references)
+    if (ranking.by_reference && reference.uncertainty > 0 && !(reference.uncertainty < plot.level)) {
+      plot.level = reference.uncertainty;
+      plot.level_text = "the reference is known to this";
+    }
+  return plot;
+}
+
+Plot course_plot(const std::vector<Record>& records, const std::map<std::string, int>& colours) {
+  Plot plot;
+  const Course course = course_of(records);
+  if (course.x.empty()) return plot;
+  plot.x = axis_of(course.x);
+  plot.y = axis_of(course.y);
+  plot.title = records.front().title + ": " + plot.y.title + " over " + plot.x.title;
+  for (const StudyCurve& curve : curves_of(records)) {
+    const Record& record = *curve.rows.back();
+    PlotSeries series{curve.name, colours.at(curve.strategy), PlotSeries::Kind::line, {}};
+    if (course.from_nothing) series.points.push_back({0, 0, ""});
+    for (const CurvePoint& point : record.run.curve) {
+      const PlotPoint at{along(point, course.x), along(point, course.y), ""};
+      if (std::isfinite(at.x) && std::isfinite(at.y)) series.points.push_back(at);
+    }
+    const bool short_course = series.points.size() <= 24;
+    if (short_course) series.kind = PlotSeries::Kind::marked_line;
+    if (series.points.size() > (course.from_nothing ? 1u : 0u)) plot.series.push_back(std::move(series));
+  }
+  if (!plot.series.empty()) add_asked(plot, course, records.front());
+  return plot;
+}
+
+}  // namespace elastin::lab

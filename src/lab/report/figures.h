@@ -1,0 +1,27 @@
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "lab/report/peers.h"
+#include "lab/report/plot.h"
+#include "lab/report/ranking.h"
+
+namespace elastin::lab {
+
+/// Two columns of a CSV file against each other on logarithmic axes, a series a method: what benchmarks write.
+Plot csv_plot(const std::string& path, const std::string& x, const std::string& y);
+
+/// The colour of each strategy, the same on a whole page: by first appearance.
+std::map<std::string, int> strategy_colours(const std::vector<Record>& records);
+
+/// Error against time of one scene's records, a series a strategy or curve of a study; the best so far as a staircase.
+/// Errors below 1e-7 stand at the foot. No series where nothing can be ranked.
+Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, const std::map<std::string, int>& colours,
+                const std::vector<Peer>& peers = {});
+
+/// The course of each record: stress over strain, torque over angle, a deflection over load or time; of a study the
+/// finest of each curve. No series where there is no such measure.
+Plot course_plot(const std::vector<Record>& records, const std::map<std::string, int>& colours);
+
+}  // namespace elastin::lab

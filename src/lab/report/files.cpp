@@ -1,0 +1,201 @@
+#include "lab/report/files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+#include "contact/search.h"
+#include "elastin/core/base/error.h"
+#include "lab/report/surface_files.h"
+#include "lab/report/vtu.h"
+
+namespace elastin::lab {
+namespace {
+
+/// A number with all its digits, or nothing: files never hold NaN.
+std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+
+/// "elongation [m]"
+std::string headed(const MeasureInfo& info) {
+  const std::string unit = info.unit_text();
+  return std::string(info.name) + (unit.empty() ? "" : " [" + unit + "]");
+}
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+/// "body.lattice.molecules=[5, 5, 5]; …": what a study has changed.
+std::string variant_field(const Record& record) {
+  std::string text;
+  for (const auto& [key, value] : record.variant) text += (text.empty() ? "" : "; ") + key + "=" + value;
+  return csv_field(text);
+}
+
+/// One row a frame, with the measures that the run has.
+std::string course_csv_text(const std::vector<CurvePoint>& rows) {
+  std::vector<const MeasureInfo*> columns;
+  for (const MeasureInfo& info : measure_list())
+    if (std::any_of(rows.begin(), rows.end(),
+                    [&](const CurvePoint& row) { return std::isfinite(row.measures.get(info.name)); }))
+      columns.push_back(&info);
+  std::string out = "time [s]";
+  for (const MeasureInfo* info : columns) out += "," + headed(*info);
+  out += ",step [s],steps,newton_iterations,linear_iterations\n";
+  for (const CurvePoint& row : rows) {
+    out += cell(row.time);
+    for (const MeasureInfo* info : columns) out += "," + cell(row.measures.get(info->name));
+    out += fmt::format(",{},{},{},{}\n", cell(row.step), row.steps, row.newton_iterations, row.linear_iterations);
+  }
+  return out;
+}
+
+}  // namespace
+
+void write_whole(const std::string& path, const std::string& text) {
+  const std::filesystem::path target(path);
+  std::error_code problem;
+  if (target.has_parent_path()) std::filesystem::create_directories(target.parent_path(), problem);
+  if (problem) throw InputError(path + ": cannot make its folder: " + problem.message());
+  // A pipe or a device is not replaced by a file.
+  const bool special = std::filesystem::exists(target, problem) && !std::filesystem::is_regular_file(target, problem);
+  const std::string draft = special ? path : path + ".part";
+  problem.clear();
+  std::ofstream stream(draft, std::ios::binary);
+  stream << text;
+  stream.close();
+  if (!stream)
+    problem = std::error_code(errno, std::generic_category());
+  else if (!special)
+    std::filesystem::rename(draft, target, problem);
+  if (!problem) return;
+  std::error_code ignored;
+  if (!special) std::filesystem::remove(draft, ignored);
+  throw InputError(path + ": cannot write: " + problem.message());
+}
+
+std::string csv_text(const std::vector<Record>& records) {
+  std::vector<std::string> errors;
+  for (const Record& record : records)
+    for (const auto& [name, value] : record.errors)
+      if (std::find(errors.begin(), errors.end(), name) == errors.end()) errors.push_back(name);
+  std::string out = "scene,strategy,solver,outcome,molecules,connections,cells,threads";
+  for (const MeasureInfo& info : measure_list()) out += "," + headed(info);
+  for (const std::string& name : errors) out += ",error " + name;
+  out +=
+      ",build [s],solve [s],repeats,median "
+      "[s],variant,iterations,linear_iterations,residual,zero_energy_modes,warnings\n";
+  for (const Record& record : records) {
+    const Run& run = record.run;
+    out += fmt::format("{},{},{},{},{},{},{},{}", csv_field(record.scene), csv_field(run.strategy), run.solver,
+                       outcome_name(run), record.molecules, record.connections, record.cells, record.threads);
+    for (const MeasureInfo& info : measure_list()) out += "," + cell(run.measures.get(info.name));
+    for (const std::string& name : errors) out += "," + cell(record.error(name));
+    std::string notes = run.cause;
+    for (const std::string& warning : record.warnings) notes += (notes.empty() ? "" : "; ") + warning;
+    out += fmt::format(",{},{},{},{},{},{},{},{},{},{}\n", cell(run.build_seconds), cell(run.solve_seconds),
+                       std::max<std::size_t>(1, record.repeats.size()), cell(record.median_seconds()),
+                       variant_field(record), run.newton_iterations, run.linear_iterations, cell(run.residual),
+                       run.zero_energy_modes, csv_field(notes));
+  }
+  return out;
+}
+
+std::string curve_csv_text(const Record& record) {
+  if (record.run.time) return course_csv_text(record.run.curve);
+  std::string out = "load_factor";
+  for (const MeasureInfo& info : measure_list()) out += "," + headed(info);
+  out += ",newton_iterations,linear_iterations,residual\n";
+  for (const CurvePoint& point : record.run.curve) {
+    out += cell(point.load_factor);
+    for (const MeasureInfo& info : measure_list()) out += "," + cell(point.measures.get(info.name));
+    out += fmt::format(",{},{},{}\n", point.newton_iterations, point.linear_iterations, cell(point.residual));
+  }
+  return out;
+}
+
+std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& constants) {
+  const int n = body.size(), m = body.connections.size();
+  const auto& [ends, rest_length, _] = body.connections;
+  const Positions& positions = shot.positions;
+  VectorX length(m);
+  Positions force = Positions::Zero(3, n);
+  for (int c = 0; c < m; ++c) {
+    const Vector3 d = positions.col(ends[c][1]) - positions.col(ends[c][0]);
+    length[c] = d.norm();
+    force.col(ends[c][0]) += shot.densities[c] * d;
+    force.col(ends[c][1]) -= shot.densities[c] * d;
+  }
+  std::string out = vtu_head(n, m) + "<Points>\n";
+  VtuArrays arrays(out);
+  arrays.add("positions", "Float64", 3, n, [&](int i, int k) { return positions(k, i); });
+  out += "</Points>\n<PointData Vectors=\"displacement\">\n";
+  arrays.add("displacement", "Float64", 3, n, [&](int i, int k) { return positions(k, i) - body.rest(k, i); });
+  arrays.add("elastic_force", "Float64", 3, n, [&](int i, int k) { return force(k, i); });
+  arrays.add("radius", "Float64", 1, n, [&](int i, int) { return body.radius[i]; });
+  arrays.add("mass", "Float64", 1, n, [&](int i, int) { return body.mass[i]; });
+  if (shot.contact_pressure.size()) {
+    arrays.add("contact_pressure", "Float64", 1, n, [&](int i, int) { return shot.contact_pressure[i]; });
+    arrays.add("contact_force", "Float64", 3, n, [&](int i, int k) { return shot.contact_forces(k, i); });
+  }
+  out += "</PointData>\n<CellData Scalars=\"strain\">\n";
+  arrays.add("strain", "Float64", 1, m,
+             [&](int c, int) { return rest_length[c] > 0 ? length[c] / rest_length[c] - 1 : 0; });
+  arrays.add("tension", "Float64", 1, m, [&](int c, int) { return shot.densities[c] * length[c]; });
+  arrays.add("force_density", "Float64", 1, m, [&](int c, int) { return shot.densities[c]; });
+  if (constants.size()) arrays.add("constant", "Float64", 1, m, [&](int c, int) { return constants[c]; });
+  out += "</CellData>\n<Cells>\n";
+  arrays.add("connectivity", "Int32", 2, m, [&](int c, int k) { return ends[c][k]; });
+  arrays.add("offsets", "Int32", 1, m, [&](int c, int) { return 2 * c + 2; });
+  arrays.add("types", "UInt8", 1, m, [](int, int) { return 3; });
+  return out + "</Cells>\n" + kVtuEnd;
+}
+
+void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run,
+                  const std::vector<contact::Obstacle>& obstacles) {
+  std::string collection = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
+  const auto file_of = [&](const char* part, std::size_t number) {
+    return fmt::format("{}{}-{:03}.vtu", name, part, number);
+  };
+  int part = 0;
+  const auto list = [&](double at, const std::string& file) {
+    const std::string number = part ? fmt::format(" part=\"{}\"", part) : "";
+    collection += fmt::format("<DataSet timestep=\"{}\"{} file=\"{}\"/>\n", at, number, file);
+  };
+  const auto write = [&](double at, const std::string& file, const std::string& text) {
+    write_whole(folder + "/" + file, text);
+    list(at, file);
+  };
+  // A run that goes on from a restart file shows the frames before as well, where they still stand.
+  const std::size_t first = run.snapshots.empty() ? 0 : static_cast<std::size_t>(run.snapshots.front().number);
+  constexpr const char* parts[] = {"", "-surface", "-obstacles"};
+  for (std::size_t frame = 0; run.time && frame < std::min(first, run.curve.size()); ++frame)
+    for (part = 0; part < 3; ++part)
+      if (std::filesystem::exists(folder + "/" + file_of(parts[part], frame)))
+        list(run.curve[frame].time, file_of(parts[part], frame));
+  // Of every frame of a run in time that would be as much again; contact is worth it.
+  const bool contact = !run.snapshots.empty() && run.snapshots.front().contact_pressure.size() > 0;
+  const Cells<3> surface = contact ? contact::surface_triangles(body) : Cells<3>{};
+  for (const Snapshot& shot : run.snapshots) {
+    const auto number = static_cast<std::size_t>(shot.number);
+    part = 0;
+    write(shot.at, file_of(parts[part], number), vtu_text(body, shot, run.constants));
+    part = 1;
+    if (!surface.empty()) write(shot.at, file_of(parts[part], number), surface_vtu_text(body, surface, shot));
+    part = 2;
+    const Vector3 low = shot.positions.rowwise().minCoeff(), high = shot.positions.rowwise().maxCoeff();
+    if (!shot.obstacles.empty())
+      write(shot.at, file_of(parts[part], number), obstacles_vtu_text(obstacles, shot.obstacles, low, high));
+  }
+  write_whole(folder + "/" + name + ".pvd", collection + "</Collection>\n</VTKFile>\n");
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,28 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "lab/report/records.h"
+
+namespace elastin::lab {
+
+/// Writes a whole file or none: to a neighbour first, then in its place. Throws InputError naming the path.
+void write_whole(const std::string& path, const std::string& text);
+
+/// One row a run; columns scene, strategy, …, every measure, every error, seconds.
+std::string csv_text(const std::vector<Record>& records);
+
+/// One row a load step of one run.
+std::string curve_csv_text(const Record& record);
+
+/// A VTU file of one state: molecules as points (displacement, elastic force, radius, mass; contact pressure [Pa] and
+/// force [N] where there is contact), connections as lines (tension [N], strain, force density [N/m], and the spring
+/// constant [N/m] where the strategy has one).
+std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& constants);
+
+/// Writes NAME.pvd and one NAME-STEP.vtu a load step into a folder, for ParaView; of a body with cells
+/// that is at rest or has contact NAME-surface-STEP.vtu beside each, and NAME-obstacles-STEP.vtu where there are any.
+void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run,
+                  const std::vector<contact::Obstacle>& obstacles = {});
+
+}  // namespace elastin::lab

@@ -1,0 +1,16 @@
+#pragma once
+#include <string>
+
+namespace elastin::lab {
+
+/// What figures were measured on.
+struct Machine {
+  std::string processor;
+  int cores = 0;
+  double load = 0;  ///< of all its programs, over the last minute; NaN where it is not told
+  std::string compiler, flags;
+  std::string text() const;  ///< in one line
+};
+Machine this_machine();
+
+}  // namespace elastin::lab

@@ -1,0 +1,26 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "lab/report/figures.h"
+#include "lab/report/records.h"
+
+namespace elastin::lab {
+
+/// What a page is made of.
+struct PageMatter {
+  std::vector<Record> records;     ///< of all scenes, scene by scene
+  std::vector<std::string> views;  ///< lines of body_view and states_view
+  std::vector<Peer> peers;
+  std::string machine, command;  ///< what it was measured on, and how it was asked for
+};
+
+/// One HTML page that needs nothing beside itself: for each scene the advice, error against time, the course of the
+/// load, the body in 3D, all tables and warnings; of several scenes a summary in front.
+std::string page_text(const PageMatter& matter);
+
+/// The plots of one scene as files of their own: NAME-error.svg and NAME-course.svg.
+std::vector<std::pair<std::string, std::string>> plot_files(const std::vector<Record>& records,
+                                                            const std::vector<Peer>& peers);
+
+}  // namespace elastin::lab

@@ -1,0 +1,282 @@
+#include "lab/report/plot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+namespace elastin::lab {
+namespace {
+
+constexpr std::array kPalette{"#3b82f6", "#f59e0b", "#10b981", "#ef4444", "#8b5cf6", "#ec4899",
+                              "#06b6d4", "#84cc16", "#f97316", "#a16207", "#64748b", "#14b8a6"};
+constexpr double kFont = 12, kLetter = 7.3;  // px
+
+constexpr const char* kStyle =
+    "svg{--ink:#1b1f27;--faint:#667085;--grid:#e3e6ec;--paper:#fff;font:12px system-ui,sans-serif}"
+    "@media(prefers-color-scheme:dark){svg{--ink:#e8eaf0;--faint:#98a1b3;--grid:#2b303b;--paper:#14161c}}"
+    "text{fill:var(--faint)}.head,.axis{fill:var(--ink)}.grid{stroke:var(--grid)}";
+
+bool shown(const PlotPoint& point, const Plot& plot) {
+  return std::isfinite(point.x) && std::isfinite(point.y) && (!plot.x.logarithmic || point.x > 0) &&
+         (!plot.y.logarithmic || point.y > 0);
+}
+
+struct Tick {
+  double value;
+  bool labelled;
+};
+
+/// Values and ticks of one axis: the range that the points need, rounded outwards.
+struct Scale {
+  double low, high;  ///< in logarithms on a logarithmic axis
+  bool logarithmic;
+  std::vector<Tick> ticks;
+  double step() const { return logarithmic || ticks.size() < 2 ? 0 : ticks[1].value - ticks[0].value; }
+  double part(double value) const { return ((logarithmic ? std::log10(value) : value) - low) / (high - low); }
+};
+
+Scale logarithmic_scale(double least, double most) {
+  Scale scale{std::log10(least), std::log10(most), true, {}};
+  const bool fine = scale.high - scale.low < 2.5;  // 1, 2, 5 of each decade are told
+  const auto below = [&](double v) {
+    const double decade = std::floor(v + 1e-9), mantissa = std::pow(10., v - decade);
+    if (!fine) return decade;
+    return decade + std::log10(mantissa >= 5 - 1e-9 ? 5 : mantissa >= 2 - 1e-9 ? 2 : 1);
+  };
+  const auto above = [&](double v) {
+    const double decade = std::floor(v - 1e-9), mantissa = std::pow(10., v - decade);
+    if (!fine) return decade + 1;
+    return decade + std::log10(mantissa <= 2 + 1e-9 ? 2 : mantissa <= 5 + 1e-9 ? 5 : 10);
+  };
+  scale.low = below(scale.low);
+  scale.high = above(scale.high);
+  if (scale.high - scale.low < 0.2) scale.high += 0.4;
+  const int every = std::max(1, static_cast<int>(std::ceil((scale.high - scale.low) / 8)));
+  for (int decade = static_cast<int>(std::floor(scale.low)); decade <= scale.high; ++decade)
+    for (int digit = 1; digit < 10; ++digit) {
+      const double at = decade + std::log10(digit);
+      if (at < scale.low - 1e-9 || at > scale.high + 1e-9 || (digit > 1 && every > 1)) continue;
+      const bool told = digit == 1 ? decade % every == 0 : fine && (digit == 2 || digit == 5);
+      scale.ticks.push_back({std::pow(10., at), told});
+    }
+  return scale;
+}
+
+Scale linear_scale(double least, double most) {
+  if (least > 0 && least < 0.5 * most) least = 0;  // far from zero there is nothing to see
+  if (most < 0 && most > 0.5 * least) most = 0;
+  if (most - least <= 1e-12 * std::abs(most)) {
+    least = std::min(0., least);
+    most = most > least ? most : least + 1;
+  }
+  const double raw = (most - least) / 5, decade = std::pow(10., std::floor(std::log10(raw)));
+  const double step = decade * (raw / decade <= 1 ? 1 : raw / decade <= 2 ? 2 : raw / decade <= 5 ? 5 : 10);
+  Scale scale{std::floor(least / step + 1e-9) * step, std::ceil(most / step - 1e-9) * step, false, {}};
+  for (int i = 0; scale.low + i * step < scale.high + step / 2; ++i)
+    scale.ticks.push_back({scale.low + i * step, true});
+  return scale;
+}
+
+Scale scale_of(const Plot& plot, const PlotAxis& axis, double PlotPoint::*value, double level) {
+  double least = INFINITY, most = -INFINITY;
+  const auto take = [&](double v) {
+    least = std::min(least, v);
+    most = std::max(most, v);
+  };
+  for (const PlotSeries& series : plot.series)
+    for (const PlotPoint& point : series.points)
+      if (shown(point, plot)) take(point.*value);
+  if (std::isfinite(level) && (!axis.logarithmic || level > 0)) take(level);
+  if (least > most) least = most = 1;
+  return axis.logarithmic ? logarithmic_scale(least, most) : linear_scale(least, most);
+}
+
+/// The prefix in which all ticks of an axis are told.
+std::pair<double, std::string> prefix_of(const std::string& unit, double size) {
+  constexpr std::pair<double, const char*> prefixes[]{{1e9, "G"},  {1e6, "M"},  {1e3, "k"}, {1, ""},
+                                                      {1e-3, "m"}, {1e-6, "µ"}, {1e-9, "n"}};
+  if (unit == "%") return {0.01, "%"};
+  if (unit.empty() || unit.find_first_of("/^") != std::string::npos) return {1, unit};
+  for (const auto& [factor, letter] : prefixes)
+    if (size >= factor * 0.999) return {factor, letter + unit};
+  return {1, unit};
+}
+
+/// `step`: to the next tick of a linear axis, 0 on a logarithmic one.
+std::string tick_text(double value, const PlotAxis& axis, double step) {
+  const auto [factor, unit] = prefix_of(axis.unit, std::abs(value));
+  const double shown = value / factor, finest = step > 0 ? step / factor : std::abs(shown);
+  // 0.00001 %, not 1e-05 %
+  const bool small = finest > 0 && finest < 1e-3 && finest > 1e-9;
+  const int digits = small ? static_cast<int>(std::ceil(-std::log10(finest) - 1e-9)) : 0;
+  const std::string number = small && shown != 0 ? fmt::format("{:.{}f}", shown, digits) : fmt::format("{:g}", shown);
+  return number + (unit.empty() ? "" : " ") + unit;
+}
+
+/// A plot on its paper: where values lie, in px.
+struct Sheet {
+  const Plot& plot;
+  Scale x, y;
+  double width, left, top, right, bottom;
+  std::string out;
+  double px(double value) const { return left + x.part(value) * (right - left); }
+  double py(double value) const { return bottom - y.part(value) * (bottom - top); }
+  template <class... Parts>
+  void add(fmt::format_string<Parts...> text, Parts&&... parts) {
+    fmt::format_to(std::back_inserter(out), text, std::forward<Parts>(parts)...);
+  }
+};
+
+void add_grid(Sheet& sheet) {
+  double free_from = 0;  // labels that would run into the one before are left out
+  for (const auto& [value, told] : sheet.x.ticks) {
+    sheet.add("<path class=\"grid\" d=\"M{0:.1f} {1:.1f}V{2:.1f}\" opacity=\"{3}\"/>", sheet.px(value), sheet.top,
+              sheet.bottom, told ? 1 : 0.5);
+    const std::string label = told ? tick_text(value, sheet.plot.x, sheet.x.step()) : "";
+    const double half = kLetter / 2 * static_cast<double>(label.size()), at = sheet.px(value);
+    if (label.empty() || at - half < free_from) continue;
+    free_from = at + half + kLetter;
+    sheet.add("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>", at, sheet.bottom + 18,
+              escaped(label));
+  }
+  for (const auto& [value, told] : sheet.y.ticks) {
+    sheet.add("<path class=\"grid\" d=\"M{:.1f} {:.1f}H{:.1f}\" opacity=\"{}\"/>", sheet.left, sheet.py(value),
+              sheet.right, told ? 1 : 0.5);
+    if (told)
+      sheet.add("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>", sheet.left - 7, sheet.py(value) + 4,
+                escaped(tick_text(value, sheet.plot.y, sheet.y.step())));
+  }
+  sheet.add("<text class=\"axis\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{} →</text>", sheet.right,
+            sheet.bottom + 38, escaped(sheet.plot.x.title));
+  sheet.add("<text class=\"axis\" x=\"8\" y=\"{:.1f}\">↑ {}</text>", sheet.top - 12, escaped(sheet.plot.y.title));
+  if (std::isfinite(sheet.plot.level) && (!sheet.y.logarithmic || sheet.plot.level > 0))
+    sheet.add(
+        "<path d=\"M{0:.1f} {1:.1f}H{2:.1f}\" stroke=\"var(--faint)\" stroke-dasharray=\"2 4\"/>"
+        "<text x=\"{2:.1f}\" y=\"{3:.1f}\" text-anchor=\"end\">{4}</text>",
+        sheet.left, sheet.py(sheet.plot.level), sheet.right, sheet.py(sheet.plot.level) - 5,
+        escaped(sheet.plot.level_text));
+}
+
+void add_mark(Sheet& sheet, double x, double y, int colour, double r) {
+  const std::string fill = plot_colour(colour);
+  switch (colour < 0 ? 0 : colour / static_cast<int>(kPalette.size()) % 4) {
+    case 0:
+      return sheet.add("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\"/>", x, y, r, fill);
+    case 1:
+      return sheet.add("<rect x=\"{0:.1f}\" y=\"{1:.1f}\" width=\"{2}\" height=\"{2}\" fill=\"{3}\"/>", x - r * 0.9,
+                       y - r * 0.9, r * 1.8, fill);
+    case 2:
+      return sheet.add("<path d=\"M{0:.1f} {1:.1f}l{2} {2} -{2} {2} -{2} -{2}z\" fill=\"{3}\"/>", x, y - r * 1.2,
+                       r * 1.2, fill);
+    default:
+      return sheet.add("<path d=\"M{0:.1f} {1:.1f}l{2} {3}h-{4}z\" fill=\"{5}\"/>", x, y - r * 1.1, r * 1.15, r * 2,
+                       r * 2.3, fill);
+  }
+}
+
+void add_line(Sheet& sheet, const PlotSeries& series) {
+  using Kind = PlotSeries::Kind;
+  std::string path;
+  for (const PlotPoint& point : series.points) {
+    if (!shown(point, sheet.plot)) continue;
+    const double x = sheet.px(point.x), y = sheet.py(point.y);
+    path += path.empty()                     ? fmt::format("M{:.1f} {:.1f}", x, y)
+            : series.kind == Kind::staircase ? fmt::format("H{:.1f}V{:.1f}", x, y)
+                                             : fmt::format("L{:.1f} {:.1f}", x, y);
+  }
+  if (path.empty()) return;
+  const bool dashed = series.kind == Kind::dashed || series.kind == Kind::staircase;
+  sheet.add("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"{} stroke-linejoin=\"round\"/>", path,
+            plot_colour(series.colour), dashed ? 1.3 : 2, dashed ? " stroke-dasharray=\"5 4\"" : "");
+}
+
+void add_series(Sheet& sheet, const PlotSeries& series) {
+  using Kind = PlotSeries::Kind;
+  sheet.add("<g class=\"series\" data-series=\"{}\">", escaped(series.name));
+  if (series.kind != Kind::marks) add_line(sheet, series);
+  for (const PlotPoint& point : series.points) {
+    if (!shown(point, sheet.plot) || (series.kind != Kind::marks && series.kind != Kind::marked_line)) continue;
+    const std::string text = escaped(point.text);
+    if (!text.empty())
+      sheet.add("<g class=\"mark\" tabindex=\"0\" role=\"img\" aria-label=\"{0}\"><title>{0}</title>", text);
+    add_mark(sheet, sheet.px(point.x), sheet.py(point.y), series.colour, text.empty() ? 3 : 5.5);
+    if (!text.empty()) sheet.add("</g>");
+  }
+  sheet.add("</g>");
+}
+
+/// Names side by side in as many lines as they need; returns the lowest of them.
+double add_legend(Sheet& sheet, double top) {
+  double x = sheet.left, y = top;
+  for (const PlotSeries& series : sheet.plot.series) {
+    if (series.name.empty()) continue;
+    const double wide = 26 + kLetter * static_cast<double>(series.name.size());
+    if (x > sheet.left && x + wide > sheet.width - 4) {
+      x = sheet.left;
+      y += 19;
+    }
+    sheet.add("<g class=\"key\" data-series=\"{}\">", escaped(series.name));
+    add_mark(sheet, x + 6, y - 4, series.colour, 5);
+    sheet.add("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text></g>", x + 16, y, escaped(series.name));
+    x += wide;
+  }
+  return y;
+}
+
+}  // namespace
+
+std::string plot_colour(int colour) {
+  return colour < 0 ? "#8a93a5" : kPalette[static_cast<std::size_t>(colour) % kPalette.size()];
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else if (c == '\'')
+      out += "&#39;";
+    else if (byte >= 0x20 || c == '\n' || c == '\t')
+      out += c;
+  }
+  return out;
+}
+
+std::string svg_text(const Plot& plot, double width, bool alone) {
+  const double top = alone ? 62 : 30, high = std::clamp(width * 0.5, 250., 400.);
+  Sheet sheet{plot,
+              scale_of(plot, plot.x, &PlotPoint::x, NAN),
+              scale_of(plot, plot.y, &PlotPoint::y, plot.level),
+              width,
+              64,
+              top,
+              width - 26,
+              top + high,
+              ""};
+  add_grid(sheet);
+  for (const PlotSeries& series : plot.series) add_series(sheet, series);
+  const double lowest = add_legend(sheet, sheet.bottom + 62);
+  std::string head = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:g} {1:g}\" width=\"{0:g}\" height=\"{1:g}\" "
+      "font-size=\"{2:g}\" role=\"group\" aria-label=\"{3}\">",
+      width, lowest + 14, kFont, escaped(plot.title));
+  if (alone)
+    head += fmt::format(
+        "<style>{}</style><rect width=\"100%\" height=\"100%\" fill=\"var(--paper)\"/>"
+        "<text class=\"head\" x=\"8\" y=\"26\" font-size=\"15\">{}</text>",
+        kStyle, escaped(plot.title));
+  return head + sheet.out + "</svg>\n";
+}
+
+}  // namespace elastin::lab

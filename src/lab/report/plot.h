@@ -1,0 +1,45 @@
+#pragma once
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace elastin::lab {
+
+/// One axis of a plot. Values are SI; ticks show them with a prefix, in per cent where the unit is "%".
+struct PlotAxis {
+  std::string title, unit;
+  bool logarithmic = false;
+};
+
+struct PlotPoint {
+  double x = 0, y = 0;  ///< above 0 on a logarithmic axis
+  std::string text;     ///< what it is, for who points at it; empty = the point cannot be pointed at
+};
+
+struct PlotSeries {
+  enum class Kind { marks, line, marked_line, dashed, staircase };
+  std::string name;  ///< in the legend; empty = not there
+  int colour = 0;    ///< of the palette, and with it the mark's shape; -1 = grey
+  Kind kind = Kind::marks;
+  std::vector<PlotPoint> points;
+};
+
+struct Plot {
+  std::string title;
+  PlotAxis x, y;
+  std::vector<PlotSeries> series;
+  double level = std::numeric_limits<double>::quiet_NaN();  ///< of y, to be marked across; NaN = none
+  std::string level_text;
+};
+
+/// The plot as an SVG, `width` [px] wide. `alone`: a file of its own with title, background and styles; otherwise part
+/// of a page whose styles it takes. Points that are not finite, or not above 0 on a logarithmic axis, are left out.
+std::string svg_text(const Plot& plot, double width, bool alone);
+
+/// "#3b82f6": of a series on the page, in plots and beside them.
+std::string plot_colour(int colour);
+
+/// A text with what HTML, XML and their attributes read as their own made harmless; bytes that no XML may hold go.
+std::string escaped(const std::string& text);
+
+}  // namespace elastin::lab

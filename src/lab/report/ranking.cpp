@@ -1,0 +1,66 @@
+#include "lab/report/ranking.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace elastin::lab {
+namespace {
+
+std::vector<std::string> measures_with(const std::vector<Record>& records, const std::string& end) {
+  std::vector<std::string> names;
+  for (const auto& [name, prescribed] : records.front().main_measures)
+    if (std::any_of(records.begin(), records.end(),
+                    [&, error = std::string(name) + end](const Record& r) { return std::isfinite(r.error(error)); }))
+      names.emplace_back(name);
+  return names;
+}
+
+/// Poisson's ratio and its like, in thousandths.
+double second_error(const Record& record, const Ranking& ranking) {
+  double sum = 0;
+  for (const auto& [name, prescribed] : record.main_measures) {
+    const bool counted = std::find(ranking.measures.begin(), ranking.measures.end(), name) != ranking.measures.end();
+    if (counted || !std::isfinite(prescribed)) continue;
+    const double error = record.error(name);
+    sum += std::isfinite(error) ? std::round(std::abs(error) * 1000) : 1e9;
+  }
+  return sum;
+}
+
+}  // namespace
+
+bool solved(const Record& record) { return record.run.suited && record.run.outcome == Outcome::converged; }
+
+double Ranking::error(const Record& record) const {
+  double largest = 0;
+  for (const std::string& measure : measures) {
+    const double error = std::abs(record.error(error_name(measure)));
+    largest = std::max(largest, std::isfinite(error) ? error : INFINITY);
+  }
+  return largest;
+}
+
+Ranking rank_strategies(const std::vector<Record>& records) {
+  Ranking ranking;
+  ranking.measures = measures_with(records, "_to_reference");
+  ranking.by_reference = !ranking.measures.empty();
+  if (!ranking.by_reference) {
+    ranking.measures = measures_with(records, "");
+    if (ranking.measures.size() > 1) ranking.measures.resize(1);
+  }
+  if (ranking.measures.empty()) return ranking;
+  const auto fit = [](const Record& record) { return solved(record) && record.run.warnings.empty(); };
+  double least = INFINITY;
+  for (const Record& record : records)
+    if (fit(record)) least = std::min(least, ranking.error(record));
+  const auto order = [&](const Record& record) {
+    return std::tuple{second_error(record, ranking), record.run.build_seconds + record.run.solve_seconds};
+  };
+  for (const Record& record : records)
+    if (fit(record) && ranking.error(record) <= std::max(1e-3, least) && std::isfinite(ranking.error(record)))
+      if (!ranking.best || order(record) < order(*ranking.best)) ranking.best = &record;
+  return ranking;
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,30 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "lab/report/records.h"
+
+namespace elastin::lab {
+
+/// Whether the run came to its end.
+bool solved(const Record& record);
+
+/// Which strategy of a comparison to take.
+struct Ranking {
+  /// What counts: every main measure with a reference, which solves the same problem; where there is none, the first
+  /// with a value of the material, which is met only where the grips do not disturb. Empty: nothing to go by.
+  std::vector<std::string> measures;
+  bool by_reference = false;
+  const Record* best = nullptr;  ///< points into the records; null if each one failed or has a warning
+
+  /// Name of a measure's error that counts.
+  std::string error_name(const std::string& measure) const { return measure + (by_reference ? "_to_reference" : ""); }
+  /// The largest of the errors that count, as a size; infinite if one is missing.
+  double error(const Record& record) const;
+};
+
+/// The best is near enough (0.1 %, or the least there is), with nothing to warn of; of those the nearest in what else
+/// the material prescribes; then the fastest.
+Ranking rank_strategies(const std::vector<Record>& records);
+
+}  // namespace elastin::lab

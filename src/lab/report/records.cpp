@@ -1,0 +1,177 @@
+#include "lab/report/records.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "elastin/core/parallel/threads.h"
+#include "lab/report/table.h"
+
+namespace elastin::lab {
+namespace {
+
+double angle_to_fibres(const Scene& scene) {
+  const double cosine = std::abs(scene.experiment->axis()->dot(scene.specimen.material.fibre->direction));
+  return std::acos(std::min(1., cosine)) * 180 / 3.14159265358979323846;
+}
+
+/// "skin: E = 5 kPa, nu = 0.3; bone: rigid"
+std::string prescribed_of_parts(const Specimen& specimen) {
+  std::string text;
+  for (const Part& part : specimen.body.parts) {
+    const Material& material = specimen.materials[static_cast<std::size_t>(part.material)];
+    text += fmt::format("{}{}: ", text.empty() ? "" : "; ", part.name);
+    text += part.rigid ? "rigid"
+                       : fmt::format("E = {}, nu = {:g}{}{}", readable(material.youngs_modulus, dimension::pressure),
+                                     material.poissons_ratio, material.curve ? ", stress-strain curve" : "",
+                                     material.fibre ? ", fibres" : "");
+  }
+  return text;
+}
+
+std::string prescribed_text(const Scene& scene) {
+  if (!scene.specimen.body.parts.empty()) return prescribed_of_parts(scene.specimen);
+  const Material& material = scene.specimen.material;
+  std::string text =
+      fmt::format("E = {}, nu = {:g}", readable(material.youngs_modulus, dimension::pressure), material.poissons_ratio);
+  if (material.curve) text += ", stress-strain curve";
+  if (material.fibre)
+    text +=
+        fmt::format(", fibres of {}{}", readable(material.fibre->curve.modulus(0), dimension::pressure),
+                    scene.experiment->axis() ? fmt::format(" at {:.3g} deg to the load", angle_to_fibres(scene)) : "");
+  return text;
+}
+
+}  // namespace
+
+Neighbours neighbours_inside(const Body& body) {
+  const int proper = body.connections.proper();
+  if (proper == 0) return {};
+  const auto& lengths = body.connections.rest_length;
+  std::vector<int> count(static_cast<std::size_t>(body.size()));
+  for (int c = 0; c < proper; ++c)
+    for (const int end : body.connections.ends[c]) ++count[static_cast<std::size_t>(end)];
+  const double longest = *std::max_element(lengths.begin(), lengths.begin() + proper);
+  const Vector3 low = body.rest.rowwise().minCoeff(), high = body.rest.rowwise().maxCoeff();
+  std::vector<int> inside;
+  for (int molecule = 0; molecule < body.size(); ++molecule) {
+    const auto place = body.rest.col(molecule);
+    if ((place - low).minCoeff() > longest && (high - place).minCoeff() > longest)
+      inside.push_back(count[static_cast<std::size_t>(molecule)]);
+  }
+  const std::vector<int>& counted = inside.empty() ? count : inside;
+  return {std::accumulate(counted.begin(), counted.end(), 0.) / static_cast<double>(counted.size()),
+          *std::min_element(counted.begin(), counted.end())};
+}
+
+double Record::least_seconds() const { return run.build_seconds + run.solve_seconds; }
+
+void Record::add_repeat(const Record& again) {
+  const auto converged = [](const Record& r) { return r.run.suited && r.run.outcome == Outcome::converged; };
+  if (repeats.empty() || again.repeats.empty() || !converged(*this) || !converged(again)) return;
+  repeats.push_back(again.repeats.front());
+  if (again.least_seconds() >= least_seconds()) return;
+  run.build_seconds = again.run.build_seconds;
+  run.solve_seconds = again.run.solve_seconds;
+}
+
+double Record::median_seconds() const {
+  if (repeats.empty()) return least_seconds();
+  std::vector<double> seconds;
+  for (const auto& [build, solve] : repeats) seconds.push_back(build + solve);
+  std::sort(seconds.begin(), seconds.end());
+  const std::size_t half = seconds.size() / 2;
+  return seconds.size() % 2 ? seconds[half] : (seconds[half - 1] + seconds[half]) / 2;
+}
+
+bool Record::stopped_as_expected() const {
+  return std::any_of(verdicts.begin(), verdicts.end(),
+                     [](const Verdict& v) { return !v.expectation.outcome.empty() && v.holds; });
+}
+
+bool Record::good() const {
+  return (!run.suited || run.outcome == Outcome::converged || stopped_as_expected()) &&
+         std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.holds || !v.judged; });
+}
+
+double Record::error(std::string_view name) const {
+  for (const auto& [known, value] : errors)
+    if (known == name) return value;
+  return std::nan("");
+}
+
+Verdict judge(const Expectation& expectation, const Run& run) {
+  Verdict verdict{expectation, run.strategy, std::nan(""), std::nan(""), false, expectation.not_reproduced.empty()};
+  if (!expectation.outcome.empty()) {
+    verdict.holds = expectation.outcome == outcome_name(run) && run.cause.find(expectation.cause) != std::string::npos;
+    return verdict;
+  }
+  verdict.measured = run.measures.get(expectation.measure);
+  const double off = verdict.measured - expectation.value;
+  verdict.difference = off / std::abs(expectation.value);
+  verdict.holds = std::abs(off) <= expectation.absolute + expectation.relative * std::abs(expectation.value);
+  return verdict;
+}
+
+Record make_record(const Scene& scene, Run run) {
+  const Body& body = scene.specimen.body;
+  Record record;
+  record.scene = scene.name;
+  record.path = scene.path;
+  record.title = scene.title;
+  record.molecules = body.size();
+  record.connections = body.connections.proper();
+  record.cell_sides = body.connections.cell_sides;
+  record.cells = static_cast<int>(body.tetrahedra.size() + body.triangles.size());
+  record.threads = threads();
+  record.neighbours = neighbours_inside(body);
+  record.prescribed = prescribed_text(scene);
+  const auto add_error = [&](const std::string& name, double error) {
+    if (std::isfinite(error)) record.errors.emplace_back(name, error);
+  };
+  record.main_measures = scene.experiment->main_measures(scene.specimen.material, run.measures);
+  // Moduli of the matrix alone are not the body's, nor is that of one material where there are several.
+  if ((scene.specimen.material.fibre && !scene.experiment->axis()) || scene.specimen.materials.size() > 1)
+    for (MainMeasure& measure : record.main_measures) measure.prescribed = std::nan("");
+  for (const auto& [name, prescribed] : record.main_measures) {
+    const bool ratio = find_measure(std::string(name)).unit == dimension::none;
+    const double measured = run.measures.get(name);
+    add_error(std::string(name), ratio ? measured - prescribed : measured / prescribed - 1);
+  }
+  for (const Expectation& expectation : scene.expectations) {
+    const bool silent = expectation.strategy.empty() && !run.suited && expectation.outcome.empty();
+    if (silent || (!expectation.strategy.empty() && expectation.strategy != run.strategy)) continue;
+    record.verdicts.push_back(judge(expectation, run));
+  }
+  if (scene.specimen.contact)
+    for (const contact::Obstacle& obstacle : scene.specimen.contact->obstacles)
+      record.obstacles.push_back(obstacle.name);
+  record.notes = scene.notes;
+  record.warnings = scene.warnings;
+  record.warnings.insert(record.warnings.end(), run.warnings.begin(), run.warnings.end());
+  if (!run.remark.empty()) record.warnings.push_back(run.remark);
+  record.run = std::move(run);
+  record.spacing = relative_spacing(body);
+  set_references(record, scene.references);
+  return record;
+}
+
+double relative_spacing(const Body& body) {
+  if (!body.tetrahedra.empty()) return 1 / std::cbrt(body.tetrahedra.size());
+  if (!body.cubes.empty()) return 1 / std::cbrt(body.cubes.size());
+  if (!body.triangles.empty()) return 1 / std::sqrt(body.triangles.size());
+  return 1 / std::cbrt(body.size());
+}
+
+void set_references(Record& record, const std::vector<Reference>& references) {
+  record.references = references;
+  std::erase_if(record.errors, [](const auto& error) { return error.first.ends_with("_to_reference"); });
+  for (const Reference& reference : references) {
+    const double error = record.run.measures.get(reference.measure) / reference.value - 1;
+    if (std::isfinite(error)) record.errors.emplace_back(reference.measure + "_to_reference", error);
+  }
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,76 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "lab/scene/scene.h"
+
+namespace elastin::lab {
+
+/// How one expectation of a scene came out.
+struct Verdict {
+  Expectation expectation;
+  std::string strategy;   ///< the run it was held against
+  double measured = 0;    ///< NaN if the run has no such measure
+  double difference = 0;  ///< relative to the expected value; both NaN where an outcome is expected
+  bool holds = false;
+  bool judged = true;  ///< false: the scene says that it is not reproduced
+};
+
+/// Holds what came of a run against one expectation, whatever strategy that is about.
+Verdict judge(const Expectation& expectation, const Run& run);
+
+/// Connections a molecule has away from the body's surface: of those further from the bounding box's faces than the
+/// longest connection, or of all where there are none.
+struct Neighbours {
+  double mean = 0;
+  int least = 0;
+};
+Neighbours neighbours_inside(const Body& body);
+
+/// One run with what the scene said about it: a row of every table and file.
+struct Record {
+  std::string scene, path, title;
+  Run run;
+  int molecules = 0, connections = 0, cells = 0, threads = 1;
+  Neighbours neighbours;
+  int cell_sides = 0;                      ///< beside the connections: those that are sides of cells only
+  std::string prescribed;                  ///< "E = 5000 Pa, nu = 0.25"
+  std::vector<MainMeasure> main_measures;  ///< of the experiment, with what the material asks for
+  /// By measure, against what the material asks for: relative, or a difference where the measure is a ratio;
+  /// MEASURE_to_reference against the scene's reference, relative.
+  std::vector<std::pair<std::string, double>> errors;
+  /// NaN if there is no such error.
+  double error(std::string_view name) const;
+  std::vector<Verdict> verdicts;
+  std::vector<std::string> warnings;   ///< of the scene and of the run
+  std::vector<std::string> notes;      ///< of the scene
+  std::vector<std::string> obstacles;  ///< of its contact, by name
+  std::vector<Reference> references;   ///< of the scene, or found by the study itself
+  /// What a study changes from row to row: "body.lattice.molecules" = "[5, 5, 5]"; empty where nothing is.
+  std::vector<std::pair<std::string, std::string>> variant;
+  double spacing = 0;  ///< of the body's molecules, up to a factor that refinement leaves alone; see relative_spacing
+  /// Build and solve of every repeat [s]; `run` has those of the fastest. Empty: one run, not repeated.
+  std::vector<std::array<double, 2>> repeats;
+  /// Takes a repeat of the same row in: the fastest counts.
+  void add_repeat(const Record& again);
+  /// The least and the middle of build + solve [s].
+  double least_seconds() const;
+  double median_seconds() const;
+  /// Whether it stopped as the scene says that it must.
+  bool stopped_as_expected() const;
+  /// Not failed: converged, or stopped as expected, or the body does not suit the strategy; and every judged
+  /// expectation holds.
+  bool good() const;
+};
+
+Record make_record(const Scene& scene, Run run);
+
+/// What falls as 1/n where each side of a body is cut into n times as many parts: cells^(−1/3) of tetrahedra or cubes,
+/// triangles^(−1/2), molecules^(−1/3) of a body without cells.
+double relative_spacing(const Body& body);
+
+/// Relative errors of the measured values against these references, as MEASURE_to_reference, in place of older ones.
+void set_references(Record& record, const std::vector<Reference>& references);
+
+}  // namespace elastin::lab

@@ -1,0 +1,250 @@
+#include "lab/report/study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "elastin/core/base/error.h"
+#include "lab/report/comparison.h"
+
+namespace elastin::lab {
+namespace {
+
+constexpr double kGoals[] = {0.01, 0.001};
+
+bool of_the_body(const std::string& key) { return key.starts_with("body."); }
+
+/// h where v(h) = v₀ + c hᵖ goes through three points: the ratio of the differences gives p, which is bisected.
+double shown_order(const double (&h)[3], const double (&v)[3]) {
+  const double wanted = (v[1] - v[0]) / (v[2] - v[1]);  // h falls
+  const auto ratio = [&](double p) {
+    return (std::pow(h[1], p) - std::pow(h[0], p)) / (std::pow(h[2], p) - std::pow(h[1], p));
+  };
+  double low = 0.1, high = 8;
+  if (!(wanted > ratio(low) && wanted < ratio(high))) return std::nan("");
+  for (int i = 0; i < 100; ++i) {
+    const double middle = (low + high) / 2;
+    (ratio(middle) < wanted ? low : high) = middle;
+  }
+  return low;
+}
+
+/// "0.31 %": the size of an error, which has no sign.
+std::string error_text(double error) {
+  const std::string text = percent(error);
+  return text.starts_with('+') ? text.substr(1) : text;
+}
+
+}  // namespace
+
+std::string variant_text(const Record& record) {
+  std::string text;
+  for (const auto& [key, value] : record.variant) text += (text.empty() ? "" : ", ") + value;
+  return text;
+}
+
+std::vector<StudyCurve> curves_of(const std::vector<Record>& records) {
+  std::set<int> threads;
+  for (const Record& record : records) threads.insert(record.threads);
+  std::vector<StudyCurve> curves;
+  for (const Record& record : records) {
+    std::string name = record.run.strategy;
+    for (const auto& [key, value] : record.variant)
+      if (!of_the_body(key)) name += ", " + value;
+    if (threads.size() > 1) name += ", " + counted(record.threads, "thread");
+    auto curve =
+        std::find_if(curves.begin(), curves.end(), [&](const StudyCurve& known) { return known.name == name; });
+    if (curve == curves.end()) curve = curves.insert(curves.end(), {name, record.run.strategy, {}});
+    curve->rows.push_back(&record);
+  }
+  for (StudyCurve& curve : curves)
+    std::stable_sort(curve.rows.begin(), curve.rows.end(),
+                     [](const Record* a, const Record* b) { return a->spacing > b->spacing; });
+  return curves;
+}
+
+Extrapolation extrapolate(const std::vector<std::pair<double, double>>& spacings_and_values) {
+  auto rows = spacings_and_values;
+  std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  rows.erase(std::unique(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.first == b.first; }),
+             rows.end());
+  if (rows.size() < 3)
+    throw InputError("an extrapolation takes three spacings or more; here are " + std::to_string(rows.size()));
+  const auto from = [&](std::size_t finest) {
+    const double h[] = {rows[finest + 2].first, rows[finest + 1].first, rows[finest].first};
+    const double v[] = {rows[finest + 2].second, rows[finest + 1].second, rows[finest].second};
+    const double p = shown_order(h, v);
+    return Extrapolation{v[2] + (v[2] - v[1]) * std::pow(h[2], p) / (std::pow(h[1], p) - std::pow(h[2], p)),
+                         1.25 * std::abs(v[2] - v[1]) * std::pow(h[2], p) / (std::pow(h[1], p) - std::pow(h[2], p)), p};
+  };
+  Extrapolation found = from(0);
+  if (!std::isfinite(found.order))
+    throw InputError(
+        "the three finest values do not converge with an order from 0.1 to 8: they cannot be extrapolated");
+  if (rows.size() < 4) return found;
+  const Extrapolation before = from(1);
+  if (std::isfinite(before.order))
+    found.uncertainty = std::min(found.uncertainty, std::abs(found.value - before.value));
+  return found;
+}
+
+std::string refer_to_own(std::vector<Record>& records, const std::string& strategy) {
+  if (records.empty()) return "";
+  std::vector<Reference> references;
+  std::string trouble;
+  for (const MainMeasure& measure : records.front().main_measures) {
+    std::vector<std::pair<double, double>> rows;
+    for (const Record& record : records)
+      if (record.run.strategy == strategy && solved(record) && std::isfinite(record.run.measures.get(measure.name)))
+        rows.emplace_back(record.spacing, record.run.measures.get(measure.name));
+    if (rows.empty()) continue;
+    try {
+      const Extrapolation found = extrapolate(rows);
+      references.push_back({std::string(measure.name), found.value,
+                            fmt::format("own: {} extrapolated over {} spacings, order {:.2f}, ± {:.2g} %", strategy,
+                                        rows.size(), found.order, 100 * found.uncertainty / std::abs(found.value)),
+                            found.uncertainty / std::abs(found.value)});
+    } catch (const InputError& error) {
+      trouble += fmt::format("{}no own reference of {}: {}", trouble.empty() ? "" : "; ", measure.name, error.what());
+    }
+  }
+  if (!references.empty())
+    for (Record& record : records) set_references(record, references);
+  return trouble;
+}
+
+TimeTo time_to(const std::vector<std::pair<double, double>>& times_and_errors, double error) {
+  for (std::size_t i = 0; i < times_and_errors.size(); ++i) {
+    const auto& [time, here] = times_and_errors[i];
+    if (!(here <= error)) continue;
+    if (i == 0) return {time, true};
+    const auto& [time_before, before] = times_and_errors[i - 1];
+    const double part = std::log(before / error) / std::log(before / std::max(here, 1e-12 * error));
+    return {time_before * std::pow(time / time_before, part), false};
+  }
+  return {std::nan(""), false};
+}
+
+Table study_table(const std::vector<Record>& records, const Ranking& ranking) {
+  std::vector<std::string> head{"strategy"};
+  std::vector<std::string> keys;
+  for (const Record& record : records)
+    for (const auto& [key, value] : record.variant)
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+  for (const std::string& key : keys) head.push_back(key.substr(key.rfind('.') + 1));
+  head.insert(head.end(), {"molecules", "threads"});
+  for (const std::string& name : ranking.measures) head.push_back(find_measure(name).label());
+  head.insert(head.end(), {"error", "iterations", "build", "solve", "least", "median", "solver", ""});
+  Table table(head);
+  for (const Record& record : records) {
+    const Run& run = record.run;
+    std::vector<TableCell> row{{run.strategy}};
+    for (const std::string& key : keys) {
+      const auto at =
+          std::find_if(record.variant.begin(), record.variant.end(), [&](const auto& v) { return v.first == key; });
+      row.push_back({at == record.variant.end() ? "" : at->second});
+    }
+    row.push_back(number_cell(std::to_string(record.molecules), record.molecules));
+    row.push_back(number_cell(std::to_string(record.threads), record.threads));
+    for (const std::string& name : ranking.measures)
+      row.push_back(number_cell(readable(run.measures.get(name), find_measure(name)), run.measures.get(name)));
+    const double error = solved(record) && !ranking.measures.empty() ? ranking.error(record) : std::nan("");
+    row.push_back(number_cell(error_text(error), error, tone_of_error(error)));
+    row.push_back(number_cell(run.suited ? fmt::format("{} / {}", run.newton_iterations, run.linear_iterations) : "",
+                              run.linear_iterations));
+    for (const double seconds : {run.build_seconds, run.solve_seconds, record.least_seconds(), record.median_seconds()})
+      row.push_back(number_cell(run.suited ? readable_seconds(seconds) : "", seconds));
+    row.push_back({run.solver, Tone::faint});
+    row.push_back({notes_of(record), solved(record) ? Tone::poor : Tone::bad});
+    table.add(std::move(row));
+  }
+  return table;
+}
+
+namespace {
+
+/// A curve's way to the goals; a peer's if it is another program's.
+struct WayToGoals {
+  std::string name;
+  bool peer;
+  TimeTo goals[2];
+};
+
+double order_of(const TimeTo& time) { return std::isfinite(time.seconds) ? time.seconds : INFINITY; }
+
+WayToGoals way_of(const std::string& name, bool peer, const std::vector<std::pair<double, double>>& points) {
+  return {name, peer, {time_to(points, kGoals[0]), time_to(points, kGoals[1])}};
+}
+
+std::vector<WayToGoals> ways_of_peers(const std::vector<Peer>& peers, const std::string& scene) {
+  std::map<std::string, std::vector<std::pair<double, double>>> points;
+  for (const Peer& peer : peers)
+    if (peer.scene.empty() || peer.scene == scene) points[peer.name].emplace_back(peer.seconds, peer.error);
+  std::vector<WayToGoals> ways;
+  for (auto& [name, own] : points) {
+    std::sort(own.begin(), own.end());
+    ways.push_back(way_of(name, true, own));
+  }
+  return ways;
+}
+
+}  // namespace
+
+Table time_to_table(const std::vector<Record>& records, const Ranking& ranking, const std::vector<Peer>& peers) {
+  std::vector<WayToGoals> ways;
+  if (!records.empty()) ways = ways_of_peers(peers, records.front().scene);
+  const bool beside = !ways.empty();
+  for (const StudyCurve& curve : curves_of(records)) {
+    std::vector<std::pair<double, double>> points;
+    for (const Record* record : curve.rows)
+      if (solved(*record)) points.emplace_back(record->least_seconds(), ranking.error(*record));
+    ways.push_back(way_of(curve.name, false, points));
+  }
+  std::stable_sort(ways.begin(), ways.end(), [&](const WayToGoals& a, const WayToGoals& b) {
+    return std::pair{order_of(a.goals[0]), order_of(a.goals[1])} <
+           std::pair{order_of(b.goals[0]), order_of(b.goals[1])};
+  });
+  double best[2] = {INFINITY, INFINITY};
+  for (const WayToGoals& way : ways)
+    for (int goal = 0; goal < 2; ++goal)
+      if (!way.peer) best[goal] = std::min(best[goal], order_of(way.goals[goal]));
+  std::vector<std::string> head{"strategy"};
+  for (const char* goal : {"to 1 %", "to 0.1 %"}) {
+    head.push_back(goal);
+    if (beside) head.push_back("of Elastin's best");
+  }
+  Table table(head);
+  for (const WayToGoals& way : ways) {
+    std::vector<TableCell> cells{{way.name}};
+    for (int goal = 0; goal < 2; ++goal) {
+      const TimeTo& time = way.goals[goal];
+      const double times = order_of(time) / best[goal];
+      cells.push_back(number_cell(
+          std::isfinite(time.seconds) ? (time.at_most ? "≤ " : "") + readable_seconds(time.seconds) : "not reached",
+          order_of(time)));
+      const bool both = std::isfinite(times) && std::isfinite(best[goal]);
+      if (beside) cells.push_back(number_cell(both ? fmt::format("× {:.3g}", times) : "", times));
+    }
+    table.add(std::move(cells));
+  }
+  return table;
+}
+
+std::string study_text(const std::vector<Record>& records, bool colours, const std::vector<Peer>& peers) {
+  if (records.empty()) return "";
+  const Ranking ranking = rank_strategies(records);
+  std::string out = painted(records.front().scene, Tone::bold, colours) + "  " + records.front().title + "\n  " +
+                    painted("asked: " + records.front().prescribed, Tone::faint, colours) + "\n";
+  for (const Reference& reference : records.front().references)
+    out += painted(fmt::format("  reference: {} {}, {}\n", reference.measure,
+                               readable(reference.value, find_measure(reference.measure), 6), reference.source),
+                   Tone::faint, colours);
+  out += "\n" + study_table(records, ranking).text(colours);
+  if (!ranking.measures.empty()) out += "\n" + time_to_table(records, ranking, peers).text(colours);
+  return out + "\n";
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,57 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "lab/report/peers.h"
+#include "lab/report/ranking.h"
+#include "lab/report/records.h"
+#include "lab/report/table.h"
+
+namespace elastin::lab {
+
+/// The rows of one scene's study that differ in the body alone: one strategy, solver and number of threads under
+/// refinement, from the coarsest on.
+struct StudyCurve {
+  std::string name;  ///< "lattice", "lattice, pcg, 2 threads": what tells it from the others
+  std::string strategy;
+  std::vector<const Record*> rows;
+};
+
+/// Points into the records, all of one scene.
+std::vector<StudyCurve> curves_of(const std::vector<Record>& records);
+
+/// What a row has under the keys that the study changes: "[5, 5, 5], pcg".
+std::string variant_text(const Record& record);
+
+/// The value that a measure tends to as the spacing falls, by Richardson extrapolation of the three finest rows with
+/// the order that they show: v(h) = v₀ + c hᵖ. Its uncertainty is 1.25 |v₀ − v(finest)|, the grid convergence index, or
+/// if that is less and there are four rows, how far v₀ lies from that of the three before.
+/// Throws InputError where that says nothing: fewer than three spacings, or values that do not fall into line.
+///                                                                                                  [Roache 1994]
+struct Extrapolation {
+  double value = 0, uncertainty = 0, order = 0;
+};
+Extrapolation extrapolate(const std::vector<std::pair<double, double>>& spacings_and_values);
+
+/// Gives all records of a scene the strategy's own extrapolated values as references, of each main measure that it has;
+/// returns what went wrong, or "".
+std::string refer_to_own(std::vector<Record>& records, const std::string& strategy);
+
+/// The time [s] at which a curve of (time, error) first falls below an error, on straight lines between its points in
+/// logarithms. NaN if it never does.
+struct TimeTo {
+  double seconds = 0;
+  bool at_most = false;  ///< its first point is below already
+};
+TimeTo time_to(const std::vector<std::pair<double, double>>& times_and_errors, double error);
+
+/// A row a run: what was changed, what came out, its error and times.
+Table study_table(const std::vector<Record>& records, const Ranking& ranking);
+/// Time to 1 % and to 0.1 % of error, a row a curve, and one each of the peers of this scene with how many times the
+/// best of ours they take; the fastest in front.
+Table time_to_table(const std::vector<Record>& records, const Ranking& ranking, const std::vector<Peer>& peers = {});
+
+/// Both tables, the references, and what failed.
+std::string study_text(const std::vector<Record>& records, bool colours, const std::vector<Peer>& peers = {});
+
+}  // namespace elastin::lab

@@ -1,0 +1,273 @@
+#include "lab/report/summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <tuple>
+
+#include "lab/report/ranking.h"
+#include "lab/report/table.h"
+
+namespace elastin::lab {
+namespace {
+
+/// From here on a molecule has connections enough for a goal to be asked for.
+constexpr double kEnoughNeighbours = 12;
+
+/// Solved, by a body that stands for itself: no mechanism, no negative constant, a minimum of the energy, some modulus.
+bool sound(const Record& record) {
+  const Run& run = record.run;
+  return solved(record) && run.zero_energy_modes == 0 && !run.unstable && record.error("effective_modulus") > -0.99 &&
+         (run.constants.size() == 0 || run.constants.minCoeff() >= 0);
+}
+
+double whole_seconds(const Run& run) { return run.build_seconds + run.solve_seconds; }
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::nan("");
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+ErrorSpread spread_of(const std::vector<const Record*>& runs, const std::string& measure) {
+  ErrorSpread spread{std::nan(""), std::nan(""), ""};
+  std::vector<double> sizes;
+  for (const Record* record : runs) {
+    const double size = std::abs(record->error(measure));
+    if (!std::isfinite(size)) continue;
+    sizes.push_back(size);
+    if (!(size <= spread.worst)) spread.worst = size, spread.worst_scene = record->scene;
+  }
+  spread.median = median(std::move(sizes));
+  return spread;
+}
+
+/// How far a run is from the goals, the further of the two; a body that shows no Poisson's ratio is judged by E alone.
+double distance_from_goal(const Record& record) {
+  const double modulus = std::abs(record.error("effective_modulus")) / kModulusGoal;
+  return std::fmax(modulus, std::abs(record.error("poissons_ratio")) / kRatioGoal);
+}
+
+bool within_goal(const Record& record) { return distance_from_goal(record) <= 1; }
+
+const Record* best_of(const std::vector<const Record*>& runs, const std::function<bool(const Run&)>& counts) {
+  const auto rank = [](const Record& record) {
+    return std::tuple{std::round(100 * distance_from_goal(record)), whole_seconds(record.run)};
+  };
+  const Record* best = nullptr;
+  for (const Record* record : runs)
+    if (sound(*record) && counts(record->run) && std::isfinite(distance_from_goal(*record)) &&
+        (!best || rank(*record) < rank(*best)))
+      best = record;
+  return best;
+}
+
+/// Runs in groups of one key, in the order in which the keys first come.
+template <class Key>
+std::vector<std::vector<const Record*>> grouped(const std::vector<Record>& records, const Key& key) {
+  std::vector<std::vector<const Record*>> groups;
+  for (const Record& record : records) {
+    const auto group = std::find_if(groups.begin(), groups.end(),
+                                    [&](const auto& other) { return key(*other.front()) == key(record); });
+    if (group == groups.end())
+      groups.push_back({&record});
+    else
+      group->push_back(&record);
+  }
+  return groups;
+}
+
+StrategySummary summary_of(const std::vector<const Record*>& runs, const std::vector<Record>& all) {
+  StrategySummary summary;
+  summary.strategy = runs.front()->run.strategy;
+  std::vector<const Record*> good;
+  std::vector<double> solve, whole;
+  for (const Record* record : runs) {
+    ++summary.bodies;
+    summary.unsuited += !record->run.suited;
+    summary.failed += record->run.suited && !solved(*record);
+    summary.mechanisms += record->run.zero_energy_modes > 0;
+    summary.uses_cells |= record->run.uses_cells;
+    if (!solved(*record)) continue;
+    good.push_back(record);
+    const auto standard = std::find_if(all.begin(), all.end(), [&](const Record& other) {
+      return other.path == record->path && other.run.strategy == "standard" && solved(other);
+    });
+    if (standard == all.end()) continue;
+    solve.push_back(record->run.solve_seconds / standard->run.solve_seconds);
+    whole.push_back(whole_seconds(record->run) / whole_seconds(standard->run));
+  }
+  summary.modulus = spread_of(good, "effective_modulus");
+  summary.ratio = spread_of(good, "poissons_ratio");
+  summary.solve = median(std::move(solve));
+  summary.whole = median(std::move(whole));
+  return summary;
+}
+
+std::string size_text(double size) {
+  const std::string text = percent(size);
+  return text.starts_with('+') ? text.substr(1) : text;
+}
+
+std::string number_text(double value, const char* format) {
+  return std::isfinite(value) ? fmt::format(fmt::runtime(format), value) : "";
+}
+
+std::string count_text(int count) { return count ? std::to_string(count) : ""; }
+
+Tone tone_of(double error, double goal) {
+  return !(error <= 25 * goal) ? Tone::bad : error <= goal ? Tone::good : error <= 5 * goal ? Tone::plain : Tone::poor;
+}
+
+std::string strategies_text(const Summary& summary, bool colours) {
+  Table table({"strategy", "ran", "unsuited", "failed", "|error of E|", "worst", "on", "|nu - asked|", "worst", "on",
+               "solve", "with build", "mechanisms", "best on"});
+  std::string nowhere;
+  for (const StrategySummary& row : summary.strategies) {
+    if (row.unsuited == row.bodies) {
+      nowhere += (nowhere.empty() ? "  suited to none of these bodies: " : ", ") + row.strategy;
+      continue;
+    }
+    const int ran = row.bodies - row.unsuited - row.failed;
+    table.add({{row.strategy + (row.uses_cells ? " *" : ""), ran ? Tone::plain : Tone::faint},
+               {fmt::format("{} of {}", ran, row.bodies), Tone::plain, true},
+               {count_text(row.unsuited), Tone::faint, true},
+               {count_text(row.failed), Tone::bad, true},
+               {size_text(row.modulus.median), tone_of(row.modulus.median, kModulusGoal), true},
+               {size_text(row.modulus.worst), tone_of(row.modulus.worst, kModulusGoal), true},
+               {row.modulus.worst_scene, Tone::faint},
+               {number_text(row.ratio.median, "{:.4f}"), tone_of(row.ratio.median, kRatioGoal), true},
+               {number_text(row.ratio.worst, "{:.4f}"), tone_of(row.ratio.worst, kRatioGoal), true},
+               {row.ratio.worst_scene, Tone::faint},
+               {number_text(row.solve, "{:.2f}"), Tone::plain, true},
+               {number_text(row.whole, "{:.2f}"), Tone::plain, true},
+               {count_text(row.mechanisms), Tone::poor, true},
+               {count_text(row.best_on), Tone::bold, true}});
+  }
+  if (!nowhere.empty()) nowhere += '\n';
+  return table.text(colours) +
+         painted(
+             nowhere +
+                 "  errors: median and worst over the bodies on which it ran; solve: median of its time over that of "
+                 "standard; * needs cells; best on: bodies on which it is the best without cells\n",
+             Tone::faint, colours);
+}
+
+/// Name and errors of the strategy to take: three cells.
+void add_best(const Record* best, std::vector<TableCell>& row) {
+  const double modulus = best ? best->error("effective_modulus") : std::nan("");
+  const double ratio = best ? best->error("poissons_ratio") : std::nan("");
+  row.push_back({best ? best->run.strategy : "none that is stable", best ? Tone::bold : Tone::bad});
+  row.push_back({percent(modulus), tone_of(std::abs(modulus), kModulusGoal), true});
+  row.push_back({number_text(ratio, "{:+.4f}"), tone_of(std::abs(ratio), kRatioGoal), true});
+}
+
+TableCell goal_cell(const Record* best, bool enough) {
+  const bool good = best && within_goal(*best);
+  return {good ? "within" : "no", good ? Tone::good : enough ? Tone::bad : Tone::poor};
+}
+
+std::string bodies_text(const Summary& summary, bool colours) {
+  Table table({"body", "molecules", "neighbours inside", "least", "best without cells", "error of E", "nu - asked",
+               "1 %, 0.01", "best springs", "error of E", "nu - asked", "1 %, 0.01"});
+  int asked = 0, held = 0, held_by_springs = 0;
+  for (const BodySummary& body : summary.bodies) {
+    const bool enough = body.neighbours.mean >= kEnoughNeighbours;
+    asked += enough;
+    held += enough && body.best && within_goal(*body.best);
+    held_by_springs += enough && body.best_springs && within_goal(*body.best_springs);
+    const Tone tone = enough ? Tone::plain : Tone::faint;
+    std::vector<TableCell> row{{body.scene},
+                               {std::to_string(body.molecules), Tone::plain, true},
+                               {fmt::format("{:.1f}", body.neighbours.mean), tone, true},
+                               {std::to_string(body.neighbours.least), tone, true}};
+    add_best(body.best, row);
+    row.push_back(goal_cell(body.best, enough));
+    add_best(body.best_springs, row);
+    row.push_back(goal_cell(body.best_springs, enough));
+    table.add(std::move(row));
+  }
+  return table.text(colours) + fmt::format(
+                                   "\n  within 1 % of E and 0.01 of nu, of the {} with {:.0f} neighbours or more: {} "
+                                   "without cells, {} by any "
+                                   "springs (some with a volume term over cells)\n",
+                                   counted(asked, "body", "bodies"), kEnoughNeighbours, held, held_by_springs);
+}
+
+/// How many calibrated runs have the E that was asked for.
+std::string calibrated_text(const std::vector<Record>& records) {
+  constexpr double goal = 1e-3;
+  int runs = 0, held = 0;
+  std::string others;
+  for (const Record& record : records) {
+    const double error = record.error("effective_modulus");
+    if (!record.run.strategy.starts_with("calibrated:") || !solved(record) || !std::isfinite(error)) continue;
+    ++runs;
+    held += std::abs(error) <= goal;
+    if (!(std::abs(error) <= goal))
+      others += fmt::format("; {} on {}: {}", record.run.strategy, record.scene, percent(error));
+  }
+  return runs ? fmt::format("  calibrated within 0.1 % of E: {} of {} runs{}\n", held, runs, others) : "";
+}
+
+/// Each run and expectation that failed, a line each.
+std::string failures_text(const std::vector<Record>& records, bool colours) {
+  int held = 0, judged = 0;
+  std::string out;
+  for (const Record& record : records) {
+    const std::string who = "  " + record.scene + ", " + record.run.strategy + ": ";
+    if (record.run.suited && !solved(record) && !record.stopped_as_expected()) {
+      std::string outcome = name_of(record.run.outcome);
+      std::replace(outcome.begin(), outcome.end(), '_', ' ');
+      out += painted(who + outcome + ": " + record.run.cause, Tone::bad, colours) + "\n";
+    }
+    for (const Verdict& verdict : record.verdicts) {
+      judged += verdict.judged;
+      held += verdict.judged && verdict.holds;
+      if (verdict.judged && !verdict.holds)
+        out += painted(who + (verdict.expectation.outcome.empty()
+                                  ? verdict.expectation.measure + " " + percent(verdict.difference) + " from expected"
+                                  : "expected to stop as " + verdict.expectation.outcome + ": \"" +
+                                        verdict.expectation.cause + "\""),
+                       Tone::bad, colours) +
+               "\n";
+    }
+  }
+  if (judged) out += fmt::format("  {} of {} expectations hold\n", held, judged);
+  return out;
+}
+
+}  // namespace
+
+Summary summarise(const std::vector<Record>& records) {
+  Summary summary;
+  for (const auto& runs : grouped(records, [](const Record& record) { return record.run.strategy; }))
+    summary.strategies.push_back(summary_of(runs, records));
+  for (const auto& runs : grouped(records, [](const Record& record) { return record.path; })) {
+    const Record& first = *runs.front();
+    summary.bodies.push_back({first.scene, first.molecules, first.neighbours,
+                              best_of(runs, [](const Run& run) { return !run.uses_cells; }),
+                              best_of(runs, [](const Run& run) { return run.constants.size() > 0; })});
+    for (StrategySummary& row : summary.strategies)
+      if (const Record* best = summary.bodies.back().best) row.best_on += row.strategy == best->run.strategy;
+  }
+  return summary;
+}
+
+std::string summary_text(const std::vector<Record>& records, bool colours) {
+  if (records.empty()) return "";
+  const Summary summary = summarise(records);
+  // Bodies are ranked by their modulus; what runs in time, or is a membrane, has none.
+  const bool moduli = std::any_of(records.begin(), records.end(), [](const Record& record) {
+    return std::isfinite(record.error("effective_modulus"));
+  });
+  return painted("Summary", Tone::bold, colours) + "  " +
+         counted(static_cast<int>(summary.bodies.size()), "body", "bodies") + "\n\n" +
+         strategies_text(summary, colours) + "\n" + (moduli ? bodies_text(summary, colours) : "") +
+         calibrated_text(records) + failures_text(records, colours) + "\n";
+}
+
+}  // namespace elastin::lab

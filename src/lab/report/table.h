@@ -1,0 +1,65 @@
+#pragma once
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "elastin/core/base/units.h"
+#include "lab/report/records.h"
+
+namespace elastin::lab {
+
+enum class Tone { plain, good, poor, bad, faint, bold };
+
+struct TableCell {
+  std::string text;
+  Tone tone = Tone::plain;
+  bool right = false;  ///< flush right, as numbers are
+  /// What it is sorted by on a page; NaN = by its text.
+  double value = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// A number, flush right.
+inline TableCell number_cell(std::string text, double value, Tone tone = Tone::plain) {
+  return {std::move(text), tone, true, value};
+}
+
+/// Rows of cells, aligned by what a terminal shows. Colours only if asked for.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> head) : head_(std::move(head)) {}
+  void add(std::vector<TableCell> row) { rows_.push_back(std::move(row)); }
+  bool empty() const { return rows_.empty(); }
+  std::string text(bool colours, const std::string& indent = "  ") const;
+  /// As HTML, sortable by its heads. `colour` of the mark before the first cell of a row, by its text; may be empty.
+  std::string html(const std::function<std::string(const std::string& first)>& colour = {}) const;
+
+ private:
+  std::vector<std::string> head_;
+  std::vector<std::vector<TableCell>> rows_;
+};
+
+std::string painted(const std::string& text, Tone tone, bool colours);
+
+/// "4.9945 kPa", "3.3333 mm": a value in SI units with a prefix that keeps it readable.
+std::string readable(double value, const Dimension& dimension, int digits = 5);
+/// The same of a measure, in its own unit ("N m" of a torque).
+std::string readable(double value, const MeasureInfo& measure, int digits = 5);
+
+/// "+0.02 %" with as many digits as the size asks for; "" for NaN.
+std::string percent(double ratio);
+
+/// "1 connection", "2 connections"; `plural` is needed only where it does not end in an s of its own.
+std::string counted(int count, const std::string& singular, const std::string& plural = "");
+
+/// "120 µs", "1.2 ms", "3.40 s"
+std::string readable_seconds(double seconds);
+
+/// The comparison of one scene: a row a strategy, what was expected, warnings, and which strategy to take.
+std::string comparison_text(const std::vector<Record>& records, bool colours);
+
+/// One run in full: every measure, its curve, expectations, warnings.
+std::string run_text(const Record& record, bool colours);
+
+}  // namespace elastin::lab

@@ -1,0 +1,185 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lab/report/comparison.h"
+#include "lab/report/ranking.h"
+#include "lab/report/table.h"
+
+namespace elastin::lab {
+namespace {
+
+std::string head_text(const Record& record, bool colours) {
+  std::string counts = counted(record.molecules, "molecule") + ", " + counted(record.connections, "connection");
+  if (record.cell_sides)
+    counts += fmt::format(" (+ {})", counted(record.cell_sides, "side of cells", "sides of cells"));
+  if (record.cells) counts += ", " + counted(record.cells, "cell");
+  counts += "; asked: " + record.prescribed + "; " + counted(record.threads, "thread");
+  return painted(record.scene, Tone::bold, colours) + (record.title == record.scene ? "" : "  " + record.title) +
+         "\n  " + painted(counts, Tone::faint, colours) + "\n";
+}
+
+std::string stiffness_text(const Stiffness6& stiffness, bool colours) {
+  constexpr const char* directions[] = {"xx", "yy", "zz", "yz", "xz", "xy"};
+  std::vector<std::string> head{"stiffness"};
+  for (const char* direction : directions) head.push_back(direction);
+  Table table(head);
+  const double negligible = 1e-9 * stiffness.cwiseAbs().maxCoeff();
+  for (int row = 0; row < 6; ++row) {
+    std::vector<TableCell> cells{{directions[row]}};
+    for (int column = 0; column < 6; ++column) {
+      const double value = stiffness(row, column);
+      const bool nothing = std::abs(value) < negligible;
+      cells.push_back(
+          {nothing ? "0" : readable(value, dimension::pressure), nothing ? Tone::faint : Tone::plain, true});
+    }
+    table.add(std::move(cells));
+  }
+  return "\n" + table.text(colours);
+}
+
+/// How time went: "2000 steps of 0.5 ms (ω 3600 rad/s …)".
+std::string time_text(const TimeReport& time) {
+  const double rate = time.simulated / time.seconds;
+  std::string out = fmt::format(
+      "  {}{}: {}{}, last {}{}; {:.4g} s simulated in {}, {:.3g} steps a second, {:.3g} times {} than real time\n",
+      time.resumed ? "resumed, " : "", time.scheme, counted(time.steps, "step"),
+      time.rejected ? fmt::format(" and {} gone again", time.rejected) : "", readable_seconds(time.last_step),
+      time.critical_step > 0 && std::isfinite(time.critical_step)
+          ? fmt::format(" (longest stable {}, ω_max {:.4g} rad/s)", readable_seconds(time.critical_step),
+                        time.frequency)
+          : "",
+      time.simulated, readable_seconds(time.seconds), time.steps / time.seconds, rate < 1 ? 1 / rate : rate,
+      rate < 1 ? "slower" : "faster");
+  if (!time.reason.empty()) out += "  " + time.scheme + " by default: " + time.reason + "\n";
+  return out;
+}
+
+/// What touches in the last state, and what it took to find.
+std::string contact_text(const contact::ContactReport& contact, const std::vector<std::string>& obstacles) {
+  std::string out =
+      fmt::format("  contact: {} pressed together, {} sticking, at most {} deep, {}", counted(contact.pairs, "pair"),
+                  contact.sticking, readable(contact.largest_penetration, dimension::length, 3),
+                  readable(contact.area, dimension::area, 4));
+  for (std::size_t i = 0; i < obstacles.size(); ++i)
+    if (contact.on_obstacles[i].norm() > 0)
+      out += fmt::format(", {} on {}", readable(contact.on_obstacles[i].norm(), dimension::force), obstacles[i]);
+  if (contact.between_pieces.norm() > 0)
+    out += fmt::format(", {} between pieces", readable(contact.between_pieces.norm(), dimension::force));
+  return out + fmt::format("; broad phase {}, narrow {}\n", readable_seconds(contact.broad_seconds),
+                           readable_seconds(contact.narrow_seconds));
+}
+
+/// Of a run in time every tenth part of it, and what tells it apart; its file has all.
+std::string curve_text(const std::vector<CurvePoint>& points, bool in_time, bool colours) {
+  std::vector<const MeasureInfo*> columns;
+  std::vector<std::string_view> left_out{"energy", "reaction_balance"};
+  if (in_time)
+    left_out.insert(left_out.end(), {"potential_energy", "dissipated_energy", "work", "momentum", "angular_momentum",
+                                     "centre_way", "lateral_strain"});
+  for (const auto& [name, value] : points.back().measures.all())
+    if (std::find(left_out.begin(), left_out.end(), name) == left_out.end()) columns.push_back(&find_measure(name));
+  std::vector<std::string> head{in_time ? "time [s]" : "load"};
+  for (const MeasureInfo* info : columns) head.push_back(info->label());
+  head.push_back("Newton");
+  Table table(head);
+  const std::size_t every = in_time ? std::max<std::size_t>(1, (points.size() - 1) / 10) : 1;
+  for (std::size_t i = 0; i < points.size(); i += every) {
+    const CurvePoint& point = points[i];
+    std::vector<TableCell> row{{fmt::format("{:.4g}", in_time ? point.time : point.load_factor), Tone::plain, true}};
+    for (const MeasureInfo* info : columns)
+      row.push_back({value_text(point.measures.get(info->name), *info), Tone::plain, true});
+    row.push_back({std::to_string(point.newton_iterations), Tone::plain, true});
+    table.add(std::move(row));
+  }
+  return "\n" + table.text(colours);
+}
+
+/// "identified: E = 1.8 MPa - 2.1 MPa e + ... up to a strain of 0.8; misfit 0.4 % (52 load curves)"
+std::string identified_text(const Identified& found) {
+  std::string law;
+  for (std::size_t k = 0; k < found.polynomial.size(); ++k) {
+    const double c = found.polynomial[k];
+    law += (k == 0 ? (c < 0 ? "-" : "") : c < 0 ? " - " : " + ") + readable(std::abs(c), dimension::pressure, 5);
+    if (k > 0) law += k == 1 ? " e" : fmt::format(" e^{}", k);
+  }
+  std::string text = fmt::format("identified: E(e) = {}, up to a strain e of {:.4g}; misfit {:.3g} %, {}", law,
+                                 found.up_to, 100 * found.misfit, counted(found.evaluations, "load curve"));
+  if (found.standard_errors.size() == 3)
+    text += fmt::format("; E {}, {}, {} at e = 0, {:.3g}, {:.3g}, standard errors {}, {}, {}",
+                        readable(found.modulus(0), dimension::pressure),
+                        readable(found.modulus(found.up_to / 2), dimension::pressure),
+                        readable(found.modulus(found.up_to), dimension::pressure), found.up_to / 2, found.up_to,
+                        readable(found.standard_errors[0], dimension::pressure, 2),
+                        readable(found.standard_errors[1], dimension::pressure, 2),
+                        readable(found.standard_errors[2], dimension::pressure, 2));
+  return text;
+}
+
+}  // namespace
+
+std::string comparison_text(const std::vector<Record>& records, bool colours) {
+  if (records.empty()) return "";
+  const Ranking ranking = rank_strategies(records);
+  std::string out = head_text(records.front(), colours) + "\n" + comparison_table(records, ranking).text(colours);
+  const Table verdicts = verdicts_table(records);
+  if (!verdicts.empty()) out += "\n" + verdicts.text(colours);
+  if (records.size() > 1 && can_rank(records)) out += advice_text(ranking, colours);
+  for (const Record& record : records) {
+    const Run& run = record.run;
+    if (!run.remark.empty())
+      out += "  " + painted("remark: " + run.strategy + ": " + run.remark, Tone::faint, colours) + "\n";
+    if (run.identified)
+      out += "  " + painted("remark: " + run.strategy + ": " + identified_text(*run.identified), Tone::faint, colours) +
+             "\n";
+  }
+  return out + "\n";
+}
+
+std::string run_text(const Record& record, bool colours) {
+  const Run& run = record.run;
+  std::string out = head_text(record, colours);
+  out += fmt::format(
+      "  {}: {}\n", run.strategy,
+      solved(record) ? outcome_text(run) : painted(outcome_text(run) + ": " + run.cause, Tone::bad, colours));
+  if (!run.solver.empty())
+    out += fmt::format("  {}, {}, {} linear, residual {:.1e}, built in {}, solved in {}\n", run.solver,
+                       counted(run.newton_iterations, "Newton iteration"), run.linear_iterations, run.residual,
+                       readable_seconds(run.build_seconds), readable_seconds(run.solve_seconds));
+  if (!run.solver_reason.empty()) out += fmt::format("  solver: {}: {}\n", run.solver, run.solver_reason);
+  if (run.time) out += time_text(*run.time);
+  if (run.contact) out += contact_text(*run.contact, record.obstacles);
+  if (run.cut_steps) out += fmt::format("  {} cut: a cell would have turned over\n", counted(run.cut_steps, "step"));
+  if (run.calibration_factor != 1)
+    out += fmt::format("  calibrated: spring constants times {:.6g}\n", run.calibration_factor);
+  if (run.volume_modulus != 0)
+    out += fmt::format("  volume term: {}\n", readable(run.volume_modulus, dimension::pressure, 6));
+  if (run.identified) out += "  " + identified_text(*run.identified) + "\n";
+  if (run.halved_load_steps)
+    out += "  " + counted(run.halved_load_steps, "load step") + " gone in halves: a cell would have turned over\n";
+  for (const std::string& note : record.notes) out += "  " + note + "\n";
+  for (const std::string& warning : run.warnings)
+    out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";
+  if (!run.remark.empty()) out += "  " + painted("remark: " + run.remark, Tone::poor, colours) + "\n";
+  Table table({"measure", "value", "error", ""});
+  for (const auto& [name, value] : run.measures.all()) {
+    const MeasureInfo& info = find_measure(name);
+    const double error = record.error(name);
+    const std::string off = !std::isfinite(error)          ? ""
+                            : info.unit == dimension::none ? fmt::format("{:+.4f}", error)
+                                                           : percent(error);
+    table.add({{name},
+               {value_text(value, info, 6), Tone::plain, true},
+               {off, tone_of_error(error), true},
+               {std::string(info.text), Tone::faint}});
+  }
+  if (!table.empty()) out += "\n" + table.text(colours);
+  if (run.measures.stiffness_matrix) out += stiffness_text(*run.measures.stiffness_matrix, colours);
+  if (run.curve.size() > 1) out += curve_text(run.curve, run.time.has_value(), colours);
+  const Table verdicts = verdicts_table({record});
+  if (!verdicts.empty()) out += "\n" + verdicts.text(colours);
+  return out + "\n";
+}
+
+}  // namespace elastin::lab

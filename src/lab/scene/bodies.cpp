@@ -1,0 +1,83 @@
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "elastin/core/model/parts.h"
+#include "elastin/core/shapes/shapes.h"
+#include "lab/scene/parts.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Stiffness of a tie over E, times the root of the surface that a molecule stands for: it gives way by a hundredth of
+/// what a layer of cells does, and does not slow the solver much.
+constexpr double kTieStiffness = 100;
+
+/// Where the body stands: turned about the origin, then moved.
+void place_body(Reader& reader, Body& body, std::optional<Fibre>& fibre) {
+  if (auto turn = reader.find("turn")) {
+    const Matrix3 rotation = read_rotation(*turn);
+    rotate(body, rotation);
+    if (fibre) fibre->direction = rotation * fibre->direction;
+  }
+  if (auto at = reader.find("at")) body.rest.colwise() += at->vector(dimension::length);
+}
+
+/// {name: cartilage, at: [0, 0, 1 mm], turn: {axis: z, angle: 1}, material: {…}, rigid: true} and what a body has.
+void read_one(Reader item, Specimen& specimen, Remarks remarks) {
+  Part part;
+  const Reader name = item.at("name");
+  part.name = name.text();
+  if (part.name.empty()) name.fail("give the body a name that ties and experiments can say");
+  auto own = item.find("material");
+  Material material = own ? read_material(*own, &specimen.material) : specimen.material;
+  if (auto rigid = item.find("rigid")) part.rigid = rigid->choice<bool>({{"true", true}, {"false", false}});
+  for (const char* key : {"at", "turn"}) item.has(key);
+  Body body = read_body(item, material, remarks);
+  if (own) check_material(*own, material, body);
+  if (material.bending_rigidity > 0) (own ? *own : item).fail("bending needs a scene of one body, `body`");
+  const bool own_fibre = own && own->has("fibre");
+  std::optional<Fibre> none;
+  place_body(item, body, own_fibre ? material.fibre : none);
+  if (own) {
+    part.material = static_cast<int>(specimen.materials.size());
+    specimen.materials.push_back(std::move(material));
+  }
+  name.located([&] { add_part(specimen.body, body, std::move(part)); });
+}
+
+/// {between: [femur, cartilage], within: 0.5 mm}
+void read_tie(Reader item, Specimen& specimen, Remarks remarks) {
+  const std::vector<Reader> names = item.at("between").items(2);
+  double modulus = 0;
+  for (const Reader& name : names) {
+    const Part& part = name.located([&]() -> const Part& { return find_part(specimen.body, name.text()); });
+    modulus = std::max(modulus, specimen.materials[static_cast<std::size_t>(part.material)].youngs_modulus);
+  }
+  const double within = item.at("within").quantity(dimension::length, kPositive);
+  item.finish();
+  const std::string one = names[0].text(), other = names[1].text();
+  const TieReport report =
+      item.located([&] { return tie_parts(specimen.body, one, other, within, kTieStiffness * modulus); });
+  std::string how;
+  const auto add = [&](int count, const std::string& what) {
+    if (count > 0) how += fmt::format("{}{} {}", how.empty() ? "" : ", ", count, what);
+  };
+  add(report.joined, "joined to one");
+  add(report.fixed, "fixed to bone");
+  add(report.tied, fmt::format("held on the other's surface, moved there by up to {:.3g} mm", 1e3 * report.furthest));
+  remarks.notes.push_back(fmt::format("{} and {} are tied: of the molecules {}", one, other, how));
+}
+
+}  // namespace
+
+void read_bodies(const Reader& list, std::optional<Reader> ties, Specimen& specimen, Remarks remarks) {
+  specimen.materials = {specimen.material};
+  const std::vector<Reader> items = list.items();
+  if (items.empty()) list.fail("names no body; write a list of them");
+  for (const Reader& item : items) read_one(item, specimen, remarks);
+  if (ties)
+    for (const Reader& item : ties->items()) read_tie(item, specimen, remarks);
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,257 @@
+#include <filesystem>
+
+#include "elastin/core/shapes/arrays.h"
+#include "elastin/core/shapes/shapes.h"
+#include "elastin/core/shapes/surfaces.h"
+#include "elastin/hull/delaunay.h"
+#include "elastin/mesh/mesh_file.h"
+#include "lab/scene/parts.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Three counts along the axes, of cells that hold `per_cell` molecules each.
+std::array<int, 3> read_counts(const Reader& reader, double per_cell) {
+  const auto counts = reader.wholes(1);
+  reader.check_size(per_cell * counts[0] * counts[1] * counts[2]);
+  return counts;
+}
+
+CubicPattern read_pattern(const Reader& reader) {
+  CubicPattern pattern{false, false, false};
+  for (const Reader& item : reader.items())
+    *item.choice<bool*>({{"axis", &pattern.axis}, {"face", &pattern.face}, {"space", &pattern.space}}) = true;
+  return pattern;
+}
+
+/// connections: {within: 12 mm} on any body.
+std::optional<double> read_reach(std::optional<Reader> connections) {
+  if (!connections || !connections->is_map()) return std::nullopt;
+  const double reach = connections->at("within").quantity(dimension::length, kPositive);
+  connections->finish();
+  return reach;
+}
+
+Body read_lattice(Reader reader) {
+  enum class Kind { cubic, body_centred, face_centred };
+  const Kind kind = reader.at("kind").choice<Kind>(
+      {{"cubic", Kind::cubic}, {"body_centred", Kind::body_centred}, {"face_centred", Kind::face_centred}});
+  const Reader spacings = reader.at("spacing");  // one for all directions, or [x, y, z]
+  const bool equal = spacings.is_text();
+  const double spacing = equal ? spacings.quantity(dimension::length, kPositive) : 1;
+  const auto connections = reader.find("connections");
+  const std::optional<double> reach = read_reach(connections);
+  Body body;
+  if (kind == Kind::cubic) {
+    const auto molecules = read_counts(reader.at("molecules"), 1);
+    body = cubic_lattice(molecules, spacing, connections && !reach ? read_pattern(*connections) : CubicPattern{});
+  } else {
+    const auto cells = read_counts(reader.at("cells"), kind == Kind::body_centred ? 2 : 4);
+    const bool second = connections && !reach && connections->choice<bool>({{"nearest", false}, {"second", true}});
+    body = kind == Kind::body_centred ? body_centred_lattice(cells, spacing, second)
+                                      : face_centred_lattice(cells, spacing, second);
+  }
+  if (!equal) stretch(body, spacings.vector(dimension::length, kPositive));
+  if (reach) body.connections = connections_within(body.rest, *reach);
+  reader.finish();
+  return body;
+}
+
+Body read_packing(Reader reader) {
+  const Vector3 size = reader.at("size").vector(dimension::length, kPositive);
+  const double distance = reader.at("distance").quantity(dimension::length, kPositive);
+  const double molecules = (size.array() / distance + 1).prod();
+  if (!(molecules < 5e6)) reader.fail("the size holds too many molecules at this distance: at most 5e6 are taken");
+  reader.check_size(molecules);
+  const int seed = reader.has("seed") ? reader.at("seed").whole(0) : 1;
+  const auto reach = read_reach(reader.find("connections"));
+  reader.finish();
+  return random_packing(size, distance, reach.value_or(1.5 * distance), static_cast<std::uint64_t>(seed));
+}
+
+Body read_tetrahedra(Reader reader) {
+  const BlockKind kind = reader.at("kind").choice<BlockKind>(
+      {{"kuhn", BlockKind::kuhn}, {"alternating", BlockKind::alternating}, {"body_centred", BlockKind::body_centred}});
+  const auto cubes = read_counts(reader.at("cubes"), 2);
+  const Vector3 size = reader.at("size").vector(dimension::length, kPositive);
+  reader.finish();
+  return tetrahedral_block(kind, cubes, size);
+}
+
+Body read_mesh(Reader reader) {
+  mesh::Mesh mesh = read_mesh_file(reader);
+  reader.finish();
+  Body body;
+  body.rest = std::move(mesh.points);
+  body.triangles = std::move(mesh.triangles);
+  body.tetrahedra = std::move(mesh.tetrahedra);
+  body.connections = connections_of_cells(body.rest, body.triangles, body.tetrahedra);
+  return body;
+}
+
+/// triangles: [[0, 1, 2], …] of a body given by its molecules.
+Cells<3> read_triangles(const Reader& reader, int last) {
+  Cells<3> triangles;
+  for (const Reader& item : reader.items()) {
+    const auto corners = item.items(3);
+    triangles.push_back({corners[0].whole(0, last), corners[1].whole(0, last), corners[2].whole(0, last)});
+    const auto& [a, b, c] = triangles.back();
+    if (a == b || b == c || c == a) item.fail("a triangle needs three different molecules");
+  }
+  return triangles;
+}
+
+Body read_list(const Reader& molecules, std::optional<Reader> connections, std::optional<Reader> triangles) {
+  std::vector<Vector3> places;
+  for (const Reader& item : molecules.items()) places.push_back(item.vector(dimension::length));
+  if (places.empty()) molecules.fail("a body needs at least one molecule");
+  std::vector<std::array<int, 2>> pairs;
+  const auto reach = read_reach(connections);
+  const int last = static_cast<int>(places.size()) - 1;
+  if (connections && !reach)
+    for (const Reader& item : connections->items()) {
+      const auto ends = item.items(2);
+      pairs.push_back({ends[0].whole(0, last), ends[1].whole(0, last)});
+      if (pairs.back()[0] == pairs.back()[1]) item.fail("a connection needs two different molecules");
+    }
+  Body body = listed_body(places, pairs);
+  if (reach) body.connections = connections_within(body.rest, *reach);
+  if (!triangles) return body;
+  if (connections) triangles->fail("the sides of the triangles are the connections; leave `connections` out");
+  body.triangles = read_triangles(*triangles, last);
+  body.connections = connections_of_cells(body.rest, body.triangles, {});
+  return body;
+}
+
+/// `volumes` of the molecules [m³] are set where the shape knows them, and left alone where it does not.
+Body read_shape(Reader& reader, VectorX& volumes, Remarks remarks) {
+  const std::vector<std::string> shapes{"lattice", "packing", "tetrahedra", "sphere", "sphere_octant", "disc",
+                                        "sheet",   "canopy",  "mesh",       "fill",   "molecules"};
+  std::optional<Reader> shape;
+  std::string name;
+  for (const std::string& key : shapes)
+    if (auto found = reader.find(key)) {
+      if (shape) found->fail("the body has a shape already: " + shape->path());
+      shape = found;
+      name = key;
+    }
+  if (!shape) {
+    for (const char* key : {"radius", "jitter", "grade", "cells", "connections", "triangles", "regions", "lines"})
+      reader.has(key);
+    reader.finish();
+    std::string known;
+    for (const std::string& key : shapes) known += (known.empty() ? "" : key == shapes.back() ? " or " : ", ") + key;
+    reader.fail("needs a shape: " + known);
+  }
+  if (name == "lattice") return read_lattice(*shape);
+  if (name == "packing") return read_packing(*shape);
+  if (name == "tetrahedra") return read_tetrahedra(*shape);
+  if (name == "mesh") return read_mesh(*shape);
+  if (name == "fill") {
+    for (const char* key : {"jitter", "grade", "cells", "connections"})
+      if (auto other = reader.find(key))
+        other->fail(key == std::string("cells") || key == std::string("connections")
+                        ? "a filled body takes this inside `fill`"
+                        : "a filled body takes this not: it would leave its surface");
+    return read_fill(*shape, volumes, remarks);
+  }
+  if (name != "molecules") return read_surface(name, *shape);
+  return read_list(*shape, reader.find("connections"), reader.find("triangles"));
+}
+
+void read_grade(Reader reader, Body& body) {
+  const int axis = reader.at("axis").choice<int>({{"x", 0}, {"y", 1}, {"z", 2}});
+  const double ratio = reader.at("ratio").quantity(dimension::none, {0.01, 100});
+  reader.finish();
+  grade(body, axis, ratio);
+}
+
+/// cells: delaunay. The sides that are no connections of the body's own become sides of cells only; all of them its
+/// connections where it has none.
+void read_cells(const Reader& reader, Body& body, std::vector<std::string>& warnings) {
+  reader.choice<int>({{"delaunay", 0}});
+  if (!body.tetrahedra.empty() || !body.triangles.empty()) reader.fail("the body has cells already");
+  body.tetrahedra = reader.located([&] { return hull::delaunay_tetrahedra(body.rest); });
+  if (body.connections.size() == 0)
+    body.connections = connections_of_cells(body.rest, {}, body.tetrahedra);
+  else
+    add_cell_sides(body, sides_of(body.tetrahedra));
+  const auto flat = hull::count_slivers(body.rest, body.tetrahedra);
+  if (flat > 0)
+    warnings.push_back(reader.path() + ": " + std::to_string(flat) + " of " + std::to_string(body.tetrahedra.size()) +
+                       " tetrahedra are nearly flat (below 1e-4 of the cube of their longest side)");
+}
+
+/// {from: [x, y, z], to: [x, y, z], stiffness: 1e6, mass: 10}
+void read_region(Reader reader, Body& body) {
+  const Reader to = reader.at("to");
+  const Vector3 low = reader.at("from").vector(dimension::length), high = to.vector(dimension::length);
+  const auto factor = [&](const char* key) {
+    const auto value = reader.find(key);
+    return value ? value->quantity(dimension::none, {1e-12, 1e12, false}) : 1;
+  };
+  const double stiffness = factor("stiffness"), mass = factor("mass");
+  reader.finish();
+  if (!((high - low).array() >= 0).all()) to.fail("must not lie below `from` in any direction");
+  set_region(body, low, high, stiffness, mass);
+}
+
+/// lines: {to: [0, 0, -6 m], stiffness: 20 kN, mass: 20 kg}, from: ends | rim.
+void read_lines(Reader reader, Body& body) {
+  const auto from = reader.find("from"), radius = reader.find("radius");
+  const HungFrom hung =
+      from ? from->choice<HungFrom>({{"ends", HungFrom::ends}, {"rim", HungFrom::rim}}) : HungFrom::ends;
+  const Vector3 to = reader.at("to").vector(dimension::length);
+  const double stiffness = reader.at("stiffness").quantity(dimension::force, kPositive);
+  const double mass = reader.at("mass").quantity(dimension::mass, kPositive);
+  const double size = radius ? radius->quantity(dimension::length, kPositive) : body.radius.maxCoeff();
+  reader.finish();
+  if (body.triangles.empty()) reader.fail("lines hang a load on a body of triangles; this one has none");
+  reader.located([&] { hang_load(body, hung, to, stiffness, mass, size); });
+}
+
+}  // namespace
+
+mesh::Mesh read_mesh_file(Reader& reader) {
+  const Reader file = reader.at("file");
+  const double unit =
+      reader.at("length_unit").choice<double>({{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}});
+  const std::string path = (std::filesystem::path(reader.file_path()).parent_path() / file.text()).string();
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) file.fail("'" + file.text() + "': " + missing_file(path));
+  try {
+    mesh::Mesh mesh = mesh::load_mesh(path);
+    mesh.points *= unit;
+    return mesh;
+  } catch (const InputError& error) {
+    file.fail(error.what());
+  }
+}
+
+Body read_body(Reader reader, const Material& material, Remarks remarks) {
+  VectorX volumes;
+  Body body = reader.located([&] { return read_shape(reader, volumes, remarks); });
+  if (auto jitter = reader.find("jitter")) {
+    const double amount = jitter->at("amount").quantity(dimension::none, {0, 0.5, false});
+    const int seed = jitter->has("seed") ? jitter->at("seed").whole(0) : 1;
+    jitter->finish();
+    add_jitter(body, amount * shortest_connection(body), static_cast<std::uint64_t>(seed));
+  }
+  if (auto grading = reader.find("grade"))
+    for (const Reader& along : grading->is_map() ? std::vector{*grading} : grading->items()) read_grade(along, body);
+  if (auto cells = reader.find("cells")) read_cells(*cells, body, remarks.warnings);
+  const auto radius = reader.find("radius"), regions = reader.find("regions"), lines = reader.find("lines");
+  reader.finish();
+  const std::optional<double> given =
+      radius ? std::optional(radius->quantity(dimension::length, kPositive)) : std::nullopt;
+  reader.located([&] { set_matter(body, material.density, material.thickness, given); });
+  if (volumes.size()) body.mass = material.density * volumes;
+  if (regions && (material.curve || material.fibre))
+    regions->fail("a body with regions takes a material without curve or fibre");
+  if (regions)
+    for (const Reader& item : regions->items()) read_region(item, body);
+  if (lines) read_lines(*lines, body);
+  return body;
+}
+
+}  // namespace elastin::lab

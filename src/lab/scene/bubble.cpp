@@ -1,0 +1,100 @@
+#include "lab/experiment/bubble.h"
+
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "lab/scene/parts.h"
+
+namespace elastin::lab {
+namespace {
+
+constexpr Range kAboveBefore(double before) { return {before, kPositive.high, true}; }
+
+/// A text file beside the scene: a line a point, "5000 Pa, 17 mm"; lines that begin with a letter or # say nothing.
+void read_table(const Reader& reader, BubbleSetup& setup) {
+  const std::string path = (std::filesystem::path(reader.file_path()).parent_path() / reader.text()).string();
+  std::ifstream stream(path);
+  if (!stream) reader.fail("'" + reader.text() + "': " + missing_file(path));
+  double before = 0;
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#' ||
+        std::isalpha(static_cast<unsigned char>(line[0])))
+      continue;
+    const Place place{path, number, 1};
+    const std::size_t comma = line.find(',');
+    if (comma == std::string::npos) throw InputError(place, "'" + line + "': write \"pressure, height\", with units");
+    const auto read = [&](std::string text, const Dimension& dimension, double above) {
+      text.erase(text.find_last_not_of(" \t\r") + 1);
+      text.erase(0, text.find_first_not_of(" \t"));
+      try {
+        const Quantity quantity = parse_quantity(text, dimension);
+        if (!quantity.has_unit)
+          throw InputError("'" + text + "' has no unit; write for example " + unit_examples(dimension));
+        if (!(quantity.value > above))
+          throw InputError("'" + text + "' must be above " + (above > 0 ? "the line's before" : "0"));
+        return quantity.value;
+      } catch (const InputError& error) {
+        throw InputError(place, error.what());
+      }
+    };
+    setup.pressures.push_back(before = read(line.substr(0, comma), dimension::pressure, before));
+    setup.heights.push_back(read(line.substr(comma + 1), dimension::length, 0));
+  }
+  if (setup.pressures.empty()) reader.fail("'" + reader.text() + "' holds no point");
+}
+
+/// measured: [[5000 Pa, 17 mm], …] or the name of a file
+void read_measured(const Reader& reader, BubbleSetup& setup) {
+  if (reader.is_text()) return read_table(reader, setup);
+  double before = 0;
+  for (const Reader& item : reader.items()) {
+    const auto pair = item.items(2);
+    before = pair[0].quantity(dimension::pressure, kAboveBefore(before));
+    setup.pressures.push_back(before);
+    setup.heights.push_back(pair[1].quantity(dimension::length, kPositive));
+  }
+  if (setup.pressures.empty()) reader.fail("names no point; write [[pressure, height], ...]");
+}
+
+void read_pressures(Reader& reader, BubbleSetup& setup) {
+  if (auto measured = reader.find("measured")) return read_measured(*measured, setup);
+  const Reader pressure = reader.at("pressure");
+  const auto steps = reader.find("load_steps");
+  if (pressure.is_text()) {
+    const double whole = pressure.quantity(dimension::pressure, kPositive);
+    const int count = steps ? steps->whole(1, 100000) : 1;
+    for (int step = 1; step <= count; ++step) setup.pressures.push_back(whole * step / count);
+    return;
+  }
+  if (steps) steps->fail("a list of pressures has a load step for each");
+  double before = 0;
+  for (const Reader& item : pressure.items())
+    setup.pressures.push_back(before = item.quantity(dimension::pressure, kAboveBefore(before)));
+  if (setup.pressures.empty()) pressure.fail("names no pressure");
+}
+
+}  // namespace
+
+std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentPlace& place) {
+  BubbleSetup setup;
+  read_pressures(reader, setup);
+  if (auto identify = reader.find("identify")) {
+    if (setup.heights.empty()) identify->fail("needs `measured`: [[pressure, height], ...] or a file");
+    const auto degree = identify->find("degree"), up_to = identify->find("up_to");
+    setup.identify_degree = degree ? degree->whole(0, 6) : 2;
+    if (up_to) setup.identify_up_to = up_to->quantity(dimension::none, kPositive);
+    identify->finish();
+    if (static_cast<int>(setup.heights.size()) <= *setup.identify_degree)
+      (degree ? *degree : *identify)
+          .fail("a polynomial of degree " + std::to_string(*setup.identify_degree) + " needs at least " +
+                std::to_string(*setup.identify_degree + 1) + " measured points");
+  }
+  reader.finish();
+  if (place.statics.linear) reader.fail("a flat membrane bears no pressure with small displacements");
+  return reader.located([&] { return make_bubble(place.body, setup, place.material); });
+}
+
+}  // namespace elastin::lab

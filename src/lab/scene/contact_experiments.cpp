@@ -1,0 +1,125 @@
+#include <algorithm>
+#include <cmath>
+
+#include "elastin/core/model/parts.h"
+#include "lab/experiment/indentation.h"
+#include "lab/experiment/press.h"
+#include "lab/experiment/sliding.h"
+#include "lab/scene/parts.h"
+
+namespace elastin::lab {
+namespace {
+
+contact::ContactOptions& contact_of_scene(const Reader& reader, const ExperimentPlace& place) {
+  if (!place.contact)
+    reader.fail("needs contact: key 'contact' of the scene is missing, for example contact: {friction: 0.3}");
+  return *place.contact;
+}
+
+Vector3 read_way(Reader& reader, const ExperimentPlace& place) {
+  const auto axis = reader.find("axis");
+  return place.rotation * (axis ? read_direction(*axis) : Vector3(-Vector3::UnitZ()));
+}
+
+Grip read_grip(const Reader& reader) {
+  return reader.choice<Grip>({{"clamped", Grip::clamped}, {"sliding", Grip::sliding}});
+}
+
+/// sphere: {radius: 5 mm}, flat: {radius: 5 mm}, or an obstacle's name.
+void read_indenter(Reader reader, IndentationSetup& setup) {
+  if (reader.is_text()) {
+    setup.shape = IndenterShape::obstacle;
+    setup.obstacle = reader.text();
+    return;
+  }
+  const auto sphere = reader.find("sphere"), flat = reader.find("flat");
+  reader.finish();
+  if (sphere.has_value() == flat.has_value())
+    reader.fail("write {sphere: {radius: 5 mm}}, {flat: {radius: 5 mm}}, or the name of an obstacle");
+  setup.shape = sphere ? IndenterShape::sphere : IndenterShape::flat;
+  Reader form = sphere ? *sphere : *flat;
+  setup.radius = form.at("radius").quantity(dimension::length, kPositive);
+  form.finish();
+}
+
+std::vector<int> molecules_named(const Reader& name, const Body& body) {
+  return name.located([&] { return molecules_of(find_part(body, name.text())); });
+}
+
+}  // namespace
+
+std::unique_ptr<Experiment> read_indentation(Reader reader, const ExperimentPlace& place) {
+  IndentationSetup setup;
+  setup.axis = read_way(reader, place);
+  read_indenter(reader.at("indenter"), setup);
+  const auto depth = reader.find("depth"), force = reader.find("force"), at = reader.find("at");
+  if (depth) setup.depth = depth->quantity(dimension::length, kPositive);
+  if (force) setup.force = force->quantity(dimension::force, kPositive);
+  if (at) setup.at = place.rotation * at->vector(dimension::length);
+  if (auto bottom = reader.find("bottom")) setup.bottom = read_grip(*bottom);
+  if (auto grip = reader.find("grip_depth")) setup.grip_depth = grip->quantity(dimension::length, kPositive);
+  if (auto symmetry = reader.find("symmetry"))
+    for (const Reader& item : symmetry->items()) {
+      const Vector3 normal = place.rotation * read_direction(item);
+      if (std::abs(normal.dot(setup.axis)) > 1e-9) item.fail("must be perpendicular to the indenter's axis");
+      for (const Vector3& other : setup.symmetry)
+        if (std::abs(other.dot(normal)) > 1e-9) item.fail("must be perpendicular to the planes before it");
+      setup.symmetry.push_back(normal);
+    }
+  if (auto steps = reader.find("load_steps")) setup.load_steps = steps->whole(1, 100000);
+  reader.finish();
+  if (depth.has_value() == force.has_value()) reader.fail("give one of depth and force");
+  if (force && setup.shape == IndenterShape::obstacle) force->fail("of an obstacle give the depth");
+  if (at && setup.shape == IndenterShape::obstacle) at->fail("an obstacle begins where the scene has it");
+  contact::ContactOptions& contact = contact_of_scene(reader, place);
+  return reader.located([&] { return make_indentation(place.body, setup, place.material, contact); });
+}
+
+std::unique_ptr<Experiment> read_press(Reader reader, const ExperimentPlace& place) {
+  PressSetup setup;
+  setup.axis = read_way(reader, place);
+  const auto displacement = reader.find("displacement"), force = reader.find("force");
+  if (displacement) setup.displacement = displacement->quantity(dimension::length, kPositive);
+  if (force) setup.force = force->quantity(dimension::force, kPositive);
+  const auto move = reader.find("move"), hold = reader.find("hold");
+  if (move) setup.moved = molecules_named(*move, place.body);
+  if (hold) setup.held = molecules_named(*hold, place.body);
+  // What is rigid and is not moved stays where it is.
+  const auto stays = [&](const Part& part) { return part.rigid && part.name != move->text(); };
+  if (move && !hold && std::any_of(place.body.parts.begin(), place.body.parts.end(), stays)) setup.held.emplace();
+  if (auto grip = reader.find("grip")) setup.grip = read_grip(*grip);
+  if (auto grip = reader.find("grip_depth")) setup.grip_depth = grip->quantity(dimension::length, kPositive);
+  if (auto steps = reader.find("load_steps")) setup.load_steps = steps->whole(1, 100000);
+  reader.finish();
+  if (displacement.has_value() == force.has_value()) reader.fail("give one of displacement and force");
+  contact_of_scene(reader, place);
+  return reader.located([&] { return make_press(place.body, setup); });
+}
+
+std::unique_ptr<Experiment> read_sliding(Reader reader, const ExperimentPlace& place) {
+  constexpr Range slope{0, 1.57, false};  // up to a right angle
+  SlidingSetup setup;
+  const auto up = reader.find("up"), along = reader.find("along");
+  setup.up = place.rotation * (up ? read_direction(*up) : setup.up);
+  setup.along = place.rotation * (along ? read_direction(*along) : setup.along);
+  if (std::abs(setup.up.dot(setup.along)) > 1e-6)
+    (along ? *along : up ? *up : reader).fail("`along` must be perpendicular to `up`, the normal of the plane");
+  if (auto gravity = reader.find("gravity")) setup.gravity = gravity->quantity(dimension::acceleration, kPositive);
+  if (auto floor = reader.find("floor")) setup.floor = floor->text();
+  auto incline = reader.find("incline"), sled = reader.find("sled"), threshold = reader.find("threshold");
+  reader.finish();
+  if (incline.has_value() + sled.has_value() + threshold.has_value() != 1)
+    reader.fail("give one of incline: {angle}, sled: {speed} and threshold: {from, rate}");
+  if (incline) setup.angle = incline->at("angle").quantity(dimension::none, slope);
+  if (sled) setup.speed = sled->at("speed").quantity(dimension::velocity, kPositive);
+  if (threshold) {
+    setup.angle = threshold->at("from").quantity(dimension::none, slope);
+    setup.rate = threshold->at("rate").quantity({0, 0, -1}, kPositive);
+  }
+  (incline ? *incline : sled ? *sled : *threshold).finish();
+  setup.kind = incline ? SlidingKind::incline : sled ? SlidingKind::sled : SlidingKind::threshold;
+  contact::ContactOptions& contact = contact_of_scene(reader, place);
+  return reader.located([&] { return make_sliding(place.body, setup, contact); });
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,132 @@
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+
+#include "lab/scene/parts.h"
+
+namespace elastin::lab {
+namespace {
+
+/// points: [[0, 0 Pa], [2 %, 1 kPa], …]
+StressStrain read_points(const Reader& reader) {
+  std::vector<StressStrain::Point> points;
+  const std::vector<Reader> items = reader.items();
+  for (const Reader& item : items) {
+    const auto pair = item.items(2);
+    points.push_back({pair[0].quantity(dimension::none), pair[1].quantity(dimension::pressure)});
+  }
+  if (const auto wrong = StressStrain::fault(points))
+    (wrong->first < items.size() ? items[wrong->first] : reader).fail(wrong->second);
+  return StressStrain::through(points);
+}
+
+/// {points: …} | {toe_strain, toe_modulus, modulus} | {tension, compression, smoothing}
+StressStrain read_curve(Reader reader) {
+  if (!reader.is_map())
+    reader.fail(
+        "write {points: [[strain, stress], ...]}, {toe_strain, toe_modulus, modulus} or {tension, compression}");
+  const auto modulus = [&](const char* key) { return reader.at(key).quantity(dimension::pressure, kPositive); };
+  const auto finished = [&](const StressStrain& curve) {
+    reader.finish();
+    return curve;
+  };
+  if (auto points = reader.find("points")) return finished(read_points(*points));
+  if (auto tension = reader.find("tension")) {
+    const auto smoothing = reader.find("smoothing");
+    return finished(StressStrain::bilinear(tension->quantity(dimension::pressure, kPositive), modulus("compression"),
+                                           smoothing ? smoothing->quantity(dimension::none, {1e-9, 1, false}) : 1e-4));
+  }
+  const double toe = reader.at("toe_strain").quantity(dimension::none, kPositive);
+  return finished(StressStrain::toe(toe, modulus("toe_modulus"), modulus("modulus")));
+}
+
+/// {polynomial: [c0, c1, …], up_to: 80 %} | {points: [[ε, E], …]}
+StressStrain read_secant_modulus(Reader reader) {
+  if (!reader.is_map()) reader.fail("write {polynomial: [c0, c1, ...], up_to: strain} or {points: [[strain, E], ...]}");
+  const auto polynomial = reader.find("polynomial"), points = reader.find("points");
+  if (polynomial.has_value() == points.has_value()) {
+    reader.finish();
+    reader.fail("give one of polynomial and points");
+  }
+  if (polynomial) {
+    std::vector<double> coefficients;
+    for (const Reader& item : polynomial->items()) coefficients.push_back(item.quantity(dimension::pressure));
+    const double up_to = reader.at("up_to").quantity(dimension::none, kPositive);
+    reader.finish();
+    return polynomial->located([&] { return StressStrain::secant_polynomial(coefficients, up_to); });
+  }
+  std::vector<StressStrain::SecantPoint> table;
+  for (const Reader& item : points->items()) {
+    const auto pair = item.items(2);
+    table.push_back(
+        {pair[0].quantity(dimension::none, kNotNegative), pair[1].quantity(dimension::pressure, kPositive)});
+  }
+  reader.finish();
+  return points->located([&] { return StressStrain::secant_table(table); });
+}
+
+Fibre read_fibre(Reader reader) {
+  const Vector3 direction = read_direction(reader.at("direction"));
+  const auto curve = reader.find("curve"), pressed = reader.find("compression");
+  const auto modulus = curve ? reader.find("youngs_modulus") : std::optional(reader.at("youngs_modulus"));
+  if (modulus && curve) curve->fail("there is a youngs_modulus already; give one of them");
+  const StressStrain own =
+      curve ? read_curve(*curve) : StressStrain::linear(modulus->quantity(dimension::pressure, kPositive));
+  const bool compression = !pressed || pressed->choice<bool>({{"true", true}, {"false", false}});
+  reader.finish();
+  return {direction, compression ? own : own.without_compression()};
+}
+
+/// bending: plate, or D in N m
+double read_bending_rigidity(const Reader& reader, const Material& material) {
+  const std::string word = reader.is_text() ? reader.text() : "";
+  if (word != "plate") {
+    if (!word.empty() && std::isalpha(static_cast<unsigned char>(word.front())))
+      reader.choice<int>({{"plate", 0}});  // names the word that there is
+    return reader.quantity(dimension::energy, kPositive);
+  }
+  if (!(material.thickness > 0)) reader.fail("a plate needs a thickness");
+  return material.youngs_modulus * std::pow(material.thickness, 3) /
+         (12 * (1 - material.poissons_ratio * material.poissons_ratio));
+}
+
+}  // namespace
+
+Material read_material(Reader reader, const Material* base) {
+  Material material = base ? *base : Material{};
+  const bool own_law = reader.has("youngs_modulus") || reader.has("curve") || reader.has("secant_modulus");
+  if (own_law) material.curve.reset();
+  if (auto curve = reader.find("curve")) material.curve = read_curve(*curve);
+  if (auto secant = reader.find("secant_modulus")) {
+    if (material.curve) secant->fail("there is a curve already; give one of them");
+    material.curve = read_secant_modulus(*secant);
+  }
+  const bool needed = !material.curve && !(base && !own_law);
+  const auto modulus = needed ? std::optional(reader.at("youngs_modulus")) : reader.find("youngs_modulus");
+  if (modulus) material.youngs_modulus = modulus->quantity(dimension::pressure, kPositive);
+  if (material.curve) {
+    const double first = material.curve->modulus(0);
+    char text[120];
+    std::snprintf(text, sizeof text, "the curve begins with a slope of %.6g Pa; give that, or leave this out", first);
+    if (modulus && std::abs(material.youngs_modulus - first) > 1e-3 * first) modulus->fail(text);
+    material.youngs_modulus = first;
+  }
+  if (auto value = reader.find("poissons_ratio"))
+    material.poissons_ratio = value->quantity(dimension::none, {-0.99, 0.5, false});
+  if (auto value = reader.find("density")) material.density = value->quantity(dimension::density, kPositive);
+  if (auto value = reader.find("thickness")) material.thickness = value->quantity(dimension::length, kPositive);
+  if (auto bending = reader.find("bending")) material.bending_rigidity = read_bending_rigidity(*bending, material);
+  if (auto fibre = reader.find("fibre")) material.fibre = read_fibre(*fibre);
+  reader.finish();
+  return material;
+}
+
+void check_material(Reader reader, const Material& material, const Body& body) {
+  const bool membrane = !body.triangles.empty();
+  if (membrane && material.thickness == 0) reader.fail("key 'thickness' is missing: a body of triangles is a membrane");
+  if (material.poissons_ratio > 0.4999 && (!membrane || !body.tetrahedra.empty()))
+    (reader.has("poissons_ratio") ? reader.at("poissons_ratio") : reader)
+        .fail("is out of range: above 0.4999 only membranes, bodies of triangles, are incompressible");
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,67 @@
+#include "lab/scene/parts.h"
+
+namespace elastin::lab {
+
+StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
+  if (reader.is_text()) return reader.located([&] { return choose_strategy(catalog, reader.text()); });
+  const Reader name = reader.at("strategy");
+  StrategyChoice choice = name.located([&] { return choose_strategy(catalog, name.text()); });
+  for (const ParameterInfo& info : choice.strategy.parameters)
+    if (auto value = reader.find(info.name))
+      choice.values[info.name] = value->quantity(info.unit, {info.low, info.high});
+  if (auto volume = reader.find("volume")) {
+    const bool springs = choice.strategy.kind != StrategyKind::cell_law;
+    const auto words = springs ? std::vector<std::pair<std::string, bool>>{{"true", true}, {"false", false}}
+                               : std::vector<std::pair<std::string, bool>>{{"averaged", true}, {"cells", false}};
+    if (choice.strategy.volume_modulus) volume->fail("'" + choice.label + "' says it already");
+    if (volume->choice(words)) choice = volume->located([&] { return with_volume(std::move(choice)); });
+  }
+  if (auto wrinkling = reader.find("wrinkling");
+      wrinkling && wrinkling->choice<bool>({{"drop", true}, {"keep", false}}))
+    choice = wrinkling->located([&] { return with_wrinkling(std::move(choice)); });
+  if (auto label = reader.find("label")) choice.label = label->text();
+  reader.finish();
+  return choice;
+}
+
+Vector3 read_direction(const Reader& reader) {
+  if (!reader.is_text()) {
+    const Vector3 direction = reader.vector(dimension::none);
+    if (!(direction.norm() > 0)) reader.fail("a direction must not be zero");
+    return direction.normalized();
+  }
+  return reader.choice<Vector3>({{"x", Vector3::UnitX()},
+                                 {"y", Vector3::UnitY()},
+                                 {"z", Vector3::UnitZ()},
+                                 {"-x", -Vector3::UnitX()},
+                                 {"-y", -Vector3::UnitY()},
+                                 {"-z", -Vector3::UnitZ()}});
+}
+
+Matrix3 read_rotation(Reader reader) {
+  const Vector3 axis = read_direction(reader.at("axis"));
+  const double angle = reader.at("angle").quantity(dimension::none);
+  reader.finish();
+  return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+}
+
+StaticOptions read_solver(Reader reader) {
+  StaticOptions options;
+  if (auto value = reader.find("displacements"))
+    options.linear = value->choice<bool>({{"large", false}, {"small", true}});
+  if (auto value = reader.find("way"))
+    options.way = value->choice<StaticWay>({{"newton", StaticWay::newton},
+                                            {"explicit", StaticWay::explicit_steps},
+                                            {"implicit", StaticWay::implicit_steps}});
+  if (auto value = reader.find("linear_solver"))
+    options.method = value->choice<LinearMethod>({{"automatic", LinearMethod::automatic},
+                                                  {"pcg", LinearMethod::pcg},
+                                                  {"multigrid", LinearMethod::multigrid},
+                                                  {"direct", LinearMethod::direct}});
+  if (auto value = reader.find("tolerance")) options.tolerance = value->quantity(dimension::none, {1e-14, 0.1, false});
+  if (auto value = reader.find("newton_limit")) options.newton_limit = value->whole(1, 100000);
+  reader.finish();
+  return options;
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,86 @@
+#pragma once
+#include "elastin/contact/contact.h"
+#include "elastin/core/forces/time_function.h"
+#include "elastin/core/simulation/catalog.h"
+#include "elastin/mesh/mesh_file.h"
+#include "lab/experiment/inflation.h"
+#include "lab/experiment/specimen.h"
+#include "lab/scene/reader.h"
+#include "lab/scene/study.h"
+
+namespace elastin::lab {
+
+/// The parts of a scene, each from its own key. All throw InputError with place and key.
+/// What it leaves out is that of `base`, if there is one.
+Material read_material(Reader reader, const Material* base = nullptr);
+/// Throws where a membrane has no thickness, or a solid no volume to give way: above ν = 0.4999.
+void check_material(Reader reader, const Material& material, const Body& body);
+/// What reading a body leaves to be said.
+struct Remarks {
+  std::vector<std::string>&warnings, &notes;
+};
+/// Masses and radii are set too. The body is as written: rotated later, with the experiment.
+Body read_body(Reader reader, const Material& material, Remarks remarks);
+/// A list of bodies, each a part of one, and what ties them together; sets the specimen's body and materials. Its
+/// material must be set.
+void read_bodies(const Reader& list, std::optional<Reader> ties, Specimen& specimen, Remarks remarks);
+/// {file, length_unit, …}: the file that a body names, points in metres.
+mesh::Mesh read_mesh_file(Reader& reader);
+/// A body that fills a closed surface, and the volume that each molecule stands for [m³]; they sum to the surface's.
+Body read_fill(Reader reader, VectorX& volumes, Remarks remarks);
+/// A body of triangles: sphere, sphere_octant, disc, sheet or canopy.
+Body read_surface(const std::string& shape, Reader reader);
+StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
+/// What an experiment needs to know of its scene. Directions of the scene are turned with it.
+struct ExperimentPlace {
+  const Body& body;  ///< rotated; must outlive the experiment
+  const Material& material;
+  Matrix3 rotation;
+  StaticOptions statics;
+  contact::ContactOptions* contact =
+      nullptr;  ///< of the scene; null if it has none. Experiments add obstacles of their own
+};
+/// A kind that runs through time, or null: the experiment's kind is one at rest.
+std::unique_ptr<Experiment> read_timed_experiment(Reader reader, const std::string& kind, const ExperimentPlace& place);
+std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace& place);
+std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentPlace& place);
+/// {vary: [{KEY.PATH: [value, …], …}, …], repeats: 5, threads: [1, 2], own_reference: STRATEGY}
+Study read_study(Reader reader, const std::vector<StrategyChoice>& known);
+std::unique_ptr<Experiment> read_indentation(Reader reader, const ExperimentPlace& place);
+std::unique_ptr<Experiment> read_press(Reader reader, const ExperimentPlace& place);
+std::unique_ptr<Experiment> read_sliding(Reader reader, const ExperimentPlace& place);
+/// Contact, and which obstacles' motions follow the load, and which the time.
+struct SceneContact {
+  contact::ContactOptions options;
+  std::vector<Reader> by_load, by_time;
+};
+SceneContact read_contact(Reader reader, const Body& body, const Material& material, const Matrix3& rotation);
+/// Throws InputError on a motion that means nothing in this experiment.
+void check_motions(const SceneContact& contact, bool timed);
+StaticOptions read_solver(Reader reader);
+/// Adds one load, or internal damping, to a model of the scene's body.
+struct SceneLoad {
+  std::function<void(Model&)> add;
+  bool acts_at_rest = true;      ///< false: drag and damping, which a static experiment does not feel
+  bool changes_in_time = false;  ///< an experiment at rest must not have it
+};
+/// What a floor gives each molecule that is pressed in where the scene says nothing: E times the mean molecule's
+/// diameter, as a cube of that size has [N/m].
+double default_floor_stiffness(const Body& body, const Material& material);
+/// `rotation` turns its directions with the scene.
+SceneLoad read_load(Reader reader, const Body& body, const Material& material, const Matrix3& rotation);
+/// {ramp: {duration: 1 s}}, {step: {at: 1 s}}, {sine: …} or {table: [[0 s, 0], …]}.
+TimeFunction read_time_function(Reader reader);
+TimeOptions read_time(Reader reader);
+/// How the run begins: velocities and places that are not those of rest.
+std::function<void(State&)> read_initial(Reader reader, const Body& body, const Matrix3& rotation, bool timed);
+/// Pressure on all triangles, and gas that they enclose.
+SceneLoad read_pressure(const Reader& reader, const Body& body);
+SceneLoad read_gas_load(const Reader& reader, const Body& body);
+GasSetup read_gas(Reader reader);
+Matrix3 read_rotation(Reader reader);
+
+/// "x", "-y" or a list of three numbers.
+Vector3 read_direction(const Reader& reader);
+
+}  // namespace elastin::lab

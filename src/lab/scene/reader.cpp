@@ -1,0 +1,344 @@
+#include "lab/scene/reader.h"
+
+#include <yaml-cpp/eventhandler.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <set>
+#include <sstream>
+#include <utility>
+
+namespace elastin::lab {
+namespace {
+
+/// Keys and values that came from --set carry this tag: their marks are not places in the file.
+constexpr const char* kOverrideTag = "\001override";  // no file can write this one
+
+std::string kind_of(const YAML::Node& node) {
+  return node.IsMap() ? "a map of keys" : node.IsSequence() ? "a list" : node.IsScalar() ? "a single value" : "nothing";
+}
+
+/// Refuses what YAML forbids or never ends, and yaml-cpp lets pass: a key that stands twice in a map, an alias inside
+/// its own anchor, aliases that multiply without end.
+class TreeCheck {
+ public:
+  /// `place_of` says where a value stands; `size` of the text in letters: a value of its own takes at least one.
+  TreeCheck(std::function<Place(const YAML::Node&)> place_of, std::size_t size)
+      : place_of_(std::move(place_of)), left_(size + 1000000) {}
+
+  void check(const YAML::Node& node, int depth = 0) {
+    if (depth > 40) throw InputError(place_of_(node), "nested too deeply; does an alias stand inside its own anchor?");
+    if (left_-- == 0) throw InputError(place_of_(node), "too many values; do aliases stand in what aliases name?");
+    if (node.IsMap()) {
+      std::set<std::string> seen;
+      for (const auto& entry : node) {
+        const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+        if (key.empty()) throw InputError(place_of_(entry.first), "a key must be a word");
+        if (!seen.insert(key).second) throw InputError(place_of_(entry.first), "key '" + key + "' stands here twice");
+        check(entry.second, depth + 1);
+      }
+    } else if (node.IsSequence()) {
+      for (const auto& item : node) check(item, depth + 1);
+    }
+  }
+
+ private:
+  std::function<Place(const YAML::Node&)> place_of_;
+  std::size_t left_;
+};
+
+void mark_override(YAML::Node node) {
+  node.SetTag(kOverrideTag);
+  for (auto entry : node) {
+    if (!node.IsMap()) {
+      mark_override(entry);
+      continue;
+    }
+    entry.first.SetTag(kOverrideTag);
+    mark_override(entry.second);
+  }
+}
+
+/// Which item of a list a key means: its `name`, or its number from 0.
+std::size_t item_of(const YAML::Node& list, const std::string& key, const Place& place) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const bool named = list[i].IsMap() && list[i]["name"] && list[i]["name"].IsScalar();
+    names.push_back(named ? list[i]["name"].Scalar() : std::to_string(i));
+    if (key == names.back() || key == std::to_string(i)) return i;
+  }
+  throw InputError(place, "'" + key + "' is no item of the list" + suggestion(key, names));
+}
+
+void put_override(YAML::Node root, const std::string& assignment) {
+  const std::size_t equals = assignment.find('=');
+  const Place place{"--set " + assignment};
+  std::string path = assignment.substr(0, equals);
+  if (equals == std::string::npos || ("." + path + ".").find("..") != std::string::npos)
+    throw InputError(place, "write key=value, for example --set material.youngs_modulus='10 kPa'");
+  YAML::Node value;
+  try {
+    value = YAML::Load(assignment.substr(equals + 1));
+  } catch (const YAML::Exception& error) {
+    throw InputError(place, "the value is not valid YAML: " + error.msg);
+  }
+  TreeCheck([&](const YAML::Node&) { return place; }, assignment.size()).check(value);
+  mark_override(value);
+  YAML::Node node = root;
+  for (std::size_t dot; (dot = path.find('.')) != std::string::npos; path = path.substr(dot + 1)) {
+    const std::string key = path.substr(0, dot);
+    YAML::Node next = node.IsSequence() ? node[item_of(node, key, place)] : node[key];
+    if (next.IsDefined() && !next.IsMap() && !next.IsSequence())
+      throw InputError(place, "'" + key + "' is " + kind_of(next) + " in the scene, not a map of keys");
+    if (!next.IsDefined()) node[key] = next = YAML::Node(YAML::NodeType::Map);
+    node.reset(next);
+  }
+  if (node.IsSequence())
+    node[item_of(node, path, place)] = value;
+  else
+    node[path] = value;
+}
+
+/// Where a text's second YAML document begins.
+class SecondDocument final : public YAML::EventHandler {
+ public:
+  std::optional<YAML::Mark> find(const std::string& text) {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    while (begun_ < 2 && parser.HandleNextDocument(*this)) {
+    }
+    return begun_ < 2 ? std::nullopt : std::optional(second_);
+  }
+  void OnDocumentStart(const YAML::Mark& mark) override { ++begun_, second_ = mark; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+
+ private:
+  int begun_ = 0;
+  YAML::Mark second_;
+};
+
+/// The only document of a scene's text. yaml-cpp's LoadAll finds documents without end in some texts that are none.
+YAML::Node load_document(const std::string& path, const std::string& text) {
+  const Place start{path, 1, 1};
+  if (text.empty()) throw InputError(start, "the scene is empty");
+  YAML::Node document;
+  try {
+    if (const auto second = SecondDocument().find(text))
+      throw InputError(Place{path, second->line + 1, second->column + 1},
+                       "a scene is one YAML document; a second one begins here");
+    document = YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    throw InputError(Place{path, error.mark.line + 1, error.mark.column + 1}, "not valid YAML: " + error.msg);
+  }
+  if (!document.IsMap()) throw InputError(start, "a scene is a map of keys (body, material, experiment, …)");
+  const auto place_of = [&](const YAML::Node& node) {
+    return Place{path, node.Mark().line + 1, node.Mark().column + 1};
+  };
+  TreeCheck(place_of, text.size()).check(document);
+  return document;
+}
+
+std::string range_text(const Range& range, const Dimension& dimension) {
+  const std::string unit = si_unit(dimension).empty() ? "" : " " + si_unit(dimension);
+  const auto number = [](double value) {
+    char buffer[32];
+    std::snprintf(buffer, sizeof buffer, "%g", value);
+    return std::string(buffer);
+  };
+  std::string text;
+  if (std::isfinite(range.low)) text = (range.open_low ? "above " : "at least ") + number(range.low) + unit;
+  if (std::isfinite(range.high)) text += (text.empty() ? "at most " : " and at most ") + number(range.high) + unit;
+  return text;
+}
+
+}  // namespace
+
+Reader::Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path, std::optional<Place> key_place)
+    : file_(std::move(file)), node_(std::move(node)), path_(std::move(path)), key_place_(std::move(key_place)) {}
+
+Place Reader::place_of(const YAML::Node& node) const {
+  const YAML::Mark mark = node.Mark();
+  if (node.Tag() == kOverrideTag || mark.is_null()) return {"--set"};
+  return {file_->path, mark.line + 1, mark.column + 1};
+}
+
+Place Reader::place() const {
+  if (node_.IsNull() && node_.Tag() != kOverrideTag) return key_place_.value_or(Place{file_->path, 1, 1});
+  return place_of(node_);
+}
+
+void Reader::fail(const std::string& message) const {
+  throw InputError(place(), (path_.empty() ? "" : path_ + ": ") + message);
+}
+
+bool Reader::has(const std::string& key) { return find(key).has_value(); }
+
+std::optional<Reader> Reader::find(const std::string& key) {
+  if (!node_.IsMap()) fail("expected a map of keys, found " + kind_of(node_));
+  asked_->keys.push_back(key);
+  return value_of(key, key);
+}
+
+/// The value that stands under the key `given`, as the one of `key`.
+std::optional<Reader> Reader::value_of(const std::string& given, const std::string& key) const {
+  for (const auto& entry : node_)
+    if (entry.first.Scalar() == given) {
+      Reader found(file_, entry.second, path_.empty() ? key : path_ + "." + key, place_of(entry.first));
+      if (entry.second.IsNull()) found.fail("has no value");
+      return found;
+    }
+  return std::nullopt;
+}
+
+Reader Reader::at(const std::string& key) {
+  if (auto found = find(key)) return *found;
+  // A misspelt key is read as what it must be: finish() then names it beside every key that is known.
+  std::vector<std::string> unknown;
+  for (const std::string& given : keys())
+    if (std::find(asked_->keys.begin(), asked_->keys.end(), given) == asked_->keys.end()) unknown.push_back(given);
+  const std::string misspelt = nearest_name(key, unknown);
+  if (misspelt.empty()) fail("key '" + key + "' is missing");
+  asked_->misspelt.emplace_back(misspelt, key);
+  return *value_of(misspelt, key);
+}
+
+void Reader::finish() const {
+  if (!node_.IsMap()) return;
+  std::vector<std::string> known;
+  for (const std::string& key : asked_->keys)
+    if (std::find(known.begin(), known.end(), key) == known.end()) known.push_back(key);
+  for (const auto& entry : node_) {
+    const std::string key = entry.first.Scalar();
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    throw InputError(place_of(entry.first),
+                     (path_.empty() ? "" : path_ + ": ") + "unknown key '" + key + "'" + suggestion(key, known));
+  }
+  for (const auto& [misspelt, key] : asked_->misspelt) fail("key '" + key + "' is missing");
+}
+
+std::vector<std::string> Reader::keys() const {
+  std::vector<std::string> keys;
+  if (node_.IsMap())
+    for (const auto& entry : node_) keys.push_back(entry.first.Scalar());
+  return keys;
+}
+
+std::vector<Reader> Reader::items() const {
+  if (!node_.IsSequence()) fail("expected a list, found " + kind_of(node_));
+  std::vector<Reader> items;
+  for (const auto& item : node_)
+    items.emplace_back(file_, item, path_ + "[" + std::to_string(items.size()) + "]", place());
+  return items;
+}
+
+std::vector<Reader> Reader::items(std::size_t count) const {
+  std::vector<Reader> list = items();
+  if (list.size() != count) fail("expected " + std::to_string(count) + " values, found " + std::to_string(list.size()));
+  return list;
+}
+
+std::string Reader::text() const {
+  if (!node_.IsScalar()) fail("expected a single value, found " + kind_of(node_));
+  return node_.Scalar();
+}
+
+std::string Reader::line() const {
+  YAML::Emitter emitter;
+  emitter << YAML::Flow << node_;
+  return emitter.c_str();
+}
+
+void Reader::check_size(double molecules) const {
+  if (molecules <= file_->most_molecules) return;
+  char text[100];
+  std::snprintf(text, sizeof text, "that is %.3g molecules; at most %g are taken", molecules, file_->most_molecules);
+  fail(text);
+}
+
+double Reader::quantity(const Dimension& dimension, const Range& range) const {
+  const std::string given = text();
+  const Quantity quantity = located([&] { return parse_quantity(given, dimension); });
+  if (quantity.value < range.low || quantity.value > range.high || (range.open_low && quantity.value == range.low))
+    fail("'" + given + "' is out of range: must be " + range_text(range, dimension));
+  if (dimension != dimension::none && node_.Tag() != kOverrideTag) note_unit(given, dimension, quantity);
+  return quantity.value;
+}
+
+/// Throws if the file writes some dimensional values with units and others as plain numbers: one of them is a slip.
+void Reader::note_unit(const std::string& given, const Dimension& dimension, const Quantity& quantity) const {
+  auto& first_unit = file_->first_unit;
+  auto& first_plain = file_->first_plain;
+  if (quantity.has_unit && !first_unit) first_unit = place();
+  if (!quantity.has_unit && quantity.value != 0 && !first_plain)
+    first_plain = {place(), path_ + ": '" + given + "' has no unit; write for example " + unit_examples(dimension)};
+  if (first_unit && first_plain)
+    throw InputError(first_plain->first, first_plain->second +
+                                             " (plain SI numbers are taken only where no value has a unit, and " +
+                                             first_unit->text() + " has one)");
+}
+
+int Reader::whole(int low, int high) const {
+  const std::string given = text();
+  int value = 0;
+  const auto [end, problem] = std::from_chars(given.data(), given.data() + given.size(), value);
+  if (problem != std::errc() || end != given.data() + given.size() || value < low || value > high)
+    fail("'" + given + "' is not a whole number of at least " + std::to_string(low) +
+         (high < std::numeric_limits<int>::max() ? " and at most " + std::to_string(high) : ""));
+  return value;
+}
+
+Vector3 Reader::vector(const Dimension& dimension, const Range& range) const {
+  const auto list = items(3);
+  return {list[0].quantity(dimension, range), list[1].quantity(dimension, range), list[2].quantity(dimension, range)};
+}
+
+std::array<int, 3> Reader::wholes(int low) const {
+  const auto list = items(3);
+  return {list[0].whole(low), list[1].whole(low), list[2].whole(low)};
+}
+
+std::string missing_file(const std::string& path) {
+  const std::filesystem::path wanted(path);
+  std::vector<std::string> names;
+  std::error_code ignored;
+  const auto folder = wanted.has_parent_path() ? wanted.parent_path() : std::filesystem::path(".");
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  const std::string near = nearest_name(wanted.filename().string(), names);
+  return "no such file" + (near.empty() ? "" : "; did you mean '" + near + "'?");
+}
+
+Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules) {
+  const Place place{path};
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) throw InputError(place, missing_file(path));
+  if (std::filesystem::is_directory(path, ignored)) throw InputError(place, "is a folder; name a scene file in it");
+  std::ifstream stream(path);
+  if (!stream) throw InputError(place, std::string("cannot read the scene: ") + std::strerror(errno));
+  const std::string text((std::istreambuf_iterator<char>(stream)), {});
+  return open_scene_text(path, text, overrides, most_molecules);
+}
+
+Reader open_scene_text(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
+                       double most_molecules) {
+  const YAML::Node root = load_document(name, text);
+  for (const std::string& assignment : overrides) put_override(root, assignment);
+  return {std::make_shared<SceneFile>(SceneFile{name, {}, {}, most_molecules}), root, ""};
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,118 @@
+#pragma once
+#include <yaml-cpp/yaml.h>
+
+#include <array>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/base/types.h"
+#include "elastin/core/base/units.h"
+
+namespace elastin::lab {
+
+/// What all keys of one scene file share: its path, and how its dimensional values are written.
+struct SceneFile {
+  std::string path;
+  std::optional<Place> first_unit;  ///< first dimensional value written with a unit
+  /// First one written as a plain number, and the message that it is if units are used.
+  std::optional<std::pair<Place, std::string>> first_plain;
+  double most_molecules = std::numeric_limits<double>::infinity();  ///< that a body may have
+};
+
+struct Range {
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+  bool open_low = false;  ///< low itself is not allowed
+};
+inline constexpr Range kPositive{0, std::numeric_limits<double>::infinity(), true};
+inline constexpr Range kNotNegative{0, std::numeric_limits<double>::infinity(), false};
+
+/// One value of a scene with its path of keys and its place in the file. Maps remember which keys were asked for, so
+/// that finish() can name the ones that nobody knows.
+class Reader {
+ public:
+  Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path, std::optional<Place> key_place = {});
+
+  bool has(const std::string& key);
+  /// The value of a key that must be there; throws InputError if it is not. A misspelt one is read too: finish() names
+  /// it.
+  Reader at(const std::string& key);
+  std::optional<Reader> find(const std::string& key);
+  /// Throws InputError on the first key that was never asked for, with the nearest one that was.
+  void finish() const;
+
+  bool is_map() const { return node_.IsMap(); }
+  bool is_text() const { return node_.IsScalar(); }
+  std::vector<std::string> keys() const;
+  std::vector<Reader> items() const;
+  std::vector<Reader> items(std::size_t count) const;
+
+  std::string text() const;
+  /// The value as one line of YAML, whatever it is: what --set can put elsewhere.
+  std::string line() const;
+  /// In SI units. Throws if it has no unit where other values of the file have one, or the other way round.
+  double quantity(const Dimension& dimension, const Range& range = {}) const;
+  int whole(int low, int high = std::numeric_limits<int>::max()) const;
+  Vector3 vector(const Dimension& dimension, const Range& range = {}) const;
+  std::array<int, 3> wholes(int low) const;
+  /// A word out of a fixed set.
+  template <class Value>
+  Value choice(const std::vector<std::pair<std::string, Value>>& choices) const {
+    const std::string word = text();
+    std::vector<std::string> names;
+    for (const auto& [name, value] : choices) {
+      if (name == word) return value;
+      names.push_back(name);
+    }
+    fail("'" + word + "' is not known here" + suggestion(word, names));
+  }
+
+  /// Fails where a body would have more molecules than are taken, before anybody allocates for them.
+  void check_size(double molecules) const;
+  double most_molecules() const { return file_->most_molecules; }
+  /// Throws InputError with this value's place and key.
+  [[noreturn]] void fail(const std::string& message) const;
+  /// Runs build() and puts this value's place and key before an error that has none.
+  template <class Build>
+  auto located(Build&& build) const {
+    try {
+      return build();
+    } catch (const InputError& error) {
+      if (error.placed()) throw;
+      fail(error.what());
+    }
+  }
+  const std::string& path() const { return path_; }
+  const std::string& file_path() const { return file_->path; }
+
+ private:
+  /// Keys that were asked for, and those that stood in for a missing one: as written, and as meant.
+  struct Asked {
+    std::vector<std::string> keys;
+    std::vector<std::pair<std::string, std::string>> misspelt;
+  };
+  Place place() const;
+  Place place_of(const YAML::Node& node) const;
+  std::optional<Reader> value_of(const std::string& given, const std::string& key) const;
+  void note_unit(const std::string& given, const Dimension& dimension, const Quantity& quantity) const;
+  std::shared_ptr<SceneFile> file_;
+  YAML::Node node_;
+  std::string path_;  ///< "experiment.force"
+  std::optional<Place> key_place_;
+  std::shared_ptr<Asked> asked_ = std::make_shared<Asked>();
+};
+
+/// "no such file; did you mean 'x'?", of the files that stand beside it.
+std::string missing_file(const std::string& path);
+
+/// Reads a YAML file and puts `key.path=value` overrides in. Throws InputError: file:line:column.
+Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules);
+/// The same of a text at hand; `name` stands for the file in messages.
+Reader open_scene_text(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
+                       double most_molecules);
+
+}  // namespace elastin::lab

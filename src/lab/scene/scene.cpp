@@ -1,0 +1,231 @@
+#include "lab/scene/scene.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <new>
+#include <stdexcept>
+
+#include "elastin/core/forces/bending.h"
+#include "elastin/core/model/parts.h"
+#include "elastin/core/shapes/shapes.h"
+#include "lab/scene/parts.h"
+
+namespace elastin::lab {
+namespace {
+
+/// A run that must stop: how, and words that must stand in its cause.
+Expectation read_stop(Reader& reader, Expectation expectation) {
+  const Reader outcome = reader.at("outcome");
+  std::vector<std::pair<std::string, bool>> stops{{kUnsuited, true}};
+  for (const Outcome stop : {Outcome::limit_reached, Outcome::inverted, Outcome::diverged, Outcome::mechanism})
+    stops.emplace_back(name_of(stop), true);
+  outcome.choice(stops);
+  expectation.outcome = outcome.text();
+  const Reader cause = reader.at("cause");
+  expectation.cause = cause.text();
+  if (expectation.cause.empty()) cause.fail("name the cause: words that the run must say");
+  reader.finish();
+  return expectation;
+}
+
+/// `strategies` are those of the scene: an expectation may name one by its label.
+Expectation read_expectation(Reader reader, const std::vector<StrategyChoice>& strategies, const Catalog& catalog) {
+  Expectation expectation;
+  if (auto strategy = reader.find("strategy")) {
+    expectation.strategy = strategy->text();
+    if (!find_strategy(strategies, expectation.strategy))
+      strategy->located([&] { return choose_strategy(catalog, expectation.strategy); });
+  }
+  expectation.source = reader.at("source").text();
+  if (reader.has("outcome")) return read_stop(reader, std::move(expectation));
+  const Reader measure = reader.at("measure");
+  const MeasureInfo info = measure.located([&] { return find_measure(measure.text()); });
+  expectation.measure = info.name;
+  expectation.value = reader.at("value").quantity(info.unit);
+  if (auto tolerance = reader.find("tolerance")) expectation.relative = tolerance->quantity(dimension::none, kPositive);
+  if (auto tolerance = reader.find("absolute")) expectation.absolute = tolerance->quantity(info.unit, kPositive);
+  if (auto why = reader.find("not_reproduced")) expectation.not_reproduced = why->text();
+  reader.finish();
+  const bool judged = expectation.not_reproduced.empty();
+  if (judged && expectation.relative == 0 && expectation.absolute == 0)
+    reader.fail(
+        "an expectation needs a tolerance (relative), an absolute tolerance, or not_reproduced with the reason");
+  return expectation;
+}
+
+Reference read_reference(Reader reader) {
+  Reference reference;
+  const Reader measure = reader.at("measure");
+  const MeasureInfo info = measure.located([&] { return find_measure(measure.text()); });
+  reference.measure = info.name;
+  reference.value = reader.at("value").quantity(info.unit);
+  reference.source = reader.at("source").text();
+  if (auto uncertainty = reader.find("uncertainty"))
+    reference.uncertainty = uncertainty->quantity(dimension::none, kPositive);
+  reader.finish();
+  return reference;
+}
+
+std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const StrategyChoice& stiffness,
+                                            const Catalog& catalog) {
+  if (!reader) return {stiffness};
+  if (reader->is_text() && reader->text() == "all") return all_strategies(catalog);
+  if (reader->is_text()) reader->fail("write a list of strategies, or all");
+  std::vector<StrategyChoice> strategies;
+  for (const Reader& item : reader->items()) {
+    if (item.is_text() && item.text() == "all") {  // all that the list does not name before
+      for (StrategyChoice& choice : all_strategies(catalog))
+        if (!find_strategy(strategies, choice.label)) strategies.push_back(std::move(choice));
+      continue;
+    }
+    StrategyChoice choice = read_strategy(item, catalog);
+    if (find_strategy(strategies, choice.label))
+      item.fail("'" + choice.label + "' is in the list already; give this one a label of its own");
+    strategies.push_back(std::move(choice));
+  }
+  if (strategies.empty()) reader->fail("names no strategy; write a list of them, or all");
+  return strategies;
+}
+
+/// A strategy's volume term takes not every Poisson's ratio that a material may have.
+void check_volume_range(Reader material, const Specimen& specimen, const std::vector<StrategyChoice>& strategies) {
+  std::vector<Material> materials = specimen.materials;
+  if (materials.empty()) materials.push_back(specimen.material);
+  const Reader at = material.has("poissons_ratio") ? material.at("poissons_ratio") : material;
+  for (const StrategyChoice& choice : strategies)
+    for (const Material& values : materials)
+      if (choice.strategy.volume_modulus) at.located([&] { return choice.strategy.volume_modulus(values); });
+}
+
+void warn_of_pieces(const Body& body, const std::string& name, std::vector<std::string>& warnings) {
+  const BodyFindings findings = inspect(body);
+  if (findings.pieces <= 1) return;
+  const auto loose = findings.loose_molecules.size();
+  warnings.push_back(name + " hangs apart: " + std::to_string(findings.pieces) + " pieces" +
+                     (loose == 0   ? ""
+                      : loose == 1 ? ", one of them a loose molecule"
+                                   : ", " + std::to_string(loose) + " of them loose molecules") +
+                     "; `elastin check` names them");
+}
+
+/// body: {…}, or bodies: [{…}, …] with ties: […]
+void read_whole_body(Reader& reader, Scene& scene) {
+  Specimen& specimen = scene.specimen;
+  const Remarks remarks{scene.warnings, scene.notes};
+  auto ties = reader.find("ties");
+  if (auto several = reader.find("bodies")) {
+    if (auto one = reader.find("body")) one->fail("there are `bodies` already; put it into that list, with a name");
+    read_bodies(*several, ties, specimen, remarks);
+    for (const Part& part : specimen.body.parts)  // bone holds together without connections
+      if (!part.rigid) warn_of_pieces(part_alone(specimen.body, part).body, "body '" + part.name + "'", scene.warnings);
+    return;
+  }
+  if (ties) ties->fail("joins several `bodies`; the scene has one");
+  specimen.body = read_body(reader.at("body"), specimen.material, remarks);
+  check_material(reader.at("material"), specimen.material, specimen.body);
+  if (specimen.material.bending_rigidity > 0) {
+    const std::string why = unsuited_for_bending(specimen.body);
+    if (!why.empty()) reader.at("material").at("bending").fail(why);
+    add_cell_sides(specimen.body, bending_pairs(specimen.body));
+  }
+  if (!reader.has("contact")) warn_of_pieces(specimen.body, "the body", scene.warnings);
+}
+
+void turn_fibres(Specimen& specimen, const Matrix3& rotation) {
+  const auto turn = [&](Material& material) {
+    if (material.fibre) material.fibre->direction = rotation * material.fibre->direction;
+  };
+  turn(specimen.material);
+  for (Material& material : specimen.materials) turn(material);
+}
+
+std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalog,
+                                  const std::vector<std::string>& overrides, double most_molecules) {
+  const auto start = std::chrono::steady_clock::now();
+  Reader reader = open_scene_file(path, overrides, most_molecules);
+  auto scene = std::make_unique<Scene>();
+  scene->path = path;
+  scene->name = std::filesystem::path(path).stem().string();
+  scene->title = reader.has("title") ? reader.at("title").text() : scene->name;
+  scene->specimen.material = read_material(reader.at("material"));
+  read_whole_body(reader, *scene);
+  const Matrix3 rotation = reader.has("rotate") ? read_rotation(reader.at("rotate")) : Matrix3(Matrix3::Identity());
+  if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
+  turn_fibres(scene->specimen, rotation);
+  scene->stiffness = read_strategy(reader.at("stiffness"), catalog);
+  scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog);
+  const Reader experiment = reader.at("experiment");
+  if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver);
+  ExperimentPlace place{scene->specimen.body, scene->specimen.material, rotation, scene->statics};
+  std::optional<SceneContact> contact;
+  if (auto value = reader.find("contact")) {
+    contact = read_contact(*value, scene->specimen.body, scene->specimen.material, rotation);
+    place.contact = &contact->options;
+  }
+  scene->experiment = read_experiment(experiment, place);
+  const bool timed = scene->experiment->in_time();
+  if (contact) {
+    check_motions(*contact, timed);
+    reader.at("contact").located([&] { contact::make_contact(scene->specimen.body, contact->options); });
+    scene->specimen.contact = std::move(contact->options);
+  }
+  const auto time = reader.find("time");
+  if (time && !timed)
+    time->fail("a " + scene->experiment->name() + " experiment is at rest and takes no time; those that do are " +
+               "motion, release, creep, relaxation, shake, drop and sliding");
+  if (!time && timed)
+    experiment.fail("a " + scene->experiment->name() + " experiment runs through time: key 'time' is missing, " +
+                    "for example time: {duration: 1 s}");
+  if (time) scene->time = read_time(*time);
+  if (auto initial = reader.find("initial"))
+    scene->specimen.start = read_initial(*initial, scene->specimen.body, rotation, timed);
+  if (auto loads = reader.find("loads"))
+    for (const Reader& item : loads->items()) {
+      SceneLoad load = read_load(item, scene->specimen.body, scene->specimen.material, rotation);
+      if (load.changes_in_time && !timed) item.fail("an experiment at rest knows no time: in_time means nothing here");
+      if (!load.acts_at_rest && !timed)
+        scene->warnings.push_back(item.path() +
+                                  ": acts on moving bodies only; it changes nothing in a static experiment");
+      scene->specimen.loads.push_back(std::move(load.add));
+    }
+  std::vector<StrategyChoice> known = scene->strategies;
+  known.push_back(scene->stiffness);
+  check_volume_range(reader.at("material"), scene->specimen, known);
+  if (auto expect = reader.find("expect"))
+    for (const Reader& item : expect->items()) scene->expectations.push_back(read_expectation(item, known, catalog));
+  if (auto references = reader.find("reference"))
+    for (const Reader& item : references->items()) scene->references.push_back(read_reference(item));
+  if (auto study = reader.find("study")) scene->study = read_study(*study, known);
+  reader.finish();
+  scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return scene;
+}
+
+}  // namespace
+
+const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, const std::string& label) {
+  const auto found =
+      std::find_if(choices.begin(), choices.end(), [&](const auto& choice) { return choice.label == label; });
+  return found == choices.end() ? nullptr : &*found;
+}
+
+StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const std::string& label) {
+  const StrategyChoice* known = find_strategy(scene.strategies, label);
+  if (scene.stiffness.label == label && (!known || known->values.empty())) known = &scene.stiffness;
+  return known ? *known : choose_strategy(catalog, label);
+}
+
+std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,
+                                  const std::vector<std::string>& overrides, double most_molecules) {
+  const auto too_large = [&] { return InputError(Place{path}, "the scene does not fit into this machine's memory"); };
+  try {
+    return read_scene(path, catalog, overrides, most_molecules);
+  } catch (const std::bad_alloc&) {
+    throw too_large();
+  } catch (const std::length_error&) {
+    throw too_large();
+  }
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,92 @@
+#include "lab/scene/study.h"
+
+#include <cstdio>
+#include <memory>
+
+#include "lab/scene/parts.h"
+#include "lab/scene/scene.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Keys of one axis go through their values side by side: so each has as many.
+StudyAxis axis_of(Reader reader) {
+  StudyAxis axis;
+  for (const std::string& key : reader.keys()) {
+    const Reader values = reader.at(key);
+    const std::vector<Reader> items = values.items();
+    if (items.empty()) values.fail("names no value; write a list of them");
+    if (axis.values.empty()) axis.values.resize(items.size());
+    if (items.size() != axis.values.size())
+      values.fail("keys that change together have equally many values: " + std::to_string(items.size()) + " here, " +
+                  std::to_string(axis.values.size()) + " of the one before");
+    for (std::size_t i = 0; i < items.size(); ++i) axis.values[i].emplace_back(key, items[i].line());
+  }
+  if (axis.values.empty())
+    reader.fail("write keys with their values, for example {solver.linear_solver: [pcg, direct]}");
+  return axis;
+}
+
+/// Throws before anybody allocates for more rows than anyone compares.
+void check_rows(const std::vector<StudyAxis>& axes) {
+  constexpr double most = 1e5;
+  double rows = 1;
+  for (const StudyAxis& axis : axes) rows *= static_cast<double>(axis.values.size());
+  char text[80];
+  std::snprintf(text, sizeof text, "that is %.3g combinations; at most %g are taken", rows, most);
+  if (rows > most) throw InputError(text);
+}
+
+}  // namespace
+
+StudyAxis read_axis(const std::string& text) {
+  const std::string what = "--vary " + text;
+  YAML::Node node;
+  try {
+    node = YAML::Load(text);
+    const std::size_t equals = text.find('=');
+    if (!node.IsMap() && equals != std::string::npos) {
+      node = YAML::Node(YAML::NodeType::Map);
+      node[text.substr(0, equals)] = YAML::Load(text.substr(equals + 1));
+    }
+  } catch (const YAML::Exception& error) {
+    throw InputError(Place{what}, "not valid YAML: " + error.msg);
+  }
+  if (!node.IsMap()) throw InputError(Place{what}, "write KEY.PATH=[value, …] or {KEY.PATH: [value, …], …}");
+  return axis_of(Reader(std::make_shared<SceneFile>(SceneFile{what, {}, {}}), node, ""));
+}
+
+Study read_study(Reader reader, const std::vector<StrategyChoice>& known) {
+  Study study;
+  if (auto vary = reader.find("vary")) {
+    for (const Reader& item : vary->items()) study.axes.push_back(axis_of(item));
+    vary->located([&] { check_rows(study.axes); });
+  }
+  if (auto repeats = reader.find("repeats")) study.repeats = repeats->whole(1, 1000);
+  if (auto threads = reader.find("threads"))
+    for (const Reader& item : threads->items()) study.threads.push_back(item.whole(1, 4096));
+  if (auto own = reader.find("own_reference")) {
+    study.own_reference = own->text();
+    if (!find_strategy(known, study.own_reference))
+      own->fail("'" + study.own_reference + "' is no strategy of this scene");
+  }
+  reader.finish();
+  return study;
+}
+
+std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const std::vector<StudyAxis>& axes) {
+  check_rows(axes);
+  std::vector<std::vector<std::pair<std::string, std::string>>> all{{}};
+  for (const StudyAxis& axis : axes) {
+    std::vector<std::vector<std::pair<std::string, std::string>>> longer;
+    for (const auto& before : all)
+      for (const auto& value : axis.values) {
+        longer.push_back(before);
+        longer.back().insert(longer.back().end(), value.begin(), value.end());
+      }
+    all = std::move(longer);
+  }
+  return all;
+}
+
+}  // namespace elastin::lab

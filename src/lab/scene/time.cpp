@@ -1,0 +1,213 @@
+#include <Eigen/Geometry>
+#include <cmath>
+#include <random>
+
+#include "elastin/core/base/error.h"
+#include "lab/experiment/motion.h"
+#include "lab/scene/parts.h"
+
+namespace elastin::lab {
+namespace {
+
+const std::vector<std::pair<std::string, Scheme>> kSchemes{{"newmark", Scheme::newmark},
+                                                           {"backward_euler", Scheme::backward_euler},
+                                                           {"velocity_verlet", Scheme::velocity_verlet},
+                                                           {"symplectic_euler", Scheme::symplectic_euler}};
+
+void read_integrator(Reader reader, TimeOptions& options) {
+  if (reader.is_text()) {
+    options.scheme = reader.choice<Scheme>(kSchemes);
+    return;
+  }
+  options.scheme = reader.at("scheme").choice<Scheme>(kSchemes);
+  const auto beta = reader.find("beta"), gamma = reader.find("gamma"), iterations = reader.find("newton_iterations");
+  reader.finish();
+  for (const auto& [value, target] : {std::pair{beta, &options.beta}, {gamma, &options.gamma}}) {
+    if (!value) continue;
+    if (options.scheme != Scheme::newmark) value->fail("only newmark has this");
+    *target = value->quantity(dimension::none, target == &options.beta ? Range{0, 1, true} : Range{0.5, 1, false});
+  }
+  if (iterations) {
+    if (is_explicit(*options.scheme)) iterations->fail("an explicit scheme has no Newton iterations");
+    options.newton_iterations = iterations->whole(1, 1000);
+  }
+}
+
+void read_step(Reader reader, TimeOptions& options) {
+  if (reader.is_map()) {
+    options.choice = StepChoice::by_error;
+    if (auto error = reader.find("error")) options.error = error->quantity(dimension::none, kPositive);
+    if (auto smallest = reader.find("smallest")) options.smallest = smallest->quantity(dimension::time, kPositive);
+    if (auto largest = reader.find("largest")) options.largest = largest->quantity(dimension::time, kPositive);
+    reader.finish();
+    if (options.largest < options.smallest) reader.fail("the largest step must not be below the smallest");
+  } else if (reader.text() != "automatic") {
+    options.choice = StepChoice::fixed;
+    options.step = reader.quantity(dimension::time, kPositive);
+  }
+}
+
+/// The experiment at rest that says how a timed one holds and loads its body.
+std::unique_ptr<Experiment> read_hold(const Reader& reader, const ExperimentPlace& place) {
+  auto hold = read_experiment(reader, place);
+  if (hold->in_time()) reader.fail("must be an experiment at rest; " + hold->name() + " runs through time itself");
+  return hold;
+}
+
+std::unique_ptr<Experiment> read_motion(Reader reader, MotionKind kind, const ExperimentPlace& place) {
+  MotionSetup setup;
+  setup.kind = kind;
+  const bool free = kind == MotionKind::motion;
+  const auto hold = free ? reader.find("hold") : std::optional(reader.at("hold"));
+  if (hold) setup.hold = read_hold(*hold, place);
+  if (free)
+    if (auto in_time = reader.find("in_time")) {
+      if (!hold) in_time->fail("there is no load to change: key 'hold' is missing");
+      setup.load = read_time_function(*in_time);
+    }
+  if (kind == MotionKind::release) {
+    const auto load = reader.find("load");
+    setup.let_go = !load || load->choice<bool>({{"removed", true}, {"applied", false}});
+  }
+  if (kind == MotionKind::relaxation) {
+    setup.ramp = reader.at("ramp").quantity(dimension::time, kPositive);
+    setup.load = TimeFunction::ramp(setup.ramp);
+  }
+  reader.finish();
+  return reader.located([&] { return make_motion(place.body, std::move(setup)); });
+}
+
+std::unique_ptr<Experiment> read_shake(Reader reader, const ExperimentPlace& place) {
+  ShakeSetup setup;
+  if (auto axis = reader.find("axis")) setup.axis = read_direction(*axis);
+  setup.direction = place.rotation * (reader.has("direction") ? read_direction(reader.at("direction")) : setup.axis);
+  setup.axis = place.rotation * setup.axis;
+  const Reader amplitude = reader.at("amplitude");
+  setup.amplitude = amplitude.quantity(dimension::length, kPositive);
+  setup.frequency = reader.at("frequency").quantity({0, 0, -1}, kPositive);
+  if (auto depth = reader.find("grip_depth")) setup.grip_depth = depth->quantity(dimension::length, kPositive);
+  reader.finish();
+  return reader.located([&] { return make_shake(place.body, setup); });
+}
+
+std::unique_ptr<Experiment> read_drop(Reader reader, const ExperimentPlace& place) {
+  DropSetup setup;
+  setup.direction =
+      place.rotation * (reader.has("direction") ? read_direction(reader.at("direction")) : Vector3(-Vector3::UnitZ()));
+  const auto gravity = reader.find("gravity"), height = reader.find("height"), speed = reader.find("speed"),
+             stiffness = reader.find("stiffness"), damping = reader.find("damping");
+  if (gravity) setup.gravity = gravity->quantity(dimension::acceleration, kNotNegative);
+  if (height) setup.height = height->quantity(dimension::length, kNotNegative);
+  if (speed) setup.speed = speed->quantity(dimension::velocity, kNotNegative);
+  if (place.contact) {
+    for (const auto& own : {height, stiffness, damping})
+      if (own) own->fail("is of a floor that drop brings along; this scene has contact, and obstacles of its own");
+    setup.contact = *place.contact;
+  }
+  setup.stiffness = stiffness ? stiffness->quantity(dimension::stiffness, kPositive)
+                              : default_floor_stiffness(place.body, place.material);
+  if (damping) setup.damping = damping->quantity(dimension::damping, kNotNegative);
+  reader.finish();
+  if (!(setup.speed > 0 || (setup.gravity > 0 && (setup.height > 0 || setup.contact))))
+    reader.fail("nothing falls: give a speed, or gravity and a height");
+  return reader.located([&] { return make_drop(place.body, setup); });
+}
+
+std::unique_ptr<Experiment> read_parachute(Reader reader, const ExperimentPlace& place) {
+  ParachuteSetup setup;
+  if (auto direction = reader.find("direction")) setup.direction = read_direction(*direction);
+  setup.direction = place.rotation * setup.direction;
+  if (auto gravity = reader.find("gravity")) setup.gravity = gravity->quantity(dimension::acceleration, kNotNegative);
+  if (auto speed = reader.find("speed")) setup.speed = speed->quantity(dimension::velocity, kNotNegative);
+  reader.finish();
+  return reader.located([&] { return make_parachute(place.body, setup); });
+}
+
+std::unique_ptr<Experiment> read_vibration(Reader reader, const ExperimentPlace& place) {
+  std::unique_ptr<Experiment> hold;
+  if (auto value = reader.find("hold")) hold = read_hold(*value, place);
+  const int count = reader.has("count") ? reader.at("count").whole(1, 10) : 6;
+  reader.finish();
+  return reader.located([&] { return make_vibration(place.body, std::move(hold), count); });
+}
+
+/// Uniform in −1 … 1: the same on every machine.
+double uniform(std::mt19937_64& generator) { return 2 * static_cast<double>(generator() >> 11) * 0x1p-53 - 1; }
+
+}  // namespace
+
+TimeOptions read_time(Reader reader) {
+  TimeOptions options;
+  options.duration = reader.at("duration").quantity(dimension::time, kPositive);
+  if (auto integrator = reader.find("integrator")) read_integrator(*integrator, options);
+  if (auto step = reader.find("step")) read_step(*step, options);
+  if (auto frames = reader.find("frames")) options.frames = frames->whole(1, 1000000);
+  if (auto rate = reader.find("frame_rate")) options.frame_rate = rate->quantity({0, 0, -1}, kPositive);
+  if (auto checkpoint = reader.find("checkpoint")) options.checkpoint = checkpoint->whole(1, 1000000);
+  reader.finish();
+  return options;
+}
+
+std::unique_ptr<Experiment> read_timed_experiment(Reader reader, const std::string& kind,
+                                                  const ExperimentPlace& place) {
+  for (const auto& [name, motion] : {std::pair{"motion", MotionKind::motion},
+                                     {"release", MotionKind::release},
+                                     {"creep", MotionKind::creep},
+                                     {"relaxation", MotionKind::relaxation}})
+    if (kind == name) return read_motion(reader, motion, place);
+  if (kind == "shake") return read_shake(reader, place);
+  if (kind == "drop") return read_drop(reader, place);
+  if (kind == "sliding") return read_sliding(reader, place);
+  if (kind == "parachute") return read_parachute(reader, place);
+  if (kind == "vibration") return read_vibration(reader, place);
+  return nullptr;
+}
+
+std::function<void(State&)> read_initial(Reader reader, const Body& body, const Matrix3& rotation, bool timed) {
+  Matrix3 stretch = Matrix3::Identity(), turn = stretch;
+  Vector3 velocity = Vector3::Zero(), spin = velocity, move = velocity;
+  double scatter = 0;
+  int seed = 1;
+  std::vector<int> molecules;
+  std::vector<std::pair<int, Vector3>> thrown;
+  if (auto value = reader.find("velocity")) velocity = rotation * value->vector(dimension::velocity);
+  if (auto value = reader.find("throw"))
+    for (Reader item : value->items()) {
+      const Vector3 speed = rotation * item.at("velocity").vector(dimension::velocity);
+      for (const Reader& molecule : item.at("molecules").items())
+        thrown.emplace_back(molecule.whole(0, body.size() - 1), speed);
+      item.finish();
+    }
+  if (auto value = reader.find("spin")) spin = rotation * value->vector({0, 0, -1});
+  if (!timed && (velocity.norm() > 0 || spin.norm() > 0 || !thrown.empty()))
+    reader.fail("an experiment at rest has no velocities");
+  if (auto value = reader.find("stretch"))
+    stretch = rotation * value->vector(dimension::none).asDiagonal() * rotation.transpose();
+  if (auto value = reader.find("turn")) turn = rotation * read_rotation(*value) * rotation.transpose();
+  if (auto value = reader.find("scatter")) {
+    Reader map = *value;
+    scatter = map.at("amount").quantity(dimension::length, kPositive);
+    if (auto given = map.find("seed")) seed = given->whole(0);
+    map.finish();
+  }
+  if (auto value = reader.find("move")) {
+    Reader map = *value;
+    for (const Reader& item : map.at("molecules").items()) molecules.push_back(item.whole(0, body.size() - 1));
+    move = rotation * map.at("by").vector(dimension::length);
+    map.finish();
+  }
+  reader.finish();
+  return [=](State& state) {
+    const Vector3 middle = state.positions.rowwise().mean();
+    state.positions = (turn * stretch * (state.positions.colwise() - middle)).colwise() + middle;
+    std::mt19937_64 generator(static_cast<std::uint64_t>(seed));
+    if (scatter > 0)
+      for (double& coordinate : state.positions.reshaped()) coordinate += scatter * uniform(generator);
+    for (const int molecule : molecules) state.positions.col(molecule) += move;
+    for (Eigen::Index i = 0; i < state.positions.cols(); ++i)
+      state.velocities.col(i) += velocity + spin.cross(Vector3(state.positions.col(i) - middle));
+    for (const auto& [molecule, speed] : thrown) state.velocities.col(molecule) += speed;
+  };
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,267 @@
+#include "lab/study/check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "elastin/core/model/parts.h"
+#include "elastin/core/shapes/surfaces.h"
+#include "elastin/core/simulation/fibres.h"
+#include "elastin/core/simulation/parts.h"
+#include "elastin/core/solve/modes.h"
+#include "elastin/core/solve/stable_step.h"
+#include "lab/experiment/run_in_time.h"
+#include "lab/report/table.h"
+
+namespace elastin::lab {
+namespace {
+
+template <class List, class Name>
+std::string first_few(const List& list, Name name) {
+  std::string text;
+  constexpr std::size_t shown = 10;
+  for (std::size_t i = 0; i < std::min(shown, list.size()); ++i) text += (i ? ", " : "") + name(list[i]);
+  if (list.size() > shown) text += fmt::format(" and {} more", list.size() - shown);
+  return text;
+}
+
+std::string number(int value) { return std::to_string(value); }
+
+void add_line(std::string& out, const std::string& name, const std::string& text) {
+  out += fmt::format("  {:<22}{}\n", name, text);
+}
+
+/// "5.0000 mm", or "5.0000 mm to 7.0000 mm".
+std::string span(double low, double high) {
+  const std::string from = readable(low, dimension::length), to = readable(high, dimension::length);
+  return from == to ? from : from + " to " + to;
+}
+
+void add_shape(std::string& out, const Body& body) {
+  std::vector<int> neighbours(body.size(), 0);
+  const int proper = body.connections.proper();
+  for (int c = 0; c < proper; ++c)
+    for (const int molecule : body.connections.ends[c]) ++neighbours[molecule];
+  const auto [least, most] = std::minmax_element(neighbours.begin(), neighbours.end());
+  const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
+  const auto metres = [](double value) { return readable(value, dimension::length); };
+  add_line(out, "molecules",
+           fmt::format("{}, radius {}, mass {}", body.size(), span(body.radius.minCoeff(), body.radius.maxCoeff()),
+                       readable(body.mass.sum(), dimension::mass)));
+  add_line(out, "size", fmt::format("{} × {} × {}", metres(size.x()), metres(size.y()), metres(size.z())));
+  const auto& lengths = body.connections.rest_length;
+  if (lengths.empty()) return add_line(out, "connections", "none");
+  const auto [shortest, longest] = std::minmax_element(lengths.begin(), lengths.begin() + proper);
+  add_line(out, "connections",
+           proper == 0 ? "none"
+                       : fmt::format("{}, {} long; {} to {} a molecule, {:.1f} in the mean", proper,
+                                     span(*shortest, *longest), *least, *most, 2. * proper / body.size()));
+  if (body.connections.cell_sides > 0)
+    add_line(out, "sides of cells only",
+             fmt::format("{} more; only strategies that work on cells use them", body.connections.cell_sides));
+  if (!body.tetrahedra.empty()) add_line(out, "tetrahedra", number(static_cast<int>(body.tetrahedra.size())));
+  if (!body.triangles.empty()) add_line(out, "triangles", number(static_cast<int>(body.triangles.size())));
+}
+
+/// Names pieces and faults; returns whether there are none.
+bool add_faults(std::string& out, const Body& body, const std::string& name) {
+  const BodyFindings findings = inspect(body);
+  const auto pair_name = [&](int c) {
+    const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+    return fmt::format("{} ({}–{})", c, a, b);
+  };
+  if (findings.pieces == 1) {
+    add_line(out, "pieces" + name, "1");
+  } else {
+    std::map<int, std::vector<int>> members;
+    for (int molecule = 0; molecule < body.size(); ++molecule)
+      members[findings.piece_of[static_cast<std::size_t>(molecule)]].push_back(molecule);
+    add_line(out, "PIECES" + name, fmt::format("{}: the body hangs apart", findings.pieces));
+    int shown = 0;
+    for (const auto& [piece, molecules] : members)
+      if (molecules.size() > 1 && ++shown <= 8)
+        add_line(out, "",
+                 fmt::format("piece {}: {} molecules: {}", piece, molecules.size(), first_few(molecules, number)));
+  }
+  const auto name_fault = [&](const char* title, const std::vector<int>& list, const auto& words) {
+    if (!list.empty()) add_line(out, title, fmt::format("{}: {}", list.size(), first_few(list, words)));
+  };
+  name_fault("LOOSE MOLECULES", findings.loose_molecules, number);
+  name_fault("NO LENGTH", findings.zero_length_connections, pair_name);
+  name_fault("DUPLICATE CONNECTIONS", findings.duplicate_connections, pair_name);
+  name_fault("FLAT CELLS", findings.flat_or_inverted_cells, number);
+  const std::vector<int> flat = flat_triangles(body, body.rest);
+  name_fault("FLAT TRIANGLES", flat, number);
+  return findings.pieces == 1 && findings.zero_length_connections.empty() && findings.duplicate_connections.empty() &&
+         findings.flat_or_inverted_cells.empty() && flat.empty();
+}
+
+/// Each of several bodies, and whether all are sound. Molecules and connections go by the body's own numbers.
+bool add_parts(std::string& out, const Specimen& specimen) {
+  bool sound = true;
+  for (const Part& part : specimen.body.parts) {
+    const Body body = part_alone(specimen.body, part).body;
+    std::string text = fmt::format("{} from {} on, mass {}", counted(part.count, "molecule"), part.first,
+                                   readable(specimen.body.mass.segment(part.first, part.count).sum(), dimension::mass));
+    if (!part.shared.empty()) text += fmt::format(", {} more by ties", part.shared.size());
+    if (part.rigid) text += ", rigid";
+    add_line(out, "body '" + part.name + "'", text);
+    if (!part.rigid) sound &= add_faults(out, body, " of '" + part.name + "'");
+  }
+  if (!specimen.body.ties.empty())
+    add_line(out, "ties",
+             fmt::format("{} on triangles", counted(static_cast<int>(specimen.body.ties.size()), "molecule")));
+  return sound;
+}
+
+/// Spheres that run into each other at rest: no fault of a model that has no contact, but the user should know.
+void add_overlaps(std::string& out, const std::vector<contact::Overlap>& overlaps) {
+  if (overlaps.empty()) return;
+  double deepest = 0;
+  for (const contact::Overlap& overlap : overlaps) deepest = std::max(deepest, overlap.depth);
+  const auto name = [](const contact::Overlap& overlap) { return fmt::format("{}–{}", overlap.first, overlap.second); };
+  add_line(out, "overlapping spheres",
+           fmt::format("{} not joined by a connection, up to {} deep: {}",
+                       counted(static_cast<int>(overlaps.size()), "pair"), readable(deepest, dimension::length),
+                       first_few(overlaps, name)));
+}
+
+void add_modes(std::string& out, Scene& scene) {
+  Model model(scene.specimen.body);
+  scene.experiment->hold(model);
+  hold_rigid_parts(model);
+  const Connections& connections = scene.specimen.body.connections;
+  std::vector<char> stiff(static_cast<std::size_t>(connections.size()), 0);
+  std::fill_n(stiff.begin(), connections.proper(), 1);
+  const ModeReport report = find_modes_in_parts(scene.specimen.body, model.supports, stiff);
+  add_line(out, "held molecules", number(static_cast<int>(model.supports.size())));
+  add_line(out, "free rigid motions",
+           fmt::format("{}{}", report.rigid_motions, report.rigid_motions ? " (left by the grips; no mechanism)" : ""));
+  if (report.zero_energy_modes == 0 && report.counted) return add_line(out, "zero-energy modes", "0");
+  add_line(out, "ZERO-ENERGY MODES",
+           fmt::format("mechanism: {}{} in {}{}", report.counted ? "" : "at least ",
+                       counted(report.zero_energy_modes, "zero-energy mode"),
+                       counted(static_cast<int>(report.modes.size()), "group"),
+                       report.counted ? "" : " (too large a part to count)"));
+  constexpr std::size_t shown = 24;
+  for (std::size_t i = 0; i < std::min(shown, report.modes.size()); ++i) add_line(out, "", report.modes[i].text);
+  if (report.modes.size() > shown)
+    add_line(out, "", "and " + counted(static_cast<int>(report.modes.size() - shown), "more group"));
+}
+
+/// "connection 12 (3–9)", "cell 7": what sets the longest stable step.
+std::string culprit_of(const StableStep& found, const Body& body) {
+  if (found.cell >= 0) return fmt::format("cell {}", found.cell);
+  if (found.connection < 0) return "nothing";
+  const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(found.connection)];
+  return fmt::format("connection {} ({}–{})", found.connection, a, b);
+}
+
+/// How each strategy of the scene would go through time, and how far an explicit step may go.
+void add_steps_in_time(std::string& out, Scene& scene) {
+  for (const StrategyChoice& choice : scene.strategies) {
+    Run run;
+    run.strategy = choice.label;
+    if (!unsuited(scene.specimen, *scene.experiment, choice).empty()) continue;
+    std::optional<Model> model = make_model(scene.specimen, *scene.experiment, choice, {}, run);
+    if (!model) continue;
+    const auto [scheme, reason] = chosen_scheme(*scene.time, needs_cells(choice.strategy, scene.specimen.body));
+    std::string text = name_of(scheme);
+    if (!reason.empty()) text += " by default (" + reason + ")";
+    const StableStep found = find_stable_step(*model, state_at_rest(scene.specimen.body));
+    text +=
+        std::isfinite(found.step)
+            ? fmt::format("; dt_crit {} of an explicit step, ω_max {:.5g} rad/s{}, set by {}",
+                          readable_seconds(found.step), found.frequency,
+                          found.damping_rate > 0 ? fmt::format(" and damping of {:.4g} /s", found.damping_rate) : "",
+                          culprit_of(found, scene.specimen.body))
+            : "; nothing limits an explicit step";
+    add_line(out, "in time, " + choice.label, text);
+  }
+}
+
+/// What each strategy of the scene has made for it, beside the body as it is: nothing that it does not need.
+void add_built(std::string& out, Scene& scene) {
+  std::map<std::string, std::vector<std::string>> built;
+  const Body& body = scene.specimen.body;
+  for (const StrategyChoice& choice : scene.strategies) {
+    const Strategy& strategy = choice.strategy;
+    if (!unsuited(scene.specimen, *scene.experiment, choice).empty()) continue;
+    std::string what = strategy.constants            ? "a constant a connection"
+                       : needs_cells(strategy, body) ? "the constants of each cell"
+                                                     : "force densities from places alone";
+    if (strategy.needs_voronoi(body)) what += ", Voronoi cells";
+    if (strategy.volume_modulus) what += ", volume groups";
+    if (choice.calibrated) what += ", measured by linear solves";
+    built[what].push_back(choice.label);
+  }
+  for (const auto& [what, names] : built)
+    add_line(out, "built for it", fmt::format("{}: {}", what, fmt::join(names, ", ")));
+}
+
+}  // namespace
+
+CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<contact::Overlap>& overlaps) {
+  for (const Strategy& strategy : catalog.strategies()) prepare(scene.specimen.body, strategy, scene.specimen.material);
+  const Body& body = scene.specimen.body;
+  CheckReport report;
+  report.text = scene.name + (scene.title == scene.name ? "" : "  " + scene.title) + "\n";
+  add_shape(report.text, body);
+  report.sound = body.parts.empty() ? add_faults(report.text, body, "") : add_parts(report.text, scene.specimen);
+  add_overlaps(report.text, overlaps);
+  add_modes(report.text, scene);
+  std::vector<std::string> suited;
+  std::map<std::string, std::vector<std::string>> unsuited;  // by what they lack
+  for (const Strategy& one : catalog.strategies()) {
+    const Strategy strategy = in_parts(one, body, scene.specimen.materials);
+    std::string why = strategy.unsuited(body);
+    if (why.empty() && !strategy.by_parts) why = fibres_unsuited(strategy, body, scene.specimen.material);
+    (why.empty() ? suited : unsuited[why]).push_back(strategy.name);
+  }
+  add_line(report.text, "strategies", fmt::format("{}", fmt::join(suited, ", ")));
+  for (const auto& [why, names] : unsuited)
+    add_line(report.text, "not on this body", fmt::format("{} ({})", fmt::join(names, ", "), why));
+  if (scene.time) add_steps_in_time(report.text, scene);
+  std::string objects = fmt::format("{} experiment, 1 elasticity{}", scene.experiment->name(),
+                                    scene.specimen.material.fibre ? " and the material's fibres" : "");
+  if (!scene.specimen.loads.empty()) objects += ", " + counted(static_cast<int>(scene.specimen.loads.size()), "load");
+  if (const auto& contact = scene.specimen.contact) {
+    std::vector<std::string> names;
+    for (const contact::Obstacle& obstacle : contact->obstacles) names.push_back(obstacle.name);
+    objects += fmt::format(", contact of its {}{}{}",
+                           contact->surface == contact::ContactSurface::spheres ? "spheres" : "surface",
+                           names.empty() ? "" : " with ", fmt::join(names, ", "));
+  }
+  add_line(report.text, "the scene builds",
+           objects + (scene.statics.linear ? "; small displacements" : "; large displacements"));
+  add_built(report.text, scene);
+  for (const std::string& note : scene.notes) add_line(report.text, "note", note);
+  for (const std::string& warning : scene.warnings) add_line(report.text, "warning", warning);
+  return report;
+}
+
+std::string catalog_text(const Catalog& catalog, bool colours) {
+  std::string out = painted("Stiffness strategies", Tone::bold, colours) + "\n";
+  Table strategies({"name", "kind", "what it does", "source"});
+  Table parameters({"parameter", "unit", "range", "default", "meaning"});
+  for (const Strategy& strategy : catalog.strategies()) {
+    strategies.add(
+        {{strategy.name, Tone::good}, {name_of(strategy.kind)}, {strategy.summary}, {strategy.source, Tone::faint}});
+    for (const ParameterInfo& info : strategy.parameters)
+      parameters.add({{strategy.name + "." + info.name},
+                      {si_unit(info.unit)},
+                      {fmt::format("{:g} … {:g}", info.low, info.high)},
+                      {fmt::format("{:g}", info.fallback), Tone::plain, true},
+                      {info.text, Tone::faint}});
+  }
+  out += strategies.text(colours) + "\n" + painted("Their parameters", Tone::bold, colours) + "\n" +
+         parameters.text(colours);
+  Table measures({"measure", "unit", "meaning"});
+  for (const MeasureInfo& info : measure_list())
+    measures.add({{std::string(info.name)}, {info.unit_text()}, {std::string(info.text), Tone::faint}});
+  return out + "\n" + painted("Measures", Tone::bold, colours) + "\n" + measures.text(colours);
+}
+
+}  // namespace elastin::lab

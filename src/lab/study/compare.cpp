@@ -1,0 +1,311 @@
+#include "lab/study/compare.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/parallel/threads.h"
+#include "lab/report/comparison.h"
+#include "lab/report/files.h"
+#include "lab/report/json.h"
+#include "lab/report/machine.h"
+#include "lab/report/page.h"
+#include "lab/report/progress.h"
+#include "lab/report/study.h"
+#include "lab/report/summary.h"
+#include "lab/report/view.h"
+#include "lab/study/journal.h"
+#include "lab/study/plan.h"
+
+namespace elastin::lab {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+std::string restart_text_of(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(path)) throw InputError("--restart: " + path + ": cannot be read");
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// A comparison under way.
+class Comparison {
+ public:
+  Comparison(const Request& request, const Catalog& catalog)
+      : request_(request), catalog_(catalog), progress_(request.to_screen() && isatty(STDERR_FILENO)) {}
+
+  bool run();
+
+ private:
+  struct RowPlace {
+    const std::vector<std::pair<std::string, std::string>>* combination;
+    int threads, repeat;
+    std::string strategy;
+  };
+  void run_combination(ScenePlan& plan, const std::vector<std::pair<std::string, std::string>>& combination,
+                       int repeat);
+  Record run_row(const ScenePlan& plan, Scene& scene, const StrategyChoice& choice, const RowPlace& place);
+  Record failed_row(const ScenePlan& plan, const RowPlace& place, const std::string& why) const;
+  void finish_row(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene,
+                  const RowPlace& place);
+  std::string key_of_row(const ScenePlan& plan, const RowPlace& place) const;
+  RunOptions options_of(const ScenePlan& plan, const Scene& scene, const StrategyChoice& choice);
+  std::string time_left() const;
+  void print_scene(const ScenePlan& plan);
+  void refer_to_own_values();
+  std::vector<Record> records_of(const std::string& scene) const;
+
+  const Request& request_;
+  const Catalog& catalog_;
+  Progress progress_;
+  std::vector<ScenePlan> plans_;
+  std::optional<Journal> journal_;
+  std::vector<Record> records_;
+  std::vector<Peer> peers_;
+  std::size_t rows_ = 0, done_ = 0, run_ = 0;  ///< of all repeats: there are, finished, not found finished
+  double seconds_ = 0;                         ///< that the rows run here took
+  Clock::time_point written_ = Clock::now();
+  const Machine machine_ = this_machine();
+  bool good_ = true, stopped_ = false;
+};
+
+std::string Comparison::time_left() const {
+  if (rows_ < 2) return "";
+  const std::string left =
+      run_ == 0
+          ? ""
+          : ", about " + readable_seconds(seconds_ / static_cast<double>(run_) * static_cast<double>(rows_ - done_)) +
+                " left";
+  return fmt::format("row {} of {}{}: ", done_ + 1, rows_, left);
+}
+
+RunOptions Comparison::options_of(const ScenePlan& plan, const Scene& scene, const StrategyChoice& choice) {
+  RunOptions result;
+  result.statics = scene.statics;
+  result.time = scene.time;
+  result.live = request_.live;
+  result.keep_snapshots = !request_.out.empty();
+  result.progress = [this, name = scene.name + ", " + choice.label + ": "](const std::string& doing) {
+    progress_.set(time_left() + name + doing);
+  };
+  result.stop = [this] { return request_.interrupted && request_.interrupted(); };
+  if (!request_.restart.empty()) result.restart = restart_text_of(request_.restart);
+  if (!request_.out.empty() && !plan.varied())
+    result.checkpoint = [path = request_.out + "/" + file_name(scene.name, choice.label) +
+                                ".restart"](const std::string& text) { write_whole(path, text); };
+  return result;
+}
+
+/// A row is the same if its scene, what is changed, its strategy, threads, repeat and the program's flags are.
+std::string Comparison::key_of_row(const ScenePlan& plan, const RowPlace& place) const {
+  std::vector<std::string> parts{plan.name,
+                                 plan.text,
+                                 place.strategy,
+                                 std::to_string(place.threads),
+                                 std::to_string(place.repeat),
+                                 this_machine().compiler,
+                                 this_machine().flags};
+  for (const std::string& override : overrides_of(request_, *place.combination)) parts.push_back(override);
+  return key_of(parts);
+}
+
+Record Comparison::failed_row(const ScenePlan& plan, const RowPlace& place, const std::string& why) const {
+  Record record;
+  record.scene = plan.name;
+  record.title = plan.title;
+  record.variant = *place.combination;
+  record.threads = place.threads > 0 ? place.threads : threads();
+  record.run.strategy = place.strategy;
+  record.run.outcome = Outcome::diverged;
+  record.run.cause = why;
+  for (const Record& known : records_)  // so that its row has the others' columns
+    if (known.scene == plan.name && !known.main_measures.empty()) record.main_measures = known.main_measures;
+  return record;
+}
+
+Record Comparison::run_row(const ScenePlan& plan, Scene& scene, const StrategyChoice& choice, const RowPlace& place) {
+  const auto start = Clock::now();
+  prepare(scene.specimen.body, choice.strategy, scene.specimen.material);
+  const double prepared = seconds_since(start);
+  Run run = run_strategy(scene.specimen, *scene.experiment, choice, options_of(plan, scene, choice));
+  run.build_seconds += prepared;  // once a body: the first strategy that needs it pays
+  Record record = make_record(scene, std::move(run));
+  record.variant = *place.combination;
+  if (!record.variant.empty()) record.verdicts.clear();  // the scene speaks of the body that it describes
+  if (plan.repeats > 1) record.repeats = {{record.run.build_seconds, record.run.solve_seconds}};
+  return record;
+}
+
+void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<std::string, std::string>>& combination,
+                                 int repeat) {
+  std::unique_ptr<Scene> scene;
+  if (combination.empty() && plan.scene) scene = std::move(plan.scene);
+  std::vector<StrategyChoice> choices;
+  std::string trouble;
+  const auto load = [&] {  // only where a row is missing
+    try {
+      if (!scene) scene = load_scene(plan.path, catalog_, overrides_of(request_, combination));
+      choices = chosen_strategies(request_, catalog_, *scene);
+    } catch (const std::exception& error) {
+      trouble = error.what();
+    }
+  };
+  for (const int count : plan.threads)
+    for (const std::string& strategy : plan.strategies) {
+      if (stopped_) return;
+      const RowPlace place{&combination, count, repeat, strategy};
+      const std::string key = key_of_row(plan, place);
+      const Record* known = journal_ ? journal_->find(key) : nullptr;
+      if (known) {
+        finish_row(plan, "", *known, nullptr, place);
+        continue;
+      }
+      if (choices.empty() && trouble.empty()) load();
+      const auto start = Clock::now();
+      if (count > 0) set_threads(count);
+      Record record;
+      const StrategyChoice* choice = find_strategy(choices, strategy);
+      if (!choice) {
+        record = failed_row(plan, place, trouble.empty() ? "the changed scene has no such strategy" : trouble);
+      } else if (plan.varied()) {
+        try {
+          record = run_row(plan, *scene, *choice, place);
+        } catch (const std::exception& error) {  // a row of a study that cannot run is a row
+          record = failed_row(plan, place, error.what());
+        }
+      } else {
+        record = run_row(plan, *scene, *choice, place);
+      }
+      progress_.pause();
+      seconds_ += seconds_since(start);
+      ++run_;
+      finish_row(plan, key, std::move(record), scene.get(), place);
+      stopped_ = request_.interrupted && request_.interrupted();
+    }
+  if (combination.empty() && plan.repeats > repeat + 1) plan.scene = std::move(scene);
+}
+
+void Comparison::finish_row(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene,
+                            const RowPlace& place) {
+  // `run` names its one strategy: that it cannot run is a failure; in a comparison it is a row.
+  good_ &= record.good() && (request_.compare || record.run.suited || record.stopped_as_expected());
+  if (scene && place.repeat == 0 && !record.run.snapshots.empty()) {
+    const auto same_body = [&](const Record& r) { return r.scene == record.scene && r.variant == record.variant; };
+    if (journal_ && std::none_of(records_.begin(), records_.end(), same_body))
+      journal_->add_view(body_view(*scene, record));
+    if (journal_) journal_->add_view(states_view(*scene, record));
+    if (!plan.varied()) write_run(request_, *scene, record);
+  }
+  record.run.snapshots.clear();
+  record.run.constants.resize(0);
+  if (journal_ && !key.empty() && record.run.outcome != Outcome::interrupted) journal_->add(key, record);
+  if (request_.to_screen() && !request_.compare) fmt::print("{}", run_text(record, colours_on(STDOUT_FILENO)));
+  ++done_;
+  const auto same = [&](const Record& r) {
+    return r.scene == record.scene && r.variant == record.variant && r.threads == record.threads &&
+           r.run.strategy == record.run.strategy;
+  };
+  const auto row = std::find_if(records_.begin(), records_.end(), same);
+  if (place.repeat > 0 && row != records_.end())
+    row->add_repeat(record);
+  else
+    records_.push_back(std::move(record));
+  if (seconds_since(written_) < 1) return;
+  write_tables(request_, records_);  // who looks in while it runs
+  written_ = Clock::now();
+}
+
+std::vector<Record> Comparison::records_of(const std::string& scene) const {
+  std::vector<Record> found;
+  for (const Record& record : records_)
+    if (record.scene == scene) found.push_back(record);
+  return found;
+}
+
+void Comparison::print_scene(const ScenePlan& plan) {
+  if (request_.to_screen() && request_.compare && !request_.summary) {
+    const std::vector<Record> records = records_of(plan.name);
+    fmt::print("{}", plan.varied() || plan.repeats > 1 ? study_text(records, colours_on(STDOUT_FILENO), peers_)
+                                                       : comparison_text(records, colours_on(STDOUT_FILENO)));
+  }
+  std::fflush(stdout);
+}
+
+/// Where nothing else says what is right, a study's own strategy does, refined; and where the scene asks for that.
+void Comparison::refer_to_own_values() {
+  for (const ScenePlan& plan : plans_) {
+    std::vector<Record> records = records_of(plan.name);
+    if (!plan.varied() || records.empty()) continue;
+    const bool told = rank_strategies(records).measures.empty();
+    if (plan.own_reference.empty() && !told) continue;
+    const std::string strategy = plan.own_reference.empty() ? plan.strategies.front() : plan.own_reference;
+    const std::string trouble = refer_to_own(records, strategy);
+    if (!trouble.empty()) records.front().warnings.push_back(trouble);
+    if (!trouble.empty() && request_.to_screen()) fmt::print("  warning: {}\n", trouble);
+    std::size_t next = 0;
+    for (Record& record : records_)
+      if (record.scene == plan.name) record = std::move(records[next++]);
+  }
+}
+
+bool Comparison::run() {
+  progress_.set("reading scenes");
+  plans_ = plan_of(request_, catalog_);
+  progress_.pause();
+  if (!request_.restart.empty() && (plans_.size() != 1 || plans_[0].rows() != 1 || !plans_[0].scene->time))
+    throw InputError("--restart: goes on with one strategy of one scene that runs in time");
+  if (!request_.peers.empty()) peers_ = load_peers(request_.peers);
+  if (!request_.out.empty() && request_.compare) journal_.emplace(request_.out, request_.resume);
+  if (!request_.resume) write_tables(request_, {});  // a folder that cannot be written to is said before the work
+  int passes = 0;
+  for (const ScenePlan& plan : plans_) {
+    rows_ += plan.rows() * static_cast<std::size_t>(plan.repeats);
+    passes = std::max(passes, plan.repeats);
+  }
+  for (int repeat = 0; repeat < passes; ++repeat)
+    for (ScenePlan& plan : plans_) {
+      const std::vector<std::string> warnings = plan.scene ? plan.scene->warnings : std::vector<std::string>{};
+      if (repeat < plan.repeats)
+        for (const auto& combination : plan.combinations) run_combination(plan, combination, repeat);
+      if (stopped_) break;
+      if (plan.repeats > 1 || plan.varied()) continue;
+      if (repeat == 0) {
+        print_scene(plan);
+        if (request_.to_screen() && !request_.summary)
+          for (const std::string& warning : warnings) fmt::print("  warning: {}\n", warning);
+      }
+    }
+  refer_to_own_values();
+  for (const ScenePlan& plan : plans_)
+    if (plan.repeats > 1 || plan.varied() || stopped_) print_scene(plan);
+  if (request_.to_screen() && request_.compare && (request_.summary || plans_.size() > 1))
+    fmt::print("{}", summary_text(records_, colours_on(STDOUT_FILENO)));
+  write_tables(request_, records_);
+  if (journal_ && !records_.empty())
+    write_report(request_, {records_, lines_of(journal_->views_path()), {}, machine_.text(), request_.command});
+  if (request_.json == "-") fmt::print("{}", json_text(records_));
+  const bool all_varied =
+      std::all_of(plans_.begin(), plans_.end(), [](const ScenePlan& plan) { return plan.varied(); });
+  if (request_.to_screen() && !request_.out.empty())
+    fmt::print("  files in {}/: {}runs.csv, runs.json{}\n", request_.out, request_.compare ? "report.html, " : "",
+               all_varied ? "" : ", curves, and .pvd for ParaView");
+  if (stopped_ && !request_.out.empty() && done_ < rows_ && request_.to_screen())
+    fmt::print("  stopped after {} of {} rows; --resume {} goes on\n", done_, rows_, request_.out);
+  return good_;
+}
+
+}  // namespace
+
+bool run_scenes(const Request& request, const Catalog& catalog) { return Comparison(request, catalog).run(); }
+
+}  // namespace elastin::lab

@@ -1,0 +1,113 @@
+#include "lab/study/journal.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "elastin/core/base/error.h"
+#include "lab/report/json.h"
+
+namespace elastin::lab {
+namespace {
+
+[[noreturn]] void fail(const std::string& path, int problem) {
+  throw InputError(path + ": cannot write: " + std::strerror(problem));
+}
+
+std::unordered_map<std::string, Record> rows_of(const std::string& path) {
+  std::unordered_map<std::string, Record> rows;
+  int number = 0;
+  for (const std::string& line : lines_of(path)) {
+    ++number;
+    try {
+      const auto row = nlohmann::ordered_json::parse(line);
+      rows.insert_or_assign(row.at("key"), record_of_json(row.at("run").dump()));
+    } catch (const std::exception& error) {
+      throw InputError(Place{path, number}, std::string("no row of a comparison: ") + error.what());
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::vector<std::string> lines_of(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(stream)), {});
+  std::vector<std::string> lines;
+  for (std::size_t from = 0, to; (to = text.find('\n', from)) != std::string::npos; from = to + 1)
+    lines.push_back(text.substr(from, to - from));
+  return lines;
+}
+
+LineFile::LineFile(std::string path, bool keep) : path_(std::move(path)) {
+  std::error_code problem;
+  const std::filesystem::path folder = std::filesystem::path(path_).parent_path();
+  if (!folder.empty()) std::filesystem::create_directories(folder, problem);
+  if (problem) throw InputError(path_ + ": cannot make its folder: " + problem.message());
+  std::size_t whole = 0;
+  if (keep)
+    for (const std::string& line : lines_of(path_)) whole += line.size() + 1;
+  file_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (file_ < 0) fail(path_, errno);
+  if (ftruncate(file_, static_cast<off_t>(whole)) != 0) {
+    const int why = errno;
+    close(file_);
+    fail(path_, why);
+  }
+}
+
+LineFile::~LineFile() { close(file_); }
+
+void LineFile::add(const std::string& line) {
+  const std::string text = line + "\n";
+  struct stat before {};
+  fstat(file_, &before);
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t written = write(file_, text.data() + done, text.size() - done);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) {
+      const int why = errno;
+      // Should this fail too, the cut line is left out when the file is read.
+      if (ftruncate(file_, before.st_size) != 0) errno = 0;
+      fail(path_, why);
+    }
+    done += static_cast<std::size_t>(written);
+  }
+}
+
+Journal::Journal(const std::string& folder, bool resume)
+    : rows_(resume ? rows_of(folder + "/runs.jsonl") : std::unordered_map<std::string, Record>{}),
+      runs_(folder + "/runs.jsonl", resume),
+      views_(folder + "/views.jsonl", resume) {}
+
+const Record* Journal::find(const std::string& key) const {
+  const auto found = rows_.find(key);
+  return found == rows_.end() ? nullptr : &found->second;
+}
+
+void Journal::add(const std::string& key, const Record& record) {
+  runs_.add(fmt::format("{{\"key\":\"{}\",\"run\":{}}}", key, json_line(record)));
+}
+
+std::string key_of(const std::vector<std::string>& parts) {
+  std::uint64_t hash = 14695981039346656037u;  // FNV-1a
+  const auto take = [&](unsigned char byte) { hash = (hash ^ byte) * 1099511628211u; };
+  for (const std::string& part : parts) {
+    for (const char c : part) take(static_cast<unsigned char>(c));
+    take(0xff);  // no byte of UTF-8: "ab", "c" is not "a", "bc"
+  }
+  return fmt::format("{:016x}", hash);
+}
+
+}  // namespace elastin::lab

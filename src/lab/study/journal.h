@@ -1,0 +1,50 @@
+#pragma once
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "lab/report/records.h"
+
+namespace elastin::lab {
+
+/// A file of lines that only grows: each line whole or not there at all, whatever ends the program.
+class LineFile {
+ public:
+  /// Starts an empty file, or with `keep` goes on after the last whole line. Throws InputError naming the path.
+  LineFile(std::string path, bool keep);
+  ~LineFile();
+  LineFile(const LineFile&) = delete;
+  LineFile& operator=(const LineFile&) = delete;
+  /// Throws InputError naming the path where the line cannot be written whole; those before it stay.
+  void add(const std::string& line);
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  int file_ = -1;
+};
+
+/// The lines of such a file; a last one that was cut off is none.
+std::vector<std::string> lines_of(const std::string& path);
+
+/// The finished rows of a comparison, in DIR/runs.jsonl, and what its page shows of them in 3D, in DIR/views.jsonl.
+class Journal {
+ public:
+  /// `resume`: takes the rows that are there; otherwise both files start empty.
+  Journal(const std::string& folder, bool resume);
+  /// The row that was finished under this key, or nullptr.
+  const Record* find(const std::string& key) const;
+  void add(const std::string& key, const Record& record);
+  void add_view(const std::string& line) { views_.add(line); }
+  std::size_t found() const { return rows_.size(); }  ///< rows that were there
+  const std::string& views_path() const { return views_.path(); }
+
+ private:
+  std::unordered_map<std::string, Record> rows_;
+  LineFile runs_, views_;
+};
+
+/// What tells one row from every other, in 16 letters: a change of any of the parts gives another.
+std::string key_of(const std::vector<std::string>& parts);
+
+}  // namespace elastin::lab

@@ -1,0 +1,178 @@
+#include "elastin/lab/study/laboratory.h"
+
+#include <limits>
+#include <utility>
+
+#include "lab/experiment/timed.h"
+#include "lab/experiment/touching.h"
+#include "lab/report/records.h"
+#include "lab/scene/parts.h"
+
+namespace elastin::lab {
+namespace {
+
+/// "" is the scene's own.
+StrategyChoice choose(const Scene& scene, const Catalog& catalog, const std::string& label) {
+  return label.empty() ? scene.stiffness : choose_strategy(scene, catalog, label);
+}
+
+Measured measured(const std::string& name, double value) { return {name, find_measure(name).unit_text(), value}; }
+
+std::vector<Measured> measured(const Measures& measures) {
+  std::vector<Measured> list;
+  for (const auto& [name, value] : measures.all()) list.push_back(measured(name, value));
+  return list;
+}
+
+void set_last_state(const Body& body, const Snapshot& last, LaboratoryResult& result) {
+  result.positions = last.positions;
+  result.tensions.resize(body.connections.size());
+  for (int connection = 0; connection < body.connections.size(); ++connection) {
+    const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(connection)];
+    result.tensions[connection] = last.densities[connection] * (last.positions.col(b) - last.positions.col(a)).norm();
+  }
+}
+
+LaboratoryResult result_of(const Scene& scene, Run made) {
+  const Record record = make_record(scene, std::move(made));
+  const Run& run = record.run;
+  LaboratoryResult result;
+  result.strategy = run.strategy;
+  result.outcome = run.outcome;
+  result.suited = run.suited;
+  result.cause = run.cause;
+  result.good = record.good() && (run.suited || record.stopped_as_expected());
+  result.measures = measured(run.measures);
+  for (const MainMeasure& measure : record.main_measures) result.main.emplace_back(measure.name);
+  for (const auto& [name, error] : record.errors) result.errors.push_back({name, "", error});
+  for (const CurvePoint& point : run.curve)
+    result.curve.push_back({run.time ? point.time : point.load_factor, measured(point.measures)});
+  result.stiffness = run.measures.stiffness_matrix;
+  if (!run.snapshots.empty()) set_last_state(scene.specimen.body, run.snapshots.back(), result);
+  result.warnings = record.warnings;
+  result.solver = run.solver;
+  result.newton_iterations = run.newton_iterations;
+  result.linear_iterations = run.linear_iterations;
+  result.build_seconds = run.build_seconds;
+  result.solve_seconds = run.solve_seconds;
+  return result;
+}
+
+/// Puts the experiment's whole load on the model of a scene at rest, or brings that of a scene in time to time 0.
+void load_in_full(Scene& scene, Model& model, State& state) {
+  if (TimedExperiment* timed = scene.experiment->in_time()) {
+    const StaticResult started = timed->start(model, state, scene.statics);
+    if (started.outcome != Outcome::converged) throw InputError(started.cause + " (before time 0)");
+  } else {
+    if (contact::Contact* contact = contact_of(model)) contact->set_moment(1);
+    scene.experiment->set_load(model, 1);
+  }
+  if (scene.specimen.start) scene.specimen.start(state);
+  if (model.drive) model.drive(0, model.supports);
+  model.remember(state);
+}
+
+}  // namespace
+
+struct Laboratory::Inside {
+  std::string path;
+  std::vector<std::string> overrides;
+  Catalog catalog;
+  std::unique_ptr<Scene> scene;
+};
+
+double LaboratoryResult::get(const std::string& name) const {
+  for (const Measured& one : measures)
+    if (one.name == name) return one.value;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+Laboratory::Laboratory(const std::string& scene, const std::vector<std::string>& overrides, Catalog catalog)
+    : inside_(new Inside{scene, overrides, std::move(catalog), nullptr}) {
+  inside_->scene = load_scene(scene, inside_->catalog, overrides);
+}
+Laboratory::~Laboratory() = default;
+Laboratory::Laboratory(Laboratory&&) noexcept = default;
+Laboratory& Laboratory::operator=(Laboratory&&) noexcept = default;
+
+const std::string& Laboratory::name() const { return inside_->scene->name; }
+const std::string& Laboratory::title() const { return inside_->scene->title; }
+const Body& Laboratory::body() const { return inside_->scene->specimen.body; }
+const Material& Laboratory::material() const { return inside_->scene->specimen.material; }
+std::string Laboratory::strategy() const { return inside_->scene->stiffness.label; }
+const std::vector<std::string>& Laboratory::warnings() const { return inside_->scene->warnings; }
+
+std::vector<std::string> Laboratory::strategies() const {
+  std::vector<std::string> labels;
+  for (const StrategyChoice& choice : inside_->scene->strategies) labels.push_back(choice.label);
+  return labels;
+}
+
+std::vector<Stated> Laboratory::references() const {
+  std::vector<Stated> list;
+  for (const Reference& reference : inside_->scene->references)
+    list.push_back({"", measured(reference.measure, reference.value), reference.source});
+  return list;
+}
+
+std::vector<Stated> Laboratory::expectations() const {
+  std::vector<Stated> list;
+  for (const Expectation& expectation : inside_->scene->expectations)
+    if (!expectation.measure.empty())
+      list.push_back({expectation.strategy, measured(expectation.measure, expectation.value), expectation.source});
+  return list;
+}
+
+LaboratoryResult Laboratory::run(const std::string& strategy, const RunWatch& watch) {
+  Scene& scene = *inside_->scene;
+  const StrategyChoice choice = choose(scene, inside_->catalog, strategy);
+  prepare(scene.specimen.body, choice.strategy, scene.specimen.material);
+  RunOptions options;
+  options.statics = scene.statics;
+  options.time = scene.time;
+  options.keep_snapshots = options.last_snapshot = true;
+  options.progress = watch.progress;
+  options.stop = watch.stop;
+  return result_of(scene, run_strategy(scene.specimen, *scene.experiment, choice, options));
+}
+
+Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions options) {
+  // A scene of its own: an experiment knows the state of the model that it has held last.
+  const std::shared_ptr<Scene> scene = load_scene(inside_->path, inside_->catalog, inside_->overrides);
+  Specimen& specimen = scene->specimen;
+  StrategyChoice choice = choose(*scene, inside_->catalog, strategy);
+  if (!options.parameters.empty()) choice.values = std::exchange(options.parameters, {});
+  prepare(specimen.body, choice.strategy, specimen.material);
+  Run run;
+  RunOptions of_run;
+  of_run.statics = scene->statics;
+  const std::string why = unsuited(specimen, *scene->experiment, choice);
+  if (!why.empty()) throw InputError("strategy '" + choice.label + "' cannot run here: " + why);
+  if (const auto wanted = scene->experiment->identification();
+      wanted && !identify_material(*wanted, specimen, *scene->experiment, choice, of_run, run))
+    throw InputError(run.cause);
+  const auto make = [&](const Body&) {
+    std::vector<std::unique_ptr<Elasticity>> terms;
+    terms.push_back(make_elasticity(specimen, *scene->experiment, choice, of_run, run));
+    if (!terms.back()) throw InputError(run.cause);
+    return make_sum(std::move(terms), scene);  // lives as long as what refers to its body
+  };
+  Simulation simulation(specimen.body, make, std::move(options));
+  add_surroundings(simulation.model(), specimen, *scene->experiment, choice);
+  SimulationState begin = simulation.save();
+  load_in_full(*scene, simulation.model(), begin.state);
+  begin.supports = simulation.model().supports;
+  simulation.restore(begin);
+  return simulation;
+}
+
+Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings) {
+  const Reader reader = open_scene_text("body", yaml, {}, kMostMolecules);
+  std::vector<std::string> notes;
+  Body body = read_body(reader, material, {warnings, notes});
+  check_material(reader, material, body);
+  warnings.insert(warnings.end(), notes.begin(), notes.end());
+  return body;
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,81 @@
+#include "lab/study/plan.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "elastin/core/base/error.h"
+
+namespace elastin::lab {
+namespace {
+
+std::string text_of(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string trimmed(const std::string& text) {
+  const std::size_t from = text.find_first_not_of(' '), to = text.find_last_not_of(' ');
+  return from == std::string::npos ? "" : text.substr(from, to - from + 1);
+}
+
+ScenePlan plan_scene(const Request& request, const Catalog& catalog, const std::string& path) {
+  ScenePlan plan;
+  plan.path = path;
+  plan.scene = load_scene(path, catalog, request.overrides);
+  plan.text = text_of(path);
+  plan.name = plan.scene->name;
+  plan.title = plan.scene->title;
+  Study study = request.compare ? plan.scene->study : Study{};
+  for (const std::string& axis : request.vary) study.axes.push_back(read_axis(axis));
+  plan.combinations = combinations(study.axes);
+  plan.threads = study.threads.empty() ? std::vector{0} : study.threads;
+  plan.repeats = request.repeats > 0 ? request.repeats : study.repeats;
+  for (const StrategyChoice& choice : chosen_strategies(request, catalog, *plan.scene))
+    plan.strategies.push_back(choice.label);
+  plan.own_reference = study.own_reference;
+  if (!study.axes.empty()) load_scene(path, catalog, overrides_of(request, plan.combinations.front()));
+  return plan;
+}
+
+}  // namespace
+
+std::vector<std::string> overrides_of(const Request& request,
+                                      const std::vector<std::pair<std::string, std::string>>& combination) {
+  std::vector<std::string> all = request.overrides;
+  for (const auto& [key, value] : combination) all.push_back(key + "=" + value);
+  return all;
+}
+
+std::vector<StrategyChoice> chosen_strategies(const Request& request, const Catalog& catalog, const Scene& scene) {
+  if (request.strategies.empty()) return request.compare ? scene.strategies : std::vector{scene.stiffness};
+  std::vector<StrategyChoice> choices;
+  std::istringstream names(request.strategies);
+  for (std::string label; std::getline(names, label, ',');) {
+    label = trimmed(label);
+    if (label == "all")
+      for (StrategyChoice& choice : all_strategies(catalog))
+        if (!find_strategy(choices, choice.label)) choices.push_back(std::move(choice));
+    if (label == "all" || find_strategy(choices, label)) continue;
+    try {
+      choices.push_back(choose_strategy(scene, catalog, label));
+    } catch (const InputError& error) {
+      throw InputError(std::string("--strategies: ") + error.what());
+    }
+  }
+  return choices;
+}
+
+std::vector<ScenePlan> plan_of(const Request& request, const Catalog& catalog) {
+  std::vector<ScenePlan> plans;
+  for (const std::string& path : request.scenes) {
+    plans.push_back(plan_scene(request, catalog, path));
+    for (std::size_t i = 0; i + 1 < plans.size() && !request.out.empty(); ++i)
+      if (plans[i].name == plans.back().name)
+        throw InputError("--out: " + plans[i].path + " and " + path + " have one name: so would their files");
+  }
+  return plans;
+}
+
+}  // namespace elastin::lab

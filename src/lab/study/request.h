@@ -1,0 +1,36 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lab/report/page.h"
+#include "lab/report/records.h"
+
+namespace elastin::lab {
+
+/// What the command line asks of `run`, `compare` and `verify`.
+struct Request {
+  std::vector<std::string> scenes, overrides, vary;
+  std::string strategies, out, json, restart, peers;
+  std::string command;  ///< as it was typed, for the page
+  int repeats = 0;      ///< 0 = as the scene says
+  bool compare = false, resume = false, quiet = false, summary = false, live = false;
+  std::function<bool()> interrupted = {};  ///< asked after each row
+  bool to_screen() const { return !quiet && json != "-"; }
+};
+
+/// Writes runs.csv and runs.json, or the file asked for, of what there is.
+void write_tables(const Request& request, const std::vector<Record>& records);
+/// Curve and states of one run, if there are; lets go of the states.
+void write_run(const Request& request, const Scene& scene, Record& record);
+
+/// Writes the page and its plots, with the peers that were asked for.
+void write_report(const Request& request, PageMatter matter);
+
+/// Names of a run's files: of scene and strategy, without letters that mean something in a path or in XML.
+std::string file_name(const std::string& scene, const std::string& strategy);
+
+/// Colours on a terminal only, but for who insists (CLICOLOR_FORCE; tools/picture does) or declines (NO_COLOR).
+bool colours_on(int stream);
+
+}  // namespace elastin::lab

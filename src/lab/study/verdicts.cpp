@@ -1,0 +1,227 @@
+#include "lab/study/verdicts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lab/experiment/choice.h"
+#include "lab/experiment/specimen.h"
+#include "lab/report/table.h"
+
+namespace elastin::lab {
+namespace {
+
+/// What a choice changes in a scene at rest and in one in time; nothing = it makes no sense there.
+struct Choice {
+  const char* name;
+  std::vector<std::string> at_rest, in_time;
+  bool plain_springs = false;
+};
+
+const std::vector<Choice>& choices() {
+  static const std::vector<Choice> list{
+      {"explicit", {"solver.way=explicit"}, {"time.integrator=velocity_verlet", "time.step=automatic"}},
+      {"implicit", {"solver.way=implicit"}, {"time.integrator=newmark"}},
+      {"linear", {"solver.displacements=small"}, {}},
+      {"plain springs", {}, {}, true}};
+  return list;
+}
+
+Record run_case(Scene& scene, const StrategyChoice& choice, const VerifyOptions& options, const std::string& doing) {
+  prepare(scene.specimen.body, choice.strategy, scene.specimen.material);
+  RunOptions run_options;
+  run_options.statics = scene.statics;
+  run_options.time = scene.time;
+  run_options.keep_snapshots = options.keep_snapshots;
+  if (options.progress) run_options.progress = [&](const std::string& what) { options.progress(doing + ": " + what); };
+  return make_record(scene, run_strategy(scene.specimen, *scene.experiment, choice, run_options));
+}
+
+/// A scene with a checkpoint is run again from it: the same bits must come of it. Says what differs, or "".
+std::string resumed(Scene& scene, const StrategyChoice& choice, const Record& whole) {
+  if (!scene.time || scene.time->checkpoint == 0 || whole.run.outcome != Outcome::converged) return "";
+  RunOptions options;
+  options.statics = scene.statics;
+  options.time = scene.time;
+  std::string saved;
+  options.checkpoint = [&](const std::string& text) {
+    if (saved.empty()) saved = text;
+  };
+  run_strategy(scene.specimen, *scene.experiment, choice, options);
+  if (saved.empty()) return "there was no checkpoint to resume from";
+  options.checkpoint = nullptr;
+  options.restart = saved;
+  const Run run = run_strategy(scene.specimen, *scene.experiment, choice, options);
+  for (const auto& [name, value] : whole.run.measures.all())
+    if (run.measures.get(name) != value) return "resumed from its checkpoint, " + name + " differs";
+  return "";
+}
+
+std::string words(const char* outcome) {
+  std::string text = outcome;
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
+}
+
+/// The expectation that is nearest to being broken; null if none was judged.
+const Verdict* tightest(const std::vector<Verdict>& verdicts) {
+  const Verdict* worst = nullptr;
+  double most = -1;
+  for (const Verdict& verdict : verdicts) {
+    const Expectation& wanted = verdict.expectation;
+    if (!verdict.judged || !wanted.outcome.empty()) continue;
+    const double allowed = wanted.absolute + wanted.relative * std::abs(wanted.value);
+    const double part = std::abs(verdict.measured - wanted.value) / allowed;
+    if (!std::isfinite(part)) return &verdict;
+    if (part > most) most = part, worst = &verdict;
+  }
+  return worst;
+}
+
+/// "E +0.001 %": how far off, as a difference where the answer is zero.
+std::string error_text(const Verdict& verdict) {
+  const std::string label = find_measure(verdict.expectation.measure).label() + " ";
+  if (!std::isfinite(verdict.measured)) return label + "not measured";
+  if (verdict.expectation.value == 0) return label + fmt::format("{:.1e}", verdict.measured);
+  const double off = verdict.difference;
+  return label + (std::abs(off) < 1e-7 ? fmt::format("{:+.0e}", off) : percent(off));
+}
+
+std::vector<Verdict> judged_as(const Scene& scene, const Run& run) {
+  std::vector<Verdict> verdicts;
+  for (const Expectation& wanted : scene.expectations)
+    if (wanted.outcome.empty() && (wanted.strategy.empty() || wanted.strategy == scene.stiffness.label))
+      verdicts.push_back(judge(wanted, run));
+  return verdicts;
+}
+
+/// "right", "wrong: E +12 %", "stopped: inverted", "mechanism"; an answer where the case must stop is just that.
+std::string choice_text(const Scene& scene, const Run& run) {
+  if (!run.suited) return "unsuited";
+  if (run.outcome != Outcome::converged) return "stopped: " + words(name_of(run.outcome));
+  const std::vector<Verdict> verdicts = judged_as(scene, run);
+  if (verdicts.empty()) return "answers";
+  const bool right =
+      std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.holds || !v.judged; });
+  return right ? run.untangled ? "untangled" : "right" : "wrong: " + error_text(*tightest(verdicts));
+}
+
+/// The rule without calibration, for a case that measures no modulus to calibrate to.
+StrategyChoice uncalibrated_springs(const Catalog& catalog, const Body& body) {
+  return choose_strategy(catalog, body.tetrahedra.empty() && body.triangles.empty() ? "standard" : "van_gelder");
+}
+
+std::vector<std::string> others_of(const std::string& path, const Catalog& catalog, const VerifyOptions& options,
+                                   bool timed) {
+  std::vector<std::string> texts;
+  for (const Choice& choice : choices()) {
+    const std::vector<std::string>& changes = timed ? choice.in_time : choice.at_rest;
+    if (changes.empty() && !choice.plain_springs) {
+      texts.emplace_back("–");
+      continue;
+    }
+    std::vector<std::string> overrides = options.overrides;
+    overrides.insert(overrides.end(), changes.begin(), changes.end());
+    const auto scene = load_scene(path, catalog, overrides);
+    const std::string doing = scene->name + ", " + choice.name;
+    const StrategyChoice strategy =
+        choice.plain_springs ? choose_strategy(catalog, "calibrated:standard") : scene->stiffness;
+    Record record = run_case(*scene, strategy, options, doing);
+    if (choice.plain_springs && !record.run.suited)
+      record = run_case(*scene, uncalibrated_springs(catalog, scene->specimen.body), options, doing);
+    texts.push_back(choice_text(*scene, record.run));
+  }
+  return texts;
+}
+
+std::string verdict_text(const Case& a_case) {
+  const Record& own = a_case.own;
+  if (!passed(a_case)) return "WRONG";
+  return own.stopped_as_expected() ? "stopped: " + words(outcome_name(own.run)) : "right";
+}
+
+/// What there is to say beside the verdict: the error, or why it stopped.
+std::string detail_text(const Case& a_case) {
+  const Record& own = a_case.own;
+  if (!a_case.trouble.empty()) return a_case.trouble;
+  if (own.run.outcome != Outcome::converged || !own.run.suited) return own.run.cause;
+  const Verdict* verdict = tightest(own.verdicts);
+  if (!verdict) return "the scene expects nothing of it";
+  return error_text(*verdict) + (own.run.untangled ? "; untangled" : "");
+}
+
+std::string cut(const std::string& text, std::size_t length) {
+  return text.size() <= length ? text : text.substr(0, text.find_last_of(' ', length)) + " …";
+}
+
+}  // namespace
+
+const std::vector<std::string>& other_choices() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> list;
+    for (const Choice& choice : choices()) list.emplace_back(choice.name);
+    return list;
+  }();
+  return names;
+}
+
+std::vector<Case> verify_scene(const std::string& path, const Catalog& catalog, const VerifyOptions& options) {
+  const auto scene = load_scene(path, catalog, options.overrides);
+  std::vector<StrategyChoice> strategies{scene->stiffness};
+  for (const Expectation& wanted : scene->expectations)
+    if (!wanted.strategy.empty() && !find_strategy(strategies, wanted.strategy)) {
+      const StrategyChoice* known = find_strategy(scene->strategies, wanted.strategy);
+      strategies.push_back(known ? *known : choose_strategy(catalog, wanted.strategy));
+    }
+  std::vector<Case> cases;
+  for (const StrategyChoice& choice : strategies) {
+    cases.push_back({run_case(*scene, choice, options, scene->name + ", " + choice.label), {}, {}});
+    cases.back().trouble = resumed(*scene, choice, cases.back().own);
+    if (options.finished) options.finished(*scene, cases.back().own);
+  }
+  if (options.others) cases.front().others = others_of(path, catalog, options, scene->time.has_value());
+  return cases;
+}
+
+bool passed(const Case& a_case) {
+  const auto& verdicts = a_case.own.verdicts;
+  return a_case.own.good() && a_case.trouble.empty() &&
+         std::any_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.judged; });
+}
+
+std::string verdicts_text(const std::vector<Case>& cases, bool colours, bool markdown) {
+  std::vector<std::string> head{"case", "strategy", "verdict", "error, or cause", "time"};
+  const bool others = std::any_of(cases.begin(), cases.end(), [](const Case& c) { return !c.others.empty(); });
+  if (others) head.insert(head.end(), other_choices().begin(), other_choices().end());
+  std::vector<std::vector<TableCell>> rows;
+  for (const Case& a_case : cases) {
+    const Run& run = a_case.own.run;
+    rows.push_back({{markdown ? a_case.own.title : a_case.own.scene, Tone::bold},
+                    {run.strategy},
+                    {verdict_text(a_case), passed(a_case) ? Tone::good : Tone::bad},
+                    {cut(detail_text(a_case), 64)},
+                    {readable_seconds(run.build_seconds + run.solve_seconds), Tone::plain, true}});
+    for (const std::string& text : a_case.others)
+      rows.back().push_back({text, text == "right" || text == "untangled" ? Tone::good
+                                   : text.starts_with("wrong")            ? Tone::bad
+                                                                          : Tone::poor});
+  }
+  if (markdown) {
+    std::string out, rule;
+    for (const std::string& name : head) out += "| " + name + " ", rule += "|---";
+    out += "|\n" + rule + "|\n";
+    for (const auto& row : rows) {
+      for (const TableCell& cell : row) out += "| " + cell.text + " ";
+      for (std::size_t i = row.size(); i < head.size(); ++i) out += "| ";
+      out += "|\n";
+    }
+    return out;
+  }
+  Table table(head);
+  for (auto& row : rows) table.add(std::move(row));
+  const auto good = std::count_if(cases.begin(), cases.end(), passed);
+  return table.text(colours) + fmt::format("\n  {} of {} as they must be\n", good, cases.size());
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,40 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lab/report/records.h"
+
+namespace elastin::lab {
+
+/// A case that a strategy or a solver may fail on: one scene with one strategy, held against what the scene says must
+/// come of it, and what other choices make of the same.
+struct Case {
+  Record own;
+  std::string trouble;              ///< what is wrong beside: a resumed run that ends in other bits; empty = nothing
+  std::vector<std::string> others;  ///< verdicts in words, one a name of other_choices(); empty = not asked for
+};
+
+/// Explicit steps, implicit steps, small displacements, plain springs: the columns beside a case's own.
+const std::vector<std::string>& other_choices();
+
+struct VerifyOptions {
+  std::vector<std::string> overrides;  ///< KEY.PATH=VALUE, of every scene
+  bool others = false;                 ///< also run the other choices
+  bool keep_snapshots = false;
+  std::function<void(const std::string& doing)> progress = {};
+  /// Called after each run of a case's own; may write files of it.
+  std::function<void(const Scene&, Record&)> finished = {};
+};
+
+/// Runs a scene with its own strategy and with each that an expectation names. Throws InputError on wrong input.
+std::vector<Case> verify_scene(const std::string& path, const Catalog& catalog, const VerifyOptions& options);
+
+/// Whether the scene says what must come of the case, and that came.
+bool passed(const Case& a_case);
+
+/// A row a case: verdict, error against the known answer, time; then how many came out as they must. `markdown`: the
+/// table alone, for a page.
+std::string verdicts_text(const std::vector<Case>& cases, bool colours, bool markdown);
+
+}  // namespace elastin::lab

@@ -1,0 +1,254 @@
+#include "elastin/mesh/fill.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <random>
+#include <set>
+#include <utility>
+
+#include "core/base/random.h"
+#include "core/geometry/boundary.h"
+#include "core/geometry/triangle_tree.h"
+#include "core/parallel/parallel.h"
+#include "elastin/core/base/error.h"
+#include "elastin/hull/delaunay.h"
+#include "mesh/spaced_points.h"
+
+namespace elastin::mesh {
+namespace {
+
+/// Molecules inside keep this part of the spacing from a surface that has molecules of its own.
+constexpr double kFromSurface = 0.55;
+/// Tetrahedra below this volume over the cube of the longest side are peeled off the surface: what four molecules of a
+/// flat or gently curved part of it span.
+constexpr double kPeel = 0.01;
+
+double volume_inside(const Positions& points, const Cells<3>& triangles) {
+  const Vector3 middle = points.rowwise().mean();
+  double sum = 0;
+  for (const auto& [a, b, c] : triangles)
+    sum += (points.col(a) - middle).dot((points.col(b) - middle).cross(points.col(c) - middle)) / 6;
+  return sum;
+}
+
+/// Which cubes of a grid over the surface lie inside, outside or across it.
+class Voxels {
+ public:
+  enum class Kind : char { outside, across, inside };
+  Voxels(const TriangleTree& tree, double size) : size_(size) {
+    low_ = tree.points().rowwise().minCoeff();
+    const Vector3 span = tree.points().rowwise().maxCoeff() - low_;
+    for (int axis = 0; axis < 3; ++axis) counts_[axis] = static_cast<int>(std::ceil(span[axis] / size + 1e-9));
+    kinds_.resize(static_cast<std::size_t>(counts_.cast<double>().prod()));
+    parallel_for(static_cast<int>(kinds_.size()), [&](int voxel) {
+      const double distance = tree.signed_distance(corner(voxel) + Vector3::Constant(size_ / 2));
+      const bool far = std::abs(distance) > size_ * std::sqrt(3.) / 2;
+      kinds_[static_cast<std::size_t>(voxel)] = !far ? Kind::across : distance < 0 ? Kind::inside : Kind::outside;
+    });
+  }
+  int count() const { return static_cast<int>(kinds_.size()); }
+  Kind kind(int voxel) const { return kinds_[static_cast<std::size_t>(voxel)]; }
+  Vector3 corner(int voxel) const {
+    return low_ + size_ * Vector3(voxel % counts_[0], voxel / counts_[0] % counts_[1], voxel / counts_[0] / counts_[1]);
+  }
+
+ private:
+  double size_;
+  Vector3 low_;
+  Eigen::Vector3i counts_;
+  std::vector<Kind> kinds_;
+};
+
+void add_lattice(const TriangleTree& tree, const FillOptions& options, SpacedPoints& found) {
+  const Vector3 low = tree.points().rowwise().minCoeff(), high = tree.points().rowwise().maxCoeff();
+  Eigen::Vector3i counts;
+  for (int axis = 0; axis < 3; ++axis)
+    counts[axis] = 1 + static_cast<int>(std::floor((high[axis] - low[axis]) / options.spacing + 1e-6));
+  const Vector3 first = (low + high) / 2 - options.spacing / 2 * (counts.cast<double>().array() - 1).matrix();
+  const double least = options.follow ? kFromSurface * options.spacing : -1e-6 * options.spacing;
+  std::vector<double> depths(static_cast<std::size_t>(counts.cast<double>().prod()));
+  const auto place = [&](int at) -> Vector3 {
+    return first + options.spacing * Vector3(at % counts[0], at / counts[0] % counts[1], at / counts[0] / counts[1]);
+  };
+  parallel_for(static_cast<int>(depths.size()),
+               [&](int at) { depths[static_cast<std::size_t>(at)] = -tree.signed_distance(place(at)); });
+  for (int at = 0; at < static_cast<int>(depths.size()); ++at)
+    if (depths[static_cast<std::size_t>(at)] >= least) found.add(place(at));
+}
+
+/// Candidates in every cube of a grid in turn, so that no place is left bare; cubes far inside ask no distance.
+void add_blue_noise(const TriangleTree& tree, const FillOptions& options, SpacedPoints& found) {
+  constexpr int rounds = 40;
+  const Voxels voxels(tree, options.spacing);
+  std::vector<int> open;
+  for (int voxel = 0; voxel < voxels.count(); ++voxel)
+    if (voxels.kind(voxel) != Voxels::Kind::outside) open.push_back(voxel);
+  std::mt19937_64 generator(options.seed + 0x9e3779b97f4a7c15);
+  const double least = options.follow ? kFromSurface * options.spacing : 0;
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t i = open.size(); i > 1; --i)
+      std::swap(open[i - 1], open[static_cast<std::size_t>(unit_random(generator) * static_cast<double>(i))]);
+    for (const int voxel : open) {
+      Vector3 place = voxels.corner(voxel);
+      for (int axis = 0; axis < 3; ++axis) place[axis] += options.spacing * unit_random(generator);
+      if (!found.has_room(place, 0.9 * options.spacing)) continue;
+      if (voxels.kind(voxel) == Voxels::Kind::across || least > 0)
+        if (!(-tree.signed_distance(place) >= least)) continue;
+      found.add(place);
+    }
+  }
+}
+
+double flatness(const Positions& places, const std::array<int, 4>& cell) {
+  double longest = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < i; ++j) longest = std::max(longest, (places.col(cell[i]) - places.col(cell[j])).norm());
+  return signed_volume(places, cell) / std::pow(longest, 3);
+}
+
+bool is_inside(const TriangleTree& tree, const Positions& places, const std::array<int, 4>& cell) {
+  Vector3 middle = Vector3::Zero();
+  for (const int corner : cell) middle += places.col(corner) / 4;
+  return tree.signed_distance(middle) < 0;
+}
+
+/// Delaunay's tetrahedra whose middle is inside. Flat ones between molecules on the surface do not matter: they are
+/// peeled off.
+Cells<4> tetrahedra_inside(const TriangleTree& tree, const Positions& places, int on_surface) {
+  const Cells<4> cells = hull::delaunay_tetrahedra(places, [&](const std::array<int, 4>& cell) {
+    return std::any_of(cell.begin(), cell.end(), [&](int c) { return c >= on_surface; }) &&
+           is_inside(tree, places, cell);
+  });
+  std::vector<char> kept(cells.size());
+  parallel_for(static_cast<int>(cells.size()), [&](int cell) {
+    kept[static_cast<std::size_t>(cell)] = is_inside(tree, places, cells[static_cast<std::size_t>(cell)]);
+  });
+  Cells<4> inside;
+  for (std::size_t cell = 0; cell < cells.size(); ++cell)
+    if (kept[cell]) inside.push_back(cells[cell]);
+  return inside;
+}
+
+/// Takes nearly flat tetrahedra off the surface, until none is there; one that is a molecule's last stays.
+void peel(const Positions& places, Cells<4>& cells) {
+  for (bool peeled = true; peeled;) {
+    std::vector<int> uses(static_cast<std::size_t>(places.cols()), 0);
+    for (const auto& cell : cells)
+      for (const int corner : cell) ++uses[static_cast<std::size_t>(corner)];
+    std::set<std::array<int, 3>> boundary;
+    for (auto face : boundary_of(cells)) std::sort(face.begin(), face.end()), boundary.insert(face);
+    const auto at_surface = [&](const std::array<int, 4>& cell) {
+      for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+        std::array<int, 3> face{cell[(left_out + 1) % 4], cell[(left_out + 2) % 4], cell[(left_out + 3) % 4]};
+        std::sort(face.begin(), face.end());
+        if (boundary.contains(face)) return true;
+      }
+      return false;
+    };
+    const auto needless = [&](const std::array<int, 4>& cell) {
+      if (flatness(places, cell) >= kPeel || !at_surface(cell)) return false;
+      if (std::any_of(cell.begin(), cell.end(), [&](int c) { return uses[static_cast<std::size_t>(c)] < 2; }))
+        return false;
+      for (const int corner : cell) --uses[static_cast<std::size_t>(corner)];
+      return true;
+    };
+    peeled = std::erase_if(cells, needless) > 0;
+  }
+}
+
+double area_of(const TriangleTree& tree) {
+  double sum = 0;
+  for (const auto& [a, b, c] : tree.triangles()) {
+    const Vector3 from = tree.points().col(a);
+    sum += (tree.points().col(b) - from).cross(tree.points().col(c) - from).norm() / 2;
+  }
+  return sum;
+}
+
+/// Throws before anybody allocates for them.
+void check_count(double molecules, const char* where, const FillOptions& options) {
+  if (molecules <= options.most_molecules) return;
+  char text[120];
+  std::snprintf(text, sizeof text, "that is %.3g molecules %s; at most %g are taken", molecules, where,
+                options.most_molecules);
+  throw InputError(text);
+}
+
+/// Leaves out molecules without a tetrahedron.
+void leave_out_loose(Filling& filling) {
+  std::vector<int> number(static_cast<std::size_t>(filling.places.cols()), -1), left;
+  for (const auto& cell : filling.tetrahedra)
+    for (const int corner : cell) number[static_cast<std::size_t>(corner)] = 0;
+  int on_surface = 0;
+  for (int m = 0; m < filling.places.cols(); ++m)
+    if (number[static_cast<std::size_t>(m)] == 0) {
+      number[static_cast<std::size_t>(m)] = static_cast<int>(left.size());
+      left.push_back(m);
+      on_surface += m < filling.on_surface;
+    }
+  for (auto& cell : filling.tetrahedra)
+    for (int& corner : cell) corner = number[static_cast<std::size_t>(corner)];
+  filling.left_out = static_cast<int>(number.size() - left.size());
+  filling.on_surface = on_surface;
+  filling.places = filling.places(Eigen::all, left).eval();
+}
+
+}  // namespace
+
+Inside::Inside(const Positions& points, const Cells<3>& triangles)
+    : tree_(std::make_unique<TriangleTree>(points, triangles)) {}
+Inside::~Inside() = default;
+
+Filling Inside::fill(const FillOptions& options) const {
+  Filling filling;
+  filling.surface_volume = volume_inside(tree_->points(), tree_->triangles());
+  const Vector3 box = tree_->points().rowwise().maxCoeff() - tree_->points().rowwise().minCoeff();
+  check_count((box.array() / options.spacing + 1).prod(), "in the surface's box", options);
+  if (options.follow) check_count(area_of(*tree_) / options.spacing / options.spacing, "on the surface", options);
+  SpacedPoints found(options.spacing);
+  if (options.follow) add_surface_points(tree_->points(), tree_->triangles(), options.spacing, options.seed, found);
+  filling.on_surface = found.size();
+  options.packing == FillPacking::lattice ? add_lattice(*tree_, options, found)
+                                          : add_blue_noise(*tree_, options, found);
+  filling.places.resize(3, found.size());
+  for (int m = 0; m < found.size(); ++m) filling.places.col(m) = found.places()[static_cast<std::size_t>(m)];
+  if (found.size() >= 4) filling.tetrahedra = tetrahedra_inside(*tree_, filling.places, filling.on_surface);
+  peel(filling.places, filling.tetrahedra);
+  if (filling.tetrahedra.empty()) throw InputError("the spacing is too wide: no tetrahedron fits inside the surface");
+  leave_out_loose(filling);
+  const VectorX masses = lumped_mass(filling.places, {}, filling.tetrahedra, 1, 0);
+  filling.volume = masses.sum();
+  filling.share = masses / filling.volume;
+  filling.slivers = hull::count_slivers(filling.places, filling.tetrahedra);
+  return filling;
+}
+
+Connections Inside::connections_within(const Filling& filling, double reach) const {
+  const Connections near = elastin::connections_within(filling.places, reach);
+  const std::vector<std::array<int, 2>> sides = sides_of(filling.tetrahedra);
+  VectorX depth(filling.places.cols());
+  parallel_for(static_cast<int>(depth.size()),
+               [&](int m) { depth[m] = -tree_->signed_distance(filling.places.col(m)); });
+  std::vector<char> kept(near.ends.size());
+  parallel_for(near.size(), [&](int c) {
+    const auto& [a, b] = near.ends[static_cast<std::size_t>(c)];
+    const double length = near.rest_length[static_cast<std::size_t>(c)];
+    const Vector3 from = filling.places.col(a), way = filling.places.col(b) - from;
+    bool sees = true;
+    constexpr int parts = 8;
+    if (depth[a] + depth[b] < length)  // else the way lies in two spheres that are inside
+      for (int part = 1; part < parts && sees; ++part)
+        sees = tree_->signed_distance(from + way * part / parts) <= 0.05 * length;
+    kept[static_cast<std::size_t>(c)] = sees || std::binary_search(sides.begin(), sides.end(), std::array{a, b});
+  });
+  Connections connections;
+  for (int c = 0; c < near.size(); ++c)
+    if (kept[static_cast<std::size_t>(c)]) {
+      connections.ends.push_back(near.ends[static_cast<std::size_t>(c)]);
+      connections.rest_length.push_back(near.rest_length[static_cast<std::size_t>(c)]);
+    }
+  return connections;
+}
+
+}  // namespace elastin::mesh

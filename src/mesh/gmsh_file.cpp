@@ -1,0 +1,259 @@
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "mesh/mesh_formats.h"
+
+namespace elastin::mesh::format {
+namespace {
+
+// The MSH file format, versions 2.2 and 4.1: Gmsh reference manual, chapter "File formats". The names say what Gmsh
+// counts.
+constexpr CellType cell_types[] = {
+    {1, CellKind::line, 2, "line"},
+    {2, CellKind::triangle, 3, "triangle"},
+    {3, CellKind::refused, 4, "quadrangle"},
+    {4, CellKind::tetrahedron, 4, "tetrahedron"},
+    {5, CellKind::refused, 8, "hexahedron"},
+    {6, CellKind::refused, 6, "prism"},
+    {7, CellKind::refused, 5, "pyramid"},
+    {8, CellKind::line, 3, "quadratic line"},
+    {9, CellKind::refused, 6, "quadratic triangle with 6 points"},
+    {10, CellKind::refused, 9, "quadratic quadrangle with 9 points"},
+    {11, CellKind::refused, 10, "quadratic tetrahedron with 10 points"},
+    {12, CellKind::refused, 27, "quadratic hexahedron with 27 points"},
+    {13, CellKind::refused, 18, "quadratic prism with 18 points"},
+    {14, CellKind::refused, 14, "quadratic pyramid with 14 points"},
+    {15, CellKind::point, 1, "point"},
+    {16, CellKind::refused, 8, "quadratic quadrangle with 8 points"},
+    {17, CellKind::refused, 20, "quadratic hexahedron with 20 points"},
+    {18, CellKind::refused, 15, "quadratic prism with 15 points"},
+    {19, CellKind::refused, 13, "quadratic pyramid with 13 points"},
+    {20, CellKind::refused, 9, "cubic triangle with 9 points"},
+    {21, CellKind::refused, 10, "cubic triangle with 10 points"},
+    {26, CellKind::line, 4, "cubic line"},
+    {27, CellKind::line, 5, "quartic line"},
+    {28, CellKind::line, 6, "quintic line"},
+    {29, CellKind::refused, 20, "cubic tetrahedron with 20 points"},
+};
+
+struct Format {
+  bool is_4 = false;
+  bool binary = false;
+  std::endian order = std::endian::native;
+};
+
+/// Points of the mesh by the tag that the file gives them: any positive numbers, in any order.
+class Tags {
+ public:
+  void add(long long tag, std::size_t at) { rows_.push_back({tag, static_cast<int>(rows_.size()), at}); }
+
+  void sort(const Cursor& in) {
+    const auto by_tag = [](const Row& a, const Row& b) {
+      return std::pair(a.tag, a.point) < std::pair(b.tag, b.point);
+    };
+    if (!std::is_sorted(rows_.begin(), rows_.end(), by_tag)) std::sort(rows_.begin(), rows_.end(), by_tag);
+    const auto same = [](const Row& a, const Row& b) { return a.tag == b.tag; };
+    const auto twin = std::adjacent_find(rows_.begin(), rows_.end(), same);
+    if (twin != rows_.end()) in.fail(twin[1].at, "point " + std::to_string(twin->tag) + " stands here a second time");
+  }
+
+  /// The point, or −1. Tags without gaps, the common case, need no search.
+  int find(long long tag) const {
+    if (rows_.empty() || tag < rows_.front().tag || tag > rows_.back().tag) return -1;
+    const auto guess = static_cast<std::size_t>(tag - rows_.front().tag);
+    if (guess < rows_.size() && rows_[guess].tag == tag) return rows_[guess].point;
+    const auto found =
+        std::lower_bound(rows_.begin(), rows_.end(), tag, [](const Row& row, long long t) { return row.tag < t; });
+    return found->tag == tag ? found->point : -1;
+  }
+
+ private:
+  struct Row {
+    long long tag;
+    int point;
+    std::size_t at;
+  };
+  std::vector<Row> rows_;
+};
+
+bool read_version_is_4(Cursor& in) {
+  const std::size_t begin = in.next_at();
+  const double number = in.real("the version of the format");
+  if (number != 2.2 && number != 4.1)
+    in.fail(begin, "format version " + quoted(in.data().substr(begin, in.at() - begin)) +
+                       " is not read; allowed: 2.2 and 4.1, e.g. gmsh -3 -format msh41");
+  return number == 4.1;
+}
+
+std::endian read_byte_order(Cursor& in) {
+  const std::size_t begin = in.at();
+  in.begin_binary(std::endian::little);
+  const long long one = in.integer("the number 1 that shows the byte order");
+  in.begin_text();
+  if (one != 1 && one != 1 << 24) in.fail(begin, "expected the number 1 that shows the byte order");
+  return one == 1 ? std::endian::little : std::endian::big;
+}
+
+Format read_format(Cursor& in) {
+  in.expect("$MeshFormat");
+  Format format;
+  format.is_4 = read_version_is_4(in);
+  const std::size_t kind_at = in.next_at();
+  const long long kind = in.integer("the file type, 0 (ASCII) or 1 (binary)");
+  if (kind != 0 && kind != 1) in.fail(kind_at, "expected the file type, 0 (ASCII) or 1 (binary)");
+  const std::size_t size_at = in.next_at();
+  if (in.integer("the data size, 8") != 8) in.fail(size_at, "expected the data size, 8 bytes a number");
+  format.binary = kind == 1;
+  if (format.binary) {
+    in.end_line();
+    format.order = read_byte_order(in);
+  }
+  in.expect("$EndMeshFormat");
+  return format;
+}
+
+/// After a section's name or its count: the data begin.
+void begin_data(Cursor& in, const Format& format) {
+  if (!format.binary) return;
+  in.end_line();
+  in.begin_binary(format.order);
+}
+
+void read_tag(Cursor& in, NumberType width, Tags& tags) {
+  const std::size_t at = in.next_at();
+  const long long tag = in.integer("a point's number", width);
+  if (tag < 1) in.fail(at, "expected a point's number, from 1 to 2⁶³−1; found " + std::to_string(tag));
+  tags.add(tag, at);
+}
+
+void add_point(Cursor& in, MeshBuilder& mesh) {
+  Vector3 place;
+  for (double& coordinate : place) coordinate = in.real("a coordinate");
+  mesh.add_point(place);
+}
+
+void read_points_22(Cursor& in, const Format& format, Tags& tags, MeshBuilder& mesh) {
+  const std::size_t count = in.count("the number of points");
+  begin_data(in, format);
+  for (std::size_t point = 0; point < count; ++point) {
+    read_tag(in, int32, tags);
+    add_point(in, mesh);
+  }
+}
+
+void read_points_41(Cursor& in, const Format& format, Tags& tags, MeshBuilder& mesh) {
+  begin_data(in, format);
+  const std::size_t blocks = in.count("the number of blocks", uint64);
+  const std::size_t total_at = in.next_at();
+  const std::size_t total = in.count("the number of points", uint64);
+  in.skip_numbers(2, uint64);  // least and greatest tag
+  for (std::size_t block = 0; block < blocks; ++block) {
+    const long long dimension = in.integer("the dimension of a block's entity");
+    in.skip_numbers(1, int32);  // the entity's tag
+    const bool parametric = in.integer("0 or 1 for parametric points") != 0;
+    const std::size_t count = in.count("the number of points of a block", uint64);
+    for (std::size_t point = 0; point < count; ++point) read_tag(in, uint64, tags);
+    for (std::size_t point = 0; point < count; ++point) {
+      add_point(in, mesh);
+      if (parametric && dimension > 0) in.skip_numbers(static_cast<std::size_t>(std::min(dimension, 3LL)), float64);
+    }
+  }
+  if (static_cast<std::size_t>(mesh.point_count()) != total)
+    in.fail(total_at, "expected the number of points, but the blocks hold " + std::to_string(mesh.point_count()) +
+                          ", not " + std::to_string(total));
+}
+
+/// Reads the corners of one cell, which started at `at`, and adds it.
+void read_cell(Cursor& in, std::size_t at, long long name, long long code, NumberType width, const Tags& tags,
+               MeshBuilder& mesh) {
+  const CellType& type = find_cell_type(cell_types, code);
+  const auto cell = [&] { return "cell " + std::to_string(name); };
+  if (type.kind == CellKind::refused) in.fail(at, cell() + refusal(type, code));
+  std::array<int, 4> corners{};
+  for (int corner = 0; corner < type.points; ++corner) {
+    const std::size_t corner_at = in.next_at();
+    const long long tag = in.integer("a point of a cell", width);
+    const int point = tags.find(tag);
+    if (point < 0) in.fail(corner_at, cell() + " uses point " + std::to_string(tag) + ", which $Nodes does not have");
+    if (corner < 4) corners[static_cast<std::size_t>(corner)] = point;
+  }
+  const std::string problem = mesh.add_cell(type.kind, corners);
+  if (!problem.empty()) in.fail(at, cell() + problem);
+}
+
+void read_cells_22(Cursor& in, const Format& format, const Tags& tags, MeshBuilder& mesh) {
+  const std::size_t total_at = in.next_at();
+  const std::size_t total = in.count("the number of cells");
+  begin_data(in, format);
+  for (std::size_t read = 0; read < total;) {
+    std::size_t at = in.next_at();
+    long long name = format.binary ? 0 : in.integer("a cell's number");
+    const long long code = in.integer("the type of a cell");
+    const std::size_t same = format.binary ? in.count("the number of cells that follow") : 1;
+    if (same == 0 || same > total - read)
+      in.fail(total_at, "expected the number of cells, but the blocks do not add up to " + std::to_string(total));
+    const std::size_t labels = in.count("the number of labels of a cell");
+    for (std::size_t cell = 0; cell < same; ++cell, ++read) {
+      if (format.binary) {
+        at = in.at();
+        name = in.integer("a cell's number");
+      }
+      in.skip_numbers(labels, int32);
+      read_cell(in, at, name, code, int32, tags, mesh);
+    }
+  }
+}
+
+void read_cells_41(Cursor& in, const Format& format, const Tags& tags, MeshBuilder& mesh) {
+  begin_data(in, format);
+  const std::size_t blocks = in.count("the number of blocks", uint64);
+  const std::size_t total_at = in.next_at();
+  const std::size_t total = in.count("the number of cells", uint64);
+  in.skip_numbers(2, uint64);  // least and greatest tag
+  std::size_t read = 0;
+  for (std::size_t block = 0; block < blocks; ++block) {
+    in.skip_numbers(2, int32);  // dimension and tag of the entity
+    const long long code = in.integer("the type of a block's cells");
+    const std::size_t count = in.count("the number of cells of a block", uint64);
+    for (std::size_t cell = 0; cell < count; ++cell, ++read) {
+      const std::size_t at = in.next_at();
+      const long long name = in.integer("a cell's number", uint64);
+      read_cell(in, at, name, code, uint64, tags, mesh);
+    }
+  }
+  if (read != total)
+    in.fail(total_at, "expected the number of cells, but the blocks hold " + std::to_string(read) + ", not " +
+                          std::to_string(total));
+}
+
+}  // namespace
+
+void read_gmsh(Cursor in, MeshBuilder& mesh) {
+  const Format format = read_format(in);
+  Tags tags;
+  bool have_points = false;
+  while (true) {
+    const std::string section(in.word(have_points ? "$Elements" : "$Nodes"));
+    const std::size_t at = in.at() - section.size();
+    if (section == "$Nodes" && !have_points) {
+      (format.is_4 ? read_points_41 : read_points_22)(in, format, tags, mesh);
+      tags.sort(in);
+      have_points = true;
+    } else if (section == "$Elements" && have_points) {
+      (format.is_4 ? read_cells_41 : read_cells_22)(in, format, tags, mesh);
+      in.begin_text();
+      in.expect("$EndElements");
+      return;
+    } else if (section[0] != '$' || section == "$Nodes" || section == "$Elements") {
+      in.fail(at, std::string("expected ") + (have_points ? "$Elements" : "$Nodes") + ", found " + quoted(section));
+    } else {
+      in.skip_past("$End" + section.substr(1));
+      continue;
+    }
+    in.begin_text();
+    in.expect("$EndNodes");
+  }
+}
+
+}  // namespace elastin::mesh::format

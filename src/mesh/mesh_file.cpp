@@ -1,0 +1,191 @@
+#include "elastin/mesh/mesh_file.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "elastin/core/base/error.h"
+#include "mesh/mesh_formats.h"
+
+namespace elastin::mesh {
+namespace format {
+namespace {
+
+constexpr double flat = 1e-12;  // of the longest side cubed (tetrahedra) or squared (triangles), as in inspect(Body)
+
+double longest_side(std::span<const Vector3> corners) {
+  double longest = 0;
+  for (std::size_t a = 0; a < corners.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b) longest = std::max(longest, (corners[a] - corners[b]).norm());
+  return longest;
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string counted(std::size_t count, const std::string& name) {
+  return std::to_string(count) + " " + name + (count == 1 ? "" : "s");
+}
+
+/// "a, b and c left out"; "" for an empty list.
+std::string left_out(const std::vector<std::string>& parts) {
+  std::string text;
+  for (std::size_t part = 0; part < parts.size(); ++part)
+    text += (part == 0 ? "" : part + 1 == parts.size() ? " and " : ", ") + parts[part];
+  return text.empty() ? text : text + " left out";
+}
+
+/// Marks the points of the cells: 0 = used, −1 = not.
+template <std::size_t corners>
+void mark_used(const std::vector<std::array<int, corners>>& cells, std::vector<int>& points) {
+  for (const auto& cell : cells)
+    for (const int corner : cell) points[static_cast<std::size_t>(corner)] = 0;
+}
+
+template <std::size_t corners>
+void renumber(const std::vector<int>& new_number, std::vector<std::array<int, corners>>& cells) {
+  for (auto& cell : cells)
+    for (int& corner : cell) corner = new_number[static_cast<std::size_t>(corner)];
+}
+
+}  // namespace
+
+const CellType& find_cell_type(std::span<const CellType> types, long long code) {
+  static const CellType unknown{-1, CellKind::refused, 0, "cell of unknown type"};
+  const auto found = std::find_if(types.begin(), types.end(), [&](const CellType& type) { return type.code == code; });
+  return found == types.end() ? unknown : *found;
+}
+
+std::string refusal(const CellType& type, long long code) {
+  return std::string(" is a ") + type.name + " (type " + std::to_string(code) +
+         "); only linear tetrahedra and triangles are used: mesh with linear tetrahedra, e.g. gmsh -3 -order 1";
+}
+
+int MeshBuilder::point_at(const Vector3& place) {
+  const Eigen::Vector3f at = place.cast<float>().array() + 0.F;  // −0 and 0 are one place
+  const auto [found, fresh] = places_.try_emplace({at.x(), at.y(), at.z()}, point_count());
+  if (fresh) add_point(place);
+  return found->second;
+}
+
+std::string MeshBuilder::add_cell(CellKind kind, std::array<int, 4> corners) {
+  switch (kind) {
+    case CellKind::tetrahedron:
+      return add_tetrahedron(corners);
+    case CellKind::triangle:
+      return add_triangle({corners[0], corners[1], corners[2]});
+    case CellKind::line:
+      ++lines_;
+      return "";
+    case CellKind::point:
+      ++single_points_;
+      return "";
+    case CellKind::refused:
+      break;
+  }
+  return " is not used";
+}
+
+std::string MeshBuilder::add_triangle(const std::array<int, 3>& corners) {
+  std::array<Vector3, 3> x;
+  for (std::size_t corner = 0; corner < 3; ++corner) x[corner] = points_[static_cast<std::size_t>(corners[corner])];
+  const double area = (x[1] - x[0]).cross(x[2] - x[0]).norm() / 2;
+  const double longest = longest_side(x);
+  triangles_.push_back(corners);
+  if (area > flat * longest * longest) return "";
+  return " is a flat triangle: its area " + number(area) + " is not above 1e-12 of its longest side (" +
+         number(longest) + ") squared; remove it, or mesh again";
+}
+
+std::string MeshBuilder::add_tetrahedron(std::array<int, 4> corners) {
+  Positions places(3, 4);
+  std::array<Vector3, 4> x;
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    x[corner] = points_[static_cast<std::size_t>(corners[corner])];
+    places.col(static_cast<Eigen::Index>(corner)) = x[corner];
+  }
+  const double volume = signed_volume(places, {0, 1, 2, 3});
+  const double longest = longest_side(x);
+  if (volume < 0) std::swap(corners[2], corners[3]);
+  tetrahedra_.push_back(corners);
+  if (std::abs(volume) > flat * longest * longest * longest) return "";
+  return " is a flat tetrahedron: its volume " + number(std::abs(volume)) +
+         " is not above 1e-12 of its longest side (" + number(longest) + ") cubed; remove it, or mesh again";
+}
+
+Mesh MeshBuilder::finish(const std::string& path) const {
+  if (tetrahedra_.empty() && triangles_.empty())
+    throw InputError(Place{path, 0, 0},
+                     "no tetrahedra and no triangles; mesh with linear tetrahedra, e.g. gmsh -3 -order 1");
+  Mesh mesh;
+  mesh.tetrahedra = tetrahedra_;
+  if (tetrahedra_.empty()) mesh.triangles = triangles_;
+
+  std::vector<int> new_number(points_.size(), -1);
+  mark_used(mesh.tetrahedra, new_number);
+  mark_used(mesh.triangles, new_number);
+  int used = 0;
+  for (int& molecule : new_number)
+    if (molecule == 0) molecule = used++;
+  renumber(new_number, mesh.tetrahedra);
+  renumber(new_number, mesh.triangles);
+  mesh.points.resize(3, used);
+  for (std::size_t point = 0; point < points_.size(); ++point)
+    if (new_number[point] >= 0) mesh.points.col(new_number[point]) = points_[point];
+
+  const std::size_t unused = points_.size() - static_cast<std::size_t>(used);
+  const std::size_t faces = tetrahedra_.empty() ? 0 : triangles_.size();
+  std::vector<std::string> parts;
+  if (lines_ > 0) parts.push_back(counted(lines_, "line"));
+  if (single_points_ > 0) parts.push_back(counted(single_points_, "point"));
+  if (faces > 0) parts.push_back(counted(faces, "triangle"));
+  if (unused > 0) parts.push_back(counted(unused, "unused point"));
+  mesh.comment = left_out(parts);
+  return mesh;
+}
+
+namespace {
+
+/// nullptr: read_surface.
+using Reader = void (*)(Cursor, MeshBuilder&);
+
+std::pair<std::string, Reader> reader_for(const std::string& path) {
+  static constexpr std::pair<const char*, Reader> readers[] = {{".msh", read_gmsh}, {".vtk", read_vtk},
+                                                               {".vtu", read_vtu},  {".ply", read_ply},
+                                                               {".obj", nullptr},   {".stl", nullptr}};
+  const std::string name = path.substr(path.find_last_of('/') + 1);
+  std::string ending = name.find('.') == std::string::npos ? "" : name.substr(name.rfind('.'));
+  for (char& letter : ending) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  std::vector<std::string> allowed;
+  for (const auto& [known, reader] : readers) {
+    if (ending == known) return {ending, reader};
+    allowed.push_back(known);
+  }
+  throw InputError(Place{path, 0, 0}, "unknown ending " + quoted(ending) + suggestion(ending, allowed));
+}
+
+}  // namespace
+
+Mesh read_mesh(const File& file) {
+  MeshBuilder mesh;
+  if (const auto [ending, read] = reader_for(file.path); read)
+    read(Cursor(file), mesh);
+  else
+    read_surface(file, ending, mesh);
+  return mesh.finish(file.path);
+}
+
+}  // namespace format
+
+Mesh load_mesh(const std::string& path) {
+  format::reader_for(path);  // an unknown ending is told first, whether the file exists or not
+  return format::read_mesh(format::load_file(path));
+}
+
+}  // namespace elastin::mesh

@@ -1,0 +1,81 @@
+#pragma once
+#include <array>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "elastin/mesh/mesh_file.h"
+#include "mesh/text_file.h"
+
+namespace elastin::mesh::format {
+
+enum class CellKind { point, line, triangle, tetrahedron, refused };
+
+/// A kind of cell by the number that a file format gives it.
+struct CellType {
+  int code;
+  CellKind kind;
+  int points;  ///< 0 = any number
+  const char* name;
+};
+
+/// Where `types` has the code; a refused type with the name "cell of unknown type" otherwise.
+const CellType& find_cell_type(std::span<const CellType> types, long long code);
+
+/// " is a …: mesh with linear tetrahedra …", for cells that Elastin does not use.
+std::string refusal(const CellType& type, long long code);
+
+/// Collects points and cells, and makes the mesh of them.
+class MeshBuilder {
+ public:
+  int point_count() const { return static_cast<int>(points_.size()); }
+  void add_point(const Vector3& point) { points_.push_back(point); }
+  /// The point that this one took first at the same place, in single precision; adds it if there is none.
+  int point_at(const Vector3& place);
+  /// Takes a cell that is not refused, its corners less than point_count() where the kind has them. Returns what is
+  /// wrong with it (" is a flat triangle: …"), or "".
+  std::string add_cell(CellKind kind, std::array<int, 4> corners);
+  /// Leaves out what is not used. Throws InputError where there are neither tetrahedra nor triangles.
+  Mesh finish(const std::string& path) const;
+
+ private:
+  std::string add_triangle(const std::array<int, 3>& corners);
+  std::string add_tetrahedron(std::array<int, 4> corners);
+
+  std::vector<Vector3> points_;
+  std::map<std::array<float, 3>, int> places_;  ///< of point_at
+  Cells<3> triangles_;
+  Cells<4> tetrahedra_;
+  std::size_t lines_ = 0;
+  std::size_t single_points_ = 0;
+};
+
+/// Cells as VTK stores them: cell c has `count[c]` corners from place `first[c]` of `corners` on.
+struct VtkCells {
+  Integers corners;
+  std::vector<std::size_t> first;
+  std::vector<std::size_t> count;
+  Integers types;
+};
+
+/// Adds the next cell's range of corners, which ends at `offsets[number]`; `size` is the number of all corners.
+void add_range(const Integers& offsets, std::size_t number, std::size_t size, std::vector<std::size_t>& first,
+               std::vector<std::size_t>& count);
+
+/// Adds the cells, whose corners count from the mesh's point `first_point` on.
+void add_vtk_cells(const VtkCells& cells, int first_point, MeshBuilder& mesh);
+
+void read_gmsh(Cursor in, MeshBuilder& mesh);
+void read_vtk(Cursor in, MeshBuilder& mesh);
+void read_vtu(Cursor in, MeshBuilder& mesh);
+
+void read_ply(Cursor in, MeshBuilder& mesh);
+
+/// .obj, .stl by the library Assimp; `ending` with its dot, in small letters.
+void read_surface(const File& file, const std::string& ending, MeshBuilder& mesh);
+
+/// load_mesh for a file that is in memory already; the format goes by the path's ending.
+Mesh read_mesh(const File& file);
+
+}  // namespace elastin::mesh::format

@@ -1,0 +1,35 @@
+#pragma once
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "elastin/core/model/body.h"
+
+namespace elastin::mesh {
+
+/// Points that keep a distance from each other, in a grid of buckets: O(1) a question.
+class SpacedPoints {
+ public:
+  /// @param reach the largest distance that will be asked about [m].
+  explicit SpacedPoints(double reach) : reach_(reach) {}
+
+  /// Whether no point lies closer than `distance` [m] ≤ reach. A point whose normal is turned away from `normal` by
+  /// more than a right angle stands on another side of a thin body and does not count; zero normals always do.
+  bool has_room(const Vector3& place, double distance, const Vector3& normal = Vector3::Zero()) const;
+  void add(const Vector3& place, const Vector3& normal = Vector3::Zero());
+
+  int size() const { return static_cast<int>(places_.size()); }
+  const std::vector<Vector3>& places() const { return places_; }
+
+ private:
+  double reach_;
+  std::vector<Vector3> places_, normals_;
+  std::unordered_map<std::uint64_t, std::vector<int>> buckets_;
+};
+
+/// Points on a closed surface, about `spacing` [m] apart: first on its corners and along its sides that turn by more
+/// than 40°, then at random on its triangles, no two closer than 0.85 of the spacing.
+void add_surface_points(const Positions& points, const Cells<3>& triangles, double spacing, std::uint64_t seed,
+                        SpacedPoints& found);
+
+}  // namespace elastin::mesh

@@ -1,0 +1,411 @@
+/* The face for C as a C compiler sees it. Prints what does not hold; exit code 1 if there is anything. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "elastin/c/elastin.h"
+#include "twin.h"
+
+static int failures = 0;
+
+#define CHECK(condition)                                     \
+  do {                                                       \
+    if (!(condition)) {                                      \
+      printf("%s:%d: %s\n", __FILE__, __LINE__, #condition); \
+      printf("  the last message: %s\n", elastin_message()); \
+      ++failures;                                            \
+    }                                                        \
+  } while (0)
+#define OK(call) CHECK((call) == ELASTIN_OK)
+#define REFUSED(call, words) CHECK((call) == ELASTIN_WRONG_INPUT && strstr(elastin_message(), words))
+
+static const elastin_material kSoft = {sizeof(elastin_material), 5000, 0.25, 0, 0};
+
+static elastin_body* lattice(void) {
+  const int counts[3] = {3, 3, 4};
+  const double spacing[3] = {1e-3, 1e-3, 1e-3};
+  elastin_body* body = NULL;
+  OK(elastin_lattice(counts, spacing, ELASTIN_AXIS | ELASTIN_FACE, 1000, &body));
+  return body;
+}
+
+static elastin_simulation* tissue(const elastin_options* options) {
+  elastin_body* body = lattice();
+  elastin_simulation* simulation = NULL;
+  OK(elastin_simulate(body, "lattice", &kSoft, options, &simulation));
+  elastin_body_free(body);
+  return simulation;
+}
+
+/* Programs that were compiled with this header must go on working: offsets only ever grow at the end. */
+static void layout(void) {
+  CHECK(elastin_abi() == ELASTIN_ABI && ELASTIN_ABI == 0);
+  CHECK(strcmp(elastin_version(), "0.1.0") == 0);
+  CHECK(sizeof(elastin_status) == sizeof(int) && sizeof(elastin_outcome) == sizeof(int));
+  if (sizeof(void*) != 8 || sizeof(size_t) != 8) return;
+  CHECK(sizeof(elastin_arrays) == 112 && offsetof(elastin_arrays, positions) == 8);
+  CHECK(offsetof(elastin_arrays, masses) == 16 && offsetof(elastin_arrays, radii) == 24);
+  CHECK(offsetof(elastin_arrays, connections) == 32 && offsetof(elastin_arrays, rest_lengths) == 40);
+  CHECK(offsetof(elastin_arrays, triangles) == 48 && offsetof(elastin_arrays, tetrahedra) == 56);
+  CHECK(offsetof(elastin_arrays, molecule_count) == 64 && offsetof(elastin_arrays, connection_count) == 72);
+  CHECK(offsetof(elastin_arrays, triangle_count) == 80 && offsetof(elastin_arrays, tetrahedron_count) == 88);
+  CHECK(offsetof(elastin_arrays, density) == 96 && offsetof(elastin_arrays, thickness) == 104);
+  CHECK(sizeof(elastin_counts) == 40 && offsetof(elastin_counts, tetrahedra) == 32);
+  CHECK(sizeof(elastin_material) == 40 && offsetof(elastin_material, bending_rigidity) == 32);
+  CHECK(sizeof(elastin_parameter) == 56 && offsetof(elastin_parameter, fallback) == 48);
+  CHECK(sizeof(elastin_value) == 16 && offsetof(elastin_value, value) == 8);
+  CHECK(sizeof(elastin_options) == 80 && offsetof(elastin_options, scheme) == 8);
+  CHECK(offsetof(elastin_options, safety) == 16 && offsetof(elastin_options, most_parts) == 24);
+  CHECK(offsetof(elastin_options, parameters) == 32 && offsetof(elastin_options, parameter_count) == 40);
+  CHECK(offsetof(elastin_options, threads) == 48 && offsetof(elastin_options, run) == 56);
+  CHECK(offsetof(elastin_options, run_context) == 64 && offsetof(elastin_options, run_width) == 72);
+  CHECK(sizeof(elastin_step_result) == 24 && offsetof(elastin_step_result, linear_iterations) == 20);
+}
+
+static void strategies(void) {
+  size_t count = 0, parameters = 0, found = 0, i, k;
+  OK(elastin_strategy_count(&count));
+  CHECK(count > 10);
+  for (i = 0; i < count; ++i) {
+    const char *name = NULL, *summary = NULL;
+    OK(elastin_strategy(i, &name, &summary, &parameters));
+    CHECK(name && *name && summary && *summary);
+    for (k = 0; k < parameters; ++k) {
+      elastin_parameter one = {sizeof one, NULL, NULL, NULL, 1, 0, 0};
+      OK(elastin_strategy_parameter(i, k, &one));
+      CHECK(one.name && one.unit && one.text && one.low <= one.fallback && one.fallback <= one.high);
+      ++found;
+    }
+  }
+  CHECK(found > 0);
+  REFUSED(elastin_strategy(count, NULL, NULL, NULL), "there are");
+  REFUSED(elastin_strategy_count(NULL), "count is null");
+}
+
+/* Two tetrahedra, one of them turned over: 1/6 of a cube of 6 mm each. */
+static const double kPlaces[15] = {0, 0, 0, 6e-3, 0, 0, 0, 6e-3, 0, 0, 0, 6e-3, 0, 0, -6e-3};
+static const int kCells[8] = {0, 1, 2, 3, 0, 1, 2, 4};
+
+static elastin_arrays arrays(void) {
+  elastin_arrays given = {sizeof given, kPlaces, NULL, NULL, NULL, NULL, NULL, kCells, 5, 0, 0, 2, 1000, 0};
+  return given;
+}
+
+static void bodies(void) {
+  elastin_arrays given = arrays();
+  elastin_body* body = NULL;
+  elastin_counts counts = {sizeof counts, 0, 0, 0, 0};
+  const double* places = NULL;
+  const int* ends = NULL;
+  size_t count = 0;
+  const int wrong[4] = {0, 1, 2, 5}, twice[4] = {0, 1, 2, 2}, flat[4] = {0, 3, 4, 3};
+  double masses[5] = {1, 1, 1, 1, 0};
+  OK(elastin_body_from_arrays(&given, &body));
+  OK(elastin_body_counts(body, &counts));
+  CHECK(counts.molecules == 5 && counts.connections == 9 && counts.triangles == 0 && counts.tetrahedra == 2);
+  OK(elastin_body_positions(body, &places, &count));
+  CHECK(count == 15 && memcmp(places, kPlaces, sizeof kPlaces) == 0 && places != kPlaces);
+  OK(elastin_body_connections(body, &ends, &count));
+  CHECK(count == 18 && ends[0] == 0 && ends[1] == 1 && ends[17] == 4);
+  OK(elastin_body_triangles(body, &ends, &count));
+  CHECK(count == 0);
+  elastin_body_free(body);
+  body = NULL;
+
+  given.tetrahedra = wrong, given.tetrahedron_count = 1;
+  REFUSED(elastin_body_from_arrays(&given, &body), "tetrahedra[0]: there is no molecule 5; allowed: 0 to 4");
+  given.tetrahedra = twice;
+  REFUSED(elastin_body_from_arrays(&given, &body), "tetrahedra[0]: names molecule 2 twice");
+  given.tetrahedra = NULL;
+  REFUSED(elastin_body_from_arrays(&given, &body), "tetrahedra is null");
+  given = arrays(), given.masses = masses;
+  REFUSED(elastin_body_from_arrays(&given, &body), "masses[4]: is 0");
+  given = arrays(), given.density = 0;
+  REFUSED(elastin_body_from_arrays(&given, &body), "density is 0");
+  given = arrays(), given.molecule_count = 0;
+  REFUSED(elastin_body_from_arrays(&given, &body), "at least one molecule");
+  given = arrays(), given.molecule_count = (size_t)1 << 60;
+  REFUSED(elastin_body_from_arrays(&given, &body), "too many");
+  given = arrays(), given.size = 0;
+  REFUSED(elastin_body_from_arrays(&given, &body), "elastin_arrays.size is 0");
+  given.size = sizeof given + 8;
+  REFUSED(elastin_body_from_arrays(&given, &body), "elastin_arrays.size is 120");
+  given = arrays(), given.connections = flat, given.connection_count = 2, given.tetrahedron_count = 0;
+  OK(elastin_body_from_arrays(&given, &body));
+  elastin_body_free(body);
+  body = NULL;
+  REFUSED(elastin_body_from_arrays(NULL, &body), "elastin_arrays is null");
+  REFUSED(elastin_body_from_arrays(&given, NULL), "body is null");
+  REFUSED(elastin_body_counts(NULL, &counts), "body is null");
+  CHECK(body == NULL);
+  elastin_body_free(NULL);
+}
+
+static void stepping(void) {
+  static twin_run twin, run;
+  const elastin_value weight[] = {{"z", -9.81}}, damping[] = {{"rate", 20}};
+  const double *positions = NULL, *velocities = NULL, *forces = NULL, *tensions = NULL, *again = NULL;
+  double* host = NULL;
+  double time = 0;
+  size_t count = 0;
+  int grip = 0, molecule, step;
+  elastin_simulation* simulation = tissue(NULL);
+  OK(elastin_add(simulation, "gravity", weight, 1));
+  OK(elastin_add(simulation, "mass_damping", damping, 1));
+  for (molecule = 0; molecule < 9; ++molecule) OK(elastin_hold(simulation, molecule, 0));
+  OK(elastin_positions(simulation, &positions, &count));
+  CHECK(count == 3 * 36);
+  OK(elastin_grab(simulation, 35, positions + 3 * 35, 50, 0.01, &grip));
+  OK(elastin_host_forces(simulation, &host, &count));
+  for (step = 0; step < kTwinSteps; ++step) {
+    const double at[3] = {2e-3, 2e-3, 3e-3 + 1e-5 * step}, speed[3] = {0, 0, 1e-2}, corner[3] = {-1e-6 * step, 0, 0};
+    elastin_step_result result = {sizeof result, -1, 0, -1, -1};
+    OK(elastin_move_grip(simulation, grip, at, speed));
+    OK(elastin_move_to(simulation, 0, corner));
+    host[3 * 20] = 1e-5;
+    OK(elastin_step(simulation, 1e-3, &result));
+    CHECK(result.outcome == ELASTIN_CONVERGED && result.parts >= 1 && result.newton_iterations == 0);
+  }
+  OK(elastin_time(simulation, &time));
+  CHECK(fabs(time - kTwinSteps * 1e-3) < 1e-12);
+  OK(elastin_positions(simulation, &again, NULL));
+  CHECK(again == positions);
+  OK(elastin_velocities(simulation, &velocities, NULL));
+  OK(elastin_forces(simulation, &forces, NULL));
+  OK(elastin_tensions(simulation, &tensions, &count));
+  OK(elastin_reaction(simulation, 4, run.reaction));
+  OK(elastin_grip_force(simulation, grip, run.grip_force));
+  twin_step(&twin);
+  CHECK(memcmp(positions, twin.positions, sizeof twin.positions) == 0);
+  CHECK(memcmp(velocities, twin.velocities, sizeof twin.velocities) == 0);
+  CHECK(memcmp(forces, twin.forces, sizeof twin.forces) == 0);
+  CHECK(count == twin.tension_count && memcmp(tensions, twin.tensions, count * sizeof(double)) == 0);
+  CHECK(memcmp(run.reaction, twin.reaction, sizeof run.reaction) == 0 && run.reaction[2] != 0);
+  CHECK(memcmp(run.grip_force, twin.grip_force, sizeof run.grip_force) == 0 && run.grip_force[2] != 0);
+  OK(elastin_let_go(simulation, grip));
+  OK(elastin_grip_force(simulation, grip, run.grip_force));
+  CHECK(run.grip_force[2] == 0);
+  OK(elastin_release(simulation, 0));
+  elastin_simulation_free(simulation);
+}
+
+static void refusals(void) {
+  char words[1024];
+  const double place[3] = {0, 0, 0}, odd[3] = {0, NAN, 0};
+  const elastin_value unknown[] = {{"vicosity", 1}}, negative[] = {{"viscosity", -1}}, nameless[] = {{NULL, 1}};
+  elastin_material wrong = kSoft;
+  elastin_body* body = lattice();
+  elastin_simulation *simulation = NULL, *kept = tissue(NULL);
+  elastin_options options = {sizeof options, "newmak", 0, 0, NULL, 0, 0, NULL, NULL, 0};
+  elastin_step_result result = {0, 0, 0, 0, 0};
+  double time = 0, force[3];
+  int grip = 0;
+  twin_message(0, words, sizeof words);
+  CHECK(elastin_simulate(body, "latice", &kSoft, NULL, &simulation) == ELASTIN_WRONG_INPUT);
+  CHECK(*words && strcmp(elastin_message(), words) == 0);
+  twin_message(1, words, sizeof words);
+  CHECK(elastin_simulate(body, "neo_hookean", &kSoft, NULL, &simulation) == ELASTIN_WRONG_INPUT);
+  CHECK(*words && strcmp(elastin_message(), words) == 0);
+  wrong.poissons_ratio = 0.6;
+  REFUSED(elastin_simulate(body, "lattice", &wrong, NULL, &simulation), "poissons_ratio is 0.6; it must be");
+  wrong = kSoft, wrong.youngs_modulus = NAN;
+  REFUSED(elastin_simulate(body, "lattice", &wrong, NULL, &simulation), "youngs_modulus is nan");
+  REFUSED(elastin_simulate(body, "lattice", &kSoft, &options, &simulation), "did you mean 'newmark'");
+  options.scheme = NULL, options.parameters = unknown, options.parameter_count = 1;
+  REFUSED(elastin_simulate(body, "lattice", &kSoft, &options, &simulation), "vicosity");
+  REFUSED(elastin_simulate(body, "wrinkling", &kSoft, NULL, &simulation), "changes another strategy");
+  REFUSED(elastin_simulate(body, NULL, &kSoft, NULL, &simulation), "strategy is null");
+  REFUSED(elastin_simulate(NULL, "lattice", &kSoft, NULL, &simulation), "body is null");
+  REFUSED(elastin_simulate(body, "lattice", NULL, NULL, &simulation), "elastin_material is null");
+  CHECK(simulation == NULL);
+
+  REFUSED(elastin_add(kept, "gravty", NULL, 0), "did you mean 'gravity'");
+  REFUSED(elastin_add(kept, "stokes_drag", unknown, 1), "did you mean 'viscosity'");
+  REFUSED(elastin_add(kept, "stokes_drag", negative, 1), "must be at least 0");
+  REFUSED(elastin_add(kept, "stokes_drag", nameless, 1), "name is null");
+  REFUSED(elastin_add(kept, "floor", NULL, 0), "stiffness");
+  REFUSED(elastin_add(NULL, "floor", NULL, 0), "simulation is null");
+  REFUSED(elastin_hold(kept, 36, 0), "36");
+  REFUSED(elastin_hold(kept, 0, 8), "free_axes is 8");
+  REFUSED(elastin_move_to(kept, 0, place), "0");
+  REFUSED(elastin_reaction(kept, -1, force), "molecule -1: there are 36, from 0");
+  REFUSED(elastin_grab(kept, 0, place, 0, 0, &grip), "stiffness");
+  REFUSED(elastin_grab(kept, 0, odd, 1, 0, &grip), "place must be three finite numbers");
+  REFUSED(elastin_grab(kept, 0, NULL, 1, 0, &grip), "place is null");
+  REFUSED(elastin_observe(kept, 1, NULL, NULL), "see is null");
+  REFUSED(elastin_step(NULL, 1e-3, NULL), "simulation is null");
+  REFUSED(elastin_step(kept, 1e-3, &result), "elastin_step_result.size is 0");
+  REFUSED(elastin_time(kept, NULL), "time is null");
+  REFUSED(elastin_set_threads(-1), "threads is -1");
+  OK(elastin_time(kept, &time));
+  CHECK(time == 0);
+  CHECK(elastin_step(kept, -1, NULL) == ELASTIN_STOPPED && strstr(elastin_message(), "-1 s"));
+  REFUSED(elastin_add(kept, "gravity", NULL, 0), "before the first step");
+  elastin_simulation_free(kept);
+  elastin_simulation_free(NULL);
+  elastin_body_free(body);
+}
+
+static void steps_of(elastin_simulation* simulation, int count, double* positions) {
+  const double* now = NULL;
+  size_t numbers = 0;
+  while (count-- > 0) OK(elastin_step(simulation, 1e-3, NULL));
+  OK(elastin_positions(simulation, &now, &numbers));
+  memcpy(positions, now, numbers * sizeof *now);
+}
+
+static void saving(void) {
+  double first[3 * 36], second[3 * 36];
+  const double place[3] = {2e-3, 2e-3, 4e-3};
+  char* bytes = NULL;
+  size_t needed = 0, more = 0, at;
+  int grip = 0;
+  elastin_simulation* simulation = tissue(NULL);
+  elastin_arrays given = arrays();
+  elastin_body* body = NULL;
+  elastin_simulation* other = NULL;
+  OK(elastin_hold(simulation, 0, 0));
+  OK(elastin_grab(simulation, 35, place, 20, 0, &grip));
+  steps_of(simulation, 5, first);
+  OK(elastin_save(simulation, NULL, 0, &needed));
+  CHECK(needed > 2 * sizeof first);
+  bytes = malloc(needed + 1);
+  if (!bytes) abort();
+  REFUSED(elastin_save(simulation, bytes, needed - 1, &more), "the state takes");
+  OK(elastin_save(simulation, bytes, needed, &more));
+  CHECK(more == needed);
+  steps_of(simulation, 5, first);
+  OK(elastin_restore(simulation, bytes, needed));
+  steps_of(simulation, 5, second);
+  CHECK(memcmp(first, second, sizeof first) == 0);
+
+  REFUSED(elastin_restore(simulation, bytes, needed - 1), "cut off");
+  REFUSED(elastin_restore(simulation, bytes, 4), "no saved state");
+  bytes[needed] = 0;
+  REFUSED(elastin_restore(simulation, bytes, needed + 1), "followed by 1 bytes");
+  bytes[0] = 2;
+  REFUSED(elastin_restore(simulation, bytes, needed), "version 2; version 1 is read");
+  bytes[0] = 1, bytes[5] = 'X';
+  REFUSED(elastin_restore(simulation, bytes, needed), "no saved state, or that of another kind of machine");
+  bytes[5] = 'a';
+  for (at = 0; at < needed; at += 3) { /* damaged bytes are refused, or a state like another */
+    const char kept = bytes[at];
+    elastin_status status;
+    bytes[at] = (char)(kept ^ (1 << at % 8));
+    status = elastin_restore(simulation, bytes, needed);
+    CHECK(status == ELASTIN_OK || status == ELASTIN_WRONG_INPUT);
+    status = elastin_step(simulation, 1e-3, NULL);
+    CHECK(status == ELASTIN_OK || status == ELASTIN_STOPPED);
+    bytes[at] = kept;
+  }
+  OK(elastin_restore(simulation, bytes, needed));
+  steps_of(simulation, 5, second);
+  CHECK(memcmp(first, second, sizeof first) == 0);
+  OK(elastin_body_from_arrays(&given, &body));
+  OK(elastin_simulate(body, "standard", &kSoft, NULL, &other));
+  CHECK(elastin_restore(other, bytes, needed) == ELASTIN_WRONG_INPUT);
+  elastin_simulation_free(other);
+  elastin_body_free(body);
+  elastin_simulation_free(simulation);
+  free(bytes);
+}
+
+static void see(void* context, const elastin_simulation* simulation) {
+  double time = 0;
+  OK(elastin_time(simulation, &time));
+  ((double*)context)[0] += 1;
+  ((double*)context)[1] = time;
+}
+
+static void run_tasks(void* context, int count, elastin_task task, void* task_context) {
+  int number;
+  for (number = count - 1; number >= 0; --number) task(task_context, number);
+  ++*(int*)context;
+}
+
+static void hooks(void) {
+  double seen[2] = {0, 0}, plain[3 * 36], run[3 * 36];
+  int runs = 0;
+  elastin_options options = {sizeof options, "velocity_verlet", 0, 0, NULL, 0, 0, NULL, NULL, 0};
+  elastin_simulation* simulation = tissue(&options);
+  OK(elastin_observe(simulation, 2, see, seen));
+  OK(elastin_hold(simulation, 0, 4));
+  OK(elastin_hold(simulation, 1, 0));
+  steps_of(simulation, 5, plain);
+  CHECK(seen[0] == 2 && fabs(seen[1] - 4e-3) < 1e-12);
+  elastin_simulation_free(simulation);
+  options.run = run_tasks, options.run_context = &runs;
+  REFUSED(elastin_simulate(NULL, "lattice", &kSoft, &options, &simulation), "body is null");
+  options.run_width = 3;
+  simulation = tissue(&options);
+  OK(elastin_hold(simulation, 0, 4));
+  OK(elastin_hold(simulation, 1, 0));
+  steps_of(simulation, 5, run);
+  CHECK(memcmp(plain, run, sizeof run) == 0);
+  elastin_simulation_free(simulation);
+}
+
+#ifdef ELASTIN_C_LAB
+static void scenes(void) {
+  char words[1024];
+  const char* unknown[] = {"bdy=1"};
+  const char *name = NULL, *unit = NULL, *cause = NULL;
+  double modulus = 0, value = 0;
+  size_t count = 0, i, found = 0;
+  elastin_outcome outcome = -1;
+  elastin_scene* scene = NULL;
+  elastin_result* result = NULL;
+  elastin_simulation* simulation = NULL;
+  const double* numbers = NULL;
+  twin_message(2, words, sizeof words);
+  CHECK(elastin_scene_load(ELASTIN_SOURCE_DIR "/scenes/tension/table1-e.yaml", NULL, 0, &scene) == ELASTIN_WRONG_INPUT);
+  CHECK(*words && strcmp(elastin_message(), words) == 0);
+  twin_message(3, words, sizeof words);
+  CHECK(elastin_scene_load(ELASTIN_SOURCE_DIR "/scenes/tension/table1-b.yaml", unknown, 1, &scene) != ELASTIN_OK);
+  CHECK(*words && strcmp(elastin_message(), words) == 0 && scene == NULL);
+
+  OK(elastin_scene_load(ELASTIN_SOURCE_DIR "/scenes/tension/table1-b.yaml", NULL, 0, &scene));
+  OK(elastin_scene_run(scene, "angles", &result));
+  OK(elastin_result_outcome(result, &outcome, &cause));
+  CHECK(outcome == ELASTIN_CONVERGED && cause && !*cause);
+  OK(elastin_result_get(result, "effective_modulus", &modulus));
+  CHECK(modulus == twin_modulus() && fabs(modulus / 5000 - 1) < 0.5);
+  OK(elastin_result_count(result, &count));
+  for (i = 0; i < count; ++i) {
+    OK(elastin_result_measure(result, i, &name, &unit, &value));
+    if (strcmp(name, "effective_modulus") == 0) found += strcmp(unit, "Pa") == 0 && value == modulus;
+  }
+  CHECK(found == 1);
+  OK(elastin_result_positions(result, &numbers, &count));
+  CHECK(count == 3 * 27);
+  OK(elastin_result_tensions(result, &numbers, &count));
+  CHECK(count == 54);
+  REFUSED(elastin_result_get(result, "efective_modulus", &value), "did you mean 'effective_modulus'");
+  REFUSED(elastin_scene_run(scene, "angels", &result), "did you mean 'angles'");
+  OK(elastin_scene_simulate(scene, NULL, NULL, &simulation));
+  elastin_scene_free(scene);
+  OK(elastin_step(simulation, 1e-5, NULL));
+  elastin_simulation_free(simulation);
+  elastin_result_free(result);
+  elastin_scene_free(NULL);
+  elastin_result_free(NULL);
+}
+#else
+static void scenes(void) {
+  elastin_scene* scene = NULL;
+  CHECK(elastin_scene_load("a", NULL, 0, &scene) == ELASTIN_MISSING);
+}
+#endif
+
+int main(void) {
+  layout();
+  strategies();
+  bodies();
+  stepping();
+  refusals();
+  saving();
+  hooks();
+  scenes();
+  return failures > 0;
+}

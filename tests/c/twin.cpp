@@ -1,0 +1,84 @@
+#include "twin.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+
+#include "elastin/core/shapes/shapes.h"
+#include "elastin/core/simulation/simulation.h"
+#ifdef ELASTIN_C_LAB
+#include "elastin/lab/study/laboratory.h"
+#endif
+
+using namespace elastin;
+using namespace elastin::lab;
+
+namespace {
+
+Body lattice() {
+  Body body = cubic_lattice({3, 3, 4}, 1, {true, true, false});
+  stretch(body, {1e-3, 1e-3, 1e-3});
+  set_matter(body, 5e-4, 1000, 0, 2e-3 * 2e-3 * 3e-3);
+  return body;
+}
+
+Material material() {
+  Material soft;
+  soft.youngs_modulus = 5000;
+  soft.poissons_ratio = 0.25;
+  return soft;
+}
+
+void copy(const Positions& from, double* to) { std::copy_n(from.data(), from.size(), to); }
+
+template <class Work>
+std::string said(const Work& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+void twin_step(twin_run* run) {
+  Simulation tissue(lattice(), built_in_catalog().find("lattice"), material());
+  tissue.model().add(make_gravity(tissue.body(), {0, 0, -9.81}));
+  tissue.model().add(make_mass_damping(tissue.body(), 20));
+  for (int molecule = 0; molecule < 9; ++molecule) tissue.hold(molecule);
+  const GripId grip = tissue.grab(35, tissue.positions().col(35), 50, 0.01);
+  for (int step = 0; step < kTwinSteps; ++step) {
+    tissue.move_grip(grip, Vector3(2e-3, 2e-3, 3e-3 + 1e-5 * step), Vector3(0, 0, 1e-2));
+    tissue.move_to(0, Vector3(-1e-6 * step, 0, 0));
+    tissue.host_forces()(0, 20) = 1e-5;
+    tissue.step(1e-3);
+  }
+  copy(tissue.positions(), run->positions);
+  copy(tissue.velocities(), run->velocities);
+  copy(tissue.forces(), run->forces);
+  run->tension_count = static_cast<std::size_t>(tissue.tensions().size());
+  std::copy_n(tissue.tensions().data(), run->tension_count, run->tensions);
+  Eigen::Map<Vector3>(run->reaction) = tissue.reaction(4);
+  Eigen::Map<Vector3>(run->grip_force) = tissue.grip_force(grip);
+}
+
+void twin_message(int number, char* message, size_t room) {
+  std::string text;
+  if (number == 0) text = said([] { built_in_catalog().find("latice"); });
+  if (number == 1) text = said([] { Simulation(lattice(), built_in_catalog().find("neo_hookean"), material()); });
+#ifdef ELASTIN_C_LAB
+  if (number == 2) text = said([] { Laboratory(ELASTIN_SOURCE_DIR "/scenes/tension/table1-e.yaml"); });
+  if (number == 3) text = said([] { Laboratory(ELASTIN_SOURCE_DIR "/scenes/tension/table1-b.yaml", {"bdy=1"}); });
+#endif
+  std::snprintf(message, room, "%s", text.c_str());
+}
+
+double twin_modulus() {
+#ifdef ELASTIN_C_LAB
+  return Laboratory(ELASTIN_SOURCE_DIR "/scenes/tension/table1-b.yaml").run("angles").get("effective_modulus");
+#else
+  return 0;
+#endif
+}

@@ -1,0 +1,338 @@
+// The command as a process: what it prints, where, and with which exit code.
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <pugixml.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "elastin/core/simulation/catalog.h"
+#include "lab/experiment/measures.h"
+#include "support/temporary_folder.h"
+
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+const std::string kTension = std::string(ELASTIN_SOURCE_DIR) + "/scenes/tension/";
+
+const std::string kCube = R"(title: A small cube
+body:
+  lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 7.5 mm, connections: [axis, face]}
+material: {youngs_modulus: 5 kPa}
+stiffness: lattice
+strategies: [standard, lattice, van_gelder]
+experiment: {kind: tension, axis: z, force: 11.25 uN, load_steps: 2}
+expect:
+  - {strategy: lattice, measure: effective_modulus, value: 5 kPa, tolerance: 0.01 %, source: the material itself}
+)";
+
+struct Said {
+  int code;
+  std::string out, err;
+};
+
+/// Runs the command in an empty folder of its own; arguments as a shell reads them.
+Said say(const std::string& arguments) {
+  const TemporaryFolder folder;
+  const std::string line = "cd '" + folder.path("") + "' && NO_COLOR= '" ELASTIN_COMMAND "' " + arguments + " > '" +
+                           folder.path("out") + "' 2> '" + folder.path("err") + "' < /dev/null";
+  const int status = std::system(line.c_str());
+  REQUIRE(WIFEXITED(status));
+  return {WEXITSTATUS(status), text_of_file(folder.path("out")), text_of_file(folder.path("err"))};
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, what.size(), by);
+}
+
+}  // namespace
+
+TEST_CASE("exit code 0: everything ran and is as expected", "[command]") {
+  const TemporaryFolder folder;
+  const std::string cube = folder.write("cube.yaml", kCube);
+  const Said run = say("run " + cube);
+  CHECK(run.code == 0);
+  CHECK(run.err.empty());
+  CHECK_THAT(run.out,
+             StartsWith("cube  A small cube\n  27 molecules, 126 connections; asked: E = 5.0000 kPa, nu = 0.25"));
+  CHECK_THAT(run.out, Contains("lattice: converged\n") && Contains("effective_modulus  5.0000") && Contains("holds"));
+  CHECK_THAT(run.out, !Contains("\033"));  // not a terminal
+  const Said compare = say("compare " + cube);
+  CHECK(compare.code == 0);  // a strategy that cannot run on the body is a row of a comparison
+  CHECK_THAT(compare.out, Contains("not suited: needs tetrahedra or triangles") && Contains("take lattice: E "));
+}
+
+TEST_CASE("exit code 1: an expectation or the run failed", "[command]") {
+  const TemporaryFolder folder;
+  const std::string wrong = folder.write("wrong.yaml", replaced(kCube, "value: 5 kPa", "value: 6 kPa"));
+  const Said failed = say("run " + wrong);
+  CHECK(failed.code == 1);
+  CHECK(failed.err.empty());
+  CHECK_THAT(failed.out, Contains("FAILS"));
+  CHECK(say("compare " + wrong).code == 1);
+  CHECK(say("compare " + wrong + " --strategies standard").code == 0);  // it is about lattice
+
+  const std::string cube = folder.write("cube.yaml", kCube);
+  const Said unsuited = say("run " + cube + " --strategies van_gelder");
+  CHECK(unsuited.code == 1);
+  CHECK_THAT(unsuited.out, Contains("van_gelder: not suited: needs tetrahedra or triangles"));
+  const Said stopped = say("run " + cube + " --set solver.newton_limit=1 --set experiment.force=0.1");
+  CHECK(stopped.code == 1);
+  CHECK_THAT(stopped.out, Contains("lattice: limit reached: no equilibrium within 1 Newton iteration"));
+}
+
+TEST_CASE("run says how many steps were cut, and which cells are turned over at rest", "[command]") {
+  const TemporaryFolder folder;
+  const std::string block = folder.write("block.yaml", R"(body:
+  tetrahedra: {kind: kuhn, cubes: [4, 4, 2], size: [6 cm, 6 cm, 1.5 cm]}
+material: {youngs_modulus: 5 kPa, poissons_ratio: 0.3}
+stiffness: neo_hookean
+experiment: {kind: compression, axis: z, force: 27 N}
+)");
+  const Said cut = say("run " + block);
+  CHECK(cut.code == 0);
+  CHECK_THAT(cut.out, Contains("cut: a cell would have turned over\n"));
+  CHECK(nlohmann::json::parse(say("run --json - " + block).out)["runs"][0]["cut_steps"] > 0);
+  const Said gentle = say("run " + block + " --set experiment.force=0.001");
+  CHECK_THAT(gentle.out, !Contains("cut"));
+  const Said turned = say("run " + block + " --set 'body.tetrahedra.cubes=[8,8,4]' --set body.jitter.amount=0.5");
+  CHECK(turned.code == 1);
+  CHECK_THAT(turned.out, Contains("neo_hookean: inverted: cells ") && Contains(" are flat or turned over at rest\n"));
+}
+
+TEST_CASE("exit code 2: wrong use or input, told on standard error alone", "[command]") {
+  const TemporaryFolder folder;
+  const std::string cube = folder.write("cube.yaml", kCube);
+  const std::string slip = folder.write("slip.yaml", replaced(kCube, "spacing", "spacng"));
+  struct Row {
+    std::string arguments, message;
+  };
+  for (const Row& row : std::vector<Row>{
+           {"run " + slip, "elastin: " + slip + ":3:48: body.lattice: unknown key 'spacng'; did you mean 'spacing'?"},
+           {"check " + slip, "elastin: " + slip + ":3:48: body.lattice: unknown key 'spacng'"},
+           {"compare " + cube + " " + slip, "elastin: " + slip + ":3:48: "},  // before anything runs
+           {"run " + folder.path("cub.yaml"),
+            "elastin: " + folder.path("cub.yaml") + ": no such file; did you mean 'cube.y"},
+           {"run " + folder.path(""), "elastin: " + folder.path("") + ": is a folder"},
+           {"run " + cube + " --set body.radius=-1", "elastin: --set: body.radius: '-1' is out of range"},
+           {"run --set body.radios=1 " + cube, "elastin: --set: body: unknown key 'radios'; did you mean 'radius'?"},
+           {"run " + cube + " --strategies latice",
+            "elastin: --strategies: unknown strategy 'latice'; did you mean 'lattice'?"},
+           {"run " + cube + " --strategies standard,,",
+            "elastin: --strategies: unknown strategy ''; allowed: standard, "},
+           {"run " + cube + " --out " + cube,
+            "elastin: " + cube + "/runs.csv: cannot make its folder: Not a directory"},
+           {"run " + cube + " --json " + folder.path(""), "elastin: " + folder.path("") + ": cannot "},
+           {"compare " + cube + " " + folder.path(".") + "/cube.yaml --out o", "elastin: --out: " + cube + " and "},
+           {"rum " + cube,
+            "elastin: unknown command 'rum'; did you mean 'run'? (allowed: run, compare, verify, check, list, plot)"},
+           {"run " + cube + " --threds 2", "elastin: unknown option '--threds'; did you mean '--threads'?"},
+           {"run " + cube + " --threads -1", "--threads: "},
+           {"check " + cube + " --out o", "The following argument was not expected: --out"},
+           {"run", "scenes is required"},
+           {"", "A subcommand is required"}}) {
+    INFO(row.arguments);
+    const Said said = say(row.arguments);
+    CHECK(said.code == 2);
+    CHECK(said.out.empty());
+    CHECK_THAT(said.err, StartsWith(row.message));
+    CHECK_THAT(said.err, !Contains("internal error"));
+  }
+}
+
+TEST_CASE("the option --json - gives JSON and nothing else", "[command]") {
+  const Said said = say("compare '" + kTension + "table1-a.yaml' '" + kTension + "table1-b.yaml' --json -");
+  CHECK(said.code == 0);
+  CHECK(said.err.empty());
+  const auto json = nlohmann::json::parse(said.out);
+  REQUIRE(json["runs"].size() == 8);
+  CHECK(json["runs"][0]["scene"] == "table1-a");
+  CHECK(json["runs"][7]["scene"] == "table1-b");
+  CHECK(json["runs"][7]["zero_energy_modes"] == 12);
+}
+
+TEST_CASE("the option --json FILE and --quiet print nothing", "[command]") {
+  const TemporaryFolder folder;
+  const std::string cube = folder.write("cube.yaml", kCube), file = folder.path("runs.json");
+  const Said said = say("compare " + cube + " --quiet --json " + file);
+  CHECK(said.code == 0);
+  CHECK((said.out + said.err).empty());
+  CHECK(nlohmann::json::parse(text_of_file(file))["runs"].size() == 3);
+  const Said checked = say("check --quiet " + cube);
+  CHECK(checked.code == 0);
+  CHECK((checked.out + checked.err).empty());
+  // What failed is still in the exit code.
+  const Said failed = say("run --quiet --set experiment.axis=[1,1,1] --set experiment.reading=corner " + cube);
+  CHECK(failed.code == 1);
+  CHECK((failed.out + failed.err).empty());
+}
+
+TEST_CASE("the option --help explains with examples", "[command]") {
+  for (const std::string command : {"", "run ", "compare ", "check ", "list "}) {
+    INFO(command);
+    const Said said = say(command + "--help");
+    CHECK(said.code == 0);
+    CHECK(said.err.empty());
+    CHECK_THAT(said.out, Contains("Examples:\n  elastin compare scenes/tension/cube-1000.yaml") &&
+                             Contains("Exit codes: 0 all expectations hold"));
+    CHECK_THAT(said.out, Contains("Usage: elastin"));
+  }
+  CHECK_THAT(say("run --help").out, Contains("--set") && Contains("--strategies") && Contains("--out") &&
+                                        Contains("--json") && Contains("--threads") && Contains("--quiet"));
+}
+
+TEST_CASE("list names every strategy, parameter and measure", "[command]") {
+  const Said said = say("list");
+  CHECK(said.code == 0);
+  const elastin::Catalog catalog = elastin::built_in_catalog();
+  for (const elastin::Strategy& strategy : catalog.strategies()) {
+    CHECK_THAT(said.out, Contains("\n  " + strategy.name + "  ") && Contains(strategy.summary));
+    for (const elastin::ParameterInfo& info : strategy.parameters)
+      CHECK_THAT(said.out, Contains("\n  " + strategy.name + "." + info.name + " ") && Contains(info.text));
+  }
+  for (const elastin::MeasureInfo& info : elastin::measure_list())
+    CHECK_THAT(said.out, Contains("\n  " + std::string(info.name) + " ") && Contains(std::string(info.text)));
+  CHECK_THAT(said.out, Contains("tangent_modulus            Pa  ") && Contains("torque                     N m  "));
+}
+
+TEST_CASE("check names zero-energy modes and how many", "[command]") {
+  const Said said = say("check '" + kTension + "table1-b.yaml'");
+  CHECK(said.code == 0);  // a mechanism is no fault of the body
+  CHECK_THAT(said.out, Contains("mechanism: 12 zero-energy modes in 12 groups\n"));
+  CHECK_THAT(said.out, Contains("  molecules 9, 10, 11 slide together along x\n"));
+  CHECK_THAT(said.out, Contains("27, radius 5.0000 mm, mass ") && Contains("54, 7.5000 mm long; 3 to 6 a molecule"));
+  std::size_t modes = 0;
+  for (std::size_t at = 0; (at = said.out.find("slide together along", at)) != std::string::npos; ++at) ++modes;
+  CHECK(modes == 12);
+  const Said stiff = say("check '" + kTension + "cube-27-face.yaml'");
+  CHECK(stiff.code == 0);
+  CHECK_THAT(stiff.out, Contains("zero-energy modes     0\n") && !Contains("mechanism:"));
+}
+
+TEST_CASE("check says which molecules are loose and what hangs apart", "[command]") {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("apart.yaml", R"(body:
+  molecules: [[0, 0, 0], [1 cm, 0, 0], [0, 1 cm, 0], [0, 0, 1 cm], [5 cm, 0, 0], [5 cm, 0, 1 cm], [8 cm, 0, 1 cm]]
+  connections: [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3], [4, 5], [3, 0]]
+material: {youngs_modulus: 5 kPa}
+stiffness: standard
+experiment: {kind: tension, axis: z, force: 1 mN}
+)");
+  const Said said = say("check " + scene);
+  CHECK(said.code == 1);
+  CHECK(said.err.empty());
+  CHECK_THAT(said.out, Contains("PIECES                3: the body hangs apart\n"));
+  CHECK_THAT(said.out, Contains("piece 0: 4 molecules: 0, 1, 2, 3\n") && Contains("piece 1: 2 molecules: 4, 5\n"));
+  CHECK_THAT(said.out, Contains("LOOSE MOLECULES       1: 6\n"));
+  CHECK_THAT(said.out, Contains("DUPLICATE CONNECTIONS 1: 7 (3–0)\n"));
+  CHECK_THAT(said.out, !Contains("overlapping spheres"));
+  CHECK_THAT(say("check " + scene + " --set body.radius=0.0155").out,
+             Contains("overlapping spheres   1 pair not joined by a connection, up to 1.0000 mm deep: 5–6"));
+  // One fault alone is enough.
+  const std::string twice = folder.write("twice.yaml", R"(body:
+  molecules: [[0, 0, 0], [1 cm, 0, 0], [0, 1 cm, 0], [0, 0, 1 cm], [0, 0, 1 cm]]
+  connections: [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3], [3, 4]]
+material: {youngs_modulus: 5 kPa}
+stiffness: standard
+experiment: {kind: tension, axis: z, force: 1 mN}
+)");
+  const Said length = say("check " + twice);
+  CHECK(length.code == 1);
+  CHECK_THAT(length.out, Contains("NO LENGTH             1: 6 (3–4)\n") && Contains("pieces                1\n"));
+}
+
+TEST_CASE("several scenes are told one after the other", "[command]") {
+  const Said said = say("compare '" + kTension + "table1-a.yaml' '" + kTension + "table1-c.yaml'");
+  CHECK(said.code == 0);
+  const std::size_t first = said.out.find("table1-a  "), second = said.out.find("table1-c  ");
+  REQUIRE(first != std::string::npos);
+  REQUIRE(second != std::string::npos);
+  CHECK(first < second);
+  CHECK_THAT(said.out, Contains("2 molecules, 1 connection;"));
+  const Said checked = say("check '" + kTension + "table1-a.yaml' '" + kTension + "table1-c.yaml'");
+  CHECK_THAT(checked.out, Contains("table1-a  ") && Contains("table1-c  "));
+}
+
+TEST_CASE("several scenes end with a summary, and the option --summary gives nothing else", "[command]") {
+  const std::string scenes = "'" + kTension + "table1-c.yaml' '" + kTension + "cube-27-face.yaml'";
+  const Said all = say("compare " + scenes), only = say("compare --summary " + scenes);
+  CHECK(all.code == only.code);
+  CHECK_THAT(all.out, StartsWith("table1-c  ") && Contains("Summary  2 bodies\n"));
+  CHECK_THAT(only.out, StartsWith("Summary  2 bodies\n") && Contains("  table1-c ") && Contains("  cube-27-face "));
+  CHECK(only.err.empty());
+  CHECK_THAT(say("compare '" + kTension + "table1-a.yaml'").out, !Contains("Summary"));
+  // JSON hides nothing.
+  CHECK(nlohmann::json::parse(say("compare --summary --json - " + scenes).out)["runs"].size() ==
+        nlohmann::json::parse(say("compare --json - " + scenes).out)["runs"].size());
+}
+
+TEST_CASE("the option --out leaves every file whole", "[command]") {
+  const TemporaryFolder folder;
+  const std::string cube =
+      folder.write("cube.yaml", replaced(kCube, "lattice, van", "{strategy: divided, label: 'a/b & c'}, van"));
+  const std::string out = folder.path("deep/out");
+  const Said said = say("compare " + cube + " --out " + out);
+  CHECK(said.code == 0);
+  CHECK_THAT(said.out, Contains("files in " + out + "/: report.html, runs.csv, runs.json, curves"));
+  std::set<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(out)) files.insert(entry.path().filename().string());
+  std::set<std::string> expected{"runs.csv",    "runs.json",      "runs.jsonl",     "views.jsonl",
+                                 "report.html", "cube-error.svg", "cube-course.svg"};
+  for (const std::string run : {"cube-standard", "cube-a-b---c"})  // what cannot run leaves no curve
+    for (const char* end : {"-curve.csv", ".pvd", "-000.vtu", "-001.vtu", "-002.vtu"}) expected.insert(run + end);
+  CHECK(files == expected);
+  for (const std::string& file : files) {
+    const std::string text = text_of_file(out + "/" + file);
+    INFO(file);
+    CHECK_FALSE(text.empty());
+    if (file.ends_with(".vtu") || file.ends_with(".pvd")) {
+      pugi::xml_document document;
+      REQUIRE(document.load_string(text.c_str()));
+      for (const pugi::xml_node set : document.child("VTKFile").child("Collection").children())
+        CHECK(files.count(set.attribute("file").value()) == 1);
+    }
+  }
+  const auto json = nlohmann::json::parse(text_of_file(out + "/runs.json"));
+  REQUIRE(json["runs"].size() == 3);
+  CHECK(json["runs"][1]["strategy"] == "a/b & c");
+  const std::string csv = text_of_file(out + "/runs.csv");
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 4);
+}
+
+TEST_CASE("the option --strategies takes names of the catalog and labels of the scene, with the scene's parameters",
+          "[command]") {
+  const TemporaryFolder folder;
+  const std::string cube = folder.write(
+      "cube.yaml",
+      replaced(kCube, "lattice, van_gelder",
+               "{strategy: uniform, constant: 2 N/m}, {strategy: uniform, constant: 6 N/m, label: stiff}"));
+  const Said said = say("compare " + cube + " --strategies 'uniform, stiff,calibrated:angles,stiff' --json -");
+  const auto json = nlohmann::json::parse(said.out);
+  REQUIRE(json["runs"].size() == 3);
+  CHECK(json["runs"][2]["strategy"] == "calibrated:angles");
+  const double soft = json["runs"][0]["measures"]["effective_modulus"],
+               stiff = json["runs"][1]["measures"]["effective_modulus"];
+  CHECK(stiff == Approx(3 * soft).epsilon(1e-3));  // of constants 6 and 2; the strain itself is of order 1e-4
+  const auto all = nlohmann::json::parse(say("compare " + cube + " --strategies all --json -").out);
+  CHECK(all["runs"].size() > elastin::built_in_catalog().strategies().size());
+}
+
+TEST_CASE("threads change no bit of what is measured", "[command]") {
+  const auto measured = [](int threads) {
+    const Said said = say("run '" + kTension + "table1-c.yaml' --json - --threads " + std::to_string(threads));
+    auto run = nlohmann::json::parse(said.out)["runs"][0];
+    CHECK(run["threads"] <= threads);  // 1 in a build without OpenMP
+    return run["measures"];
+  };
+  CHECK(measured(1) == measured(3));
+}

@@ -1,0 +1,73 @@
+// The command stopped in the middle of a run in time, and going on from there.
+
+#include <sys/wait.h>
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "support/temporary_folder.h"
+
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Would take for ever; `frames` makes it end.
+std::string scene_of(int frames) {
+  return "title: An oscillator\n"
+         "body: {molecules: [[0 m, 0 m, 0 m], [10 cm, 0 m, 0 m]], connections: [[0, 1]]}\n"
+         "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\n"
+         "stiffness: {strategy: uniform, constant: 100 N/m}\n"
+         "experiment: {kind: release, hold: {kind: tension, axis: x, force: 0.1 N, cross_section: 1 cm2}}\n"
+         "time: {duration: " +
+         std::to_string(frames) + " s, frames: " + std::to_string(frames) + ", step: 0.1 ms, checkpoint: 2}\n";
+}
+
+int shell(const std::string& line) {
+  const int status = std::system(line.c_str());
+  REQUIRE(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+nlohmann::json first_run(const std::string& path) { return nlohmann::json::parse(text_of_file(path))["runs"][0]; }
+
+}  // namespace
+
+TEST_CASE("an interrupted command leaves whole files and goes on from its restart file", "[command][time]") {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("oscillator.yaml", scene_of(100000)), out = folder.path("out"),
+                    restart = out + "/oscillator-uniform.restart",
+                    command = "'" ELASTIN_COMMAND "' run '" + scene + "' ";
+  // Interrupted as soon as there is a first restart file.
+  const int code = shell("cd '" + folder.path("") + "' && { " + command + "--quiet --out '" + out +
+                         "' & p=$!; while [ ! -e '" + restart + "' ]; do sleep 0.02; done; kill -INT $p; wait $p; }");
+  CHECK(code == 1);
+  const auto run = first_run(out + "/runs.json");
+  CHECK(run["outcome"] == "interrupted");
+  CHECK_THAT(run["cause"].get<std::string>(), Contains("of 100000, at t = "));
+  const auto rows = run["curve"].size();
+  CHECK(rows >= 3);
+  CHECK_THAT(text_of_file(out + "/oscillator-uniform-curve.csv"), Contains("time [s]"));
+  CHECK_THAT(text_of_file(out + "/oscillator-uniform.pvd"), Contains("timestep=\"1\""));
+
+  const std::string frames = std::to_string(rows + 1);
+  CHECK(shell(command + "--quiet --set time.duration=" + frames + " --set time.frames=" + frames + " --restart '" +
+              restart + "' --out '" + out + "' --json '" + folder.path("rest.json") + "'") == 0);
+  CHECK(shell(command + "--quiet --set time.duration=" + frames + " --set time.frames=" + frames + " --json '" +
+              folder.path("whole.json") + "'") == 0);
+  const auto rest = first_run(folder.path("rest.json")), whole = first_run(folder.path("whole.json"));
+  CHECK(rest["curve"].size() == rows + 2);
+  CHECK(rest["curve"] == whole["curve"]);
+  CHECK(rest["measures"] == whole["measures"]);
+
+  const std::string shown = text_of_file(out + "/oscillator-uniform.pvd");  // the frames of both runs
+  for (std::size_t frame = 0; frame <= rows; ++frame)
+    CHECK_THAT(shown, Contains("timestep=\"" + std::to_string(frame) + "\""));
+
+  const std::string said = folder.path("said");
+  CHECK(shell(command + "--restart nowhere 2> '" + said + "'") == 2);
+  CHECK_THAT(text_of_file(said), Contains("--restart: nowhere: cannot be read"));
+  CHECK(shell(command + "--restart '" + restart + "' --set time.duration=3 2> '" + said + "'") == 2);
+  CHECK_THAT(text_of_file(said), Contains("this is the restart file of another run"));
+}

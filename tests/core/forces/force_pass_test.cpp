@@ -1,0 +1,217 @@
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <functional>
+#include <memory>
+
+#include "core/forces/grid_springs.h"
+#include "elastin/core/forces/model.h"
+#include "elastin/core/forces/volume.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/core/simulation/catalog.h"
+#include "support/allocations.h"
+#include "support/bodies.h"
+
+namespace elastin {
+namespace {
+
+using namespace elastin::testing;
+
+constexpr Material kSoft{.youngs_modulus = 1e4};
+
+VectorX uneven_constants(const Body& body) {
+  VectorX constants(body.connections.size());
+  for (int c = 0; c < constants.size(); ++c) constants[c] = 50 + c % 17 - (c % 13 == 0 ? 80 : 0);  // some negative
+  return constants;
+}
+
+Model springs_on(const Body& body, const VectorX& constants) {
+  Model model(body);
+  model.add(make_springs(body, constants));
+  return model;
+}
+
+/// Σ_b q_ab (x_b − x_a) by the force densities alone: what every shorter way must agree with.
+Positions forces_by_densities(const Model& model, const Positions& places) {
+  const auto& ends = model.body().connections.ends;
+  const VectorX q = model.force_densities(places);
+  Positions forces = Positions::Zero(3, places.cols());
+  for (int c = 0; c < q.size(); ++c) {
+    const Vector3 f = q[c] * (places.col(ends[c][1]) - places.col(ends[c][0]));
+    forces.col(ends[c][0]) += f;
+    forces.col(ends[c][1]) -= f;
+  }
+  return forces;
+}
+
+Body without_grid(Body body) {
+  body.grid.reset();
+  return body;
+}
+
+/// The same body with its molecules numbered anew, so that connections reach far and ascend by neither end.
+Body shuffled(const Body& body) {
+  Body other = without_grid(body);
+  std::vector<int> number(static_cast<std::size_t>(body.size()));
+  for (std::size_t i = 0; i < number.size(); ++i) number[i] = static_cast<int>(i);
+  std::shuffle(number.begin(), number.end(), std::mt19937(5));
+  for (int i = 0; i < body.size(); ++i) other.rest.col(number[static_cast<std::size_t>(i)]) = body.rest.col(i);
+  for (auto& [a, b] : other.connections.ends)
+    a = number[static_cast<std::size_t>(a)], b = number[static_cast<std::size_t>(b)];
+  other.cubes.clear();
+  return other;
+}
+
+Body large_lattice() {
+  Body body = cubic_lattice({21, 17, 23}, 0.01, {true, true, false});  // some 65 000 connections: several threads
+  add_jitter(body, 1e-3, 3);
+  return body;
+}
+
+}  // namespace
+
+TEST_CASE("forces of springs are those of their force densities, on a grid and off it", "[force_pass]") {
+  struct Lattice {
+    std::array<int, 3> molecules;
+    CubicPattern pattern;
+  };
+  const Lattice lattices[] = {
+      {{10, 7, 6}, {true, true, false}}, {{5, 9, 4}, {true, true, true}},   {{18, 4, 5}, {true, true, true}},
+      {{6, 5, 7}, {false, true, true}},  {{4, 3, 3}, {true, false, false}}, {{19, 1, 1}, {true, true, true}},
+      {{1, 8, 1}, {true, true, true}},   {{1, 1, 9}, {true, true, true}},   {{9, 8, 1}, {true, true, true}},
+      {{1, 5, 6}, {true, true, true}},   {{6, 1, 5}, {true, true, true}},   {{2, 2, 2}, {true, true, true}},
+      {{1, 2, 3}, {true, true, false}}};
+  for (const Lattice& lattice : lattices)
+    for (const bool jitter : {false, true}) {
+      Body body = cubic_lattice(lattice.molecules, 0.01, lattice.pattern);
+      stretch(body, {1, 1.5, 0.7});
+      if (jitter) add_jitter(body, 5e-4, 7);
+      const VectorX constants = uneven_constants(body);
+      CAPTURE(lattice.molecules, jitter);
+      REQUIRE(GridSprings::make(body, constants));
+      const Positions places = deformed(body, 1e-3);
+      for (const Body& of : {body, without_grid(body)}) {
+        const Model model = springs_on(of, constants);
+        const Positions expected = forces_by_densities(model, places);
+        CHECK((model.elastic_forces(places) - expected).cwiseAbs().maxCoeff() <=
+              1e-13 * expected.cwiseAbs().maxCoeff());
+      }
+    }
+}
+
+TEST_CASE("rows of a regular lattice share their constants to rounding only", "[force_pass]") {
+  // 0.86/11 is no binary fraction: lengths that should be alike differ in their last digits.
+  Body body = cubic_lattice({12, 12, 12}, 0.86 / 11, {true, true, false});
+  const VectorX constants = built_in_catalog().find("lattice").constants(body, kSoft, {});
+  const Model model = springs_on(body, constants);
+  Positions places = body.rest;
+  places.row(2) *= 1 + 1e-6;
+  const double scale = kSoft.youngs_modulus * 0.86 * 0.86;  // rounding of places is rounding of strain
+  CHECK((model.elastic_forces(places) - forces_by_densities(model, places)).cwiseAbs().maxCoeff() <= 1e-14 * scale);
+  CHECK((model.elastic_forces(body.rest)).cwiseAbs().maxCoeff() <= 1e-14 * scale);
+}
+
+TEST_CASE("springs on a grid: what is none is left to the list of connections", "[force_pass]") {
+  const Body body = cubic_lattice({4, 3, 3}, 0.01, {true, true, false});
+  const VectorX constants = uneven_constants(body);
+  REQUIRE(GridSprings::make(body, constants));
+  CHECK(!GridSprings::make(without_grid(body), constants));
+  Body other = body;
+  other.grid = {{3, 4, 4}};  // another number of molecules
+  CHECK(!GridSprings::make(other, constants));
+  other.grid = {{3, 4, 3}};  // the right number, but not its neighbours
+  CHECK(!GridSprings::make(other, constants));
+  other = body;
+  other.connections.ends.push_back(body.connections.ends.back());  // there twice
+  other.connections.rest_length.push_back(0.01);
+  VectorX more(constants.size() + 1);
+  more << constants, 1;
+  CHECK(!GridSprings::make(other, more));
+  more[constants.size()] = 0;  // no spring at all
+  CHECK(GridSprings::make(other, more));
+  std::reverse(other.connections.ends.begin(), other.connections.ends.end());
+  CHECK(!GridSprings::make(other, VectorX::Constant(more.size(), 1)));
+}
+
+TEST_CASE("springs on a grid: molecules in one place have no direction and no force", "[force_pass]") {
+  const Body body = cubic_lattice({9, 3, 3}, 0.01, {true, true, true});
+  const Model model = springs_on(body, uneven_constants(body));
+  CHECK(model.elastic_forces(Positions::Zero(3, body.size())).isZero(0));
+  Positions places = deformed(body, 1e-3);
+  places.col(13) = places.col(14);
+  CHECK(model.elastic_forces(places).allFinite());
+}
+
+TEST_CASE("springs: every vector width gives the same bits", "[force_pass]") {
+  constexpr int count = 37, pitch = 40;  // no multiple of any width
+  const auto run = [&](const SpringKernel& kernel) {
+    std::vector<double> numbers(15 * pitch);
+    std::mt19937_64 generator(3);
+    for (double& number : numbers) number = 1e-3 * static_cast<double>(generator() % 2000) - 1;
+    double* k = numbers.data() + 12 * pitch;
+    const auto row = [&](int i) { return RowOf3{numbers.data() + 3 * i * pitch, pitch}; };
+    kernel.add_row_flows(row(0), row(1), k, k + pitch, count, row(2), row(3));
+    kernel.add_in_row_flows(row(1), 2, k, k + pitch, count, row(3), row(2));
+    kernel.set_densities(row(0), k, k + pitch, count, k + 2 * pitch);
+    return numbers;
+  };
+  const std::vector<double> expected = run(spring_kernels().front());
+  for (const SpringKernel& kernel : spring_kernels()) {
+    const std::vector<double> found = run(kernel);
+    CHECK(std::memcmp(found.data(), expected.data(), found.size() * sizeof(double)) == 0);
+  }
+}
+
+TEST_CASE("forces have the same bits on any number of threads", "[force_pass][threads]") {
+  const Body lattice = large_lattice(), list = without_grid(lattice), mixed = shuffled(lattice);
+  Body block = tetrahedral_block(BlockKind::kuhn, {21, 21, 21}, {0.21, 0.21, 0.21});  // 55 566 cells
+  const Catalog catalog = built_in_catalog();
+  for (const Body* body : {&lattice, &list, &mixed, static_cast<const Body*>(&block)}) {
+    Model model(*body);
+    if (body == &block)
+      model.add(catalog.find("neo_hookean").make(block, {.youngs_modulus = 1e4, .poissons_ratio = 0.3}, {}));
+    model.add(make_springs(*body, uneven_constants(*body)));
+    const Positions places = deformed(*body, 5e-4);
+    Scratch scratch;
+    Positions expected;
+    for (const int count : {1, 2, 3, 5}) {
+      set_threads(count);
+      Positions forces = Positions::Constant(3, body->size(), 0.1);
+      model.add_elastic_forces(places, forces, scratch);
+      if (count == 1) expected = forces;
+      CHECK(forces == expected);
+    }
+    set_threads(0);
+    if (body != &block) {
+      const Positions oracle = forces_by_densities(model, places).array() + 0.1;
+      CHECK((expected - oracle).cwiseAbs().maxCoeff() <= 1e-13 * oracle.cwiseAbs().maxCoeff());
+    }
+  }
+}
+
+TEST_CASE("a force pass allocates nothing after the first", "[force_pass]") {
+  const Body lattice = large_lattice(), list = without_grid(lattice), mixed = shuffled(lattice);
+  Body block = tetrahedral_block(BlockKind::kuhn, {21, 21, 21}, {0.21, 0.21, 0.21});
+  const Catalog catalog = built_in_catalog();
+  for (const Body* body : {&lattice, &list, &mixed, static_cast<const Body*>(&block)}) {
+    Model model(*body);
+    model.add(make_springs(*body, uneven_constants(*body)));
+    if (body != &mixed) model.add(make_volume(*body, 1e4));
+    if (body == &block)
+      model.add(catalog.find("neo_hookean").make(block, {.youngs_modulus = 1e4, .poissons_ratio = 0.3}, {}));
+    const Positions places = deformed(*body, 5e-4);
+    Positions forces = Positions::Zero(3, body->size());
+    for (const int count : {1, 2}) {
+      set_threads(count);
+      Scratch scratch;
+      const long before_first = allocations();
+      model.add_elastic_forces(places, forces, scratch);
+      const long before = allocations();
+      model.add_elastic_forces(places, forces, scratch);
+      CHECK(allocations() == before);
+      if (body != &mixed && allocations() > 0) CHECK(before > before_first);  // they are counted
+    }
+    set_threads(0);
+  }
+}
+
+}  // namespace elastin

@@ -1,0 +1,158 @@
+#include "elastin/core/forces/pressure.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/core/shapes/surfaces.h"
+#include "support/bodies.h"
+#include "support/forces_of.h"
+
+using namespace elastin;
+using namespace elastin::testing;
+using std::numbers::pi;
+
+namespace {
+
+State deformed_state(const Body& body) {
+  State state = state_at_rest(body);
+  state.positions = deformed(body, 0.01);
+  return state;
+}
+
+/// Central difference of something along a motion.
+template <class Function>
+auto difference(const State& state, const Positions& motion, Function&& value) {
+  constexpr double h = 1e-6;
+  State ahead = state, behind = state;
+  ahead.positions += h * motion;
+  behind.positions -= h * motion;
+  using Value = decltype(value(state));
+  return Value((value(ahead) - value(behind)) / (2 * h));
+}
+
+const Filling kFillings[] = {constant_pressure(300), constant_pressure(-20), enclosed_gas(400, 1, 90),
+                             enclosed_gas(400, 1.4, 90), controlled_volume(4.5, 1000, 30)};
+
+}  // namespace
+
+TEST_CASE("volumes of known shapes", "[pressure]") {
+  Body cube = listed_body({{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, {});
+  cube.triangles = {{1, 2, 3}};  // with the three coordinate planes: a corner of a cube, 2³/6
+  CHECK(enclosed_volume(cube.triangles, cube.rest, Vector3::Zero()) == Approx(8. / 6).epsilon(1e-15));
+  cube.triangles = {{1, 2, 3}, {0, 2, 1}, {0, 3, 2}, {0, 1, 3}};
+  CHECK(enclosed_volume(cube.triangles, cube.rest, {7, -5, 3}) == Approx(8. / 6).epsilon(1e-14));
+  std::array<double, 2> missing{};
+  for (const int level : {0, 1}) {
+    const Body ball = sphere(0.5, SphereMesh::icosahedron, 8 << level);
+    missing[static_cast<std::size_t>(level)] = pi / 6 - enclosed_volume(ball.triangles, ball.rest, {0, 0, 0});
+  }
+  CHECK(std::log2(missing[0] / missing[1]) == Approx(2).margin(0.03));
+  const Body octant = sphere_octant(1, SphereMesh::type_2, 6), whole = sphere(1, SphereMesh::type_2, 6);
+  CHECK(8 * enclosed_volume(octant.triangles, octant.rest, {0, 0, 0}) ==
+        Approx(enclosed_volume(whole.triangles, whole.rest, {0, 0, 0})).epsilon(1e-13));
+}
+
+TEST_CASE("the pressure's force on a surface is p A n, and on a closed one nothing in all", "[pressure]") {
+  const Body ball = sphere(1, SphereMesh::type_1, 4);
+  const State state = deformed_state(ball);
+  const Positions forces = forces_of(Pressure(ball, constant_pressure(70), {0, 0, 0}, false), state);
+  CHECK(forces.rowwise().sum().norm() < 1e-13 * forces.norm());
+  Vector3 torque = Vector3::Zero();
+  for (int i = 0; i < ball.size(); ++i) torque += Vector3(state.positions.col(i)).cross(Vector3(forces.col(i)));
+  CHECK(torque.norm() < 1e-13 * forces.norm());
+  const Body sheet = rectangular_sheet({2, 3}, {3, 3}, SheetPattern::one_way);
+  const Pressure wind(sheet, constant_pressure(70), {0, 0, 0}, false);
+  const Positions lift = forces_of(wind, state_at_rest(sheet));
+  CHECK((lift.rowwise().sum() - Vector3(0, 0, 70 * 6)).norm() < 1e-12);
+  CHECK_FALSE(wind.has_energy());  // its rim is free: the forces of a pressure then have no potential
+}
+
+TEST_CASE("the pressure's force is −∂energy/∂x, and its tangent that of differences", "[pressure]") {
+  const Body ball = sphere(1, SphereMesh::icosahedron, 2), sheet = elastin::testing::sheet(0.001);
+  for (const Filling& filling : kFillings) {
+    const Pressure pressure(ball, filling, {0.1, 0.2, -0.3}, false);
+    CHECK(pressure.energy(state_at_rest(ball)) == 0);
+    const State state = deformed_state(ball);
+    const Positions motion = random_motion(ball, 5), forces = forces_of(pressure, state);
+    const double slope = difference(state, motion, [&](const State& s) { return pressure.energy(s); });
+    CHECK(slope == Approx(-forces.cwiseProduct(motion).sum()).epsilon(1e-7));
+  }
+  for (const Filling& filling : kFillings) {
+    for (const Body* body : {&ball, &sheet}) {
+      const Pressure pressure(*body, filling, {0.1, 0.2, -0.3}, false);
+      State state = state_at_rest(*body);
+      state.positions = deformed(*body, body == &ball ? 0.01 : 1e-4);
+      if (!(pressure.volume(state.positions) > 0)) state.positions.row(2) *= -1;  // no gas has a volume below zero
+      const Positions motion = random_motion(*body, 6);
+      const Positions wanted = difference(state, motion, [&](const State& s) { return forces_of(pressure, s); });
+      Positions change = Positions::Zero(3, body->size());
+      pressure.add_change(state, motion, motion, change);
+      CHECK((change - wanted).norm() < 1e-6 * wanted.norm());
+      if (body == &sheet) continue;
+      Positions blocks = Positions::Zero(3, body->size());
+      pressure.visit_blocks(state, 0,
+                            [&](int a, int b, const Matrix3& part) { blocks.col(a) -= part * motion.col(b); });
+      for (const WidePart& wide : pressure.wide_parts(state))
+        blocks -= wide.factor * wide.direction.cwiseProduct(motion).sum() * wide.direction;
+      CHECK((change - blocks).norm() < 1e-12 * change.norm());
+    }
+  }
+}
+
+TEST_CASE("a surface whose rim slides in planes through the apex has its energy too", "[pressure]") {
+  const Body octant = sphere_octant(1, SphereMesh::type_1, 4);
+  const Pressure pressure(octant, constant_pressure(50), {0, 0, 0}, true);
+  CHECK(pressure.has_energy());
+  const auto in_planes = [&](Positions motion) {
+    motion.array() *= (octant.rest.array() > 0).cast<double>();
+    return motion;
+  };
+  State state = state_at_rest(octant);
+  state.positions += 0.02 * in_planes(random_motion(octant, 8));
+  const Positions motion = in_planes(random_motion(octant, 9)), other = in_planes(random_motion(octant, 10));
+  const double slope = difference(state, motion, [&](const State& s) { return pressure.energy(s); });
+  CHECK(slope == Approx(-forces_of(pressure, state).cwiseProduct(motion).sum()).epsilon(1e-8));
+  Positions one = Positions::Zero(3, octant.size()), two = one;
+  pressure.add_change(state, motion, motion, one);
+  pressure.add_change(state, other, other, two);
+  CHECK(one.cwiseProduct(other).sum() == Approx(two.cwiseProduct(motion).sum()).epsilon(1e-12));
+}
+
+TEST_CASE("gas keeps its law, controlled volume its stiffness", "[pressure]") {
+  const double volume = 3, rest = 2;
+  const Inside isothermal = enclosed_gas(500, 1, 100)(volume, rest), air = enclosed_gas(500, 1.4, 100)(volume, rest);
+  CHECK((isothermal.pressure + 100) * volume == Approx(500));
+  CHECK((air.pressure + 100) * std::pow(volume, 1.4) == Approx(250 * std::pow(rest, 1.4)));
+  CHECK(enclosed_gas(500, 1 + 1e-7, 100)(volume, rest).work == Approx(isothermal.work).epsilon(1e-6));
+  CHECK(std::isinf(enclosed_gas(500, 1, 100)(0, rest).pressure));
+  CHECK(controlled_volume(3.5, 20, 7)(volume, rest).pressure == Approx(17));
+}
+
+TEST_CASE("a pressure has the same bits on any number of threads", "[pressure]") {
+  const Body ball = sphere(1, SphereMesh::type_1, 80);  // 51 200 triangles: enough for several threads
+  const Pressure gas(ball, enclosed_gas(400, 1.4, 90), {0, 0, 0}, false);
+  const State state = deformed_state(ball);
+  const Positions motion = random_motion(ball, 3);
+  const auto on = [&](int count) {
+    set_threads(count);
+    Positions sums = random_motion(ball, 4);
+    gas.add_forces(state, sums);
+    gas.add_change(state, motion, motion, sums);
+    set_threads(0);
+    return sums;
+  };
+  CHECK(on(1) == on(2));
+}
+
+TEST_CASE("triangles without a common outside are refused by number", "[pressure]") {
+  Body body = listed_body({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}}, {});
+  const auto make = [&] { Pressure(body, constant_pressure(1), {0, 0, 0}, true); };
+  CHECK_THROWS_WITH(make(), "a pressure needs a body with triangles");
+  body.triangles = {{0, 1, 2}, {1, 2, 3}};
+  CHECK_THROWS_WITH(make(), Catch::Matchers::Contains("triangle 1 is turned against its neighbour"));
+  body.triangles = {{0, 1, 2}, {2, 1, 3}, {1, 2, 4}};
+  CHECK_THROWS_WITH(make(), Catch::Matchers::Contains("triangle 0 (and 2 more) shares a side with more than one"));
+}

@@ -1,0 +1,89 @@
+#include "elastin/core/forces/tension.h"
+
+#include <Eigen/Dense>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "elastin/core/shapes/shapes.h"
+#include "elastin/core/shapes/surfaces.h"
+#include "elastin/core/solve/statics.h"
+#include "lab/experiment/choice.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+
+namespace {
+
+/// A sheet of 0.2 × 0.1 m whose rim is sheared by γ along x: way = γ y.
+struct Sheared {
+  Body body = rectangular_sheet({0.2, 0.1}, {8, 4}, SheetPattern::alternating);
+  Material material{.youngs_modulus = 1e6, .poissons_ratio = 0.3, .thickness = 1e-4};
+  State state;
+  StaticResult solved;
+  std::unique_ptr<Model> model;
+
+  Sheared(const std::string& strategy, double shear) {
+    set_matter(body, 0.001, 1000, material.thickness, 0);
+    model = std::make_unique<Model>(body);
+    model->add(choose_strategy(built_in_catalog(), strategy).strategy.make(body, material, {}));
+    Matrix3 in_plane = Matrix3::Identity();
+    in_plane(2, 2) = 0;
+    for (int i = 0; i < body.size(); ++i) {
+      const double x = body.rest(0, i), y = body.rest(1, i);
+      const bool rim = std::min({x, y, 0.2 - x, 0.1 - y}) < 1e-9;
+      model->supports.push_back({i, rim ? Matrix3(Matrix3::Zero()) : in_plane, Vector3(shear * y, 0, 0)});
+    }
+    state = state_at_rest(body);
+    solved = solve_static(*model, state, {});
+    INFO(solved.cause);
+    REQUIRE(solved.outcome == Outcome::converged);
+  }
+};
+
+Matrix3 sheared_by(double shear) {
+  Matrix3 F = Matrix3::Identity();
+  F(0, 1) = shear;
+  return F;
+}
+
+}  // namespace
+
+TEST_CASE("a sheared sheet that wrinkles is a tension field", "[wrinkling]") {
+  // Uniaxial: S = E (λ₁² − 1)/2 n nᵀ along the longest stretch λ₁, whatever Poisson's ratio; the true tension is
+  // t F S Fᵀ / J, here J = 1.
+  const double shear = GENERATE(0.002, 0.1, 0.4);
+  const Sheared wrinkled("st_venant_kirchhoff_membrane+wrinkling", shear);
+  const Matrix3 F = sheared_by(shear);
+  const Eigen::SelfAdjointEigenSolver<Matrix3> C(F.transpose() * F);
+  const Vector3 n = C.eigenvectors().col(2);
+  const Matrix3 expected = 1e6 * 1e-4 * (C.eigenvalues()[2] - 1) / 2 * (F * n) * (F * n).transpose();
+  for (const Matrix3& tension : triangle_tensions(*wrinkled.model, wrinkled.state.positions))
+    CHECK((tension - expected).norm() <= 1e-7 * expected.norm());
+  CHECK(find_compression(*wrinkled.model, wrinkled.state.positions).triangles == 0);
+  // At small shear the tension field has E/4 where the sheet that bears compression has E/(2 (1 + ν)).
+  if (shear == 0.002) CHECK(expected(0, 1) == Approx(1e6 * 1e-4 * shear / 4).epsilon(0.005));
+}
+
+TEST_CASE("compression that a membrane bears is found and named", "[wrinkling]") {
+  const Sheared plain("st_venant_kirchhoff_membrane", 0.1);
+  const Compression found = find_compression(*plain.model, plain.state.positions);
+  CHECK(found.triangles == 64);
+  // Shear stress G γ, less what the stretch of second order pulls; per length t of it.
+  CHECK(found.tension < -0.8 * 1e-4 * 1e6 / 2.6 * 0.1);
+  CHECK(found.tension > -1.0 * 1e-4 * 1e6 / 2.6 * 0.1);
+}
+
+TEST_CASE("springs share their forces among triangles: the mean tension is right", "[wrinkling]") {
+  const Sheared springs("van_gelder", 0.01);
+  const auto tensions = triangle_tensions(*springs.model, springs.state.positions);
+  Matrix3 virial = Matrix3::Zero(), sum = Matrix3::Zero();
+  const VectorX q = springs.model->force_densities(springs.state.positions);
+  const auto& ends = springs.body.connections.ends;
+  for (std::size_t c = 0; c < ends.size(); ++c) {
+    const Vector3 d = springs.state.positions.col(ends[c][1]) - springs.state.positions.col(ends[c][0]);
+    virial += q[static_cast<Eigen::Index>(c)] * d * d.transpose();
+  }
+  for (std::size_t cell = 0; cell < tensions.size(); ++cell)
+    sum += tensions[cell] * area_vector(springs.state.positions, springs.body.triangles[cell]).norm();
+  CHECK((sum - virial).norm() <= 1e-12 * virial.norm());
+}

@@ -1,0 +1,294 @@
+#include "elastin/core/simulation/simulation.h"
+
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "core/simulation/tissues.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/solve/stable_step.h"
+
+using namespace elastin;
+using namespace elastin::testing;
+using Catch::Contains;
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kStep = 1e-3;  // s
+
+void run(Simulation& tissue, int steps) {
+  for (int step = 0; step < steps; ++step) {
+    const StepResult result = tissue.step(kStep);
+    INFO(result.cause);
+    REQUIRE(result.outcome == Outcome::converged);
+  }
+}
+
+template <class Act>
+std::string refusal(Act act) {
+  try {
+    act();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+double difference(const Positions& a, const Positions& b) { return (a - b).cwiseAbs().maxCoeff(); }
+
+}  // namespace
+
+TEST_CASE("simulation: a free body falls as its weight says, and its views stay where they are") {
+  for (const Scheme scheme : kSchemes) {
+    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+    tissue.model().add(make_gravity(tissue.body(), {0, 0, -10}));
+    const double* const views[] = {tissue.positions().data(), tissue.velocities().data(), tissue.forces().data(),
+                                   tissue.tensions().data()};
+    run(tissue, 100);
+    CHECK(tissue.time() == Approx(0.1).epsilon(1e-12));
+    CHECK(tissue.velocities()(2, 13) == Approx(-1).epsilon(1e-9));
+    CHECK(tissue.forces()(2, 13) == Approx(-10 * tissue.body().mass[13]).epsilon(1e-9));
+    CHECK(views[0] == tissue.positions().data());
+    CHECK(views[1] == tissue.velocities().data());
+    CHECK(views[2] == tissue.forces().data());
+    CHECK(views[3] == tissue.tensions().data());
+  }
+}
+
+TEST_CASE("simulation: one spring under its weight; tension, reaction and settle are m g") {
+  Body pair = listed_body({{0, 0, 0}, {0, 0, -0.1}}, {{0, 1}});
+  pair.mass = VectorX::Constant(2, 0.2);
+  pair.radius = VectorX::Constant(2, 0.01);
+  Simulation hanging(std::move(pair), [](const Body& body) { return make_springs(body, VectorX::Constant(1, 50)); });
+  hanging.model().add(make_gravity(hanging.body(), {0, 0, -10}));
+  hanging.hold(0);
+  REQUIRE(hanging.settle().outcome == Outcome::converged);
+  CHECK(hanging.positions()(2, 1) == Approx(-0.1 - 0.2 * 10 / 50));
+  CHECK(hanging.tensions()[0] == Approx(2));
+  // The upper one's own weight hangs there too.
+  CHECK((hanging.reaction(0) - Vector3(0, 0, 4)).norm() < 1e-9);
+  CHECK(hanging.reaction(1).norm() == 0);
+  run(hanging, 100);
+  CHECK(hanging.positions()(2, 1) == Approx(-0.14));
+}
+
+TEST_CASE("simulation: what is moved goes there at one speed, and is pulled by what its reaction says") {
+  for (const Scheme scheme : kSchemes) {
+    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+    for (int molecule = 0; molecule < 9; ++molecule) tissue.hold(molecule);
+    for (int step = 1; step <= 20; ++step) {
+      for (int molecule = 0; molecule < 9; ++molecule)
+        tissue.move_to(molecule, tissue.body().rest.col(molecule) + Vector3(0, 0, -1e-5 * step));
+      run(tissue, 1);
+      REQUIRE(tissue.positions()(2, 4) == Approx(-1e-5 * step).margin(1e-15));
+      REQUIRE(tissue.velocities()(2, 4) == Approx(-1e-2));
+    }
+    // Nothing else acts: what the supports do is what moves the rest.
+    Vector3 held = Vector3::Zero();
+    for (int molecule = 0; molecule < 9; ++molecule) held += tissue.reaction(molecule);
+    const Vector3 rest = tissue.forces().rightCols(18).rowwise().sum();
+    CHECK((held - rest).norm() < 1e-12);
+    CHECK(rest.norm() > 1e-8);
+    run(tissue, 1);  // nobody says where to: they stay
+    CHECK(tissue.velocities().leftCols(9).norm() == 0);
+    CHECK(tissue.positions()(2, 4) == Approx(-2e-4).margin(1e-15));
+    tissue.release(4);
+    CHECK(tissue.reaction(4).norm() == 0);
+  }
+}
+
+TEST_CASE("simulation: a molecule that something else holds is taken over, moved and let go") {
+  Simulation tissue = simulation_of(tissue_cube(3));
+  tissue.model().supports = {{0}, {1}, {2}};
+  tissue.model().drive = [](double time, std::vector<Support>& supports) {
+    for (Support& support : supports)
+      if (support.molecule < 3) support.displacement.x() = 1e-2 * time, support.velocity.x() = 1e-2;
+  };
+  run(tissue, 10);
+  CHECK(tissue.positions()(0, 0) == Approx(1e-4));
+  tissue.hold(1);
+  tissue.hold(5);
+  tissue.move_to(2, tissue.positions().col(2) + Vector3(0, 1e-5, 0));
+  run(tissue, 10);
+  CHECK(tissue.positions()(0, 0) - tissue.body().rest(0, 0) == Approx(2e-4));
+  CHECK(tissue.positions()(0, 1) - tissue.body().rest(0, 1) == Approx(1e-4));
+  CHECK(tissue.positions()(1, 2) - tissue.body().rest(1, 2) == Approx(1e-5));
+  CHECK(tissue.model().supports.size() == 4);
+  tissue.release(1);
+  tissue.release(5);
+  REQUIRE(tissue.model().supports.size() == 3);  // others know theirs by number
+  CHECK(tissue.model().supports[1].free == Matrix3::Identity());
+  run(tissue, 1);
+  CHECK(tissue.positions()(0, 0) - tissue.body().rest(0, 0) == Approx(2.1e-4));
+}
+
+TEST_CASE("simulation: a free direction of a support is free") {
+  Simulation tissue = simulation_of(tissue_cube(3));
+  tissue.model().add(make_gravity(tissue.body(), {0, 5, -10}));
+  for (int molecule = 0; molecule < 27; ++molecule) tissue.hold(molecule, Vector3(0, 1, 0).asDiagonal());
+  run(tissue, 50);
+  CHECK(tissue.velocities().row(1).minCoeff() == Approx(0.25).epsilon(1e-9));
+  CHECK(tissue.velocities().row(2).cwiseAbs().maxCoeff() == 0);
+}
+
+TEST_CASE("simulation: a grip pulls with its spring and its damper, in steps and at rest") {
+  for (const Scheme scheme : kSchemes) {
+    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+    for (int molecule = 0; molecule < 9; ++molecule) tissue.hold(molecule);
+    const Vector3 place = tissue.body().rest.col(22) + Vector3(0, 0, 5e-4);
+    const GripId grip = tissue.grab(22, place, 20, 0.05);
+    REQUIRE(tissue.settle().outcome == Outcome::converged);
+    const Vector3 pull = tissue.grip_force(grip);
+    CHECK((pull - 20 * (place - tissue.positions().col(22))).norm() < 1e-12);
+    Vector3 held = Vector3::Zero();
+    for (int molecule = 0; molecule < 9; ++molecule) held += tissue.reaction(molecule);
+    CHECK((held + pull).norm() < 1e-6 * pull.norm());
+    CHECK(pull.norm() > 1e-4);
+    const Positions settled = tissue.positions();
+    run(tissue, 50);
+    CHECK(difference(tissue.positions(), settled) < 1e-8);
+    tissue.move_grip(grip, place, {0, 0, 0.1});
+    CHECK((tissue.grip_force(grip) - pull).z() == Approx(0.05 * 0.1).epsilon(1e-3));
+    tissue.let_go(grip);
+    CHECK(tissue.grip_force(grip).norm() == 0);
+    CHECK(tissue.grab(22, place, 20) != grip);
+  }
+}
+
+TEST_CASE("simulation: host forces, steps and grips give the same bits after restore") {
+  for (const Scheme scheme : kSchemes) {
+    for (const char* strategy : {"lattice", "lattice+volume"}) {
+      const auto make = [&] {
+        Simulation tissue = simulation_of(tissue_cube(4), scheme, strategy);
+        tissue.model().add(make_mass_damping(tissue.body(), 3));
+        return tissue;
+      };
+      Simulation tissue = make();
+      for (int molecule = 0; molecule < 16; ++molecule) tissue.hold(molecule);
+      tissue.host_forces()(0, 60) = 1e-3;
+      tissue.grab(63, tissue.body().rest.col(63) + Vector3(0, 1e-4, 0), 5, 1e-3);
+      run(tissue, 5);
+      tissue.move_to(3, tissue.positions().col(3) + Vector3(0, 0, 1e-5));
+      const SimulationState saved = tissue.save();
+      const auto go_on = [](Simulation& one) {
+        run(one, 1);
+        one.move_to(5, one.positions().col(5) + Vector3(1e-5, 0, 0));
+        run(one, 5);
+        one.release(5);
+        run(one, 5);
+        return one.positions();
+      };
+      const Positions first = go_on(tissue);
+      tissue.restore(saved);
+      CHECK(go_on(tissue) == first);
+      Simulation other = make();
+      other.restore(saved);
+      CHECK(go_on(other) == first);
+    }
+  }
+}
+
+TEST_CASE("simulation: observers see every so many good steps") {
+  Simulation tissue = simulation_of(tissue_cube(3));
+  int all = 0, some = 0;
+  double last = 0;
+  tissue.observe(1, [&](const Simulation& seen) { ++all, last = seen.time(); });
+  tissue.observe(4, [&](const Simulation&) { ++some; });
+  run(tissue, 9);
+  tissue.step(-1);
+  CHECK(all == 9);
+  CHECK(some == 2);
+  CHECK(last == tissue.time());
+}
+
+TEST_CASE("simulation: a step that cannot be leaves the state as it was and says why") {
+  for (const Scheme scheme : kSchemes) {
+    Simulation tissue = simulation_of(tissue_block(), scheme, "neo_hookean");
+    tissue.hold(0);
+    run(tissue, 3);
+    const auto refused = [&](double dt, const char* why) {
+      const Positions before = tissue.positions();
+      const double time = tissue.time();
+      const StepResult result = tissue.step(dt);
+      CHECK(result.outcome != Outcome::converged);
+      CHECK_THAT(result.cause, Contains(why));
+      CHECK(tissue.positions() == before);
+      CHECK(tissue.time() == time);
+      CHECK(tissue.positions().col(0) == tissue.body().rest.col(0));
+    };
+    for (const double dt : {0., -1e-3, kNaN, std::numeric_limits<double>::infinity()})
+      refused(dt, "above 0 s and finite");
+    if (is_explicit(scheme)) refused(100, "1000 are allowed");
+    tissue.host_forces()(1, 7) = kNaN;
+    refused(kStep, "the host's force on molecule 7 is not finite");
+    tissue.host_forces().setZero();
+    const GripId grip = tissue.grab(8, tissue.positions().col(8), 10);
+    tissue.move_grip(grip, Vector3(kNaN, 0, 0));
+    refused(kStep, "grip 1 was moved to a place or at a velocity that is not finite");
+    tissue.let_go(grip);
+    // Through the body's other side: some cell must turn over.
+    tissue.move_to(0, tissue.body().rest.rightCols(1) * 3);
+    const StepResult result = tissue.step(kStep);
+    CHECK(result.outcome == Outcome::inverted);
+    CHECK_THAT(result.cause, Contains("cell"));
+    tissue.move_to(0, tissue.body().rest.col(0));
+    run(tissue, 3);
+  }
+}
+
+TEST_CASE("simulation: wrong use is refused before anything changes") {
+  Simulation tissue = simulation_of(tissue_cube(3));
+  const Vector3 place(0, 0, 0);
+  CHECK(refusal([&] { tissue.hold(27); }) == "molecule 27 is none: the body has molecules 0 to 26");
+  CHECK_THAT(refusal([&] { tissue.hold(0, 2 * Matrix3::Identity()); }), Contains("projector"));
+  CHECK_THAT(refusal([&] { tissue.release(-1); }), Contains("molecule -1"));
+  CHECK(refusal([&] { tissue.move_to(3, place); }) == "move_to: molecule 3 is not held; hold it first");
+  CHECK_THAT(refusal([&] { tissue.grab(99, place, 1); }), Contains("molecule 99"));
+  CHECK_THAT(refusal([&] { tissue.grab(1, place, 0); }), Contains("stiffness of 0 N/m"));
+  CHECK_THAT(refusal([&] { tissue.grab(1, place, 1, kNaN); }), Contains("damping of nan"));
+  CHECK_THAT(refusal([&] { tissue.grab(1, Vector3(0, kNaN, 0), 1); }), Contains("(0, nan, 0) m is not finite"));
+  CHECK_THAT(refusal([&] { tissue.observe(0, [](const Simulation&) {}); }), Contains("every 0 steps"));
+  CHECK_THAT(refusal([&] { tissue.restore(simulation_of(tissue_cube(4)).save()); }), Contains("another body's: 64"));
+  SimulationState odd = tissue.save();
+  odd.state.velocities(0, 0) = kNaN;
+  CHECK_THAT(refusal([&] { tissue.restore(odd); }), Contains("velocities are not all finite"));
+  const Catalog catalog = built_in_catalog();
+  CHECK_THAT(refusal([&] { Simulation(tissue_block(), catalog.find("lattice"), kTissue); }),
+             Contains("'lattice' cannot run on this body: "));
+  CHECK_THAT(refusal([&] { Simulation(tissue_block(), catalog.find("calibrated"), kTissue); }),
+             Contains("changes other strategies"));
+  CHECK_THAT(refusal([&] { Simulation(tissue_cube(3), catalog.find("lattice"), kTissue, {.safety = 0}); }),
+             Contains("safety 0"));
+  CHECK_THAT(refusal([&] { Simulation(Body{}, catalog.find("lattice"), kTissue); }), Contains("no molecules"));
+  Body bare = cubic_lattice({2, 2, 2}, 1, {});
+  CHECK_THAT(refusal([&] { Simulation(bare, catalog.find("standard"), kTissue); }), Contains("set_matter"));
+  run(tissue, 1);
+}
+
+TEST_CASE("simulation: one that was moved from says so, and takes another") {
+  Simulation tissue = simulation_of(tissue_cube(3));
+  tissue.hold(0);
+  const Positions* const seen = &tissue.positions();
+  Simulation moved = std::move(tissue);
+  CHECK(&moved.positions() == seen);
+  moved.move_to(0, moved.body().rest.col(0) + Vector3(1e-6, 0, 0));
+  run(moved, 2);
+  CHECK_THAT(tissue.step(kStep).cause, Contains("moved from"));  // NOLINT: what this is about
+  tissue = simulation_of(tissue_cube(2));
+  run(tissue, 1);
+}
+
+TEST_CASE("simulation: an explicit step goes in as many parts as its body and its grips ask for") {
+  Simulation tissue = simulation_of(tissue_cube(3));
+  Model model(tissue.body());
+  const Catalog catalog = built_in_catalog();
+  model.add(catalog.find("lattice").make(tissue.body(), kTissue, {}));
+  const double longest = 0.8 * find_stable_step(model, state_at_rest(tissue.body())).step;
+  CHECK(tissue.step(3.5 * longest).parts == 4);
+  CHECK(tissue.step(0.9 * longest).parts == 1);
+  // A grip much stiffer than the tissue: its own oscillation sets the step, 2/√(k/m).
+  tissue.grab(13, tissue.positions().col(13), 1e6);
+  const double stiff = 0.8 * 2 / std::sqrt(1e6 / tissue.body().mass[13]);
+  CHECK(tissue.step(10.5 * stiff).parts == 11);
+  run(tissue, 20);
+}

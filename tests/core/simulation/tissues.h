@@ -1,0 +1,40 @@
+#pragma once
+#include <cmath>
+#include <string>
+
+#include "elastin/core/shapes/shapes.h"
+#include "elastin/core/simulation/simulation.h"
+
+namespace elastin::testing {
+
+inline const Material kTissue{.youngs_modulus = 10e3, .poissons_ratio = 0.25, .density = 1000};
+
+/// A cube of n³ molecules, 2 mm apart; soft tissue.
+inline Body tissue_cube(int n) {
+  constexpr double spacing = 2e-3;
+  Body body = cubic_lattice({n, n, n}, spacing, {true, true, false});
+  set_matter(body, spacing / 2, 1000, 0, std::pow((n - 1) * spacing, 3));
+  return body;
+}
+
+inline Body tissue_block() {
+  Body body = tetrahedral_block(BlockKind::kuhn, {3, 3, 3}, Vector3::Constant(6e-3));
+  set_matter(body, 1e-3, 1000, 0, 0);
+  return body;
+}
+
+inline Simulation simulation_of(Body body, Scheme scheme = Scheme::symplectic_euler,
+                                const std::string& strategy = "lattice", SimulationOptions options = {}) {
+  const Catalog catalog = built_in_catalog();
+  options.integrator.scheme = scheme;
+  const bool volume = strategy.ends_with("+volume");
+  const Strategy& found = catalog.find(volume ? strategy.substr(0, strategy.find('+')) : strategy);
+  Material material = kTissue;
+  if (volume) material.poissons_ratio = 0.45;
+  return Simulation(std::move(body), volume ? with_volume(found) : found, material, std::move(options));
+}
+
+inline constexpr Scheme kSchemes[] = {Scheme::symplectic_euler, Scheme::velocity_verlet, Scheme::backward_euler,
+                                      Scheme::newmark};
+
+}  // namespace elastin::testing

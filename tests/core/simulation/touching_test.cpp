@@ -1,0 +1,40 @@
+#include <catch2/catch.hpp>
+
+#include "core/simulation/tissues.h"
+#include "elastin/contact/contact.h"
+#include "support/allocations.h"
+
+using namespace elastin;
+using namespace elastin::contact;
+using namespace elastin::testing;
+
+TEST_CASE("simulation: a body on a rough floor goes on with the same bits after restore, and asks for no memory") {
+  for (const Scheme scheme : {Scheme::symplectic_euler, Scheme::velocity_verlet, Scheme::backward_euler}) {
+    Simulation tissue = simulation_of(tissue_cube(4), scheme);
+    const Body& body = tissue.body();
+    tissue.model().add(make_gravity(body, {2, 0, -10}));
+    tissue.model().add(make_mass_damping(body, 10));
+    ContactOptions options;
+    options.stiffness = default_contact_stiffness(body, kTissue.youngs_modulus);
+    options.friction = 0.4;
+    options.obstacles.push_back({"floor", shape::Plane{}, {.place = {0, 0, -1.01e-3}}});
+    tissue.model().add(make_contact(body, options));
+    const auto run = [&](int steps) {
+      int good = 0;
+      for (int step = 0; step < steps; ++step) good += tissue.step(1e-3).outcome == Outcome::converged;
+      return good == steps;
+    };
+    REQUIRE(run(60));
+    const SimulationState saved = tissue.save();
+    CHECK(saved.state.touches.size() > 4);  // it sticks
+    const long before = allocations();
+    const bool went = run(40);
+    CHECK(allocations() == before);
+    REQUIRE(went);
+    const Positions reached = tissue.positions();
+    CHECK(reached != saved.state.positions);
+    tissue.restore(saved);
+    REQUIRE(run(40));
+    CHECK(tissue.positions() == reached);
+  }
+}

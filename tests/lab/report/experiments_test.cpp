@@ -1,0 +1,103 @@
+// What the tables and files say of experiments that are not tension.
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "lab/report/files.h"
+#include "lab/report/json.h"
+#include "lab/report/ranking.h"
+#include "lab/report/table.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using Catch::Matchers::Contains;
+using Json = nlohmann::json;
+
+namespace {
+
+std::vector<Record> records_of(const std::string& experiment, const std::string& strategies,
+                               const std::string& more = "") {
+  const TemporaryFolder folder;
+  const Catalog catalog = built_in_catalog();
+  const auto scene = load_scene(
+      folder.write("block.yaml",
+                   "title: A block\n"
+                   "body: {lattice: {kind: cubic, molecules: [4, 4, 4], spacing: 1 cm, connections: [axis, face]}}\n"
+                   "material: {youngs_modulus: 10 kPa}\nstiffness: lattice\nstrategies: [" +
+                       strategies + "]\nexperiment: {" + experiment + "}\n" + more),
+      catalog);
+  std::vector<Record> records;
+  for (const StrategyChoice& choice : scene->strategies)
+    records.push_back(
+        make_record(*scene, run_strategy(scene->specimen, *scene->experiment, choice, {.statics = scene->statics})));
+  return records;
+}
+
+}  // namespace
+
+TEST_CASE("a comparison has the columns of its experiment", "[texts]") {
+  const std::string material = comparison_text(records_of("kind: material", "standard, lattice"), false);
+  CHECK_THAT(material, Contains("E measured  error of E  Poisson's ratio  error of G  error of K  anisotropy"));
+  CHECK_THAT(material, Contains("take lattice: E 0.0000 %, Poisson's ratio 0.2500, G 0.0000 %, K 0.0000 % (asked: "));
+  const std::string shear =
+      comparison_text(records_of("kind: shear, direction: x, strain: 1e-6, sides: affine", "standard, lattice"), false);
+  CHECK_THAT(shear, Contains("G measured  error of G") && Contains("axial force") && !Contains("Poisson"));
+  CHECK_THAT(shear, Contains("take lattice: G "));
+  const std::string torsion = comparison_text(records_of("kind: torsion, angle: 1 deg", "lattice"), false);
+  CHECK_THAT(torsion, Contains("torque") && Contains("µN m  "));
+  const std::string tension = comparison_text(records_of("kind: tension, force: 1 uN", "standard, lattice"), false);
+  CHECK_THAT(tension, Contains("E measured  error of E  Poisson's ratio  elongation  iterations"));
+}
+
+TEST_CASE("strategies are ranked by the reference where the scene names one", "[texts]") {
+  // Twice too stiff a strategy is right if the reference, the same problem solved elsewhere, says so.
+  const std::string experiment = "kind: hydrostatic, strain: -1e-6";
+  const std::vector<Record> plain = records_of(experiment, "standard, lattice");
+  CHECK_THAT(comparison_text(plain, false), Contains("take lattice: K "));
+  const double stiff = plain[0].run.measures.get("pressure");
+  const std::vector<Record> referenced =
+      records_of(experiment, "standard, lattice",
+                 "reference: [{measure: pressure, value: " + std::to_string(stiff) + " Pa, source: me}]\n");
+  CHECK_THAT(comparison_text(referenced, false), Contains("take standard: pressure ") && Contains("to the reference"));
+  CHECK(rank_strategies(referenced).best == &referenced[0]);
+  // Of two references the worse one counts: a strategy that hits one of them by luck is not taken.
+  std::vector<Record> two = referenced;
+  two[0].errors.emplace_back("bulk_modulus_to_reference", 3.);
+  two[1].errors.emplace_back("bulk_modulus_to_reference", 0.);
+  const Ranking ranking = rank_strategies(two);
+  CHECK(ranking.error(two[0]) == 3);
+  CHECK(ranking.best == &two[1]);
+  two[1].run.warnings.push_back("something is wrong");
+  CHECK(rank_strategies(two).best == &two[0]);
+  two[0].run.outcome = Outcome::diverged;
+  CHECK(rank_strategies(two).best == nullptr);
+}
+
+TEST_CASE("the stiffness matrix stands on the page and in the JSON", "[texts][files]") {
+  const std::vector<Record> records = records_of("kind: material", "lattice");
+  const std::string page = run_text(records[0], false);
+  CHECK_THAT(page, Contains("stiffness          xx          yy          zz          yz          xz          xy\n"));
+  CHECK_THAT(page, Contains("  xx         12.000 kPa  4.0000 kPa  4.0000 kPa           0           0           0\n"));
+  CHECK_THAT(page, Contains("  xy                  0           0           0           0           0  4.0000 kPa\n"));
+  const Json matrix = Json::parse(json_text(records))["runs"][0]["stiffness_matrix"];
+  REQUIRE(matrix.size() == 6);
+  for (std::size_t row = 0; row < 6; ++row) {
+    REQUIRE(matrix[row].size() == 6);
+    for (std::size_t column = 0; column < 6; ++column) {
+      const bool normal = row < 3 && column < 3;
+      const double expected = row == column ? (normal ? 12000 : 4000) : normal ? 4000 : 0;  // E = 10 kPa, nu = 1/4
+      CHECK(matrix[row][column].get<double>() == Approx(expected).margin(1e-4));
+    }
+  }
+  CHECK_FALSE(Json::parse(json_text(records_of("kind: hydrostatic, strain: 1 %", "lattice")))["runs"][0].contains(
+      "stiffness_matrix"));
+  CHECK_THAT(csv_text(records), Contains(",torque [N m],") && Contains(",anisotropy_index,"));
+}
+
+TEST_CASE("a curve has the columns of its experiment", "[texts]") {
+  const std::vector<Record> records = records_of("kind: torsion, angle: 20 deg, load_steps: 2", "lattice");
+  const std::string page = run_text(records[0], false);
+  CHECK_THAT(page, Contains("  load") && Contains("torque") && Contains("angle") && Contains("torsional stiffness"));
+  CHECK_THAT(page, !Contains("elongation") && !Contains("E secant"));
+}

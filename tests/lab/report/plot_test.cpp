@@ -1,0 +1,75 @@
+#include "lab/report/plot.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <pugixml.hpp>
+#include <string>
+
+#include "elastin/core/base/error.h"
+#include "lab/report/csv.h"
+#include "lab/report/figures.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Places of the marks of a plot, in px.
+std::vector<std::pair<double, double>> marks_of(const std::string& svg) {
+  pugi::xml_document document;
+  REQUIRE(document.load_string(svg.c_str()));
+  std::vector<std::pair<double, double>> marks;
+  for (const auto& found : document.select_nodes("//g[@class='mark']/circle"))
+    marks.emplace_back(found.node().attribute("cx").as_double(), found.node().attribute("cy").as_double());
+  return marks;
+}
+
+Plot logarithmic(std::vector<PlotPoint> points) {
+  Plot plot;
+  plot.title = "<&\"'>";
+  plot.x = {"time", "s", true};
+  plot.y = {"error", "%", true};
+  plot.series = {{"a<b", 0, PlotSeries::Kind::marked_line, std::move(points)}};
+  return plot;
+}
+
+}  // namespace
+
+TEST_CASE("equal ratios are equal ways on logarithmic axes", "[plot]") {
+  const Plot plot = logarithmic({{1e-3, 1e-1, "p"}, {1e-2, 1e-2, "q"}, {1, 1e-4, "r"}});
+  for (const bool alone : {false, true}) {
+    const auto marks = marks_of(svg_text(plot, 600, alone));
+    REQUIRE(marks.size() == 3);
+    CHECK(marks[2].first - marks[1].first == Approx(2 * (marks[1].first - marks[0].first)).margin(0.3));
+    CHECK(marks[2].second - marks[1].second == Approx(2 * (marks[1].second - marks[0].second)).margin(0.3));
+    CHECK(marks[0].second < marks[2].second);  // larger errors lie higher
+  }
+  CHECK_THAT(svg_text(plot, 600, true), Contains(">1 ms<") && Contains(">0.01 %<") && Contains("a&lt;b"));
+}
+
+TEST_CASE("what cannot be drawn is left out", "[plot]") {
+  const Plot plot =
+      logarithmic({{1, 0.1, "p"}, {0, 0.1, "zero"}, {1, NAN, "nan"}, {INFINITY, 1, "inf"}, {-1, 1, "minus"}});
+  const std::string svg = svg_text(plot, 400, false);
+  CHECK(marks_of(svg).size() == 1);
+  CHECK_THAT(svg, !Contains("nan") && !Contains("inf"));
+  CHECK(marks_of(svg_text(logarithmic({}), 400, true)).empty());  // well-formed without any point
+}
+
+TEST_CASE("columns of a CSV file become a plot, and other programs' rows peers", "[plot]") {
+  const TemporaryFolder folder;
+  const std::string good =
+      folder.write("good.csv", "case,method,minimum_s,error\nx,\"a, b\",0.1,0.5\nx,c,,0.2\nx,c,0.3,1e-3\n");
+  CHECK(marks_of(svg_text(csv_plot(good, "minimum_s", "error"), 700, true)).size() == 2);
+  const auto peers = load_peers(good);
+  REQUIRE(peers.size() == 2);
+  CHECK((peers[0].name == "a, b" && peers[0].error == 0.5 && peers[1].seconds == 0.3));
+  CHECK_THROWS_WITH(csv_plot(good, "minimum", "error"),
+                    Contains("good.csv:1: no column 'minimum'; did you mean 'minimum_s'?"));
+  CHECK_THROWS_WITH(load_csv(folder.write("short.csv", "a,b\n1\n")), Contains("short.csv:2: 1 fields; the head has 2"));
+  CHECK_THROWS_WITH(load_peers(folder.write("word.csv", "method,minimum_s,error\nx,soon,1\n")),
+                    Contains("word.csv:2: minimum_s: 'soon' is no number"));
+  CHECK_THROWS_WITH(load_csv(folder.path("none.csv")), Contains("none.csv: cannot be read"));
+}

@@ -1,0 +1,131 @@
+#include "lab/report/study.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "elastin/core/base/error.h"
+#include "lab/report/json.h"
+#include "lab/scene/study.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using Catch::Matchers::Contains;
+
+namespace {
+
+Record row(const std::string& strategy, const std::string& cubes, double spacing, double modulus, double seconds) {
+  Record record;
+  record.scene = record.title = "block";
+  record.variant = {{"body.tetrahedra.cubes", cubes}};
+  record.spacing = spacing;
+  record.run.strategy = strategy;
+  record.run.measures.set("effective_modulus", modulus);
+  record.run.solve_seconds = seconds;
+  record.main_measures = {{"effective_modulus"}};
+  return record;
+}
+
+}  // namespace
+
+TEST_CASE("a value is extrapolated with the order that it shows", "[study]") {
+  // v = 3 + 0.5 h^1.7, spacings in no order; the exact limit is 3.
+  const auto value = [](double h) { return 3 + 0.5 * std::pow(h, 1.7); };
+  const Extrapolation found = extrapolate({{0.5, value(0.5)}, {1, value(1)}, {0.2, value(0.2)}});
+  CHECK(found.order == Approx(1.7).epsilon(1e-9));
+  CHECK(found.value == Approx(3).epsilon(1e-12));
+  CHECK(found.uncertainty == Approx(1.25 * 0.5 * std::pow(0.2, 1.7)).epsilon(1e-9));
+  // A coarse fourth row that does not follow: the two extrapolations differ, and that is less than the index.
+  const Extrapolation four = extrapolate({{2, value(2) + 0.05}, {1, value(1)}, {0.5, value(0.5)}, {0.2, value(0.2)}});
+  CHECK(four.value == Approx(found.value));
+  CHECK(four.uncertainty > 1e-4);
+  CHECK(four.uncertainty < found.uncertainty);
+  CHECK_THROWS_WITH(extrapolate({{1, 2}, {0.5, 1}, {0.5, 1}}), Contains("three spacings or more; here are 2"));
+  CHECK_THROWS_WITH(extrapolate({{1, 1}, {0.5, 2}, {0.25, 1}}), Contains("do not converge"));
+}
+
+TEST_CASE("the time to an error lies on the curve's own line in logarithms", "[study]") {
+  // error = 1 / t: 1 % after 100 s, between 10 s and 1000 s.
+  const std::vector<std::pair<double, double>> curve{{10, 0.1}, {1000, 0.001}};
+  CHECK(time_to(curve, 0.01).seconds == Approx(100));
+  CHECK_FALSE(time_to(curve, 0.01).at_most);
+  CHECK(time_to(curve, 0.001).seconds == Approx(1000));
+  CHECK(std::isnan(time_to(curve, 1e-4).seconds));
+  CHECK((time_to(curve, 0.2).at_most && time_to(curve, 0.2).seconds == 10));
+}
+
+TEST_CASE("rows that differ in the body are one curve; a reference of their own holds for all", "[study]") {
+  std::vector<Record> records;
+  for (const double h : {1., 0.5, 0.25}) {
+    const std::string cubes = "[" + std::to_string(static_cast<int>(4 / h)) + "]";
+    records.push_back(row("neo_hookean", cubes, h, 100 + 8 * h * h, 0.01 / (h * h)));
+    records.push_back(row("standard", cubes, h, 150, 0.01));
+  }
+  CHECK(refer_to_own(records, "neo_hookean").empty());
+  REQUIRE(records[1].references.size() == 1);
+  CHECK(records[1].references[0].value == Approx(100));
+  CHECK_THAT(records[1].references[0].source, Contains("own: neo_hookean") && Contains("order 2.00"));
+  CHECK(records[1].error("effective_modulus_to_reference") == Approx(0.5));
+  const auto curves = curves_of(records);
+  REQUIRE(curves.size() == 2);
+  CHECK((curves[0].name == "neo_hookean" && curves[0].rows.size() == 3));
+  const std::string text = study_text(records, false);
+  CHECK_THAT(text, Contains("cubes") && Contains("to 1 %") && Contains("not reached"));
+  CHECK(refer_to_own(records, "standard").find("cannot be extrapolated") != std::string::npos);
+}
+
+TEST_CASE("another program's time to an error stands beside our best", "[study]") {
+  std::vector<Record> records;
+  for (const double h : {1., 0.5, 0.25})  // errors of 8, 2, 0.5 % at 0.01, 0.04, 0.16 s: 1 % at 0.08 s
+    records.push_back(row("neo_hookean", "[" + std::to_string(h) + "]", h, 100 + 8 * h * h, 0.01 / (h * h)));
+  for (Record& record : records) set_references(record, {{"effective_modulus", 100, "elsewhere", 0}});
+  const std::vector<Peer> peers{{records[0].scene, "other", 0.8, 0.005}, {"another scene", "third", 1e-3, 1e-6}};
+  const std::string text = time_to_table(records, rank_strategies(records), peers).text(false);
+  CHECK_THAT(text, Contains("80.0 ms") && Contains("≤ 800.0 ms") && Contains("× 10") && Contains("× 1 "));
+  CHECK_THAT(text, !Contains("third"));
+  CHECK_THAT(time_to_table(records, rank_strategies(records)).text(false), !Contains("best"));
+}
+
+TEST_CASE("axes of a study multiply, their keys go together", "[study]") {
+  const StudyAxis size =
+      read_axis("{body.lattice.molecules: [[3, 3, 3], [5, 5, 5]], body.lattice.spacing: [2 mm, 1 mm]}");
+  const StudyAxis solver = read_axis("solver.linear_solver=[pcg, direct]");
+  const auto all = combinations({size, solver});
+  REQUIRE(all.size() == 4);
+  CHECK(all[1] == std::vector<std::pair<std::string, std::string>>{{"body.lattice.molecules", "[3, 3, 3]"},
+                                                                   {"body.lattice.spacing", "2 mm"},
+                                                                   {"solver.linear_solver", "direct"}});
+  CHECK(combinations({}).size() == 1);
+  CHECK_THROWS_WITH(read_axis("{a: [1, 2], b: [1]}"), Contains("--vary") && Contains("equally many values: 1 here, 2"));
+  CHECK_THROWS_WITH(read_axis("a=1"), Contains("expected a list, found a single value"));
+  CHECK_THROWS_WITH(read_axis("pcg"), Contains("write KEY.PATH=[value"));
+}
+
+TEST_CASE("a row comes back from its line of JSON", "[study]") {
+  Record record = row("lattice", "[2]", 0.5, 5e3, 0.25);
+  record.repeats = {{0.1, 0.3}, {0.05, 0.25}, {0.2, 0.4}};
+  record.references = {{"effective_modulus", 5.1e3, "elsewhere", 1e-3}};
+  record.errors = {{"effective_modulus", 0.01}};
+  record.warnings = {"a \"warning\"\nof two lines"};
+  record.run.outcome = Outcome::limit_reached;
+  record.run.cause = "<why>";
+  record.run.zero_energy_modes = 12;
+  record.run.curve.resize(2);
+  record.run.curve[1].load_factor = 1;
+  record.run.curve[1].measures.set("stress", 7);
+  Verdict verdict;
+  verdict.strategy = "lattice";
+  verdict.expectation = {"lattice", "effective_modulus", "", "", 5e3, 0.01, 0, "book", ""};
+  verdict.holds = true;
+  verdict.measured = 5e3;
+  record.verdicts = {verdict};
+  const std::string line = json_line(record);
+  CHECK(line.find('\n') == std::string::npos);
+  const Record back = record_of_json(line);
+  CHECK(json_line(back) == line);
+  CHECK(back.median_seconds() == Approx(0.4));
+  CHECK(back.run.outcome == Outcome::limit_reached);
+  CHECK(back.run.curve[1].measures.get("stress") == 7);
+  CHECK_THROWS_WITH(record_of_json("{\"scene\": 3}"), Contains("no run of ours"));
+}

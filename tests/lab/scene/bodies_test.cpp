@@ -1,0 +1,201 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <string>
+
+#include "lab/report/records.h"
+#include "lab/scene/scene.h"
+#include "lab/study/check.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+const std::string kPair = R"(material: {youngs_modulus: 1 kPa, poissons_ratio: 0, density: 1000 kg/m3}
+bodies:
+  - {name: low, tetrahedra: {kind: body_centred, cubes: [3, 3, 3], size: [30 mm, 30 mm, 30 mm]}}
+  - {name: high, at: [0 mm, 0 mm, 30 mm], tetrahedra: {kind: body_centred, cubes: [3, 3, 3], size: [30 mm, 30 mm, 30 mm]}}
+ties: [{between: [low, high], within: 0.1 mm}]
+stiffness: st_venant_kirchhoff
+solver: {displacements: small, tolerance: 1e-11}
+experiment: {kind: tension, axis: z, fixed_grip: sliding, loaded_grip: sliding, displacement: 0.1 mm}
+)";
+
+const std::string kBall = R"(material: {youngs_modulus: 10 kPa, poissons_ratio: 0.25, density: 1100 kg/m3}
+body: {fill: {file: organ.stl, length_unit: mm, spacing: 12 mm}}
+stiffness: neo_hookean
+solver: {displacements: small}
+experiment: {kind: hydrostatic, sides: affine, strain: -1 %}
+)";
+
+const std::string kTissue = std::string(ELASTIN_SOURCE_DIR) + "/scenes/tissue/";
+
+std::unique_ptr<Scene> load(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  const TemporaryFolder folder;
+  for (const char* name : {"organ.stl", "ligament.stl"}) std::filesystem::copy_file(kTissue + name, folder.path(name));
+  folder.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n");
+  return load_scene(folder.write("scene.yaml", text), built_in_catalog(), overrides);
+}
+
+Measures measures(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  const auto scene = load(text, overrides);
+  const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+  INFO(run.cause);
+  REQUIRE(run.outcome == Outcome::converged);
+  REQUIRE(run.suited);
+  return run.measures;
+}
+
+double modulus(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  return measures(text, overrides).get("effective_modulus");
+}
+
+std::string refusal(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  try {
+    load(text, overrides);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, what.size(), by);
+}
+
+}  // namespace
+
+TEST_CASE("two blocks of one material whose molecules meet are one block, exactly", "[bodies]") {
+  const std::vector<std::string> loose{"material.poissons_ratio=0.3"};
+  const Measures found = measures(kPair, loose);
+  CHECK(found.get("effective_modulus") == Approx(1000).epsilon(1e-9));
+  CHECK(found.get("poissons_ratio") == Approx(0.3).epsilon(1e-8));
+}
+
+TEST_CASE("two blocks of one material whose molecules do not meet: the error of the tie", "[bodies]") {
+  for (const auto& [cubes, error] : {std::pair{"4", 0.012}, std::pair{"5", 0.006}}) {
+    const Measures found = measures(
+        kPair,
+        {"material.poissons_ratio=0.3", std::string("bodies.high.tetrahedra.cubes=[") + cubes + "," + cubes + ",3]"});
+    CHECK(found.get("effective_modulus") == Approx(1000).epsilon(error));
+    CHECK(found.get("poissons_ratio") == Approx(0.3).margin(0.01));
+  }
+}
+
+TEST_CASE("bars of two materials in series and in parallel have the mean modulus", "[bodies]") {
+  // Without a Poisson's ratio of its own each part stretches alone: harmonic and arithmetic mean.
+  CHECK(modulus(kPair, {"bodies.high.material={youngs_modulus: 3 kPa}"}) == Approx(1500).epsilon(1e-9));
+  const std::vector<std::string> parallel{"bodies.high.material={youngs_modulus: 3 kPa}",
+                                          "bodies.high.at=[30 mm, 0 mm, 0 mm]"};
+  CHECK(modulus(kPair, parallel) == Approx(2000).epsilon(1e-9));
+  // Springs: a lattice each, nu = 1/4 in both.
+  std::string springs = kPair;
+  for (int i = 0; i < 2; ++i)
+    springs = replaced(springs, "tetrahedra: {kind: body_centred, cubes: [3, 3, 3], size: [30 mm, 30 mm, 30 mm]}",
+                       "lattice: {kind: cubic, molecules: [4, 4, 4], spacing: 10 mm, connections: [axis, face]}");
+  for (const char* strategy : {"lattice", "patch", "lattice+volume"}) {
+    std::vector<std::string> changes = parallel;
+    changes.insert(changes.end(), {std::string("stiffness=") + strategy, "material.poissons_ratio=0.25"});
+    CHECK(modulus(springs, changes) == Approx(2000).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("one factor calibrates bodies of one material, and no others", "[bodies]") {
+  const std::vector<std::string> calibrated{"stiffness=calibrated:van_gelder", "material.poissons_ratio=0.25"};
+  CHECK(modulus(kPair, calibrated) == Approx(1000).epsilon(1e-6));
+  const auto scene = load(kPair, {"stiffness=calibrated:van_gelder", "bodies.high.material={youngs_modulus: 3 kPa}"});
+  CHECK_THAT(unsuited(scene->specimen, *scene->experiment, scene->stiffness), Contains("several materials"));
+}
+
+TEST_CASE("a body can be placed, turned and given what the scene's material has not", "[bodies]") {
+  const auto scene =
+      load(kPair, {"ties=[]", "bodies.high.turn={axis: y, angle: 1.5707963267948966}",
+                   "bodies.high.material={density: 2000 kg/m3, fibre: {direction: z, youngs_modulus: 1 kPa}}"});
+  const Specimen& specimen = scene->specimen;
+  const Part& high = specimen.body.parts[1];
+  const Positions places = specimen.body.rest.middleCols(high.first, high.count);
+  CHECK(places.row(0).maxCoeff() == Approx(0.03));  // z became x
+  CHECK(places.row(2).minCoeff() == Approx(0).margin(1e-12));
+  const Material& own = specimen.materials.at(static_cast<std::size_t>(high.material));
+  CHECK(own.youngs_modulus == 1000);
+  CHECK(own.density == 2000);
+  CHECK((own.fibre->direction - Vector3::UnitX()).norm() < 1e-12);
+  CHECK(!specimen.materials.at(0).fibre);
+  CHECK(specimen.body.mass.sum() == Approx(3000 * 27e-6));
+  CHECK_THAT(make_record(*scene, {}).prescribed,
+             Contains("low: E = 1.0000 kPa, nu = 0; high: E = 1.0000 kPa, nu = 0, fibres"));
+}
+
+TEST_CASE("bone holds what is tied to it", "[bodies]") {
+  // One block is bone: half of the bar does not give way, whichever half; ν = 0 feels no clamp.
+  for (const char* name : {"low", "high"})
+    CHECK(modulus(kPair, {std::string("bodies.") + name + ".rigid=true"}) == Approx(2000).epsilon(1e-8));
+  CHECK_THAT(refusal(replaced(kPair, "displacement: 0.1 mm", "force: 1 mN"), {"bodies.high.rigid=true"}),
+             Contains("body 'high' at the loaded end is rigid"));
+  const auto scene = load(kPair, {"bodies.low.rigid=true"});
+  CheckReport report = check_scene(*scene, built_in_catalog(), {});
+  CHECK_THAT(report.text, Contains("body 'low'") && Contains("16 more by ties, rigid"));
+  CHECK(report.sound);
+}
+
+TEST_CASE("wrong bodies and ties are refused with their place", "[bodies]") {
+  const auto change = [](const std::string& what, const std::string& by) { return refusal(replaced(kPair, what, by)); };
+  CHECK_THAT(change("name: high", "name: low"),
+             Contains("scene.yaml:4:12: bodies.1.name: there is a body 'low' already") ||
+                 Contains("there is a body 'low' already"));
+  CHECK_THAT(change("[low, high]", "[low, hgh]"),
+             Contains("scene.yaml:5:") && Contains("there is no body 'hgh'; did you mean 'high'?"));
+  CHECK_THAT(change("[low, high]", "[low, low]"), Contains("cannot be tied to itself"));
+  CHECK_THAT(
+      change("at: [0 mm, 0 mm, 30 mm]", "at: [0 mm, 0 mm, 31 mm]"),
+      Contains("scene.yaml:5:") && Contains("no molecules lie within 0.1 mm of each other; the nearest are 1 mm"));
+  CHECK_THAT(change("within", "wihtin"), Contains("within"));
+  CHECK_THAT(change("{name: high, at", "{name: high, materiel: {density: 2 kg/m3}, at"),
+             Contains("did you mean 'material'?"));
+  CHECK_THAT(change("{name: high, ", "{"), Contains("key 'name' is missing"));
+  CHECK_THAT(change("bodies:", "body: {lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 1 mm}}\nbodies:"),
+             Contains("there are `bodies` already"));
+  CHECK_THAT(
+      refusal("material: {youngs_modulus: 1 kPa}\nbody: {lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 1 mm}}\n"
+              "ties: []\nstiffness: standard\nexperiment: {kind: material}\n"),
+      Contains("joins several `bodies`"));
+  CHECK_THAT(refusal(kPair, {"bodies.higher.rigid=true"}), Contains("did you mean 'high'?"));
+}
+
+TEST_CASE("a filled organ: its volume is told, its mass is that of the surface, its material exact", "[bodies][fill]") {
+  const auto scene = load(kBall);
+  REQUIRE(scene->notes.size() == 1);
+  CHECK_THAT(scene->notes[0], StartsWith("organ.stl filled: ") && Contains("% of the surface's 359.32 cm3"));
+  const Body& body = scene->specimen.body;
+  CHECK(body.mass.sum() == Approx(1100 * 359.3199e-6).epsilon(1e-6));  // of tools/make_surface
+  CHECK(inspect(body).pieces == 1);
+  const double bulk = 1e4 / (3 * (1 - 2 * 0.25));
+  CHECK(measures(kBall).get("bulk_modulus") == Approx(bulk).epsilon(1e-8));
+  CHECK(measures(kBall, {"stiffness=calibrated:patch", "body.fill.connections={within: 19 mm}"}).get("bulk_modulus") ==
+        Approx(bulk).epsilon(1e-6));
+  CHECK_THAT(make_record(*scene, {}).notes.at(0), Contains("organ.stl"));
+  const auto bare = load(kBall, {"body.fill.cells=none", "body.fill.packing=blue_noise",
+                                 "experiment={kind: tension, axis: z, force: 1 mN, grip_depth: 8 mm}"});
+  CHECK(bare->specimen.body.tetrahedra.empty());
+  CHECK(bare->specimen.body.mass.sum() == Approx(1100 * 359.3199e-6).epsilon(1e-6));
+  CHECK_THAT(unsuited(bare->specimen, *bare->experiment, choose_strategy(built_in_catalog(), "patch")),
+             Contains("leave the filled body its cells"));
+}
+
+TEST_CASE("surfaces that cannot be filled are refused with their fault and place", "[bodies][fill]") {
+  const auto change = [](const std::string& what, const std::string& by) { return refusal(replaced(kBall, what, by)); };
+  CHECK_THAT(change("organ.stl", "open.obj"),
+             Contains("scene.yaml:2:21: body.fill.file: 'open.obj' encloses no volume that could be filled: "));
+  CHECK_THAT(change("organ.stl", "orgn.stl"), Contains("did you mean 'organ.stl'?"));
+  CHECK_THAT(change("spacing: 12 mm", "spacing: 1 um"),
+             Contains("scene.yaml:2:") && Contains("body.fill.spacing: that is ") && Contains("5e+06"));
+  CHECK_THAT(change("spacing: 12 mm", "spacing: 1 m, boundary: none"), Contains("too wide"));
+  CHECK_THAT(change("12 mm}", "12 mm, packing: latice}"), Contains("did you mean 'lattice'?"));
+  CHECK_THAT(change("12 mm}}", "12 mm}, jitter: {amount: 0.1}}"), Contains("body.jitter"));
+  CHECK_THAT(change("12 mm}}", "12 mm}, cells: delaunay}"), Contains("inside `fill`"));
+}

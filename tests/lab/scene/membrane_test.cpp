@@ -1,0 +1,102 @@
+// Scenes of surfaces and of what blows them up.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "lab/scene/scene.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string scene_of(const std::string& body, const std::string& experiment = "{kind: inflation, pressure: 10 kPa}",
+                     const std::string& more = "") {
+  return "title: A surface\nbody: {" + body +
+         "}\nmaterial: {youngs_modulus: 50 MPa, poissons_ratio: 0.3, thickness: 1 mm}\nstiffness: two_parameter\n"
+         "experiment: " +
+         experiment + "\n" + more;
+}
+
+std::string refusal(const std::string& text) {
+  const TemporaryFolder folder;
+  try {
+    load_scene(folder.write("surface.yaml", text), built_in_catalog());
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+Run run_of(const std::string& text) {
+  const TemporaryFolder folder;
+  const auto scene = load_scene(folder.write("surface.yaml", text), built_in_catalog());
+  return run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+}
+
+const std::string kBall = "sphere: {radius: 1 m, divisions: 4}";
+
+}  // namespace
+
+TEST_CASE("surfaces of scenes have the cells of their kind", "[scene]") {
+  const TemporaryFolder folder;
+  folder.write("corner.obj", "v 0 0 0\nv 3 0 0\nv 0 3 0\nv 0 0 3\nf 2 3 4\nf 1 3 2\nf 1 4 3\nf 1 2 4\n");
+  const std::string tension = "{kind: tension, axis: x, displacement: 1 mm, cross_section: 1 cm2}";
+  for (const auto& [body, cells] : std::vector<std::pair<std::string, std::size_t>>{
+           {"sphere: {radius: 1 m, divisions: 3}", 180},
+           {"sphere: {radius: 1 m, mesh: type_2, divisions: 3}", 72},
+           {"disc: {radius: 1 m, rings: 3}", 54},
+           {"sheet: {size: [1 m, 2 m], squares: [2, 3]}", 12},
+           {"sheet: {size: [1 m, 2 m], squares: [2, 3], pattern: crossed}", 24},
+           {"canopy: {width: 1 m, span: 3 m, squares: 2}", 40},
+           {"mesh: {file: corner.obj, length_unit: mm}", 4},
+           {"molecules: [[0 m, 0 m, 0 m], [1 m, 0 m, 0 m], [0 m, 1 m, 0 m]], triangles: [[0, 1, 2]]", 1}}) {
+    INFO(body);
+    const auto scene = load_scene(folder.write("one.yaml", scene_of(body, tension)), built_in_catalog());
+    CHECK(scene->specimen.body.triangles.size() == cells);
+    CHECK(scene->specimen.body.mass.sum() > 0);
+  }
+}
+
+TEST_CASE("what is wrong with a surface or its pressure is told at its key", "[scene]") {
+  const std::vector<std::pair<std::string, std::string>> slips{
+      {scene_of("sphere: {radius: 1 m, mesh: type_3, divisions: 3}"),
+       "surface.yaml:2:36: body.sphere.mesh: 'type_3' is not known here; did you mean 'type_1'?"},
+      {scene_of("sphere: {radius: 1 m, mesh: type_2, divisions: 2}"), "body.sphere.divisions: "},
+      {scene_of("sphere_octant: {radius: 1 m, mesh: icosahedron, divisions: 2}"), "'icosahedron' is not known here"},
+      {scene_of("sheet: {size: [1 m, 0 m], squares: [2, 3]}"), "body.sheet.size[1]: "},
+      {scene_of("canopy: {width: 2 m, span: 1 m, squares: 2}"), "the span of a cross must be more than its width"},
+      {scene_of("disc: {radius: 1 m, rings: 2}"), "inflation needs a closed surface: 12 sides"},
+      {scene_of("molecules: [[0 m, 0 m, 0 m], [1 m, 0 m, 0 m], [0 m, 1 m, 0 m]], triangles: [[0, 1, 1]]"),
+       "body.triangles[0]: a triangle needs three different molecules"},
+      {scene_of(kBall, "{kind: inflation}"), "give one of pressure, volume_ratio"},
+      {scene_of(kBall, "{kind: inflation, pressure: 1 kPa, volume_ratio: 2}"), "give one of pressure, volume_ratio"},
+      {scene_of(kBall, "{kind: inflation, presure: 1 kPa}"), "did you mean 'pressure'?"},
+      {scene_of(kBall, "{kind: inflation, pressure: 1 kPa, symmetry: [x, x]}"), "must be perpendicular"},
+      {scene_of(kBall, "{kind: inflation, gas: {exponent: 1.4}}"), "experiment.gas: give one of amount"},
+      {scene_of(kBall, "{kind: inflation, gas: {amount: 1 kJ, exponent: 3}}"), "experiment.gas.exponent: "},
+      {scene_of("disc: {radius: 1 m, rings: 2}", "{kind: tension, axis: x, force: 1 N, cross_section: 1 cm2}",
+                "loads: [{gas: {amount: 1 kJ}}]\n"),
+       "loads[0].gas: gas needs a closed surface"},
+      {scene_of("lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 1 m}",
+                "{kind: tension, axis: x, force: 1 N, cross_section: 1 cm2}", "loads: [{pressure: 1 kPa}]\n"),
+       "loads[0].pressure: a pressure needs a body with triangles"}};
+  for (const auto& [text, wanted] : slips) CHECK_THAT(refusal(text), Contains(wanted));
+}
+
+TEST_CASE("a scene turned about is inflated alike, and its own pressure adds to the experiment's", "[scene]") {
+  const std::string octant = "sphere_octant: {radius: 1 m, mesh: type_1, divisions: 5}";
+  const std::string inflation = "{kind: inflation, pressure: 10 kPa, symmetry: [x, y, z]}";
+  const Run straight = run_of(scene_of(octant, inflation)),
+            turned = run_of(scene_of(octant, inflation, "rotate: {axis: [1, 2, 3], angle: 40 deg}\n"));
+  REQUIRE(straight.outcome == Outcome::converged);
+  REQUIRE(turned.outcome == Outcome::converged);
+  for (const char* measure : {"radius", "corner_radius", "enclosed_volume"})
+    CHECK(turned.measures.get(measure) == Approx(straight.measures.get(measure)).epsilon(1e-9));
+  const Run whole = run_of(scene_of(kBall)),
+            parts = run_of(scene_of(kBall, "{kind: inflation, pressure: 6 kPa}", "loads: [{pressure: 4 kPa}]\n"));
+  REQUIRE(parts.outcome == Outcome::converged);
+  CHECK(parts.measures.get("radius") == Approx(whole.measures.get("radius")).epsilon(1e-8));
+}

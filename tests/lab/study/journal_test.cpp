@@ -1,0 +1,111 @@
+#include "lab/study/journal.h"
+
+#include <sys/wait.h>
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+
+#include "elastin/core/base/error.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string kCube = R"(title: A small cube
+body:
+  lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 7.5 mm, connections: [axis, face]}
+material: {youngs_modulus: 5 kPa}
+stiffness: lattice
+strategies: [standard, lattice, angles]
+experiment: {kind: tension, axis: z, force: 11.25 uN}
+)";
+
+/// Runs a shell line in the folder, where $elastin is the command; returns its exit code.
+int shell(const TemporaryFolder& folder, const std::string& line) {
+  const std::string whole =
+      "cd '" + folder.path("") + "' && elastin='" ELASTIN_COMMAND "' bash -c '" + line + "' > out 2> err";
+  const int status = std::system(whole.c_str());
+  REQUIRE(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+}  // namespace
+
+TEST_CASE("a line that was cut off is no line", "[journal]") {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("rows", "one\ntwo\nthr");
+  CHECK(lines_of(path) == std::vector<std::string>{"one", "two"});
+  LineFile(path, true).add("three");
+  CHECK(text_of_file(path) == "one\ntwo\nthree\n");
+  LineFile(path, false).add("four");
+  CHECK(text_of_file(path) == "four\n");
+  CHECK_THROWS_WITH(LineFile("/dev/null/rows", false), Contains("/dev/null/rows: cannot make its folder"));
+}
+
+TEST_CASE("a key changes with every part and where one ends", "[journal]") {
+  std::set<std::string> keys;
+  for (const std::vector<std::string>& parts :
+       std::vector<std::vector<std::string>>{{}, {""}, {"ab", "c"}, {"a", "bc"}, {"abc"}, {"abc", ""}})
+    keys.insert(key_of(parts));
+  CHECK(keys.size() == 6);
+}
+
+TEST_CASE("a study that is killed goes on with --resume and loses no finished row", "[journal][command]") {
+  const TemporaryFolder folder;
+  folder.write("cube.yaml", kCube);
+  const std::string study =
+      "$elastin compare cube.yaml --quiet --vary material.poissons_ratio=[0.1,0.2,0.25] "
+      "--vary solver.tolerance=[1e-8,1e-9,1e-10,1e-11] --repeats 10 ";
+  // Killed as soon as five rows are on disk; 360 are to come.
+  shell(folder, study +
+                    "--out o & until [ \"$(cat o/runs.jsonl 2>/dev/null | wc -l)\" -ge 5 ]; do sleep 0.01; done; "
+                    "kill -9 $!; wait $!");
+  const std::vector<std::string> before = lines_of(folder.path("o/runs.jsonl"));
+  REQUIRE(before.size() >= 5);
+  REQUIRE(before.size() < 360);
+  REQUIRE(shell(folder, study + "--resume o") == 0);
+  const std::vector<std::string> after = lines_of(folder.path("o/runs.jsonl"));
+  REQUIRE(after.size() == 360);
+  CHECK(std::vector<std::string>(after.begin(), after.begin() + static_cast<long>(before.size())) == before);
+  CHECK(std::set<std::string>(after.begin(), after.end()).size() == 360);
+  CHECK(lines_of(folder.path("o/runs.csv")).size() == 1 + 36);
+  CHECK(std::filesystem::exists(folder.path("o/report.html")));
+  // Nothing is left to do; another number is another row.
+  REQUIRE(shell(folder, study + "--resume o") == 0);
+  CHECK(lines_of(folder.path("o/runs.jsonl")).size() == 360);
+  REQUIRE(shell(folder, "$elastin compare cube.yaml --quiet --set material.youngs_modulus=6000 --resume o") == 0);
+  CHECK(lines_of(folder.path("o/runs.jsonl")).size() == 363);
+}
+
+TEST_CASE("a full disk is named, and the rows before it stay", "[journal][command]") {
+  const TemporaryFolder folder;
+  folder.write("cube.yaml", kCube);
+  const std::string study = "$elastin compare cube.yaml --quiet --repeats 100 ";
+  // No file may grow beyond 64 kB: writing fails as on a full disk.
+  CHECK(shell(folder, "trap \"\" XFSZ; ulimit -f 64; " + study + "--out o") == 2);
+  CHECK_THAT(text_of_file(folder.path("err")), Contains("o/runs.jsonl: cannot write: File too large"));
+  const std::size_t before = lines_of(folder.path("o/runs.jsonl")).size();
+  CHECK(before > 10);
+  CHECK(text_of_file(folder.path("o/runs.jsonl")).back() == '\n');
+  REQUIRE(shell(folder, study + "--resume o") == 0);
+  CHECK(lines_of(folder.path("o/runs.jsonl")).size() == 300);
+}
+
+TEST_CASE("a row of a study that fails says why and does not end it", "[journal][command]") {
+  const TemporaryFolder folder;
+  folder.write("cube.yaml", kCube);
+  CHECK(shell(folder,
+              "$elastin compare cube.yaml --vary \"{body.lattice.molecules: [[3, 3, 3], [0, 3, 3], [4, 4, 4]]}\"") ==
+        1);
+  const std::string out = text_of_file(folder.path("out"));
+  CHECK_THAT(out, Contains("body.lattice.molecules[0]: ") && Contains("is not a whole number of at least"));
+  CHECK_THAT(out, Contains("[4, 4, 4]"));
+  // That the first one cannot even be read is a slip, said at once.
+  CHECK(shell(folder, "$elastin compare cube.yaml --vary body.lattice.molecule=[[3,3,3]]") == 2);
+  CHECK_THAT(text_of_file(folder.path("err")), Contains("unknown key") && Contains("did you mean"));
+}

@@ -1,0 +1,157 @@
+#include <algorithm>
+#include <bit>
+#include <catch2/catch.hpp>
+#include <cstdint>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/forces/pressure.h"
+#include "elastin/mesh/mesh_file.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::mesh;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// A corner of a cube of 3: volume 3³/6.
+const std::vector<std::array<float, 3>> kPoints{{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {0, 0, 3}};
+const Cells<3> kTriangles{{1, 2, 3}, {0, 2, 1}, {0, 3, 2}, {0, 1, 3}};
+
+std::string ascii_stl() {
+  std::string text = "solid corner\n";
+  for (const auto& triangle : kTriangles) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (const int corner : triangle) {
+      text += "vertex";
+      for (const float x : kPoints[static_cast<std::size_t>(corner)]) text += " " + std::to_string(x);
+      text += "\n";
+    }
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid corner\n";
+}
+
+void append(std::string& bytes, const void* value, std::size_t size) {
+  bytes.append(static_cast<const char*>(value), size);
+}
+
+std::string binary_stl() {
+  static_assert(std::endian::native == std::endian::little);
+  std::string bytes(80, ' ');
+  const std::uint32_t count = 4;
+  append(bytes, &count, 4);
+  const std::array<float, 3> normal{};
+  for (const auto& triangle : kTriangles) {
+    append(bytes, normal.data(), 12);
+    for (const int corner : triangle) append(bytes, kPoints[static_cast<std::size_t>(corner)].data(), 12);
+    bytes += std::string(2, '\0');
+  }
+  return bytes;
+}
+
+const char* const kObj = "v 0 0 0\nv 3 0 0\nv 0 3 0\nv 0 0 3\nf 2 3 4\nf 1 3 2\nf 1 4 3\nf 1 2 4\n";
+const char* const kPly =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+    "0 0 0\n3 0 0\n0 3 0\n0 0 3\n3 1 2 3\n3 0 2 1\n3 0 3 2\n3 0 1 3\n";
+
+/// With what a scanner adds: a comment, colours, quality, an element of its own.
+std::string binary_ply(std::endian order) {
+  std::string bytes =
+      order == std::endian::little ? "ply\nformat binary_little_endian 1.0\n" : "ply\nformat binary_big_endian 1.0\n";
+  bytes +=
+      "comment a scan\nelement vertex 4\nproperty uchar red\nproperty float x\nproperty double y\nproperty short z\n"
+      "element camera 1\nproperty list ushort float lens\nelement face 4\nproperty float quality\n"
+      "property list uint int vertex_index\nend_header\n";
+  const auto put = [&](const auto& value) {
+    std::string raw(reinterpret_cast<const char*>(&value), sizeof value);
+    if (order != std::endian::native) std::reverse(raw.begin(), raw.end());
+    bytes += raw;
+  };
+  for (const auto& [x, y, z] : kPoints) {
+    put(std::uint8_t{200}), put(x), put(static_cast<double>(y)), put(static_cast<std::int16_t>(z));
+  }
+  put(std::uint16_t{2}), put(1.F), put(2.F);
+  for (const auto& triangle : kTriangles) {
+    put(0.5F), put(std::uint32_t{3});
+    for (const int corner : triangle) put(corner);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("surfaces come from STL, OBJ and PLY with their corners joined", "[surface_file]") {
+  const TemporaryFolder folder;
+  for (const auto& [name, bytes] : {std::pair<std::string, std::string>{"ascii.stl", ascii_stl()},
+                                    {"binary.STL", binary_stl()},
+                                    {"corner.obj", kObj},
+                                    {"corner.ply", kPly},
+                                    {"little.ply", binary_ply(std::endian::little)},
+                                    {"big.ply", binary_ply(std::endian::big)}}) {
+    INFO(name);
+    const Mesh mesh = load_mesh(folder.write(name, bytes));
+    CHECK(mesh.points.cols() == 4);
+    REQUIRE(mesh.triangles.size() == 4);
+    CHECK(mesh.tetrahedra.empty());
+    CHECK(enclosed_volume(mesh.triangles, mesh.points, {1, 2, 3}) == Approx(4.5).epsilon(1e-12));
+    CHECK(inspect_surface(mesh.triangles).rim_sides == 0);
+  }
+  // Polygons are cut.
+  const Mesh square = load_mesh(folder.write("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"));
+  CHECK(square.triangles.size() == 2);
+  CHECK(square.points.cols() == 4);
+}
+
+TEST_CASE("a PLY file that is broken is refused where it is", "[surface_file]") {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& from, const std::string& to) -> std::string {
+    std::string text = kPly;
+    text.replace(text.find(from), from.size(), to);
+    try {
+      load_mesh(folder.write("a.ply", text));
+    } catch (const InputError& error) {
+      return std::string(error.what()).substr(folder.path("").size());
+    }
+    return "";
+  };
+  CHECK(refusal("ascii", "ASCII") ==
+        "a.ply:2:8: expected ascii, binary_little_endian or binary_big_endian, found 'ASCII'");
+  CHECK(refusal("1.0", "2.0") == "a.ply:2:14: expected 1.0, found '2.0'");
+  CHECK(refusal("property float x", "property flota x") ==
+        "a.ply:4:10: expected a type of number (char to double), found 'flota'");
+  CHECK_THAT(refusal("float z", "float y"), Contains("a.ply:3:1: expected a vertex with the properties x, y and z"));
+  CHECK_THAT(refusal("float z", "float w"), Contains("a.ply:3:1: expected a vertex with the properties x, y and z"));
+  CHECK_THAT(refusal("vertex_indices", "corners"), Contains("a.ply:7:1: expected a face with the property list"));
+  CHECK_THAT(refusal("element face 4", "element face 999999999"), Contains("a.ply:7:14: expected the number of"));
+  CHECK_THAT(refusal("element vertex 4", "element vertex 5"), Contains("face 1 has 1 corners; 3 or more make one"));
+  CHECK_THAT(refusal("3 1 2 3", "3 1 2 4"), Contains("a.ply:14:7: face 0 uses vertex 4, but there are 4"));
+  CHECK_THAT(refusal("3 1 2 3", "3 1 2 -1"), Contains("face 0 uses vertex -1"));
+  CHECK_THAT(refusal("3 1 2 3", "3 1 2 2"), Contains("a.ply:14:1: face 0 is a flat triangle"));
+  CHECK_THAT(refusal("0 0 3", "0 0 nan"), Contains("a.ply:13:5: expected a coordinate, a finite number"));
+  CHECK_THAT(refusal("3 0 1 3", "3 0 1 3 7"), Contains("expected no more numbers here"));
+  CHECK_THAT(refusal("3 0 1 3", "3 0 1"), Contains("but the data ends here"));
+  CHECK(load_mesh(folder.write("quad.ply",
+                               "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+                               "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                               "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n"))
+            .triangles == Cells<3>{{0, 1, 2}, {0, 2, 3}});
+}
+
+TEST_CASE("a surface file that is broken is refused by its name", "[surface_file]") {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& name, const std::string& bytes) -> std::string {
+    try {
+      load_mesh(folder.write(name, bytes));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  CHECK_THAT(refusal("short.stl", binary_stl().substr(0, 150)), Contains("short.stl: not a surface that can be read"));
+  CHECK_THAT(refusal("words.ply", "nothing of the kind"), Contains("words.ply:1:1: expected ply, found 'nothing'"));
+  CHECK_THAT(refusal("empty.obj", ""), Contains("empty.obj: "));
+  CHECK_THAT(refusal("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 4\nf 1 2 3\n"),
+             Contains("flat.obj: face 1 is a flat triangle"));
+}

@@ -1,0 +1,76 @@
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <random>
+
+#include "elastin/core/laws/simplex.h"
+
+namespace elastin::testing {
+
+template <int corners>
+using Places = Eigen::Matrix<double, 3, corners>;
+
+/// Numbers in [−1, 1), the same with every standard library.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : generator_(seed) {}
+  double number() { return static_cast<double>(generator_() >> 11) * 0x1p-52 - 1; }
+  template <int rows, int columns>
+  Eigen::Matrix<double, rows, columns> matrix() {
+    return Eigen::Matrix<double, rows, columns>::NullaryExpr([this] { return number(); });
+  }
+  Matrix3 rotation() { return Eigen::Quaterniond(matrix<4, 1>().normalized()).toRotationMatrix(); }
+
+ private:
+  std::mt19937_64 generator_;
+};
+
+/// A cell of about 5 mm, no thinner than a tenth of what it could be.
+template <int corners>
+Places<corners> random_cell(Random& random) {
+  for (;;) {
+    const Places<corners> cell = 0.005 * random.matrix<3, corners>();
+    const Simplex<corners> simplex(cell);
+    const double side2 = simplex.squared_lengths.maxCoeff();
+    if (simplex.measure > (corners == 4 ? 0.012 * side2 * std::sqrt(side2) : 0.04 * side2)) return cell;
+  }
+}
+
+/// I + a change of up to 40 %, not inverted.
+inline Matrix3 random_deformation(Random& random) {
+  for (;;) {
+    const Matrix3 F = Matrix3::Identity() + 0.4 * random.matrix<3, 3>();
+    if (F.determinant() > 0.2) return F;
+  }
+}
+
+template <int corners>
+CellVector<corners> squared_lengths(const Places<corners>& places) {
+  CellVector<corners> s;
+  for (int a = 0, connection = 0; a < corners; ++a)
+    for (int b = a + 1; b < corners; ++b) s[connection++] = (places.col(b) - places.col(a)).squaredNorm();
+  return s;
+}
+
+/// f_a = Σ_b q_ab (x_b − x_a) [N].
+template <int corners>
+Places<corners> forces(const Places<corners>& places, const CellVector<corners>& q) {
+  Places<corners> f = Places<corners>::Zero();
+  for (int a = 0, connection = 0; a < corners; ++a)
+    for (int b = a + 1; b < corners; ++b) {
+      const Vector3 pull = q[connection++] * (places.col(b) - places.col(a));
+      f.col(a) += pull;
+      f.col(b) -= pull;
+    }
+  return f;
+}
+
+inline Material material_of(double E, double nu) {
+  Material material;
+  material.youngs_modulus = E;
+  material.poissons_ratio = nu;
+  material.thickness = 0.001;
+  return material;
+}
+
+}  // namespace elastin::testing
