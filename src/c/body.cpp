@@ -75,7 +75,7 @@ Body lattice_of(const int counts[3], const double spacing[3], int pattern, doubl
   if (pattern < 1 || pattern > (ELASTIN_AXIS | ELASTIN_FACE | ELASTIN_SPACE))
     throw InputError("pattern is " + std::to_string(pattern) +
                      "; it must be one or more of ELASTIN_AXIS, ELASTIN_FACE, ELASTIN_SPACE");
-  const auto has = [&](int way) { return (pattern & way) != 0; };
+  const auto has = [&](int bit) { return (pattern & bit) != 0; };
   Body body =
       cubic_lattice({counts[0], counts[1], counts[2]}, 1, {has(ELASTIN_AXIS), has(ELASTIN_FACE), has(ELASTIN_SPACE)});
   stretch(body, {spacing[0], spacing[1], spacing[2]});
@@ -125,7 +125,8 @@ using elastin::c::guarded;
 extern "C" {
 
 elastin_status elastin_body_from_arrays(const elastin_arrays* arrays, elastin_body** body) {
-  return elastin::c::hand_out(body, [&] { return elastin::c::body_of(elastin::c::taken(arrays, "elastin_arrays")); });
+  return elastin::c::hand_out(body,
+                              [&] { return elastin::c::body_of(elastin::c::checked_copy(arrays, "elastin_arrays")); });
 }
 
 elastin_status elastin_lattice(const int counts[3], const double spacing[3], int pattern, double density,

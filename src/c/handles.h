@@ -75,7 +75,7 @@ T& given(T* pointer, const char* name) {
 /// A caller's structure as the present header has it: what an older one did not have is zero. Throws InputError where
 /// its size says that it is none.
 template <class T>
-T taken(const T* structure, const char* name) {
+T checked_copy(const T* structure, const char* name) {
   given(structure, name);
   std::size_t size = 0;
   std::memcpy(&size, structure, sizeof size);
@@ -90,7 +90,7 @@ T taken(const T* structure, const char* name) {
 /// Fills a caller's structure as far as it knows it.
 template <class T>
 void put(const T& values, T* structure, const char* name) {
-  const std::size_t size = taken(structure, name).size;
+  const std::size_t size = checked_copy(structure, name).size;
   std::memcpy(reinterpret_cast<char*>(structure) + sizeof size, reinterpret_cast<const char*>(&values) + sizeof size,
               size - sizeof size);
 }
@@ -102,11 +102,11 @@ void show(Matrix& matrix, Number** values, std::size_t* count) {
   if (count) *count = static_cast<std::size_t>(matrix.size());
 }
 
-inline Vector3 place_of(const double numbers[3], const char* name) {
+inline Vector3 position_of(const double numbers[3], const char* name) {
   given(numbers, name);
-  const Vector3 place(numbers[0], numbers[1], numbers[2]);
-  if (!place.allFinite()) throw InputError(std::string(name) + " must be three finite numbers");
-  return place;
+  const Vector3 position(numbers[0], numbers[1], numbers[2]);
+  if (!position.allFinite()) throw InputError(std::string(name) + " must be three finite numbers");
+  return position;
 }
 
 /// A strategy by name, with the endings that its name may have.

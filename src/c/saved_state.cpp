@@ -73,11 +73,11 @@ void pass_all(Archive& archive, std::vector<Item>& items) {
 }
 
 template <class Archive>
-void pass(Archive& archive, TouchMemory& touch) {
-  pass(archive, touch.sample), pass(archive, touch.target), pass(archive, touch.count);
-  for (int& molecule : touch.molecules) pass(archive, molecule);
-  for (double& weight : touch.weights) pass(archive, weight);
-  pass(archive, touch.offset), pass(archive, touch.multiplier);
+void pass(Archive& archive, ContactHistory& entry) {
+  pass(archive, entry.sample), pass(archive, entry.target), pass(archive, entry.count);
+  for (int& molecule : entry.molecules) pass(archive, molecule);
+  for (double& weight : entry.weights) pass(archive, weight);
+  pass(archive, entry.offset), pass(archive, entry.multiplier);
 }
 
 template <class Archive>
@@ -87,28 +87,29 @@ void pass(Archive& archive, Support& support) {
 }
 
 template <class Archive>
-void pass(Archive& archive, Grip& grip) {
-  pass(archive, grip.id), pass(archive, grip.molecule), pass(archive, grip.stiffness), pass(archive, grip.damping);
-  pass(archive, grip.place), pass(archive, grip.velocity);
+void pass(Archive& archive, Coupling& coupling) {
+  pass(archive, coupling.id), pass(archive, coupling.molecule), pass(archive, coupling.stiffness),
+      pass(archive, coupling.damping);
+  pass(archive, coupling.position), pass(archive, coupling.velocity);
 }
 
 template <class Archive>
-void pass(Archive& archive, SimulationState::Hold& hold) {
-  pass(archive, hold.molecule);
-  std::uint8_t moves = hold.next.has_value();
+void pass(Archive& archive, SimulationState::HostSupport& support) {
+  pass(archive, support.molecule);
+  std::uint8_t moves = support.next.has_value();
   pass(archive, moves);
   if (moves > 1) throw InputError("the saved state is damaged");
-  if (moves && !hold.next) hold.next.emplace();
-  if (moves) pass(archive, *hold.next);
+  if (moves && !support.next) support.next.emplace();
+  if (moves) pass(archive, *support.next);
 }
 
 template <class Archive>
 void pass(Archive& archive, SimulationState& saved) {
   State& state = saved.state;
   pass(archive, state.positions), pass(archive, state.velocities), pass(archive, state.time);
-  pass(archive, state.accelerations), pass_all(archive, state.touches);
+  pass(archive, state.accelerations), pass_all(archive, state.contact_history);
   pass_all(archive, saved.supports), pass(archive, saved.host_forces);
-  pass_all(archive, saved.grips), pass_all(archive, saved.holds), pass(archive, saved.others_supports);
+  pass_all(archive, saved.couplings), pass_all(archive, saved.host_supports), pass(archive, saved.others_supports);
 }
 
 }  // namespace

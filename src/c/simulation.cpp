@@ -10,9 +10,9 @@ namespace {
 
 /// What a step said, as the caller's structure; a status.
 template <class Result>
-elastin_status told(const Result& result, int parts, elastin_step_result* out) {
+elastin_status told(const Result& result, int substeps, elastin_step_result* out) {
   if (out) {
-    const elastin_step_result values{0, static_cast<int>(result.outcome), parts, result.newton_iterations,
+    const elastin_step_result values{0, static_cast<int>(result.outcome), substeps, result.newton_iterations,
                                      result.linear_iterations};
     put(values, out, "elastin_step_result");
   }
@@ -37,7 +37,7 @@ void write(const Vector3& vector, double numbers[3], const char* name) {
 }
 
 /// Bending acts between molecules across a side: those are sides of cells too.
-void make_room_for_bending(Body& body) {
+void prepare_bending(Body& body) {
   const std::string why = unsuited_for_bending(body);
   if (!why.empty()) throw InputError("bending_rigidity: " + why);
   add_cell_sides(body, bending_pairs(body));
@@ -50,7 +50,7 @@ std::unique_ptr<elastin_simulation> simulate(const elastin_body& body, const cha
   std::unique_ptr<CallbackRunner> runner;
   SimulationOptions chosen = options_of(options, runner);
   Body copy = body.body;
-  if (made_of.bending_rigidity > 0) make_room_for_bending(copy);
+  if (made_of.bending_rigidity > 0) prepare_bending(copy);
 #ifdef ELASTIN_C_LAB
   lab::prepare(copy, strategy, made_of);
 #endif
@@ -79,17 +79,17 @@ void elastin_simulation_free(elastin_simulation* simulation) { delete simulation
 elastin_status elastin_step(elastin_simulation* simulation, double dt, elastin_step_result* result) {
   return guarded([&] {
     elastin_simulation& handle = given(simulation, "simulation");
-    if (result) elastin::c::taken(result, "elastin_step_result");
+    if (result) elastin::c::checked_copy(result, "elastin_step_result");
     handle.stepped = true;
     const elastin::StepResult reached = handle.simulation.step(dt);
-    return elastin::c::told(reached, reached.parts, result);
+    return elastin::c::told(reached, reached.substeps, result);
   });
 }
 
 elastin_status elastin_settle(elastin_simulation* simulation, elastin_step_result* result) {
   return guarded([&] {
     elastin_simulation& handle = given(simulation, "simulation");
-    if (result) elastin::c::taken(result, "elastin_step_result");
+    if (result) elastin::c::checked_copy(result, "elastin_step_result");
     handle.stepped = true;
     return elastin::c::told(handle.simulation.settle(), 1, result);
   });
@@ -119,18 +119,19 @@ elastin_status elastin_host_forces(elastin_simulation* simulation, double** valu
   return guarded([&] { elastin::c::show(given(simulation, "simulation").simulation.host_forces(), values, count); });
 }
 
-elastin_status elastin_hold(elastin_simulation* simulation, int molecule, int free_axes) {
+elastin_status elastin_fix(elastin_simulation* simulation, int molecule, int free_axes) {
   return guarded(
-      [&] { given(simulation, "simulation").simulation.hold(molecule, elastin::c::free_directions(free_axes)); });
+      [&] { given(simulation, "simulation").simulation.fix(molecule, elastin::c::free_directions(free_axes)); });
 }
 
 elastin_status elastin_release(elastin_simulation* simulation, int molecule) {
   return guarded([&] { given(simulation, "simulation").simulation.release(molecule); });
 }
 
-elastin_status elastin_move_to(elastin_simulation* simulation, int molecule, const double place[3]) {
-  return guarded(
-      [&] { given(simulation, "simulation").simulation.move_to(molecule, elastin::c::place_of(place, "place")); });
+elastin_status elastin_move_to(elastin_simulation* simulation, int molecule, const double position[3]) {
+  return guarded([&] {
+    given(simulation, "simulation").simulation.move_to(molecule, elastin::c::position_of(position, "position"));
+  });
 }
 
 elastin_status elastin_reaction(const elastin_simulation* simulation, int molecule, double force[3]) {
@@ -141,31 +142,31 @@ elastin_status elastin_reaction(const elastin_simulation* simulation, int molecu
   });
 }
 
-elastin_status elastin_grab(elastin_simulation* simulation, int molecule, const double place[3], double stiffness,
-                            double damping, int* grip) {
+elastin_status elastin_couple(elastin_simulation* simulation, int molecule, const double position[3], double stiffness,
+                              double damping, int* coupling) {
   return guarded([&] {
     elastin::Simulation& tissue = given(simulation, "simulation").simulation;
-    given(grip, "grip");
-    *grip = tissue.grab(molecule, elastin::c::place_of(place, "place"), stiffness, damping);
+    given(coupling, "coupling");
+    *coupling = tissue.couple(molecule, elastin::c::position_of(position, "position"), stiffness, damping);
   });
 }
 
-elastin_status elastin_move_grip(elastin_simulation* simulation, int grip, const double place[3],
-                                 const double velocity[3]) {
+elastin_status elastin_move_coupling(elastin_simulation* simulation, int coupling, const double position[3],
+                                     const double velocity[3]) {
   return guarded([&] {
     elastin::Simulation& tissue = given(simulation, "simulation").simulation;
-    const elastin::Vector3 at = elastin::c::place_of(place, "place"), still = elastin::Vector3::Zero();
-    tissue.move_grip(grip, at, velocity ? elastin::c::place_of(velocity, "velocity") : still);
+    const elastin::Vector3 at = elastin::c::position_of(position, "position"), still = elastin::Vector3::Zero();
+    tissue.move_coupling(coupling, at, velocity ? elastin::c::position_of(velocity, "velocity") : still);
   });
 }
 
-elastin_status elastin_grip_force(const elastin_simulation* simulation, int grip, double force[3]) {
+elastin_status elastin_coupling_force(const elastin_simulation* simulation, int coupling, double force[3]) {
   return guarded(
-      [&] { elastin::c::write(given(simulation, "simulation").simulation.grip_force(grip), force, "force"); });
+      [&] { elastin::c::write(given(simulation, "simulation").simulation.coupling_force(coupling), force, "force"); });
 }
 
-elastin_status elastin_let_go(elastin_simulation* simulation, int grip) {
-  return guarded([&] { given(simulation, "simulation").simulation.let_go(grip); });
+elastin_status elastin_decouple(elastin_simulation* simulation, int coupling) {
+  return guarded([&] { given(simulation, "simulation").simulation.decouple(coupling); });
 }
 
 elastin_status elastin_observe(elastin_simulation* simulation, int every, elastin_observer see, void* context) {

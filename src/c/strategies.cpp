@@ -76,7 +76,7 @@ Strategy strategy_of(const char* name) {
 }
 
 Material material_of(const elastin_material* given) {
-  const elastin_material values = taken(given, "elastin_material");
+  const elastin_material values = checked_copy(given, "elastin_material");
   Material material;
   material.youngs_modulus = within(values.youngs_modulus, kLeast, kMost, "youngs_modulus");
   material.poissons_ratio = within(values.poissons_ratio, -0.99, 0.5, "poissons_ratio");
@@ -88,10 +88,11 @@ Material material_of(const elastin_material* given) {
 SimulationOptions options_of(const elastin_options* given, std::unique_ptr<CallbackRunner>& runner) {
   SimulationOptions options;
   if (!given) return options;
-  const elastin_options values = taken(given, "elastin_options");
+  const elastin_options values = checked_copy(given, "elastin_options");
   options.integrator.scheme = scheme_of(values.scheme);
   if (values.safety != 0) options.safety = within(values.safety, 1e-6, 1, "safety");
-  if (values.most_parts != 0) options.most_parts = static_cast<int>(within(values.most_parts, 1, 1e9, "most_parts"));
+  if (values.max_substeps != 0)
+    options.max_substeps = static_cast<int>(within(values.max_substeps, 1, 1e9, "max_substeps"));
   if (values.parameter_count > 0) c::given(values.parameters, "parameters");
   for (std::size_t i = 0; i < values.parameter_count; ++i)
     options.parameters[&c::given(values.parameters[i].name, "a parameter's name")] = values.parameters[i].value;

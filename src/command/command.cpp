@@ -194,7 +194,7 @@ struct Commands {
         compare(
             app.add_subcommand("compare", "Run a scene with many strategies; print measured modulus, error and cost")),
         verify(app.add_subcommand("verify", "Hold scenes against the answers that they state; print verdicts")),
-        check(app.add_subcommand("check", "Say what a scene's body is: counts, loose parts, zero-energy modes")),
+        check(app.add_subcommand("check", "Say what a scene's body is: counts, separate pieces, zero-energy modes")),
         list(app.add_subcommand("list", "List strategies, their parameters, and measures")),
         plot(app.add_subcommand("plot", "Draw two columns of a CSV file against each other: SVG")) {
     app.require_subcommand(1);

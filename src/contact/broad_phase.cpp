@@ -34,57 +34,58 @@ Rows neighbours_of(const Body& body) {
 
 /// A part of what is typical between neighbours on the surface: wide enough to last, narrow enough to leave few
 /// candidates. Of triangles there are many in a wide ring.
-double typical_skin(const ContactParts& parts) {
+double typical_skin(const ContactGeometry& geometry) {
   double radii = 0, sides = 0;
-  for (const Sample& sample : parts.samples) radii += sample.radius;
-  for (std::size_t t = 0; t < parts.triangles.size(); ++t) {
-    const auto [a, b, c] = parts.corners_of(static_cast<int>(t), parts.body.rest);
+  for (const Sample& sample : geometry.samples) radii += sample.radius;
+  for (std::size_t t = 0; t < geometry.triangles.size(); ++t) {
+    const auto [a, b, c] = geometry.corners_of(static_cast<int>(t), geometry.body.rest);
     sides += ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3;
   }
-  const double of_radii = parts.samples.empty() ? 0 : radii / static_cast<double>(parts.samples.size());
-  const double of_sides = parts.triangles.empty() ? 0 : sides / static_cast<double>(parts.triangles.size()) / 4;
-  const double size =
-      parts.body.size() ? (parts.body.rest.rowwise().maxCoeff() - parts.body.rest.rowwise().minCoeff()).norm() : 0;
-  return std::max({parts.spheres || of_sides == 0 ? of_radii : 0, of_sides, 1e-4 * size});
+  const double of_radii = geometry.samples.empty() ? 0 : radii / static_cast<double>(geometry.samples.size());
+  const double of_sides = geometry.triangles.empty() ? 0 : sides / static_cast<double>(geometry.triangles.size()) / 4;
+  const double size = geometry.body.size()
+                          ? (geometry.body.rest.rowwise().maxCoeff() - geometry.body.rest.rowwise().minCoeff()).norm()
+                          : 0;
+  return std::max({geometry.spheres || of_sides == 0 ? of_radii : 0, of_sides, 1e-4 * size});
 }
 
 }  // namespace
 
-BroadPhase::BroadPhase(const ContactParts& parts) : parts_(parts), skin_(typical_skin(parts)) {
-  std::vector<char> seen(static_cast<std::size_t>(parts.pieces), 0);
-  std::vector<char> moves(static_cast<std::size_t>(parts.body.size()), 0);
-  for (const Sample& sample : parts.samples) {
+BroadPhase::BroadPhase(const ContactGeometry& geometry) : geometry_(geometry), skin_(typical_skin(geometry)) {
+  std::vector<char> seen(static_cast<std::size_t>(geometry.pieces), 0);
+  std::vector<char> moves(static_cast<std::size_t>(geometry.body.size()), 0);
+  for (const Sample& sample : geometry.samples) {
     piece_of_sample_.push_back(sample.piece);
     seen[static_cast<std::size_t>(sample.piece)] = 1;
     for (int k = 0; k < sample.count; ++k) moves[static_cast<std::size_t>(sample.molecules[k])] = 1;
   }
-  for (const int piece : parts.piece_of_triangle) seen[static_cast<std::size_t>(piece)] = 1;
-  within_body_ =
-      (parts.spheres || !parts.triangles.empty()) && (parts.self || std::count(seen.begin(), seen.end(), 1) > 1);
-  if (within_body_ && !parts.spheres)
-    for (const auto& triangle : parts.triangles)
+  for (const int piece : geometry.piece_of_triangle) seen[static_cast<std::size_t>(piece)] = 1;
+  within_body_ = (geometry.spheres || !geometry.triangles.empty()) &&
+                 (geometry.self || std::count(seen.begin(), seen.end(), 1) > 1);
+  if (within_body_ && !geometry.spheres)
+    for (const auto& triangle : geometry.triangles)
       for (const int molecule : triangle) moves[static_cast<std::size_t>(molecule)] = 1;
-  for (int molecule = 0; molecule < parts.body.size(); ++molecule)
+  for (int molecule = 0; molecule < geometry.body.size(); ++molecule)
     if (moves[static_cast<std::size_t>(molecule)]) moving_.push_back(molecule);
-  if (parts.self) neighbours_ = neighbours_of(parts.body);
-  places_.resize(3, static_cast<Eigen::Index>(moving_.size()));
-  sample_boxes_.resize(parts.samples.size());
-  if (within_body_ && !parts.spheres) triangle_boxes_.resize(parts.triangles.size());
+  if (geometry.self) neighbours_ = neighbours_of(geometry.body);
+  positions_.resize(3, static_cast<Eigen::Index>(moving_.size()));
+  sample_boxes_.resize(geometry.samples.size());
+  if (within_body_ && !geometry.spheres) triangle_boxes_.resize(geometry.triangles.size());
 }
 
-void BroadPhase::refit(const Positions& places) {
+void BroadPhase::refit(const Positions& positions) {
   parallel_for(
       static_cast<int>(sample_boxes_.size()),
       [&](int s) {
-        const Sample& sample = parts_.samples[static_cast<std::size_t>(s)];
-        const Vector3 place = parts_.place_of(sample, places), wide = Vector3::Constant(sample.radius);
-        sample_boxes_[static_cast<std::size_t>(s)] = {place - wide, place + wide};
+        const Sample& sample = geometry_.samples[static_cast<std::size_t>(s)];
+        const Vector3 position = geometry_.position_of(sample, positions), wide = Vector3::Constant(sample.radius);
+        sample_boxes_[static_cast<std::size_t>(s)] = {position - wide, position + wide};
       },
       kManyBoxes);
   parallel_for(
       static_cast<int>(triangle_boxes_.size()),
       [&](int t) {
-        const auto [a, b, c] = parts_.corners_of(t, places);
+        const auto [a, b, c] = geometry_.corners_of(t, positions);
         triangle_boxes_[static_cast<std::size_t>(t)] = {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
       },
       kManyBoxes);
@@ -93,15 +94,15 @@ void BroadPhase::refit(const Positions& places) {
     if (tree.nodes().empty() || tree.worn()) tree = BoxTree(boxes, groups);
   };
   serve(samples_, sample_boxes_, piece_of_sample_);
-  if (!triangle_boxes_.empty()) serve(triangles_, triangle_boxes_, parts_.piece_of_triangle);
+  if (!triangle_boxes_.empty()) serve(triangles_, triangle_boxes_, geometry_.piece_of_triangle);
 }
 
-bool BroadPhase::still_holds(const Positions& places, const std::vector<Pose>& poses, double reach) const {
+bool BroadPhase::still_valid(const Positions& positions, const std::vector<Pose>& poses, double reach) const {
   if (left_out_.size() != poses.size() || samples_.nodes().empty()) return false;
   const double square = largest_of_ranges(static_cast<int>(moving_.size()), [&](int begin, int end) {
     double most = 0;
     for (int i = begin; i < end; ++i)
-      most = std::max(most, (places.col(moving_[static_cast<std::size_t>(i)]) - places_.col(i)).squaredNorm());
+      most = std::max(most, (positions.col(moving_[static_cast<std::size_t>(i)]) - positions_.col(i)).squaredNorm());
     return most;
   });
   const Box& all = samples_.nodes()[0].box;
@@ -118,14 +119,15 @@ bool BroadPhase::still_holds(const Positions& places, const std::vector<Pose>& p
   return true;
 }
 
-bool BroadPhase::update(const Positions& places, const std::vector<Pose>& poses, double reach) {
-  asked_ = std::max(asked_, reach);
-  if (parts_.samples.empty() || still_holds(places, poses, reach)) return false;
+bool BroadPhase::update(const Positions& positions, const std::vector<Pose>& poses, double reach) {
+  searched_reach_ = std::max(searched_reach_, reach);
+  if (geometry_.samples.empty() || still_valid(positions, poses, reach)) return false;
   // Whoever asks for little and much in turn is to be served with one look.
-  const double widest = std::exchange(asked_, reach);
-  refit(places);
-  now_ = &places;
-  for (std::size_t i = 0; i < moving_.size(); ++i) places_.col(static_cast<Eigen::Index>(i)) = places.col(moving_[i]);
+  const double widest = std::exchange(searched_reach_, reach);
+  refit(positions);
+  now_ = &positions;
+  for (std::size_t i = 0; i < moving_.size(); ++i)
+    positions_.col(static_cast<Eigen::Index>(i)) = positions.col(moving_[i]);
   poses_ = poses;
   left_out_.assign(poses.size(), kInfinite);
   left_out_in_body_ = kInfinite;
@@ -133,7 +135,7 @@ bool BroadPhase::update(const Positions& places, const std::vector<Pose>& poses,
   for (std::size_t o = 0; o < poses.size(); ++o) visit_obstacle(0, static_cast<int>(o), poses[o], widest + skin_);
   if (within_body_) {
     const double within = needed(widest) + skin_;
-    if (parts_.spheres)
+    if (geometry_.spheres)
       visit_spheres(0, within);
     else
       visit_triangles(0, 0, within);
@@ -144,7 +146,7 @@ bool BroadPhase::update(const Positions& places, const std::vector<Pose>& poses,
 
 /// Into the rows of their samples, then each row: n log n over all would take longer than to find them.
 void BroadPhase::sort_candidates() {
-  starts_.assign(parts_.samples.size() + 1, 0);
+  starts_.assign(geometry_.samples.size() + 1, 0);
   for (const Candidate& candidate : candidates_) ++starts_[static_cast<std::size_t>(candidate.sample) + 1];
   std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
   if (sorted_.capacity() < candidates_.size()) sorted_.reserve(2 * candidates_.size());
@@ -152,7 +154,7 @@ void BroadPhase::sort_candidates() {
   for (const Candidate& candidate : candidates_)
     sorted_[static_cast<std::size_t>(starts_[static_cast<std::size_t>(candidate.sample)]++)] = candidate;
   auto begin = sorted_.begin();
-  for (std::size_t s = 0; s < parts_.samples.size(); ++s) {  // each start is now its row's end
+  for (std::size_t s = 0; s < geometry_.samples.size(); ++s) {  // each start is now its row's end
     const auto end = sorted_.begin() + starts_[s];
     if (end - begin > 1) std::sort(begin, end);
     begin = end;
@@ -163,9 +165,9 @@ void BroadPhase::sort_candidates() {
 void BroadPhase::visit_obstacle(int node, int obstacle, const Pose& pose, double within) {
   const BoxTree::Node& here = samples_.nodes()[static_cast<std::size_t>(node)];
   const bool leaf = here.second < 0;
-  const double around = leaf ? parts_.samples[static_cast<std::size_t>(here.item)].radius : here.box.half_diagonal();
+  const double around = leaf ? geometry_.samples[static_cast<std::size_t>(here.item)].radius : here.box.half_diagonal();
   const auto o = static_cast<std::size_t>(obstacle);
-  const double gap = parts_.obstacles[o].at(pose.to_own(here.box.middle())).value - around;
+  const double gap = geometry_.obstacles[o].at(pose.to_own(here.box.middle())).value - around;
   if (!(gap < within)) {
     left_out_[o] = std::min(left_out_[o], gap);
   } else if (leaf) {
@@ -179,7 +181,7 @@ void BroadPhase::visit_obstacle(int node, int obstacle, const Pose& pose, double
 void BroadPhase::visit_triangles(int node, int other, double within) {
   const BoxTree::Node& samples = samples_.nodes()[static_cast<std::size_t>(node)];
   const BoxTree::Node& triangles = triangles_.nodes()[static_cast<std::size_t>(other)];
-  if (!parts_.self && samples.group >= 0 && samples.group == triangles.group) return;
+  if (!geometry_.self && samples.group >= 0 && samples.group == triangles.group) return;
   const double gap = samples.box.distance(triangles.box);
   if (!(gap < within)) {
     left_out_in_body_ = std::min(left_out_in_body_, gap);
@@ -197,7 +199,7 @@ void BroadPhase::visit_triangles(int node, int other, double within) {
 
 void BroadPhase::visit_spheres(int node, double within) {
   const BoxTree::Node& here = samples_.nodes()[static_cast<std::size_t>(node)];
-  if (here.second < 0 || (!parts_.self && here.group >= 0)) return;
+  if (here.second < 0 || (!geometry_.self && here.group >= 0)) return;
   visit_spheres(node + 1, within);
   visit_spheres(here.second, within);
   visit_sphere_pairs(node + 1, here.second, within);
@@ -206,7 +208,7 @@ void BroadPhase::visit_spheres(int node, double within) {
 void BroadPhase::visit_sphere_pairs(int node, int other, double within) {
   const BoxTree::Node& one = samples_.nodes()[static_cast<std::size_t>(node)];
   const BoxTree::Node& two = samples_.nodes()[static_cast<std::size_t>(other)];
-  if (!parts_.self && one.group >= 0 && one.group == two.group) return;
+  if (!geometry_.self && one.group >= 0 && one.group == two.group) return;
   const double gap = one.box.distance(two.box);
   if (!(gap < within)) {
     left_out_in_body_ = std::min(left_out_in_body_, gap);
@@ -232,41 +234,42 @@ bool BroadPhase::joined(const Sample& sample, std::span<const int> molecules) co
 }
 
 bool BroadPhase::overlap_at_rest(const Sample& sample, int triangle) const {
-  const Vector3 place = parts_.place_of(sample, parts_.body.rest);
-  const auto corners = parts_.corners_of(triangle, parts_.body.rest);
-  const Vector3 away = place - nearest_place(place, corners).place;
+  const Vector3 position = geometry_.position_of(sample, geometry_.body.rest);
+  const auto corners = geometry_.corners_of(triangle, geometry_.body.rest);
+  const Vector3 away = position - nearest_point(position, corners).position;
   const double distance = away.norm();
   const bool behind = away.dot((corners[1] - corners[0]).cross(corners[2] - corners[0])) <= 0;
-  return distance < sample.radius || (behind && distance < 3 * parts_.depth);
+  return distance < sample.radius || (behind && distance < 3 * geometry_.depth);
 }
 
 void BroadPhase::add_triangle(int s, int triangle, double within) {
-  const Sample& sample = parts_.samples[static_cast<std::size_t>(s)];
-  const int piece = parts_.piece_of_triangle[static_cast<std::size_t>(triangle)];
+  const Sample& sample = geometry_.samples[static_cast<std::size_t>(s)];
+  const int piece = geometry_.piece_of_triangle[static_cast<std::size_t>(triangle)];
   if (piece == sample.piece) {
-    if (!parts_.self || joined(sample, parts_.triangles[static_cast<std::size_t>(triangle)]) ||
+    if (!geometry_.self || joined(sample, geometry_.triangles[static_cast<std::size_t>(triangle)]) ||
         overlap_at_rest(sample, triangle))
       return;
   }
-  const Vector3 place = parts_.place_of(sample, *now_);
-  const double gap = (place - nearest_place(place, parts_.corners_of(triangle, *now_)).place).norm() - sample.radius;
+  const Vector3 position = geometry_.position_of(sample, *now_);
+  const double gap =
+      (position - nearest_point(position, geometry_.corners_of(triangle, *now_)).position).norm() - sample.radius;
   if (!(gap < within)) {
     left_out_in_body_ = std::min(left_out_in_body_, gap);
     return;
   }
-  candidates_.push_back({s, parts_.first_piece() + piece, triangle});
+  candidates_.push_back({s, geometry_.first_piece() + piece, triangle});
 }
 
 void BroadPhase::add_spheres(int first, int second) {
-  const Sample& one = parts_.samples[static_cast<std::size_t>(first)];
-  const Sample& two = parts_.samples[static_cast<std::size_t>(second)];
+  const Sample& one = geometry_.samples[static_cast<std::size_t>(first)];
+  const Sample& two = geometry_.samples[static_cast<std::size_t>(second)];
   if (one.piece == two.piece) {
-    const Positions& rest = parts_.body.rest;
-    if (!parts_.self || joined(one, {two.molecules.data(), static_cast<std::size_t>(two.count)}) ||
-        (parts_.place_of(one, rest) - parts_.place_of(two, rest)).norm() < one.radius + two.radius)
+    const Positions& rest = geometry_.body.rest;
+    if (!geometry_.self || joined(one, {two.molecules.data(), static_cast<std::size_t>(two.count)}) ||
+        (geometry_.position_of(one, rest) - geometry_.position_of(two, rest)).norm() < one.radius + two.radius)
       return;
   }
-  candidates_.push_back({first, parts_.first_sphere() + second, 0});
+  candidates_.push_back({first, geometry_.first_sphere() + second, 0});
 }
 
 }  // namespace elastin::contact

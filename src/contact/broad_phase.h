@@ -9,7 +9,7 @@
 namespace elastin::contact {
 
 /// What the search looks at; never changes.
-struct ContactParts {
+struct ContactGeometry {
   const Body& body;
   std::vector<Sample> samples;
   Cells<3> triangles;
@@ -21,14 +21,14 @@ struct ContactParts {
 
   int first_piece() const { return static_cast<int>(obstacles.size()); }
   int first_sphere() const { return first_piece() + pieces; }
-  Vector3 place_of(const Sample& sample, const Positions& places) const {
-    Vector3 place = sample.weights[0] * places.col(sample.molecules[0]);
-    for (int k = 1; k < sample.count; ++k) place += sample.weights[k] * places.col(sample.molecules[k]);
-    return place;
+  Vector3 position_of(const Sample& sample, const Positions& positions) const {
+    Vector3 position = sample.weights[0] * positions.col(sample.molecules[0]);
+    for (int k = 1; k < sample.count; ++k) position += sample.weights[k] * positions.col(sample.molecules[k]);
+    return position;
   }
-  std::array<Vector3, 3> corners_of(int triangle, const Positions& places) const {
+  std::array<Vector3, 3> corners_of(int triangle, const Positions& positions) const {
     const auto& [a, b, c] = triangles[static_cast<std::size_t>(triangle)];
-    return {places.col(a), places.col(b), places.col(c)};
+    return {positions.col(a), positions.col(b), positions.col(c)};
   }
 };
 
@@ -41,14 +41,14 @@ class BroadPhase {
     int item;  ///< the triangle of a piece
     auto operator<=>(const Candidate&) const = default;
   };
-  explicit BroadPhase(const ContactParts& parts);
+  explicit BroadPhase(const ContactGeometry& geometry);
   /// Brings the candidates up to date, sorted, so that no pair with gap < reach is missing. Whether they changed.
-  bool update(const Positions& places, const std::vector<Pose>& poses, double reach);
+  bool update(const Positions& positions, const std::vector<Pose>& poses, double reach);
   const std::vector<Candidate>& candidates() const { return candidates_; }
 
  private:
-  bool still_holds(const Positions& places, const std::vector<Pose>& poses, double reach) const;
-  void refit(const Positions& places);
+  bool still_valid(const Positions& positions, const std::vector<Pose>& poses, double reach) const;
+  void refit(const Positions& positions);
   void sort_candidates();
   void visit_obstacle(int node, int obstacle, const Pose& pose, double within);
   void visit_triangles(int node, int other, double within);
@@ -58,20 +58,20 @@ class BroadPhase {
   void add_spheres(int first, int second);
   bool joined(const Sample& sample, std::span<const int> molecules) const;
   bool overlap_at_rest(const Sample& sample, int triangle) const;
-  double needed(double reach) const { return parts_.spheres ? reach : std::max(reach, parts_.depth); }
+  double needed(double reach) const { return geometry_.spheres ? reach : std::max(reach, geometry_.depth); }
 
-  const ContactParts& parts_;
-  bool within_body_;         ///< whether the body can touch itself at all
-  std::vector<int> moving_;  ///< molecules that samples and triangles hang on
-  Rows neighbours_;          ///< of each molecule by connections; only if pieces touch themselves
-  double skin_ = 0;          ///< [m]
-  double asked_ = 0;         ///< the largest reach since candidates were looked for [m]
+  const ContactGeometry& geometry_;
+  bool within_body_;           ///< whether the body can touch itself at all
+  std::vector<int> moving_;    ///< molecules that samples and triangles hang on
+  Rows neighbours_;            ///< of each molecule by connections; only if pieces touch themselves
+  double skin_ = 0;            ///< [m]
+  double searched_reach_ = 0;  ///< the largest reach since candidates were looked for [m]
   BoxTree samples_, triangles_;
   std::vector<Box> sample_boxes_, triangle_boxes_;
   std::vector<int> piece_of_sample_;
   const Positions* now_ = nullptr;  ///< during a look
   // As it was when the candidates were looked for.
-  Positions places_;  ///< of moving_
+  Positions positions_;  ///< of moving_
   std::vector<Pose> poses_;
   std::vector<double> left_out_;  ///< gap of the nearest pair that was left out, one an obstacle [m]
   double left_out_in_body_ = -1;  ///< the same of pairs in the body

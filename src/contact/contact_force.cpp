@@ -31,9 +31,9 @@ double half_thickness(const ObstacleShape& obstacle) {
   return std::visit(Visitor{}, obstacle);
 }
 
-void add(const Answer& answer, const Vector3& normal, const Vector3& tangential, Positions& forces) {
-  for (int i = 0; i < answer.count; ++i) {
-    const Side& side = answer.sides[i];
+void add(const ContactResponse& response, const Vector3& normal, const Vector3& tangential, Positions& forces) {
+  for (int i = 0; i < response.count; ++i) {
+    const Side& side = response.sides[i];
     forces.col(side.molecule) += side.normal * normal + side.tangential * tangential;
   }
 }
@@ -52,9 +52,9 @@ ContactForce::ContactForce(const Body& body, const ContactOptions& options, cons
   for (const Obstacle& obstacle : options_.obstacles) {
     half_thickness_.push_back(half_thickness(obstacle.shape));
     moves_ |= static_cast<bool>(obstacle.motion);
-    rubs_ |= friction_of(obstacle) > 0;
+    has_friction_ |= friction_of(obstacle) > 0;
   }
-  rubs_ |= options_.friction > 0;
+  has_friction_ |= options_.friction > 0;
   std::vector<char> seen(static_cast<std::size_t>(body.size()), 0);
   for (const Sample& sample : search_.samples())
     for (int i = 0; i < sample.count; ++i) seen[sample.molecules[i]] = 1;
@@ -66,7 +66,7 @@ ContactForce::ContactForce(const Body& body, const ContactOptions& options, cons
     for (int i = 0; i < sample.count; ++i) area_[sample.molecules[i]] += sample.weights[i] * sample.area;
   }
   const bool pairs = options_.self || pieces_ > 1;
-  const double zeta = std::max(damping_ratio_, rubs_ ? kSlipDampingRatio : 0);
+  const double zeta = std::max(damping_ratio_, has_friction_ ? kSlipDampingRatio : 0);
   const double damped = std::sqrt(1 + zeta * zeta) + zeta;
   for (const int molecule : watched_)
     largest_square_frequency_ =
@@ -75,55 +75,60 @@ ContactForce::ContactForce(const Body& body, const ContactOptions& options, cons
 }
 
 void ContactForce::add_forces(const State& state, Positions& forces) const {
-  for (const Answer& answer : answers(state)) add(answer, answer.pressing * answer.normal, answer.friction, forces);
+  for (const ContactResponse& response : responses(state))
+    add(response, response.pressing * response.normal, response.friction, forces);
 }
 void ContactForce::add_resistance(const State& state, Positions& forces) const {
-  for (const Answer& answer : answers(state))
-    add(answer, (answer.pressing - answer.elastic) * answer.normal, answer.friction, forces);
+  for (const ContactResponse& response : responses(state))
+    add(response, (response.pressing - response.elastic) * response.normal, response.friction, forces);
 }
 double ContactForce::energy(const State& state) const {
   double sum = 0;
-  for (const Answer& answer : answers(state)) sum += answer.energy;
+  for (const ContactResponse& response : responses(state)) sum += response.energy;
   return sum;
 }
 
 void ContactForce::add_change(const State& state, const Positions& moved, const Positions& sped,
                               Positions& forces) const {
-  for (const Answer& answer : answers(state)) {
+  for (const ContactResponse& response : responses(state)) {
     Vector3 closing = Vector3::Zero(), closing_rate = Vector3::Zero(), slipping = Vector3::Zero(),
             slipping_rate = Vector3::Zero(), turned = Vector3::Zero();
-    for (int i = 0; i < answer.count; ++i) {
-      const Side& side = answer.sides[i];
+    for (int i = 0; i < response.count; ++i) {
+      const Side& side = response.sides[i];
       closing += side.normal * moved.col(side.molecule);
       slipping += side.tangential * moved.col(side.molecule);
       closing_rate += side.normal * sped.col(side.molecule);
       slipping_rate += side.tangential * sped.col(side.molecule);
-      turned += side.slope * answer.normal.dot(moved.col(side.molecule));
+      turned += side.slope * response.normal.dot(moved.col(side.molecule));
     }
-    const Vector3 normal = answer.stiffness * closing + answer.damping * closing_rate + answer.pressing * turned;
-    const Vector3 tangential = answer.sticking * slipping + answer.rubbing * slipping_rate +
-                               answer.grip * answer.normal.dot(closing) + answer.grip_rate * closing_rate;
-    for (int i = 0; i < answer.count; ++i) {
-      const Side& side = answer.sides[i];
-      forces.col(side.molecule) -= side.normal * normal + side.tangential * tangential +
-                                   answer.pressing * side.slope.dot(closing + answer.gap * turned) * answer.normal;
+    const Vector3 normal = response.stiffness * closing + response.damping * closing_rate + response.pressing * turned;
+    const Vector3 tangential = response.friction_stiffness * slipping + response.friction_damping * slipping_rate +
+                               response.friction_gap_slope * response.normal.dot(closing) +
+                               response.friction_gap_rate_slope * closing_rate;
+    for (int i = 0; i < response.count; ++i) {
+      const Side& side = response.sides[i];
+      forces.col(side.molecule) -=
+          side.normal * normal + side.tangential * tangential +
+          response.pressing * side.slope.dot(closing + response.gap * turned) * response.normal;
     }
   }
 }
 
 void ContactForce::visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const {
-  for (const Answer& answer : answers(state)) {
-    const Vector3& n = answer.normal;
-    const Matrix3 normal = answer.stiffness + velocity_weight * answer.damping;
-    const Matrix3 tangential = answer.sticking + velocity_weight * answer.rubbing;
-    const Matrix3 grip = answer.grip * n.transpose() + velocity_weight * answer.grip_rate;
-    for (int i = 0; i < answer.count; ++i)
-      for (int j = 0; j < answer.count; ++j) {
-        const Side &a = answer.sides[i], &b = answer.sides[j];
+  for (const ContactResponse& response : responses(state)) {
+    const Vector3& n = response.normal;
+    const Matrix3 normal = response.stiffness + velocity_weight * response.damping;
+    const Matrix3 tangential = response.friction_stiffness + velocity_weight * response.friction_damping;
+    const Matrix3 friction_gap_slope =
+        response.friction_gap_slope * n.transpose() + velocity_weight * response.friction_gap_rate_slope;
+    for (int i = 0; i < response.count; ++i)
+      for (int j = 0; j < response.count; ++j) {
+        const Side &a = response.sides[i], &b = response.sides[j];
         visit(a.molecule, b.molecule,
-              a.normal * b.normal * normal + a.tangential * b.tangential * tangential + a.tangential * b.normal * grip +
-                  answer.pressing * (a.normal * b.slope * n.transpose() + b.normal * n * a.slope.transpose() +
-                                     answer.gap * a.slope.dot(b.slope) * n * n.transpose()));
+              a.normal * b.normal * normal + a.tangential * b.tangential * tangential +
+                  a.tangential * b.normal * friction_gap_slope +
+                  response.pressing * (a.normal * b.slope * n.transpose() + b.normal * n * a.slope.transpose() +
+                                       response.gap * a.slope.dot(b.slope) * n * n.transpose()));
       }
   }
 }

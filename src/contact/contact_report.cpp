@@ -11,26 +11,26 @@ ContactReport ContactForce::report(const State& state) const {
   report.on_obstacles.assign(options_.obstacles.size(), Vector3::Zero());
   VectorX pressing = VectorX::Zero(body_.size()), touched = pressing;  // [N], and the area that is pressed [m²]
   const std::vector<Sample>& samples = search_.samples();
-  for (const Answer& answer : answers(state)) {
-    if (!(answer.pressing > 0)) continue;
-    const Sample& sample = samples[answer.sample];
-    const Vector3 force = answer.pressing * answer.normal + answer.friction;
+  for (const ContactResponse& response : responses(state)) {
+    if (!(response.pressing > 0)) continue;
+    const Sample& sample = samples[response.sample];
+    const Vector3 force = response.pressing * response.normal + response.friction;
     ++report.pairs;
-    report.sticking += answer.sticks;
-    report.largest_penetration = std::max(report.largest_penetration, -answer.gap);
+    report.sticking += response.sticks;
+    report.largest_penetration = std::max(report.largest_penetration, -response.gap);
     // Bodies touch each other from both sides: their area is counted once.
-    report.area += answer.target < obstacle_count() || spheres_ ? sample.area : sample.area / 2;
+    report.area += response.target < obstacle_count() || spheres_ ? sample.area : sample.area / 2;
     for (int i = 0; i < sample.count; ++i) touched[sample.molecules[i]] += sample.weights[i] * sample.area;
-    for (int i = 0; i < answer.count; ++i) {
-      const Side& side = answer.sides[i];
+    for (int i = 0; i < response.count; ++i) {
+      const Side& side = response.sides[i];
       if (spheres_ && side.normal < 0) touched[side.molecule] += area_[side.molecule];
       report.forces.col(side.molecule) +=
-          side.normal * answer.pressing * answer.normal + side.tangential * answer.friction;
-      pressing[side.molecule] += std::abs(side.normal) * answer.pressing;
+          side.normal * response.pressing * response.normal + side.tangential * response.friction;
+      pressing[side.molecule] += std::abs(side.normal) * response.pressing;
     }
-    if (answer.target < obstacle_count())
-      report.on_obstacles[answer.target] -= force;
-    else if (const int other = piece_of_target(answer); other != sample.piece)
+    if (response.target < obstacle_count())
+      report.on_obstacles[response.target] -= force;
+    else if (const int other = piece_of_target(response); other != sample.piece)
       report.between_pieces += sample.piece < other ? force : Vector3(-force);
   }
   report.pressure = VectorX::Zero(body_.size());

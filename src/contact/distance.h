@@ -8,7 +8,7 @@ namespace elastin::contact {
 /// How far a point is from a solid.
 struct Distance {
   double value;     ///< [m], below 0 inside
-  Vector3 normal;   ///< unit, ∂value/∂point: outwards from the nearest place of the surface
+  Vector3 normal;   ///< unit, ∂value/∂point: outwards from the nearest point of the surface
   Matrix3 turning;  ///< ∂normal/∂point [1/m], symmetric; 0 in front of what is flat
 };
 

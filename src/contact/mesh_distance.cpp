@@ -30,14 +30,14 @@ class MeshSolid final : public SignedDistance::Solid {
   Distance at(const Vector3& point) const override {
     Nearest best;
     visit(0, tree_.nodes()[0].box.distance(point), point, best);
-    return normals_.distance(points_, best.triangle, best.place, point);
+    return normals_.distance(points_, best.triangle, best.position, point);
   }
 
  private:
   struct Nearest {
     double distance = std::numeric_limits<double>::infinity();
     int triangle = 0;
-    NearestPlace place{Vector3::Zero(), {1, 0, 0}};
+    NearestPoint position{Vector3::Zero(), {1, 0, 0}};
   };
 
   std::array<Vector3, 3> corners(int triangle) const {
@@ -49,9 +49,9 @@ class MeshSolid final : public SignedDistance::Solid {
     if (!(at_least < best.distance)) return;
     const BoxTree::Node& here = tree_.nodes()[static_cast<std::size_t>(node)];
     if (here.second < 0) {
-      const NearestPlace place = nearest_place(point, corners(here.item));
-      const double distance = (point - place.place).norm();
-      if (distance < best.distance) best = {distance, here.item, place};
+      const NearestPoint position = nearest_point(point, corners(here.item));
+      const double distance = (point - position.position).norm();
+      if (distance < best.distance) best = {distance, here.item, position};
       return;
     }
     const double first = tree_.nodes()[static_cast<std::size_t>(node) + 1].box.distance(point);

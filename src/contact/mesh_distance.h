@@ -3,7 +3,7 @@
 
 namespace elastin::contact {
 
-/// Of a closed surface of triangles, normals outwards: the nearest place by a tree of boxes, inside or outside by its
+/// Of a closed surface of triangles, normals outwards: the nearest point by a tree of boxes, inside or outside by its
 /// angle-weighted normal [Baerentzen & Aanaes 2005]. Throws InputError without triangles or on corners that are no
 /// points.
 std::unique_ptr<SignedDistance::Solid> make_mesh_distance(const Positions& points, const Cells<3>& triangles);

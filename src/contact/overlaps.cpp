@@ -14,7 +14,7 @@ namespace {
 
 struct Query {
   const Body& body;
-  const Positions& places;
+  const Positions& positions;
   double tolerance;
   std::vector<Overlap> found;
 };
@@ -27,7 +27,8 @@ int molecule_of(const fcl::CollisionObjectd* object) {
 bool meet(fcl::CollisionObjectd* one, fcl::CollisionObjectd* other, void* context) {
   Query& query = *static_cast<Query*>(context);
   const int a = std::min(molecule_of(one), molecule_of(other)), b = std::max(molecule_of(one), molecule_of(other));
-  const double depth = query.body.radius[a] + query.body.radius[b] - (query.places.col(b) - query.places.col(a)).norm();
+  const double depth =
+      query.body.radius[a] + query.body.radius[b] - (query.positions.col(b) - query.positions.col(a)).norm();
   if (depth > query.tolerance * std::min(query.body.radius[a], query.body.radius[b]))
     query.found.push_back({a, b, depth});
   return false;
@@ -35,18 +36,18 @@ bool meet(fcl::CollisionObjectd* one, fcl::CollisionObjectd* other, void* contex
 
 }  // namespace
 
-std::vector<Overlap> find_overlaps(const Body& body, const Positions& places, double tolerance) {
+std::vector<Overlap> find_overlaps(const Body& body, const Positions& positions, double tolerance) {
   std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects;
   fcl::DynamicAABBTreeCollisionManagerd tree;
   for (int molecule = 0; molecule < body.size(); ++molecule) {
     auto sphere = std::make_shared<fcl::Sphered>(body.radius[molecule]);
-    const fcl::Vector3d place = places.col(molecule);
-    objects.push_back(std::make_unique<fcl::CollisionObjectd>(sphere, fcl::Matrix3d::Identity(), place));
+    const fcl::Vector3d position = positions.col(molecule);
+    objects.push_back(std::make_unique<fcl::CollisionObjectd>(sphere, fcl::Matrix3d::Identity(), position));
     objects.back()->setUserData(reinterpret_cast<void*>(static_cast<std::intptr_t>(molecule)));
     tree.registerObject(objects.back().get());
   }
   tree.setup();
-  Query query{body, places, tolerance, {}};
+  Query query{body, positions, tolerance, {}};
   tree.collide(&query, &meet);
 
   std::unordered_set<std::uint64_t> joined;

@@ -30,12 +30,12 @@ Cells<3> surface_triangles(const Body& body);
 std::vector<int> surface_molecules(const Body& body);
 
 /// A sample near something that it can touch.
-struct Touch {
+struct ContactPoint {
   int sample = 0;
   int target = 0;  ///< an obstacle's number; then, from the number of obstacles on, pieces of the body; then samples
-  Vector3 normal = Vector3::UnitZ();  ///< unit, from the target to the sample
-  double gap = 0;                     ///< between the surfaces [m]; below 0 = pressed in
-  Vector3 place = Vector3::Zero();    ///< on the target's surface [m]
+  Vector3 normal = Vector3::UnitZ();   ///< unit, from the target to the sample
+  double gap = 0;                      ///< between the surfaces [m]; below 0 = pressed in
+  Vector3 position = Vector3::Zero();  ///< on the target's surface [m]
   /// On the body as target: place = Σ weight · molecule + reach of a sphere along the normal. Count 0 = an obstacle.
   std::array<int, 3> molecules{-1, -1, -1};
   std::array<double, 3> weights{0, 0, 0};
@@ -69,7 +69,7 @@ class ContactSearch {
 
   /// All pairs with gap < reach [m], ascending by (sample, target); of several places on one target the nearest.
   /// Nothing is allocated once `found` and the search have served.
-  void find(const Positions& places, const std::vector<Pose>& poses, double reach, std::vector<Touch>& found);
+  void find(const Positions& positions, const std::vector<Pose>& poses, double reach, std::vector<ContactPoint>& found);
 
   const std::vector<Sample>& samples() const;
   const Cost& cost() const;

@@ -15,9 +15,9 @@ namespace {
 
 using Triangle = std::array<int, 3>;
 
-std::string text(const Vector3& place) {
+std::string text(const Vector3& position) {
   char words[100];
-  std::snprintf(words, sizeof words, "(%.6g, %.6g, %.6g) m", place.x(), place.y(), place.z());
+  std::snprintf(words, sizeof words, "(%.6g, %.6g, %.6g) m", position.x(), position.y(), position.z());
   return words;
 }
 

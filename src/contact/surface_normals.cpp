@@ -7,8 +7,8 @@ namespace elastin::contact {
 namespace {
 
 /// (x1 − x0) × (x2 − x0), twice the area.
-Vector3 cross_of(const Positions& places, const std::array<int, 3>& triangle) {
-  const Vector3 a = places.col(triangle[0]), b = places.col(triangle[1]), c = places.col(triangle[2]);
+Vector3 cross_of(const Positions& positions, const std::array<int, 3>& triangle) {
+  const Vector3 a = positions.col(triangle[0]), b = positions.col(triangle[1]), c = positions.col(triangle[2]);
   return (b - a).cross(c - a);
 }
 
@@ -17,10 +17,10 @@ Vector3 unit_or_zero(const Vector3& vector) {
   return length > 0 ? Vector3(vector / length) : Vector3::Zero();
 }
 
-double angle_at(const Positions& places, const std::array<int, 3>& triangle, int point) {
+double angle_at(const Positions& positions, const std::array<int, 3>& triangle, int point) {
   const int k = triangle[0] == point ? 0 : triangle[1] == point ? 1 : 2;
-  const Vector3 from = places.col(point);
-  const Vector3 one = places.col(triangle[(k + 1) % 3]) - from, other = places.col(triangle[(k + 2) % 3]) - from;
+  const Vector3 from = positions.col(point);
+  const Vector3 one = positions.col(triangle[(k + 1) % 3]) - from, other = positions.col(triangle[(k + 2) % 3]) - from;
   return std::atan2(one.cross(other).norm(), one.dot(other));
 }
 
@@ -37,10 +37,10 @@ SurfaceNormals::SurfaceNormals(int points, const Cells<3>& triangles) : triangle
   for (int& slot : around_.entries) slot /= 3;
 }
 
-Vector3 SurfaceNormals::at(const Positions& places, int triangle, const std::array<double, 3>& weights) const {
+Vector3 SurfaceNormals::at(const Positions& positions, int triangle, const std::array<double, 3>& weights) const {
   const auto& corners = triangles_[static_cast<std::size_t>(triangle)];
   const auto zeros = std::count(weights.begin(), weights.end(), 0);
-  const Vector3 face = unit_or_zero(cross_of(places, corners));
+  const Vector3 face = unit_or_zero(cross_of(positions, corners));
   Vector3 sum = face;
   if (zeros == 1) {
     const int out = weights[0] == 0 ? 0 : weights[1] == 0 ? 1 : 2;
@@ -48,13 +48,13 @@ Vector3 SurfaceNormals::at(const Positions& places, int triangle, const std::arr
     sum.setZero();
     for (const int other : around_[from])
       if (const auto& its = triangles_[static_cast<std::size_t>(other)]; has(its, to))
-        sum += unit_or_zero(cross_of(places, its));
+        sum += unit_or_zero(cross_of(positions, its));
   } else if (zeros == 2) {
     const int corner = corners[weights[0] != 0 ? 0 : weights[1] != 0 ? 1 : 2];
     sum.setZero();
     for (const int other : around_[corner]) {
       const auto& its = triangles_[static_cast<std::size_t>(other)];
-      sum += angle_at(places, its, corner) * unit_or_zero(cross_of(places, its));
+      sum += angle_at(positions, its, corner) * unit_or_zero(cross_of(positions, its));
     }
   }
   const double length = sum.norm();
@@ -62,13 +62,13 @@ Vector3 SurfaceNormals::at(const Positions& places, int triangle, const std::arr
   return face.squaredNorm() > 0.5 ? face : Vector3(Vector3::UnitZ());
 }
 
-Distance SurfaceNormals::distance(const Positions& places, int triangle, const NearestPlace& nearest,
+Distance SurfaceNormals::distance(const Positions& positions, int triangle, const NearestPoint& nearest,
                                   const Vector3& point) const {
-  const Vector3 outward = at(places, triangle, nearest.weights), away = point - nearest.place;
+  const Vector3 outward = at(positions, triangle, nearest.weights), away = point - nearest.position;
   const auto zeros = std::count(nearest.weights.begin(), nearest.weights.end(), 0);
   if (zeros == 0) return {away.dot(outward), outward, Matrix3::Zero()};
   const auto& [a, b, c] = triangles_[static_cast<std::size_t>(triangle)];
-  const std::array<Vector3, 3> corners{places.col(a), places.col(b), places.col(c)};
+  const std::array<Vector3, 3> corners{positions.col(a), positions.col(b), positions.col(c)};
   const double length = away.norm(), sign = away.dot(outward) < 0 ? -1 : 1;
   // Rounding has a say in the direction of what is short; there it comes from the surface.
   const double size = std::max((corners[1] - corners[0]).norm(), (corners[2] - corners[0]).norm());

@@ -5,22 +5,22 @@
 namespace elastin::contact {
 namespace {
 
-NearestPlace on_side(const std::array<Vector3, 3>& corners, int from, int to, double part) {
-  NearestPlace nearest{corners[from] + part * (corners[to] - corners[from]), {0, 0, 0}};
+NearestPoint on_side(const std::array<Vector3, 3>& corners, int from, int to, double part) {
+  NearestPoint nearest{corners[from] + part * (corners[to] - corners[from]), {0, 0, 0}};
   nearest.weights[from] = 1 - part;
   nearest.weights[to] = part;
   return nearest;
 }
 
-NearestPlace at_corner(const std::array<Vector3, 3>& corners, int corner) {
-  NearestPlace nearest{corners[corner], {0, 0, 0}};
+NearestPoint at_corner(const std::array<Vector3, 3>& corners, int corner) {
+  NearestPoint nearest{corners[corner], {0, 0, 0}};
   nearest.weights[corner] = 1;
   return nearest;
 }
 
 }  // namespace
 
-NearestPlace nearest_place(const Vector3& point, const std::array<Vector3, 3>& corners) {
+NearestPoint nearest_point(const Vector3& point, const std::array<Vector3, 3>& corners) {
   const auto& [a, b, c] = corners;
   const Vector3 ab = b - a, ac = c - a, ap = point - a, bp = point - b, cp = point - c;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);

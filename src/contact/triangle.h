@@ -7,13 +7,13 @@ namespace elastin::contact {
 
 /// The place on a triangle that is nearest to a point: Σ weight · corner. Weights are exactly 0 of corners that it does
 /// not lie between: three of them on the face, two on a side, one at a corner.
-struct NearestPlace {
-  Vector3 place;
+struct NearestPoint {
+  Vector3 position;
   std::array<double, 3> weights;
 };
 
 /// Corners in space; a triangle without area gives a place on one of its sides. [Ericson 2005, ch. 5.1.5]
-NearestPlace nearest_place(const Vector3& point, const std::array<Vector3, 3>& corners);
+NearestPoint nearest_point(const Vector3& point, const std::array<Vector3, 3>& corners);
 
 /// Gradients of the weights as the place moves in the plane of the three corners (or along the side that two weights
 /// leave) [1/m]; 0 at a corner.

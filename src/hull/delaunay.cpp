@@ -13,15 +13,15 @@ namespace {
 constexpr double kSliver = 1e-4;
 
 /// Volume over the cube of the longest side.
-double flatness(const Positions& places, const std::array<int, 4>& cell) {
+double flatness(const Positions& positions, const std::array<int, 4>& cell) {
   double longest = 0;
   for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < i; ++j) longest = std::max(longest, (places.col(cell[i]) - places.col(cell[j])).norm());
-  return signed_volume(places, cell) / (longest * longest * longest);
+    for (int j = 0; j < i; ++j) longest = std::max(longest, (positions.col(cell[i]) - positions.col(cell[j])).norm());
+  return signed_volume(positions, cell) / (longest * longest * longest);
 }
 
 /// The cells below the hull of (x, |x|² − weight) in four dimensions; x in mean spacings from the middle.
-Cells<4> lower_hull(const Positions& x, const VectorX& weights, const Positions& places) {
+Cells<4> lower_hull(const Positions& x, const VectorX& weights, const Positions& positions) {
   std::vector<double> lifted;
   lifted.reserve(4 * static_cast<std::size_t>(x.cols() + 1));
   for (Eigen::Index molecule = 0; molecule < x.cols(); ++molecule)
@@ -37,9 +37,9 @@ Cells<4> lower_hull(const Positions& x, const VectorX& weights, const Positions&
     std::array<int, 4> cell{};
     std::copy_n(facet.corners.begin(), 4, cell.begin());
     std::sort(cell.begin(), cell.end());
-    if (signed_volume(places, cell) < 0) std::swap(cell[2], cell[3]);
+    if (signed_volume(positions, cell) < 0) std::swap(cell[2], cell[3]);
     // Facets that stand upright on a plane of the surface are no cells.
-    if (facet.normal[3] < -1e-9 && flatness(places, cell) > 1e-9) cells.push_back(cell);
+    if (facet.normal[3] < -1e-9 && flatness(positions, cell) > 1e-9) cells.push_back(cell);
   });
   if (!problem.empty()) throw InputError("no tetrahedra fit between the molecules: " + problem);
   std::sort(cells.begin(), cells.end());
@@ -48,22 +48,22 @@ Cells<4> lower_hull(const Positions& x, const VectorX& weights, const Positions&
 
 }  // namespace
 
-Cells<4> delaunay_tetrahedra(const Positions& places, const std::function<bool(const std::array<int, 4>&)>& matter) {
-  if (places.cols() < 4) throw InputError("tetrahedra need at least four molecules");
-  const Vector3 middle = places.rowwise().mean();
-  const double spread = (places.colwise() - middle).colwise().norm().maxCoeff();
-  const double spacing = spread / std::cbrt(static_cast<double>(places.cols()));
-  if (!(spread > 0)) throw InputError("the molecules lie in one place");
-  const Positions x = (places.colwise() - middle) / spacing;
+Cells<4> delaunay_tetrahedra(const Positions& positions, const std::function<bool(const std::array<int, 4>&)>& matter) {
+  if (positions.cols() < 4) throw InputError("tetrahedra need at least four molecules");
+  const Vector3 middle = positions.rowwise().mean();
+  const double spread = (positions.colwise() - middle).colwise().norm().maxCoeff();
+  const double spacing = spread / std::cbrt(static_cast<double>(positions.cols()));
+  if (!(spread > 0)) throw InputError("the molecules lie at one position");
+  const Positions x = (positions.colwise() - middle) / spacing;
   std::mt19937_64 generator(1);
   const auto draw = [&](double most) { return most * static_cast<double>(generator() >> 11) * 0x1.0p-53; };
-  VectorX weights(places.cols());
+  VectorX weights(positions.cols());
   for (double& weight : weights) weight = draw(0.01);
   const auto is_sliver = [&](const std::array<int, 4>& cell) {
-    return flatness(places, cell) < kSliver && (!matter || matter(cell));
+    return flatness(positions, cell) < kSliver && (!matter || matter(cell));
   };
   const auto count = [&](const Cells<4>& of) { return std::count_if(of.begin(), of.end(), is_sliver); };
-  Cells<4> best = lower_hull(x, weights, places);
+  Cells<4> best = lower_hull(x, weights, positions);
   auto fewest = count(best);
   Cells<4> cells = best;
   constexpr int rounds = 8;
@@ -71,16 +71,16 @@ Cells<4> delaunay_tetrahedra(const Positions& places, const std::function<bool(c
     for (const auto& cell : cells)
       if (is_sliver(cell))
         for (const int molecule : cell) weights[molecule] = draw(0.05);
-    cells = lower_hull(x, weights, places);
+    cells = lower_hull(x, weights, positions);
     const auto slivers = count(cells);
     if (slivers < fewest) fewest = slivers, best = cells;
   }
   return best;
 }
 
-int count_slivers(const Positions& places, const Cells<4>& tetrahedra) {
+int count_slivers(const Positions& positions, const Cells<4>& tetrahedra) {
   return static_cast<int>(std::count_if(tetrahedra.begin(), tetrahedra.end(),
-                                        [&](const auto& cell) { return flatness(places, cell) < kSliver; }));
+                                        [&](const auto& cell) { return flatness(positions, cell) < kSliver; }));
 }
 
 }  // namespace elastin::hull

@@ -68,13 +68,13 @@ void add_lattice(const TriangleTree& tree, const FillOptions& options, SpacedPoi
   const Vector3 first = (low + high) / 2 - options.spacing / 2 * (counts.cast<double>().array() - 1).matrix();
   const double least = options.follow ? kFromSurface * options.spacing : -1e-6 * options.spacing;
   std::vector<double> depths(static_cast<std::size_t>(counts.cast<double>().prod()));
-  const auto place = [&](int at) -> Vector3 {
+  const auto position = [&](int at) -> Vector3 {
     return first + options.spacing * Vector3(at % counts[0], at / counts[0] % counts[1], at / counts[0] / counts[1]);
   };
   parallel_for(static_cast<int>(depths.size()),
-               [&](int at) { depths[static_cast<std::size_t>(at)] = -tree.signed_distance(place(at)); });
+               [&](int at) { depths[static_cast<std::size_t>(at)] = -tree.signed_distance(position(at)); });
   for (int at = 0; at < static_cast<int>(depths.size()); ++at)
-    if (depths[static_cast<std::size_t>(at)] >= least) found.add(place(at));
+    if (depths[static_cast<std::size_t>(at)] >= least) found.add(position(at));
 }
 
 /// Candidates in every cube of a grid in turn, so that no place is left bare; cubes far inside ask no distance.
@@ -90,39 +90,40 @@ void add_blue_noise(const TriangleTree& tree, const FillOptions& options, Spaced
     for (std::size_t i = open.size(); i > 1; --i)
       std::swap(open[i - 1], open[static_cast<std::size_t>(unit_random(generator) * static_cast<double>(i))]);
     for (const int voxel : open) {
-      Vector3 place = voxels.corner(voxel);
-      for (int axis = 0; axis < 3; ++axis) place[axis] += options.spacing * unit_random(generator);
-      if (!found.has_room(place, 0.9 * options.spacing)) continue;
+      Vector3 position = voxels.corner(voxel);
+      for (int axis = 0; axis < 3; ++axis) position[axis] += options.spacing * unit_random(generator);
+      if (!found.is_free(position, 0.9 * options.spacing)) continue;
       if (voxels.kind(voxel) == Voxels::Kind::across || least > 0)
-        if (!(-tree.signed_distance(place) >= least)) continue;
-      found.add(place);
+        if (!(-tree.signed_distance(position) >= least)) continue;
+      found.add(position);
     }
   }
 }
 
-double flatness(const Positions& places, const std::array<int, 4>& cell) {
+double flatness(const Positions& positions, const std::array<int, 4>& cell) {
   double longest = 0;
   for (std::size_t i = 0; i < 4; ++i)
-    for (std::size_t j = 0; j < i; ++j) longest = std::max(longest, (places.col(cell[i]) - places.col(cell[j])).norm());
-  return signed_volume(places, cell) / std::pow(longest, 3);
+    for (std::size_t j = 0; j < i; ++j)
+      longest = std::max(longest, (positions.col(cell[i]) - positions.col(cell[j])).norm());
+  return signed_volume(positions, cell) / std::pow(longest, 3);
 }
 
-bool is_inside(const TriangleTree& tree, const Positions& places, const std::array<int, 4>& cell) {
+bool is_inside(const TriangleTree& tree, const Positions& positions, const std::array<int, 4>& cell) {
   Vector3 middle = Vector3::Zero();
-  for (const int corner : cell) middle += places.col(corner) / 4;
+  for (const int corner : cell) middle += positions.col(corner) / 4;
   return tree.signed_distance(middle) < 0;
 }
 
 /// Delaunay's tetrahedra whose middle is inside. Flat ones between molecules on the surface do not matter: they are
 /// peeled off.
-Cells<4> tetrahedra_inside(const TriangleTree& tree, const Positions& places, int on_surface) {
-  const Cells<4> cells = hull::delaunay_tetrahedra(places, [&](const std::array<int, 4>& cell) {
+Cells<4> tetrahedra_inside(const TriangleTree& tree, const Positions& positions, int on_surface) {
+  const Cells<4> cells = hull::delaunay_tetrahedra(positions, [&](const std::array<int, 4>& cell) {
     return std::any_of(cell.begin(), cell.end(), [&](int c) { return c >= on_surface; }) &&
-           is_inside(tree, places, cell);
+           is_inside(tree, positions, cell);
   });
   std::vector<char> kept(cells.size());
   parallel_for(static_cast<int>(cells.size()), [&](int cell) {
-    kept[static_cast<std::size_t>(cell)] = is_inside(tree, places, cells[static_cast<std::size_t>(cell)]);
+    kept[static_cast<std::size_t>(cell)] = is_inside(tree, positions, cells[static_cast<std::size_t>(cell)]);
   });
   Cells<4> inside;
   for (std::size_t cell = 0; cell < cells.size(); ++cell)
@@ -131,9 +132,9 @@ Cells<4> tetrahedra_inside(const TriangleTree& tree, const Positions& places, in
 }
 
 /// Takes nearly flat tetrahedra off the surface, until none is there; one that is a molecule's last stays.
-void peel(const Positions& places, Cells<4>& cells) {
+void peel(const Positions& positions, Cells<4>& cells) {
   for (bool peeled = true; peeled;) {
-    std::vector<int> uses(static_cast<std::size_t>(places.cols()), 0);
+    std::vector<int> uses(static_cast<std::size_t>(positions.cols()), 0);
     for (const auto& cell : cells)
       for (const int corner : cell) ++uses[static_cast<std::size_t>(corner)];
     std::set<std::array<int, 3>> boundary;
@@ -147,7 +148,7 @@ void peel(const Positions& places, Cells<4>& cells) {
       return false;
     };
     const auto needless = [&](const std::array<int, 4>& cell) {
-      if (flatness(places, cell) >= kPeel || !at_surface(cell)) return false;
+      if (flatness(positions, cell) >= kPeel || !at_surface(cell)) return false;
       if (std::any_of(cell.begin(), cell.end(), [&](int c) { return uses[static_cast<std::size_t>(c)] < 2; }))
         return false;
       for (const int corner : cell) --uses[static_cast<std::size_t>(corner)];
@@ -176,12 +177,12 @@ void check_count(double molecules, const char* where, const FillOptions& options
 }
 
 /// Leaves out molecules without a tetrahedron.
-void leave_out_loose(Filling& filling) {
-  std::vector<int> number(static_cast<std::size_t>(filling.places.cols()), -1), left;
+void leave_out_isolated(Filling& filling) {
+  std::vector<int> number(static_cast<std::size_t>(filling.positions.cols()), -1), left;
   for (const auto& cell : filling.tetrahedra)
     for (const int corner : cell) number[static_cast<std::size_t>(corner)] = 0;
   int on_surface = 0;
-  for (int m = 0; m < filling.places.cols(); ++m)
+  for (int m = 0; m < filling.positions.cols(); ++m)
     if (number[static_cast<std::size_t>(m)] == 0) {
       number[static_cast<std::size_t>(m)] = static_cast<int>(left.size());
       left.push_back(m);
@@ -191,16 +192,16 @@ void leave_out_loose(Filling& filling) {
     for (int& corner : cell) corner = number[static_cast<std::size_t>(corner)];
   filling.left_out = static_cast<int>(number.size() - left.size());
   filling.on_surface = on_surface;
-  filling.places = filling.places(Eigen::all, left).eval();
+  filling.positions = filling.positions(Eigen::all, left).eval();
 }
 
 }  // namespace
 
-Inside::Inside(const Positions& points, const Cells<3>& triangles)
+FillRegion::FillRegion(const Positions& points, const Cells<3>& triangles)
     : tree_(std::make_unique<TriangleTree>(points, triangles)) {}
-Inside::~Inside() = default;
+FillRegion::~FillRegion() = default;
 
-Filling Inside::fill(const FillOptions& options) const {
+Filling FillRegion::fill(const FillOptions& options) const {
   Filling filling;
   filling.surface_volume = volume_inside(tree_->points(), tree_->triangles());
   const Vector3 box = tree_->points().rowwise().maxCoeff() - tree_->points().rowwise().minCoeff();
@@ -211,35 +212,35 @@ Filling Inside::fill(const FillOptions& options) const {
   filling.on_surface = found.size();
   options.packing == FillPacking::lattice ? add_lattice(*tree_, options, found)
                                           : add_blue_noise(*tree_, options, found);
-  filling.places.resize(3, found.size());
-  for (int m = 0; m < found.size(); ++m) filling.places.col(m) = found.places()[static_cast<std::size_t>(m)];
-  if (found.size() >= 4) filling.tetrahedra = tetrahedra_inside(*tree_, filling.places, filling.on_surface);
-  peel(filling.places, filling.tetrahedra);
+  filling.positions.resize(3, found.size());
+  for (int m = 0; m < found.size(); ++m) filling.positions.col(m) = found.positions()[static_cast<std::size_t>(m)];
+  if (found.size() >= 4) filling.tetrahedra = tetrahedra_inside(*tree_, filling.positions, filling.on_surface);
+  peel(filling.positions, filling.tetrahedra);
   if (filling.tetrahedra.empty()) throw InputError("the spacing is too wide: no tetrahedron fits inside the surface");
-  leave_out_loose(filling);
-  const VectorX masses = lumped_mass(filling.places, {}, filling.tetrahedra, 1, 0);
+  leave_out_isolated(filling);
+  const VectorX masses = lumped_mass(filling.positions, {}, filling.tetrahedra, 1, 0);
   filling.volume = masses.sum();
   filling.share = masses / filling.volume;
-  filling.slivers = hull::count_slivers(filling.places, filling.tetrahedra);
+  filling.slivers = hull::count_slivers(filling.positions, filling.tetrahedra);
   return filling;
 }
 
-Connections Inside::connections_within(const Filling& filling, double reach) const {
-  const Connections near = elastin::connections_within(filling.places, reach);
+Connections FillRegion::connections_within(const Filling& filling, double reach) const {
+  const Connections near = elastin::connections_within(filling.positions, reach);
   const std::vector<std::array<int, 2>> sides = sides_of(filling.tetrahedra);
-  VectorX depth(filling.places.cols());
+  VectorX depth(filling.positions.cols());
   parallel_for(static_cast<int>(depth.size()),
-               [&](int m) { depth[m] = -tree_->signed_distance(filling.places.col(m)); });
+               [&](int m) { depth[m] = -tree_->signed_distance(filling.positions.col(m)); });
   std::vector<char> kept(near.ends.size());
   parallel_for(near.size(), [&](int c) {
     const auto& [a, b] = near.ends[static_cast<std::size_t>(c)];
     const double length = near.rest_length[static_cast<std::size_t>(c)];
-    const Vector3 from = filling.places.col(a), way = filling.places.col(b) - from;
+    const Vector3 from = filling.positions.col(a), segment = filling.positions.col(b) - from;
     bool sees = true;
     constexpr int parts = 8;
     if (depth[a] + depth[b] < length)  // else the way lies in two spheres that are inside
       for (int part = 1; part < parts && sees; ++part)
-        sees = tree_->signed_distance(from + way * part / parts) <= 0.05 * length;
+        sees = tree_->signed_distance(from + segment * part / parts) <= 0.05 * length;
     kept[static_cast<std::size_t>(c)] = sees || std::binary_search(sides.begin(), sides.end(), std::array{a, b});
   });
   Connections connections;

@@ -128,9 +128,9 @@ void read_tag(Cursor& in, NumberType width, Tags& tags) {
 }
 
 void add_point(Cursor& in, MeshBuilder& mesh) {
-  Vector3 place;
-  for (double& coordinate : place) coordinate = in.real("a coordinate");
-  mesh.add_point(place);
+  Vector3 position;
+  for (double& coordinate : position) coordinate = in.real("a coordinate");
+  mesh.add_point(position);
 }
 
 void read_points_22(Cursor& in, const Format& format, Tags& tags, MeshBuilder& mesh) {

@@ -67,10 +67,10 @@ std::string refusal(const CellType& type, long long code) {
          "); only linear tetrahedra and triangles are used: mesh with linear tetrahedra, e.g. gmsh -3 -order 1";
 }
 
-int MeshBuilder::point_at(const Vector3& place) {
-  const Eigen::Vector3f at = place.cast<float>().array() + 0.F;  // −0 and 0 are one place
-  const auto [found, fresh] = places_.try_emplace({at.x(), at.y(), at.z()}, point_count());
-  if (fresh) add_point(place);
+int MeshBuilder::point_at(const Vector3& position) {
+  const Eigen::Vector3f at = position.cast<float>().array() + 0.F;  // −0 and 0 are one place
+  const auto [found, fresh] = positions_.try_emplace({at.x(), at.y(), at.z()}, point_count());
+  if (fresh) add_point(position);
   return found->second;
 }
 
@@ -104,13 +104,13 @@ std::string MeshBuilder::add_triangle(const std::array<int, 3>& corners) {
 }
 
 std::string MeshBuilder::add_tetrahedron(std::array<int, 4> corners) {
-  Positions places(3, 4);
+  Positions positions(3, 4);
   std::array<Vector3, 4> x;
   for (std::size_t corner = 0; corner < 4; ++corner) {
     x[corner] = points_[static_cast<std::size_t>(corners[corner])];
-    places.col(static_cast<Eigen::Index>(corner)) = x[corner];
+    positions.col(static_cast<Eigen::Index>(corner)) = x[corner];
   }
-  const double volume = signed_volume(places, {0, 1, 2, 3});
+  const double volume = signed_volume(positions, {0, 1, 2, 3});
   const double longest = longest_side(x);
   if (volume < 0) std::swap(corners[2], corners[3]);
   tetrahedra_.push_back(corners);
@@ -121,7 +121,7 @@ std::string MeshBuilder::add_tetrahedron(std::array<int, 4> corners) {
 
 Mesh MeshBuilder::finish(const std::string& path) const {
   if (tetrahedra_.empty() && triangles_.empty())
-    throw InputError(Place{path, 0, 0},
+    throw InputError(SourceLocation{path, 0, 0},
                      "no tetrahedra and no triangles; mesh with linear tetrahedra, e.g. gmsh -3 -order 1");
   Mesh mesh;
   mesh.tetrahedra = tetrahedra_;
@@ -167,7 +167,7 @@ std::pair<std::string, Reader> reader_for(const std::string& path) {
     if (ending == known) return {ending, reader};
     allowed.push_back(known);
   }
-  throw InputError(Place{path, 0, 0}, "unknown ending " + quoted(ending) + suggestion(ending, allowed));
+  throw InputError(SourceLocation{path, 0, 0}, "unknown ending " + quoted(ending) + suggestion(ending, allowed));
 }
 
 }  // namespace

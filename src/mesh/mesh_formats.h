@@ -31,8 +31,8 @@ class MeshBuilder {
  public:
   int point_count() const { return static_cast<int>(points_.size()); }
   void add_point(const Vector3& point) { points_.push_back(point); }
-  /// The point that this one took first at the same place, in single precision; adds it if there is none.
-  int point_at(const Vector3& place);
+  /// The point that this one took first at the same position, in single precision; adds it if there is none.
+  int point_at(const Vector3& position);
   /// Takes a cell that is not refused, its corners less than point_count() where the kind has them. Returns what is
   /// wrong with it (" is a flat triangle: …"), or "".
   std::string add_cell(CellKind kind, std::array<int, 4> corners);
@@ -44,7 +44,7 @@ class MeshBuilder {
   std::string add_tetrahedron(std::array<int, 4> corners);
 
   std::vector<Vector3> points_;
-  std::map<std::array<float, 3>, int> places_;  ///< of point_at
+  std::map<std::array<float, 3>, int> positions_;  ///< of point_at
   Cells<3> triangles_;
   Cells<4> tetrahedra_;
   std::size_t lines_ = 0;

@@ -115,17 +115,17 @@ std::vector<int> read_points(Cursor& in, const Element& element, MeshBuilder& me
       in.fail(element.at, "expected a vertex with the properties x, y and z, each once");
   std::vector<int> points;
   for (std::size_t vertex = 0; vertex < element.count; ++vertex) {
-    Vector3 place;
+    Vector3 position;
     for (const Property& property : element.properties) {
       const int axis = property.name == "x" ? 0 : property.name == "y" ? 1 : property.name == "z" ? 2 : 3;
       if (property.list || axis == 3)
         skip(in, property);
       else if (in.binary() && holds_integers(property.type))
-        place[axis] = static_cast<double>(in.integer("a coordinate", property.type));
+        position[axis] = static_cast<double>(in.integer("a coordinate", property.type));
       else
-        place[axis] = in.real("a coordinate", property.type);
+        position[axis] = in.real("a coordinate", property.type);
     }
-    points.push_back(mesh.point_at(place));
+    points.push_back(mesh.point_at(position));
   }
   return points;
 }

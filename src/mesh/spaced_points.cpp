@@ -16,13 +16,13 @@ constexpr double kSharp = 0.766;
 /// Candidates for each point that finds room: enough to leave few gaps.
 constexpr int kTrials = 30;
 
-std::uint64_t bucket_of(const Vector3& place, double size, int dx, int dy, int dz) {
+std::uint64_t bucket_of(const Vector3& position, double size, int dx, int dy, int dz) {
   constexpr std::int64_t offset = 1 << 20, mask = (1 << 21) - 1;
   const auto number = [&](double x, int d) {
     return static_cast<std::uint64_t>(
         (static_cast<std::int64_t>(std::clamp(std::floor(x / size), -1e15, 1e15)) + d + offset) & mask);
   };
-  return number(place.x(), dx) << 42 | number(place.y(), dy) << 21 | number(place.z(), dz);
+  return number(position.x(), dx) << 42 | number(position.y(), dy) << 21 | number(position.z(), dz);
 }
 
 /// The sharp sides of a surface, as a graph.
@@ -93,34 +93,34 @@ void add_line(const Positions& points, const std::vector<int>& line, double spac
   double passed = 0;
   int next = closed ? 0 : 1;
   for (std::size_t i = 1; i < line.size(); ++i) {
-    const Vector3 from = points.col(line[i - 1]), way = points.col(line[i]) - from;
-    for (; next < parts && next * length / parts <= passed + way.norm(); ++next) {
-      const Vector3 place = from + (next * length / parts - passed) / way.norm() * way;
-      if (found.has_room(place, 0.5 * spacing)) found.add(place);
+    const Vector3 from = points.col(line[i - 1]), segment = points.col(line[i]) - from;
+    for (; next < parts && next * length / parts <= passed + segment.norm(); ++next) {
+      const Vector3 position = from + (next * length / parts - passed) / segment.norm() * segment;
+      if (found.is_free(position, 0.5 * spacing)) found.add(position);
     }
-    passed += way.norm();
+    passed += segment.norm();
   }
 }
 
 }  // namespace
 
-bool SpacedPoints::has_room(const Vector3& place, double distance, const Vector3& normal) const {
+bool SpacedPoints::is_free(const Vector3& position, double distance, const Vector3& normal) const {
   for (int dx = -1; dx <= 1; ++dx)
     for (int dy = -1; dy <= 1; ++dy)
       for (int dz = -1; dz <= 1; ++dz) {
-        const auto bucket = buckets_.find(bucket_of(place, reach_, dx, dy, dz));
+        const auto bucket = buckets_.find(bucket_of(position, reach_, dx, dy, dz));
         if (bucket == buckets_.end()) continue;
         for (const int other : bucket->second)
-          if ((places_[static_cast<std::size_t>(other)] - place).squaredNorm() < distance * distance &&
+          if ((positions_[static_cast<std::size_t>(other)] - position).squaredNorm() < distance * distance &&
               !(normals_[static_cast<std::size_t>(other)].dot(normal) < 0))
             return false;
       }
   return true;
 }
 
-void SpacedPoints::add(const Vector3& place, const Vector3& normal) {
-  buckets_[bucket_of(place, reach_, 0, 0, 0)].push_back(size());
-  places_.push_back(place);
+void SpacedPoints::add(const Vector3& position, const Vector3& normal) {
+  buckets_[bucket_of(position, reach_, 0, 0, 0)].push_back(size());
+  positions_.push_back(position);
   normals_.push_back(normal);
 }
 
@@ -128,7 +128,7 @@ void add_surface_points(const Positions& points, const Cells<3>& triangles, doub
                         SpacedPoints& found) {
   const SharpSides sharp(points, triangles);
   for (const int corner : sharp.corners())
-    if (found.has_room(points.col(corner), 0.5 * spacing)) found.add(points.col(corner));
+    if (found.is_free(points.col(corner), 0.5 * spacing)) found.add(points.col(corner));
   for (const auto& line : sharp.lines()) add_line(points, line, spacing, found);
 
   std::vector<double> areas;  // summed up to each triangle
@@ -148,8 +148,8 @@ void add_surface_points(const Positions& points, const Cells<3>& triangles, doub
     double u = unit_random(generator), v = unit_random(generator);
     if (u + v > 1) u = 1 - u, v = 1 - v;
     const auto& [a, b, c] = triangles[t];
-    const Vector3 place = points.col(a) + u * (points.col(b) - points.col(a)) + v * (points.col(c) - points.col(a));
-    if (found.has_room(place, 0.85 * spacing, normals[t])) found.add(place, normals[t]);
+    const Vector3 position = points.col(a) + u * (points.col(b) - points.col(a)) + v * (points.col(c) - points.col(a));
+    if (found.is_free(position, 0.85 * spacing, normals[t])) found.add(position, normals[t]);
   }
 }
 

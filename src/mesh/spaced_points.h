@@ -15,15 +15,15 @@ class SpacedPoints {
 
   /// Whether no point lies closer than `distance` [m] ≤ reach. A point whose normal is turned away from `normal` by
   /// more than a right angle stands on another side of a thin body and does not count; zero normals always do.
-  bool has_room(const Vector3& place, double distance, const Vector3& normal = Vector3::Zero()) const;
-  void add(const Vector3& place, const Vector3& normal = Vector3::Zero());
+  bool is_free(const Vector3& position, double distance, const Vector3& normal = Vector3::Zero()) const;
+  void add(const Vector3& position, const Vector3& normal = Vector3::Zero());
 
-  int size() const { return static_cast<int>(places_.size()); }
-  const std::vector<Vector3>& places() const { return places_; }
+  int size() const { return static_cast<int>(positions_.size()); }
+  const std::vector<Vector3>& positions() const { return positions_; }
 
  private:
   double reach_;
-  std::vector<Vector3> places_, normals_;
+  std::vector<Vector3> positions_, normals_;
   std::unordered_map<std::uint64_t, std::vector<int>> buckets_;
 };
 

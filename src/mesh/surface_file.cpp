@@ -9,10 +9,10 @@
 
 namespace elastin::mesh::format {
 
-/// Assimp hands out a corner once for each face or normal that it has; corners at the same place are one molecule here.
-/// It keeps places in single precision: 6e-8 of their size. Polygons become triangles.
+/// Assimp hands out a corner once for each face or normal that it has; corners at the same position are one molecule
+/// here. It keeps places in single precision: 6e-8 of their size. Polygons become triangles.
 void read_surface(const File& file, const std::string& ending, MeshBuilder& mesh) {
-  const auto refuse = [&](const std::string& why) { throw InputError(Place{file.path, 0, 0}, why); };
+  const auto refuse = [&](const std::string& why) { throw InputError(SourceLocation{file.path, 0, 0}, why); };
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFileFromMemory(file.bytes.data(), file.bytes.size(), aiProcess_Triangulate,
                                                      ending.substr(1).c_str());
@@ -23,9 +23,9 @@ void read_surface(const File& file, const std::string& ending, MeshBuilder& mesh
     std::vector<int> point(piece.mNumVertices);
     for (unsigned corner = 0; corner < piece.mNumVertices; ++corner) {
       const aiVector3D& at = piece.mVertices[corner];
-      const Vector3 place(at.x, at.y, at.z);
-      if (!place.allFinite()) refuse("point " + std::to_string(corner) + " has a coordinate that is not finite");
-      point[corner] = mesh.point_at(place);
+      const Vector3 position(at.x, at.y, at.z);
+      if (!position.allFinite()) refuse("point " + std::to_string(corner) + " has a coordinate that is not finite");
+      point[corner] = mesh.point_at(position);
     }
     for (unsigned face = 0; face < piece.mNumFaces; ++face, ++number) {
       const aiFace& corners = piece.mFaces[face];

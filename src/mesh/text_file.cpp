@@ -36,7 +36,7 @@ File load_file(const std::string& path) {
   while (stream && (got = std::fread(buffer, 1, sizeof buffer, stream.get())) > 0) file.bytes.append(buffer, got);
   if (!stream || std::ferror(stream.get())) {
     const std::string reason = std::strerror(errno);
-    throw InputError(Place{path, 0, 0}, (stream ? "cannot read: " : "cannot open: ") + reason);
+    throw InputError(SourceLocation{path, 0, 0}, (stream ? "cannot read: " : "cannot open: ") + reason);
   }
   return file;
 }
@@ -118,18 +118,18 @@ void Cursor::skip_past(std::string_view mark) {
 }
 
 void Cursor::skip_numbers(std::size_t count, NumberType type) {
-  require_room(count, "numbers", type);
+  require_numbers(count, "numbers", type);
   if (binary())
     at_ += count * static_cast<std::size_t>(type.bytes);
   else
     for (std::size_t number = 0; number < count; ++number) word("a number");
 }
 
-void Cursor::require_room(std::size_t count, const char* what, NumberType type) const {
-  const std::size_t room = binary() ? left() / static_cast<std::size_t>(type.bytes) : (left() + 1) / 2;
-  if (count > room)
+void Cursor::require_numbers(std::size_t count, const char* what, NumberType type) const {
+  const std::size_t capacity = binary() ? left() / static_cast<std::size_t>(type.bytes) : (left() + 1) / 2;
+  if (count > capacity)
     fail(at_, "expected " + std::to_string(count) + " " + what + ", but what is left has room for " +
-                  std::to_string(room) + " at most");
+                  std::to_string(capacity) + " at most");
 }
 
 template <class T>
@@ -195,7 +195,7 @@ std::size_t Cursor::count(const char* what, NumberType type) {
 }
 
 Integers Cursor::integers(std::size_t count, const char* what, NumberType type) {
-  require_room(count, (std::string("numbers, each ") + what).c_str(), type);
+  require_numbers(count, (std::string("numbers, each ") + what).c_str(), type);
   Integers read{*this, type, std::vector<long long>(count)};
   for (long long& value : read.values) value = integer(what, type);
   return read;
@@ -204,12 +204,13 @@ Integers Cursor::integers(std::size_t count, const char* what, NumberType type) 
 void Cursor::fail(std::size_t at, const std::string& message) const {
   const std::size_t stands = stands_at_ == none ? std::min(at, file_->bytes.size()) : stands_at_;
   if (stands_at_ == none && at >= binary_from_)
-    throw InputError(Place{file_->path, 0, 0}, "byte " + std::to_string(stands) + ": " + message);
+    throw InputError(SourceLocation{file_->path, 0, 0}, "byte " + std::to_string(stands) + ": " + message);
   const auto begin = file_->bytes.begin();
   const auto end = begin + static_cast<std::ptrdiff_t>(stands);
   const auto lines = std::count(begin, end, '\n');
   const auto column = std::find(std::make_reverse_iterator(end), file_->bytes.rend(), '\n').base();
-  throw InputError(Place{file_->path, static_cast<int>(lines) + 1, static_cast<int>(end - column) + 1}, message);
+  throw InputError(SourceLocation{file_->path, static_cast<int>(lines) + 1, static_cast<int>(end - column) + 1},
+                   message);
 }
 
 void Integers::fail(std::size_t number, const std::string& message) const {

@@ -72,7 +72,7 @@ class Cursor {
   std::size_t count(const char* what, NumberType type = int32);
   Integers integers(std::size_t count, const char* what, NumberType type);
   /// Fails where `count` numbers can't fit into what is left, before anybody allocates for them.
-  void require_room(std::size_t count, const char* what, NumberType type) const;
+  void require_numbers(std::size_t count, const char* what, NumberType type) const;
 
   [[noreturn]] void fail(std::size_t at, const std::string& message) const;
 

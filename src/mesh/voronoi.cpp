@@ -16,7 +16,7 @@ struct Plane {
   double offset;  ///< normal · x ≤ offset inside
 };
 
-/// The hull of the places, or what is wrong with them.
+/// The hull of the positions, or what is wrong with them.
 std::string find_hull(const Positions& x, std::vector<Plane>& planes) {
   const std::vector<double> points(x.data(), x.data() + x.size());
   return hull::visit_hull(3, points, false, [&](const hull::HullFacet& facet) {
@@ -27,13 +27,13 @@ std::string find_hull(const Positions& x, std::vector<Plane>& planes) {
   });
 }
 
-/// Cuts a cell of the molecule at `place` by the planes that reach into it. Plane p is neighbour −10 − p.
-void clip(voro::voronoicell_neighbor& cell, const Vector3& place, const std::vector<Plane>& planes) {
+/// Cuts a cell of the molecule at `position` by the planes that reach into it. Plane p is neighbour −10 − p.
+void clip(voro::voronoicell_neighbor& cell, const Vector3& position, const std::vector<Plane>& planes) {
   std::vector<double> corners;
   cell.vertices(corners);
   for (std::size_t p = 0; p < planes.size(); ++p) {
     const Vector3& n = planes[p].normal;
-    const double distance = std::max(0., planes[p].offset - n.dot(place));
+    const double distance = std::max(0., planes[p].offset - n.dot(position));
     double furthest = 0;
     for (std::size_t c = 0; c < corners.size(); c += 3)
       furthest = std::max(furthest, n.x() * corners[c] + n.y() * corners[c + 1] + n.z() * corners[c + 2]);
@@ -58,7 +58,7 @@ VoronoiCells voronoi_cells(const Body& body) {
   const Vector3 low = body.rest.rowwise().minCoeff();
   const Vector3 size = body.rest.rowwise().maxCoeff() - low;
   const double spacing = size.norm() / std::cbrt(static_cast<double>(body.size()));
-  if (!(spacing > 0)) return failed("needs molecules in different places");
+  if (!(spacing > 0)) return failed("needs molecules at different positions");
   const Positions x = (body.rest.colwise() - low) / spacing;
   std::vector<Plane> planes;
   if (!find_hull(x, planes).empty()) return failed("needs molecules that do not lie in one plane");

@@ -142,11 +142,11 @@ void LegacyReader::read_points() {
   const std::size_t count = in_.count("the number of points");
   const NumberType type = read_type(NumberType::real);
   begin_data();
-  in_.require_room(3 * count, "coordinates", type);
+  in_.require_numbers(3 * count, "coordinates", type);
   for (std::size_t point = 0; point < count; ++point) {
-    Vector3 place;
-    for (double& coordinate : place) coordinate = in_.real("a coordinate", type);
-    mesh_.add_point(place);
+    Vector3 position;
+    for (double& coordinate : position) coordinate = in_.real("a coordinate", type);
+    mesh_.add_point(position);
   }
   have_points_ = true;
 }

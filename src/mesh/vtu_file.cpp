@@ -162,11 +162,11 @@ void VtuReader::read_points(pugi::xml_node points, std::size_t count) {
   if (array.attribute("NumberOfComponents").as_int(3) != 3) fail_attribute(array, "NumberOfComponents", "3");
   const NumberType type = number_type(array, true);
   Cursor in = numbers(array, type, 3 * count);
-  in.require_room(3 * count, "coordinates", type);
+  in.require_numbers(3 * count, "coordinates", type);
   for (std::size_t point = 0; point < count; ++point) {
-    Vector3 place;
-    for (double& coordinate : place) coordinate = in.real("a coordinate", type);
-    mesh_.add_point(place);
+    Vector3 position;
+    for (double& coordinate : position) coordinate = in.real("a coordinate", type);
+    mesh_.add_point(position);
   }
   in.expect_end("coordinates");
 }

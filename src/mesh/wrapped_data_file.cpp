@@ -30,8 +30,8 @@ class Unwrapper {
   void inflate_block(const std::string& packed, std::size_t begin, std::size_t packed_bytes, std::size_t bytes,
                      std::string& out) const;
   [[noreturn]] void fail(const std::string& message) const { in_.fail(stands_at_, message); }
-  [[noreturn]] void fail_size(std::size_t bytes, const std::string& held) const {
-    fail("expected an array of " + std::to_string(bytes) + " bytes, but its header announces " + held);
+  [[noreturn]] void fail_size(std::size_t bytes, const std::string& found) const {
+    fail("expected an array of " + std::to_string(bytes) + " bytes, but its header announces " + found);
   }
 
   const Cursor& in_;
@@ -86,8 +86,8 @@ std::vector<long long> Unwrapper::header(std::size_t numbers) const {
 }
 
 std::string Unwrapper::plain(std::size_t bytes) const {
-  const auto held = static_cast<std::size_t>(header(1)[0]);
-  if (held != bytes) fail_size(bytes, std::to_string(held));
+  const auto found = static_cast<std::size_t>(header(1)[0]);
+  if (found != bytes) fail_size(bytes, std::to_string(found));
   const auto header_bytes = static_cast<std::size_t>(wrapping_.header.bytes);
   return first(header_bytes + bytes).substr(header_bytes);
 }

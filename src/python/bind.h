@@ -31,8 +31,8 @@ py::array view(const T* data, std::vector<py::ssize_t> shape, const py::handle& 
   return array;
 }
 /// Shape (n, 3).
-inline py::array view(const Positions& places, const py::handle& owner, bool writable = false) {
-  return view(places.data(), {places.cols(), 3}, owner, writable);
+inline py::array view(const Positions& positions, const py::handle& owner, bool writable = false) {
+  return view(positions.data(), {positions.cols(), 3}, owner, writable);
 }
 inline py::array view(const VectorX& values, const py::handle& owner) {
   return view(values.data(), {values.size()}, owner);
@@ -44,7 +44,7 @@ py::array view(const std::vector<std::array<int, corners>>& rows, const py::hand
 }
 
 /// Numbers of any shape that numpy can make of it; `name` is said in messages. Throws InputError.
-Positions places_from(const py::handle& given, const char* name);
+Positions positions_from(const py::handle& given, const char* name);
 VectorX numbers_from(const py::handle& given, const char* name);
 
 /// A Python function that C++ keeps, copies and lets go on any thread, whoever holds the interpreter's lock.
@@ -76,7 +76,7 @@ struct Moving {
 };
 
 /// As keyword arguments give them.
-SimulationOptions simulation_options(const std::string& scheme, double safety, int most_parts, int newton_iterations,
+SimulationOptions simulation_options(const std::string& scheme, double safety, int max_substeps, int newton_iterations,
                                      ParameterValues parameters);
 
 }  // namespace elastin::python

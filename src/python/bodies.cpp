@@ -70,7 +70,7 @@ Body body_from_arrays(const py::object& positions, const py::object& connections
                       const py::object& tetrahedra, const py::object& rest_lengths, const py::object& masses,
                       const py::object& radii, double density, double thickness) {
   BodyArrays arrays;
-  arrays.positions = places_from(positions, "positions");
+  arrays.positions = positions_from(positions, "positions");
   arrays.connections = rows_from<2>(connections, "connections");
   arrays.triangles = rows_from<3>(triangles, "triangles");
   arrays.tetrahedra = rows_from<4>(tetrahedra, "tetrahedra");
@@ -153,7 +153,7 @@ void add_material(py::module_& module) {
       .def_readonly("poissons_ratio", &Material::poissons_ratio, "Poisson's ratio.")
       .def_readonly("density", &Material::density, "[kg/m^3]")
       .def_readonly("thickness", &Material::thickness, "[m], of a membrane.")
-      .def_readonly("bending_rigidity", &Material::bending_rigidity, "[N m]; 0 = limp.")
+      .def_readonly("bending_rigidity", &Material::bending_rigidity, "[N m]; 0 = no bending stiffness.")
       .def("__repr__", &material_text);
 }
 
@@ -165,7 +165,7 @@ auto part_of_body(Part part) {
 
 }  // namespace
 
-Positions places_from(const py::handle& given, const char* name) {
+Positions positions_from(const py::handle& given, const char* name) {
   const Numbers array = checked(given, name, 3);
   return Eigen::Map<const Positions>(array.data(), 3, array.shape(0));
 }
@@ -190,7 +190,7 @@ void add_bodies(py::module_& module) {
           "default from density [kg/m^3] and the cells (triangles: thickness [m]) or the bounding box; radii (n,) [m], "
           "by default half the shortest connection. Arrays are copied.")
       .def_property_readonly("positions", part_of_body([](const Body& b) -> auto& { return b.rest; }),
-                             "Places at rest [m], (n, 3).")
+                             "Positions at rest [m], (n, 3).")
       .def_property_readonly("masses", part_of_body([](const Body& b) -> auto& { return b.mass; }), "[kg], (n,).")
       .def_property_readonly("radii", part_of_body([](const Body& b) -> auto& { return b.radius; }), "[m], (n,).")
       .def_property_readonly("connections", part_of_body([](const Body& b) -> auto& { return b.connections.ends; }),

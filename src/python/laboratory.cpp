@@ -10,7 +10,7 @@ using namespace lab;
 namespace {
 
 /// A laboratory as Python has it: a run lets other threads go on, and runs take turns.
-struct Room {
+struct SharedLaboratory {
   Laboratory laboratory;
   std::mutex busy = {};
 };
@@ -18,7 +18,7 @@ struct Room {
 /// A result with the body that it is about.
 struct Outcomes {
   LaboratoryResult result;
-  std::shared_ptr<Room> room;
+  std::shared_ptr<SharedLaboratory> shared;
 };
 
 py::dict by_name(const std::vector<Measured>& list) {
@@ -56,7 +56,7 @@ py::dict columns_of(const LaboratoryResult& result) {
   return columns;
 }
 
-std::shared_ptr<Outcomes> run(const std::shared_ptr<Room>& room, const std::string& strategy,
+std::shared_ptr<Outcomes> run(const std::shared_ptr<SharedLaboratory>& shared, const std::string& strategy,
                               const std::optional<py::function>& progress) {
   const auto told = progress ? keep(*progress) : nullptr;
   RunWatch watch;
@@ -66,20 +66,20 @@ std::shared_ptr<Outcomes> run(const std::shared_ptr<Room>& room, const std::stri
     if (told) (*told)(doing);
   };
   const py::gil_scoped_release others_run;
-  const std::lock_guard turn(room->busy);
-  return std::make_shared<Outcomes>(Outcomes{room->laboratory.run(strategy, watch), room});
+  const std::lock_guard turn(shared->busy);
+  return std::make_shared<Outcomes>(Outcomes{shared->laboratory.run(strategy, watch), shared});
 }
 
-std::shared_ptr<Moving> simulation(const std::shared_ptr<Room>& room, const std::string& strategy,
+std::shared_ptr<Moving> simulation(const std::shared_ptr<SharedLaboratory>& shared, const std::string& strategy,
                                    const SimulationOptions& options) {
   const py::gil_scoped_release others_run;
-  const std::lock_guard turn(room->busy);
-  return std::make_shared<Moving>(room->laboratory.simulation(strategy, options));
+  const std::lock_guard turn(shared->busy);
+  return std::make_shared<Moving>(shared->laboratory.simulation(strategy, options));
 }
 
 /// The room's body: lives as long as whoever looks at it. Python has no way to change a body.
-std::shared_ptr<Body> body_of(const std::shared_ptr<Room>& room) {
-  return {room, const_cast<Body*>(&room->laboratory.body())};
+std::shared_ptr<Body> body_of(const std::shared_ptr<SharedLaboratory>& shared) {
+  return {shared, const_cast<Body*>(&shared->laboratory.body())};
 }
 
 template <class Member>
@@ -97,7 +97,7 @@ const char* outcome_text(const Outcomes& self) { return self.result.suited ? nam
 void add_result(py::module_& module) {
   using Result = LaboratoryResult;
   py::class_<Outcomes, std::shared_ptr<Outcomes>>(module, "Result", "What came of one strategy on a scene; SI units.")
-      .def_property_readonly("scene", [](const Outcomes& self) { return self.room->laboratory.name(); })
+      .def_property_readonly("scene", [](const Outcomes& self) { return self.shared->laboratory.name(); })
       .def_property_readonly("strategy", part_of_result(&Result::strategy))
       .def_property_readonly("outcome", &outcome_text,
                              "'converged', or how it stopped: 'limit_reached', 'inverted', 'diverged', 'mechanism', "
@@ -130,49 +130,51 @@ void add_result(py::module_& module) {
       .def_property_readonly("linear_iterations", part_of_result(&Result::linear_iterations))
       .def_property_readonly("build_seconds", part_of_result(&Result::build_seconds))
       .def_property_readonly("solve_seconds", part_of_result(&Result::solve_seconds))
-      .def_property_readonly("body", [](const Outcomes& self) { return body_of(self.room); });
+      .def_property_readonly("body", [](const Outcomes& self) { return body_of(self.shared); });
 }
 
 }  // namespace
 
 void add_laboratory(py::module_& module) {
   add_result(module);
-  py::class_<Room, std::shared_ptr<Room>>(module, "_Laboratory")
+  py::class_<SharedLaboratory, std::shared_ptr<SharedLaboratory>>(module, "_Laboratory")
       .def(py::init([](const std::string& scene, const std::vector<std::string>& overrides,
                        const std::shared_ptr<Catalog>& catalog) {
              const Catalog chosen = catalog ? *catalog : built_in_catalog();
              const py::gil_scoped_release others_run;
-             return std::shared_ptr<Room>(new Room{Laboratory(scene, overrides, chosen)});
+             return std::shared_ptr<SharedLaboratory>(new SharedLaboratory{Laboratory(scene, overrides, chosen)});
            }),
            py::arg("scene"), py::arg("overrides"), py::arg("catalog"))
-      .def_property_readonly("name", [](const Room& self) { return self.laboratory.name(); })
-      .def_property_readonly("title", [](const Room& self) { return self.laboratory.title(); })
+      .def_property_readonly("name", [](const SharedLaboratory& self) { return self.laboratory.name(); })
+      .def_property_readonly("title", [](const SharedLaboratory& self) { return self.laboratory.title(); })
       .def_property_readonly("body", &body_of)
-      .def_property_readonly("material", [](const Room& self) { return self.laboratory.material(); })
+      .def_property_readonly("material", [](const SharedLaboratory& self) { return self.laboratory.material(); })
       .def_property_readonly(
-          "strategy", [](const Room& self) { return self.laboratory.strategy(); }, "The scene's own.")
+          "strategy", [](const SharedLaboratory& self) { return self.laboratory.strategy(); }, "The scene's own.")
       .def_property_readonly(
-          "strategies", [](const Room& self) { return self.laboratory.strategies(); }, "Those that the scene compares.")
+          "strategies", [](const SharedLaboratory& self) { return self.laboratory.strategies(); },
+          "Those that the scene compares.")
       .def_property_readonly(
-          "references", [](const Room& self) { return as_list(self.laboratory.references()); },
+          "references", [](const SharedLaboratory& self) { return as_list(self.laboratory.references()); },
           "Values of the same problem from elsewhere: dicts of measure, value, unit, source.")
       .def_property_readonly(
-          "expectations", [](const Room& self) { return as_list(self.laboratory.expectations()); },
+          "expectations", [](const SharedLaboratory& self) { return as_list(self.laboratory.expectations()); },
           "Values that the scene says must come out: dicts as references, with the strategy.")
-      .def_property_readonly("warnings", [](const Room& self) { return self.laboratory.warnings(); })
+      .def_property_readonly("warnings", [](const SharedLaboratory& self) { return self.laboratory.warnings(); })
       .def("run", &run, py::arg("strategy") = "", py::kw_only(), py::arg("progress") = py::none(),
            "Runs the experiment with a strategy by name ('calibrated:angles', 'lattice+volume'); '' takes the scene's "
            "own. progress(doing) is told before each load step or frame; what it raises ends the run. Numerical "
            "trouble is an outcome in the result.")
       .def(
           "simulation",
-          [](const std::shared_ptr<Room>& room, const std::string& strategy, const std::string& scheme, double safety,
-             int most_parts, int newton_iterations, ParameterValues parameters) {
-            return simulation(room, strategy,
-                              simulation_options(scheme, safety, most_parts, newton_iterations, std::move(parameters)));
+          [](const std::shared_ptr<SharedLaboratory>& shared, const std::string& strategy, const std::string& scheme,
+             double safety, int max_substeps, int newton_iterations, ParameterValues parameters) {
+            return simulation(
+                shared, strategy,
+                simulation_options(scheme, safety, max_substeps, newton_iterations, std::move(parameters)));
           },
           py::arg("strategy") = "", py::kw_only(), py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8,
-          py::arg("most_parts") = 1000, py::arg("newton_iterations") = 0, py::arg("parameters") = ParameterValues{},
+          py::arg("max_substeps") = 1000, py::arg("newton_iterations") = 0, py::arg("parameters") = ParameterValues{},
           "The scene's body at rest, or at time 0, with its strategy, loads, damping and contact, held by its "
           "experiment and loaded in full at once, to be stepped.");
 }

@@ -32,7 +32,7 @@ PYBIND11_MODULE(_elastin, module) {
       "Wrong use or wrong input: file:line:column, the key, what was given, what is allowed, the nearest name.";
   module.attr("__version__") = ELASTIN_VERSION;
   module.def("set_threads", &elastin::set_threads, py::arg("threads"),
-             "How many threads loops over large bodies take; 0 = one a core. Results have the same bits with any.");
+             "How many threads loops over large bodies take; 0 = one a core. Results are bitwise identical with any.");
   module.def("threads", &elastin::threads, "How many threads loops over large bodies take.");
   module.def("measures", &measures, "Every measure that an experiment can take: (name, SI unit, what it is).");
   module.def("_missing_measure", &missing_measure, py::arg("name"), py::arg("there"));

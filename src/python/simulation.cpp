@@ -16,10 +16,11 @@ namespace {
 constexpr std::chrono::milliseconds kBetweenSignals{50};
 
 std::shared_ptr<Moving> make_simulation(const Body& body, const py::object& strategy, const Material& material,
-                                        const std::string& scheme, double safety, int most_parts, int newton_iterations,
-                                        ParameterValues parameters, const std::shared_ptr<Catalog>& catalog) {
+                                        const std::string& scheme, double safety, int max_substeps,
+                                        int newton_iterations, ParameterValues parameters,
+                                        const std::shared_ptr<Catalog>& catalog) {
   const SimulationOptions options =
-      simulation_options(scheme, safety, most_parts, newton_iterations, std::move(parameters));
+      simulation_options(scheme, safety, max_substeps, newton_iterations, std::move(parameters));
   const Strategy chosen = strategy_from(strategy, catalog ? *catalog : built_in_catalog());
   const py::gil_scoped_release others_run;
   Body own = body;
@@ -112,7 +113,7 @@ void add_results(py::module_& module) {
   py::class_<StepResult>(module, "StepResult", "How a step ended; true if it went well.")
       .def_property_readonly("outcome", [](const StepResult& r) { return elastin::name_of(r.outcome); })
       .def_readonly("cause", &StepResult::cause, "Why it did not get there; the state then stayed as it was.")
-      .def_readonly("parts", &StepResult::parts, "In how many parts it had to go.")
+      .def_readonly("substeps", &StepResult::substeps, "Into how many substeps it was divided.")
       .def_readonly("newton_iterations", &StepResult::newton_iterations)
       .def_readonly("linear_iterations", &StepResult::linear_iterations)
       .def("__bool__", [](const StepResult& r) { return r.outcome == Outcome::converged; })
@@ -169,10 +170,10 @@ void add_views(Class& simulation) {
 void add_hands(Class& simulation) {
   simulation
       .def(
-          "hold",
+          "fix",
           [](Moving& self, int molecule, const py::object& free) {
             const Matrix3 directions = free_directions(free);
-            self.in_turn([&](Simulation& s) { s.hold(molecule, directions); });
+            self.in_turn([&](Simulation& s) { s.fix(molecule, directions); });
           },
           py::arg("molecule"), py::arg("free") = "",
           "Holds a molecule where it is, but in the directions that `free` names: 'z', 'xy', or a 3 x 3 projector.")
@@ -181,34 +182,38 @@ void add_hands(Class& simulation) {
           py::arg("molecule"), "Lets a held molecule go.")
       .def(
           "move_to",
-          [](Moving& self, int molecule, const Vector3& place) {
-            self.in_turn([&](Simulation& s) { s.move_to(molecule, place); });
+          [](Moving& self, int molecule, const Vector3& position) {
+            self.in_turn([&](Simulation& s) { s.move_to(molecule, position); });
           },
-          py::arg("molecule"), py::arg("place"), "Where a held molecule is to be at the end of the next step [m].")
+          py::arg("molecule"), py::arg("position"), "Where a held molecule is to be at the end of the next step [m].")
       .def(
           "reaction",
           [](Moving& self, int molecule) { return self.in_turn([&](Simulation& s) { return s.reaction(molecule); }); },
           py::arg("molecule"), "Force of its support on a held molecule [N]; zero where nothing holds it.")
       .def(
-          "grab",
-          [](Moving& self, int molecule, const Vector3& place, double stiffness, double damping) {
-            return self.in_turn([&](Simulation& s) { return s.grab(molecule, place, stiffness, damping); });
+          "couple",
+          [](Moving& self, int molecule, const Vector3& position, double stiffness, double damping) {
+            return self.in_turn([&](Simulation& s) { return s.couple(molecule, position, stiffness, damping); });
           },
-          py::arg("molecule"), py::arg("place"), py::arg("stiffness"), py::arg("damping") = 0.,
-          "A spring [N/m] and damper [N s/m] between a molecule and a place [m]: a tool. Gives the grip's number.")
+          py::arg("molecule"), py::arg("position"), py::arg("stiffness"), py::arg("damping") = 0.,
+          "A spring [N/m] and damper [N s/m] between a molecule and a position [m]: a tool. Gives the coupling's "
+          "number.")
       .def(
-          "move_grip",
-          [](Moving& self, GripId grip, const Vector3& place, const Vector3& velocity) {
-            self.in_turn([&](Simulation& s) { s.move_grip(grip, place, velocity); });
+          "move_coupling",
+          [](Moving& self, CouplingId coupling, const Vector3& position, const Vector3& velocity) {
+            self.in_turn([&](Simulation& s) { s.move_coupling(coupling, position, velocity); });
           },
-          py::arg("grip"), py::arg("place"), py::arg("velocity") = Vector3(Vector3::Zero()), "[m], [m/s]")
+          py::arg("coupling"), py::arg("position"), py::arg("velocity") = Vector3(Vector3::Zero()), "[m], [m/s]")
       .def(
-          "grip_force",
-          [](Moving& self, GripId grip) { return self.in_turn([&](Simulation& s) { return s.grip_force(grip); }); },
-          py::arg("grip"), "Force of the grip on its molecule [N] in the state reached.")
+          "coupling_force",
+          [](Moving& self, CouplingId coupling) {
+            return self.in_turn([&](Simulation& s) { return s.coupling_force(coupling); });
+          },
+          py::arg("coupling"), "Force of the coupling on its molecule [N] in the state reached.")
       .def(
-          "let_go", [](Moving& self, GripId grip) { self.in_turn([&](Simulation& s) { s.let_go(grip); }); },
-          py::arg("grip"));
+          "decouple",
+          [](Moving& self, CouplingId coupling) { self.in_turn([&](Simulation& s) { s.decouple(coupling); }); },
+          py::arg("coupling"));
 }
 
 void add_loads(Class& simulation) {
@@ -255,13 +260,13 @@ void add_loads(Class& simulation) {
 
 }  // namespace
 
-SimulationOptions simulation_options(const std::string& scheme, double safety, int most_parts, int newton_iterations,
+SimulationOptions simulation_options(const std::string& scheme, double safety, int max_substeps, int newton_iterations,
                                      ParameterValues parameters) {
   SimulationOptions options;
   options.integrator.scheme = scheme_from(scheme);
   options.integrator.newton_iterations = newton_iterations;
   options.safety = safety;
-  options.most_parts = most_parts;
+  options.max_substeps = max_substeps;
   options.parameters = std::move(parameters);
   return options;
 }
@@ -273,7 +278,7 @@ void add_simulation(py::module_& module) {
                    "own. Views never copy: they stay where they are, and keep the simulation alive.");
   simulation
       .def(py::init(&make_simulation), py::arg("body"), py::arg("strategy"), py::arg("material"), py::kw_only(),
-           py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8, py::arg("most_parts") = 1000,
+           py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8, py::arg("max_substeps") = 1000,
            py::arg("newton_iterations") = 0, py::arg("parameters") = ParameterValues{}, py::arg("catalog") = py::none(),
            "strategy: a name ('lattice', 'lattice+volume') or a Strategy; scheme: symplectic_euler, velocity_verlet, "
            "backward_euler or newmark. Explicit schemes part a step so that each part is at most `safety` of the "

@@ -56,7 +56,7 @@ static void layout(void) {
   CHECK(sizeof(elastin_parameter) == 56 && offsetof(elastin_parameter, fallback) == 48);
   CHECK(sizeof(elastin_value) == 16 && offsetof(elastin_value, value) == 8);
   CHECK(sizeof(elastin_options) == 80 && offsetof(elastin_options, scheme) == 8);
-  CHECK(offsetof(elastin_options, safety) == 16 && offsetof(elastin_options, most_parts) == 24);
+  CHECK(offsetof(elastin_options, safety) == 16 && offsetof(elastin_options, max_substeps) == 24);
   CHECK(offsetof(elastin_options, parameters) == 32 && offsetof(elastin_options, parameter_count) == 40);
   CHECK(offsetof(elastin_options, threads) == 48 && offsetof(elastin_options, run) == 56);
   CHECK(offsetof(elastin_options, run_context) == 64 && offsetof(elastin_options, run_width) == 72);
@@ -83,12 +83,12 @@ static void strategies(void) {
   REFUSED(elastin_strategy_count(NULL), "count is null");
 }
 
-/* Two tetrahedra, one of them turned over: 1/6 of a cube of 6 mm each. */
-static const double kPlaces[15] = {0, 0, 0, 6e-3, 0, 0, 0, 6e-3, 0, 0, 0, 6e-3, 0, 0, -6e-3};
+/* Two tetrahedra, one of them inverted: 1/6 of a cube of 6 mm each. */
+static const double kPositions[15] = {0, 0, 0, 6e-3, 0, 0, 0, 6e-3, 0, 0, 0, 6e-3, 0, 0, -6e-3};
 static const int kCells[8] = {0, 1, 2, 3, 0, 1, 2, 4};
 
 static elastin_arrays arrays(void) {
-  elastin_arrays given = {sizeof given, kPlaces, NULL, NULL, NULL, NULL, NULL, kCells, 5, 0, 0, 2, 1000, 0};
+  elastin_arrays given = {sizeof given, kPositions, NULL, NULL, NULL, NULL, NULL, kCells, 5, 0, 0, 2, 1000, 0};
   return given;
 }
 
@@ -96,7 +96,7 @@ static void bodies(void) {
   elastin_arrays given = arrays();
   elastin_body* body = NULL;
   elastin_counts counts = {sizeof counts, 0, 0, 0, 0};
-  const double* places = NULL;
+  const double* shown = NULL;
   const int* ends = NULL;
   size_t count = 0;
   const int wrong[4] = {0, 1, 2, 5}, twice[4] = {0, 1, 2, 2}, flat[4] = {0, 3, 4, 3};
@@ -104,8 +104,8 @@ static void bodies(void) {
   OK(elastin_body_from_arrays(&given, &body));
   OK(elastin_body_counts(body, &counts));
   CHECK(counts.molecules == 5 && counts.connections == 9 && counts.triangles == 0 && counts.tetrahedra == 2);
-  OK(elastin_body_positions(body, &places, &count));
-  CHECK(count == 15 && memcmp(places, kPlaces, sizeof kPlaces) == 0 && places != kPlaces);
+  OK(elastin_body_positions(body, &shown, &count));
+  CHECK(count == 15 && memcmp(shown, kPositions, sizeof kPositions) == 0 && shown != kPositions);
   OK(elastin_body_connections(body, &ends, &count));
   CHECK(count == 18 && ends[0] == 0 && ends[1] == 1 && ends[17] == 4);
   OK(elastin_body_triangles(body, &ends, &count));
@@ -149,23 +149,23 @@ static void stepping(void) {
   double* host = NULL;
   double time = 0;
   size_t count = 0;
-  int grip = 0, molecule, step;
+  int coupling = 0, molecule, step;
   elastin_simulation* simulation = tissue(NULL);
   OK(elastin_add(simulation, "gravity", weight, 1));
   OK(elastin_add(simulation, "mass_damping", damping, 1));
-  for (molecule = 0; molecule < 9; ++molecule) OK(elastin_hold(simulation, molecule, 0));
+  for (molecule = 0; molecule < 9; ++molecule) OK(elastin_fix(simulation, molecule, 0));
   OK(elastin_positions(simulation, &positions, &count));
   CHECK(count == 3 * 36);
-  OK(elastin_grab(simulation, 35, positions + 3 * 35, 50, 0.01, &grip));
+  OK(elastin_couple(simulation, 35, positions + 3 * 35, 50, 0.01, &coupling));
   OK(elastin_host_forces(simulation, &host, &count));
   for (step = 0; step < kTwinSteps; ++step) {
     const double at[3] = {2e-3, 2e-3, 3e-3 + 1e-5 * step}, speed[3] = {0, 0, 1e-2}, corner[3] = {-1e-6 * step, 0, 0};
     elastin_step_result result = {sizeof result, -1, 0, -1, -1};
-    OK(elastin_move_grip(simulation, grip, at, speed));
+    OK(elastin_move_coupling(simulation, coupling, at, speed));
     OK(elastin_move_to(simulation, 0, corner));
     host[3 * 20] = 1e-5;
     OK(elastin_step(simulation, 1e-3, &result));
-    CHECK(result.outcome == ELASTIN_CONVERGED && result.parts >= 1 && result.newton_iterations == 0);
+    CHECK(result.outcome == ELASTIN_CONVERGED && result.substeps >= 1 && result.newton_iterations == 0);
   }
   OK(elastin_time(simulation, &time));
   CHECK(fabs(time - kTwinSteps * 1e-3) < 1e-12);
@@ -175,24 +175,24 @@ static void stepping(void) {
   OK(elastin_forces(simulation, &forces, NULL));
   OK(elastin_tensions(simulation, &tensions, &count));
   OK(elastin_reaction(simulation, 4, run.reaction));
-  OK(elastin_grip_force(simulation, grip, run.grip_force));
+  OK(elastin_coupling_force(simulation, coupling, run.coupling_force));
   twin_step(&twin);
   CHECK(memcmp(positions, twin.positions, sizeof twin.positions) == 0);
   CHECK(memcmp(velocities, twin.velocities, sizeof twin.velocities) == 0);
   CHECK(memcmp(forces, twin.forces, sizeof twin.forces) == 0);
   CHECK(count == twin.tension_count && memcmp(tensions, twin.tensions, count * sizeof(double)) == 0);
   CHECK(memcmp(run.reaction, twin.reaction, sizeof run.reaction) == 0 && run.reaction[2] != 0);
-  CHECK(memcmp(run.grip_force, twin.grip_force, sizeof run.grip_force) == 0 && run.grip_force[2] != 0);
-  OK(elastin_let_go(simulation, grip));
-  OK(elastin_grip_force(simulation, grip, run.grip_force));
-  CHECK(run.grip_force[2] == 0);
+  CHECK(memcmp(run.coupling_force, twin.coupling_force, sizeof run.coupling_force) == 0 && run.coupling_force[2] != 0);
+  OK(elastin_decouple(simulation, coupling));
+  OK(elastin_coupling_force(simulation, coupling, run.coupling_force));
+  CHECK(run.coupling_force[2] == 0);
   OK(elastin_release(simulation, 0));
   elastin_simulation_free(simulation);
 }
 
 static void refusals(void) {
   char words[1024];
-  const double place[3] = {0, 0, 0}, odd[3] = {0, NAN, 0};
+  const double position[3] = {0, 0, 0}, odd[3] = {0, NAN, 0};
   const elastin_value unknown[] = {{"vicosity", 1}}, negative[] = {{"viscosity", -1}}, nameless[] = {{NULL, 1}};
   elastin_material wrong = kSoft;
   elastin_body* body = lattice();
@@ -200,7 +200,7 @@ static void refusals(void) {
   elastin_options options = {sizeof options, "newmak", 0, 0, NULL, 0, 0, NULL, NULL, 0};
   elastin_step_result result = {0, 0, 0, 0, 0};
   double time = 0, force[3];
-  int grip = 0;
+  int coupling = 0;
   twin_message(0, words, sizeof words);
   CHECK(elastin_simulate(body, "latice", &kSoft, NULL, &simulation) == ELASTIN_WRONG_INPUT);
   CHECK(*words && strcmp(elastin_message(), words) == 0);
@@ -226,13 +226,13 @@ static void refusals(void) {
   REFUSED(elastin_add(kept, "stokes_drag", nameless, 1), "name is null");
   REFUSED(elastin_add(kept, "floor", NULL, 0), "stiffness");
   REFUSED(elastin_add(NULL, "floor", NULL, 0), "simulation is null");
-  REFUSED(elastin_hold(kept, 36, 0), "36");
-  REFUSED(elastin_hold(kept, 0, 8), "free_axes is 8");
-  REFUSED(elastin_move_to(kept, 0, place), "0");
+  REFUSED(elastin_fix(kept, 36, 0), "36");
+  REFUSED(elastin_fix(kept, 0, 8), "free_axes is 8");
+  REFUSED(elastin_move_to(kept, 0, position), "0");
   REFUSED(elastin_reaction(kept, -1, force), "molecule -1: there are 36, from 0");
-  REFUSED(elastin_grab(kept, 0, place, 0, 0, &grip), "stiffness");
-  REFUSED(elastin_grab(kept, 0, odd, 1, 0, &grip), "place must be three finite numbers");
-  REFUSED(elastin_grab(kept, 0, NULL, 1, 0, &grip), "place is null");
+  REFUSED(elastin_couple(kept, 0, position, 0, 0, &coupling), "stiffness");
+  REFUSED(elastin_couple(kept, 0, odd, 1, 0, &coupling), "position must be three finite numbers");
+  REFUSED(elastin_couple(kept, 0, NULL, 1, 0, &coupling), "position is null");
   REFUSED(elastin_observe(kept, 1, NULL, NULL), "see is null");
   REFUSED(elastin_step(NULL, 1e-3, NULL), "simulation is null");
   REFUSED(elastin_step(kept, 1e-3, &result), "elastin_step_result.size is 0");
@@ -257,16 +257,16 @@ static void steps_of(elastin_simulation* simulation, int count, double* position
 
 static void saving(void) {
   double first[3 * 36], second[3 * 36];
-  const double place[3] = {2e-3, 2e-3, 4e-3};
+  const double position[3] = {2e-3, 2e-3, 4e-3};
   char* bytes = NULL;
   size_t needed = 0, more = 0, at;
-  int grip = 0;
+  int coupling = 0;
   elastin_simulation* simulation = tissue(NULL);
   elastin_arrays given = arrays();
   elastin_body* body = NULL;
   elastin_simulation* other = NULL;
-  OK(elastin_hold(simulation, 0, 0));
-  OK(elastin_grab(simulation, 35, place, 20, 0, &grip));
+  OK(elastin_fix(simulation, 0, 0));
+  OK(elastin_couple(simulation, 35, position, 20, 0, &coupling));
   steps_of(simulation, 5, first);
   OK(elastin_save(simulation, NULL, 0, &needed));
   CHECK(needed > 2 * sizeof first);
@@ -330,8 +330,8 @@ static void hooks(void) {
   elastin_options options = {sizeof options, "velocity_verlet", 0, 0, NULL, 0, 0, NULL, NULL, 0};
   elastin_simulation* simulation = tissue(&options);
   OK(elastin_observe(simulation, 2, see, seen));
-  OK(elastin_hold(simulation, 0, 4));
-  OK(elastin_hold(simulation, 1, 0));
+  OK(elastin_fix(simulation, 0, 4));
+  OK(elastin_fix(simulation, 1, 0));
   steps_of(simulation, 5, plain);
   CHECK(seen[0] == 2 && fabs(seen[1] - 4e-3) < 1e-12);
   elastin_simulation_free(simulation);
@@ -339,8 +339,8 @@ static void hooks(void) {
   REFUSED(elastin_simulate(NULL, "lattice", &kSoft, &options, &simulation), "body is null");
   options.run_width = 3;
   simulation = tissue(&options);
-  OK(elastin_hold(simulation, 0, 4));
-  OK(elastin_hold(simulation, 1, 0));
+  OK(elastin_fix(simulation, 0, 4));
+  OK(elastin_fix(simulation, 1, 0));
   steps_of(simulation, 5, run);
   CHECK(memcmp(plain, run, sizeof run) == 0);
   elastin_simulation_free(simulation);

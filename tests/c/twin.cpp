@@ -47,10 +47,10 @@ void twin_step(twin_run* run) {
   Simulation tissue(lattice(), built_in_catalog().find("lattice"), material());
   tissue.model().add(make_gravity(tissue.body(), {0, 0, -9.81}));
   tissue.model().add(make_mass_damping(tissue.body(), 20));
-  for (int molecule = 0; molecule < 9; ++molecule) tissue.hold(molecule);
-  const GripId grip = tissue.grab(35, tissue.positions().col(35), 50, 0.01);
+  for (int molecule = 0; molecule < 9; ++molecule) tissue.fix(molecule);
+  const CouplingId coupling = tissue.couple(35, tissue.positions().col(35), 50, 0.01);
   for (int step = 0; step < kTwinSteps; ++step) {
-    tissue.move_grip(grip, Vector3(2e-3, 2e-3, 3e-3 + 1e-5 * step), Vector3(0, 0, 1e-2));
+    tissue.move_coupling(coupling, Vector3(2e-3, 2e-3, 3e-3 + 1e-5 * step), Vector3(0, 0, 1e-2));
     tissue.move_to(0, Vector3(-1e-6 * step, 0, 0));
     tissue.host_forces()(0, 20) = 1e-5;
     tissue.step(1e-3);
@@ -61,10 +61,10 @@ void twin_step(twin_run* run) {
   run->tension_count = static_cast<std::size_t>(tissue.tensions().size());
   std::copy_n(tissue.tensions().data(), run->tension_count, run->tensions);
   Eigen::Map<Vector3>(run->reaction) = tissue.reaction(4);
-  Eigen::Map<Vector3>(run->grip_force) = tissue.grip_force(grip);
+  Eigen::Map<Vector3>(run->coupling_force) = tissue.coupling_force(coupling);
 }
 
-void twin_message(int number, char* message, size_t room) {
+void twin_message(int number, char* message, size_t capacity) {
   std::string text;
   if (number == 0) text = said([] { built_in_catalog().find("latice"); });
   if (number == 1) text = said([] { Simulation(lattice(), built_in_catalog().find("neo_hookean"), material()); });
@@ -72,7 +72,7 @@ void twin_message(int number, char* message, size_t room) {
   if (number == 2) text = said([] { Laboratory(ELASTIN_SOURCE_DIR "/scenes/tension/table1-e.yaml"); });
   if (number == 3) text = said([] { Laboratory(ELASTIN_SOURCE_DIR "/scenes/tension/table1-b.yaml", {"bdy=1"}); });
 #endif
-  std::snprintf(message, room, "%s", text.c_str());
+  std::snprintf(message, capacity, "%s", text.c_str());
 }
 
 double twin_modulus() {

@@ -64,7 +64,7 @@ TEST_CASE("exit code 0: everything ran and is as expected", "[command]") {
   CHECK(run.code == 0);
   CHECK(run.err.empty());
   CHECK_THAT(run.out,
-             StartsWith("cube  A small cube\n  27 molecules, 126 connections; asked: E = 5.0000 kPa, nu = 0.25"));
+             StartsWith("cube  A small cube\n  27 molecules, 126 connections; target: E = 5.0000 kPa, nu = 0.25"));
   CHECK_THAT(run.out, Contains("lattice: converged\n") && Contains("effective_modulus  5.0000") && Contains("holds"));
   CHECK_THAT(run.out, !Contains("\033"));  // not a terminal
   const Said compare = say("compare " + cube);
@@ -91,7 +91,7 @@ TEST_CASE("exit code 1: an expectation or the run failed", "[command]") {
   CHECK_THAT(stopped.out, Contains("lattice: limit reached: no equilibrium within 1 Newton iteration"));
 }
 
-TEST_CASE("run says how many steps were cut, and which cells are turned over at rest", "[command]") {
+TEST_CASE("run says how many steps were cut, and which cells are inverted at rest", "[command]") {
   const TemporaryFolder folder;
   const std::string block = folder.write("block.yaml", R"(body:
   tetrahedra: {kind: kuhn, cubes: [4, 4, 2], size: [6 cm, 6 cm, 1.5 cm]}
@@ -101,13 +101,13 @@ experiment: {kind: compression, axis: z, force: 27 N}
 )");
   const Said cut = say("run " + block);
   CHECK(cut.code == 0);
-  CHECK_THAT(cut.out, Contains("cut: a cell would have turned over\n"));
+  CHECK_THAT(cut.out, Contains("cut: a cell would have inverted\n"));
   CHECK(nlohmann::json::parse(say("run --json - " + block).out)["runs"][0]["cut_steps"] > 0);
   const Said gentle = say("run " + block + " --set experiment.force=0.001");
   CHECK_THAT(gentle.out, !Contains("cut"));
   const Said turned = say("run " + block + " --set 'body.tetrahedra.cubes=[8,8,4]' --set body.jitter.amount=0.5");
   CHECK(turned.code == 1);
-  CHECK_THAT(turned.out, Contains("neo_hookean: inverted: cells ") && Contains(" are flat or turned over at rest\n"));
+  CHECK_THAT(turned.out, Contains("neo_hookean: inverted: cells ") && Contains(" are flat or inverted at rest\n"));
 }
 
 TEST_CASE("exit code 2: wrong use or input, told on standard error alone", "[command]") {
@@ -233,7 +233,7 @@ experiment: {kind: tension, axis: z, force: 1 mN}
   CHECK(said.err.empty());
   CHECK_THAT(said.out, Contains("PIECES                3: the body hangs apart\n"));
   CHECK_THAT(said.out, Contains("piece 0: 4 molecules: 0, 1, 2, 3\n") && Contains("piece 1: 2 molecules: 4, 5\n"));
-  CHECK_THAT(said.out, Contains("LOOSE MOLECULES       1: 6\n"));
+  CHECK_THAT(said.out, Contains("ISOLATED MOLECULES       1: 6\n"));
   CHECK_THAT(said.out, Contains("DUPLICATE CONNECTIONS 1: 7 (3–0)\n"));
   CHECK_THAT(said.out, !Contains("overlapping spheres"));
   CHECK_THAT(say("check " + scene + " --set body.radius=0.0155").out,

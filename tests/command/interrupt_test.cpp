@@ -19,7 +19,7 @@ std::string scene_of(int frames) {
          "body: {molecules: [[0 m, 0 m, 0 m], [10 cm, 0 m, 0 m]], connections: [[0, 1]]}\n"
          "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\n"
          "stiffness: {strategy: uniform, constant: 100 N/m}\n"
-         "experiment: {kind: release, hold: {kind: tension, axis: x, force: 0.1 N, cross_section: 1 cm2}}\n"
+         "experiment: {kind: release, fixture: {kind: tension, axis: x, force: 0.1 N, cross_section: 1 cm2}}\n"
          "time: {duration: " +
          std::to_string(frames) + " s, frames: " + std::to_string(frames) + ", step: 0.1 ms, checkpoint: 2}\n";
 }

@@ -23,15 +23,15 @@ Body make_bar() {
 }
 
 /// Stands on the ground, free to slide, and is pulled up: each molecule of the top by the part of it that is its own.
-void hold_and_pull(Simulation& tissue) {
+void fix_and_pull(Simulation& tissue) {
   const Body& body = tissue.body();
   const auto at_side = [](double at) { return at < kSpacing / 2 || at > kLength - kSpacing / 2; };
   for (int molecule = 0; molecule < body.size(); ++molecule) {
-    const Vector3 place = body.rest.col(molecule);
-    if (!at_side(place.z())) continue;
-    const double area = kSpacing * kSpacing * (at_side(place.x()) ? 0.5 : 1) * (at_side(place.y()) ? 0.5 : 1);
-    if (place.z() < kLength / 2)
-      tissue.hold(molecule, Vector3(1, 1, 0).asDiagonal());
+    const Vector3 position = body.rest.col(molecule);
+    if (!at_side(position.z())) continue;
+    const double area = kSpacing * kSpacing * (at_side(position.x()) ? 0.5 : 1) * (at_side(position.y()) ? 0.5 : 1);
+    if (position.z() < kLength / 2)
+      tissue.fix(molecule, Vector3(1, 1, 0).asDiagonal());
     else
       tissue.host_forces()(2, molecule) = kStress * area;
   }
@@ -54,12 +54,12 @@ int main() {
   Catalog catalog;
   catalog.add<Columns>();
   Simulation tissue(make_bar(), catalog.find("columns"), kMaterial);
-  hold_and_pull(tissue);
+  fix_and_pull(tissue);
   const StaticResult still = tissue.settle();
   const bool settles = holds("settled", {still.outcome, still.cause}, tissue, 1e-8);
 
   Simulation moving(make_bar(), catalog.find("columns"), kMaterial);
-  hold_and_pull(moving);
+  fix_and_pull(moving);
   moving.model().add(make_mass_damping(moving.body(), 50));
   StepResult result;
   while (moving.time() < 2 && result.outcome == Outcome::converged) result = moving.step(1e-3);

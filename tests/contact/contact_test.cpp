@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "contact/answer.h"
+#include "contact/contact_response.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
@@ -23,7 +23,7 @@ constexpr double kGravity = 9.81;
 
 Obstacle floor_at(double height, double friction = -1) {
   Obstacle floor{"floor", shape::Plane{}, {}, {}, friction};
-  floor.pose.place.z() = height;
+  floor.pose.position.z() = height;
   return floor;
 }
 
@@ -34,8 +34,8 @@ Obstacle incline(double angle) {
   return plane;
 }
 
-Body loose_molecules(const std::vector<Vector3>& places, double radius, double mass) {
-  Body body = listed_body(places, {});
+Body isolated_molecules(const std::vector<Vector3>& positions, double radius, double mass) {
+  Body body = listed_body(positions, {});
   body.radius = VectorX::Constant(body.size(), radius);
   body.mass = VectorX::Constant(body.size(), mass);
   return body;
@@ -60,7 +60,7 @@ struct Scene {
     model->add(std::move(made));
     if (gravity > 0) model->add(make_gravity(body, {0, 0, -gravity}));
     state = state_at_rest(body);
-    model->remember(state);
+    model->commit_step(state);
   }
   void step(const IntegratorOptions& options, double dt, int steps) {
     const auto integrator = make_integrator(options);
@@ -115,7 +115,7 @@ double tangent_error(const Body& body, const ContactOptions& options, const Stat
 
 TEST_CASE("contact: a molecule on a plane is held by its weight exactly", "[contact]") {
   const double mass = 0.3;
-  Scene scene(loose_molecules({{0, 0, 0.01}}, 0.01, mass), options_of(1e6, 0, {floor_at(0)}));
+  Scene scene(isolated_molecules({{0, 0, 0.01}}, 0.01, mass), options_of(1e6, 0, {floor_at(0)}));
   const StaticResult result = solve_static(*scene.model, scene.state);
   REQUIRE(result.outcome == Outcome::converged);
   const ContactReport report = scene.contact->report(scene.state);
@@ -128,7 +128,7 @@ TEST_CASE("contact: a molecule on a plane is held by its weight exactly", "[cont
 TEST_CASE("contact: multipliers bound the depth and keep the force", "[contact]") {
   ContactOptions options = options_of(1e6, 0, {floor_at(0)});
   options.penetration = 1e-6;
-  Scene scene(loose_molecules({{0, 0, 0.01}}, 0.01, 0.3), options);
+  Scene scene(isolated_molecules({{0, 0, 0.01}}, 0.01, 0.3), options);
   const StaticResult result = solve_static(*scene.model, scene.state);
   INFO(result.cause);
   REQUIRE(result.outcome == Outcome::converged);
@@ -139,9 +139,9 @@ TEST_CASE("contact: multipliers bound the depth and keep the force", "[contact]"
 
 TEST_CASE("contact: a stack of ten carries each molecule's own load", "[contact]") {
   const double radius = 0.01, mass = 0.05, stiffness = 1e7;
-  std::vector<Vector3> places;
-  for (int i = 0; i < 10; ++i) places.emplace_back(0, 0, radius * (2 * i + 1));
-  Scene scene(loose_molecules(places, radius, mass), options_of(stiffness, 0.5, {floor_at(0)}));
+  std::vector<Vector3> positions;
+  for (int i = 0; i < 10; ++i) positions.emplace_back(0, 0, radius * (2 * i + 1));
+  Scene scene(isolated_molecules(positions, radius, mass), options_of(stiffness, 0.5, {floor_at(0)}));
   const StaticResult result = solve_static(*scene.model, scene.state);
   INFO(result.cause);
   REQUIRE(result.outcome == Outcome::converged);
@@ -193,7 +193,7 @@ TEST_CASE("contact: two molecules meet with the restitution asked for", "[contac
   for (const double restitution : {1., 0.8, 0.5, 0.1}) {
     ContactOptions options = options_of(1e8, 0, {});
     options.restitution = restitution;
-    Scene scene(loose_molecules({{0, 0, 0}, {0.03, 0, 0}}, 0.01, 0.01), options, 0);
+    Scene scene(isolated_molecules({{0, 0, 0}, {0.03, 0, 0}}, 0.01, 0.01), options, 0);
     scene.state.velocities(0, 0) = 2;
     scene.step({Scheme::velocity_verlet}, 2e-6, 10000);
     CHECK(scene.contact->report(scene.state).pairs == 0);
@@ -214,7 +214,7 @@ TEST_CASE("contact: below the angle of friction a block stays where it is for te
   const StaticResult settled = solve_static(*scene.model, scene.state);
   INFO(settled.cause);
   REQUIRE(settled.outcome == Outcome::converged);
-  scene.model->remember(scene.state);
+  scene.model->commit_step(scene.state);
   const Positions begin = scene.state.positions;
   scene.step({Scheme::newmark}, 0.05, 200);
   CHECK((scene.state.positions - begin).colwise().norm().maxCoeff() < 1e-6);
@@ -248,7 +248,7 @@ TEST_CASE("contact: a sled slows down by μ g", "[contact]") {
   Scene scene(block(), options_of(1e9, mu, {floor_at(0)}));
   REQUIRE(solve_static(*scene.model, scene.state).outcome == Outcome::converged);
   scene.state.velocities.row(0).setConstant(1);
-  scene.model->remember(scene.state);
+  scene.model->commit_step(scene.state);
   scene.step({Scheme::velocity_verlet}, 5e-5, 4000);
   // It rattles, as nothing damps it: friction takes μ times what the floor gives, its weight and its hops alike.
   CHECK(1 - scene.speed().x() == Approx(mu * (kGravity * 0.2 + scene.speed().z())).epsilon(1e-3));
@@ -257,19 +257,19 @@ TEST_CASE("contact: a sled slows down by μ g", "[contact]") {
 }
 
 TEST_CASE("contact: tangents are the derivatives of the forces", "[contact]") {
-  const Body single = loose_molecules({{0, 0, 0.0099}, {0.021, 0, 0.0095}, {0.003, 0.01, 0.0268}}, 0.01, 0.1);
-  const Body apart = loose_molecules({{0, 0, 0.0099}, {0.021, 0, 0.0095}}, 0.01, 0.1);
+  const Body single = isolated_molecules({{0, 0, 0.0099}, {0.021, 0, 0.0095}, {0.003, 0.01, 0.0268}}, 0.01, 0.1);
+  const Body apart = isolated_molecules({{0, 0, 0.0099}, {0.021, 0, 0.0095}}, 0.01, 0.1);
   State state = state_at_rest(single);
   SECTION("plane, no friction") { CHECK(tangent_error(single, options_of(1e6, 0, {floor_at(0)}), state, 1e-8) < 1e-6); }
   SECTION("spheres and a sphere obstacle") {
     Obstacle ball{"ball", shape::Sphere{0.05}, {}};
-    ball.pose.place = {0.01, 0.002, -0.0495};
+    ball.pose.position = {0.01, 0.002, -0.0495};
     CHECK(tangent_error(single, options_of(1e6, 0, {ball}), state, 1e-8) < 1e-6);
   }
   SECTION("sticking and sliding") {
     const ContactOptions options = options_of(1e6, 0.4, {floor_at(0)});
     state = state_at_rest(apart);
-    make_contact(apart, options)->remember(state);
+    make_contact(apart, options)->commit_step(state);
     state.positions(0, 0) += 1e-6;  // within the cone
     state.positions(1, 1) += 3e-3;  // far outside
     CHECK(tangent_error(apart, options, state, 1e-9) < 1e-5);
@@ -278,7 +278,7 @@ TEST_CASE("contact: tangents are the derivatives of the forces", "[contact]") {
     ContactOptions options = options_of(1e6, 0.4, {floor_at(0)});
     options.restitution = 0.5;
     state = state_at_rest(apart);
-    make_contact(apart, options)->remember(state);
+    make_contact(apart, options)->commit_step(state);
     state.velocities = 1e-3 * random_motion(apart, 3);
     CHECK(tangent_error(apart, options, state, 1e-9) < 1e-5);
   }
@@ -319,7 +319,7 @@ TEST_CASE("contact: nothing passes through a thin plate however fast it comes", 
   for (const Scheme scheme :
        {Scheme::velocity_verlet, Scheme::symplectic_euler, Scheme::backward_euler, Scheme::newmark}) {
     Obstacle plate{"plate", shape::Box{{0.2, 0.2, 1e-3}}, {}};
-    Scene scene(loose_molecules({{0, 0, 0.1}}, 0.005, 0.001), options_of(1e10, 0, {plate}),
+    Scene scene(isolated_molecules({{0, 0, 0.1}}, 0.005, 0.001), options_of(1e10, 0, {plate}),
                 0);  // stiff enough to stop it within its radius
     scene.state.velocities(2, 0) = -100;
     const auto integrator = make_integrator({scheme});
@@ -342,6 +342,6 @@ TEST_CASE("contact: wrong options are refused", "[contact]") {
   CHECK_THROWS_AS(make_contact(body, options), InputError);
   options = options_of(1, 0, {});
   options.surface = ContactSurface::triangles;
-  CHECK_THROWS_WITH(make_contact(loose_molecules({{0, 0, 0}}, 1, 1), options),
+  CHECK_THROWS_WITH(make_contact(isolated_molecules({{0, 0, 0}}, 1, 1), options),
                     Catch::Contains("no surface of triangles"));
 }

@@ -140,7 +140,7 @@ TEST_CASE("the normal is the distance's gradient and the turning the normal's", 
       constexpr double h = 1e-6;
       Vector3 gradient;
       Matrix3 turning;
-      bool smooth = true;  // not where the nearest place jumps to another side between the points of a difference
+      bool smooth = true;  // not where the nearest point jumps to another side between the points of a difference
       for (int axis = 0; axis < 3; ++axis) {
         const Distance ahead = solid.at(point + h * Vector3::Unit(axis));
         const Distance behind = solid.at(point - h * Vector3::Unit(axis));

@@ -15,16 +15,16 @@ TEST_CASE("overlapping spheres equal all pairs tried, but for those that a conne
   body.connections.ends.resize(40);  // so that many neighbours are not joined
   body.connections.rest_length.resize(40);
   const std::set<std::array<int, 2>> joined(body.connections.ends.begin(), body.connections.ends.end());
-  const Positions places = deformed(body, 1e-3);
+  const Positions positions = deformed(body, 1e-3);
   std::vector<Overlap> expected;
   for (int a = 0; a < body.size(); ++a)
     for (int b = a + 1; b < body.size(); ++b) {
-      const double depth = body.radius[a] + body.radius[b] - (places.col(b) - places.col(a)).norm();
+      const double depth = body.radius[a] + body.radius[b] - (positions.col(b) - positions.col(a)).norm();
       if (depth > 1e-6 * std::min(body.radius[a], body.radius[b]) && !joined.count({a, b}))
         expected.push_back({a, b, depth});
     }
   REQUIRE(expected.size() > 20);
-  const std::vector<Overlap> found = find_overlaps(body, places);
+  const std::vector<Overlap> found = find_overlaps(body, positions);
   REQUIRE(found.size() == expected.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
     CHECK(found[i].first == expected[i].first);

@@ -58,10 +58,10 @@ Body pressed_blocks(double depth) {
   return together(one, other, {0.011, 0.003, 0.02 - depth});
 }
 
-Pose pose(const Vector3& place, double angle = 0) {
+Pose pose(const Vector3& position, double angle = 0) {
   Pose one;
   one.turn = Eigen::AngleAxisd(angle, Vector3(1, 2, 3).normalized()).toRotationMatrix();
-  one.place = place;
+  one.position = position;
   return one;
 }
 
@@ -92,31 +92,31 @@ struct Setting {
   }
 };
 
-std::vector<Touch> found_by(ContactSearch& search, const Positions& places, const std::vector<Pose>& poses,
-                            double reach) {
-  std::vector<Touch> found;
-  search.find(places, poses, reach, found);
+std::vector<ContactPoint> found_by(ContactSearch& search, const Positions& positions, const std::vector<Pose>& poses,
+                                   double reach) {
+  std::vector<ContactPoint> found;
+  search.find(positions, poses, reach, found);
   return found;
 }
 
-bool same_bits(const std::vector<Touch>& one, const std::vector<Touch>& other) {
-  const auto equal = [](const Touch& a, const Touch& b) {
+bool same_bits(const std::vector<ContactPoint>& one, const std::vector<ContactPoint>& other) {
+  const auto equal = [](const ContactPoint& a, const ContactPoint& b) {
     return a.sample == b.sample && a.target == b.target && a.gap == b.gap && a.normal == b.normal &&
-           a.place == b.place && a.molecules == b.molecules && a.weights == b.weights && a.count == b.count &&
+           a.position == b.position && a.molecules == b.molecules && a.weights == b.weights && a.count == b.count &&
            a.turning == b.turning && a.slopes == b.slopes;
   };
   return std::equal(one.begin(), one.end(), other.begin(), other.end(), equal);
 }
 
-Vector3 place_of(const Sample& sample, const Positions& places) {
+Vector3 position_of(const Sample& sample, const Positions& positions) {
   Vector3 sum = Vector3::Zero();
-  for (int k = 0; k < sample.count; ++k) sum += sample.weights[k] * places.col(sample.molecules[k]);
+  for (int k = 0; k < sample.count; ++k) sum += sample.weights[k] * positions.col(sample.molecules[k]);
   return sum;
 }
 
-const Touch* touch_of(const std::vector<Touch>& found, int sample, int target) {
-  for (const Touch& touch : found)
-    if (touch.sample == sample && touch.target == target) return &touch;
+const ContactPoint* contact_point_of(const std::vector<ContactPoint>& found, int sample, int target) {
+  for (const ContactPoint& contact_point : found)
+    if (contact_point.sample == sample && contact_point.target == target) return &contact_point;
   return nullptr;
 }
 
@@ -142,11 +142,11 @@ TEST_CASE("a body's surface encloses its volume, normals outwards", "[contact]")
 TEST_CASE("molecules inside a surface of cells cannot touch, all others can", "[contact]") {
   const Body body = lattice(5);
   CHECK(surface_molecules(body).size() == 125 - 27);
-  Body loose = listed_body({{0, 0, 0}, {0.1, 0, 0}}, {});
-  set_matter(loose, 0.01, 1000, 0, 1);
-  const Body with_loose = together(body, loose, {0, 0, 1});
-  CHECK(surface_molecules(with_loose).size() == 125 - 27 + 2);
-  CHECK(surface_molecules(loose).size() == 2);
+  Body isolated = listed_body({{0, 0, 0}, {0.1, 0, 0}}, {});
+  set_matter(isolated, 0.01, 1000, 0, 1);
+  const Body with_isolated = together(body, isolated, {0, 0, 1});
+  CHECK(surface_molecules(with_isolated).size() == 125 - 27 + 2);
+  CHECK(surface_molecules(isolated).size() == 2);
 }
 
 TEST_CASE("samples stand for the surface's whole area and its moments", "[contact]") {
@@ -157,7 +157,7 @@ TEST_CASE("samples stand for the surface's whole area and its moments", "[contac
   double area = 0, expected = 0, moment = 0, expected_moment = 0;
   for (const Sample& sample : samples) {
     area += sample.area;
-    moment += sample.area * std::pow(place_of(sample, body.rest).x(), 2);
+    moment += sample.area * std::pow(position_of(sample, body.rest).x(), 2);
     CHECK(sample.weights[0] + sample.weights[1] + sample.weights[2] == Approx(1).epsilon(1e-15));
   }
   for (const auto& triangle : triangles) {
@@ -176,22 +176,22 @@ TEST_CASE("spheres touch each other as all pairs tried do", "[contact]") {
   const auto& samples = search.samples();
   const int pieces = 2;
   for (const double amount : {0., 5e-4, 2e-3}) {
-    const Positions places = setting.body.rest + amount * random_motion(setting.body, 7);
-    const auto found = found_by(search, places, {}, 1e-3);
+    const Positions positions = setting.body.rest + amount * random_motion(setting.body, 7);
+    const auto found = found_by(search, positions, {}, 1e-3);
     std::size_t expected = 0;
     for (std::size_t a = 0; a < samples.size(); ++a)
       for (std::size_t b = a + 1; b < samples.size(); ++b) {
-        const Vector3 away = place_of(samples[a], places) - place_of(samples[b], places);
+        const Vector3 away = position_of(samples[a], positions) - position_of(samples[b], positions);
         const double gap = away.norm() - samples[a].radius - samples[b].radius;
         if (samples[a].piece == samples[b].piece || !(gap < 1e-3)) continue;
         ++expected;
-        const Touch* touch = touch_of(found, static_cast<int>(a), pieces + static_cast<int>(b));
-        REQUIRE(touch);
-        CHECK(touch->gap == Approx(gap).margin(1e-15));
-        CHECK((touch->normal - away.normalized()).norm() < 1e-14);
-        CHECK((touch->place - place_of(samples[b], places)).norm() == Approx(samples[b].radius));
-        CHECK(touch->count == 1);
-        CHECK(touch->molecules[0] == samples[b].molecules[0]);
+        const ContactPoint* contact_point = contact_point_of(found, static_cast<int>(a), pieces + static_cast<int>(b));
+        REQUIRE(contact_point);
+        CHECK(contact_point->gap == Approx(gap).margin(1e-15));
+        CHECK((contact_point->normal - away.normalized()).norm() < 1e-14);
+        CHECK((contact_point->position - position_of(samples[b], positions)).norm() == Approx(samples[b].radius));
+        CHECK(contact_point->count == 1);
+        CHECK(contact_point->molecules[0] == samples[b].molecules[0]);
       }
     CHECK(found.size() == expected);
     CHECK(expected > 5);
@@ -208,7 +208,7 @@ TEST_CASE("a piece that touches itself leaves out what is joined and what overla
   folded.col(0) = body.rest.col(26) + Vector3(0.009, 0, 0);  // the first corner comes to the last
   const auto found = found_by(search, folded, {}, 0);
   REQUIRE(found.size() >= 1);
-  CHECK(touch_of(found, 0, 1 + 25));  // molecule 26 is sample 25: the middle one cannot touch
+  CHECK(contact_point_of(found, 0, 1 + 25));  // molecule 26 is sample 25: the middle one cannot touch
 }
 
 TEST_CASE("touches of every kind are those of a search that looks at everything anew", "[contact]") {
@@ -219,35 +219,35 @@ TEST_CASE("touches of every kind are those of a search that looks at everything 
       {together(lattice(4), lattice(3), {0.003, 0, 0.0395}), true, true, some_obstacles()}};
   for (const Setting& setting : settings) {
     ContactSearch lasting = setting.search();
-    std::size_t touches = 0;
+    std::size_t contact_points = 0;
     for (int step = 0; step < 40; ++step) {
-      Positions places = setting.body.rest + 4e-4 * std::sin(0.4 * step) * random_motion(setting.body, 8);
-      places.row(2).array() += 1e-4 * step;
+      Positions positions = setting.body.rest + 4e-4 * std::sin(0.4 * step) * random_motion(setting.body, 8);
+      positions.row(2).array() += 1e-4 * step;
       std::vector<Pose> poses = poses_of(setting.obstacles);
       poses[1] = pose({0.03 - 2e-4 * step, 0.01, 0.025}, 0.01 * step);
       poses[2] = pose({-0.001, 0.01, 0.01}, 0.005 * step);
       const double reach = step % 3 ? 0 : 2e-3;
       ContactSearch fresh = setting.search();
-      const auto found = found_by(lasting, places, poses, reach);
-      CHECK(same_bits(found, found_by(fresh, places, poses, reach)));
-      touches += found.size();
-      CHECK(std::is_sorted(found.begin(), found.end(), [](const Touch& a, const Touch& b) {
+      const auto found = found_by(lasting, positions, poses, reach);
+      CHECK(same_bits(found, found_by(fresh, positions, poses, reach)));
+      contact_points += found.size();
+      CHECK(std::is_sorted(found.begin(), found.end(), [](const ContactPoint& a, const ContactPoint& b) {
         return std::pair{a.sample, a.target} < std::pair{b.sample, b.target};
       }));
     }
-    CHECK(touches > 1000);
+    CHECK(contact_points > 1000);
     CHECK(lasting.cost().rebuilds < 30);
   }
 }
 
 TEST_CASE("touches are the same bits on any number of threads", "[contact]") {
   const Setting setting{together(lattice(12), lattice(12), {0.003, 0.002, 0.1097}), false, false, some_obstacles()};
-  const Positions places = setting.body.rest + 5e-4 * random_motion(setting.body, 9);
-  std::vector<std::vector<Touch>> all;
+  const Positions positions = setting.body.rest + 5e-4 * random_motion(setting.body, 9);
+  std::vector<std::vector<ContactPoint>> all;
   for (const int threads : {1, 2, 4}) {
     set_threads(threads);
     ContactSearch search = setting.search();
-    all.push_back(found_by(search, places, poses_of(setting.obstacles), 1e-3));
+    all.push_back(found_by(search, positions, poses_of(setting.obstacles), 1e-3));
   }
   set_threads(0);
   CHECK(all[0].size() > 2000);
@@ -258,12 +258,12 @@ TEST_CASE("touches are the same bits on any number of threads", "[contact]") {
 TEST_CASE("a search that has served allocates nothing", "[contact]") {
   const Setting setting{pressed_blocks(5e-4), false, true, some_obstacles()};
   ContactSearch search = setting.search();
-  std::vector<Touch> found;
+  std::vector<ContactPoint> found;
   const auto poses = poses_of(setting.obstacles);
-  const Positions places = setting.body.rest, moved = places.array() + 1e-5, far = places.array() + 0.1;
-  for (const Positions* at : {&places, &moved, &far, &places}) search.find(*at, poses, 1e-3, found);
+  const Positions positions = setting.body.rest, moved = positions.array() + 1e-5, far = positions.array() + 0.1;
+  for (const Positions* at : {&positions, &moved, &far, &positions}) search.find(*at, poses, 1e-3, found);
   const long before = allocations(), rebuilds = search.cost().rebuilds;
-  for (const Positions* at : {&moved, &places, &far, &moved}) search.find(*at, poses, 1e-3, found);
+  for (const Positions* at : {&moved, &positions, &far, &moved}) search.find(*at, poses, 1e-3, found);
   CHECK(allocations() == before);
   CHECK(search.cost().rebuilds == rebuilds + 2);
   CHECK(found.size() > 10);
@@ -278,34 +278,36 @@ TEST_CASE("a gap's gradient is the normal times the weights, and the normal turn
     const Body& body = setting.body;
     const auto poses = poses_of(setting.obstacles);
     ContactSearch search = setting.search();
-    const Positions places = body.rest + 1e-4 * random_motion(body, 10);
-    const auto found = found_by(search, places, poses, 1e-3);
+    const Positions positions = body.rest + 1e-4 * random_motion(body, 10);
+    const auto found = found_by(search, positions, poses, 1e-3);
     REQUIRE(found.size() > 10);
     int flat = 0, bent = 0;
     for (unsigned seed = 0; seed < 4; ++seed) {
       const Positions motion = random_motion(body, 20 + seed);
       constexpr double h = 1e-8;  // [m]; cells are 5e-3
-      const auto ahead = found_by(search, places + h * motion, poses, 1e-3);
-      const auto behind = found_by(search, places - h * motion, poses, 1e-3);
-      for (const Touch& touch : found) {
-        const Touch* after = touch_of(ahead, touch.sample, touch.target);
-        const Touch* before = touch_of(behind, touch.sample, touch.target);
+      const auto ahead = found_by(search, positions + h * motion, poses, 1e-3);
+      const auto behind = found_by(search, positions - h * motion, poses, 1e-3);
+      for (const ContactPoint& contact_point : found) {
+        const ContactPoint* after = contact_point_of(ahead, contact_point.sample, contact_point.target);
+        const ContactPoint* before = contact_point_of(behind, contact_point.sample, contact_point.target);
         if (!after || !before || after->molecules != before->molecules) continue;
-        const auto zeros = [](const Touch& one) { return std::count(one.weights.begin(), one.weights.end(), 0); };
-        if (zeros(*after) != zeros(*before)) continue;  // the nearest place went over a side
+        const auto zeros = [](const ContactPoint& one) {
+          return std::count(one.weights.begin(), one.weights.end(), 0);
+        };
+        if (zeros(*after) != zeros(*before)) continue;  // the nearest point went over a side
         Vector3 moved = Vector3::Zero(), turned = Vector3::Zero();
-        const Sample& sample = search.samples()[static_cast<std::size_t>(touch.sample)];
+        const Sample& sample = search.samples()[static_cast<std::size_t>(contact_point.sample)];
         for (int k = 0; k < sample.count; ++k) moved += sample.weights[k] * motion.col(sample.molecules[k]);
-        for (int k = 0; k < touch.count; ++k) {
-          moved -= touch.weights[k] * motion.col(touch.molecules[k]);
-          turned -= touch.slopes[k] * touch.normal.dot(motion.col(touch.molecules[k]));
+        for (int k = 0; k < contact_point.count; ++k) {
+          moved -= contact_point.weights[k] * motion.col(contact_point.molecules[k]);
+          turned -= contact_point.slopes[k] * contact_point.normal.dot(motion.col(contact_point.molecules[k]));
         }
-        CAPTURE(touch.sample, touch.target, touch.gap);
-        CHECK((after->gap - before->gap) / (2 * h) == Approx(touch.normal.dot(moved)).margin(1e-7));
+        CAPTURE(contact_point.sample, contact_point.target, contact_point.gap);
+        CHECK((after->gap - before->gap) / (2 * h) == Approx(contact_point.normal.dot(moved)).margin(1e-7));
         const Vector3 rate = (after->normal - before->normal) / (2 * h);
-        const Vector3 expected = touch.turning * moved + turned;
-        CHECK((rate - expected).norm() < 1e-5 * (1 + expected.norm() + std::pow(touch.turning.norm(), 2) * h));
-        (touch.turning.isZero(0) ? flat : bent) += 1;
+        const Vector3 expected = contact_point.turning * moved + turned;
+        CHECK((rate - expected).norm() < 1e-5 * (1 + expected.norm() + std::pow(contact_point.turning.norm(), 2) * h));
+        (contact_point.turning.isZero(0) ? flat : bent) += 1;
       }
     }
     CHECK(flat > 10);
@@ -323,23 +325,24 @@ TEST_CASE("a sample deep in another piece is pushed back out where it came in, o
     const Setting setting{together(plate, block, {0.021, 0.022, 0.002 - depth}), false};
     ContactSearch search = setting.search();
     int from_block = 0;
-    for (const Touch& touch : found_by(search, setting.body.rest, {}, 0)) {
-      const Sample& sample = search.samples()[static_cast<std::size_t>(touch.sample)];
+    for (const ContactPoint& contact_point : found_by(search, setting.body.rest, {}, 0)) {
+      const Sample& sample = search.samples()[static_cast<std::size_t>(contact_point.sample)];
       if (sample.piece != 1) continue;
-      const Vector3 place = place_of(sample, setting.body.rest);
-      if (place.z() > 0.002 - depth + 1e-6) continue;  // of the block's lower face alone
+      const Vector3 position = position_of(sample, setting.body.rest);
+      if (position.z() > 0.002 - depth + 1e-6) continue;  // of the block's lower face alone
       ++from_block;
-      CHECK(touch.gap == Approx(-depth).epsilon(1e-9));
-      CHECK((touch.normal - Vector3::UnitZ()).norm() < 1e-12);
+      CHECK(contact_point.gap == Approx(-depth).epsilon(1e-9));
+      CHECK((contact_point.normal - Vector3::UnitZ()).norm() < 1e-12);
     }
     CHECK(from_block == 3 * 8);
   }
   // Right through: what looks down has left upwards-looking triangles behind, and only sides may push it.
   const Setting through{together(plate, block, {0.021, 0.022, -0.001}), false};
   ContactSearch search = through.search();
-  for (const Touch& touch : found_by(search, through.body.rest, {}, 0)) {
-    const Vector3 place = place_of(search.samples()[static_cast<std::size_t>(touch.sample)], through.body.rest);
-    if (place.z() < 1e-6) CHECK(std::abs(touch.normal.z()) < 1e-12);
+  for (const ContactPoint& contact_point : found_by(search, through.body.rest, {}, 0)) {
+    const Vector3 position =
+        position_of(search.samples()[static_cast<std::size_t>(contact_point.sample)], through.body.rest);
+    if (position.z() < 1e-6) CHECK(std::abs(contact_point.normal.z()) < 1e-12);
   }
 }
 
@@ -351,27 +354,27 @@ TEST_CASE("a layer folded onto itself touches itself, not through its own thickn
   ContactSearch search = setting.search();
   CHECK(found_by(search, strip.rest, {}, 1e-3).empty());
   const auto bent = [&](double radius) {  // straight, half a turn about a line above its middle, straight
-    Positions places = strip.rest;
+    Positions positions = strip.rest;
     for (int molecule = 0; molecule < strip.size(); ++molecule) {
       const double along = strip.rest(0, molecule) - 0.2, above = strip.rest(2, molecule);
       const double half = M_PI * radius / 2, angle = std::clamp(along, -half, half) / radius;
       const double beyond = along - std::clamp(along, -half, half), from_middle = radius - above;
-      places(0, molecule) = from_middle * std::sin(angle) + beyond * std::cos(angle);
-      places(2, molecule) = radius - from_middle * std::cos(angle) + beyond * std::sin(angle);
+      positions(0, molecule) = from_middle * std::sin(angle) + beyond * std::cos(angle);
+      positions(2, molecule) = radius - from_middle * std::cos(angle) + beyond * std::sin(angle);
     }
-    return places;
+    return positions;
   };
   CHECK(found_by(search, bent(0.04), {}, 1e-3).empty());  // the gap is 2 (0.04 − 0.01)
   Positions closed = bent(0.04);  // and now its two legs are pushed together, 0.4 mm into each other
   for (int molecule = 0; molecule < strip.size(); ++molecule)
     if (strip.rest(0, molecule) > 0.3) closed(0, molecule) -= 2 * 0.03 + 4e-4;
   int pressed = 0;
-  for (const Touch& touch : found_by(search, closed, {}, 0)) {
-    const Vector3 place = place_of(search.samples()[static_cast<std::size_t>(touch.sample)], closed);
-    if (place.z() < 0.1) continue;  // where the strip was torn along to get there
+  for (const ContactPoint& contact_point : found_by(search, closed, {}, 0)) {
+    const Vector3 position = position_of(search.samples()[static_cast<std::size_t>(contact_point.sample)], closed);
+    if (position.z() < 0.1) continue;  // where the strip was torn along to get there
     ++pressed;
-    CHECK(touch.gap == Approx(-4e-4).epsilon(1e-6));
-    CHECK(std::abs(touch.normal.x()) == Approx(1).epsilon(1e-9));
+    CHECK(contact_point.gap == Approx(-4e-4).epsilon(1e-6));
+    CHECK(std::abs(contact_point.normal.x()) == Approx(1).epsilon(1e-9));
   }
   CHECK(pressed > 100);
 }

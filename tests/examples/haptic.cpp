@@ -33,11 +33,11 @@ int main(int argc, char** argv) {
   set_matter(body, 2e-3, 1000, 0, 0.036 * 0.036 * 0.020);
   Simulation tissue(std::move(body), built_in_catalog().find("lattice"), Material{.youngs_modulus = 10e3});
   tissue.model().add(make_mass_damping(tissue.body(), 10));
-  for (int molecule = 0; molecule < 100; ++molecule) tissue.hold(molecule);  // the lowest layer
+  for (int molecule = 0; molecule < 100; ++molecule) tissue.fix(molecule);  // the lowest layer
 
   const int touched = 555;
   const Vector3 start = tissue.body().rest.col(touched);
-  const GripId tool = tissue.grab(touched, start, 200, 0.1);
+  const CouplingId tool = tissue.couple(touched, start, 200, 0.1);
   tissue.step(1e-3);  // the first one finds the longest stable step, and room for all that follow
 
   Latest<Vector3> tip(start), force(Vector3::Zero());
@@ -51,9 +51,9 @@ int main(int argc, char** argv) {
     std::this_thread::sleep_until(deadline);
     deadline += 1ms;
     const Clock::time_point begin = Clock::now();
-    tissue.move_grip(tool, tip.newest());
+    tissue.move_coupling(tool, tip.newest());
     if (tissue.step(1e-3).outcome != Outcome::converged) return 1;
-    force.next() = -tissue.grip_force(tool);
+    force.next() = -tissue.coupling_force(tool);
     force.publish();
     milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
     if (Clock::now() > deadline) {

@@ -23,7 +23,7 @@ int main() {
   std::vector<int> table;
   for (int molecule = 0; molecule < liver.body().size(); ++molecule)
     if (rest(2, molecule) == 0) table.push_back(molecule);
-  for (const int molecule : table) liver.hold(molecule);
+  for (const int molecule : table) liver.fix(molecule);
   if (liver.settle().outcome != Outcome::converged) return 1;
 
   const int top = liver.body().size() - 1;

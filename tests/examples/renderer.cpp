@@ -19,15 +19,15 @@ int main(int argc, char** argv) {
   Simulation tissue(std::move(body), built_in_catalog().find("lattice"), Material{.youngs_modulus = 50e3},
                     {.integrator = {.scheme = Scheme::backward_euler, .newton_iterations = 1}});
   tissue.model().add(make_gravity(tissue.body(), {0, 0, -9.81}));
-  for (int molecule = 0; molecule < tissue.body().size(); molecule += 25) tissue.hold(molecule);
+  for (int molecule = 0; molecule < tissue.body().size(); molecule += 25) tissue.fix(molecule);
 
   struct Picture {
-    Positions places;  // m
-    double time = 0;   // s
+    Positions positions;  // m
+    double time = 0;      // s
   };
   Latest<Picture> newest({tissue.positions(), 0});
   tissue.observe(4, [&](const Simulation& seen) {
-    newest.next().places = seen.positions();
+    newest.next().positions = seen.positions();
     newest.next().time = seen.time();
     newest.publish();
   });
@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
   while (drawn < frames && !failed) {
     const Picture& picture = newest.newest();
     if (picture.time > last) {  // here a program of its own would hand picture.places.data() to the graphics card
-      lowest = picture.places.row(2).minCoeff();
+      lowest = picture.positions.row(2).minCoeff();
       last = picture.time;
       ++drawn;
     }

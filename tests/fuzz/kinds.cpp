@@ -171,7 +171,7 @@ Kind restarts() {
   elastin::RestartPoint point;
   point.frame = 3;
   point.state.positions = point.state.velocities = point.state.accelerations = elastin::Positions::Random(3, 4);
-  point.state.touches.resize(2);
+  point.state.contact_history.resize(2);
   point.rows.resize(2);
   point.rows[1].measures.set("force", 2);
   kind.seeds.push_back({".restart", elastin::restart_text(point, kIdentity)});

@@ -71,7 +71,7 @@ int euler_characteristic(const Cells<3>& triangles) {
 }
 
 Filling fill(const Body& surface, const FillOptions& options) {
-  return Inside(surface.rest, surface.triangles).fill(options);
+  return FillRegion(surface.rest, surface.triangles).fill(options);
 }
 
 /// What must be true of every filling that follows its surface.
@@ -79,18 +79,18 @@ void check_filling(const Body& surface, const Filling& filling, const FillOption
   const TriangleTree tree(surface.rest, surface.triangles);
   double volume = 0;
   for (const auto& cell : filling.tetrahedra) {
-    REQUIRE(signed_volume(filling.places, cell) > 0);
-    volume += signed_volume(filling.places, cell);
+    REQUIRE(signed_volume(filling.positions, cell) > 0);
+    volume += signed_volume(filling.positions, cell);
   }
   CHECK(volume == Approx(filling.volume).epsilon(1e-12));
   CHECK(filling.share.sum() == Approx(1).epsilon(1e-12));
   CHECK(filling.share.minCoeff() > 0);  // every molecule is a corner of a tetrahedron
   CHECK(filling.left_out == 0);
   CHECK(filling.slivers == 0);
-  const Connections near = connections_within(filling.places, 0.5 * options.spacing);
+  const Connections near = connections_within(filling.positions, 0.5 * options.spacing);
   CHECK(near.size() == 0);
-  for (int m = 0; m < filling.places.cols(); ++m) {
-    const double distance = tree.signed_distance(filling.places.col(m));
+  for (int m = 0; m < filling.positions.cols(); ++m) {
+    const double distance = tree.signed_distance(filling.positions.col(m));
     if (m < filling.on_surface)
       REQUIRE(std::abs(distance) < 1e-9 * options.spacing);
     else
@@ -109,7 +109,7 @@ TEST_CASE("the distance to a surface has the sign of inside and outside, exactly
   CHECK(tree.signed_distance({-1, -1, 1.3}) == Approx(std::sqrt(2)));  // off a side
   CHECK(tree.signed_distance({0.1, 0.1, 0.2}) == Approx(-0.1));
   const auto found = tree.nearest({1.25, 0.75, -3});
-  CHECK((found.place - Vector3(1.25, 0.75, 0)).norm() < 1e-12);
+  CHECK((found.position - Vector3(1.25, 0.75, 0)).norm() < 1e-12);
   CHECK(found.weights.sum() == Approx(1));
   const Body hollow = ring(3, 1);  // a point in the hole is nearest to a hollow part
   const TriangleTree round(hollow.rest, hollow.triangles);
@@ -133,7 +133,7 @@ TEST_CASE("a filled ball: molecules on the surface, its volume to second order",
       if (last > 0) CHECK(last / lost == Approx(4).margin(1));
       last = lost;
       const double cubes = filling.surface_volume / std::pow(spacing, 3);
-      CHECK(filling.places.cols() - filling.on_surface < cubes);
+      CHECK(filling.positions.cols() - filling.on_surface < cubes);
     }
   }
 }
@@ -146,11 +146,11 @@ TEST_CASE("a filled box keeps its corners, sides and volume", "[fill]") {
     CHECK(filling.surface_volume == Approx(16).epsilon(1e-12));
     CHECK(filling.volume == Approx(16).epsilon(1e-9));
     int corners = 0, on_sides = 0;
-    for (int m = 0; m < filling.places.cols(); ++m) {
+    for (int m = 0; m < filling.positions.cols(); ++m) {
       int planes = 0;
       const std::array<double, 3> ends{4, 2, 2};
       for (int axis = 0; axis < 3; ++axis) {
-        const double x = filling.places(axis, m);
+        const double x = filling.positions(axis, m);
         planes += std::abs(x) < 1e-9 || std::abs(x - ends[static_cast<std::size_t>(axis)]) < 1e-9;
       }
       corners += planes == 3, on_sides += planes == 2;
@@ -162,7 +162,7 @@ TEST_CASE("a filled box keeps its corners, sides and volume", "[fill]") {
 
 TEST_CASE("a lattice alone fills a box that it fits", "[fill]") {
   const Filling filling = fill(box(), {0.5, FillPacking::lattice, 1, false});
-  CHECK(filling.places.cols() == 9 * 5 * 5);
+  CHECK(filling.positions.cols() == 9 * 5 * 5);
   CHECK(filling.volume == Approx(16).epsilon(1e-9));
 }
 
@@ -170,7 +170,7 @@ TEST_CASE("nothing crosses the hole of a filled ring", "[fill]") {
   for (const FillPacking packing : {FillPacking::lattice, FillPacking::blue_noise}) {
     const FillOptions options{0.5, packing, 1, true};
     const Body surface = ring(2, 1);
-    const Inside inside(surface.rest, surface.triangles);
+    const FillRegion inside(surface.rest, surface.triangles);
     const Filling filling = inside.fill(options);
     check_filling(surface, filling, options);
     CHECK(euler_characteristic(boundary_of(filling.tetrahedra)) == 0);
@@ -178,7 +178,7 @@ TEST_CASE("nothing crosses the hole of a filled ring", "[fill]") {
     const Connections connections = inside.connections_within(filling, 1.6 * options.spacing);
     CHECK(2 * connections.size() > static_cast<int>(sides_of(filling.tetrahedra).size()));
     for (const auto& [a, b] : connections.ends) {  // the middle lies in the tube, but for the sagitta of its round
-      const Vector3 middle = (filling.places.col(a) + filling.places.col(b)) / 2;
+      const Vector3 middle = (filling.positions.col(a) + filling.positions.col(b)) / 2;
       REQUIRE(std::hypot(std::hypot(middle.x(), middle.y()) - 2, middle.z()) < 1.1);
     }
   }
@@ -187,14 +187,14 @@ TEST_CASE("nothing crosses the hole of a filled ring", "[fill]") {
 TEST_CASE("connections do not cross a gap that is narrower than they are long", "[fill]") {
   // A horseshoe: a slot of one unit between two arms, spacing 1.5.
   const Body surface = carved({7, 4, 8}, [](const Vector3& cube) { return cube.x() != 3.5 || cube.z() < 2; });
-  const Inside inside(surface.rest, surface.triangles);
+  const FillRegion inside(surface.rest, surface.triangles);
   const Filling filling = inside.fill({1.5, FillPacking::blue_noise, 1, true});
   const auto across = [&](int a, int b) {
-    return filling.places(0, a) <= 3 && filling.places(0, b) >= 4 && filling.places(2, a) > 2.7 &&
-           filling.places(2, b) > 2.7;
+    return filling.positions(0, a) <= 3 && filling.positions(0, b) >= 4 && filling.positions(2, a) > 2.7 &&
+           filling.positions(2, b) > 2.7;
   };
   int all = 0, kept = 0;
-  for (const auto& [a, b] : connections_within(filling.places, 2.4).ends) all += across(a, b) || across(b, a);
+  for (const auto& [a, b] : connections_within(filling.positions, 2.4).ends) all += across(a, b) || across(b, a);
   for (const auto& [a, b] : inside.connections_within(filling, 2.4).ends) kept += across(a, b) || across(b, a);
   CHECK(all > 10);
   CHECK(kept == 0);
@@ -208,10 +208,10 @@ TEST_CASE("the same seed fills alike on any number of threads, another otherwise
   set_threads(2);
   const Filling again = fill(surface, options);
   set_threads(0);
-  CHECK(again.places == filling.places);
+  CHECK(again.positions == filling.positions);
   CHECK(again.tetrahedra == filling.tetrahedra);
   const Filling other = fill(surface, {0.0025, FillPacking::blue_noise, 8, true});
-  CHECK((other.places.cols() != filling.places.cols() || other.places != filling.places));
+  CHECK((other.positions.cols() != filling.positions.cols() || other.positions != filling.positions));
 }
 
 TEST_CASE("a spacing that fits no tetrahedron, or too many molecules, is refused", "[fill]") {

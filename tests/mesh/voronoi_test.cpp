@@ -31,9 +31,9 @@ TEST_CASE("Voronoi cells of a cubic lattice: faces h2 along the axes, a half and
   const bool turned = GENERATE(false, true);
   if (turned) rotate(body, kTurn);
   const VoronoiCells cells = voronoi_cells(body);
-  const auto on_walls = [&](const Vector3& place) -> Eigen::Array3i {
+  const auto on_walls = [&](const Vector3& position) -> Eigen::Array3i {
     const Eigen::Array3d high(3, 2, 4);
-    return (place.array() < 0.1 || place.array() > high - 0.1).cast<int>();
+    return (position.array() < 0.1 || position.array() > high - 0.1).cast<int>();
   };
   for (int c = 0; c < body.connections.size(); ++c) {
     const auto [a, b] = body.connections.ends[static_cast<std::size_t>(c)];

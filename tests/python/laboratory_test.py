@@ -103,8 +103,8 @@ class WhatAResultHolds(unittest.TestCase):
             result = laboratory.run(strategy)
             tissue = laboratory.simulation(strategy)
             self.assertTrue(tissue.settle())
-            way = abs(result.positions - result.body.positions).max()
-            self.assertLess(abs(tissue.positions - result.positions).max(), 1e-8 * way)
+            displacement = abs(result.positions - result.body.positions).max()
+            self.assertLess(abs(tissue.positions - result.positions).max(), 1e-8 * displacement)
 
 
 if __name__ == "__main__":

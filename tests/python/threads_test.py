@@ -12,7 +12,7 @@ import elastin
 def tissue(number=0):
     simulation = elastin.Simulation(elastin.lattice((6, 6, 6), 1e-3), "lattice", elastin.Material(5e3))
     simulation.add_gravity((0, 0.1 * number, -9.81))
-    simulation.hold(0)
+    simulation.fix(0)
     return simulation
 
 
@@ -110,42 +110,42 @@ class Interruptions(unittest.TestCase):
 
 
 class Hands(unittest.TestCase):
-    def test_hold_move_and_reaction(self):
+    def test_fix_move_and_reaction(self):
         """The support of the one molecule that is held bears the weight of all, at rest."""
         simulation = tissue()
         self.assertTrue(simulation.settle())
         weight = 9.81 * simulation.body.masses.sum()
         self.assertAlmostEqual(simulation.reaction(0)[2] / weight, 1, delta=1e-6)
-        place = simulation.positions[0] + (0, 0, 1e-6)
-        simulation.move_to(0, place)
+        position = simulation.positions[0] + (0, 0, 1e-6)
+        simulation.move_to(0, position)
         simulation.step(1e-4)
-        self.assertEqual(list(simulation.positions[0]), list(place))
+        self.assertEqual(list(simulation.positions[0]), list(position))
         simulation.release(0)
         self.assertEqual(list(simulation.reaction(0)), [0, 0, 0])
 
     def test_free_directions(self):
         simulation = tissue(1)
         simulation.release(0)
-        simulation.hold(7, free="z")
+        simulation.fix(7, free="z")
         x, y, z = simulation.positions[7].copy()
         simulation.step(1e-3, 5)
         self.assertEqual(list(simulation.positions[7][:2]), [x, y])
         self.assertLess(simulation.positions[7][2], z)
         with self.assertRaisesRegex(elastin.InputError, "'w' is no axis"):
-            simulation.hold(7, free="w")
+            simulation.fix(7, free="w")
 
-    def test_grip(self):
+    def test_coupling(self):
         simulation = tissue()
-        place = simulation.positions[215] + (1e-4, 0, 0)
-        grip = simulation.grab(215, place, stiffness=0.5)
-        self.assertAlmostEqual(simulation.grip_force(grip)[0], 0.5e-4, delta=1e-12)
-        simulation.move_grip(grip, simulation.positions[215])
-        simulation.let_go(grip)
-        self.assertEqual(list(simulation.grip_force(grip)), [0, 0, 0])
+        position = simulation.positions[215] + (1e-4, 0, 0)
+        coupling = simulation.couple(215, position, stiffness=0.5)
+        self.assertAlmostEqual(simulation.coupling_force(coupling)[0], 0.5e-4, delta=1e-12)
+        simulation.move_coupling(coupling, simulation.positions[215])
+        simulation.decouple(coupling)
+        self.assertEqual(list(simulation.coupling_force(coupling)), [0, 0, 0])
 
     def test_trouble_is_an_outcome(self):
         simulation = elastin.Simulation(elastin.lattice((3, 3, 3), 1e-3), "lattice", elastin.Material(5e3),
-                                        most_parts=2)
+                                        max_substeps=2)
         before = simulation.positions.copy()
         ended = simulation.step(10)
         self.assertFalse(ended)

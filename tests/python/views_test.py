@@ -39,11 +39,11 @@ class Views(unittest.TestCase):
 
     def test_a_view_follows_the_steps(self):
         simulation = tissue()
-        places = simulation.positions
-        first = places.copy()
+        positions = simulation.positions
+        first = positions.copy()
         simulation.step(1e-3)
-        self.assertFalse((places == first).all())
-        self.assertTrue((places == simulation.positions).all())
+        self.assertFalse((positions == first).all())
+        self.assertTrue((positions == simulation.positions).all())
 
     def test_shapes(self):
         simulation = tissue()
@@ -89,11 +89,11 @@ class Views(unittest.TestCase):
     def test_a_result_keeps_its_body(self):
         from helpers import CUBE
         result = elastin.run(CUBE)
-        places, ends = result.positions, result.body.connections
-        self.assertEqual(address(result.positions), address(places))
+        positions, ends = result.positions, result.body.connections
+        self.assertEqual(address(result.positions), address(positions))
         del result
         gc.collect()
-        self.assertEqual(places[ends].shape, (len(ends), 2, 3))
+        self.assertEqual(positions[ends].shape, (len(ends), 2, 3))
 
 
 class References(unittest.TestCase):
@@ -137,7 +137,7 @@ class References(unittest.TestCase):
 class SavedStates(unittest.TestCase):
     def test_the_steps_after_it_have_the_same_bits(self):
         simulation = tissue()
-        simulation.hold(0)
+        simulation.fix(0)
         simulation.step(1e-3, 5)
         saved = simulation.save()
         simulation.step(1e-3, 5)

@@ -26,12 +26,12 @@ inline Body jittered_block() {
 inline Body sheet(double thickness) {
   constexpr int n = 5;
   std::mt19937_64 generator(13);
-  std::vector<Vector3> places;
+  std::vector<Vector3> positions;
   const auto wobble = [&] { return 0.002 * (static_cast<double>(generator() >> 11) * 0x1p-53 - 0.5); };
   for (int y = 0; y < n; ++y)
     for (int x = 0; x < n; ++x)
-      places.emplace_back(0.01 * x + wobble(), 0.01 * y + wobble(), 0.2 * 0.0001 * x * x + wobble());
-  Body body = listed_body(places, {});
+      positions.emplace_back(0.01 * x + wobble(), 0.01 * y + wobble(), 0.2 * 0.0001 * x * x + wobble());
+  Body body = listed_body(positions, {});
   for (int y = 0; y + 1 < n; ++y)
     for (int x = 0; x + 1 < n; ++x) {
       const int a = x + n * y, b = a + 1, c = a + n, d = c + 1;
@@ -48,10 +48,10 @@ inline Positions deformed(const Body& body, double amount, unsigned seed = 1) {
   std::mt19937_64 generator(seed);
   Matrix3 stretch;
   stretch << 1.08, 0.05, 0, -0.02, 0.95, 0.04, 0.03, 0, 1.04;
-  Positions places = stretch * body.rest;
-  for (int i = 0; i < places.size(); ++i)
-    places.data()[i] += amount * (2 * static_cast<double>(generator() >> 11) * 0x1p-53 - 1);
-  return places;
+  Positions positions = stretch * body.rest;
+  for (int i = 0; i < positions.size(); ++i)
+    positions.data()[i] += amount * (2 * static_cast<double>(generator() >> 11) * 0x1p-53 - 1);
+  return positions;
 }
 
 inline Positions random_motion(const Body& body, unsigned seed) {

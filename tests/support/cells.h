@@ -8,7 +8,7 @@
 namespace elastin::testing {
 
 template <int corners>
-using Places = Eigen::Matrix<double, 3, corners>;
+using CornerPositions = Eigen::Matrix<double, 3, corners>;
 
 /// Numbers in [−1, 1), the same with every standard library.
 class Random {
@@ -27,9 +27,9 @@ class Random {
 
 /// A cell of about 5 mm, no thinner than a tenth of what it could be.
 template <int corners>
-Places<corners> random_cell(Random& random) {
+CornerPositions<corners> random_cell(Random& random) {
   for (;;) {
-    const Places<corners> cell = 0.005 * random.matrix<3, corners>();
+    const CornerPositions<corners> cell = 0.005 * random.matrix<3, corners>();
     const Simplex<corners> simplex(cell);
     const double side2 = simplex.squared_lengths.maxCoeff();
     if (simplex.measure > (corners == 4 ? 0.012 * side2 * std::sqrt(side2) : 0.04 * side2)) return cell;
@@ -45,20 +45,20 @@ inline Matrix3 random_deformation(Random& random) {
 }
 
 template <int corners>
-CellVector<corners> squared_lengths(const Places<corners>& places) {
+CellVector<corners> squared_lengths(const CornerPositions<corners>& positions) {
   CellVector<corners> s;
   for (int a = 0, connection = 0; a < corners; ++a)
-    for (int b = a + 1; b < corners; ++b) s[connection++] = (places.col(b) - places.col(a)).squaredNorm();
+    for (int b = a + 1; b < corners; ++b) s[connection++] = (positions.col(b) - positions.col(a)).squaredNorm();
   return s;
 }
 
 /// f_a = Σ_b q_ab (x_b − x_a) [N].
 template <int corners>
-Places<corners> forces(const Places<corners>& places, const CellVector<corners>& q) {
-  Places<corners> f = Places<corners>::Zero();
+CornerPositions<corners> forces(const CornerPositions<corners>& positions, const CellVector<corners>& q) {
+  CornerPositions<corners> f = CornerPositions<corners>::Zero();
   for (int a = 0, connection = 0; a < corners; ++a)
     for (int b = a + 1; b < corners; ++b) {
-      const Vector3 pull = q[connection++] * (places.col(b) - places.col(a));
+      const Vector3 pull = q[connection++] * (positions.col(b) - positions.col(a));
       f.col(a) += pull;
       f.col(b) -= pull;
     }

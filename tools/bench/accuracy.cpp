@@ -24,11 +24,11 @@ Deck hexahedra(const std::array<int, 3>& counts, const Vector3& size, bool quadr
   const int step = quadratic ? 2 : 1;
   std::map<std::array<int, 3>, int> numbers;  // by half (quadratic) or whole steps
   const auto number = [&](const std::array<int, 3>& at) {
-    const auto [place, is_new] = numbers.try_emplace(at, static_cast<int>(deck.places.size()));
+    const auto [position, is_new] = numbers.try_emplace(at, static_cast<int>(deck.positions.size()));
     if (is_new)
-      deck.places.emplace_back(size.x() * at[0] / (step * counts[0]), size.y() * at[1] / (step * counts[1]),
-                               size.z() * at[2] / (step * counts[2]));
-    return place->second;
+      deck.positions.emplace_back(size.x() * at[0] / (step * counts[0]), size.y() * at[1] / (step * counts[1]),
+                                  size.z() * at[2] / (step * counts[2]));
+    return position->second;
   };
   static constexpr std::array<std::array<int, 3>, 20> corners{
       {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 0, 2}, {2, 0, 2}, {2, 2, 2}, {0, 2, 2}, {1, 0, 0}, {2, 1, 0},
@@ -53,7 +53,7 @@ struct Task {
   std::string (*rest)();
   /// The scene's measure from the motion of what is watched.
   double (*measure)(const Deck& deck, const std::map<int, Vector3>& motion);
-  bool (*watched)(const Vector3& place);
+  bool (*watched)(const Vector3& position);
   std::array<int, 3> (*counts)(int level);
   std::vector<int> quadratic, linear;  ///< levels, from the coarsest on
 };
@@ -65,12 +65,12 @@ constexpr double kLength = 1, kSide = 0.2;
 double mean_over_top(const Deck& deck, const std::map<int, Vector3>& motion) {
   double sum = 0, area = 0;
   for (const int cell : deck.cell_sets.at("TOP")) {
-    const auto& places = deck.cells[static_cast<std::size_t>(cell)];
-    const bool quadratic = places.size() == 20;
+    const auto& nodes = deck.cells[static_cast<std::size_t>(cell)];
+    const bool quadratic = nodes.size() == 20;
     for (const int corner : {4, 5, 6, 7})
-      sum += (quadratic ? -1. / 12 : 1. / 4) * motion.at(places[static_cast<std::size_t>(corner)]).z();
+      sum += (quadratic ? -1. / 12 : 1. / 4) * motion.at(nodes[static_cast<std::size_t>(corner)]).z();
     for (const int middle : {12, 13, 14, 15})
-      if (quadratic) sum += motion.at(places[static_cast<std::size_t>(middle)]).z() / 3;
+      if (quadratic) sum += motion.at(nodes[static_cast<std::size_t>(middle)]).z() / 3;
     area += 1;
   }
   return sum / area;
@@ -89,7 +89,7 @@ const Task kTasks[] = {
      [](const Deck& deck, const std::map<int, Vector3>& motion) {
        return kForce * kHeight / (kBlock * kBlock * mean_over_top(deck, motion));
      },
-     [](const Vector3& place) { return place.z() > (1 - 1e-9) * kHeight; },
+     [](const Vector3& position) { return position.z() > (1 - 1e-9) * kHeight; },
      [](int level) {
        return std::array{2 * level, 2 * level, level};
      },
@@ -105,7 +105,7 @@ const Task kTasks[] = {
            "*DLOAD\nBODY,GRAV,9.81,0.,0.,-1.\n");
      },
      [](const Deck&, const std::map<int, Vector3>& motion) { return -motion.begin()->second.z(); },
-     [](const Vector3& place) { return (place - Vector3(kLength, kSide / 2, kSide / 2)).norm() < 1e-6; },
+     [](const Vector3& position) { return (position - Vector3(kLength, kSide / 2, kSide / 2)).norm() < 1e-6; },
      [](int level) {
        return std::array{5 * level, level, level};
      },
@@ -114,9 +114,9 @@ const Task kTasks[] = {
 
 Deck deck_of(const Task& task, int level, bool quadratic) {
   Deck deck = hexahedra(task.counts(level), task.size, quadratic);
-  for (std::size_t place = 0; place < deck.places.size(); ++place) {
-    if (deck.places[place][task.hold] < 1e-9) deck.place_sets["HELD"].push_back(static_cast<int>(place));
-    if (task.watched(deck.places[place])) deck.place_sets["WATCHED"].push_back(static_cast<int>(place));
+  for (std::size_t position = 0; position < deck.positions.size(); ++position) {
+    if (deck.positions[position][task.hold] < 1e-9) deck.node_sets["HELD"].push_back(static_cast<int>(position));
+    if (task.watched(deck.positions[position])) deck.node_sets["WATCHED"].push_back(static_cast<int>(position));
   }
   deck.rest = task.rest() + "*NODE PRINT, NSET=WATCHED, FREQUENCY=1000\nU\n*END STEP\n";
   return deck;

@@ -31,13 +31,13 @@ BlockCase tension(const char* name, const Vector3& size, double modulus, double 
 }
 
 /// Unit cube, bottom held, top moved sideways at constant height; F [N] along the way.
-BlockCase shear(double way, double force) {
-  const auto experiment = [way](const Body& body, const Material&) {
+BlockCase shear(double displacement, double force) {
+  const auto experiment = [displacement](const Body& body, const Material&) {
     ShearSetup setup;
-    setup.displacement = way;
+    setup.displacement = displacement;
     return make_shear(body, setup, Matrix3::Identity());
   };
-  return {fmt::format("shear by {} m", way),
+  return {fmt::format("shear by {} m", displacement),
           Vector3::Ones(),
           1e5,
           0.3,

@@ -21,14 +21,14 @@ std::function<double(int)> make_bullet(const Start& start) {
   };
   const auto soft = std::make_shared<Soft>();
   soft->world.m_gravity.setValue(0, 0, 0);
-  std::vector<btVector3> places;
+  std::vector<btVector3> positions;
   std::vector<float> masses;
   for (int i = 0; i < start.body.size(); ++i) {
-    const Eigen::Vector3f place = start.positions.col(i).cast<float>();
-    places.emplace_back(place.x(), place.y(), place.z());
+    const Eigen::Vector3f position = start.positions.col(i).cast<float>();
+    positions.emplace_back(position.x(), position.y(), position.z());
     masses.push_back(static_cast<float>(start.body.mass[i]));
   }
-  soft->body = std::make_unique<btSoftBody>(&soft->world, start.body.size(), places.data(), masses.data());
+  soft->body = std::make_unique<btSoftBody>(&soft->world, start.body.size(), positions.data(), masses.data());
   for (std::size_t c = 0; c < start.body.connections.ends.size(); ++c) {
     const auto& [a, b] = start.body.connections.ends[c];
     soft->body->appendLink(a, b);

@@ -38,15 +38,15 @@ BlockCase block_of(const Task& task) {
 /// A mesh as CalculiX wants it: numbers from 1, corners first.
 struct Mesh {
   std::string type;  // C3D4, C3D10
-  std::vector<Vector3> places;
+  std::vector<Vector3> positions;
   std::vector<std::vector<int>> cells;
   std::map<int, double> share;  // of the load by place on the loaded face, sum 1
   std::vector<int> held;
 };
 
 Mesh linear_mesh(const Body& body) {
-  Mesh mesh{.type = "C3D4", .places = {}, .cells = {}, .share = {}, .held = {}};
-  for (int molecule = 0; molecule < body.size(); ++molecule) mesh.places.push_back(body.rest.col(molecule));
+  Mesh mesh{.type = "C3D4", .positions = {}, .cells = {}, .share = {}, .held = {}};
+  for (int molecule = 0; molecule < body.size(); ++molecule) mesh.positions.push_back(body.rest.col(molecule));
   for (const auto& cell : body.tetrahedra) mesh.cells.emplace_back(cell.begin(), cell.end());
   const Face loaded = end_face(body, Vector3::UnitZ(), 0);
   for (std::size_t i = 0; i < loaded.molecules.size(); ++i)
@@ -62,10 +62,10 @@ Mesh quadratic_mesh(const Body& body) {
   std::map<std::pair<int, int>, int> middle;
   const double top = body.rest.row(2).maxCoeff(), bottom = body.rest.row(2).minCoeff();
   for (const auto& [a, b] : body.connections.ends) {
-    const int number = static_cast<int>(mesh.places.size());
+    const int number = static_cast<int>(mesh.positions.size());
     middle[{a, b}] = middle[{b, a}] = number;
-    mesh.places.push_back((body.rest.col(a) + body.rest.col(b)) / 2);
-    if (mesh.places.back().z() < bottom + 1e-9) mesh.held.push_back(number);
+    mesh.positions.push_back((body.rest.col(a) + body.rest.col(b)) / 2);
+    if (mesh.positions.back().z() < bottom + 1e-9) mesh.held.push_back(number);
   }
   mesh.share.clear();
   double area = 0;
@@ -74,28 +74,29 @@ Mesh quadratic_mesh(const Body& body) {
     for (const auto& [i, j] : sides) cell.push_back(middle.at({cell[i], cell[j]}));
     std::vector<int> face;
     for (int corner = 0; corner < 4; ++corner)
-      if (mesh.places[cell[corner]].z() > top - 1e-9) face.push_back(cell[corner]);
+      if (mesh.positions[cell[corner]].z() > top - 1e-9) face.push_back(cell[corner]);
     if (face.size() < 3) continue;
     // Uniform traction on six places: a third of the triangle's to each middle of a side.
-    const Vector3 a = mesh.places[face[0]], b = mesh.places[face[1]], c = mesh.places[face[2]];
+    const Vector3 a = mesh.positions[face[0]], b = mesh.positions[face[1]], c = mesh.positions[face[2]];
     const double part = (b - a).cross(c - a).norm() / 2;
     area += part;
     for (int i = 0; i < 3; ++i) mesh.share[middle.at({face[i], face[(i + 1) % 3]})] += part / 3;
   }
-  for (auto& [place, share] : mesh.share) share /= area;
+  for (auto& [position, share] : mesh.share) share /= area;
   return mesh;
 }
 
 void write_input(const Mesh& mesh, const BlockCase& block, double part, const std::string& job) {
   const double mu = block.modulus / (2 * (1 + kPoissonsRatio)), bulk = block.modulus / (3 * (1 - 2 * kPoissonsRatio));
   std::vector<int> loaded;
-  for (const auto& [place, share] : mesh.share) loaded.push_back(place);
-  Deck deck{mesh.type, mesh.places, mesh.cells, {{"HELD", mesh.held}, {"WATCHED", loaded}}, {}, {}};
+  for (const auto& [position, share] : mesh.share) loaded.push_back(position);
+  Deck deck{mesh.type, mesh.positions, mesh.cells, {{"HELD", mesh.held}, {"WATCHED", loaded}}, {}, {}};
   deck.rest = fmt::format("*MATERIAL, NAME=GEL\n*HYPERELASTIC, NEO HOOKE\n{:.15g},{:.15g}\n", mu / 2, 2 / bulk) +
               "*SOLID SECTION, ELSET=BODY, MATERIAL=GEL\n*BOUNDARY\nHELD,1,3\n*STEP, NLGEOM, INC=1000\n"
               "*STATIC, SOLVER=SPOOLES\n" +
               (part < 0.01 ? "1.,1.\n" : "0.25,1.\n") + "*CLOAD\n";
-  for (const auto& [place, share] : mesh.share) deck.rest += fmt::format("{},3,{:.15g}\n", place + 1, part * share);
+  for (const auto& [position, share] : mesh.share)
+    deck.rest += fmt::format("{},3,{:.15g}\n", position + 1, part * share);
   deck.rest += "*NODE PRINT, NSET=WATCHED, FREQUENCY=1000\nU\n*END STEP\n";
   write_deck(deck, job);
 }
@@ -103,9 +104,9 @@ void write_input(const Mesh& mesh, const BlockCase& block, double part, const st
 /// Mean of the loaded face's displacements along z [m].
 double read_elongation(const Mesh& mesh, const std::string& job) {
   double sum = 0, found = 0;
-  for (const auto& [place, motion] : last_displacements(job)) {
-    sum += mesh.share.at(place) * motion.z();
-    found += mesh.share.at(place);
+  for (const auto& [position, motion] : last_displacements(job)) {
+    sum += mesh.share.at(position) * motion.z();
+    found += mesh.share.at(position);
   }
   if (std::abs(found - 1) > 1e-6) throw std::runtime_error("CalculiX left no whole answer in " + job + ".dat");
   return sum;

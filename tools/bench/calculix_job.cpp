@@ -28,9 +28,9 @@ WorkFolder::~WorkFolder() {
 void write_deck(const Deck& deck, const std::string& job) {
   std::ofstream file(job + ".inp");
   file << "*NODE, NSET=ALL\n";
-  for (std::size_t i = 0; i < deck.places.size(); ++i)
-    file << fmt::format("{},{:.15g},{:.15g},{:.15g}\n", i + 1, deck.places[i].x(), deck.places[i].y(),
-                        deck.places[i].z());
+  for (std::size_t i = 0; i < deck.positions.size(); ++i)
+    file << fmt::format("{},{:.15g},{:.15g},{:.15g}\n", i + 1, deck.positions[i].x(), deck.positions[i].y(),
+                        deck.positions[i].z());
   file << "*ELEMENT, TYPE=" << deck.type << ", ELSET=BODY\n";
   for (std::size_t i = 0; i < deck.cells.size(); ++i) {
     file << i + 1;
@@ -44,7 +44,7 @@ void write_deck(const Deck& deck, const std::string& job) {
       for (const int number : numbers) file << number + 1 << ",\n";
     }
   };
-  write_sets("*NSET, NSET", deck.place_sets);
+  write_sets("*NSET, NSET", deck.node_sets);
   write_sets("*ELSET, ELSET", deck.cell_sets);
   file << deck.rest;
   if (!file.flush()) throw std::runtime_error("cannot write " + job + ".inp");
@@ -62,9 +62,9 @@ std::map<int, Vector3> last_displacements(const std::string& job) {
   for (std::string line; std::getline(file, line);) {
     if (line.find("displacements") != std::string::npos) found.clear();
     std::istringstream numbers(line);
-    int place = 0;
+    int number = 0;
     double x, y, z;
-    if (numbers >> place >> x >> y >> z) found[place - 1] = {x, y, z};
+    if (numbers >> number >> x >> y >> z) found[number - 1] = {x, y, z};
   }
   if (found.empty()) throw std::runtime_error("CalculiX left no answer in " + job + ".dat");
   return found;

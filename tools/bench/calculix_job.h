@@ -28,9 +28,9 @@ class WorkFolder {
 /// Places and cells count from 0 here.
 struct Deck {
   std::string type;  ///< C3D4, C3D8I, C3D10, C3D20R
-  std::vector<elastin::Vector3> places;
+  std::vector<elastin::Vector3> positions;
   std::vector<std::vector<int>> cells;
-  std::map<std::string, std::vector<int>> place_sets, cell_sets;
+  std::map<std::string, std::vector<int>> node_sets, cell_sets;
   std::string rest;  ///< material, supports, steps; the body is the set BODY, "WATCHED" is printed
 };
 

@@ -78,7 +78,7 @@ struct Ours {
   ContactSearch search;
   Positions here, there;
   std::vector<Pose> poses;
-  std::vector<Touch> found = {};
+  std::vector<ContactPoint> found = {};
   bool back = false;
   Ours(const Scene& scene, bool triangles, bool anew)
       : search(make(scene, triangles)), here(scene.body.rest), poses(scene.poses()) {

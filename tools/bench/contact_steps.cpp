@@ -43,7 +43,7 @@ struct Run {
     const bool far = kind == Kind::far_spheres || kind == Kind::far_triangles;
     const double spacing = kCubeLength / (side - 1);
     Pose pose;
-    pose.place.z() = far ? -1 : 0.01 * spacing - (spheres ? spacing / 2 : 0);
+    pose.position.z() = far ? -1 : 0.01 * spacing - (spheres ? spacing / 2 : 0);
     options.obstacles.push_back({"plane", shape::Plane{}, pose});
     model.add(make_contact(body, options));
   }

@@ -51,12 +51,12 @@ void pull(Model& model, int side) {
   std::vector<int> top;
   std::vector<double> area;
   for (int molecule = 0; molecule < body.size(); ++molecule) {
-    const Vector3 place = body.rest.col(molecule) / spacing;
-    if (place.z() < 0.5) model.supports.push_back({molecule, Vector3(1, 1, 0).asDiagonal()});
-    if (place.z() < side - 1.5) continue;
+    const Vector3 position = body.rest.col(molecule) / spacing;
+    if (position.z() < 0.5) model.supports.push_back({molecule, Vector3(1, 1, 0).asDiagonal()});
+    if (position.z() < side - 1.5) continue;
     const auto inside = [&](double at) { return at < 0.5 || at > side - 1.5 ? 0.5 : 1; };
     top.push_back(molecule);
-    area.push_back(spacing * spacing * inside(place.x()) * inside(place.y()));
+    area.push_back(spacing * spacing * inside(position.x()) * inside(position.y()));
   }
   Positions forces = Positions::Zero(3, static_cast<int>(top.size()));
   for (std::size_t i = 0; i < top.size(); ++i)

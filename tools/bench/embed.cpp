@@ -37,10 +37,10 @@ class Host {
     const Body& body = tissue_.body();
     tissue_.model().add(make_gravity(body, {0, 0, -9.81}));
     tissue_.model().add(make_mass_damping(body, 10));
-    for (int molecule = 0; molecule < side * side; ++molecule) tissue_.hold(molecule);
+    for (int molecule = 0; molecule < side * side; ++molecule) tissue_.fix(molecule);
     const int middle = body.size() - side * side / 2 - 1;
     start_ = body.rest.col(middle);
-    tool_ = tissue_.grab(middle, start_, 50, 0.1);
+    tool_ = tissue_.couple(middle, start_, 50, 0.1);
     host_force_ = &tissue_.host_forces();
     tissue_.observe(16, [this](const Simulation& seen) { lowest_ = seen.positions().row(2).minCoeff(); });
     for (int step = 0; step < 20; ++step) one_step();
@@ -48,19 +48,19 @@ class Host {
 
   void one_step() {
     const double angle = 2 * tissue_.time();
-    tissue_.move_grip(tool_, start_ + 5e-3 * Vector3(std::sin(angle), std::cos(angle) - 1, std::sin(3 * angle)));
+    tissue_.move_coupling(tool_, start_ + 5e-3 * Vector3(std::sin(angle), std::cos(angle) - 1, std::sin(3 * angle)));
     host_force_->col(0).setConstant(1e-3);
     const StepResult result = tissue_.step(kStep);
     if (result.outcome != Outcome::converged) throw std::runtime_error("a step failed: " + result.cause);
-    parts = result.parts;
-    pull_ += tissue_.grip_force(tool_).norm();
+    parts = result.substeps;
+    pull_ += tissue_.coupling_force(tool_).norm();
   }
   Simulation& tissue() { return tissue_; }
   int parts = 1;
 
  private:
   Simulation tissue_;
-  GripId tool_ = 0;
+  CouplingId tool_ = 0;
   Vector3 start_;
   Positions* host_force_;
   double pull_ = 0, lowest_ = 0;
@@ -149,14 +149,14 @@ std::vector<Figures> limits(int side, int parts, int repeats) {
   Simulation& tissue = host.tissue();
   const ThreadScope alone(nullptr, 1);
   const SimulationState saved = tissue.save();
-  Scratch scratch;
+  Workspace workspace;
   Positions forces;
   const VectorX constants = built_in_catalog().find("lattice").constants(tissue.body(), kSoft, {});
   const auto bullet = make_bullet({tissue.body(), constants, saved.state.positions, kStep});
   std::vector<double> passes, steps;
   for (int repeat = 0; repeat < 100 * repeats; ++repeat) {
     passes.push_back(seconds_of([&] {
-      for (int part = 0; part < parts; ++part) tissue.model().set_forces(saved.state, forces, scratch);
+      for (int part = 0; part < parts; ++part) tissue.model().set_forces(saved.state, forces, workspace);
     }));
     if (bullet) steps.push_back(bullet(1));
   }

@@ -53,8 +53,8 @@ FclObjects::FclObjects(const elastin::Body& body, const std::vector<std::vector<
     const auto sphere = std::make_shared<fcl::Sphered>(body.radius[molecules.front()]);  // the same for all
     std::vector<fcl::CollisionObjectd*> all;
     for (const int molecule : molecules) {
-      const fcl::Vector3d place = body.rest.col(molecule);
-      group.objects.push_back(std::make_unique<fcl::CollisionObjectd>(sphere, fcl::Matrix3d::Identity(), place));
+      const fcl::Vector3d position = body.rest.col(molecule);
+      group.objects.push_back(std::make_unique<fcl::CollisionObjectd>(sphere, fcl::Matrix3d::Identity(), position));
       all.push_back(group.objects.back().get());
     }
     group.tree.registerObjects(all);
@@ -62,14 +62,14 @@ FclObjects::FclObjects(const elastin::Body& body, const std::vector<std::vector<
   }
   if (obstacle)
     impl_->obstacle = std::make_unique<fcl::CollisionObjectd>(geometry_of(obstacle->shape), obstacle->pose.turn,
-                                                              obstacle->pose.place);
+                                                              obstacle->pose.position);
 }
 FclObjects::~FclObjects() = default;
 
-std::size_t FclObjects::find(const elastin::Positions& places) {
+std::size_t FclObjects::find(const elastin::Positions& positions) {
   for (auto& group : impl_->groups) {
     for (std::size_t i = 0; i < group->objects.size(); ++i) {
-      group->objects[i]->setTranslation(places.col(group->molecules[i]));
+      group->objects[i]->setTranslation(positions.col(group->molecules[i]));
       group->objects[i]->computeAABB();
     }
     group->tree.update();

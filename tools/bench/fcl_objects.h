@@ -13,8 +13,8 @@ class FclObjects {
   /// Groups of molecules (pieces of a body); an obstacle, a plane or a sphere, if there is one group alone.
   FclObjects(const elastin::Body& body, const std::vector<std::vector<int>>& groups, const elastin::Obstacle* obstacle);
   ~FclObjects();
-  /// Pairs that touch at these places.
-  std::size_t find(const elastin::Positions& places);
+  /// Pairs that touch at these positions.
+  std::size_t find(const elastin::Positions& positions);
 
  private:
   struct Impl;

@@ -37,7 +37,7 @@ std::vector<Figures> race(int side, const Settings& settings) {
   std::vector<std::unique_ptr<Team>> teams;
   std::vector<std::vector<Positions>> plain;
   std::vector<Positions> ours(2 * settings.threads.size(), Positions::Zero(3, body.size()));
-  Scratch scratch;
+  Workspace workspace;
   for (const int count : settings.threads) {
     teams.push_back(std::make_unique<Team>(count));
     plain.emplace_back(count);
@@ -49,7 +49,7 @@ std::vector<Figures> race(int side, const Settings& settings) {
         set_threads(settings.threads[i]);
         for (int pass = 0; pass < passes; ++pass) {
           ours[2 * i + which].setZero();
-          (which == 0 ? lattice : any_graph).add_elastic_forces(positions, ours[2 * i + which], scratch);
+          (which == 0 ? lattice : any_graph).add_elastic_forces(positions, ours[2 * i + which], workspace);
         }
       });
     works.push_back([&, i] {

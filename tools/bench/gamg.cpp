@@ -53,17 +53,17 @@ System distributed(bench::TensionCube& cube) {
   system.first = begin;
   system.last = end;
   // The rigid motions, which its aggregates have to carry.
-  Vec places;
-  VecDuplicate(system.loads, &places);
-  VecSetBlockSize(places, 3);
-  for (int row = begin; row < end; ++row) VecSetValue(places, row, cube.body.rest(row % 3, row / 3), INSERT_VALUES);
-  VecAssemblyBegin(places);
-  VecAssemblyEnd(places);
+  Vec positions;
+  VecDuplicate(system.loads, &positions);
+  VecSetBlockSize(positions, 3);
+  for (int row = begin; row < end; ++row) VecSetValue(positions, row, cube.body.rest(row % 3, row / 3), INSERT_VALUES);
+  VecAssemblyBegin(positions);
+  VecAssemblyEnd(positions);
   MatNullSpace motions;
-  MatNullSpaceCreateRigidBody(places, &motions);
+  MatNullSpaceCreateRigidBody(positions, &motions);
   MatSetNearNullSpace(system.matrix, motions);
   MatNullSpaceDestroy(&motions);
-  VecDestroy(&places);
+  VecDestroy(&positions);
   return system;
 }
 

@@ -23,10 +23,11 @@ Body make_block() {
 }
 
 Body make_sheet() {
-  std::vector<Vector3> places;
+  std::vector<Vector3> positions;
   for (int y = 0; y <= kSquares; ++y)
-    for (int x = 0; x <= kSquares; ++x) places.emplace_back(x * kCubeLength / kSquares, y * kCubeLength / kSquares, 0);
-  Body sheet = listed_body(places, {});
+    for (int x = 0; x <= kSquares; ++x)
+      positions.emplace_back(x * kCubeLength / kSquares, y * kCubeLength / kSquares, 0);
+  Body sheet = listed_body(positions, {});
   for (int y = 0; y < kSquares; ++y)
     for (int x = 0; x < kSquares; ++x) {
       const int a = x + (kSquares + 1) * y, b = a + 1, c = a + kSquares + 1, d = c + 1;

@@ -14,10 +14,10 @@ std::vector<Figures> time_rule(const Strategy& strategy, const Body& body, int r
   VectorX constants;
   std::function<void()> work = [&] { constants = strategy.constants(body, kMaterial, {}); };
   std::unique_ptr<Elasticity> updated;
-  Scratch scratch;
+  Workspace workspace;
   if (!strategy.constants) {
     updated = strategy.make(body, kMaterial, {});
-    work = [&] { updated->add_force_densities(body.rest, constants, scratch); };
+    work = [&] { updated->add_force_densities(body.rest, constants, workspace); };
     constants = VectorX::Zero(body.connections.size());
   }
   const Sample sample = interleaved({work}, repeats).front();

@@ -33,9 +33,10 @@ struct Solved {
 
 template <LinearMethod method>
 Solved elastin_linear(TensionCube& problem, const Sparse&) {
-  const Positions no_way = Positions::Zero(3, problem.body.size());
+  const Positions no_displacement = Positions::Zero(3, problem.body.size());
   const StaticOptions options{.linear = true, .method = method, .tolerance = kTolerance};
-  const StaticResponse response = static_response(problem.model, problem.body.rest, problem.loads, no_way, options);
+  const StaticResponse response =
+      static_response(problem.model, problem.body.rest, problem.loads, no_displacement, options);
   if (response.result.outcome != Outcome::converged) throw std::runtime_error(response.result.cause);
   return {Eigen::Map<const VectorX>(response.motion.data(), response.motion.size()), kNone,
           static_cast<double>(response.result.linear_iterations)};

@@ -151,7 +151,7 @@ Seconds make(const Contender& contender, const Scene& scene) {
   return make_bullet(scene.start());
 }
 
-/// After the same steps Elastin on its lattice, Elastin on the list and the plain loop are in the same place.
+/// After the same steps Elastin on its lattice, Elastin on the list and the plain loop are in the same position.
 void check_agreement(const Scene& scene) {
   constexpr int steps = 20;
   Ours lattice(scene.body, scene.constants, scene.positions),

@@ -61,7 +61,7 @@ if(TARGET elastin_python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib")
   set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Soft tissue as a molecular model: Python bindings
 ${about}
-import elastin: scenes run and bodies stepped, their places as numpy arrays without a copy.")
+import elastin: scenes run and bodies stepped, their positions as numpy arrays without a copy.")
 endif()
 
 include(CPack)

@@ -68,7 +68,7 @@ typedef struct elastin_arrays {
   const int* connections;     /* pairs of molecules; null: the edges of the cells */
   const double* rest_lengths; /* [m] > 0, one a connection; null: the distances */
   const int* triangles;       /* three molecules each */
-  const int* tetrahedra;      /* four molecules each; turned over where their volume is negative */
+  const int* tetrahedra;      /* four molecules each; inverted where their volume is negative */
   size_t molecule_count, connection_count, triangle_count, tetrahedron_count;
   double density;   /* [kg/m^3] > 0 where masses is null */
   double thickness; /* [m] > 0 of triangles where masses is null */
@@ -90,7 +90,7 @@ typedef struct elastin_counts {
   size_t molecules, connections, triangles, tetrahedra;
 } elastin_counts;
 ELASTIN_API elastin_status elastin_body_counts(const elastin_body* body, elastin_counts* counts);
-/* Places at rest [m], 3 * molecules. */
+/* Positions at rest [m], 3 * molecules. */
 ELASTIN_API elastin_status elastin_body_positions(const elastin_body* body, const double** positions, size_t* count);
 /* Two molecules of each connection; three of each triangle: what a renderer draws. */
 ELASTIN_API elastin_status elastin_body_connections(const elastin_body* body, const int** molecules, size_t* count);
@@ -102,7 +102,7 @@ typedef struct elastin_material {
   double youngs_modulus;   /* E [Pa] > 0 */
   double poissons_ratio;   /* from -0.99 to 0.5 */
   double thickness;        /* t [m] of a membrane */
-  double bending_rigidity; /* D [N m] of a sheet; 0 = limp */
+  double bending_rigidity; /* D [N m] of a sheet; 0 = no bending stiffness */
 } elastin_material;
 
 /* Strategies by number from 0 to *count - 1: how connections get their stiffness. A name takes the endings "+volume"
@@ -135,10 +135,10 @@ typedef struct elastin_options {
   size_t size;                     /* sizeof(elastin_options) */
   const char* scheme;              /* symplectic_euler (null), velocity_verlet, backward_euler, newmark */
   double safety;                   /* share of the stable step that a part of an explicit step takes; 0 = 0.8 */
-  int most_parts;                  /* of a step; more: it is not taken; 0 = 1000 */
+  int max_substeps;                /* of a step; more: it is not taken; 0 = 1000 */
   const elastin_value* parameters; /* of the strategy */
   size_t parameter_count;
-  int threads;           /* of loops over large bodies; 0 = as elastin_set_threads says. Same bits with any */
+  int threads;           /* of loops over large bodies; 0 = as elastin_set_threads says. Bitwise identical with any */
   elastin_run_tasks run; /* who runs them instead; null: nobody */
   void* run_context;
   int run_width; /* into how many tasks loops are parted, >= 1 */
@@ -160,7 +160,7 @@ ELASTIN_API elastin_status elastin_add(elastin_simulation* simulation, const cha
 typedef struct elastin_step_result {
   size_t size; /* sizeof(elastin_step_result) */
   elastin_outcome outcome;
-  int parts; /* in which the step had to go */
+  int substeps; /* in which the step had to go */
   int newton_iterations, linear_iterations;
 } elastin_step_result;
 /* Brings it forward by dt > 0 [s]. ELASTIN_STOPPED: the state stays as it was and the message says why. Allocates
@@ -181,27 +181,27 @@ ELASTIN_API elastin_status elastin_tensions(const elastin_simulation*, const dou
 ELASTIN_API elastin_status elastin_host_forces(elastin_simulation*, double** values, size_t* count);
 
 /* Holds a molecule where it is: in all directions (free_axes 0), or not along x (1), y (2), z (4); or-ed. */
-ELASTIN_API elastin_status elastin_hold(elastin_simulation*, int molecule, int free_axes);
+ELASTIN_API elastin_status elastin_fix(elastin_simulation*, int molecule, int free_axes);
 ELASTIN_API elastin_status elastin_release(elastin_simulation*, int molecule);
 /* Where a held molecule is to be at the end of the next step [m]. */
-ELASTIN_API elastin_status elastin_move_to(elastin_simulation*, int molecule, const double place[3]);
+ELASTIN_API elastin_status elastin_move_to(elastin_simulation*, int molecule, const double position[3]);
 /* Force of its support on a held molecule [N]; zero where nothing holds it. */
 ELASTIN_API elastin_status elastin_reaction(const elastin_simulation*, int molecule, double force[3]);
 
-/* A spring (stiffness > 0 [N/m]) and damper (>= 0 [N s/m]) from a molecule to a place [m]: a tool, a mouse. */
-ELASTIN_API elastin_status elastin_grab(elastin_simulation*, int molecule, const double place[3], double stiffness,
-                                        double damping, int* grip);
-ELASTIN_API elastin_status elastin_move_grip(elastin_simulation*, int grip, const double place[3],
-                                             const double velocity[3]); /* velocity [m/s] may be null */
-ELASTIN_API elastin_status elastin_grip_force(const elastin_simulation*, int grip,
-                                              double force[3]); /* on the molecule */
-ELASTIN_API elastin_status elastin_let_go(elastin_simulation*, int grip);
+/* A spring (stiffness > 0 [N/m]) and damper (>= 0 [N s/m]) from a molecule to a position [m]: a tool, a mouse. */
+ELASTIN_API elastin_status elastin_couple(elastin_simulation*, int molecule, const double position[3], double stiffness,
+                                          double damping, int* coupling);
+ELASTIN_API elastin_status elastin_move_coupling(elastin_simulation*, int coupling, const double position[3],
+                                                 const double velocity[3]); /* velocity [m/s] may be null */
+ELASTIN_API elastin_status elastin_coupling_force(const elastin_simulation*, int coupling,
+                                                  double force[3]); /* on the molecule */
+ELASTIN_API elastin_status elastin_decouple(elastin_simulation*, int coupling);
 
 /* Calls `see` after every so many steps that went well, with the simulation and the context; it must not step. */
 typedef void (*elastin_observer)(void* context, const elastin_simulation* simulation);
 ELASTIN_API elastin_status elastin_observe(elastin_simulation*, int every, elastin_observer see, void* context);
 
-/* The state, to go on from with the same bits: *needed bytes. Without room for them (buffer may be null) only *needed
+/* The state, to go on from, bitwise identically: *needed bytes. Without room for them (buffer may be null) only *needed
  * is set, and the status is ELASTIN_WRONG_INPUT unless capacity is 0. Read back on the same kind of machine alone. */
 ELASTIN_API elastin_status elastin_save(const elastin_simulation*, void* buffer, size_t capacity, size_t* needed);
 ELASTIN_API elastin_status elastin_restore(elastin_simulation*, const void* buffer, size_t bytes);

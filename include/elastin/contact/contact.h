@@ -46,7 +46,7 @@ struct ContactReport {
 
 /// Contact of a body with obstacles, of its pieces with each other and, if asked, with themselves: normal force by
 /// penalty, or augmented; Coulomb friction F_f = −μ |F_N| t with a regime that sticks, by elastic slip that is returned
-/// to the cone [M03; Wriggers 2006, ch. 5 and 10]. Same bits on any number of threads.
+/// to the cone [M03; Wriggers 2006, ch. 5 and 10]. Bitwise identical on any number of threads.
 class Contact : public Load {
  public:
   virtual ContactReport report(const State& state) const = 0;

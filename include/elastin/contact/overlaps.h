@@ -11,8 +11,8 @@ struct Overlap {
   double depth;  ///< [m], > 0
 };
 
-/// Molecules that overlap at the given places by more than `tolerance` of the smaller radius and are not joined by a
+/// Molecules that overlap at the given positions by more than `tolerance` of the smaller radius and are not joined by a
 /// connection, ascending by pair. Broad phase by FCL's dynamic tree.
-std::vector<Overlap> find_overlaps(const Body& body, const Positions& places, double tolerance = 1e-6);
+std::vector<Overlap> find_overlaps(const Body& body, const Positions& positions, double tolerance = 1e-6);
 
 }  // namespace elastin::contact

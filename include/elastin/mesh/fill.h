@@ -27,7 +27,7 @@ struct FillOptions {
 
 /// What fills a surface.
 struct Filling {
-  Positions places;           ///< [m]; those on the surface come first
+  Positions positions;        ///< [m]; those on the surface come first
   int on_surface = 0;         ///< how many of them
   Cells<4> tetrahedra;        ///< Delaunay's, without those outside; every molecule is a corner of one
   double surface_volume = 0;  ///< inside the surface [m³], by the divergence theorem
@@ -38,10 +38,10 @@ struct Filling {
 };
 
 /// The space in a closed surface that does not cross itself, normals outwards: check_surface must find nothing wrong.
-class Inside {
+class FillRegion {
  public:
-  Inside(const Positions& points, const Cells<3>& triangles);
-  ~Inside();
+  FillRegion(const Positions& points, const Cells<3>& triangles);
+  ~FillRegion();
 
   /// Fills it with molecules and tetrahedra. The same options give the same filling. Cost O(n log n). Throws InputError
   /// where the spacing is too wide for one tetrahedron, or so narrow that there are more molecules than are taken.

@@ -15,7 +15,7 @@ struct Mesh {
 
 /// Reads Gmsh .msh (2.2 and 4.1, ASCII and binary), legacy VTK .vtk (unstructured grid, ASCII and binary) and VTK XML
 /// .vtu (ASCII, base64 and raw appended, plain and zlib-compressed), and surfaces of triangles from .ply (ASCII and
-/// binary), .obj and .stl (corners at the same place are one point, in single precision; errors of the last two name
+/// binary), .obj and .stl (corners at the same position are one point, in single precision; errors of the last two name
 /// the face), chosen by the file's ending. Linear tetrahedra and triangles are used; quadratic ones (and hexahedra,
 /// prisms, pyramids) are refused by name; points, lines ignored. Throws InputError with file:line:column and what was
 /// expected: missing file, unknown ending or version, a truncated section, an index that names no point, a coordinate

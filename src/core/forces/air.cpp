@@ -70,9 +70,9 @@ class AirDrag final : public Load {
         static_cast<int>(body_.triangles.size()),
         [&](int cell) {
           const Flow flow(*this, state, cell);
-          Sums part;
-          part << flow.area, flow.area * (flow.along + flow.across * flow.normal), flow.area * flow.across;
-          return part;
+          Sums term;
+          term << flow.area, flow.area * (flow.along + flow.across * flow.normal), flow.area * flow.across;
+          return term;
         },
         Sums(Sums::Zero()));
     const double area = sums[0], wind = area > 0 ? sums.segment<3>(1).norm() / area : 0;

@@ -62,10 +62,10 @@ struct Plate {
   Matrix3 stiffness;
 };
 
-Plate plate_of(const Patch& patch, const Eigen::Matrix2Xd& places, double rigidity, double nu) {
+Plate plate_of(const Patch& patch, const Eigen::Matrix2Xd& positions, double rigidity, double nu) {
   Plane2 own;
   for (int corner = 0; corner < 3; ++corner)
-    own.col(corner) = places.col(patch.molecules[static_cast<std::size_t>(corner)]);
+    own.col(corner) = positions.col(patch.molecules[static_cast<std::size_t>(corner)]);
   const Plane2 gradients = gradients_of(own);
   Eigen::Matrix2d edges;
   edges << own.col(1) - own.col(0), own.col(2) - own.col(0);
@@ -81,7 +81,7 @@ Plate plate_of(const Patch& patch, const Eigen::Matrix2Xd& places, double rigidi
     (tip < 0 ? rim : inner).push_back(e);
     if (tip < 0) continue;
     Plane2 other = own;
-    other.col(e) = places.col(tip);
+    other.col(e) = positions.col(tip);
     const Plane2 beyond = gradients_of(other);
     for (int corner = 0; corner < 3; ++corner)
       plate.weights(e, corner == e ? 3 + e : corner) += beyond.col(corner).dot(normals.col(e));
@@ -112,10 +112,10 @@ class Bending final : public Elasticity {
     const Vector3 normal = normal_of(body), first = normal.unitOrthogonal();
     Eigen::Matrix<double, 2, 3> frame;
     frame << first.transpose(), normal.cross(first).transpose();
-    const Eigen::Matrix2Xd places = frame * body.rest;
-    densities_ = VectorX::Zero(body.connections.size());
+    const Eigen::Matrix2Xd positions = frame * body.rest;
+    force_densities_ = VectorX::Zero(body.connections.size());
     for (const Patch& patch : patches_) {
-      plates_.push_back(plate_of(patch, places, rigidity, nu));
+      plates_.push_back(plate_of(patch, positions, rigidity, nu));
       const Eigen::Matrix<double, 6, 6> Q =
           plates_.back().weights.transpose() * plates_.back().stiffness * plates_.back().weights;
       for (int i = 0; i < 6; ++i)
@@ -126,7 +126,7 @@ class Bending final : public Elasticity {
           if (found == connections.end())
             throw InputError("bending needs a connection between molecules " + std::to_string(a) + " and " +
                              std::to_string(b));
-          densities_[found->second] -= Q(i, j);
+          force_densities_[found->second] -= Q(i, j);
         }
     }
   }
@@ -135,26 +135,28 @@ class Bending final : public Elasticity {
   double energy(const Positions& positions) const override {
     return ordered_sum(static_cast<int>(patches_.size()), [&](int cell) {
       const auto& [weights, stiffness] = plates_[static_cast<std::size_t>(cell)];
-      Eigen::Matrix<double, 3, 6> places = Eigen::Matrix<double, 3, 6>::Zero();
+      Eigen::Matrix<double, 3, 6> relative = Eigen::Matrix<double, 3, 6>::Zero();
       const Vector3 origin = positions.col(patches_[static_cast<std::size_t>(cell)].molecules[0]);
       for (int i = 0; i < 6; ++i)
         if (const int molecule = patches_[static_cast<std::size_t>(cell)].molecules[static_cast<std::size_t>(i)];
             molecule >= 0)
-          places.col(i) = positions.col(molecule) - origin;
-      const Matrix3 hinges = places * weights.transpose();
+          relative.col(i) = positions.col(molecule) - origin;
+      const Matrix3 hinges = relative * weights.transpose();
       return (hinges * stiffness).cwiseProduct(hinges).sum() / 2;
     });
   }
-  void add_force_densities(const Positions&, VectorX& densities, Scratch&) const override { densities += densities_; }
+  void add_force_densities(const Positions&, VectorX& force_densities, Workspace&) const override {
+    force_densities += force_densities_;
+  }
   /// Moments, not tensions.
-  bool add_triangle_densities(const Positions&, Eigen::Matrix3Xd&) const override { return true; }
+  bool add_triangle_force_densities(const Positions&, Eigen::Matrix3Xd&) const override { return true; }
   void linearise(const Positions&) override {}
   void add_own_slopes(VectorX&) const override {}
 
  private:
   std::vector<Patch> patches_;
   std::vector<Plate> plates_;
-  VectorX densities_;
+  VectorX force_densities_;
 };
 
 }  // namespace

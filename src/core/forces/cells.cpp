@@ -27,9 +27,10 @@ void CellGraph::set_slots(int connections) {
   slots_of = std::move(rows.entries);
 }
 
-void CellGraph::gather(Eigen::Ref<const VectorX> slots, VectorX& densities) const {
+void CellGraph::gather(Eigen::Ref<const VectorX> slots, VectorX& force_densities) const {
   parallel_for(connections_, [&](int connection) {
-    for (int at = start[connection]; at < start[connection + 1]; ++at) densities[connection] += slots[slots_of[at]];
+    for (int at = start[connection]; at < start[connection + 1]; ++at)
+      force_densities[connection] += slots[slots_of[at]];
   });
 }
 

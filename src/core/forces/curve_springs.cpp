@@ -19,10 +19,10 @@ class CurveSprings final : public Elasticity {
       return sections_[c] == 0 ? 0 : sections_[c] * rest * rest * curve_.energy_density(strain(positions, c));
     });
   }
-  void add_force_densities(const Positions& positions, VectorX& densities, Scratch&) const override {
+  void add_force_densities(const Positions& positions, VectorX& force_densities, Workspace&) const override {
     parallel_for(connections_.size(), [&](int c) {
       const double at = strain(positions, c);
-      if (sections_[c] != 0 && at > -1) densities[c] += sections_[c] * curve_.stress(at) / (1 + at);
+      if (sections_[c] != 0 && at > -1) force_densities[c] += sections_[c] * curve_.stress(at) / (1 + at);
     });
   }
   void linearise(const Positions& positions) override {

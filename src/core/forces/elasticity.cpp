@@ -4,10 +4,11 @@
 
 namespace elastin {
 
-void Elasticity::add_forces(const Positions& positions, const Graph& graph, Positions& forces, Scratch& scratch) const {
-  scratch.densities.setZero(graph.size());
-  add_force_densities(positions, scratch.densities, scratch);
-  graph.add_forces(positions, scratch.densities, forces);
+void Elasticity::add_forces(const Positions& positions, const Graph& graph, Positions& forces,
+                            Workspace& workspace) const {
+  workspace.force_densities.setZero(graph.size());
+  add_force_densities(positions, workspace.force_densities, workspace);
+  graph.add_forces(positions, workspace.force_densities, forces);
 }
 
 }  // namespace elastin

@@ -19,9 +19,9 @@ int band_of(const Connections& connections) {
 Graph::Graph(const Body& body) : connections_(body.connections), molecules_(body.size()) {
   if (size() < kParallelThreshold) return;
   // A part computes the connections that reach into it once more: worth it while they are few.
-  constexpr int least_parts = 8;
+  constexpr int least_ranges = 8;
   band_ = band_of(connections_);
-  if (molecules_ < least_parts * band_) band_ = 0;
+  if (molecules_ < least_ranges * band_) band_ = 0;
   if (band_ == 0) incident_ = connections_of_molecules(molecules_, connections_);
 }
 
@@ -31,9 +31,9 @@ int Graph::first_of(int molecule) const {
   return static_cast<int>(found - connections_.ends.begin());
 }
 
-void Graph::add_forces(const Positions& positions, const VectorX& densities, Positions& forces) const {
+void Graph::add_forces(const Positions& positions, const VectorX& force_densities, Positions& forces) const {
   add_flows(forces,
-            [&](int c, int a, int b) -> Vector3 { return densities[c] * (positions.col(b) - positions.col(a)); });
+            [&](int c, int a, int b) -> Vector3 { return force_densities[c] * (positions.col(b) - positions.col(a)); });
 }
 
 }  // namespace elastin

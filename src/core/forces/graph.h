@@ -18,13 +18,13 @@ class Graph {
   template <class Flow>
   void add_flows(Positions& forces, Flow&& flow) const {
     if (gathers()) return gather(forces, flow);
-    for_each_part([&](const Part& part) {
-      for (int c = part.first; c < part.last; ++c) {
+    for_each_range([&](const Range& range) {
+      for (int c = range.first; c < range.last; ++c) {
         const auto& [a, b] = connections_.ends[c];
-        if (b < part.begin) continue;
+        if (b < range.begin) continue;
         const Vector3 f = flow(c, a, b);
-        if (a >= part.begin) forces.col(a) += f;
-        if (b < part.end) forces.col(b) -= f;
+        if (a >= range.begin) forces.col(a) += f;
+        if (b < range.end) forces.col(b) -= f;
       }
     });
   }
@@ -39,38 +39,38 @@ class Graph {
             for (const int c : incident_[molecule]) values[molecule] += value(c);
           },
           1);
-    for_each_part([&](const Part& part) {
-      for (int c = part.first; c < part.last; ++c) {
+    for_each_range([&](const Range& range) {
+      for (int c = range.first; c < range.last; ++c) {
         const auto& [a, b] = connections_.ends[c];
-        if (b < part.begin) continue;
+        if (b < range.begin) continue;
         const auto own = value(c);
-        if (a >= part.begin) values[a] += own;
-        if (b < part.end) values[b] += own;
+        if (a >= range.begin) values[a] += own;
+        if (b < range.end) values[b] += own;
       }
     });
   }
 
   /// Adds Σ_b q_ab (x_b − x_a) to each molecule.
-  void add_forces(const Positions& positions, const VectorX& densities, Positions& forces) const;
+  void add_forces(const Positions& positions, const VectorX& force_densities, Positions& forces) const;
 
   /// What one thread adds: the connections first … last−1, to the molecules begin … end−1 alone. They start at a
   /// molecule before `end`, and end at any; a part that is everything has all molecules.
-  struct Part {
+  struct Range {
     int first, last, begin, end;
   };
   /// Whether there are no parts, because connections reach everywhere: then each molecule gathers its own.
   bool gathers() const { return size() >= kParallelThreshold && threads() > 1 && band_ == 0; }
   /// Calls work(part) for each part, each on a thread of its own.
   template <class Work>
-  void for_each_part(Work&& work) const {
-    const int parts = size() < kParallelThreshold || band_ == 0 ? 1 : std::min(threads(), molecules_ / band_);
-    if (parts == 1) return work(Part{0, size(), 0, molecules_});
-    const auto start = [&](int part) { return static_cast<int>(static_cast<long long>(molecules_) * part / parts); };
+  void for_each_range(Work&& work) const {
+    const int ranges = size() < kParallelThreshold || band_ == 0 ? 1 : std::min(threads(), molecules_ / band_);
+    if (ranges == 1) return work(Range{0, size(), 0, molecules_});
+    const auto start = [&](int range) { return static_cast<int>(static_cast<long long>(molecules_) * range / ranges); };
     parallel_for(
-        parts,
-        [&](int part) {
-          const int begin = start(part), end = start(part + 1);
-          work(Part{first_of(begin - band_), first_of(end), begin, end});
+        ranges,
+        [&](int range) {
+          const int begin = start(range), end = start(range + 1);
+          work(Range{first_of(begin - band_), first_of(end), begin, end});
         },
         1);
   }

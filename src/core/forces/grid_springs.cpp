@@ -10,15 +10,15 @@ namespace elastin {
 
 /// The rows that springs join to the present one: places and forces of reach + 1 rows in a ring, and one row more.
 struct GridSprings::Window {
-  double* room;
+  double* buffer;
   std::ptrdiff_t pitch;
   int slots;
   int first_slot;  // of the present row
 
   static std::ptrdiff_t pitch_of(int length) { return (length + 7) / 8 * 8; }
-  RowOf3 at(int slot, int part) const { return {room + (2 * slot + part) * 3 * pitch, pitch}; }
+  RowOf3 at(int slot, int half) const { return {buffer + (2 * slot + half) * 3 * pitch, pitch}; }
   int slot(int rows_on) const { return first_slot + rows_on - (first_slot + rows_on >= slots ? slots : 0); }
-  RowOf3 places(int rows_on) const { return at(slot(rows_on), 0); }
+  RowOf3 positions(int rows_on) const { return at(slot(rows_on), 0); }
   RowOf3 forces(int rows_on) const { return at(slot(rows_on), 1); }
   RowOf3 spare() const { return at(slots, 0); }
 };
@@ -75,10 +75,10 @@ class GridSprings::Builder {
   }
 
   bool add(int a, int b, double constant, double rest_length) {
-    const auto place = [&](int molecule) {
+    const auto position = [&](int molecule) {
       return std::array{molecule % counts_[0], molecule / counts_[0] % counts_[1], molecule / counts_[0] / counts_[1]};
     };
-    const auto from = place(a), to = place(b);
+    const auto from = position(a), to = position(b);
     int code = 0;
     for (int axis = 2; axis >= 0; --axis) {
       const int step = to[axis] - from[axis];
@@ -146,29 +146,29 @@ std::optional<GridSprings> GridSprings::make(const Body& body, const VectorX& co
   return Builder(body, constants).build();
 }
 
-void GridSprings::add_forces(const Positions& positions, Positions& forces, Scratch& scratch) const {
+void GridSprings::add_forces(const Positions& positions, Positions& forces, Workspace& workspace) const {
   const int springs = length_ * rows_ * static_cast<int>(directions_.size());
-  const int parts = springs < kParallelThreshold ? 1 : std::clamp(rows_ / (reach_ + 1), 1, threads());
-  const Eigen::Index room = (2 * (reach_ + 1) + 1) * 3 * Window::pitch_of(length_);
-  scratch.make_parts(parts);
-  for (int part = 0; part < parts; ++part) scratch.take_part(part, room);
+  const int ranges = springs < kParallelThreshold ? 1 : std::clamp(rows_ / (reach_ + 1), 1, threads());
+  const Eigen::Index buffer = (2 * (reach_ + 1) + 1) * 3 * Window::pitch_of(length_);
+  workspace.reserve_ranges(ranges);
+  for (int range = 0; range < ranges; ++range) workspace.range_buffer(range, buffer);
   parallel_for(
-      parts,
-      [&](int part) {
-        const auto start = [&](int p) { return static_cast<int>(static_cast<long long>(rows_) * p / parts); };
-        add_rows(start(part), start(part + 1), positions, forces, scratch.take_part(part, room));
+      ranges,
+      [&](int range) {
+        const auto start = [&](int p) { return static_cast<int>(static_cast<long long>(rows_) * p / ranges); };
+        add_rows(start(range), start(range + 1), positions, forces, workspace.range_buffer(range, buffer));
       },
       2);
 }
 
 void GridSprings::add_rows(int begin, int end, const Positions& positions, Positions& forces,
-                           Eigen::Map<VectorX> room) const {
+                           Eigen::Map<VectorX> buffer) const {
   const int first = std::max(0, begin - reach_);
-  Window window{room.data(), Window::pitch_of(length_), reach_ + 1, 0};
+  Window window{buffer.data(), Window::pitch_of(length_), reach_ + 1, 0};
   const auto load = [&](int row, int rows_on) {
     if (row >= rows_) return;
     const double* from = positions.data() + 3 * static_cast<std::ptrdiff_t>(row) * length_;
-    const RowOf3 to = window.places(rows_on), zero = window.forces(rows_on);
+    const RowOf3 to = window.positions(rows_on), zero = window.forces(rows_on);
     for (int i = 0; i < length_; ++i) to.x[i] = from[3 * i], to.y()[i] = from[3 * i + 1], to.z()[i] = from[3 * i + 2];
     std::fill_n(zero.x, 3 * zero.pitch, 0.);
   };
@@ -186,16 +186,16 @@ void GridSprings::add_rows(int begin, int end, const Positions& positions, Posit
 /// Adds the forces of the springs that start in a row, where they reach the row `begin` or a later one.
 void GridSprings::add_row(int row, int begin, const Window& window) const {
   const SpringKernel& kernel = spring_kernel();
-  const RowOf3 places = window.places(0), forces = window.forces(0);
+  const RowOf3 positions = window.positions(0), forces = window.forces(0);
   for (const Direction& direction : directions_) {
     const int at = direction.numbers_at[row];
     if (at < 0 || row + direction.rows < begin) continue;
     const int skip = std::max(0, -direction.x), count = length_ - std::abs(direction.x);
     const double* constants = numbers_.data() + at + skip;
     if (direction.rows == 0)
-      kernel.add_in_row_flows(places, direction.x, constants, constants + length_, count, forces, window.spare());
+      kernel.add_in_row_flows(positions, direction.x, constants, constants + length_, count, forces, window.spare());
     else
-      kernel.add_row_flows(places.from(skip), window.places(direction.rows).from(skip + direction.x), constants,
+      kernel.add_row_flows(positions.from(skip), window.positions(direction.rows).from(skip + direction.x), constants,
                            constants + length_, count, forces.from(skip),
                            window.forces(direction.rows).from(skip + direction.x));
   }

@@ -19,7 +19,7 @@ class GridSprings {
   /// None where the body is no grid, or a connection with a constant is not between neighbours on it, or there twice.
   static std::optional<GridSprings> make(const Body& body, const VectorX& constants);
 
-  void add_forces(const Positions& positions, Positions& forces, Scratch& scratch) const;
+  void add_forces(const Positions& positions, Positions& forces, Workspace& workspace) const;
 
  private:
   class Builder;
@@ -31,7 +31,7 @@ class GridSprings {
   struct Window;
 
   GridSprings(int length, int rows) : length_(length), rows_(rows) {}
-  void add_rows(int begin, int end, const Positions& positions, Positions& forces, Eigen::Map<VectorX> room) const;
+  void add_rows(int begin, int end, const Positions& positions, Positions& forces, Eigen::Map<VectorX> buffer) const;
   void add_row(int row, int begin, const Window& window) const;
 
   int length_, rows_;  ///< molecules in a row; rows

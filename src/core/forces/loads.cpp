@@ -101,7 +101,7 @@ class Varying final : public Load {
   }
   void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override {
     const double factor = function_.value(state.time);
-    const auto scaled = [&](int a, int b, const Matrix3& part) { visit(a, b, factor * part); };
+    const auto scaled = [&](int a, int b, const Matrix3& block) { visit(a, b, factor * block); };
     load_->visit_blocks(state, velocity_weight, std::ref(scaled));
   }
   bool steady() const override { return function_.constant() && load_->steady(); }

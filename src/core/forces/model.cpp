@@ -11,7 +11,7 @@ Model::~Model() = default;
 Model::Model(Model&&) noexcept = default;
 
 bool Model::has_energy() const {
-  return std::all_of(elasticity_.begin(), elasticity_.end(), [](const auto& part) { return part->has_energy(); });
+  return std::all_of(elasticity_.begin(), elasticity_.end(), [](const auto& term) { return term->has_energy(); });
 }
 
 bool Model::conservative() const {
@@ -22,20 +22,20 @@ bool Model::symmetric() const {
   return std::all_of(loads_.begin(), loads_.end(), [](const auto& load) { return load->symmetric(); });
 }
 
-void Model::remember(State& state) const {
-  for (const auto& load : loads_) load->remember(state);
+void Model::commit_step(State& state) const {
+  for (const auto& load : loads_) load->commit_step(state);
 }
 
-bool Model::tighten(State& state) const {
+bool Model::update_multipliers(State& state) const {
   bool changed = false;
-  for (const auto& load : loads_) changed |= load->tighten(state);
+  for (const auto& load : loads_) changed |= load->update_multipliers(state);
   return changed;
 }
 
-double Model::free_way(const State& from, const State& to) const {
-  double part = 1;
-  for (const auto& load : loads_) part = std::min(part, load->free_way(from, to));
-  return part;
+double Model::max_step_fraction(const State& from, const State& to) const {
+  double fraction = 1;
+  for (const auto& load : loads_) fraction = std::min(fraction, load->max_step_fraction(from, to));
+  return fraction;
 }
 
 double Model::square_frequency(const State& state, double ahead) const {
@@ -45,12 +45,12 @@ double Model::square_frequency(const State& state, double ahead) const {
 }
 
 bool Model::has_full_tangent() const {
-  return std::all_of(elasticity_.begin(), elasticity_.end(), [](const auto& part) { return part->has_full_tangent(); });
+  return std::all_of(elasticity_.begin(), elasticity_.end(), [](const auto& term) { return term->has_full_tangent(); });
 }
 
 bool Model::admissible(const Positions& positions) const {
   return std::all_of(elasticity_.begin(), elasticity_.end(),
-                     [&](const auto& part) { return part->admissible(positions); });
+                     [&](const auto& term) { return term->admissible(positions); });
 }
 
 bool Model::feels_velocity() const {
@@ -60,7 +60,7 @@ bool Model::feels_velocity() const {
 
 double Model::elastic_energy(const Positions& positions) const {
   double energy = 0;
-  for (const auto& part : elasticity_) energy += part->energy(positions);
+  for (const auto& term : elasticity_) energy += term->energy(positions);
   return energy;
 }
 
@@ -71,16 +71,16 @@ double Model::load_energy(const State& state) const {
 }
 
 VectorX Model::force_densities(const Positions& positions) const {
-  VectorX densities = VectorX::Zero(body_->connections.size());
-  Scratch scratch;
-  for (const auto& part : elasticity_) part->add_force_densities(positions, densities, scratch);
-  return densities;
+  VectorX force_densities = VectorX::Zero(body_->connections.size());
+  Workspace workspace;
+  for (const auto& term : elasticity_) term->add_force_densities(positions, force_densities, workspace);
+  return force_densities;
 }
 
 Positions Model::elastic_forces(const Positions& positions) const {
   Positions forces = Positions::Zero(3, body_->size());
-  Scratch scratch;
-  add_elastic_forces(positions, forces, scratch);
+  Workspace workspace;
+  add_elastic_forces(positions, forces, workspace);
   return forces;
 }
 
@@ -90,57 +90,57 @@ Positions Model::load_forces(const State& state) const {
   return forces;
 }
 
-std::pair<VectorX, VectorX> Model::squares_and_rates(const State& state) const {
+std::pair<VectorX, VectorX> Model::squared_lengths_and_rates(const State& state) const {
   std::pair<VectorX, VectorX> both;
-  set_squares_and_rates(state, both.first, both.second);
+  set_squared_lengths_and_rates(state, both.first, both.second);
   return both;
 }
 
-void Model::set_squares_and_rates(const State& state, VectorX& squares, VectorX& rates) const {
+void Model::set_squared_lengths_and_rates(const State& state, VectorX& squared_lengths, VectorX& rates) const {
   const auto& ends = body_->connections.ends;
-  squares.resize(body_->connections.size());
+  squared_lengths.resize(body_->connections.size());
   rates.resize(body_->connections.size());
   parallel_for(body_->connections.size(), [&](int c) {
     const auto& [a, b] = ends[c];
     const Vector3 d = state.positions.col(b) - state.positions.col(a);
-    squares[c] = d.squaredNorm();
+    squared_lengths[c] = d.squaredNorm();
     rates[c] = 2 * d.dot(state.velocities.col(b) - state.velocities.col(a));
   });
 }
 
-VectorX Model::viscous_densities(const State& state) const {
-  VectorX densities = VectorX::Zero(body_->connections.size());
-  if (viscosity_.empty()) return densities;
-  const auto [squares, rates] = squares_and_rates(state);
-  Scratch scratch;
-  for (const auto& part : viscosity_) part->add_force_densities(squares, rates, densities, scratch);
-  return densities;
+VectorX Model::viscous_force_densities(const State& state) const {
+  VectorX force_densities = VectorX::Zero(body_->connections.size());
+  if (viscosity_.empty()) return force_densities;
+  const auto [squared_lengths, rates] = squared_lengths_and_rates(state);
+  Workspace workspace;
+  for (const auto& term : viscosity_) term->add_force_densities(squared_lengths, rates, force_densities, workspace);
+  return force_densities;
 }
 
 void Model::set_forces(const State& state, Positions& forces) const {
-  Scratch scratch;
-  set_forces(state, forces, scratch);
+  Workspace workspace;
+  set_forces(state, forces, workspace);
 }
 
-void Model::set_forces(const State& state, Positions& forces, Scratch& scratch) const {
+void Model::set_forces(const State& state, Positions& forces, Workspace& workspace) const {
   forces.setZero(3, body_->size());
-  add_elastic_forces(state.positions, forces, scratch);
+  add_elastic_forces(state.positions, forces, workspace);
   if (!viscosity_.empty()) {
-    set_squares_and_rates(state, scratch.squares, scratch.rates);
-    scratch.densities.setZero(body_->connections.size());
-    for (const auto& part : viscosity_)
-      part->add_force_densities(scratch.squares, scratch.rates, scratch.densities, scratch);
-    gather(state.positions, scratch.densities, forces);
+    set_squared_lengths_and_rates(state, workspace.squared_lengths, workspace.rates);
+    workspace.force_densities.setZero(body_->connections.size());
+    for (const auto& term : viscosity_)
+      term->add_force_densities(workspace.squared_lengths, workspace.rates, workspace.force_densities, workspace);
+    gather(state.positions, workspace.force_densities, forces);
   }
   for (const auto& load : loads_) load->add_forces(state, forces);
 }
 
-void Model::gather(const Positions& positions, const VectorX& densities, Positions& forces) const {
-  graph_->add_forces(positions, densities, forces);
+void Model::gather(const Positions& positions, const VectorX& force_densities, Positions& forces) const {
+  graph_->add_forces(positions, force_densities, forces);
 }
 
-void Model::add_elastic_forces(const Positions& positions, Positions& forces, Scratch& scratch) const {
-  for (const auto& part : elasticity_) part->add_forces(positions, *graph_, forces, scratch);
+void Model::add_elastic_forces(const Positions& positions, Positions& forces, Workspace& workspace) const {
+  for (const auto& term : elasticity_) term->add_forces(positions, *graph_, forces, workspace);
 }
 
 }  // namespace elastin

@@ -21,13 +21,13 @@ Matrix3 cross_matrix(const Vector3& v) {
 }
 
 /// The volume, and how it changes under a motion.
-Eigen::Vector2d volume_and_change(const Cells<3>& triangles, const Positions& places, const Vector3& apex,
+Eigen::Vector2d volume_and_change(const Cells<3>& triangles, const Positions& positions, const Vector3& apex,
                                   const Positions& motion) {
   return ordered_sum<Eigen::Vector2d>(
       static_cast<int>(triangles.size()),
       [&](int cell) -> Eigen::Vector2d {
         const auto& [a, b, c] = triangles[static_cast<std::size_t>(cell)];
-        const Vector3 x = places.col(a) - apex, y = places.col(b) - apex, z = places.col(c) - apex;
+        const Vector3 x = positions.col(a) - apex, y = positions.col(b) - apex, z = positions.col(c) - apex;
         const Vector3 yz = y.cross(z), zx = z.cross(x), xy = x.cross(y);
         return {x.dot(yz) / 6, (yz.dot(motion.col(a)) + zx.dot(motion.col(b)) + xy.dot(motion.col(c))) / 6};
       },
@@ -36,33 +36,33 @@ Eigen::Vector2d volume_and_change(const Cells<3>& triangles, const Positions& pl
 
 }  // namespace
 
-Filling constant_pressure(double pressure) {
-  return [=](double volume, double rest) { return Inside{pressure, 0, pressure * (volume - rest)}; };
+PressureLaw constant_pressure(double pressure) {
+  return [=](double volume, double rest) { return PressureState{pressure, 0, pressure * (volume - rest)}; };
 }
 
-Filling enclosed_gas(double amount, double exponent, double ambient) {
+PressureLaw enclosed_gas(double amount, double exponent, double ambient) {
   return [=](double volume, double rest) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    if (!(volume > 0)) return Inside{infinity, -infinity, -infinity};
+    if (!(volume > 0)) return PressureState{infinity, -infinity, -infinity};
     const double absolute = amount / rest * std::pow(rest / volume, exponent);
     const double work =
         exponent == 1 ? amount * std::log(volume / rest) : (amount - absolute * volume) / (exponent - 1);
-    return Inside{absolute - ambient, -exponent * absolute / volume, work - ambient * (volume - rest)};
+    return PressureState{absolute - ambient, -exponent * absolute / volume, work - ambient * (volume - rest)};
   };
 }
 
-Filling controlled_volume(double volume, double stiffness, double pressure) {
+PressureLaw controlled_volume(double volume, double stiffness, double pressure) {
   return [=](double now, double rest) {
     const double missing = volume - now, before = volume - rest;
-    return Inside{pressure + stiffness * missing, -stiffness,
-                  pressure * (now - rest) + stiffness / 2 * (before - missing) * (before + missing)};
+    return PressureState{pressure + stiffness * missing, -stiffness,
+                         pressure * (now - rest) + stiffness / 2 * (before - missing) * (before + missing)};
   };
 }
 
-double enclosed_volume(const Cells<3>& triangles, const Positions& places, const Vector3& apex) {
+double enclosed_volume(const Cells<3>& triangles, const Positions& positions, const Vector3& apex) {
   return ordered_sum(static_cast<int>(triangles.size()), [&](int cell) {
     const auto& [a, b, c] = triangles[static_cast<std::size_t>(cell)];
-    const Vector3 x = places.col(a) - apex, y = places.col(b) - apex, z = places.col(c) - apex;
+    const Vector3 x = positions.col(a) - apex, y = positions.col(b) - apex, z = positions.col(c) - apex;
     return x.dot(y.cross(z)) / 6;
   });
 }
@@ -92,7 +92,7 @@ SurfaceFindings inspect_surface(const Cells<3>& triangles) {
   return findings;
 }
 
-Pressure::Pressure(const Body& body, Filling filling, const Vector3& apex, bool rim_held) : body_(body), apex_(apex) {
+Pressure::Pressure(const Body& body, PressureLaw law, const Vector3& apex, bool rim_fixed) : body_(body), apex_(apex) {
   if (body.triangles.empty()) throw InputError("a pressure needs a body with triangles");
   const SurfaceFindings findings = inspect_surface(body.triangles);
   const auto refuse = [](const std::vector<int>& list, const std::string& why) {
@@ -102,9 +102,9 @@ Pressure::Pressure(const Body& body, Filling filling, const Vector3& apex, bool 
   };
   refuse(findings.branchings, "shares a side with more than one other: a pressure needs a surface with two faces");
   refuse(findings.turned, "is turned against its neighbour: a pressure needs one side of the surface to be inside");
-  conservative_ = rim_held || findings.rim_sides == 0;
+  conservative_ = rim_fixed || findings.rim_sides == 0;
   rest_volume_ = volume(body.rest);
-  set_filling(std::move(filling));
+  set_law(std::move(law));
   std::vector<int> corners;
   for (const auto& triangle : body.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
   Rows rows = rows_by_target(body.size(), corners);
@@ -112,7 +112,7 @@ Pressure::Pressure(const Body& body, Filling filling, const Vector3& apex, bool 
   slots_ = std::move(rows.entries);
 }
 
-double Pressure::volume(const Positions& places) const { return enclosed_volume(body_.triangles, places, apex_); }
+double Pressure::volume(const Positions& positions) const { return enclosed_volume(body_.triangles, positions, apex_); }
 
 /// Adds a vector of each triangle to its three corners. One thread scatters, several gather; both add a molecule's
 /// triangles in ascending order, so the bits are the same.
@@ -142,26 +142,26 @@ void Pressure::add_to_corners(Positions& sums, OfTriangle&& of_triangle) const {
       1);
 }
 
-void Pressure::set_filling(Filling filling) {
-  filling_ = std::move(filling);
-  const Inside at_rest = filling_(rest_volume_, rest_volume_);
-  constant_ = at_rest.slope == 0 && filling_(2 * rest_volume_, rest_volume_).slope == 0;
+void Pressure::set_law(PressureLaw law) {
+  law_ = std::move(law);
+  const PressureState at_rest = law_(rest_volume_, rest_volume_);
+  constant_ = at_rest.slope == 0 && law_(2 * rest_volume_, rest_volume_).slope == 0;
 }
 
 void Pressure::add_forces(const State& state, Positions& forces) const {
-  const double share = inside(state.positions).pressure / 3;
+  const double share = pressure_state(state.positions).pressure / 3;
   add_to_corners(forces, [&](const std::array<int, 3>& triangle) -> Vector3 {
     return share * area_vector(state.positions, triangle);
   });
 }
 
-double Pressure::energy(const State& state) const { return conservative_ ? -inside(state.positions).work : 0; }
+double Pressure::energy(const State& state) const { return conservative_ ? -pressure_state(state.positions).work : 0; }
 
 void Pressure::add_change(const State& state, const Positions& dx, const Positions&, Positions& forces) const {
   const Positions& x = state.positions;
   Eigen::Vector2d volume(rest_volume_, 0);
   if (!constant_) volume = volume_and_change(body_.triangles, x, apex_, dx);
-  const Inside now = filling_(volume[0], rest_volume_);
+  const PressureState now = law_(volume[0], rest_volume_);
   const double share = now.pressure / 6, share_change = now.slope * volume[1] / 6;
   add_to_corners(forces, [&](const std::array<int, 3>& triangle) -> Vector3 {
     const auto& [a, b, c] = triangle;
@@ -175,7 +175,7 @@ void Pressure::add_change(const State& state, const Positions& dx, const Positio
 
 /// The area vector's derivative by corner b is ½ [x_{b+2} − x_{b+1}]×, the same for the force on each corner a.
 void Pressure::visit_blocks(const State& state, double, const BlockVisitor& visit) const {
-  const double pressure = inside(state.positions).pressure;
+  const double pressure = pressure_state(state.positions).pressure;
   for (const auto& triangle : body_.triangles)
     for (std::size_t b = 0; b < 3; ++b) {
       const Vector3 across = state.positions.col(triangle[(b + 2) % 3]) - state.positions.col(triangle[(b + 1) % 3]);
@@ -184,8 +184,8 @@ void Pressure::visit_blocks(const State& state, double, const BlockVisitor& visi
     }
 }
 
-std::vector<WidePart> Pressure::wide_parts(const State& state) const {
-  const double slope = inside(state.positions).slope;
+std::vector<WideTerm> Pressure::wide_terms(const State& state) const {
+  const double slope = pressure_state(state.positions).slope;
   if (slope == 0) return {};
   Positions areas = Positions::Zero(3, body_.size());
   add_to_corners(

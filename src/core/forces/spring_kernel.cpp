@@ -32,9 +32,10 @@ namespace {
 }
 
 /// Adding to one end must not wait for the other, so that the flows lie between the two.
-[[gnu::always_inline]] inline void add_in_row(RowOf3 places, int apart, const double* constants,
+[[gnu::always_inline]] inline void add_in_row(RowOf3 positions, int apart, const double* constants,
                                               const double* rest_lengths, int count, RowOf3 on, RowOf3 spare) {
-  const double *ax = places.x, *ay = places.y(), *az = places.z(), *bx = ax + apart, *by = ay + apart, *bz = az + apart;
+  const double *ax = positions.x, *ay = positions.y(), *az = positions.z(), *bx = ax + apart, *by = ay + apart,
+               *bz = az + apart;
   double *fx = on.x, *fy = on.y(), *fz = on.z(), *gx = spare.x, *gy = spare.y(), *gz = spare.z();
   ELASTIN_ROWS_APART
   for (int i = 0; i < count; ++i) {
@@ -48,27 +49,27 @@ namespace {
   for (int i = 0; i < count; ++i) fx[i] -= gx[i], fy[i] -= gy[i], fz[i] -= gz[i];
 }
 
-[[gnu::always_inline]] inline void set_densities(RowOf3 d, const double* constants, const double* rest_lengths,
-                                                 int count, double* densities) {
+[[gnu::always_inline]] inline void set_force_densities(RowOf3 d, const double* constants, const double* rest_lengths,
+                                                       int count, double* force_densities) {
   const double *dx = d.x, *dy = d.y(), *dz = d.z();
   ELASTIN_ROWS_APART
-  for (int i = 0; i < count; ++i) densities[i] = density(dx[i], dy[i], dz[i], constants[i], rest_lengths[i]);
+  for (int i = 0; i < count; ++i) force_densities[i] = density(dx[i], dy[i], dz[i], constants[i], rest_lengths[i]);
 }
 
 /// The functions under a target attribute, which must come first.
-#define ELASTIN_VERSION(name, ...)                                                                                   \
-  struct name {                                                                                                      \
-    __VA_ARGS__ static void flows(RowOf3 from, RowOf3 to, const double* k, const double* L, int count, RowOf3 f,     \
-                                  RowOf3 g) {                                                                        \
-      add_flows(from, to, k, L, count, f, g);                                                                        \
-    }                                                                                                                \
-    __VA_ARGS__ static void in_row(RowOf3 places, int apart, const double* k, const double* L, int count, RowOf3 on, \
-                                   RowOf3 spare) {                                                                   \
-      add_in_row(places, apart, k, L, count, on, spare);                                                             \
-    }                                                                                                                \
-    __VA_ARGS__ static void densities(RowOf3 d, const double* k, const double* L, int count, double* q) {            \
-      set_densities(d, k, L, count, q);                                                                              \
-    }                                                                                                                \
+#define ELASTIN_VERSION(name, ...)                                                                               \
+  struct name {                                                                                                  \
+    __VA_ARGS__ static void flows(RowOf3 from, RowOf3 to, const double* k, const double* L, int count, RowOf3 f, \
+                                  RowOf3 g) {                                                                    \
+      add_flows(from, to, k, L, count, f, g);                                                                    \
+    }                                                                                                            \
+    __VA_ARGS__ static void in_row(RowOf3 positions, int apart, const double* k, const double* L, int count,     \
+                                   RowOf3 on, RowOf3 spare) {                                                    \
+      add_in_row(positions, apart, k, L, count, on, spare);                                                      \
+    }                                                                                                            \
+    __VA_ARGS__ static void force_densities(RowOf3 d, const double* k, const double* L, int count, double* q) {  \
+      set_force_densities(d, k, L, count, q);                                                                    \
+    }                                                                                                            \
   };
 
 ELASTIN_VERSION(Plain, )
@@ -78,13 +79,13 @@ ELASTIN_VERSION(Avx2, [[gnu::target("avx2")]])
 #endif
 
 struct Versions {
-  std::array<SpringKernel, 2> list{{{Plain::flows, Plain::in_row, Plain::densities}}};
+  std::array<SpringKernel, 2> list{{{Plain::flows, Plain::in_row, Plain::force_densities}}};
   std::size_t count = 1;
 
   Versions() {
 #ifdef ELASTIN_HAS_X86_VERSIONS
     // Vectors of 512 bits were slower: they divide no more numbers a cycle, and short rows fill them badly.
-    if (__builtin_cpu_supports("avx2")) list[count++] = {Avx2::flows, Avx2::in_row, Avx2::densities};
+    if (__builtin_cpu_supports("avx2")) list[count++] = {Avx2::flows, Avx2::in_row, Avx2::force_densities};
 #endif
   }
 };

@@ -20,18 +20,19 @@ using AddRowFlows = void (*)(RowOf3 from, RowOf3 to, const double* constants, co
 
 /// Springs from each of `count` molecules of a row to the one `apart` > 0 further on: adds ± q d to `on`. `spare` is
 /// room for a row.
-using AddInRowFlows = void (*)(RowOf3 places, int apart, const double* constants, const double* rest_lengths, int count,
-                               RowOf3 on, RowOf3 spare);
+using AddInRowFlows = void (*)(RowOf3 positions, int apart, const double* constants, const double* rest_lengths,
+                               int count, RowOf3 on, RowOf3 spare);
 
 /// Force densities q of `count` springs of vectors d from end to end.
-using SetSpringDensities = void (*)(RowOf3 d, const double* constants, const double* rest_lengths, int count,
-                                    double* densities);
+using SetSpringForceDensities = void (*)(RowOf3 d, const double* constants, const double* rest_lengths, int count,
+                                         double* force_densities);
 
-/// The same functions for each vector width that this processor has, the best one last. All give the same bits.
+/// The same functions for each vector width that this processor has, the best one last. All give bitwise identical
+/// results.
 struct SpringKernel {
   AddRowFlows add_row_flows;
   AddInRowFlows add_in_row_flows;
-  SetSpringDensities set_densities;
+  SetSpringForceDensities set_force_densities;
 };
 std::span<const SpringKernel> spring_kernels();
 /// The best one.

@@ -21,10 +21,10 @@ double spring_density(double length, double constant, double rest_length) {
   return length > 0 ? constant * (length - rest_length) / length : 0;
 }
 
-void add_spring_densities(const Connections& connections, const VectorX& constants, const Positions& positions,
-                          VectorX& densities) {
+void add_spring_force_densities(const Connections& connections, const VectorX& constants, const Positions& positions,
+                                VectorX& force_densities) {
   parallel_for(connections.size(), [&](int c) {
-    densities[c] += spring_density(length(connections, positions, c), constants[c], connections.rest_length[c]);
+    force_densities[c] += spring_density(length(connections, positions, c), constants[c], connections.rest_length[c]);
   });
 }
 
@@ -49,13 +49,14 @@ class Springs final : public Elasticity {
       return 0.5 * constants_[c] * stretch * stretch;
     });
   }
-  void add_force_densities(const Positions& positions, VectorX& densities, Scratch&) const override {
-    add_spring_densities(connections_, constants_, positions, densities);
+  void add_force_densities(const Positions& positions, VectorX& force_densities, Workspace&) const override {
+    add_spring_force_densities(connections_, constants_, positions, force_densities);
   }
-  void add_forces(const Positions& positions, const Graph& graph, Positions& forces, Scratch& scratch) const override {
-    if (grid_) return grid_->add_forces(positions, forces, scratch);
+  void add_forces(const Positions& positions, const Graph& graph, Positions& forces,
+                  Workspace& workspace) const override {
+    if (grid_) return grid_->add_forces(positions, forces, workspace);
     if (!graph.gathers())
-      return graph.for_each_part([&](const Graph::Part& part) { scatter(part, positions, forces); });
+      return graph.for_each_range([&](const Graph::Range& range) { scatter(range, positions, forces); });
     graph.gather(forces, [&](int c, int a, int b) -> Vector3 {
       const Vector3 d = positions.col(b) - positions.col(a);
       return spring_density(d.norm(), constants_[c], connections_.rest_length[c]) * d;
@@ -68,21 +69,21 @@ class Springs final : public Elasticity {
 
  private:
   /// Square roots and divisions are what takes time: those of a block of connections are done together, in vectors.
-  void scatter(const Graph::Part& part, const Positions& positions, Positions& forces) const {
+  void scatter(const Graph::Range& range, const Positions& positions, Positions& forces) const {
     constexpr int block = 64;
     double d[3][block], q[block];
-    const SetSpringDensities set_densities = spring_kernel().set_densities;
+    const SetSpringForceDensities set_force_densities = spring_kernel().set_force_densities;
     const double* x = positions.data();
     double* f = forces.data();
-    for (int first = part.first; first < part.last; first += block) {
-      const int count = std::min(block, part.last - first);
+    for (int first = range.first; first < range.last; first += block) {
+      const int count = std::min(block, range.last - first);
       const auto* ends = connections_.ends.data() + first;
       for (int i = 0; i < count; ++i) {
         const double *a = x + 3 * static_cast<std::ptrdiff_t>(ends[i][0]),
                      *b = x + 3 * static_cast<std::ptrdiff_t>(ends[i][1]);
         d[0][i] = b[0] - a[0], d[1][i] = b[1] - a[1], d[2][i] = b[2] - a[2];
       }
-      set_densities({d[0], block}, constants_.data() + first, connections_.rest_length.data() + first, count, q);
+      set_force_densities({d[0], block}, constants_.data() + first, connections_.rest_length.data() + first, count, q);
       // Connections of one molecule follow each other: its sum need not go through memory.
       for (int i = 0; i < count;) {
         const int a = ends[i][0];
@@ -92,11 +93,11 @@ class Springs final : public Elasticity {
           const double fx = q[i] * d[0][i], fy = q[i] * d[1][i], fz = q[i] * d[2][i];
           x_sum += fx, y_sum += fy, z_sum += fz;
           const int b = ends[i][1];
-          if (b < part.begin || b >= part.end) continue;
+          if (b < range.begin || b >= range.end) continue;
           double* on_b = f + 3 * static_cast<std::ptrdiff_t>(b);
           on_b[0] -= fx, on_b[1] -= fy, on_b[2] -= fz;
         }
-        if (a >= part.begin) on_a[0] = x_sum, on_a[1] = y_sum, on_a[2] = z_sum;
+        if (a >= range.begin) on_a[0] = x_sum, on_a[1] = y_sum, on_a[2] = z_sum;
       }
     }
   }
@@ -116,8 +117,8 @@ class UpdatedSprings final : public Elasticity {
   bool has_energy() const override { return false; }
   bool has_full_tangent() const override { return false; }
   double energy(const Positions&) const override { return 0; }
-  void add_force_densities(const Positions& positions, VectorX& densities, Scratch&) const override {
-    add_spring_densities(connections_, constants_at_(positions), positions, densities);
+  void add_force_densities(const Positions& positions, VectorX& force_densities, Workspace&) const override {
+    add_spring_force_densities(connections_, constants_at_(positions), positions, force_densities);
   }
   void linearise(const Positions& positions) override {
     slopes_ = VectorX::Zero(connections_.size());

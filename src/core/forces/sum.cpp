@@ -8,13 +8,13 @@ namespace {
 
 class Sum final : public Elasticity {
  public:
-  Sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> kept)
-      : kept_(std::move(kept)), terms_(std::move(terms)) {}
+  Sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> owner)
+      : owner_(std::move(owner)), terms_(std::move(terms)) {}
 
   std::unique_ptr<Elasticity> clone() const override {
     std::vector<std::unique_ptr<Elasticity>> terms;
     for (const auto& term : terms_) terms.push_back(term->clone());
-    return std::make_unique<Sum>(std::move(terms), kept_);
+    return std::make_unique<Sum>(std::move(terms), owner_);
   }
   bool admissible(const Positions& positions) const override {
     return all([&](const Elasticity& term) { return term.admissible(positions); });
@@ -30,11 +30,12 @@ class Sum final : public Elasticity {
     for (const auto& term : terms_) sum += term->energy(positions);
     return sum;
   }
-  void add_force_densities(const Positions& positions, VectorX& densities, Scratch& scratch) const override {
-    for (const auto& term : terms_) term->add_force_densities(positions, densities, scratch);
+  void add_force_densities(const Positions& positions, VectorX& force_densities, Workspace& workspace) const override {
+    for (const auto& term : terms_) term->add_force_densities(positions, force_densities, workspace);
   }
-  void add_forces(const Positions& positions, const Graph& graph, Positions& forces, Scratch& scratch) const override {
-    for (const auto& term : terms_) term->add_forces(positions, graph, forces, scratch);
+  void add_forces(const Positions& positions, const Graph& graph, Positions& forces,
+                  Workspace& workspace) const override {
+    for (const auto& term : terms_) term->add_forces(positions, graph, forces, workspace);
   }
   void linearise(const Positions& positions) override {
     for (const auto& term : terms_) term->linearise(positions);
@@ -45,8 +46,8 @@ class Sum final : public Elasticity {
   bool coupled() const override {
     return !all([](const Elasticity& term) { return !term.coupled(); });
   }
-  void add_change(const VectorX& squares, VectorX& densities, Scratch& scratch) const override {
-    for (const auto& term : terms_) term->add_change(squares, densities, scratch);
+  void add_change(const VectorX& squared_lengths, VectorX& force_densities, Workspace& workspace) const override {
+    for (const auto& term : terms_) term->add_change(squared_lengths, force_densities, workspace);
   }
   void visit_cells(const CellVisitor& visit) const override {
     for (const auto& term : terms_) term->visit_cells(visit);
@@ -64,19 +65,20 @@ class Sum final : public Elasticity {
   }
 
  private:
-  template <class Holds>
-  bool all(Holds holds) const {
-    return std::all_of(terms_.begin(), terms_.end(), [&](const auto& term) { return holds(*term); });
+  template <class Check>
+  bool all(Check check) const {
+    return std::all_of(terms_.begin(), terms_.end(), [&](const auto& term) { return check(*term); });
   }
 
-  std::shared_ptr<const void> kept_;  // outlives the terms
+  std::shared_ptr<const void> owner_;  // outlives the terms
   std::vector<std::unique_ptr<Elasticity>> terms_;
 };
 
 }  // namespace
 
-std::unique_ptr<Elasticity> make_sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> kept) {
-  return std::make_unique<Sum>(std::move(terms), std::move(kept));
+std::unique_ptr<Elasticity> make_sum(std::vector<std::unique_ptr<Elasticity>> terms,
+                                     std::shared_ptr<const void> owner) {
+  return std::make_unique<Sum>(std::move(terms), std::move(owner));
 }
 
 std::unique_ptr<Elasticity> make_sum(std::unique_ptr<Elasticity> first, std::unique_ptr<Elasticity> second) {

@@ -6,31 +6,33 @@
 
 namespace elastin {
 
-Tangent::Tangent(Model& model, const State& state, const Weights& weights) : model_(model) { take(state, weights); }
+Tangent::Tangent(Model& model, const State& state, const Weights& weights) : model_(model) {
+  linearise_at(state, weights);
+}
 
-void Tangent::take(const State& state, const Weights& weights) {
+void Tangent::linearise_at(const State& state, const Weights& weights) {
   state_ = &state;
   weights_ = weights;
   const int connections = model_.body().connections.size();
-  densities_.setZero(connections);
+  force_densities_.setZero(connections);
   slopes_.setZero(connections);
   coupled_ = false;
-  for (const auto& part : model_.elasticity()) part->add_force_densities(state.positions, densities_, scratch_);
-  for (const auto& part : model_.elasticity()) {
-    part->linearise(state.positions);
-    part->add_own_slopes(slopes_);
-    coupled_ |= part->coupled();
+  for (const auto& term : model_.elasticity()) term->add_force_densities(state.positions, force_densities_, workspace_);
+  for (const auto& term : model_.elasticity()) {
+    term->linearise(state.positions);
+    term->add_own_slopes(slopes_);
+    coupled_ |= term->coupled();
   }
   if (!model_.viscosity().empty()) {
-    model_.set_squares_and_rates(state, scratch_.squares, scratch_.rates);
-    for (const auto& part : model_.viscosity()) {
-      part->add_force_densities(scratch_.squares, scratch_.rates, densities_, scratch_);
-      part->add_own_slopes(scratch_.squares, scratch_.rates, weights.velocity, slopes_);
-      coupled_ |= part->coupled();
+    model_.set_squared_lengths_and_rates(state, workspace_.squared_lengths, workspace_.rates);
+    for (const auto& term : model_.viscosity()) {
+      term->add_force_densities(workspace_.squared_lengths, workspace_.rates, force_densities_, workspace_);
+      term->add_own_slopes(workspace_.squared_lengths, workspace_.rates, weights.velocity, slopes_);
+      coupled_ |= term->coupled();
     }
   }
-  stressed_ = !densities_.isZero(0);
-  if (!stressed_ && weights.acceleration == 0) densities_.resize(0);
+  stressed_ = !force_densities_.isZero(0);
+  if (!stressed_ && weights.acceleration == 0) force_densities_.resize(0);
   const auto& loads = model_.loads();
   loads_change_ = std::any_of(loads.begin(), loads.end(), [&](const auto& load) {
     return load->changes() && (load->acts_at_rest() || weights.velocity != 0);
@@ -38,7 +40,7 @@ void Tangent::take(const State& state, const Weights& weights) {
   set_diagonal();
 }
 
-void Tangent::apply(const Positions& motion, Positions& result, Room& room) const {
+void Tangent::apply(const Positions& motion, Positions& result, ApplyWorkspace& workspace) const {
   if (weights_.acceleration != 0)
     parallel_for(
         static_cast<int>(motion.cols()),
@@ -46,16 +48,16 @@ void Tangent::apply(const Positions& motion, Positions& result, Room& room) cons
         kParallelThreshold / 10);
   else
     result.setZero();
-  apply_links(motion, result, room);
+  apply_links(motion, result, workspace);
   if (!loads_change_) return;
-  room.rates = weights_.velocity * motion;
-  room.change.setZero(3, motion.cols());
+  workspace.rates = weights_.velocity * motion;
+  workspace.change.setZero(3, motion.cols());
   for (const auto& load : model_.loads())
-    if (load->changes()) load->add_change(*state_, motion, room.rates, room.change);
-  result -= room.change;
+    if (load->changes()) load->add_change(*state_, motion, workspace.rates, workspace.change);
+  result -= workspace.change;
 }
 
-void Tangent::apply_links(const Positions& motion, Positions& result, Room& room) const {
+void Tangent::apply_links(const Positions& motion, Positions& result, ApplyWorkspace& workspace) const {
   const Connections& connections = model_.body().connections;
   const Graph& graph = *model_.graph_;
   if (!coupled_ && !stressed_) {
@@ -73,22 +75,23 @@ void Tangent::apply_links(const Positions& motion, Positions& result, Room& room
     });
     return;
   }
-  VectorX &squares = room.squares, &densities = room.densities;
-  squares.resize(connections.size());
-  densities.resize(connections.size());
+  VectorX &squared_lengths = workspace.squared_lengths, &force_densities = workspace.force_densities;
+  squared_lengths.resize(connections.size());
+  force_densities.resize(connections.size());
   parallel_for(connections.size(), [&](int c) {
     const auto& [a, b] = connections.ends[c];
-    squares[c] = 2 * (positions().col(b) - positions().col(a)).dot(motion.col(b) - motion.col(a));
-    densities[c] = slopes_[c] * squares[c];
+    squared_lengths[c] = 2 * (positions().col(b) - positions().col(a)).dot(motion.col(b) - motion.col(a));
+    force_densities[c] = slopes_[c] * squared_lengths[c];
   });
-  for (const auto& part : model_.elasticity()) part->add_change(squares, densities, room.scratch);
+  for (const auto& term : model_.elasticity()) term->add_change(squared_lengths, force_densities, workspace.force_pass);
   if (!model_.viscosity().empty()) {
-    squares *= weights_.velocity;
-    for (const auto& part : model_.viscosity()) part->add_change(squares, densities, room.scratch);
+    squared_lengths *= weights_.velocity;
+    for (const auto& term : model_.viscosity())
+      term->add_change(squared_lengths, force_densities, workspace.force_pass);
   }
   graph.add_flows(result, [&](int c, int a, int b) -> Vector3 {
     const Link link = this->link(c);
-    return link.density * (motion.col(a) - motion.col(b)) - densities[c] * link.d;
+    return link.density * (motion.col(a) - motion.col(b)) - force_densities[c] * link.d;
   });
 }
 
@@ -112,40 +115,40 @@ void Tangent::visit_local_blocks(const BlockVisitor& visit) const {
                      2 * weight * slopes[i * sides + j] * link(connections[i]).d * link(connections[j]).d.transpose());
     };
   };
-  for (const auto& part : model_.elasticity()) part->visit_cells(visit_cell(1));
-  for (const auto& part : model_.viscosity()) part->visit_cells(visit_cell(weights_.velocity));
+  for (const auto& term : model_.elasticity()) term->visit_cells(visit_cell(1));
+  for (const auto& term : model_.viscosity()) term->visit_cells(visit_cell(weights_.velocity));
   for (const auto& load : model_.loads()) load->visit_blocks(*state_, weights_.velocity, visit);
 }
 
 void Tangent::visit_blocks(const BlockVisitor& visit) const {
   visit_local_blocks(visit);
-  for (const auto& part : model_.elasticity()) part->visit_blocks(visit);
+  for (const auto& term : model_.elasticity()) term->visit_blocks(visit);
 }
 
-std::vector<WidePart> Tangent::wide_parts() const {
-  std::vector<WidePart> parts;
+std::vector<WideTerm> Tangent::wide_terms() const {
+  std::vector<WideTerm> terms;
   for (const auto& load : model_.loads())
-    for (WidePart& part : load->wide_parts(*state_)) parts.push_back(std::move(part));
-  return parts;
+    for (WideTerm& term : load->wide_terms(*state_)) terms.push_back(std::move(term));
+  return terms;
 }
 
 void Tangent::visit_cells(const std::function<void(double, std::span<const int>, const double*)>& visit) const {
-  for (const auto& part : model_.elasticity())
-    part->visit_cells([&](std::span<const int> connections, const double* slopes) { visit(1, connections, slopes); });
-  for (const auto& part : model_.viscosity())
-    part->visit_cells(
+  for (const auto& term : model_.elasticity())
+    term->visit_cells([&](std::span<const int> connections, const double* slopes) { visit(1, connections, slopes); });
+  for (const auto& term : model_.viscosity())
+    term->visit_cells(
         [&](std::span<const int> connections, const double* slopes) { visit(weights_.velocity, connections, slopes); });
 }
 
 void Tangent::visit_other_diagonal(const std::function<void(int, const Matrix3&)>& visit) const {
   for (const auto& load : model_.loads())
-    load->visit_blocks(*state_, weights_.velocity, [&](int a, int b, const Matrix3& part) {
-      if (a == b) visit(a, part);
+    load->visit_blocks(*state_, weights_.velocity, [&](int a, int b, const Matrix3& block) {
+      if (a == b) visit(a, block);
     });
   const auto nothing = [](std::span<const std::pair<int, Vector3>>, double) {};
-  for (const auto& part : model_.elasticity()) {
-    if (part->visit_gradients(nothing)) continue;
-    part->visit_diagonal(visit);
+  for (const auto& term : model_.elasticity()) {
+    if (term->visit_gradients(nothing)) continue;
+    term->visit_diagonal(visit);
   }
 }
 
@@ -154,9 +157,9 @@ void Tangent::set_diagonal() {
   const Body& body = model_.body();
   const auto& ends = body.connections.ends;
   diagonal_.assign(static_cast<std::size_t>(body.size()), Six::Zero());
-  const auto add = [&](int a, const Matrix3& part) {
+  const auto add = [&](int a, const Matrix3& block) {
     diagonal_[static_cast<std::size_t>(a)] +=
-        Six{part(0, 0), part(0, 1), part(0, 2), part(1, 1), part(1, 2), part(2, 2)};
+        Six{block(0, 0), block(0, 1), block(0, 2), block(1, 1), block(1, 2), block(2, 2)};
   };
   if (weights_.acceleration != 0)  // bodies that never move need no masses
     for (int a = 0; a < body.size(); ++a) add(a, weights_.acceleration * body.mass[a] * Matrix3::Identity());
@@ -186,13 +189,13 @@ void Tangent::set_diagonal() {
     };
   };
   const auto add_elastic = add_cell(1), add_viscous = add_cell(weights_.velocity);
-  for (const auto& part : model_.elasticity()) part->visit_cells(std::ref(add_elastic));
-  for (const auto& part : model_.viscosity()) part->visit_cells(std::ref(add_viscous));
-  const BlockVisitor add_own = [&](int a, int b, const Matrix3& part) {
-    if (a == b) add(a, part);
+  for (const auto& term : model_.elasticity()) term->visit_cells(std::ref(add_elastic));
+  for (const auto& term : model_.viscosity()) term->visit_cells(std::ref(add_viscous));
+  const BlockVisitor add_own = [&](int a, int b, const Matrix3& block) {
+    if (a == b) add(a, block);
   };
   for (const auto& load : model_.loads()) load->visit_blocks(*state_, weights_.velocity, add_own);
-  for (const auto& part : model_.elasticity()) part->visit_diagonal(std::ref(add));
+  for (const auto& term : model_.elasticity()) term->visit_diagonal(std::ref(add));
 }
 
 }  // namespace elastin

@@ -22,19 +22,19 @@ class Tangent {
   /// Linearises every elasticity of the model. Model and state must outlive the tangent.
   Tangent(Model& model, const State& state, const Weights& weights = {});
   /// The same anew, without an allocation.
-  void take(const State& state, const Weights& weights);
+  void linearise_at(const State& state, const Weights& weights);
 
   /// Room for what apply computes on the way; it belongs to the caller and only grows.
-  struct Room {
-    VectorX squares, densities;
+  struct ApplyWorkspace {
+    VectorX squared_lengths, force_densities;
     Positions rates, change;
-    Scratch scratch;
+    Workspace force_pass;
   };
-  /// result = K motion [N], motion [m]; result is overwritten. Without an allocation once `room` has served.
-  void apply(const Positions& motion, Positions& result, Room& room) const;
+  /// result = K motion [N], motion [m]; result is overwritten. Without an allocation once `workspace` has served.
+  void apply(const Positions& motion, Positions& result, ApplyWorkspace& workspace) const;
   void apply(const Positions& motion, Positions& result) const {
-    Room room;
-    apply(motion, result, room);
+    ApplyWorkspace workspace;
+    apply(motion, result, workspace);
   }
 
   /// Calls visit(a, b, K_ab part) for every part of every 3×3 block, both triangles; the blocks are the sums, less the
@@ -43,7 +43,7 @@ class Tangent {
   void visit_blocks(const BlockVisitor& visit) const;
 
   /// What these blocks leave out, of loads that join all molecules with all.
-  std::vector<WidePart> wide_parts() const;
+  std::vector<WideTerm> wide_terms() const;
 
   /// The diagonal block K_aa [N/m] of a molecule; of one that is not symmetric the upper triangle, mirrored.
   Matrix3 diagonal(int molecule) const {
@@ -61,7 +61,7 @@ class Tangent {
   };
   Link link(int connection) const {
     const auto& [a, b] = model_.body().connections.ends[static_cast<std::size_t>(connection)];
-    const double density = stressed_ ? densities_[connection] : 0;
+    const double density = stressed_ ? force_densities_[connection] : 0;
     return {positions().col(b) - positions().col(a), density, 2 * slopes_[connection]};
   }
   /// Calls visit(weight, connections, slopes) for each cell whose connections influence each other.
@@ -82,17 +82,17 @@ class Tangent {
     const auto [d, density, slope] = link(connection);
     return density * Matrix3::Identity() + slope * d * d.transpose();
   }
-  void apply_links(const Positions& motion, Positions& result, Room& room) const;
+  void apply_links(const Positions& motion, Positions& result, ApplyWorkspace& workspace) const;
   void visit_local_blocks(const BlockVisitor& visit) const;
   void set_diagonal();
   Model& model_;
   const State* state_ = nullptr;
   Weights weights_;
   // Vectors from end to end are made anew from the positions: that takes less time than to read them.
-  VectorX densities_;  ///< not there in a static problem where no connection is stressed
+  VectorX force_densities_;  ///< not there in a static problem where no connection is stressed
   VectorX slopes_;
   std::vector<Six> diagonal_;
-  Scratch scratch_;
+  Workspace workspace_;
   bool stressed_ = false, coupled_ = false, loads_change_ = false;
 };
 

@@ -13,9 +13,9 @@ std::vector<Matrix3> triangle_tensions(const Model& model, const Positions& posi
   const auto sides = connections_of_each_cell<3>(body.connections, body.triangles);
   Eigen::Matrix3Xd own = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(sides.size()));
   VectorX shared = VectorX::Zero(body.connections.size());
-  Scratch scratch;
-  for (const auto& part : model.elasticity())
-    if (!part->add_triangle_densities(positions, own)) part->add_force_densities(positions, shared, scratch);
+  Workspace workspace;
+  for (const auto& term : model.elasticity())
+    if (!term->add_triangle_force_densities(positions, own)) term->add_force_densities(positions, shared, workspace);
   std::vector<int> triangles(static_cast<std::size_t>(body.connections.size()), 0);
   for (const auto& cell : sides)
     for (const int c : cell) ++triangles[static_cast<std::size_t>(c)];

@@ -35,14 +35,14 @@ class Ties final : public Load {
   }
 
  private:
-  static Vector3 gap(const Tie& tie, const Positions& places) {
-    Vector3 gap = places.col(tie.molecule);
-    for (std::size_t j = 0; j < 3; ++j) gap -= tie.weights[j] * places.col(tie.corners[j]);
+  static Vector3 gap(const Tie& tie, const Positions& positions) {
+    Vector3 gap = positions.col(tie.molecule);
+    for (std::size_t j = 0; j < 3; ++j) gap -= tie.weights[j] * positions.col(tie.corners[j]);
     return gap;
   }
-  void add_pulls(const Positions& places, Positions& forces) const {
+  void add_pulls(const Positions& positions, Positions& forces) const {
     for (const Tie& tie : body_.ties) {
-      const Vector3 pull = tie.stiffness * gap(tie, places);
+      const Vector3 pull = tie.stiffness * gap(tie, positions);
       forces.col(tie.molecule) -= pull;
       for (std::size_t j = 0; j < 3; ++j) forces.col(tie.corners[j]) += tie.weights[j] * pull;
     }

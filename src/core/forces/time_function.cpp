@@ -36,8 +36,8 @@ double TimeFunction::value(double time) const {
   if (next == 0) return points_.front().second;
   if (next == points_.size()) return points_.back().second;
   const auto& before = points_[next - 1];
-  const double part = (time - before.first) / (points_[next].first - before.first);
-  return before.second + part * (points_[next].second - before.second);
+  const double fraction = (time - before.first) / (points_[next].first - before.first);
+  return before.second + fraction * (points_[next].second - before.second);
 }
 
 double TimeFunction::rate(double time) const {

@@ -15,15 +15,17 @@ class ConnectionDamping final : public Viscosity {
  public:
   explicit ConnectionDamping(double coefficient) : coefficient_(coefficient) {}
 
-  void add_force_densities(const VectorX& squares, const VectorX& rates, VectorX& densities, Scratch&) const override {
-    parallel_for(static_cast<int>(squares.size()), [&](int c) {
-      if (squares[c] > 0) densities[c] += coefficient_ * rates[c] / (2 * squares[c]);
+  void add_force_densities(const VectorX& squared_lengths, const VectorX& rates, VectorX& force_densities,
+                           Workspace&) const override {
+    parallel_for(static_cast<int>(squared_lengths.size()), [&](int c) {
+      if (squared_lengths[c] > 0) force_densities[c] += coefficient_ * rates[c] / (2 * squared_lengths[c]);
     });
   }
-  void add_own_slopes(const VectorX& squares, const VectorX& rates, double rate_weight,
+  void add_own_slopes(const VectorX& squared_lengths, const VectorX& rates, double rate_weight,
                       VectorX& slopes) const override {
-    parallel_for(static_cast<int>(squares.size()), [&](int c) {
-      if (squares[c] > 0) slopes[c] += coefficient_ * (rate_weight - rates[c] / squares[c]) / (2 * squares[c]);
+    parallel_for(static_cast<int>(squared_lengths.size()), [&](int c) {
+      if (squared_lengths[c] > 0)
+        slopes[c] += coefficient_ * (rate_weight - rates[c] / squared_lengths[c]) / (2 * squared_lengths[c]);
     });
   }
 
@@ -41,17 +43,19 @@ class RestDamping final : public Viscosity {
     slopes_ *= time;
   }
 
-  void add_force_densities(const VectorX&, const VectorX& rates, VectorX& densities, Scratch& scratch) const override {
-    densities += slopes_.cwiseProduct(rates);
-    if (law_->coupled()) add_change(rates, densities, scratch);
+  void add_force_densities(const VectorX&, const VectorX& rates, VectorX& force_densities,
+                           Workspace& workspace) const override {
+    force_densities += slopes_.cwiseProduct(rates);
+    if (law_->coupled()) add_change(rates, force_densities, workspace);
   }
   void add_own_slopes(const VectorX&, const VectorX&, double rate_weight, VectorX& slopes) const override {
     slopes += rate_weight * slopes_;
   }
   bool coupled() const override { return law_->coupled(); }
-  void add_change(const VectorX& change_of_rates, VectorX& change_of_densities, Scratch& scratch) const override {
-    scratch.scaled = time_ * change_of_rates;
-    law_->add_change(scratch.scaled, change_of_densities, scratch);
+  void add_change(const VectorX& change_of_rates, VectorX& change_of_force_densities,
+                  Workspace& workspace) const override {
+    workspace.scaled = time_ * change_of_rates;
+    law_->add_change(workspace.scaled, change_of_force_densities, workspace);
   }
   void visit_cells(const Elasticity::CellVisitor& visit) const override {
     law_->visit_cells([&](std::span<const int> connections, const double* slopes) {

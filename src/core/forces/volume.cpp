@@ -21,9 +21,10 @@ namespace {
 using AreaVectors = Eigen::Matrix<double, 3, 4>;
 
 /// n_a = ∂V/∂x_a [m²] of the signed volume: a third of the area vector of the face across corner a, inward.
-AreaVectors volume_gradient(const Positions& places, const std::array<int, 4>& cell) {
-  const Vector3 origin = places.col(cell[0]);
-  const Vector3 a = places.col(cell[1]) - origin, b = places.col(cell[2]) - origin, c = places.col(cell[3]) - origin;
+AreaVectors volume_gradient(const Positions& positions, const std::array<int, 4>& cell) {
+  const Vector3 origin = positions.col(cell[0]);
+  const Vector3 a = positions.col(cell[1]) - origin, b = positions.col(cell[2]) - origin,
+                c = positions.col(cell[3]) - origin;
   AreaVectors n;
   n.col(1) = b.cross(c) / 6;
   n.col(2) = c.cross(a) / 6;
@@ -40,10 +41,10 @@ struct Tetrahedron {
   double volume;        ///< with its sign, kept off zero [m³]
 
   Tetrahedron() = default;
-  Tetrahedron(const Positions& places, const std::array<int, 4>& cell, double rest_volume) {
+  Tetrahedron(const Positions& positions, const std::array<int, 4>& cell, double rest_volume) {
     static constexpr auto pairs = corner_pairs<4>();
-    const AreaVectors n = volume_gradient(places, cell);
-    volume = signed_volume(places, cell);
+    const AreaVectors n = volume_gradient(positions, cell);
+    volume = signed_volume(positions, cell);
     // The forces of a flat tetrahedron are finite, its force densities are not: they are those of one nearly flat.
     const double least = 1e-7 * rest_volume;
     if (std::abs(volume) < least) volume = volume < 0 ? -least : least;
@@ -112,13 +113,14 @@ class Volume final : public Elasticity {
     });
   }
 
-  void add_force_densities(const Positions& positions, VectorX& densities, Scratch& scratch) const override {
-    auto sums = scratch.take(Scratch::groups, groups_.size()), pressures = scratch.take(Scratch::cells, tetrahedra());
+  void add_force_densities(const Positions& positions, VectorX& force_densities, Workspace& workspace) const override {
+    auto sums = workspace.buffer(Workspace::groups, groups_.size()),
+         pressures = workspace.buffer(Workspace::cells, tetrahedra());
     set_pressures(positions, sums, pressures);
-    auto slots = scratch.take(Scratch::slots, tetrahedra() * 6);
+    auto slots = workspace.buffer(Workspace::slots, tetrahedra() * 6);
     parallel_for(tetrahedra(),
                  [&](int t) { slots.segment<6>(6 * t) = 2 * pressures[t] * tetrahedron(positions, t).slope; });
-    graph_.gather(slots, densities);
+    graph_.gather(slots, force_densities);
   }
 
   void linearise(const Positions& positions) override {
@@ -133,24 +135,26 @@ class Volume final : public Elasticity {
   void add_own_slopes(VectorX&) const override {}
   bool coupled() const override { return true; }
 
-  void add_change(const VectorX& change_of_squares, VectorX& change_of_densities, Scratch& scratch) const override {
-    auto changes = scratch.take(Scratch::changes, tetrahedra()), sums = scratch.take(Scratch::groups, groups_.size()),
-         pressures = scratch.take(Scratch::cells, tetrahedra());
-    const auto squares = [&](int t) {
+  void add_change(const VectorX& change_of_squared_lengths, VectorX& change_of_force_densities,
+                  Workspace& workspace) const override {
+    auto changes = workspace.buffer(Workspace::changes, tetrahedra()),
+         sums = workspace.buffer(Workspace::groups, groups_.size()),
+         pressures = workspace.buffer(Workspace::cells, tetrahedra());
+    const auto squared_lengths = [&](int t) {
       CellVector<4> change;
-      for (int c = 0; c < 6; ++c) change[c] = change_of_squares[graph_.slot_connection[6 * t + c]];
+      for (int c = 0; c < 6; ++c) change[c] = change_of_squared_lengths[graph_.slot_connection[6 * t + c]];
       return change;
     };
-    parallel_for(tetrahedra(), [&](int t) { changes[t] = now_[t].slope.dot(squares(t)); });
+    parallel_for(tetrahedra(), [&](int t) { changes[t] = now_[t].slope.dot(squared_lengths(t)); });
     set_group_sums([&](int t) { return changes[t]; }, sums);
     set_spread(sums, pressures);
-    auto slots = scratch.take(Scratch::slots, tetrahedra() * 6);
+    auto slots = workspace.buffer(Workspace::slots, tetrahedra() * 6);
     parallel_for(tetrahedra(), [&](int t) {
       CellVector<4> change = pressures[t] * now_[t].slope;
-      if (pressures_[t] != 0) change += pressures_[t] * now_[t].change_of_slope(squares(t));
+      if (pressures_[t] != 0) change += pressures_[t] * now_[t].change_of_slope(squared_lengths(t));
       slots.segment<6>(6 * t) = 2 * change;
     });
-    graph_.gather(slots, change_of_densities);
+    graph_.gather(slots, change_of_force_densities);
   }
 
   void visit_blocks(const BlockVisitor& visit) const override {
@@ -178,16 +182,16 @@ class Volume final : public Elasticity {
 
   /// Without the parts of a tetrahedron's own, which are small where the pressure is against the modulus.
   bool visit_gradients(const GradientVisitor& visit) const override {
-    GradientRoom room;
+    GradientWorkspace workspace;
     for (int group = 0; group < groups_.size(); ++group)
-      if (group_volume_[group] != 0) visit(group_gradient(group, room), modulus_ / group_volume_[group]);
+      if (group_volume_[group] != 0) visit(group_gradient(group, workspace), modulus_ / group_volume_[group]);
     return true;
   }
 
   void visit_diagonal(const DiagonalVisitor& visit) const override {
-    GradientRoom room;
+    GradientWorkspace workspace;
     for (int group = 0; group < groups_.size(); ++group)
-      for (const auto& [molecule, gradient] : group_gradient(group, room))
+      for (const auto& [molecule, gradient] : group_gradient(group, workspace))
         visit(molecule, modulus_ / group_volume_[group] * gradient * gradient.transpose());
     static constexpr auto pairs = corner_pairs<4>();
     for (int t = 0; t < tetrahedra(); ++t)
@@ -231,37 +235,37 @@ class Volume final : public Elasticity {
 
   using Gradient = std::pmr::vector<std::pair<int, Vector3>>;
   /// Room for one group's gradient after the other, without an allocation where groups are of usual size.
-  struct GradientRoom {
+  struct GradientWorkspace {
     std::array<std::byte, 16384> bytes;
     std::pmr::monotonic_buffer_resource memory{bytes.data(), bytes.size()};
     Gradient sums{&memory};
   };
 
   /// ∂(Σ w V_T)/∂x of each molecule of a group [m²], ascending.
-  const Gradient& group_gradient(int group, GradientRoom& room) const {
-    room.sums.clear();
+  const Gradient& group_gradient(int group, GradientWorkspace& workspace) const {
+    workspace.sums.clear();
     for (const int t : groups_.members[group]) {
       const AreaVectors n = volume_gradient(positions_, cell(t));
       for (int corner = 0; corner < 4; ++corner) {
         const int molecule = cell(t)[corner];
-        const auto at = std::lower_bound(room.sums.begin(), room.sums.end(), molecule,
+        const auto at = std::lower_bound(workspace.sums.begin(), workspace.sums.end(), molecule,
                                          [](const auto& part, int wanted) { return part.first < wanted; });
         const Vector3 part = groups_.weight * n.col(corner);
-        if (at != room.sums.end() && at->first == molecule)
+        if (at != workspace.sums.end() && at->first == molecule)
           at->second += part;
         else
-          room.sums.emplace(at, molecule, part);
+          workspace.sums.emplace(at, molecule, part);
       }
     }
-    return room.sums;
+    return workspace.sums;
   }
 
   /// visit(a, b, block) for a ≤ b of every group's κ/V_g ∂V_g/∂x_a ∂V_g/∂x_bᵀ.
   template <class Visit>
   void visit_group_blocks(Visit visit) const {
-    GradientRoom room;
+    GradientWorkspace workspace;
     for (int group = 0; group < groups_.size(); ++group) {
-      const Gradient& gradient = group_gradient(group, room);
+      const Gradient& gradient = group_gradient(group, workspace);
       for (std::size_t i = 0; i < gradient.size(); ++i)
         for (std::size_t j = i; j < gradient.size(); ++j)
           visit(gradient[i].first, gradient[j].first,

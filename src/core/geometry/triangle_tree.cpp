@@ -41,7 +41,7 @@ struct Search {
   Vector3 weights = Vector3::Zero();
   double best = std::numeric_limits<double>::infinity();
 
-  Vector3 place_of(int t, const Vector3& w) const {
+  Vector3 position_of(int t, const Vector3& w) const {
     const auto& [a, b, c] = triangles[static_cast<std::size_t>(t)];
     return w[0] * points.col(a) + w[1] * points.col(b) + w[2] * points.col(c);
   }
@@ -49,7 +49,7 @@ struct Search {
   double minimumOnObject(int t) {
     const auto& [a, b, c] = triangles[static_cast<std::size_t>(t)];
     const Vector3 w = nearest_weights(point, points.col(a), points.col(b), points.col(c));
-    const double distance = (place_of(t, w) - point).squaredNorm();
+    const double distance = (position_of(t, w) - point).squaredNorm();
     if (distance < best || (distance == best && t < triangle)) best = distance, triangle = t, weights = w;
     return distance;
   }
@@ -116,12 +116,12 @@ TriangleTree::TriangleTree(TriangleTree&&) noexcept = default;
 TriangleTree::Nearest TriangleTree::nearest(const Vector3& point) const {
   Search search{point, impl_->points, impl_->triangles};
   Eigen::BVMinimize(impl_->tree, search);
-  return {search.triangle, search.place_of(search.triangle, search.weights), search.weights, std::sqrt(search.best)};
+  return {search.triangle, search.position_of(search.triangle, search.weights), search.weights, std::sqrt(search.best)};
 }
 
 double TriangleTree::signed_distance(const Vector3& point) const {
   const Nearest found = nearest(point);
-  return (point - found.place).dot(impl_->pseudonormal(found)) < 0 ? -found.distance : found.distance;
+  return (point - found.position).dot(impl_->pseudonormal(found)) < 0 ? -found.distance : found.distance;
 }
 
 const Positions& TriangleTree::points() const { return impl_->points; }

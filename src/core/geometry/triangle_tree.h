@@ -10,7 +10,7 @@ class TriangleTree {
  public:
   struct Nearest {
     int triangle = -1;
-    Vector3 place;        ///< [m]
+    Vector3 position;     ///< [m]
     Vector3 weights;      ///< of the triangle's corners, ≥ 0, sum 1
     double distance = 0;  ///< [m]
   };
@@ -21,7 +21,7 @@ class TriangleTree {
 
   Nearest nearest(const Vector3& point) const;
   /// Distance [m], below 0 inside; of a closed surface with outward normals that does not cross itself. The sign is
-  /// that of the nearest place's pseudonormal, which is exact. [Bærentzen & Aanæs 2005]
+  /// that of the nearest point's pseudonormal, which is exact. [Bærentzen & Aanæs 2005]
   double signed_distance(const Vector3& point) const;
   const Positions& points() const;
   const Cells<3>& triangles() const;

@@ -30,14 +30,14 @@ class BiCgStab final : public LinearSolver {
   LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                      double tolerance, Positions& x) override {
     const int n = static_cast<int>(rhs.cols());
-    inverse_.take(tangent, supports);
+    inverse_.compute(tangent, supports);
     const auto precondition = [&](const Positions& from, Positions& to) {
       parallel_for(
           n, [&](int i) { to.col(i) = inverse_.times(i, from.col(i)); }, kMoleculeThreshold);
       keep_free(supports, to);  // single precision leads a little out of slanted supports
     };
     const auto apply = [&](const Positions& motion, Positions& result) {
-      tangent.apply(motion, result, room_);
+      tangent.apply(motion, result, workspace_);
       keep_free(supports, result);
     };
     x.setZero(3, n);
@@ -94,7 +94,7 @@ class BiCgStab final : public LinearSolver {
   // Kept from one solve to the next, so that steps in time ask for no memory.
   BlockInverses inverse_;
   Positions r_, shadow_, p_, v_, t_, ready_, best_x_;
-  Tangent::Room room_;
+  Tangent::ApplyWorkspace workspace_;
 };
 
 }  // namespace

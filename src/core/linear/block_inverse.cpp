@@ -26,7 +26,7 @@ Matrix3 positive_inverse(const Matrix3& block) {
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-void BlockInverses::take(const Tangent& tangent, const std::vector<Support>& supports) {
+void BlockInverses::compute(const Tangent& tangent, const std::vector<Support>& supports) {
   flexibility_ = 1 / stiffness_scale(tangent);
   blocks_.resize(static_cast<std::size_t>(tangent.model().body().size()));
   const auto set = [&](int molecule, const Matrix3& block) {

@@ -14,7 +14,7 @@ Matrix3 positive_inverse(const Matrix3& block);
 class BlockInverses {
  public:
   /// Allocates nothing where the body had as many molecules before.
-  void take(const Tangent& tangent, const std::vector<Support>& supports);
+  void compute(const Tangent& tangent, const std::vector<Support>& supports);
   /// Of a force [N]; [m].
   Vector3 times(int molecule, const Vector3& force) const {
     const auto& [xx, xy, xz, yy, yz, zz] = blocks_[static_cast<std::size_t>(molecule)];

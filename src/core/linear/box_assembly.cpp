@@ -132,17 +132,17 @@ class Assembly {
     for (const int c : sides)
       for (const int end : body_.connections.ends[static_cast<std::size_t>(c)])
         middle += body_.rest.col(end) / (2 * static_cast<double>(sides.size()));
-    const BoxGrid::Place place = grid_.place(middle);
+    const BoxGrid::Location location = grid_.locate(middle);
     const auto count = static_cast<Eigen::Index>(sides.size());
     Eigen::MatrixXf change(count, 3 * kCorners), slope(count, count);
     for (Eigen::Index i = 0; i < count; ++i) {
       const int c = sides[static_cast<std::size_t>(i)];
-      const Corners along = slopes_along(place.at, grid_.along(rest_vector(c)).cast<float>());
+      const Corners along = slopes_along(location.at, grid_.along(rest_vector(c)).cast<float>());
       const Eigen::RowVector3f d = tangent_.link(c).d.cast<float>().transpose();
       for (int corner = 0; corner < kCorners; ++corner) change.block<1, 3>(i, 3 * corner) = along[corner] * d;
       for (Eigen::Index j = 0; j < count; ++j) slope(i, j) = static_cast<float>(2 * weight * slopes[i * count + j]);
     }
-    add_box(place.box, change.transpose() * slope * change);
+    add_box(location.box, change.transpose() * slope * change);
   }
 
   /// factor · (Σ g·x)² / 2
@@ -150,22 +150,22 @@ class Assembly {
     Vector3 middle = Vector3::Zero();
     for (const auto& [molecule, g] : gradient)
       middle += body_.rest.col(molecule) / static_cast<double>(gradient.size());
-    const BoxGrid::Place place = grid_.place(middle);
-    if (place.box < 0) return;
+    const BoxGrid::Location location = grid_.locate(middle);
+    if (location.box < 0) return;
     Eigen::Matrix<float, 3 * kCorners, 1> change = Eigen::Matrix<float, 3 * kCorners, 1>::Zero();
     for (const auto& [molecule, g] : gradient) {
-      const Corners along = slopes_along(place.at, grid_.along(body_.rest.col(molecule) - middle).cast<float>());
+      const Corners along = slopes_along(location.at, grid_.along(body_.rest.col(molecule) - middle).cast<float>());
       for (int corner = 0; corner < kCorners; ++corner)
         change.segment<3>(3 * corner) += along[corner] * g.cast<float>();
     }
-    add_box(place.box, static_cast<float>(factor) * change * change.transpose());
+    add_box(location.box, static_cast<float>(factor) * change * change.transpose());
   }
 
   /// A stiffness of its own at a place.
   void add_at(const Vector3& where, const Matrix3& block) {
-    const BoxGrid::Place place = grid_.place(where);
-    const Corners values = BoxGrid::values_at(place.at);
-    const auto& corners = grid_.corners(place.box);
+    const BoxGrid::Location location = grid_.locate(where);
+    const Corners values = BoxGrid::values_at(location.at);
+    const auto& corners = grid_.corners(location.box);
     const Eigen::Matrix3f single = block.cast<float>();
     const Eigen::Map<const Eigen::Matrix<float, 1, 9>> numbers(single.data());
     for (const auto& [first, second, code] : kPair)
@@ -195,8 +195,8 @@ class Assembly {
     for (int at = links.start[box]; at < links.start[box + 1]; ++at) {
       const int c = links.items[at];
       const auto& [a, b] = body_.connections.ends[c];
-      const BoxGrid::Place place = grid_.place((body_.rest.col(a) + body_.rest.col(b)) / 2);
-      const Corners along = slopes_along(place.at, grid_.along(rest_vector(c)).cast<float>());
+      const BoxGrid::Location location = grid_.locate((body_.rest.col(a) + body_.rest.col(b)) / 2);
+      const Corners along = slopes_along(location.at, grid_.along(rest_vector(c)).cast<float>());
       Pairs products;
       for (int i = 0, p = 0; i < kCorners; ++i)
         for (int j = i + 1; j < kCorners; ++j, ++p) products[p] = along[i] * along[j];
@@ -264,7 +264,7 @@ void add_at_molecules(const Tangent& tangent, const std::vector<Support>& suppor
 
 }  // namespace
 
-BoxPicture picture_in_boxes(const Tangent& tangent, const std::vector<Support>& supports) {
+GridLevel assemble_level(const Tangent& tangent, const std::vector<Support>& supports) {
   const Body& body = tangent.model().body();
   BoxGrid grid(body.rest, 2 * spacing_of(body));
   std::vector<int> of_molecule(static_cast<std::size_t>(body.size())),
@@ -274,42 +274,42 @@ BoxPicture picture_in_boxes(const Tangent& tangent, const std::vector<Support>& 
     const auto& [a, b] = body.connections.ends[c];
     of_link[c] = grid.outline_box((body.rest.col(a) + body.rest.col(b)) / 2);
   });
-  for (const int box : of_molecule) grid.keep(box);
-  for (const int box : of_link) grid.keep(box);
+  for (const int box : of_molecule) grid.use(box);
+  for (const int box : of_link) grid.use(box);
   tangent.visit_cells([&](double, std::span<const int> sides, const double*) {
     Vector3 middle = Vector3::Zero();
     for (const int c : sides)
       for (const int end : body.connections.ends[static_cast<std::size_t>(c)])
         middle += body.rest.col(end) / (2 * static_cast<double>(sides.size()));
-    grid.keep(grid.outline_box(middle));
+    grid.use(grid.outline_box(middle));
   });
   grid.number();
 
-  BoxPicture picture;
+  GridLevel grid_level;
   Sorted molecules = sorted_by_box(grid, of_molecule);
-  picture.members.start = std::move(molecules.start);
-  picture.members.members.resize(molecules.items.size());
+  grid_level.members.start = std::move(molecules.start);
+  grid_level.members.members.resize(molecules.items.size());
   parallel_for(body.size(), [&](int i) {
     const int molecule = molecules.items[i];
-    picture.members.members[i] = {molecule, grid.place(body.rest.col(molecule)).at};
+    grid_level.members.members[i] = {molecule, grid.locate(body.rest.col(molecule)).at};
   });
 
   const Sorted links = sorted_by_box(grid, of_link);
   of_link = {};
-  picture.level = std::make_unique<BoxLevel>(std::move(grid));
-  Assembly assembly(tangent, *picture.level);
+  grid_level.level = std::make_unique<BoxLevel>(std::move(grid));
+  Assembly assembly(tangent, *grid_level.level);
   assembly.add_links(links);
   tangent.visit_cells([&](double weight, std::span<const int> sides, const double* slopes) {
     assembly.add_cell(weight, sides, slopes);
   });
-  for (const auto& part : tangent.model().elasticity())
-    part->visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double factor) {
+  for (const auto& term : tangent.model().elasticity())
+    term->visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double factor) {
       assembly.add_gradient(gradient, factor);
     });
   assembly.stabilise();
   add_at_molecules(tangent, supports, assembly);
-  picture.level->finish();
-  return picture;
+  grid_level.level->finish();
+  return grid_level;
 }
 
 }  // namespace elastin

@@ -19,7 +19,7 @@ struct BoxMembers {
 };
 
 /// What a body is to a grid of boxes of twice its molecules' spacing.
-struct BoxPicture {
+struct GridLevel {
   std::unique_ptr<BoxLevel> level;
   BoxMembers members;
 };
@@ -27,6 +27,6 @@ struct BoxPicture {
 /// The stiffness of the trilinear functions over any body: each connection and cell deforms with the gradient in its
 /// middle, so that it lies in one box. On lattices, whose connections end at the boxes' faces, that is Pᵀ K P. Supports
 /// hold the boxes by the stiffness of what they hold.
-BoxPicture picture_in_boxes(const Tangent& tangent, const std::vector<Support>& supports);
+GridLevel assemble_level(const Tangent& tangent, const std::vector<Support>& supports);
 
 }  // namespace elastin

@@ -15,7 +15,7 @@ class BoxGrid {
   static constexpr int kCorners = 8, kAround = 27, kSelf = 13;
 
   /// Where a place lies in its box: 0 … 1 along the grid's own axes.
-  struct Place {
+  struct Location {
     int box;
     Eigen::Vector3f at;
   };
@@ -31,16 +31,16 @@ class BoxGrid {
   }
 
   /// @param size of a box [m], taken larger where a body is so thin or bent that its outline has too many boxes.
-  BoxGrid(const Positions& places, double size);
+  BoxGrid(const Positions& positions, double size);
 
   /// The box of the outline that holds a place.
-  int outline_box(const Vector3& place) const;
+  int outline_box(const Vector3& position) const;
   /// Until the boxes are numbered: keeps one.
-  void keep(int outline_box) { kept_[static_cast<std::size_t>(outline_box)] = 1; }
+  void use(int outline_box) { used_[static_cast<std::size_t>(outline_box)] = 1; }
   /// Numbers the boxes that were kept, and their points.
   void number();
 
-  /// The grid of boxes twice as large over the same places.
+  /// The grid of boxes twice as large over the same positions.
   BoxGrid coarser() const;
 
   int boxes() const { return static_cast<int>(corners_.size()); }
@@ -52,7 +52,7 @@ class BoxGrid {
 
   /// Of a box that was kept.
   int number_of(int outline_box) const { return number_of_box_[static_cast<std::size_t>(outline_box)]; }
-  Place place(const Vector3& place) const;
+  Location locate(const Vector3& position) const;
   /// A vector of the body's space along the grid's axes, in units of a box's size.
   Vector3 along(const Vector3& vector) const {
     return Vector3(vector[axes_[0]], vector[axes_[1]], vector[axes_[2]]) * per_size_;
@@ -67,13 +67,13 @@ class BoxGrid {
  private:
   BoxGrid() = default;
 
-  int outline_box(const Vector3& place, Eigen::Vector3f& at) const;
+  int outline_box(const Vector3& position, Eigen::Vector3f& at) const;
 
   double size_ = 0, per_size_ = 0;
   Vector3 origin_ = Vector3::Zero();  ///< along the grid's axes
   std::array<int, 3> axes_{0, 1, 2};  ///< the body's direction that is the grid's x, y, z: shortest first
   std::array<int, 3> counts_{};       ///< boxes of the outline
-  std::vector<char> kept_;            ///< of each box of the outline
+  std::vector<char> used_;            ///< of each box of the outline
   std::vector<int> number_of_box_, number_of_point_;
   std::vector<int> layer_start_;
   std::vector<std::array<int, kCorners>> corners_;

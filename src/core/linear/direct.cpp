@@ -17,7 +17,7 @@ class Factor {
       : sparse_(sparse_stiffness(tangent, supports, shift, scale)) {
     if (sparse_.info() != Eigen::Success) return;
     negative_modes_ = static_cast<int>((sparse_.vectorD().array() < 0).count());
-    const std::vector<WidePart> parts = tangent.wide_parts();
+    const std::vector<WideTerm> parts = tangent.wide_terms();
     if (parts.empty()) return;
     const auto count = static_cast<Eigen::Index>(parts.size());
     wide_.resize(parts.front().direction.size(), count);
@@ -126,8 +126,8 @@ Eigen::SparseMatrix<double> sparse_stiffness(const Tangent& tangent, const std::
       for (int j = 0; j < 3; ++j)
         if (block(i, j) != 0) entries.emplace_back(3 * a + i, 3 * b + j, block(i, j));
   };
-  tangent.visit_blocks([&](int a, int b, const Matrix3& part) {
-    Matrix3 block = part;
+  tangent.visit_blocks([&](int a, int b, const Matrix3& term) {
+    Matrix3 block = term;
     if (support_of[a]) block = (support_of[a]->free * block).eval();
     if (support_of[b]) block = (block * support_of[b]->free).eval();
     add(a, b, block);

@@ -24,10 +24,10 @@ double connections_across(const Body& body) {
 
 }  // namespace
 
-LinearChoice choose_linear_solver(const Tangent& tangent, LinearMethod asked, double tolerance) {
+LinearChoice choose_linear_solver(const Tangent& tangent, LinearMethod requested, double tolerance) {
   const Model& model = tangent.model();
   const Body& body = model.body();
-  if (asked != LinearMethod::automatic) return {asked, ""};
+  if (requested != LinearMethod::automatic) return {requested, ""};
   if (!model.symmetric()) return {LinearMethod::pcg, ""};
   const bool moving = tangent.weights().acceleration != 0;
   if (body.size() <= kTinyBody && !moving) return {LinearMethod::direct, counted_molecules(body) + " are few"};

@@ -7,9 +7,9 @@
 namespace elastin {
 
 /// The coarsest grid.
-class Multigrid::Last {
+class Multigrid::CoarsestSolver {
  public:
-  explicit Last(const BoxLevel& level) {
+  explicit CoarsestSolver(const BoxLevel& level) {
     std::vector<Eigen::Triplet<double>> entries;
     double size = 0;
     for (int i = 0; i < level.points(); ++i) size += level.block_to(i, BoxGrid::kSelf).trace() / (3 * level.points());
@@ -51,28 +51,28 @@ bool is_last(const BoxLevel& level) {
 }  // namespace
 
 Multigrid::Multigrid(const Tangent& tangent, const std::vector<Support>& supports) {
-  BoxPicture picture = picture_in_boxes(tangent, supports);
-  members_ = std::move(picture.members);
-  levels_.push_back(std::move(picture.level));
+  GridLevel finest = assemble_level(tangent, supports);
+  members_ = std::move(finest.members);
+  levels_.push_back(std::move(finest.level));
   while (!is_last(*levels_.back())) levels_.push_back(levels_.back()->coarser());
   for (const auto& level : levels_) {
     const BoxLevel::Vectors zero = BoxLevel::Vectors::Zero(3, level->points());
-    rooms_.push_back({zero, zero, zero});
+    workspaces_.push_back({zero, zero, zero});
   }
-  last_ = std::make_unique<Last>(*levels_.back());
+  coarsest_ = std::make_unique<CoarsestSolver>(*levels_.back());
 }
 
 Multigrid::~Multigrid() = default;
 
-bool Multigrid::positive() const { return last_->positive(); }
+bool Multigrid::positive() const { return coarsest_->positive(); }
 
 void Multigrid::cycle(std::size_t number) {
   const BoxLevel& level = *levels_[number];
-  auto& [b, x, other] = rooms_[number];
-  if (number + 1 == levels_.size()) return last_->solve(b, x);
+  auto& [b, x, other] = workspaces_[number];
+  if (number + 1 == levels_.size()) return coarsest_->solve(b, x);
   level.start(b, x);
   level.set_residual(b, x, other);
-  Room& coarse = rooms_[number + 1];
+  LevelWorkspace& coarse = workspaces_[number + 1];
   level.restrict_to(*levels_[number + 1], other, coarse.b);
   cycle(number + 1);
   level.prolong_from(*levels_[number + 1], coarse.x, x);
@@ -82,7 +82,7 @@ void Multigrid::cycle(std::size_t number) {
 
 void Multigrid::add(const Positions& forces, double size, Positions& motion) {
   const BoxGrid& grid = levels_.front()->grid();
-  auto& [b, x, _] = rooms_.front();
+  auto& [b, x, _] = workspaces_.front();
   b.setZero();
   // Layers touch the points between them: every second at a time.
   for (const int colour : {0, 1})

@@ -21,16 +21,16 @@ class Multigrid {
   int levels() const { return static_cast<int>(levels_.size()); }
 
  private:
-  struct Room {
+  struct LevelWorkspace {
     BoxLevel::Vectors b, x, other;
   };
-  class Last;
+  class CoarsestSolver;
   void cycle(std::size_t level);
 
   BoxMembers members_;
   std::vector<std::unique_ptr<BoxLevel>> levels_;
-  std::vector<Room> rooms_;
-  std::unique_ptr<Last> last_;
+  std::vector<LevelWorkspace> workspaces_;
+  std::unique_ptr<CoarsestSolver> coarsest_;
 };
 
 }  // namespace elastin

@@ -25,7 +25,7 @@ class Pcg final : public LinearSolver {
   LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                      double tolerance, Positions& x) override {
     const int n = static_cast<int>(rhs.cols());
-    inverse_.take(tangent, supports);
+    inverse_.compute(tangent, supports);
     std::unique_ptr<Multigrid> coarse;
     if (multigrid_) coarse = std::make_unique<Multigrid>(tangent, supports);
     if (coarse && !coarse->positive()) coarse.reset();
@@ -73,7 +73,7 @@ class Pcg final : public LinearSolver {
     double best = first;
     int best_at = 0;
     while (true) {
-      tangent.apply(p, kp, room_);
+      tangent.apply(p, kp, workspace_);
       keep_free(supports, kp);
       const double curvature = ordered_sum(
           n, [&](int i) { return p.col(i).dot(kp.col(i)); }, 0., kMoleculeThreshold);
@@ -127,7 +127,7 @@ class Pcg final : public LinearSolver {
   // Kept from one solve to the next, so that steps in time ask for no memory.
   BlockInverses inverse_;
   Positions r_, z_, p_, kp_, best_x_;
-  Tangent::Room room_;
+  Tangent::ApplyWorkspace workspace_;
 };
 
 }  // namespace

@@ -10,26 +10,27 @@
 namespace elastin {
 
 RigidMotions::RigidMotions(const Tangent& tangent, const std::vector<Support>& supports) {
-  const Positions& places = tangent.positions();
-  middle_ = places.rowwise().mean();
-  size_ = (places.rowwise().maxCoeff() - places.rowwise().minCoeff()).norm();
+  const Positions& positions = tangent.positions();
+  middle_ = positions.rowwise().mean();
+  size_ = (positions.rowwise().maxCoeff() - positions.rowwise().minCoeff()).norm();
   if (!(size_ > 0)) size_ = 1;
   // First what no support minds, then what of that no force minds either.
   Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero();
   for (const Support& support : supports) {
     Eigen::Matrix<double, 3, 6> part;
-    for (int k = 0; k < 6; ++k) part.col(k) = motion(Six::Unit(k), places.col(support.molecule));
+    for (int k = 0; k < 6; ++k) part.col(k) = motion(Six::Unit(k), positions.col(support.molecule));
     part -= (support.free * part).eval();
     held += part.transpose() * part;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(held);
   free_.resize(6, 0);
   const double stiffness = stiffness_scale(tangent);
-  Positions motions(3, places.cols()), forces(3, places.cols());
+  Positions motions(3, positions.cols()), forces(3, positions.cols());
   for (int k = 0; k < 6; ++k) {
     if (eigen.eigenvalues()[k] > 1e-12 * std::max<double>(1, static_cast<double>(supports.size()))) continue;
     const Six candidate = eigen.eigenvectors().col(k);
-    parallel_for(static_cast<int>(places.cols()), [&](int i) { motions.col(i) = motion(candidate, places.col(i)); });
+    parallel_for(static_cast<int>(positions.cols()),
+                 [&](int i) { motions.col(i) = motion(candidate, positions.col(i)); });
     tangent.apply(motions, forces);
     keep_free(supports, forces);
     if (ordered_norm(forces) > 1e-9 * stiffness * ordered_norm(motions)) continue;
@@ -38,23 +39,23 @@ RigidMotions::RigidMotions(const Tangent& tangent, const std::vector<Support>& s
   }
 }
 
-void RigidMotions::remove_from(const Positions& places, Positions& motions) const {
+void RigidMotions::remove_from(const Positions& positions, Positions& motions) const {
   if (empty()) return;
   const auto count = free_.cols();
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(count, count);
   VectorX parts = VectorX::Zero(count);
-  const int n = static_cast<int>(places.cols());
+  const int n = static_cast<int>(positions.cols());
   for (Eigen::Index i = 0; i < count; ++i) {
     const Six own = free_.col(i);
-    parts[i] = ordered_sum(n, [&](int a) { return motion(own, places.col(a)).dot(motions.col(a)); });
+    parts[i] = ordered_sum(n, [&](int a) { return motion(own, positions.col(a)).dot(motions.col(a)); });
     for (Eigen::Index j = 0; j <= i; ++j) {
       const Six other = free_.col(j);
       products(i, j) = products(j, i) =
-          ordered_sum(n, [&](int a) { return motion(own, places.col(a)).dot(motion(other, places.col(a))); });
+          ordered_sum(n, [&](int a) { return motion(own, positions.col(a)).dot(motion(other, positions.col(a))); });
     }
   }
   const Six whole = free_ * products.ldlt().solve(parts);
-  parallel_for(n, [&](int a) { motions.col(a) -= motion(whole, places.col(a)); });
+  parallel_for(n, [&](int a) { motions.col(a) -= motion(whole, positions.col(a)); });
 }
 
 }  // namespace elastin

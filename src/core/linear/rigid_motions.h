@@ -10,13 +10,14 @@ class RigidMotions {
  public:
   RigidMotions(const Tangent& tangent, const std::vector<Support>& supports);
   bool empty() const { return free_.cols() == 0; }
-  /// Takes them out of the motions [m] of things at these places [m], both 3 × n.
-  void remove_from(const Positions& places, Positions& motions) const;
+  /// Takes them out of the motions [m] of things at these positions [m], both 3 × n.
+  void remove_from(const Positions& positions, Positions& motions) const;
 
  private:
   using Six = Eigen::Matrix<double, 6, 1>;
-  Vector3 motion(const Six& way_and_turn, const Vector3& place) const {
-    return way_and_turn.head<3>() + way_and_turn.tail<3>().cross(Vector3((place - middle_) / size_));
+  Vector3 motion(const Six& translation_and_rotation, const Vector3& position) const {
+    return translation_and_rotation.head<3>() +
+           translation_and_rotation.tail<3>().cross(Vector3((position - middle_) / size_));
   }
   Vector3 middle_;
   double size_;

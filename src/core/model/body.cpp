@@ -16,9 +16,9 @@ namespace {
 using Bucket = Eigen::Matrix<std::int64_t, 3, 1>;
 
 /// Places beyond any sense share the outermost buckets.
-Bucket bucket_of(const Vector3& place, double size) {
+Bucket bucket_of(const Vector3& position, double size) {
   constexpr double most = 1e15;
-  return (place / size).array().floor().max(-most).min(most).cast<std::int64_t>();
+  return (position / size).array().floor().max(-most).min(most).cast<std::int64_t>();
 }
 
 std::uint64_t bucket_key(const Bucket& bucket) {
@@ -27,12 +27,13 @@ std::uint64_t bucket_key(const Bucket& bucket) {
   return part(0) << 42 | part(1) << 21 | part(2);
 }
 
-Connections with_present_lengths(const Positions& places, std::vector<std::array<int, 2>> ends) {
+Connections with_present_lengths(const Positions& positions, std::vector<std::array<int, 2>> ends) {
   std::sort(ends.begin(), ends.end());
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   Connections connections{std::move(ends), {}, 0};
   connections.rest_length.reserve(connections.ends.size());
-  for (const auto& [a, b] : connections.ends) connections.rest_length.push_back((places.col(b) - places.col(a)).norm());
+  for (const auto& [a, b] : connections.ends)
+    connections.rest_length.push_back((positions.col(b) - positions.col(a)).norm());
   return connections;
 }
 
@@ -57,35 +58,35 @@ void add_edges(const CellList& cells, std::vector<std::array<int, 2>>& ends) {
 
 }  // namespace
 
-Connections connections_within(const Positions& places, double reach) {
+Connections connections_within(const Positions& positions, double reach) {
   std::unordered_map<std::uint64_t, std::vector<int>> buckets;
-  for (int molecule = 0; molecule < places.cols(); ++molecule)
-    buckets[bucket_key(bucket_of(places.col(molecule), reach))].push_back(molecule);
+  for (int molecule = 0; molecule < positions.cols(); ++molecule)
+    buckets[bucket_key(bucket_of(positions.col(molecule), reach))].push_back(molecule);
 
-  const std::size_t most = most_connections(places.cols());
+  const std::size_t most = most_connections(positions.cols());
   std::vector<std::array<int, 2>> ends;
-  for (int first = 0; first < places.cols(); ++first) {
-    const Bucket home = bucket_of(places.col(first), reach);
+  for (int first = 0; first < positions.cols(); ++first) {
+    const Bucket home = bucket_of(positions.col(first), reach);
     for (int dx = -1; dx <= 1; ++dx)
       for (int dy = -1; dy <= 1; ++dy)
         for (int dz = -1; dz <= 1; ++dz) {
           const auto found = buckets.find(bucket_key(home + Bucket(dx, dy, dz)));
           if (found == buckets.end()) continue;
           for (const int second : found->second)
-            if (second > first && (places.col(second) - places.col(first)).squaredNorm() <= reach * reach)
+            if (second > first && (positions.col(second) - positions.col(first)).squaredNorm() <= reach * reach)
               ends.push_back({first, second});
-          if (ends.size() > most) throw InputError(too_wide(places.cols(), most));
+          if (ends.size() > most) throw InputError(too_wide(positions.cols(), most));
         }
   }
-  return with_present_lengths(places, std::move(ends));
+  return with_present_lengths(positions, std::move(ends));
 }
 
-Connections connections_of_cells(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra) {
+Connections connections_of_cells(const Positions& positions, const Cells<3>& triangles, const Cells<4>& tetrahedra) {
   std::vector<std::array<int, 2>> ends;
   ends.reserve(3 * triangles.size() + 6 * tetrahedra.size());
   add_edges(triangles, ends);
   add_edges(tetrahedra, ends);
-  return with_present_lengths(places, std::move(ends));
+  return with_present_lengths(positions, std::move(ends));
 }
 
 void set_present_lengths(Body& body) {
@@ -133,13 +134,13 @@ Body without_cell_sides(const Body& body) {
   return proper;
 }
 
-VectorX lumped_mass(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra, double density,
+VectorX lumped_mass(const Positions& positions, const Cells<3>& triangles, const Cells<4>& tetrahedra, double density,
                     double thickness) {
-  VectorX mass = VectorX::Zero(places.cols());
+  VectorX mass = VectorX::Zero(positions.cols());
   for (const auto& cell : tetrahedra)
-    for (const int molecule : cell) mass[molecule] += density * signed_volume(places, cell) / 4;
+    for (const int molecule : cell) mass[molecule] += density * signed_volume(positions, cell) / 4;
   for (const auto& [a, b, c] : triangles) {
-    const double area = 0.5 * (places.col(b) - places.col(a)).cross(places.col(c) - places.col(a)).norm();
+    const double area = 0.5 * (positions.col(b) - positions.col(a)).cross(positions.col(c) - positions.col(a)).norm();
     for (const int molecule : {a, b, c}) mass[molecule] += density * thickness * area / 3;
   }
   return mass;
@@ -147,8 +148,8 @@ VectorX lumped_mass(const Positions& places, const Cells<3>& triangles, const Ce
 
 void set_region(Body& body, const Vector3& low, const Vector3& high, double stiffness, double mass) {
   const Vector3 slack = Vector3::Constant(1e-9 * (high - low).norm());
-  const auto inside = [&](const Vector3& place) {
-    return ((place - low + slack).array() >= 0).all() && ((high + slack - place).array() >= 0).all();
+  const auto inside = [&](const Vector3& position) {
+    return ((position - low + slack).array() >= 0).all() && ((high + slack - position).array() >= 0).all();
   };
   const auto set_those_inside = [&](const auto& members, VectorX& factors) {
     if (factors.size() == 0) factors = VectorX::Ones(static_cast<Eigen::Index>(members.size()));
@@ -168,21 +169,22 @@ void set_region(Body& body, const Vector3& low, const Vector3& high, double stif
     if (inside(body.rest.col(molecule))) body.mass[molecule] *= mass;
 }
 
-double signed_volume(const Positions& places, const std::array<int, 4>& tetrahedron) {
-  const Vector3 origin = places.col(tetrahedron[0]);
-  const Vector3 a = places.col(tetrahedron[1]) - origin, b = places.col(tetrahedron[2]) - origin,
-                c = places.col(tetrahedron[3]) - origin;
+double signed_volume(const Positions& positions, const std::array<int, 4>& tetrahedron) {
+  const Vector3 origin = positions.col(tetrahedron[0]);
+  const Vector3 a = positions.col(tetrahedron[1]) - origin, b = positions.col(tetrahedron[2]) - origin,
+                c = positions.col(tetrahedron[3]) - origin;
   return a.dot(b.cross(c)) / 6;
 }
 
-std::vector<int> flat_or_inverted_cells(const Body& body, const Positions& places) {
+std::vector<int> flat_or_inverted_cells(const Body& body, const Positions& positions) {
   std::vector<int> cells;
   for (std::size_t cell = 0; cell < body.tetrahedra.size(); ++cell) {
     const auto& corners = body.tetrahedra[cell];
     double longest = 0;
     for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < i; ++j) longest = std::max(longest, (places.col(corners[i]) - places.col(corners[j])).norm());
-    if (!(signed_volume(places, corners) > 1e-12 * longest * longest * longest))
+      for (int j = 0; j < i; ++j)
+        longest = std::max(longest, (positions.col(corners[i]) - positions.col(corners[j])).norm());
+    if (!(signed_volume(positions, corners) > 1e-12 * longest * longest * longest))
       cells.push_back(static_cast<int>(cell));
   }
   return cells;
@@ -193,7 +195,7 @@ std::string flat_or_inverted_text(const std::vector<int>& cells, std::size_t of)
   std::string text = cells.size() == 1 ? "cell" : "cells";
   for (std::size_t i = 0; i < std::min(shown, cells.size()); ++i) text += (i ? ", " : " ") + std::to_string(cells[i]);
   if (cells.size() > shown) text += " and " + std::to_string(cells.size() - shown) + " more";
-  return text + " of " + std::to_string(of) + (cells.size() == 1 ? " is" : " are") + " flat or turned over";
+  return text + " of " + std::to_string(of) + (cells.size() == 1 ? " is" : " are") + " flat or inverted";
 }
 
 BodyFindings inspect(const Body& body) {
@@ -236,7 +238,7 @@ BodyFindings inspect(const Body& body) {
       findings.piece_of[molecule] = findings.pieces++;
     else
       findings.piece_of[molecule] = findings.piece_of[first];
-    if (degree[molecule] == 0) findings.loose_molecules.push_back(molecule);
+    if (degree[molecule] == 0) findings.isolated_molecules.push_back(molecule);
   }
   findings.flat_or_inverted_cells = flat_or_inverted_cells(body, body.rest);
   return findings;

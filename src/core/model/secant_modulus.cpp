@@ -82,7 +82,8 @@ StressStrain StressStrain::secant_table(const std::vector<SecantPoint>& points) 
   slope[0] = points[0].strain > 0 ? 0 : rise[0];
   slope[last] = rise[last - 1];
 
-  constexpr int parts = 8;  // of a piece: E is a cubic, so σ = E ε is not; what cubics miss of it is 1e-5 of a piece's
+  constexpr int intervals =
+      8;  // of a piece: E is a cubic, so σ = E ε is not; what cubics miss of it is 1e-5 of a piece's
   std::vector<Knot> knots{{0, 0, points[0].modulus}};
   const auto add = [&](double strain, const Secant& secant) {
     check_rise(strain, secant);
@@ -90,8 +91,8 @@ StressStrain StressStrain::secant_table(const std::vector<SecantPoint>& points) 
   };
   check_rise(0, {points[0].modulus, 0});
   for (std::size_t k = 0; k < last; ++k)
-    for (int part = k == 0 ? 0 : 1; part <= parts; ++part) {
-      const double h = step[k], d = h * part / parts;
+    for (int interval = k == 0 ? 0 : 1; interval <= intervals; ++interval) {
+      const double h = step[k], d = h * interval / intervals;
       const double c2 = (3 * rise[k] - 2 * slope[k] - slope[k + 1]) / h,
                    c3 = (slope[k] + slope[k + 1] - 2 * rise[k]) / (h * h);
       add(points[k].strain + d,

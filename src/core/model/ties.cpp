@@ -15,7 +15,7 @@ namespace {
 
 /// Molecules in one place are no further apart than this part of the longest connection at them: more than single
 /// precision, in which surfaces are kept, leaves between two files of one place.
-constexpr double kOnePlace = 1e-4;
+constexpr double kSamePosition = 1e-4;
 
 /// What a part shows to a tie: its surface, in the numbers of the whole body.
 struct Side {
@@ -54,9 +54,9 @@ VectorX surface_shares(const Body& body, const Cells<3>& triangles) {
 }
 
 /// Pairs of molecules of the two sides that lie in one place, those of the first part first.
-std::vector<std::array<int, 2>> pairs_in_one_place(const Body& body, const Side& one, const Side& other) {
+std::vector<std::array<int, 2>> pairs_at_one_position(const Body& body, const Side& one, const Side& other) {
   const VectorX longest = longest_connections(body);
-  const double reach = kOnePlace * std::max(longest(one.molecules).maxCoeff(), longest(other.molecules).maxCoeff());
+  const double reach = kSamePosition * std::max(longest(one.molecules).maxCoeff(), longest(other.molecules).maxCoeff());
   std::vector<int> both = one.molecules;
   both.insert(both.end(), other.molecules.begin(), other.molecules.end());
   const auto firsts = static_cast<int>(one.molecules.size());
@@ -66,7 +66,7 @@ std::vector<std::array<int, 2>> pairs_in_one_place(const Body& body, const Side&
     if (a >= firsts || b < firsts || both[static_cast<std::size_t>(a)] == both[static_cast<std::size_t>(b)]) continue;
     const int from = both[static_cast<std::size_t>(a)], to = both[static_cast<std::size_t>(b)];
     const double apart = (body.rest.col(from) - body.rest.col(to)).norm();
-    if (apart <= kOnePlace * std::min(longest[from], longest[to])) pairs.push_back({from, to});
+    if (apart <= kSamePosition * std::min(longest[from], longest[to])) pairs.push_back({from, to});
   }
   return pairs;
 }
@@ -85,13 +85,13 @@ std::vector<int> new_numbers(const std::vector<int>& kept) {
 std::vector<int> renumber_connections(Body& body, const std::vector<int>& number) {
   Connections kept;
   std::set<std::array<int, 2>> known;
-  std::unordered_map<long long, int> place;
+  std::unordered_map<long long, int> number_of;
   std::vector<int> now, left;
   for (int c = 0; c < body.connections.size(); ++c) {
     auto [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
     a = number[static_cast<std::size_t>(a)], b = number[static_cast<std::size_t>(b)];
     const long long key = static_cast<long long>(std::min(a, b)) << 32 | std::max(a, b);
-    const auto [found, fresh] = place.try_emplace(key, kept.size());
+    const auto [found, fresh] = number_of.try_emplace(key, kept.size());
     now.push_back(found->second);
     if (!fresh) continue;
     kept.ends.push_back({a, b});
@@ -167,7 +167,7 @@ std::vector<TriangleTree::Nearest> nearest_on(const Body& body, const Side& side
 
 int count_near(const std::vector<TriangleTree::Nearest>& found, double within) {
   return static_cast<int>(
-      std::count_if(found.begin(), found.end(), [&](const auto& place) { return place.distance <= within; }));
+      std::count_if(found.begin(), found.end(), [&](const auto& one) { return one.distance <= within; }));
 }
 
 std::string nearest_text(double distance, double within) {
@@ -199,7 +199,7 @@ void fix(Body& body, Part& rigid, const Side& side, double within, TieReport& re
 }
 
 /// Moves molecules of `slaves` that are no corners of the other surface onto it, and ties them there.
-void tie_to(Body& body, const Side& slaves, const std::vector<TriangleTree::Nearest>& places, const Side& masters,
+void tie_to(Body& body, const Side& slaves, const std::vector<TriangleTree::Nearest>& nearest, const Side& masters,
             double within, double stiffness, TieReport& report) {
   std::vector<char> taken(static_cast<std::size_t>(body.size()), 0);
   for (const int molecule : masters.molecules) taken[static_cast<std::size_t>(molecule)] = 1;
@@ -207,14 +207,14 @@ void tie_to(Body& body, const Side& slaves, const std::vector<TriangleTree::Near
   const VectorX areas = surface_shares(body, slaves.triangles);
   for (std::size_t i = 0; i < slaves.molecules.size(); ++i) {
     const int molecule = slaves.molecules[i];
-    const auto& [triangle, place, weights, distance] = places[i];
+    const auto& [triangle, position, weights, distance] = nearest[i];
     if (distance > within || taken[static_cast<std::size_t>(molecule)]) continue;
     const double area = slaves.triangles.empty() ? 4 * std::pow(body.radius[molecule], 2) : areas[molecule];
     body.ties.push_back({molecule,
                          masters.triangles[static_cast<std::size_t>(triangle)],
                          {weights[0], weights[1], weights[2]},
                          stiffness * std::sqrt(area)});
-    body.rest.col(molecule) = place;
+    body.rest.col(molecule) = position;
     report.furthest = std::max(report.furthest, distance);
     ++report.tied;
   }
@@ -229,7 +229,7 @@ void tie_to(Body& body, const Side& slaves, const std::vector<TriangleTree::Near
 
 void tie_soft(Body& body, const Part& first, const Part& second, double within, double stiffness, TieReport& report) {
   const std::string one_name = first.name, other_name = second.name;
-  const auto pairs = pairs_in_one_place(body, side_of(body, first), side_of(body, second));
+  const auto pairs = pairs_at_one_position(body, side_of(body, first), side_of(body, second));
   report.joined = static_cast<int>(pairs.size());
   if (!pairs.empty()) join(body, pairs);
   Side slaves = side_of(body, find_part(body, one_name)), masters = side_of(body, find_part(body, other_name));
@@ -237,14 +237,14 @@ void tie_soft(Body& body, const Part& first, const Part& second, double within, 
     if (pairs.empty()) throw InputError("neither has a surface to tie to: give one of them cells: delaunay");
     return;
   }
-  std::vector<TriangleTree::Nearest> places, back;
-  if (!masters.triangles.empty()) places = nearest_on(body, slaves, {body.rest, masters.triangles});
+  std::vector<TriangleTree::Nearest> nearest, back;
+  if (!masters.triangles.empty()) nearest = nearest_on(body, slaves, {body.rest, masters.triangles});
   if (!slaves.triangles.empty()) back = nearest_on(body, masters, {body.rest, slaves.triangles});
-  if (count_near(places, within) < count_near(back, within)) std::swap(slaves, masters), std::swap(places, back);
+  if (count_near(nearest, within) < count_near(back, within)) std::swap(slaves, masters), std::swap(nearest, back);
   double least = std::numeric_limits<double>::infinity();
-  for (const auto& place : places) least = std::min(least, place.distance);
+  for (const auto& one : nearest) least = std::min(least, one.distance);
   if (least > within) throw InputError(nearest_text(least, within));
-  tie_to(body, slaves, places, masters, within, stiffness, report);
+  tie_to(body, slaves, nearest, masters, within, stiffness, report);
 }
 
 }  // namespace

@@ -10,16 +10,18 @@ std::atomic<int> chosen_threads = 0;
 thread_local TaskRunner* own_runner = nullptr;
 thread_local int own_threads = 0;
 
-int part_start(int count, int parts, int part) {
-  return static_cast<int>(static_cast<long long>(count) * part / parts);
+int range_start(int count, int ranges, int number) {
+  return static_cast<int>(static_cast<long long>(count) * number / ranges);
 }
 
 struct Loop {
-  int count, parts;
+  int count, ranges;
   void* context;
   void (*range)(void*, int, int);
 
-  void run(int part) const { range(context, part_start(count, parts, part), part_start(count, parts, part + 1)); }
+  void run(int number) const {
+    range(context, range_start(count, ranges, number), range_start(count, ranges, number + 1));
+  }
 };
 
 }  // namespace
@@ -58,8 +60,8 @@ void run_ranges(int count, void* context, void (*range)(void*, int, int)) {
   TaskRunner* used = runner();
   if (!used) return range(context, 0, count);
   const Loop loop{count, threads(), context, range};
-  const auto task = [](void* one, int part) { static_cast<const Loop*>(one)->run(part); };
-  used->run(loop.parts, task, const_cast<Loop*>(&loop));
+  const auto task = [](void* one, int number) { static_cast<const Loop*>(one)->run(number); };
+  used->run(loop.ranges, task, const_cast<Loop*>(&loop));
 }
 
 }  // namespace detail

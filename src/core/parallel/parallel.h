@@ -33,8 +33,8 @@ void parallel_for(int count, Work&& work, int threshold = kParallelThreshold) {
   });
 }
 
-/// Σ term(i) over 0 … count−1 in a fixed order: the same bits on any number of threads, and no allocation. Value is a
-/// number, or a small vector where several sums share a pass.
+/// Σ term(i) over 0 … count−1 in a fixed order: bitwise identical on any number of threads, and no allocation. Value is
+/// a number, or a small vector where several sums share a pass.
 template <class Value = double, class Term>
 Value ordered_sum(int count, Term&& term, Value zero = Value(0), int threshold = kParallelThreshold) {
   const int blocks = (count + kSumBlock - 1) / kSumBlock;

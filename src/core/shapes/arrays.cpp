@@ -53,7 +53,7 @@ void check_positions(const Positions& positions) {
       throw InputError(row("positions", static_cast<std::size_t>(molecule)) + ": is not finite");
 }
 
-void take_cells(const BodyArrays& arrays, Body& body) {
+void set_cells(const BodyArrays& arrays, Body& body) {
   body.triangles = arrays.triangles;
   body.tetrahedra = arrays.tetrahedra;
   for (auto& cell : body.tetrahedra)
@@ -65,7 +65,7 @@ void take_cells(const BodyArrays& arrays, Body& body) {
   refuse_flat("triangles", flat_triangles(body, body.rest));
 }
 
-void take_connections(const BodyArrays& arrays, Body& body) {
+void set_connections(const BodyArrays& arrays, Body& body) {
   const Connections sides = connections_of_cells(body.rest, body.triangles, body.tetrahedra);
   if (arrays.connections.empty()) {
     body.connections = sides;
@@ -81,7 +81,7 @@ void take_connections(const BodyArrays& arrays, Body& body) {
   const auto none = std::find_if(lengths.begin(), lengths.end(), [](double length) { return !(length > 0); });
   if (none != lengths.end())
     throw InputError(row("connections", static_cast<std::size_t>(none - lengths.begin())) +
-                     ": has no length: its molecules lie at one place");
+                     ": has no length: its molecules lie at one position");
 }
 
 }  // namespace
@@ -96,8 +96,8 @@ Body make_body(const BodyArrays& arrays) {
   check_positive("radii", arrays.radii, static_cast<std::size_t>(molecules), "molecule", "m");
   Body body;
   body.rest = arrays.positions;
-  take_cells(arrays, body);
-  take_connections(arrays, body);
+  set_cells(arrays, body);
+  set_connections(arrays, body);
   if (arrays.masses.size() == 0 || arrays.radii.size() == 0)
     set_matter(body, arrays.density, arrays.thickness,
                arrays.radii.size() ? std::optional(arrays.radii.mean()) : std::nullopt);

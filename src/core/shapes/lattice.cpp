@@ -20,15 +20,16 @@ std::vector<Eigen::Vector3i> half_neighbours(int nonzero) {
 
 /// The Bravais lattices share everything but their basis and reach.
 Body centred_lattice(const std::array<int, 3>& cells, double spacing, const std::vector<Vector3>& basis, double reach) {
-  std::vector<Vector3> places;
+  std::vector<Vector3> positions;
   for (int z = 0; z <= cells[2]; ++z)
     for (int y = 0; y <= cells[1]; ++y)
       for (int x = 0; x <= cells[0]; ++x)
         for (const Vector3& shift : basis) {
-          const Vector3 place = Vector3(x, y, z) + shift;
-          if ((place.array() <= Vector3(cells[0], cells[1], cells[2]).array()).all()) places.push_back(spacing * place);
+          const Vector3 position = Vector3(x, y, z) + shift;
+          if ((position.array() <= Vector3(cells[0], cells[1], cells[2]).array()).all())
+            positions.push_back(spacing * position);
         }
-  Body body = listed_body(places, {});
+  Body body = listed_body(positions, {});
   body.connections = connections_within(body.rest, reach * spacing * (1 + 1e-9));
   return body;
 }
@@ -46,8 +47,8 @@ void add_body_centred(const std::array<int, 3>& cubes, Body& body) {
       for (const int side : {0, 1}) {
         const int u = 1 << (axis + 1) % 3, v = 1 << (axis + 2) % 3, base = side << axis;
         const std::array<int, 4> ring{cube[base], cube[base | u], cube[base | u | v], cube[base | v]};
-        const int place = c / stride[axis] % cubes[axis];
-        if (place + (side ? 1 : -1) < 0 || place + (side ? 1 : -1) >= cubes[axis]) {
+        const int index = c / stride[axis] % cubes[axis];
+        if (index + (side ? 1 : -1) < 0 || index + (side ? 1 : -1) >= cubes[axis]) {
           body.tetrahedra.push_back({middle, ring[0], ring[1], ring[2]});
           body.tetrahedra.push_back({middle, ring[0], ring[2], ring[3]});
         } else if (side == 1) {  // each inner face once, from the cube below it
@@ -98,11 +99,11 @@ Body face_centred_lattice(const std::array<int, 3>& cells, double spacing, bool 
                          second ? 1 : std::sqrt(.5));
 }
 
-Body listed_body(const std::vector<Vector3>& places, const std::vector<std::array<int, 2>>& pairs) {
+Body listed_body(const std::vector<Vector3>& positions, const std::vector<std::array<int, 2>>& pairs) {
   Body body;
-  body.rest.resize(3, static_cast<Eigen::Index>(places.size()));
-  for (std::size_t molecule = 0; molecule < places.size(); ++molecule)
-    body.rest.col(static_cast<Eigen::Index>(molecule)) = places[molecule];
+  body.rest.resize(3, static_cast<Eigen::Index>(positions.size()));
+  for (std::size_t molecule = 0; molecule < positions.size(); ++molecule)
+    body.rest.col(static_cast<Eigen::Index>(molecule)) = positions[molecule];
   body.connections.ends = pairs;
   set_present_lengths(body);
   return body;
@@ -117,8 +118,8 @@ void grade(Body& body, int axis, double ratio) {
   const double low = body.rest.row(axis).minCoeff(), length = body.rest.row(axis).maxCoeff() - low;
   const double growth = std::log(ratio);
   if (!(length > 0) || growth == 0) return;
-  for (double& place : body.rest.row(axis))
-    place = low + length * std::expm1(growth * (place - low) / length) / std::expm1(growth);
+  for (double& position : body.rest.row(axis))
+    position = low + length * std::expm1(growth * (position - low) / length) / std::expm1(growth);
   set_present_lengths(body);
 }
 

@@ -13,23 +13,23 @@ namespace {
 
 /// Moves overlapping spheres apart, with soft springs between them and the descent of [Bitzek et al. 2006, FIRE].
 /// Centres stay in the box. Returns how far each molecule still overlaps others, summed; all zero where there was room.
-VectorX push_apart(Positions& places, const Vector3& size, double distance) {
+VectorX push_apart(Positions& positions, const Vector3& size, double distance) {
   constexpr int steps = 400;
   constexpr double skin = 0.3;
   double step = 0.1, mixing = 0.1;
   int downhill = 0;
-  Positions velocity = Positions::Zero(3, places.cols()), force(3, places.cols());
+  Positions velocity = Positions::Zero(3, positions.cols()), force(3, positions.cols());
   Connections near;
   double moved = INFINITY;  // since the pairs were listed; they serve until two could have met unseen
   for (int i = 0;; ++i) {
     if (2 * moved > skin * distance) {
-      near = connections_within(places, (1 + skin) * distance);
+      near = connections_within(positions, (1 + skin) * distance);
       moved = 0;
     }
     force.setZero();
-    VectorX overlaps = VectorX::Zero(places.cols());
+    VectorX overlaps = VectorX::Zero(positions.cols());
     for (const auto& [a, b] : near.ends) {
-      const Vector3 gap = places.col(b) - places.col(a);
+      const Vector3 gap = positions.col(b) - positions.col(a);
       const double length = gap.norm(), overlap = distance - length;
       if (overlap <= 0) continue;
       overlaps[a] += overlap, overlaps[b] += overlap;
@@ -46,10 +46,10 @@ VectorX push_apart(Positions& places, const Vector3& size, double distance) {
       step *= 0.5, mixing = 0.1, downhill = 0;
     }
     velocity += step * force;
-    const Positions next = (places + step * velocity).cwiseMax(0).cwiseMin(size.replicate(1, places.cols()));
-    moved += std::sqrt((next - places).colwise().squaredNorm().maxCoeff());
-    velocity = (next - places) / step;  // what a wall stops, stops
-    places = next;
+    const Positions next = (positions + step * velocity).cwiseMax(0).cwiseMin(size.replicate(1, positions.cols()));
+    moved += std::sqrt((next - positions).colwise().squaredNorm().maxCoeff());
+    velocity = (next - positions) / step;  // what a wall stops, stops
+    positions = next;
   }
 }
 
@@ -62,24 +62,25 @@ Body random_packing(const Vector3& size, double distance, double reach, std::uin
   const double volume = (size.array() + distance).prod(), sphere = std::numbers::pi / 6 * std::pow(distance, 3);
   const int count = std::max(1, static_cast<int>(fraction * volume / sphere));
   std::mt19937_64 generator(seed);
-  Positions places(3, count);
+  Positions positions(3, count);
   for (int molecule = 0; molecule < count; ++molecule)
-    for (int axis = 0; axis < 3; ++axis) places(axis, molecule) = size[axis] * unit_random(generator);
+    for (int axis = 0; axis < 3; ++axis) positions(axis, molecule) = size[axis] * unit_random(generator);
 
   const double apart = distance * 1.001;  // a little more than asked, so that rounding breaks no distance
-  for (VectorX overlaps; (overlaps = push_apart(places, size, apart)).maxCoeff() > 0;) {
-    std::vector<int> crowded(static_cast<std::size_t>(places.cols()));
+  for (VectorX overlaps; (overlaps = push_apart(positions, size, apart)).maxCoeff() > 0;) {
+    std::vector<int> crowded(static_cast<std::size_t>(positions.cols()));
     std::iota(crowded.begin(), crowded.end(), 0);
     std::stable_sort(crowded.begin(), crowded.end(), [&](int a, int b) { return overlaps[a] > overlaps[b]; });
     crowded.resize(1 + crowded.size() / 200);
     std::sort(crowded.begin(), crowded.end(), std::greater<>());
     for (const int molecule : crowded) {
-      places.middleCols(molecule, places.cols() - molecule - 1) = places.rightCols(places.cols() - molecule - 1).eval();
-      places.conservativeResize(3, places.cols() - 1);
+      positions.middleCols(molecule, positions.cols() - molecule - 1) =
+          positions.rightCols(positions.cols() - molecule - 1).eval();
+      positions.conservativeResize(3, positions.cols() - 1);
     }
   }
   std::vector<Vector3> rest;
-  for (int molecule = 0; molecule < places.cols(); ++molecule) rest.push_back(places.col(molecule));
+  for (int molecule = 0; molecule < positions.cols(); ++molecule) rest.push_back(positions.col(molecule));
   Body body = listed_body(rest, {});
   body.connections = connections_within(body.rest, reach);
   return body;
@@ -92,8 +93,8 @@ void add_jitter(Body& body, double amount, std::uint64_t seed) {
   for (int molecule = 0; molecule < body.size(); ++molecule)
     for (int axis = 0; axis < 3; ++axis) {
       const double move = amount * (2 * unit_random(generator) - 1);
-      double& place = body.rest(axis, molecule);
-      if (place > low[axis] + tolerance && place < high[axis] - tolerance) place += move;
+      double& position = body.rest(axis, molecule);
+      if (position > low[axis] + tolerance && position < high[axis] - tolerance) position += move;
     }
   set_present_lengths(body);
 }

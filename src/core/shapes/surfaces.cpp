@@ -12,11 +12,11 @@
 namespace elastin {
 namespace {
 
-Body body_of(const std::vector<Vector3>& places, Cells<3> triangles) {
+Body body_of(const std::vector<Vector3>& positions, Cells<3> triangles) {
   Body body;
-  body.rest.resize(3, static_cast<Eigen::Index>(places.size()));
-  for (std::size_t molecule = 0; molecule < places.size(); ++molecule)
-    body.rest.col(static_cast<Eigen::Index>(molecule)) = places[molecule];
+  body.rest.resize(3, static_cast<Eigen::Index>(positions.size()));
+  for (std::size_t molecule = 0; molecule < positions.size(); ++molecule)
+    body.rest.col(static_cast<Eigen::Index>(molecule)) = positions[molecule];
   body.triangles = std::move(triangles);
   body.connections = connections_of_cells(body.rest, body.triangles, {});
   return body;
@@ -88,7 +88,7 @@ class RoundSolid {
         add(at(n_, 0, 0), at(n_ - 2, 1, 1), at(n_ - 1, 0, 1));
       }
     }
-    return body_of(places_, std::move(triangles));
+    return body_of(positions_, std::move(triangles));
   }
 
  private:
@@ -99,11 +99,11 @@ class RoundSolid {
     for (std::size_t corner = 0; corner < 3; ++corner)
       if (weights[corner] > 0) key.push_back({face[corner], weights[corner]});
     std::sort(key.begin(), key.end());
-    const auto [found, fresh] = molecules_.try_emplace(key, static_cast<int>(places_.size()));
+    const auto [found, fresh] = molecules_.try_emplace(key, static_cast<int>(positions_.size()));
     if (fresh) {
-      Vector3 place = Vector3::Zero();
-      for (const auto& [corner, weight] : key) place += weight * solid_.corners[static_cast<std::size_t>(corner)];
-      places_.push_back(radius_ * place.normalized());
+      Vector3 position = Vector3::Zero();
+      for (const auto& [corner, weight] : key) position += weight * solid_.corners[static_cast<std::size_t>(corner)];
+      positions_.push_back(radius_ * position.normalized());
     }
     return found->second;
   }
@@ -112,7 +112,7 @@ class RoundSolid {
   double radius_;
   int n_;
   std::map<std::vector<std::pair<int, int>>, int> molecules_;
-  std::vector<Vector3> places_;
+  std::vector<Vector3> positions_;
 };
 
 Body round_body(Solid solid, double radius, SphereMesh mesh, int divisions) {
@@ -125,12 +125,12 @@ Body round_body(Solid solid, double radius, SphereMesh mesh, int divisions) {
 /// Squares between lines along y and along x, those that `taken` says; a molecule at each corner that a square has.
 Body grid(const std::vector<double>& x, const std::vector<double>& y, SheetPattern pattern,
           const std::function<bool(int, int)>& taken) {
-  std::vector<Vector3> places;
+  std::vector<Vector3> positions;
   Cells<3> triangles;
   std::map<std::pair<int, int>, int> molecules;
   const auto molecule = [&](int i, int j) {
-    const auto [found, fresh] = molecules.try_emplace({j, i}, static_cast<int>(places.size()));
-    if (fresh) places.emplace_back(x[static_cast<std::size_t>(i)], y[static_cast<std::size_t>(j)], 0);
+    const auto [found, fresh] = molecules.try_emplace({j, i}, static_cast<int>(positions.size()));
+    if (fresh) positions.emplace_back(x[static_cast<std::size_t>(i)], y[static_cast<std::size_t>(j)], 0);
     return found->second;
   };
   for (int j = 0; j + 1 < static_cast<int>(y.size()); ++j)
@@ -138,8 +138,8 @@ Body grid(const std::vector<double>& x, const std::vector<double>& y, SheetPatte
       if (!taken(i, j)) continue;
       const int a = molecule(i, j), b = molecule(i + 1, j), c = molecule(i + 1, j + 1), d = molecule(i, j + 1);
       if (pattern == SheetPattern::crossed) {
-        const int middle = static_cast<int>(places.size());
-        places.push_back((places[static_cast<std::size_t>(a)] + places[static_cast<std::size_t>(c)]) / 2);
+        const int middle = static_cast<int>(positions.size());
+        positions.push_back((positions[static_cast<std::size_t>(a)] + positions[static_cast<std::size_t>(c)]) / 2);
         for (const auto& [from, to] : {std::pair{a, b}, {b, c}, {c, d}, {d, a}})
           triangles.push_back({from, to, middle});
       } else if (pattern == SheetPattern::alternating && (i + j) % 2) {
@@ -150,13 +150,14 @@ Body grid(const std::vector<double>& x, const std::vector<double>& y, SheetPatte
         triangles.push_back({a, c, d});
       }
     }
-  return body_of(places, std::move(triangles));
+  return body_of(positions, std::move(triangles));
 }
 
 /// Appends `parts` equal steps up to `end`.
-void divide(std::vector<double>& lines, double end, int parts) {
+void divide(std::vector<double>& lines, double end, int divisions) {
   const double start = lines.back();
-  for (int part = 1; part <= parts; ++part) lines.push_back(start + (end - start) * part / parts);
+  for (int division = 1; division <= divisions; ++division)
+    lines.push_back(start + (end - start) * division / divisions);
 }
 
 }  // namespace
@@ -173,15 +174,15 @@ Body sphere_octant(double radius, SphereMesh mesh, int divisions) {
 }
 
 Body disc(double radius, int rings) {
-  std::vector<Vector3> places{Vector3::Zero()};
+  std::vector<Vector3> positions{Vector3::Zero()};
   Cells<3> triangles;
-  const auto molecule = [](int ring, int place) {
-    return ring == 0 ? 0 : 1 + 3 * ring * (ring - 1) + place % (6 * ring);
+  const auto molecule = [](int ring, int slot) {
+    return ring == 0 ? 0 : 1 + 3 * ring * (ring - 1) + slot % (6 * ring);
   };
   for (int ring = 1; ring <= rings; ++ring)
-    for (int place = 0; place < 6 * ring; ++place) {
-      const double angle = std::numbers::pi / 3 * place / ring;
-      places.push_back(radius * ring / rings * Vector3(std::cos(angle), std::sin(angle), 0));
+    for (int slot = 0; slot < 6 * ring; ++slot) {
+      const double angle = std::numbers::pi / 3 * slot / ring;
+      positions.push_back(radius * ring / rings * Vector3(std::cos(angle), std::sin(angle), 0));
     }
   for (int ring = 1; ring <= rings; ++ring)
     for (int sector = 0; sector < 6; ++sector)
@@ -191,7 +192,7 @@ Body disc(double radius, int rings) {
         if (i + 1 < ring)
           triangles.push_back({molecule(ring - 1, inner), molecule(ring, outer + 1), molecule(ring - 1, inner + 1)});
       }
-  return body_of(places, std::move(triangles));
+  return body_of(positions, std::move(triangles));
 }
 
 Body rectangular_sheet(const std::array<double, 2>& size, const std::array<int, 2>& squares, SheetPattern pattern) {
@@ -213,7 +214,7 @@ Body cross_canopy(double width, double span, int squares) {
   return grid(lines, lines, SheetPattern::alternating, [&](int i, int j) { return inside(i) || inside(j); });
 }
 
-void hang_load(Body& body, HungFrom from, const Vector3& place, double stiffness, double mass, double radius) {
+void hang_load(Body& body, HungFrom from, const Vector3& position, double stiffness, double mass, double radius) {
   const int load = body.size();
   std::vector<char> chosen(static_cast<std::size_t>(load), 0);
   if (from == HungFrom::rim) {
@@ -237,12 +238,12 @@ void hang_load(Body& body, HungFrom from, const Vector3& place, double stiffness
   body.rest.conservativeResize(3, load + 1);
   body.mass.conservativeResize(load + 1);
   body.radius.conservativeResize(load + 1);
-  body.rest.col(load) = place;
+  body.rest.col(load) = position;
   body.mass[load] = mass;
   body.radius[load] = radius;
   for (int molecule = 0; molecule < load; ++molecule) {
     if (!chosen[static_cast<std::size_t>(molecule)]) continue;
-    const double length = (body.rest.col(molecule) - place).norm();
+    const double length = (body.rest.col(molecule) - position).norm();
     if (!(length > 0)) throw InputError("a molecule of the body lies where the load hangs");
     body.cables.push_back({body.connections.size(), stiffness});
     body.connections.ends.push_back({molecule, load});
@@ -250,19 +251,20 @@ void hang_load(Body& body, HungFrom from, const Vector3& place, double stiffness
   }
 }
 
-Vector3 area_vector(const Positions& places, const std::array<int, 3>& triangle) {
-  const Vector3 origin = places.col(triangle[0]);
-  return (places.col(triangle[1]) - origin).cross(places.col(triangle[2]) - origin) / 2;
+Vector3 area_vector(const Positions& positions, const std::array<int, 3>& triangle) {
+  const Vector3 origin = positions.col(triangle[0]);
+  return (positions.col(triangle[1]) - origin).cross(positions.col(triangle[2]) - origin) / 2;
 }
 
-std::vector<int> flat_triangles(const Body& body, const Positions& places) {
+std::vector<int> flat_triangles(const Body& body, const Positions& positions) {
   std::vector<int> flat;
   for (std::size_t cell = 0; cell < body.triangles.size(); ++cell) {
     const auto& [a, b, c] = body.triangles[cell];
-    const double longest =
-        std::max({(places.col(b) - places.col(a)).squaredNorm(), (places.col(c) - places.col(b)).squaredNorm(),
-                  (places.col(a) - places.col(c)).squaredNorm()});
-    if (!(area_vector(places, body.triangles[cell]).norm() > 1e-12 * longest)) flat.push_back(static_cast<int>(cell));
+    const double longest = std::max({(positions.col(b) - positions.col(a)).squaredNorm(),
+                                     (positions.col(c) - positions.col(b)).squaredNorm(),
+                                     (positions.col(a) - positions.col(c)).squaredNorm()});
+    if (!(area_vector(positions, body.triangles[cell]).norm() > 1e-12 * longest))
+      flat.push_back(static_cast<int>(cell));
   }
   return flat;
 }

@@ -20,46 +20,49 @@ class HostForces final : public Load {
   const Positions& forces_;
 };
 
-/// Force of a grip on its molecule [N]: −k (x − p) − c (v − w).
-inline Vector3 force_of(const Grip& grip, const State& state) {
-  return grip.stiffness * (grip.place - state.positions.col(grip.molecule)) +
-         grip.damping * (grip.velocity - state.velocities.col(grip.molecule));
+/// Force of a coupling on its molecule [N]: −k (x − p) − c (v − w).
+inline Vector3 force_of(const Coupling& coupling, const State& state) {
+  return coupling.stiffness * (coupling.position - state.positions.col(coupling.molecule)) +
+         coupling.damping * (coupling.velocity - state.velocities.col(coupling.molecule));
 }
 
-/// Grips that the host makes, moves and takes away between steps; the list must outlive the load.
-class Grips final : public Load {
+/// Virtual couplings that the host makes, moves and takes away between steps; the list must outlive the load.
+class Couplings final : public Load {
  public:
-  explicit Grips(const std::vector<Grip>& grips) : grips_(grips) {}
+  explicit Couplings(const std::vector<Coupling>& couplings) : couplings_(couplings) {}
   void add_forces(const State& state, Positions& forces) const override {
-    for (const Grip& grip : grips_) forces.col(grip.molecule) += force_of(grip, state);
+    for (const Coupling& coupling : couplings_) forces.col(coupling.molecule) += force_of(coupling, state);
   }
   double energy(const State& state) const override {
     double sum = 0;
-    for (const Grip& grip : grips_)
-      sum += grip.stiffness / 2 * (state.positions.col(grip.molecule) - grip.place).squaredNorm();
+    for (const Coupling& coupling : couplings_)
+      sum += coupling.stiffness / 2 * (state.positions.col(coupling.molecule) - coupling.position).squaredNorm();
     return sum;
   }
-  bool changes() const override { return !grips_.empty(); }
+  bool changes() const override { return !couplings_.empty(); }
   void add_change(const State&, const Positions& motion, const Positions& sped, Positions& forces) const override {
-    for (const Grip& grip : grips_)
-      forces.col(grip.molecule) -= grip.stiffness * motion.col(grip.molecule) + grip.damping * sped.col(grip.molecule);
+    for (const Coupling& coupling : couplings_)
+      forces.col(coupling.molecule) -=
+          coupling.stiffness * motion.col(coupling.molecule) + coupling.damping * sped.col(coupling.molecule);
   }
   void visit_blocks(const State&, double velocity_weight, const BlockVisitor& visit) const override {
-    for (const Grip& grip : grips_)
-      visit(grip.molecule, grip.molecule, (grip.stiffness + velocity_weight * grip.damping) * Matrix3::Identity());
+    for (const Coupling& coupling : couplings_)
+      visit(coupling.molecule, coupling.molecule,
+            (coupling.stiffness + velocity_weight * coupling.damping) * Matrix3::Identity());
   }
   bool steady() const override { return false; }
   bool feels_velocity() const override { return resists(); }
   bool resists() const override {
-    return std::any_of(grips_.begin(), grips_.end(), [](const Grip& grip) { return grip.damping > 0; });
+    return std::any_of(couplings_.begin(), couplings_.end(),
+                       [](const Coupling& coupling) { return coupling.damping > 0; });
   }
   void add_resistance(const State& state, Positions& forces) const override {
-    for (const Grip& grip : grips_)
-      forces.col(grip.molecule) += grip.damping * (grip.velocity - state.velocities.col(grip.molecule));
+    for (const Coupling& coupling : couplings_)
+      forces.col(coupling.molecule) += coupling.damping * (coupling.velocity - state.velocities.col(coupling.molecule));
   }
 
  private:
-  const std::vector<Grip>& grips_;
+  const std::vector<Coupling>& couplings_;
 };
 
 }  // namespace elastin

@@ -69,14 +69,15 @@ void add_updated_springs(const Strategy& strategy, const Body& whole, const std:
   std::vector<ConstantsAt> rules;
   for (const auto& part : works->soft) rules.push_back(strategy.constants_at(part->alone.body, part->material, values));
   const int connections = whole.connections.size();
-  terms.push_back(make_updated_springs(whole, [works, rules = std::move(rules), connections](const Positions& places) {
-    VectorX constants = VectorX::Zero(connections);
-    for (std::size_t p = 0; p < rules.size(); ++p) {
-      const PartAlone& alone = works->soft[p]->alone;
-      spread(alone, rules[p](places(Eigen::all, alone.molecules)), constants);
-    }
-    return constants;
-  }));
+  terms.push_back(
+      make_updated_springs(whole, [works, rules = std::move(rules), connections](const Positions& positions) {
+        VectorX constants = VectorX::Zero(connections);
+        for (std::size_t p = 0; p < rules.size(); ++p) {
+          const PartAlone& alone = works->soft[p]->alone;
+          spread(alone, rules[p](positions(Eigen::all, alone.molecules)), constants);
+        }
+        return constants;
+      }));
 }
 
 /// The part's fibres, beside its law or its springs.
@@ -165,7 +166,7 @@ void add_companions(Model& model, const Strategy& strategy, const Material& mate
   if (!body.ties.empty()) model.add(make_ties(body));
 }
 
-void hold_rigid_parts(Model& model) {
+void fix_rigid_parts(Model& model) {
   std::vector<char> held(static_cast<std::size_t>(model.body().size()), 0);
   for (const Support& support : model.supports) held[static_cast<std::size_t>(support.molecule)] = 1;
   for (const Part& part : model.body().parts)

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/parallel/parallel.h"
-#include "core/simulation/inside.h"
+#include "core/simulation/simulation_impl.h"
 #include "core/simulation/tensions.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/simulation/fibres.h"
@@ -28,15 +28,15 @@ void check(const Body& body, const SimulationOptions& options) {
   if (body.mass.size() != body.size() || body.radius.size() != body.size())
     throw InputError("the body has " + std::to_string(body.size()) + " molecules, " + std::to_string(body.mass.size()) +
                      " masses and " + std::to_string(body.radius.size()) + " radii; set_matter sets them");
-  if (!body.rest.allFinite()) throw InputError("a molecule's place at rest is not finite");
+  if (!body.rest.allFinite()) throw InputError("a molecule's position at rest is not finite");
   for (int i = 0; i < body.size(); ++i)
     if (!(body.mass[i] > 0 && std::isfinite(body.mass[i])))
       throw InputError("molecule " + std::to_string(i) + " has a mass of " + number(body.mass[i]) +
                        " kg: above 0 is allowed");
   if (!(options.safety > 0 && options.safety <= 1))
     throw InputError("safety " + number(options.safety) + " is out of range: above 0 to 1");
-  if (options.most_parts < 1)
-    throw InputError("most_parts " + std::to_string(options.most_parts) + " is out of range: 1 or more");
+  if (options.max_substeps < 1)
+    throw InputError("most_parts " + std::to_string(options.max_substeps) + " is out of range: 1 or more");
   if (options.threads < 0)
     throw InputError("threads " + std::to_string(options.threads) + " is out of range: 0 or more");
 }
@@ -45,7 +45,7 @@ StepResult refused(std::string cause) { return {Outcome::limit_reached, std::mov
 
 }  // namespace
 
-Simulation::Inside::Inside(Body a_body, SimulationOptions some_options)
+Simulation::Impl::Impl(Body a_body, SimulationOptions some_options)
     : body(std::move(a_body)), options(std::move(some_options)), integrator(make_integrator(options.integrator)) {
   check(body, options);
   shown = work = state_at_rest(body);
@@ -53,80 +53,80 @@ Simulation::Inside::Inside(Body a_body, SimulationOptions some_options)
 
 /// The longest part of an explicit step [s]. Grips add to the square of the fastest vibration's frequency, and to the
 /// largest damping rate, no more than what they are worth on their own molecules.
-double Simulation::Inside::longest_part() {
+double Simulation::Impl::longest_substep() {
   if (!is_explicit(options.integrator.scheme)) return std::numeric_limits<double>::infinity();
   if (!stable) {
-    const auto kept_grips = std::exchange(grips, {});
-    const auto kept_supports = std::exchange(model.supports, {});
+    const auto saved_couplings = std::exchange(couplings, {});
+    const auto saved_supports = std::exchange(model.supports, {});
     stable = find_stable_step(model, state_at_rest(body));
-    grips = kept_grips;
-    model.supports = kept_supports;
+    couplings = saved_couplings;
+    model.supports = saved_supports;
   }
   double stiffest = 0, most_damped = 0;
-  for (const Grip& grip : grips) {
+  for (const Coupling& coupling : couplings) {
     double stiffness = 0, damping = 0;
-    for (const Grip& other : grips)
-      if (other.molecule == grip.molecule) stiffness += other.stiffness, damping += other.damping;
-    stiffest = std::max(stiffest, stiffness / body.mass[grip.molecule]);
-    most_damped = std::max(most_damped, damping / body.mass[grip.molecule]);
+    for (const Coupling& other : couplings)
+      if (other.molecule == coupling.molecule) stiffness += other.stiffness, damping += other.damping;
+    stiffest = std::max(stiffest, stiffness / body.mass[coupling.molecule]);
+    most_damped = std::max(most_damped, damping / body.mass[coupling.molecule]);
   }
   const double square = stable->frequency * stable->frequency + stiffest, rate = stable->damping_rate + most_damped;
   const double sum = std::sqrt(square + rate * rate) + rate;
   return sum > 0 ? options.safety * 2 / sum : std::numeric_limits<double>::infinity();
 }
 
-StepResult Simulation::Inside::step(double dt) {
+StepResult Simulation::Impl::step(double dt) {
   if (!(dt > 0 && std::isfinite(dt)))
     return refused("a step of " + number(dt) + " s: a step must be above 0 s and finite");
   const ThreadScope scope(options.runner, options.threads);
-  const double parts = std::max(1., std::ceil(dt / longest_part() * (1 - 1e-9)));
-  if (!(parts <= options.most_parts))
-    return refused("a step of " + number(dt) + " s would take " + number(parts) + " parts of at most " +
-                   number(longest_part()) + " s, " + std::to_string(options.most_parts) + " are allowed");
-  holds.begin(shown.time, shown.time + dt);
-  StepResult result = parts_of_step(dt, static_cast<int>(parts));
+  const double substeps = std::max(1., std::ceil(dt / longest_substep() * (1 - 1e-9)));
+  if (!(substeps <= options.max_substeps))
+    return refused("a step of " + number(dt) + " s would take " + number(substeps) + " parts of at most " +
+                   number(longest_substep()) + " s, " + std::to_string(options.max_substeps) + " are allowed");
+  host_supports.begin(shown.time, shown.time + dt);
+  StepResult result = substeps_of(dt, static_cast<int>(substeps));
   if (result.outcome == Outcome::converged) {
     work.time = shown.time + dt;
     shown = work;
-    holds.arrive();
+    host_supports.arrive();
     forces_known = tensions_known = false;
   } else {
     work = shown;
     if (model.drive) model.drive(shown.time, model.supports);
-    holds.go_back();
+    host_supports.go_back();
     if (const std::string odd = odd_input(); !odd.empty()) result.outcome = Outcome::diverged, result.cause = odd;
   }
   return result;
 }
 
-StepResult Simulation::Inside::parts_of_step(double dt, int parts) {
+StepResult Simulation::Impl::substeps_of(double dt, int substeps) {
   StepResult all;
-  all.parts = 0;
-  for (int part = 0; part < parts && all.outcome == Outcome::converged; ++part) {
-    StepResult one = integrator->advance(model, work, dt / parts);
+  all.substeps = 0;
+  for (int substep = 0; substep < substeps && all.outcome == Outcome::converged; ++substep) {
+    StepResult one = integrator->advance(model, work, dt / substeps);
     all.outcome = one.outcome;
     all.cause = std::move(one.cause);
     all.newton_iterations += one.newton_iterations;
     all.linear_iterations += one.linear_iterations;
-    all.parts += one.parts;
+    all.substeps += one.substeps;
     all.error = std::max(all.error, one.error);
   }
   return all;
 }
 
 /// What the host has given that no step can go well with, or "".
-std::string Simulation::Inside::odd_input() const {
+std::string Simulation::Impl::odd_input() const {
   for (Eigen::Index i = 0; i < host_forces.cols(); ++i)
     if (!host_forces.col(i).allFinite()) return "the host's force on molecule " + std::to_string(i) + " is not finite";
-  for (const Grip& grip : grips)
-    if (!grip.place.allFinite() || !grip.velocity.allFinite())
-      return "grip " + std::to_string(grip.id) + " was moved to a place or at a velocity that is not finite";
+  for (const Coupling& coupling : couplings)
+    if (!coupling.position.allFinite() || !coupling.velocity.allFinite())
+      return "coupling " + std::to_string(coupling.id) + " was moved to a position or at a velocity that is not finite";
   return "";
 }
 
 Simulation::Simulation(Body body, const Strategy& any, const Material& material, SimulationOptions options)
-    : inside_(std::make_unique<Inside>(std::move(body), std::move(options))) {
-  const Body& own = inside_->body;
+    : impl_(std::make_unique<Impl>(std::move(body), std::move(options))) {
+  const Body& own = impl_->body;
   for (const Part& part : own.parts)
     if (part.material != 0 && !any.by_parts)
       throw InputError("the body's part '" + part.name + "' has a material of its own: make the strategy by in_parts");
@@ -135,34 +135,34 @@ Simulation::Simulation(Body body, const Strategy& any, const Material& material,
   std::string why = strategy.unsuited(own);
   if (why.empty() && !strategy.by_parts) why = fibres_unsuited(strategy, own, material);
   if (!why.empty()) throw InputError("'" + strategy.name + "' cannot run on this body: " + why);
-  inside_->model.add(strategy.make(own, material, inside_->options.parameters));
-  add_companions(inside_->model, strategy, material);
-  hold_rigid_parts(inside_->model);
+  impl_->model.add(strategy.make(own, material, impl_->options.parameters));
+  add_companions(impl_->model, strategy, material);
+  fix_rigid_parts(impl_->model);
 }
 
 Simulation::Simulation(Body body, const MakeElasticity& make, SimulationOptions options)
-    : inside_(std::make_unique<Inside>(std::move(body), std::move(options))) {
-  auto elasticity = make(inside_->body);
+    : impl_(std::make_unique<Impl>(std::move(body), std::move(options))) {
+  auto elasticity = make(impl_->body);
   if (!elasticity) throw InputError("the function that makes the elasticity returned none");
-  inside_->model.add(std::move(elasticity));
+  impl_->model.add(std::move(elasticity));
 }
 
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
-const Body& Simulation::body() const noexcept { return inside_->body; }
-Model& Simulation::model() noexcept { return inside_->model; }
-const Model& Simulation::model() const noexcept { return inside_->model; }
-double Simulation::time() const noexcept { return inside_->shown.time; }
-const Positions& Simulation::positions() const noexcept { return inside_->shown.positions; }
-const Positions& Simulation::velocities() const noexcept { return inside_->shown.velocities; }
+const Body& Simulation::body() const noexcept { return impl_->body; }
+Model& Simulation::model() noexcept { return impl_->model; }
+const Model& Simulation::model() const noexcept { return impl_->model; }
+double Simulation::time() const noexcept { return impl_->shown.time; }
+const Positions& Simulation::positions() const noexcept { return impl_->shown.positions; }
+const Positions& Simulation::velocities() const noexcept { return impl_->shown.velocities; }
 
 StepResult Simulation::step(double dt) noexcept {
-  if (!inside_) return refused("an empty simulation: it was moved from");
-  StepResult result = inside_->step(dt);
+  if (!impl_) return refused("an empty simulation: it was moved from");
+  StepResult result = impl_->step(dt);
   if (result.outcome != Outcome::converged) return result;
-  for (Inside::Observer& observer : inside_->observers)
+  for (Impl::Observer& observer : impl_->observers)
     if (++observer.waited == observer.every) {
       observer.waited = 0;
       observer.see(*this);
@@ -171,38 +171,38 @@ StepResult Simulation::step(double dt) noexcept {
 }
 
 StaticResult Simulation::settle(const StaticOptions& options) noexcept {
-  Inside& in = *inside_;
+  Impl& in = *impl_;
   const ThreadScope scope(in.options.runner, in.options.threads);
-  in.holds.begin(in.shown.time, in.shown.time);
-  in.holds.jump();
+  in.host_supports.begin(in.shown.time, in.shown.time);
+  in.host_supports.jump();
   in.work.velocities.setZero();
   in.work.accelerations.setZero();
   StaticResult result = solve_static(in.model, in.work, options);
   if (result.outcome == Outcome::converged) {
-    in.model.remember(in.work);
+    in.model.commit_step(in.work);
     in.shown = in.work;
-    in.holds.arrive();
+    in.host_supports.arrive();
     in.forces_known = in.tensions_known = false;
   } else {
     in.work = in.shown;
-    in.holds.go_back();
+    in.host_supports.go_back();
   }
   return result;
 }
 
 const Positions& Simulation::forces() const noexcept {
-  Inside& in = *inside_;
+  Impl& in = *impl_;
   if (std::exchange(in.forces_known, true)) return in.forces;
   const ThreadScope scope(in.options.runner, in.options.threads);
-  in.model.set_forces(in.shown, in.forces, in.scratch);
+  in.model.set_forces(in.shown, in.forces, in.workspace);
   return in.forces;
 }
 
 const VectorX& Simulation::tensions() const noexcept {
-  Inside& in = *inside_;
+  Impl& in = *impl_;
   if (std::exchange(in.tensions_known, true)) return in.tensions;
   const ThreadScope scope(in.options.runner, in.options.threads);
-  set_tensions(in.model, in.shown, in.tensions, in.scratch);
+  set_tensions(in.model, in.shown, in.tensions, in.workspace);
   return in.tensions;
 }
 

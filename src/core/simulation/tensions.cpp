@@ -6,23 +6,23 @@
 
 namespace elastin {
 
-void set_tensions(const Model& model, const State& state, VectorX& tensions, Scratch& scratch) {
+void set_tensions(const Model& model, const State& state, VectorX& tensions, Workspace& workspace) {
   const Connections& connections = model.body().connections;
   const int count = connections.size();
   const auto ends_of = [&](int c) { return connections.ends[static_cast<std::size_t>(c)]; };
   tensions.setZero(count);
-  for (const auto& part : model.elasticity()) part->add_force_densities(state.positions, tensions, scratch);
-  scratch.squares.resize(count);
-  scratch.rates.resize(count);
+  for (const auto& term : model.elasticity()) term->add_force_densities(state.positions, tensions, workspace);
+  workspace.squared_lengths.resize(count);
+  workspace.rates.resize(count);
   parallel_for(count, [&](int c) {
     const auto [a, b] = ends_of(c);
     const Vector3 d = state.positions.col(b) - state.positions.col(a);
-    scratch.squares[c] = d.squaredNorm();
-    scratch.rates[c] = 2 * d.dot(state.velocities.col(b) - state.velocities.col(a));
+    workspace.squared_lengths[c] = d.squaredNorm();
+    workspace.rates[c] = 2 * d.dot(state.velocities.col(b) - state.velocities.col(a));
   });
-  for (const auto& part : model.viscosity())
-    part->add_force_densities(scratch.squares, scratch.rates, tensions, scratch);
-  parallel_for(count, [&](int c) { tensions[c] *= std::sqrt(scratch.squares[c]); });
+  for (const auto& term : model.viscosity())
+    term->add_force_densities(workspace.squared_lengths, workspace.rates, tensions, workspace);
+  parallel_for(count, [&](int c) { tensions[c] *= std::sqrt(workspace.squared_lengths[c]); });
 }
 
 }  // namespace elastin

@@ -23,9 +23,10 @@ void add_loads(const Model& model, const State& state, Which which, Positions& f
 }
 
 /// ½ (a + b)·way, 0 where there are no forces.
-double work_of(const Positions& a, const Positions& b, const Positions& way) {
+double work_of(const Positions& a, const Positions& b, const Positions& displacement) {
   if (a.cols() == 0) return 0;
-  return ordered_sum(static_cast<int>(way.cols()), [&](int i) { return (a.col(i) + b.col(i)).dot(way.col(i)) / 2; });
+  return ordered_sum(static_cast<int>(displacement.cols()),
+                     [&](int i) { return (a.col(i) + b.col(i)).dot(displacement.col(i)) / 2; });
 }
 
 }  // namespace
@@ -40,7 +41,8 @@ Ledger::Border Ledger::border(const Model& model, const State& state) const {
   Border forces;
   if (!model.viscosity().empty() || any_load(model, resists)) {
     forces.resisting = none;
-    if (!model.viscosity().empty()) model.gather(state.positions, model.viscous_densities(state), forces.resisting);
+    if (!model.viscosity().empty())
+      model.gather(state.positions, model.viscous_force_densities(state), forces.resisting);
     for (const auto& load : model.loads()) load->add_resistance(state, forces.resisting);
   }
   if (any_load(model, drives)) {
@@ -51,11 +53,11 @@ Ledger::Border Ledger::border(const Model& model, const State& state) const {
     // What holds the supports against all other forces; what moves their own mass is counted by its kinetic energy.
     Positions all;
     model.set_forces(state, all);
-    forces.holding = none;
+    forces.supporting = none;
     for (const Support& support : model.supports) {
       const Vector3 force = all.col(support.molecule), velocity = state.velocities.col(support.molecule);
-      forces.holding.col(support.molecule) = support.free * force - force;
-      forces.held_kinetic +=
+      forces.supporting.col(support.molecule) = support.free * force - force;
+      forces.support_kinetic +=
           model.body().mass[support.molecule] * (velocity - support.free * velocity).squaredNorm() / 2;
     }
   }
@@ -64,11 +66,11 @@ Ledger::Border Ledger::border(const Model& model, const State& state) const {
 
 void Ledger::record(const Model& model, const State& state) {
   if (!open_) return;
-  const Positions way = state.positions - positions_;
+  const Positions displacement = state.positions - positions_;
   Border now = border(model, state);
-  dissipated -= work_of(last_.resisting, now.resisting, way);
-  work += work_of(last_.driving, now.driving, way) + work_of(last_.holding, now.holding, way) + now.held_kinetic -
-          last_.held_kinetic;
+  dissipated -= work_of(last_.resisting, now.resisting, displacement);
+  work += work_of(last_.driving, now.driving, displacement) + work_of(last_.supporting, now.supporting, displacement) +
+          now.support_kinetic - last_.support_kinetic;
   positions_ = state.positions;
   last_ = std::move(now);
 }

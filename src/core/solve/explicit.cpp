@@ -10,13 +10,13 @@ namespace elastin {
 namespace {
 
 /// Of one step.
-constexpr double kMostParts = 10000;
+constexpr double kMaxSubsteps = 10000;
 
 /// A molecule's part of an update costs as much as some ten connections.
 constexpr int kMoleculeThreshold = kParallelThreshold / 10;
 
-void set_accelerations(const Model& model, const State& state, Positions& accelerations, Scratch& scratch) {
-  model.set_forces(state, accelerations, scratch);
+void set_accelerations(const Model& model, const State& state, Positions& accelerations, Workspace& workspace) {
+  model.set_forces(state, accelerations, workspace);
   keep_free(model.supports, accelerations);
   const VectorX& mass = model.body().mass;
   parallel_for(
@@ -31,10 +31,10 @@ class Explicit final : public Integrator {
 
   /// In parts where a stiffness sets in that the step is too long for, or something would be passed through.
   StepResult advance(Model& model, State& state, double dt) override {
-    const double parts = std::max(1., std::ceil(dt * std::sqrt(model.square_frequency(state, dt))));
-    if (!(parts > 1)) return step(model, state, dt);
+    const double substeps = std::max(1., std::ceil(dt * std::sqrt(model.square_frequency(state, dt))));
+    if (!(substeps > 1)) return step(model, state, dt);
     before_ = state;
-    StepResult result = in_parts(model, state, dt, std::min(parts, kMostParts));
+    StepResult result = in_substeps(model, state, dt, std::min(substeps, kMaxSubsteps));
     if (result.outcome != Outcome::converged) go_back(model, state, before_);
     return result;
   }
@@ -45,12 +45,12 @@ class Explicit final : public Integrator {
     if (model.drive) model.drive(state.time, model.supports);
   }
 
-  StepResult in_parts(Model& model, State& state, double dt, double parts) {
+  StepResult in_substeps(Model& model, State& state, double dt, double substeps) {
     const double end = state.time + dt;
     StepResult all;
-    for (int part = 0; part < parts; ++part) {
-      StepResult result = step(model, state, dt / parts);
-      result.parts += part > 0 ? all.parts : 0;
+    for (int substep = 0; substep < substeps; ++substep) {
+      StepResult result = step(model, state, dt / substeps);
+      result.substeps += substep > 0 ? all.substeps : 0;
       result.error = std::max(result.error, all.error);
       all = std::move(result);
       if (all.outcome != Outcome::converged) return all;
@@ -60,10 +60,10 @@ class Explicit final : public Integrator {
   }
 
   /// May call itself, with shorter steps: each keeps where it began.
-  StepResult again_in_parts(Model& model, State& state, double dt, double parts) {
+  StepResult again_in_substeps(Model& model, State& state, double dt, double substeps) {
     const State before = state;
     if (model.drive) model.drive(state.time, model.supports);
-    StepResult result = in_parts(model, state, dt, std::min(kMostParts, parts));
+    StepResult result = in_substeps(model, state, dt, std::min(kMaxSubsteps, substeps));
     if (result.outcome != Outcome::converged) go_back(model, state, before);
     return result;
   }
@@ -72,17 +72,17 @@ class Explicit final : public Integrator {
     const int n = model.body().size();
     const bool verlet = scheme_ == Scheme::velocity_verlet;
     if (!verlet)
-      set_accelerations(model, state, accelerations_, scratch_);
+      set_accelerations(model, state, accelerations_, workspace_);
     else if (state.accelerations.cols() != n)
-      set_accelerations(model, state, state.accelerations, scratch_);
+      set_accelerations(model, state, state.accelerations, workspace_);
     next_.positions.resize(3, n);
     next_.velocities.resize(3, n);
     next_.time = state.time + dt;
-    next_.touches = state.touches;
+    next_.contact_history = state.contact_history;
     if (model.drive) model.drive(next_.time, model.supports);
     StepResult result;
     const double largest = verlet ? verlet_step(model, state, dt) : euler_step(state, dt);
-    place_supports(model, next_.positions);
+    apply_supports(model, next_.positions);
     move_with_supports(model.supports, next_.velocities);
     // Local error: Verlet's is dt³/6 of the third derivative, as in central differences; Euler's dt²/2 of the second.
     result.error = dt * dt / (verlet ? 6 : 2) * std::sqrt(largest);
@@ -91,11 +91,11 @@ class Explicit final : public Integrator {
       result.cause = "the next step has no finite velocities: the step is too long";
     } else if (!model.admissible(next_.positions)) {
       result.outcome = Outcome::inverted;
-      result.cause = turned_over_text(model.body(), next_.positions);
-    } else if (const double way = model.free_way(state, next_); way < 1) {
-      return again_in_parts(model, state, dt, std::ceil(1 / way));
+      result.cause = inverted_text(model.body(), next_.positions);
+    } else if (const double fraction = model.max_step_fraction(state, next_); fraction < 1) {
+      return again_in_substeps(model, state, dt, std::ceil(1 / fraction));
     } else {
-      model.remember(next_);
+      model.commit_step(next_);
       std::swap(state, next_);
       return result;
     }
@@ -142,9 +142,9 @@ class Explicit final : public Integrator {
           }
         },
         kMoleculeThreshold);
-    place_supports(model, next_.positions);
+    apply_supports(model, next_.positions);
     if (guess) move_with_supports(model.supports, next_.velocities);
-    model.set_forces(next_, next_.accelerations, scratch_);
+    model.set_forces(next_, next_.accelerations, workspace_);
     keep_free(model.supports, next_.accelerations);
     return largest_of_ranges(
         n, [&](int begin, int end) { return kick(model.body().mass, state, half, begin, end); }, kMoleculeThreshold);
@@ -183,14 +183,14 @@ class Explicit final : public Integrator {
   Scheme scheme_;
   State next_, before_;
   Positions accelerations_;  // of a step's start, where the next step has no use for them
-  Scratch scratch_;
+  Workspace workspace_;
 };
 
 }  // namespace
 
-std::string turned_over_text(const Body& body, const Positions& positions) {
+std::string inverted_text(const Body& body, const Positions& positions) {
   const std::vector<int> cells = flat_or_inverted_cells(body, positions);
-  return cells.empty() ? "a cell is flat or turned over" : flat_or_inverted_text(cells, body.tetrahedra.size());
+  return cells.empty() ? "a cell is flat or inverted" : flat_or_inverted_text(cells, body.tetrahedra.size());
 }
 
 void move_with_supports(const std::vector<Support>& supports, Positions& velocities) {
@@ -201,8 +201,8 @@ void move_with_supports(const std::vector<Support>& supports, Positions& velocit
 }
 
 void set_accelerations(const Model& model, State& state) {
-  Scratch scratch;
-  set_accelerations(model, state, state.accelerations, scratch);
+  Workspace workspace;
+  set_accelerations(model, state, state.accelerations, workspace);
 }
 
 std::unique_ptr<Integrator> make_explicit(Scheme scheme) { return std::make_unique<Explicit>(scheme); }

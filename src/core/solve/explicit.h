@@ -5,8 +5,8 @@ namespace elastin {
 
 std::unique_ptr<Integrator> make_explicit(Scheme scheme);
 
-/// "cell 3 is flat or turned over", or the same without a number where no single cell is.
-std::string turned_over_text(const Body& body, const Positions& positions);
+/// "cell 3 is flat or inverted", or the same without a number where no single cell is.
+std::string inverted_text(const Body& body, const Positions& positions);
 
 /// Gives supported molecules the velocities of their supports in the held directions.
 void move_with_supports(const std::vector<Support>& supports, Positions& velocities);

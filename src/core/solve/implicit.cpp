@@ -12,7 +12,7 @@ namespace elastin {
 namespace {
 
 /// A step that fails goes in halves, and those in halves, down to this part of it.
-constexpr double kSmallestPart = 1. / 1024;
+constexpr double kSmallestSubstep = 1. / 1024;
 
 class Implicit final : public Integrator {
  public:
@@ -26,8 +26,8 @@ class Implicit final : public Integrator {
     if (state.accelerations.cols() != state.positions.cols()) set_accelerations(model, state);
     before_ = state;
     StepResult result;
-    result.parts = 0;
-    advance(model, state, dt, dt * kSmallestPart, result);
+    result.substeps = 0;
+    advance(model, state, dt, dt * kSmallestSubstep, result);
     if (result.outcome != Outcome::converged) {
       state = before_;
       if (model.drive) model.drive(state.time, model.supports);
@@ -64,17 +64,17 @@ class Implicit final : public Integrator {
     next_.positions = state.positions + dt * state.velocities;
     next_.velocities = state.velocities;
     next_.time = state.time + dt;
-    next_.touches = state.touches;
+    next_.contact_history = state.contact_history;
     if (newmark) {
       next_.positions += dt * dt / 2 * state.accelerations;
     } else {
       next_.accelerations.setZero(3, model.body().size());
       balance_as_one(model);
     }
-    place_supports(model, next_.positions);
+    apply_supports(model, next_.positions);
     if (model.admissible(next_.positions)) return;
     next_.positions = state.positions;
-    place_supports(model, next_.positions);
+    apply_supports(model, next_.positions);
   }
 
   /// The state stays if it fails; the result then says why.
@@ -83,7 +83,7 @@ class Implicit final : public Integrator {
     if (model.drive) model.drive(state.time + dt, model.supports);
     set_kinematics(state, dt);
     set_first_guess(model, state, dt, newmark);
-    const StaticResult solved = solve_newton(model, next_, options_.newton, &kinematics_, room_);
+    const StaticResult solved = solve_newton(model, next_, options_.newton, &kinematics_, workspace_);
     result.newton_iterations += solved.newton_iterations;
     result.linear_iterations += solved.linear_iterations;
     const bool cut_short = kinematics_.cut_short && solved.outcome == Outcome::limit_reached;
@@ -93,13 +93,13 @@ class Implicit final : public Integrator {
       return;
     }
     balance_as_one(model);
-    if (model.free_way(state, next_) < 1) {
+    if (model.max_step_fraction(state, next_) < 1) {
       result.outcome = Outcome::limit_reached;
       result.cause = "something would be passed through within a step";
       return;
     }
-    model.remember(next_);
-    ++result.parts;
+    model.commit_step(next_);
+    ++result.substeps;
     result.cause.clear();
     const double change = newmark ? largest_square(next_.accelerations - state.accelerations)  //
                                   : largest_square(next_.accelerations);
@@ -118,7 +118,7 @@ class Implicit final : public Integrator {
   /// where it is not, which changes no length, so that momentum is kept to rounding.
   void balance_as_one(const Model& model) {
     if (!model.supports.empty()) return;
-    model.set_forces(next_, forces_, room_.trials.scratch);
+    model.set_forces(next_, forces_, workspace_.trials.force_pass);
     const double mass = model.body().mass.sum();
     const Vector3 needed = next_.accelerations * model.body().mass;
     const Vector3 missing = (forces_.rowwise().sum() - needed) / mass;
@@ -133,7 +133,7 @@ class Implicit final : public Integrator {
   State next_, before_;
   Kinematics kinematics_;
   Positions forces_;
-  NewtonRoom room_;
+  NewtonWorkspace workspace_;
 };
 
 }  // namespace

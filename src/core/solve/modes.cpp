@@ -18,7 +18,7 @@ namespace {
 constexpr double kParallel = 1e-7;  ///< sine below which a direction counts as contained in a subspace
 
 /// Directions of one molecule that are known not to move, as an orthonormal basis.
-struct Held {
+struct Fixed {
   Matrix3 basis = Matrix3::Zero();
   int count = 0;
   /// Takes a direction in if it is a new one.
@@ -39,8 +39,8 @@ struct Held {
 };
 
 /// Motion of a place under each of the six rigid motions about `centre`, lengths measured in `size`.
-Eigen::Matrix<double, 3, 6> rigid_rows(const Vector3& place, const Vector3& centre, double size) {
-  const Vector3 arm = (place - centre) / size;
+Eigen::Matrix<double, 3, 6> rigid_rows(const Vector3& position, const Vector3& centre, double size) {
+  const Vector3 arm = (position - centre) / size;
   Eigen::Matrix<double, 3, 6> rows;
   rows.leftCols<3>().setIdentity();
   rows.rightCols<3>() << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
@@ -50,14 +50,14 @@ Eigen::Matrix<double, 3, 6> rigid_rows(const Vector3& place, const Vector3& cent
 class Search {
  public:
   Search(const Body& body, const std::vector<Support>& supports, const std::vector<char>& stiff)
-      : body_(body), held_(body.size()), free_basis_(body.size()) {
+      : body_(body), fixed_(body.size()), free_basis_(body.size()) {
     for (int c = 0; c < body.connections.size(); ++c)
       if ((stiff.empty() || stiff[c]) && direction(c).norm() > 0) links_.ends.push_back(body.connections.ends[c]);
     incident_ = connections_of_molecules(body.size(), links_);
     for (const Support& support : supports) {
       const Matrix3 held = Matrix3::Identity() - support.free;
       for (int axis = 0; axis < 3; ++axis)
-        if (held.col(axis).norm() > 1e-6) held_[support.molecule].add(held.col(axis));
+        if (held.col(axis).norm() > 1e-6) fixed_[support.molecule].add(held.col(axis));
     }
   }
 
@@ -85,9 +85,9 @@ class Search {
     const double size = std::max((body_.rest.colwise() - centre).colwise().norm().maxCoeff(), 1e-300);
     Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
     for (int m = 0; m < n; ++m)
-      for (int i = 0; i < held_[m].count; ++i) {
+      for (int i = 0; i < fixed_[m].count; ++i) {
         const Eigen::Matrix<double, 1, 6> row =
-            held_[m].basis.col(i).transpose() * rigid_rows(body_.rest.col(m), centre, size);
+            fixed_[m].basis.col(i).transpose() * rigid_rows(body_.rest.col(m), centre, size);
         gram += row.transpose() * row;
       }
     // Rotations about the line of a body on a line move nothing: they are no motion at all.
@@ -110,7 +110,7 @@ class Search {
       const Eigen::JacobiSVD<Eigen::MatrixXd> svd(moves, Eigen::ComputeFullU | Eigen::ComputeFullV);
       int rank = 0;
       while (rank < svd.singularValues().size() && svd.singularValues()[rank] > 1e-5) ++rank;
-      for (int i = 0; i < rank; ++i) held_[m].add(svd.matrixU().col(i));
+      for (int i = 0; i < rank; ++i) fixed_[m].add(svd.matrixU().col(i));
       motions = (motions * svd.matrixV().rightCols(motions.cols() - rank)).eval();
     }
     return rigid;
@@ -120,7 +120,7 @@ class Search {
   std::vector<int> pin_order() const {
     int first = 0;  // one that is held already, if any: it carries furthest
     for (int m = 0; m < body_.size(); ++m)
-      if (held_[m].count > held_[first].count) first = m;
+      if (fixed_[m].count > fixed_[first].count) first = m;
     std::vector<int> order{first};
     std::vector<char> seen(body_.size(), 0);
     seen[first] = 1;
@@ -158,7 +158,7 @@ class Search {
       waiting[m] = 0;
       for (const int c : incident_[m]) {
         const int other = other_end(c, m);
-        if (held_[other].count < 3 && held_[m].contains(link(c)) && held_[other].add(link(c)) && !waiting[other]) {
+        if (fixed_[other].count < 3 && fixed_[m].contains(link(c)) && fixed_[other].add(link(c)) && !waiting[other]) {
           waiting[other] = 1;
           queue.push_back(other);
         }
@@ -168,10 +168,10 @@ class Search {
 
   /// The free directions of a molecule: along its connections as far as can be, so that groups fall apart.
   void choose_free_basis(int m) {
-    Held all = held_[m];
+    Fixed all = fixed_[m];
     for (const int c : incident_[m]) all.add(link(c));
     for (int axis = 0; axis < 3; ++axis) all.add(Vector3::Unit(axis));
-    free_basis_[m] = all.basis.rightCols(3 - held_[m].count);
+    free_basis_[m] = all.basis.rightCols(3 - fixed_[m].count);
   }
 
   void count_the_rest(ModeReport& report) {
@@ -300,7 +300,7 @@ class Search {
   const Body& body_;
   Connections links_;  // the connections that count
   Rows incident_;
-  std::vector<Held> held_;
+  std::vector<Fixed> fixed_;
   std::vector<Eigen::Matrix<double, 3, Eigen::Dynamic>> free_basis_;
 };
 

@@ -24,17 +24,17 @@ constexpr int kSaddles = 3;
 const std::string kAdrift = "the loads work on a zero-energy mode that does not stiffen";
 
 /// The solver of the last time, if it was of this kind.
-LinearSolver& solver_of(LinearMethod method, bool symmetric, SolverKept& kept) {
-  if (kept.solver && kept.method == method && kept.symmetric == symmetric) return *kept.solver;
+LinearSolver& solver_of(LinearMethod method, bool symmetric, CachedSolver& cached) {
+  if (cached.solver && cached.method == method && cached.symmetric == symmetric) return *cached.solver;
   if (!symmetric)
-    kept.solver = make_bicgstab();
+    cached.solver = make_bicgstab();
   else if (method == LinearMethod::direct)
-    kept.solver = make_direct();
+    cached.solver = make_direct();
   else
-    kept.solver = method == LinearMethod::multigrid ? make_multigrid() : make_pcg();
-  kept.method = method;
-  kept.symmetric = symmetric;
-  return *kept.solver;
+    cached.solver = method == LinearMethod::multigrid ? make_multigrid() : make_pcg();
+  cached.method = method;
+  cached.symmetric = symmetric;
+  return *cached.solver;
 }
 
 /// A way out of an equilibrium that is no minimum, which no force leads out of: a direction of negative stiffness, met
@@ -79,12 +79,12 @@ double rounding_floor(const Tangent& tangent, const Positions& positions) {
 
 LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                           double tolerance, const StaticOptions& options, bool through_saddles, Positions& solution,
-                          UsedSolver& used, SolverKept& kept) {
+                          UsedSolver& used, CachedSolver& cached) {
   const int molecules = tangent.model().body().size();
   const LinearChoice choice = choose_linear_solver(tangent, options.method, tolerance);
   used.reason = choice.reason;
   const bool symmetric = tangent.model().symmetric();
-  LinearSolver* solver = &solver_of(choice.method, symmetric, kept);
+  LinearSolver* solver = &solver_of(choice.method, symmetric, cached);
   LinearResult result = solver->solve(tangent, supports, rhs, tolerance, solution);
   std::unique_ptr<LinearSolver> other_solver;
   if (result.negative_modes > 0 && !through_saddles) {  // a factorisation leads to the saddle, iterations downhill
@@ -113,7 +113,7 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
   return result;
 }
 
-void set_held_parts(const std::vector<Support>& supports, const Positions& vectors, Positions& parts) {
+void set_fixed_components(const std::vector<Support>& supports, const Positions& vectors, Positions& parts) {
   parts.resize(3, static_cast<Eigen::Index>(supports.size()));
   for (std::size_t i = 0; i < supports.size(); ++i) {
     const Vector3 v = vectors.col(supports[i].molecule);
@@ -121,13 +121,13 @@ void set_held_parts(const std::vector<Support>& supports, const Positions& vecto
   }
 }
 
-Positions held_parts(const std::vector<Support>& supports, const Positions& vectors) {
+Positions fixed_components(const std::vector<Support>& supports, const Positions& vectors) {
   Positions parts;
-  set_held_parts(supports, vectors, parts);
+  set_fixed_components(supports, vectors, parts);
   return parts;
 }
 
-void place_supports(const Model& model, Positions& positions) {
+void apply_supports(const Model& model, Positions& positions) {
   for (const Support& support : model.supports) {
     const Vector3 wanted = model.body().rest.col(support.molecule) + support.displacement;
     const Vector3 off = wanted - positions.col(support.molecule);
@@ -142,15 +142,15 @@ constexpr int kTightenings = 50;
 
 /// An equilibrium with the memory that the state has.
 StaticResult balance_once(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
-                          NewtonRoom& room) {
+                          NewtonWorkspace& workspace) {
   StaticResult result;
   const Problem problem(model, kinematics);
-  Trial& now = room.now;
+  Trial& now = workspace.now;
   now.state = state;
-  evaluate(problem, problem.with_energy, now, room.trials);
+  evaluate(problem, problem.with_energy, now, workspace.trials);
   if (!std::isfinite(now.energy)) {
     result.outcome = Outcome::inverted;
-    result.cause = turned_over_text(model.body(), now.state.positions) + " at the start of the step";
+    result.cause = inverted_text(model.body(), now.state.positions) + " at the start of the step";
     return result;
   }
   UsedSolver used{options.method == LinearMethod::direct ? "direct" : "pcg", ""};
@@ -164,11 +164,11 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
       break;
     }
     const Weights weights = kinematics ? kinematics->weights : Weights{};
-    if (room.tangent && &room.tangent->model() == &model)
-      room.tangent->take(now.state, weights);
+    if (workspace.tangent && &workspace.tangent->model() == &model)
+      workspace.tangent->linearise_at(now.state, weights);
     else
-      room.tangent = std::make_unique<Tangent>(model, now.state, weights);
-    const Tangent& tangent = *room.tangent;
+      workspace.tangent = std::make_unique<Tangent>(model, now.state, weights);
+    const Tangent& tangent = *workspace.tangent;
     const double floor = rounding_floor(tangent, now.state.positions);
     result.residual = now.forces.scale > 0 ? now.forces.norm / now.forces.scale : 0;
     const double goal = std::max(options.tolerance * now.forces.scale, 2 * floor);
@@ -177,7 +177,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
       if (!probe || !may_buckle(model.body(), now.state.positions)) break;
       const Positions down = way_down(tangent, model.supports, result.linear_iterations);
       result.unstable = down.size() > 0;
-      if (!result.unstable || !stable_start || !leave_saddle(problem, down, now, room.trials)) break;
+      if (!result.unstable || !stable_start || !leave_saddle(problem, down, now, workspace.trials)) break;
       ++saddles;
       last_saddle = result.newton_iterations;
       result.left_saddle = true;
@@ -197,10 +197,10 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     // Conjugate gradients get stuck on a stiffness that is not symmetric: ask for little, and come again.
     if (!model.has_energy()) forcing = std::max(forcing, 0.03);
     last = now.forces.norm;
-    Positions& motion = room.motion;
+    Positions& motion = workspace.motion;
     const LinearResult linear = solve_linear(tangent, model.supports, now.forces.unbalanced, forcing, options,
                                              !stable_start || result.newton_iterations >= last_saddle + kDownhillSteps,
-                                             motion, used, room.solver);
+                                             motion, used, workspace.solver);
     const bool negative = linear.status == LinearStatus::negative_mode || linear.negative_modes > 0;
     if (result.newton_iterations == 0) stable_start = problem.with_energy && !negative;
     result.linear_iterations += linear.iterations;
@@ -212,7 +212,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     const bool to_saddle = linear.negative_modes > 0;
     bool inverted = false;
     const bool found = motion.allFinite() &&
-                       line_search(problem, motion, problem.with_energy && !to_saddle, now, inverted, room.trials);
+                       line_search(problem, motion, problem.with_energy && !to_saddle, now, inverted, workspace.trials);
     result.cut_steps += inverted;
     if (!found) {
       const bool mechanism = linear.status == LinearStatus::zero_mode;
@@ -229,22 +229,22 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
   if (kinematics) return result;  // nobody asks for the reactions of a step
   Positions forces;
   model.set_forces(state, forces);
-  result.reactions = -held_parts(model.supports, forces);
+  result.reactions = -fixed_components(model.supports, forces);
   return result;
 }
 
 }  // namespace
 
 StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
-                          NewtonRoom& room) {
-  StaticResult result = balance_once(model, state, options, kinematics, room);
-  for (int round = 0; result.outcome == Outcome::converged && model.tighten(state); ++round) {
+                          NewtonWorkspace& workspace) {
+  StaticResult result = balance_once(model, state, options, kinematics, workspace);
+  for (int round = 0; result.outcome == Outcome::converged && model.update_multipliers(state); ++round) {
     if (round == kTightenings) {
       result.outcome = Outcome::limit_reached;
       result.cause = "contact is pressed in deeper than allowed after " + std::to_string(kTightenings) + " tightenings";
       break;
     }
-    StaticResult again = balance_once(model, state, options, kinematics, room);
+    StaticResult again = balance_once(model, state, options, kinematics, workspace);
     again.newton_iterations += result.newton_iterations;
     again.linear_iterations += result.linear_iterations;
     again.cut_steps += result.cut_steps;

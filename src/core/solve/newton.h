@@ -10,7 +10,7 @@
 namespace elastin {
 
 /// A linear solver kept from one solve to the next, for its memory.
-struct SolverKept {
+struct CachedSolver {
   std::unique_ptr<LinearSolver> solver;
   LinearMethod method = LinearMethod::automatic;
   bool symmetric = true;
@@ -18,11 +18,11 @@ struct SolverKept {
 
 /// Room for what Newton computes on the way; it only grows. Time steps of one model with conjugate gradients allocate
 /// nothing after the first.
-struct NewtonRoom {
+struct NewtonWorkspace {
   Trial now;
-  TrialRoom trials;
+  TrialWorkspace trials;
   std::unique_ptr<Tangent> tangent;  // of the model
-  SolverKept solver;
+  CachedSolver solver;
   Positions motion;
 };
 
@@ -32,7 +32,7 @@ struct NewtonRoom {
 /// @param kinematics nullptr: static. Else reactions are not asked for.
 /// @param room of this model alone.
 StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
-                          NewtonRoom& room);
+                          NewtonWorkspace& workspace);
 
 /// The unbalanced force [N] that rounding of the positions alone makes: nothing smaller can be asked for.
 double rounding_floor(const Tangent& tangent, const Positions& positions);
@@ -46,13 +46,13 @@ struct UsedSolver {
 /// cannot handle and the body is small enough for it; on a negative mode only if `through_saddles`.
 LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                           double tolerance, const StaticOptions& options, bool through_saddles, Positions& solution,
-                          UsedSolver& used, SolverKept& kept);
+                          UsedSolver& used, CachedSolver& cached);
 
 /// The held part of each supported molecule's column, 3 × supports.
-void set_held_parts(const std::vector<Support>& supports, const Positions& vectors, Positions& parts);
-Positions held_parts(const std::vector<Support>& supports, const Positions& vectors);
+void set_fixed_components(const std::vector<Support>& supports, const Positions& vectors, Positions& parts);
+Positions fixed_components(const std::vector<Support>& supports, const Positions& vectors);
 
 /// Puts every supported molecule where its support wants it, in the held directions.
-void place_supports(const Model& model, Positions& positions);
+void apply_supports(const Model& model, Positions& positions);
 
 }  // namespace elastin

@@ -27,7 +27,7 @@ bool note_balance(Model& model, const State& state, double tolerance, StaticResu
   Positions forces = model.elastic_forces(state.positions);
   const Positions loads = model.load_forces(state);
   forces += loads;
-  result.reactions = -held_parts(model.supports, forces);
+  result.reactions = -fixed_components(model.supports, forces);
   const double scale = ordered_norm(loads) + result.reactions.norm();
   keep_free(model.supports, forces);
   const double left = ordered_norm(forces);
@@ -84,14 +84,14 @@ void relax_implicitly(Model& model, State& state, double tolerance, StaticResult
 
 StaticResult relax(Model& model, State& state, const StaticOptions& options) {
   StaticResult result;
-  const bool by_explicit = options.way == StaticWay::explicit_steps;
+  const bool by_explicit = options.static_method == StaticMethod::explicit_steps;
   result.solver = by_explicit ? "explicit relaxation" : "implicit relaxation";
   state.velocities.setZero(3, state.positions.cols());
-  place_supports(model, state.positions);
+  apply_supports(model, state.positions);
   const double tolerance = std::max(options.tolerance, kStrictest);
   if (!model.admissible(state.positions)) {
     result.outcome = Outcome::inverted;
-    result.cause = turned_over_text(model.body(), state.positions) + " at the start";
+    result.cause = inverted_text(model.body(), state.positions) + " at the start";
     note_balance(model, state, tolerance, result);
     return result;
   }

@@ -45,13 +45,13 @@ std::pair<double, int> bound_of(const Tangent& tangent) {
   const Body& body = tangent.model().body();
   // The parts of one block must be added before its norm is taken, or cells would count many times: blocks by row.
   std::vector<std::vector<std::pair<int, Matrix3>>> rows(body.size());
-  tangent.visit_blocks([&](int a, int b, const Matrix3& part) {
+  tangent.visit_blocks([&](int a, int b, const Matrix3& block) {
     auto& row = rows[a];
     const auto at = std::find_if(row.begin(), row.end(), [&](const auto& entry) { return entry.first == b; });
     if (at == row.end())
-      row.emplace_back(b, part);
+      row.emplace_back(b, block);
     else
-      at->second += part;
+      at->second += block;
   });
   std::pair<double, int> most{0, -1};
   for (int a = 0; a < body.size(); ++a) {
@@ -65,24 +65,25 @@ std::pair<double, int> bound_of(const Tangent& tangent) {
 /// Which connection or cell stores most of a mode's energy, ½ (2 d·δ)² slope and q |δ|² of springs.
 void name_culprit(Model& model, const State& state, const Positions& mode, StableStep& found) {
   const Connections& connections = model.body().connections;
-  VectorX squares(connections.size()), slopes = VectorX::Zero(connections.size());
-  const VectorX densities = model.force_densities(state.positions);
+  VectorX squared_length_changes(connections.size()), slopes = VectorX::Zero(connections.size());
+  const VectorX force_densities = model.force_densities(state.positions);
   VectorX share(connections.size());
-  for (const auto& part : model.elasticity()) part->add_own_slopes(slopes);
+  for (const auto& term : model.elasticity()) term->add_own_slopes(slopes);
   for (int c = 0; c < connections.size(); ++c) {
     const auto& [a, b] = connections.ends[c];
     const Vector3 delta = mode.col(b) - mode.col(a);
-    squares[c] = 2 * (state.positions.col(b) - state.positions.col(a)).dot(delta);
-    share[c] = std::abs(slopes[c] * squares[c] * squares[c] + densities[c] * delta.squaredNorm());
+    squared_length_changes[c] = 2 * (state.positions.col(b) - state.positions.col(a)).dot(delta);
+    share[c] = std::abs(slopes[c] * squared_length_changes[c] * squared_length_changes[c] +
+                        force_densities[c] * delta.squaredNorm());
   }
   double most = share.size() ? share.maxCoeff(&found.connection) : 0;
   int cell = 0;
-  for (const auto& part : model.elasticity())
-    part->visit_cells([&](std::span<const int> sides, const double* slope) {
+  for (const auto& term : model.elasticity())
+    term->visit_cells([&](std::span<const int> sides, const double* slope) {
       double energy = 0;
       for (std::size_t i = 0; i < sides.size(); ++i)
         for (std::size_t j = 0; j < sides.size(); ++j)
-          energy += squares[sides[i]] * slope[i * sides.size() + j] * squares[sides[j]];
+          energy += squared_length_changes[sides[i]] * slope[i * sides.size() + j] * squared_length_changes[sides[j]];
       if (std::abs(energy) > most) most = std::abs(energy), found.cell = cell, found.connection = -1;
       ++cell;
     });

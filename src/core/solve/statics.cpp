@@ -14,12 +14,13 @@ namespace {
 /// one linear solve about the present state, with the supports' way as its only load.
 void follow_supports(Model& model, State& state, const StaticOptions& options, StaticResult& result) {
   Positions moved = state.positions;
-  place_supports(model, moved);
-  const Positions way = moved - state.positions;
-  if (way.cwiseAbs().maxCoeff() == 0) return;
+  apply_supports(model, moved);
+  const Positions displacement = moved - state.positions;
+  if (displacement.cwiseAbs().maxCoeff() == 0) return;
   StaticOptions rough = options;
   rough.tolerance = 1e-3;
-  const StaticResponse response = static_response(model, state.positions, Positions::Zero(3, way.cols()), way, rough);
+  const StaticResponse response =
+      static_response(model, state.positions, Positions::Zero(3, displacement.cols()), displacement, rough);
   result.linear_iterations += response.result.linear_iterations;
   const Positions stretched = state.positions + response.motion;
   const bool usable = response.motion.allFinite() && std::isfinite(model.elastic_energy(stretched));
@@ -28,11 +29,11 @@ void follow_supports(Model& model, State& state, const StaticOptions& options, S
 
 StaticResult solve_linear_statics(Model& model, State& state, const StaticOptions& options) {
   const State rest = state_at_rest(model.body());
-  Positions way = rest.positions;
-  place_supports(model, way);
-  way -= rest.positions;
+  Positions displacement = rest.positions;
+  apply_supports(model, displacement);
+  displacement -= rest.positions;
   StaticResponse response = static_response(
-      model, rest.positions, model.load_forces(rest) + model.elastic_forces(rest.positions), way, options);
+      model, rest.positions, model.load_forces(rest) + model.elastic_forces(rest.positions), displacement, options);
   if (response.result.outcome == Outcome::converged) state.positions = rest.positions + response.motion;
   return response.result;
 }
@@ -59,44 +60,44 @@ const char* name_of(Outcome outcome) {
 
 StaticResult solve_static(Model& model, State& state, const StaticOptions& options) {
   if (options.linear) return solve_linear_statics(model, state, options);
-  if (options.way != StaticWay::newton) return relax(model, state, options);
+  if (options.static_method != StaticMethod::newton) return relax(model, state, options);
   StaticResult moved;
   follow_supports(model, state, options, moved);
-  NewtonRoom room;
-  StaticResult result = solve_newton(model, state, options, nullptr, room);
+  NewtonWorkspace workspace;
+  StaticResult result = solve_newton(model, state, options, nullptr, workspace);
   result.linear_iterations += moved.linear_iterations;
   return result;
 }
 
-StaticResponse static_response(Model& model, const Positions& at, const Positions& load_change, const Positions& way,
-                               const StaticOptions& options) {
+StaticResponse static_response(Model& model, const Positions& at, const Positions& load_change,
+                               const Positions& displacement, const StaticOptions& options) {
   StaticResponse response;
   StaticResult& result = response.result;
-  const auto add_held_way = [&](Positions& motion) {
+  const auto add_prescribed_displacement = [&](Positions& motion) {
     for (const Support& support : model.supports) {
-      const Vector3 w = way.col(support.molecule);
+      const Vector3 w = displacement.col(support.molecule);
       motion.col(support.molecule) += w - support.free * w;
     }
   };
   const State state{at, model.feels_velocity() ? Positions(Positions::Zero(3, at.cols())) : Positions()};
   const Tangent tangent(model, state);
-  Positions rhs(3, way.cols()), motion = Positions::Zero(3, way.cols());
-  add_held_way(motion);
+  Positions rhs(3, displacement.cols()), motion = Positions::Zero(3, displacement.cols());
+  add_prescribed_displacement(motion);
   tangent.apply(motion, rhs);
   rhs = load_change - rhs;
-  const double held = held_parts(model.supports, rhs).norm();
+  const double supported = fixed_components(model.supports, rhs).norm();
   keep_free(model.supports, rhs);
   UsedSolver used;
-  SolverKept kept;
+  CachedSolver cached;
   const LinearResult linear =
-      solve_linear(tangent, model.supports, rhs, options.tolerance, options, true, motion, used, kept);
+      solve_linear(tangent, model.supports, rhs, options.tolerance, options, true, motion, used, cached);
   result.solver = "linear " + used.name;
   result.reason = used.reason;
   result.linear = true;
   result.newton_iterations = 1;
   result.linear_iterations = linear.iterations;
   const double size = ordered_norm(rhs);
-  result.residual = size > 0 ? linear.residual * size / (size + held) : 0;
+  result.residual = size > 0 ? linear.residual * size / (size + supported) : 0;
   result.unstable = linear.negative_modes > 0 || linear.status == LinearStatus::negative_mode;
   // An indefinite stiffness still has its one answer, which a factorisation finds and iterations do not.
   if (linear.status != LinearStatus::solved && linear.residual > std::max(options.tolerance, 1e-8)) {
@@ -106,10 +107,10 @@ StaticResponse static_response(Model& model, const Positions& at, const Position
                    : negative ? "the stiffness has directions of negative stiffness"
                               : "the linear solver ran out of iterations";
   }
-  add_held_way(motion);
+  add_prescribed_displacement(motion);
   tangent.apply(motion, rhs);
   rhs -= load_change;
-  result.reactions = held_parts(model.supports, rhs);
+  result.reactions = fixed_components(model.supports, rhs);
   response.motion = std::move(motion);
   return response;
 }

@@ -11,30 +11,30 @@
 namespace elastin {
 namespace {
 
-void set_balance(const Problem& problem, const State& state, Balance& result, TrialRoom& room) {
+void set_balance(const Problem& problem, const State& state, Balance& result, TrialWorkspace& workspace) {
   const Model& model = problem.model;
   const int n = model.body().size();
   result.scale = 0;
   // Each load by itself: together they may cancel, as a weight and the floor that it rests on.
-  room.loads.setZero(3, n);
+  workspace.loads.setZero(3, n);
   for (const auto& load : model.loads()) {
-    room.one.setZero(3, n);
-    load->add_forces(state, room.one);
-    result.scale += ordered_norm(room.one);
-    room.loads += room.one;
+    workspace.one.setZero(3, n);
+    load->add_forces(state, workspace.one);
+    result.scale += ordered_norm(workspace.one);
+    workspace.loads += workspace.one;
   }
   if (problem.kinematics) {
-    model.set_forces(state, result.unbalanced, room.scratch);
-    room.one = state.accelerations * model.body().mass.asDiagonal();  // inertia
-    result.unbalanced -= room.one;
-    result.scale += ordered_norm(room.one);
+    model.set_forces(state, result.unbalanced, workspace.force_pass);
+    workspace.one = state.accelerations * model.body().mass.asDiagonal();  // inertia
+    result.unbalanced -= workspace.one;
+    result.scale += ordered_norm(workspace.one);
   } else {
     result.unbalanced.setZero(3, n);
-    model.add_elastic_forces(state.positions, result.unbalanced, room.scratch);
-    result.unbalanced += room.loads;
+    model.add_elastic_forces(state.positions, result.unbalanced, workspace.force_pass);
+    result.unbalanced += workspace.loads;
   }
-  set_held_parts(model.supports, result.unbalanced, room.held);
-  result.scale += room.held.norm();
+  set_fixed_components(model.supports, result.unbalanced, workspace.supported);
+  result.scale += workspace.supported.norm();
   keep_free(model.supports, result.unbalanced);
   result.norm = ordered_norm(result.unbalanced);
 }
@@ -51,21 +51,22 @@ void follow(const Model& model, const Kinematics& kinematics, State& state) {
 double step_energy(const Model& model, const Kinematics& kinematics, const Positions& positions) {
   const VectorX& mass = model.body().mass;
   return ordered_sum(model.body().size(), [&](int i) {
-    const Vector3 way = positions.col(i) - kinematics.start.col(i);
-    return mass[i] *
-           (kinematics.weights.acceleration / 2 * way.squaredNorm() + kinematics.accelerations.col(i).dot(way));
+    const Vector3 displacement = positions.col(i) - kinematics.start.col(i);
+    return mass[i] * (kinematics.weights.acceleration / 2 * displacement.squaredNorm() +
+                      kinematics.accelerations.col(i).dot(displacement));
   });
 }
 
 /// What rounding of the positions does to the energy [J].
-double noise_of(const Model& model, const Trial& trial, TrialRoom& room) {
+double noise_of(const Model& model, const Trial& trial, TrialWorkspace& workspace) {
   const Positions& positions = trial.state.positions;
   const int connections = model.body().connections.size();
-  room.densities.setZero(connections);
-  for (const auto& part : model.elasticity()) part->add_force_densities(positions, room.densities, room.scratch);
+  workspace.force_densities.setZero(connections);
+  for (const auto& term : model.elasticity())
+    term->add_force_densities(positions, workspace.force_densities, workspace.force_pass);
   const auto& ends = model.body().connections.ends;
   const double pull = ordered_sum(connections, [&](int c) {
-    return std::abs(room.densities[c]) * (positions.col(ends[c][1]) - positions.col(ends[c][0])).norm();
+    return std::abs(workspace.force_densities[c]) * (positions.col(ends[c][1]) - positions.col(ends[c][0])).norm();
   });
   const double all = pull + std::sqrt(static_cast<double>(positions.cols())) * trial.forces.scale;
   return 4 * std::numeric_limits<double>::epsilon() * positions.cwiseAbs().maxCoeff() * all;
@@ -77,12 +78,12 @@ double work(const Balance& forces, const Positions& motion) {
 }
 
 /// The trial state `way` · motion further on.
-void set_state(const State& from, double way, const Positions& motion, State& state) {
-  state.positions = from.positions + way * motion;
+void set_state(const State& from, double factor, const Positions& motion, State& state) {
+  state.positions = from.positions + factor * motion;
   state.velocities = from.velocities;
   state.accelerations = from.accelerations;
   state.time = from.time;
-  state.touches = from.touches;
+  state.contact_history = from.contact_history;
 }
 
 }  // namespace
@@ -94,7 +95,7 @@ Problem::Problem(Model& a_model, const Kinematics* some_kinematics) : model(a_mo
   for (const auto& load : model.loads()) with_energy &= !load->resists();
 }
 
-void evaluate(const Problem& problem, bool with_energy, Trial& trial, TrialRoom& room) {
+void evaluate(const Problem& problem, bool with_energy, Trial& trial, TrialWorkspace& workspace) {
   const Model& model = problem.model;
   const Positions& positions = trial.state.positions;
   trial.noise = 0;
@@ -104,19 +105,19 @@ void evaluate(const Problem& problem, bool with_energy, Trial& trial, TrialRoom&
   if (!model.admissible(positions)) trial.energy = std::numeric_limits<double>::infinity();
   if (problem.kinematics) trial.energy += step_energy(model, *problem.kinematics, positions);
   if (!std::isfinite(trial.energy)) return;
-  set_balance(problem, trial.state, trial.forces, room);
-  if (with_energy) trial.noise = noise_of(model, trial, room);
+  set_balance(problem, trial.state, trial.forces, workspace);
+  if (with_energy) trial.noise = noise_of(model, trial, workspace);
 }
 
 bool line_search(const Problem& problem, const Positions& motion, bool with_energy, Trial& now, bool& inverted,
-                 TrialRoom& room) {
+                 TrialWorkspace& workspace) {
   const double slope = -work(now.forces, motion);
   inverted = false;
-  set_state(now.state, 1, motion, room.whole);
-  Trial& trial = room.next;
-  for (double step = problem.model.free_way(now.state, room.whole); step > 1e-9; step /= 2) {
+  set_state(now.state, 1, motion, workspace.whole);
+  Trial& trial = workspace.next;
+  for (double step = problem.model.max_step_fraction(now.state, workspace.whole); step > 1e-9; step /= 2) {
     set_state(now.state, step, motion, trial.state);
-    evaluate(problem, with_energy, trial, room);
+    evaluate(problem, with_energy, trial, workspace);
     inverted |= std::isinf(trial.energy);
     if (!std::isfinite(trial.energy) || !std::isfinite(trial.forces.norm)) continue;
     bool falls = with_energy && slope < 0 && trial.energy <= now.energy + 1e-4 * step * slope;
@@ -133,14 +134,14 @@ bool line_search(const Problem& problem, const Positions& motion, bool with_ener
   return false;
 }
 
-bool leave_saddle(const Problem& problem, const Positions& direction, Trial& now, TrialRoom& room) {
+bool leave_saddle(const Problem& problem, const Positions& direction, Trial& now, TrialWorkspace& workspace) {
   const double furthest = std::sqrt(direction.colwise().squaredNorm().maxCoeff());
   const double length = 0.1 * mean_length(problem.model.body()) / furthest;
-  Trial& trial = room.next;
+  Trial& trial = workspace.next;
   for (double step = length; step > 1e-6 * length; step /= 4)
-    for (const double way : {step, -step}) {
-      set_state(now.state, way, direction, trial.state);
-      evaluate(problem, true, trial, room);
+    for (const double factor : {step, -step}) {
+      set_state(now.state, factor, direction, trial.state);
+      evaluate(problem, true, trial, workspace);
       if (!(now.energy - trial.energy > 10 * std::max(now.noise, trial.noise))) continue;
       std::swap(now, trial);
       return true;

@@ -36,30 +36,30 @@ struct Balance {
 struct Trial {
   State state;
   Balance forces;
-  double energy = 0;  ///< +infinity where a cell is flat or turned over
+  double energy = 0;  ///< +infinity where a cell is flat or inverted
   double noise = 0;   ///< what rounding of the positions does to the energy [J]
 };
 
 /// Room for what trials compute on the way; it only grows.
-struct TrialRoom {
+struct TrialWorkspace {
   Trial next;
   State whole;
-  Positions loads, one, held;
-  VectorX densities;
-  Scratch scratch;
+  Positions loads, one, supported;
+  VectorX force_densities;
+  Workspace force_pass;
 };
 
 /// Sets all of the trial that follows from its state's positions.
-void evaluate(const Problem& problem, bool with_energy, Trial& trial, TrialRoom& room);
+void evaluate(const Problem& problem, bool with_energy, Trial& trial, TrialWorkspace& workspace);
 
 /// Halves the step until the energy falls (Armijo) or, where rounding hides that or there is no energy, the unbalanced
-/// force does; and while a cell is turned over, with or without an energy. A time step with damping or drag has no
+/// force does; and while a cell is inverted, with or without an energy. A time step with damping or drag has no
 /// energy, but forces whose work on the way says the same. Returns false if no step helps; `now` then stays.
 bool line_search(const Problem& problem, const Positions& motion, bool with_energy, Trial& now, bool& inverted,
-                 TrialRoom& room);
+                 TrialWorkspace& workspace);
 
 /// Goes along a direction, or against it, as far as the energy falls by more than its rounding. Returns whether it did.
-bool leave_saddle(const Problem& problem, const Positions& direction, Trial& now, TrialRoom& room);
+bool leave_saddle(const Problem& problem, const Positions& direction, Trial& now, TrialWorkspace& workspace);
 
 /// Mean rest length of the connections [m].
 double mean_length(const Body& body);

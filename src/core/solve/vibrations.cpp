@@ -42,11 +42,11 @@ class Operator {
   Block steer(const Block& block) const {
     Block result(block.rows(), block.cols());
     for (Eigen::Index c = 0; c < block.cols(); ++c) {
-      Positions load = block.col(c).reshaped(3, model_.body().size()) * root_.asDiagonal(), way;
+      Positions load = block.col(c).reshaped(3, model_.body().size()) * root_.asDiagonal(), displacement;
       keep_free(model_.supports, load);
-      solver_->solve(tangent_, model_.supports, load, kSteering, way);
-      if (!way.allFinite()) way = load;
-      result.col(c) = (way * root_.asDiagonal()).eval().reshaped();
+      solver_->solve(tangent_, model_.supports, load, kSteering, displacement);
+      if (!displacement.allFinite()) displacement = load;
+      result.col(c) = (displacement * root_.asDiagonal()).eval().reshaped();
     }
     return result;
   }
@@ -67,16 +67,16 @@ class Operator {
 
  private:
   /// Of the six of a body in space, those that supports leave and that no stiffness resists; orthonormal.
-  void find_rigid_motions(const Positions& places) {
+  void find_rigid_motions(const Positions& positions) {
     const int n = model_.body().size();
-    const Vector3 centre = places * model_.body().mass / model_.body().mass.sum();
-    const double reach = std::max((places.colwise() - centre).colwise().norm().maxCoeff(), 1e-300);
+    const Vector3 centre = positions * model_.body().mass / model_.body().mass.sum();
+    const double reach = std::max((positions.colwise() - centre).colwise().norm().maxCoeff(), 1e-300);
     Block all = Block::Zero(3 * n, 6);
     for (int i = 0; i < n; ++i)
       for (int axis = 0; axis < 3; ++axis) {
         const Vector3 unit = Vector3::Unit(axis);
         all.block<3, 1>(3 * i, axis) = root_[i] * unit;
-        all.block<3, 1>(3 * i, 3 + axis) = root_[i] / reach * unit.cross(Vector3(places.col(i) - centre));
+        all.block<3, 1>(3 * i, 3 + axis) = root_[i] / reach * unit.cross(Vector3(positions.col(i) - centre));
       }
     all /= std::sqrt(model_.body().mass.sum());
     // What they move against the supports, and how much they move at all.

@@ -28,14 +28,14 @@ class Bending final : public Experiment {
   }
 
   std::string name() const override { return "bending"; }
-  CourseMeasures course() const override { return {"tip_deflection", ""}; }
-  bool let_go(Model& model) override {
+  ResponseMeasures response_measures() const override { return {"tip_deflection", ""}; }
+  bool release(Model& model) override {
     set_load(model, 0);
     return true;
   }
   int load_steps() const override { return setup_.load_steps; }
 
-  void hold(Model& model) override {
+  void set_up(Model& model) override {
     for (const int molecule : root_.molecules) model.supports.push_back({molecule, Matrix3::Zero(), Vector3::Zero()});
     std::vector<int> all(static_cast<std::size_t>(body_.size()));
     for (int molecule = 0; molecule < body_.size(); ++molecule) all[static_cast<std::size_t>(molecule)] = molecule;

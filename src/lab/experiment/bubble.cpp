@@ -52,7 +52,7 @@ class Bubble final : public Experiment {
   int load_steps() const override { return static_cast<int>(setup_.pressures.size()); }
   bool stiffened_by_load() const override { return true; }
 
-  void hold(Model& model) override {
+  void set_up(Model& model) override {
     for (const int molecule : rim_) model.supports.push_back({molecule, Matrix3::Zero(), Vector3::Zero()});
     auto pressure = std::make_unique<Pressure>(model.body(), constant_pressure(0), centre_, true);
     load_ = pressure.get();
@@ -65,26 +65,26 @@ class Bubble final : public Experiment {
     const int before = std::clamp(static_cast<int>(at), 0, load_steps() - 1);
     const double low = before == 0 ? 0 : setup_.pressures[static_cast<std::size_t>(before) - 1];
     pressure_ = low + (at - before) * (setup_.pressures[static_cast<std::size_t>(before)] - low);
-    load_->set_filling(constant_pressure(pressure_));
+    load_->set_law(constant_pressure(pressure_));
   }
 
   /// A flat membrane has no stiffness across: a paraboloid as high as a bubble of this stiffness about is.
-  void shape_start(Positions& places) const override {
+  void shape_start(Positions& positions) const override {
     const double height = radius_ * std::min(0.5, 0.66 * std::cbrt(pressure_ * radius_ / stiffness_));
     for (int molecule = 0; molecule < body_.size(); ++molecule) {
       const double r = rest_radius_[static_cast<std::size_t>(molecule)];
-      places.col(molecule) += height * std::max(0., 1 - r * r) * axis_;
+      positions.col(molecule) += height * std::max(0., 1 - r * r) * axis_;
     }
   }
 
   Measures measure(Model& model, const Start&, const State& state, const StaticOptions&,
                    StaticResult& solved) const override {
-    const Positions& places = state.positions;
+    const Positions& positions = state.positions;
     Measures measures;
-    const double height = axis_.dot(places.col(pole_) - body_.rest.col(pole_));
+    const double height = axis_.dot(positions.col(pole_) - body_.rest.col(pole_));
     measures.set("pressure", pressure_);
     measures.set("height", height);
-    add_pole(model, places, measures);
+    add_pole(model, positions, measures);
     const auto [cap, stretch] = cap_of(height);
     measures.set("cap_radius", cap);
     measures.set("stretch", stretch);
@@ -95,7 +95,7 @@ class Bubble final : public Experiment {
       measures.set("measured_height", setup_.heights[step]);
       measures.set("height_misfit", height / setup_.heights[step] - 1);
     }
-    measures.set("energy", model.elastic_energy(places));
+    measures.set("energy", model.elastic_energy(positions));
     const Positions loads = model.load_forces(state);
     measures.set("reaction_balance", (loads.rowwise().sum() + solved.reactions.rowwise().sum()).norm() /
                                          (std::abs(pressure_) * std::numbers::pi * radius_ * radius_));
@@ -142,15 +142,15 @@ class Bubble final : public Experiment {
 
   /// Fits in even powers of the distance from the pole, over the inner 35 % of the rest radius or the three innermost
   /// rings. Where there are too few molecules for that, nothing is measured.
-  void add_pole(const Model& model, const Positions& places, Measures& measures) const {
+  void add_pole(const Model& model, const Positions& positions, Measures& measures) const {
     const double reach = std::max(0.35, 3.1 * body_.connections.rest_length[0] / radius_);
-    const double top = axis_.dot(places.col(pole_) - centre_);
+    const double top = axis_.dot(positions.col(pole_) - centre_);
     std::vector<double> rest2, radial, drop, chord2;
     for (int molecule = 0; molecule < body_.size(); ++molecule) {
       const double rest = rest_radius_[static_cast<std::size_t>(molecule)];
       if (rest > reach) continue;
-      const Vector3 way = places.col(molecule) - centre_;
-      const double along = axis_.dot(way), r = (way - along * axis_).norm();
+      const Vector3 displacement = positions.col(molecule) - centre_;
+      const double along = axis_.dot(displacement), r = (displacement - along * axis_).norm();
       const double below = (top - along) / radius_;
       drop.push_back(below), chord2.push_back(r * r / (radius_ * radius_) + below * below);
       if (molecule != pole_) rest2.push_back(rest * rest), radial.push_back(r / (rest * radius_));
@@ -160,7 +160,7 @@ class Bubble final : public Experiment {
     measures.set("pole_stretch", stretch);
     measures.set("pole_radius", radius_ / 2 * fit(drop, chord2, 3)[1]);  // on a sphere r² + d² = 2 R d
     std::vector<double> at, tension;
-    const std::vector<Matrix3> tensions = triangle_tensions(model, places);
+    const std::vector<Matrix3> tensions = triangle_tensions(model, positions);
     for (std::size_t cell = 0; cell < tensions.size(); ++cell) {
       const auto& [a, b, c] = body_.triangles[cell];
       const Vector3 middle = (body_.rest.col(a) + body_.rest.col(b) + body_.rest.col(c)) / 3 - centre_;

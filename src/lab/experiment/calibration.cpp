@@ -35,7 +35,7 @@ std::optional<Measures> measure_linear(const Specimen& specimen, Experiment& exp
                                        std::unique_ptr<Elasticity> elasticity, const StaticOptions& options, Run& run) {
   Model model(specimen.body);
   model.add(std::move(elasticity));
-  experiment.hold(model);
+  experiment.set_up(model);
   experiment.set_load(model, 0x1p-10);
   State state = state_at_rest(specimen.body);
   StaticOptions linear = options;
@@ -126,7 +126,7 @@ StressStrain fitted_curve(const Specimen& specimen, Experiment& experiment, cons
     if (options.progress) options.progress("fitting the springs' curve");
     Model model(specimen.body);
     model.add(assembled(specimen, choice, run, run.volume_modulus, springs));
-    experiment.hold(model);
+    experiment.set_up(model);
     Run trial;
     solve_load_curve(model, experiment, matrix, quiet, trial);
     run.linear_iterations += trial.linear_iterations;

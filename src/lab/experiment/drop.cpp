@@ -3,8 +3,8 @@
 #include <limits>
 
 #include "elastin/core/forces/floor.h"
+#include "lab/experiment/contact_measures.h"
 #include "lab/experiment/motion.h"
-#include "lab/experiment/touching.h"
 
 namespace elastin::lab {
 namespace {
@@ -29,7 +29,7 @@ class Drop final : public TimedExperiment {
   std::string name() const override { return "drop"; }
   Experiment* at_rest() override { return nullptr; }
 
-  void hold(Model& model) override {
+  void set_up(Model& model) override {
     contact_ = contact_of(model);
     if (!contact_) {
       auto floor = make_floor(body_, floor_);
@@ -59,34 +59,34 @@ class Drop final : public TimedExperiment {
   /// The first contact: from the gap's fall below zero to its rise above; where no gap is known, by frames that touch.
   /// On obstacles and without weight it comes but once, and what touched first may bounce before the rest has come:
   /// there the last touch counts.
-  void read_course(const std::vector<CurvePoint>& rows, Measures& measures) const override {
-    const auto gap = [&](std::size_t i) { return rows[i].measures.get("gap"); };
-    const auto touches = [&](std::size_t i) { return plane_ ? gap(i) < 0 : rows[i].measures.get("contacts") > 0; };
+  void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
+    const auto gap = [&](std::size_t i) { return history[i].measures.get("gap"); };
+    const auto touches = [&](std::size_t i) { return plane_ ? gap(i) < 0 : history[i].measures.get("contacts") > 0; };
     const auto crossing = [&](std::size_t i) {  // between frames i - 1 and i
       const double part = plane_ ? gap(i - 1) / (gap(i - 1) - gap(i)) : 0.5;
-      return rows[i - 1].time + (rows[i].time - rows[i - 1].time) * part;
+      return history[i - 1].time + (history[i].time - history[i - 1].time) * part;
     };
     std::size_t first = 1;
-    while (first < rows.size() && !touches(first)) ++first;
-    if (first == rows.size()) return;
+    while (first < history.size() && !touches(first)) ++first;
+    if (first == history.size()) return;
     std::size_t last = first;
     double deepest = 0, force = 0;
     std::size_t end = first;
-    for (std::size_t i = first; i < rows.size(); ++i)
+    for (std::size_t i = first; i < history.size(); ++i)
       if (touches(i) && ((setup_.contact && setup_.gravity == 0) || i == end)) end = i + 1;
     for (; last < end; ++last) {
-      deepest = std::max(deepest, rows[last].measures.get("compression"));
-      force = std::max(force, rows[last].measures.get("floor_force"));
+      deepest = std::max(deepest, history[last].measures.get("compression"));
+      force = std::max(force, history[last].measures.get("floor_force"));
     }
     measures.set("compression", deepest);
     measures.set("floor_force", force);
-    const double touched = touches(first - 1) ? rows[first - 1].time : crossing(first);
-    const CurvePoint& before = rows[first - 1];
+    const double touched = touches(first - 1) ? history[first - 1].time : crossing(first);
+    const CurvePoint& before = history[first - 1];
     const double impact = before.measures.get("impact_speed") + setup_.gravity * (touched - before.time);
     measures.set("impact_speed", impact);
-    if (last == rows.size()) return;  // it has not left
+    if (last == history.size()) return;  // it has not left
     const double left = crossing(last);
-    const double rebound = -rows[last].measures.get("impact_speed") + setup_.gravity * (rows[last].time - left);
+    const double rebound = -history[last].measures.get("impact_speed") + setup_.gravity * (history[last].time - left);
     measures.set("contact_duration", left - touched);
     measures.set("rebound_speed", rebound);
     measures.set("restitution", rebound / impact);
@@ -108,7 +108,7 @@ class Drop final : public TimedExperiment {
     for (const contact::Obstacle& obstacle : setup_.contact->obstacles)
       if (std::holds_alternative<contact::shape::Plane>(obstacle.shape) && !obstacle.motion &&
           obstacle.pose.turn.col(2).dot(up_) > 1 - 1e-9) {
-        floor_.point = obstacle.pose.place;
+        floor_.point = obstacle.pose.position;
         plane_ = true;
         return;
       }

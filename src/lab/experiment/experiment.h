@@ -29,7 +29,7 @@ struct MainMeasure {
 class TimedExperiment;
 
 /// By which measures the course of a body in time is told; "" where the experiment has none.
-struct CourseMeasures {
+struct ResponseMeasures {
   std::string_view displacement;  ///< that the loaded part makes: "tip_deflection"
   std::string_view resistance;    ///< of the body to a given displacement: "force", "torque"
 };
@@ -42,7 +42,7 @@ class Experiment {
   /// Unit direction of the uniaxial stress that it makes; none if it makes another.
   virtual std::optional<Vector3> axis() const { return std::nullopt; }
   /// Adds the experiment's supports and loads to a model of its body. Called once for each model.
-  virtual void hold(Model& model) = 0;
+  virtual void set_up(Model& model) = 0;
   /// Sets the load to `factor` (0 … 1) of the whole, on the model that was held last.
   virtual void set_load(Model& model, double factor) = 0;
   /// After an equilibrium was found: brings the load nearer to what was asked for, if it is not there yet. True: that
@@ -53,15 +53,15 @@ class Experiment {
   virtual double copies() const { return 1; }
   /// Whether only the load gives the body stiffness in directions in which it has none at rest (a flat membrane).
   virtual bool stiffened_by_load() const { return false; }
-  /// Moves the places at rest to where the search for the first equilibrium begins, under the load set last: rest is no
-  /// place to begin where stiffness is missing there.
+  /// Moves the positions at rest to where the search for the first equilibrium begins, under the load set last: rest is
+  /// no place to begin where stiffness is missing there.
   virtual void shape_start(Positions& /*places*/) const {}
   /// Tells the supports how fast the load moves them: its factor changes by `rate` a second. After set_load.
   virtual void set_load_rate(Model& /*model*/, double /*rate*/) {}
   /// Takes the load off a body that is to move on its own: forces end, a driven end is free. False if there is nothing
   /// that could be let go.
-  virtual bool let_go(Model& /*model*/) { return false; }
-  virtual CourseMeasures course() const { return {}; }
+  virtual bool release(Model& /*model*/) { return false; }
+  virtual ResponseMeasures response_measures() const { return {}; }
   /// Itself as one that runs through time; null: it is at rest.
   virtual TimedExperiment* in_time() { return nullptr; }
   /// The experiment at rest in which rules are calibrated; null where there is none.

@@ -84,10 +84,10 @@ Face end_face(const Body& body, const Vector3& direction, double depth) {
   return face;
 }
 
-Vector3 middle_of(const Face& face, const Positions& places) {
+Vector3 middle_of(const Face& face, const Positions& positions) {
   Vector3 middle = Vector3::Zero();
   for (std::size_t i = 0; i < face.molecules.size(); ++i)
-    middle += face.share[static_cast<Eigen::Index>(i)] * places.col(face.molecules[i]);
+    middle += face.share[static_cast<Eigen::Index>(i)] * positions.col(face.molecules[i]);
   return middle;
 }
 

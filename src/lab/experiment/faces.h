@@ -24,7 +24,7 @@ struct Face {
 Face end_face(const Body& body, const Vector3& direction, double depth);
 
 /// Middle of a face: mean place of its molecules by share [m].
-Vector3 middle_of(const Face& face, const Positions& places);
+Vector3 middle_of(const Face& face, const Positions& positions);
 
 /// A solid body in the form of a box.
 struct Box {

@@ -27,7 +27,7 @@ class Homogenisation final : public Driven {
  public:
   Homogenisation(const Body& body, double grip_depth, const Matrix3& axes) : Driven(body, 1), axes_(axes) {
     const Surface surface = find_surface(body, axes, grip_depth);
-    hold_fast(surface.molecules);
+    fix_fully(surface.molecules);
     volume_ = surface.volume;
   }
 
@@ -38,9 +38,9 @@ class Homogenisation final : public Driven {
     Stiffness6 stiffness;
     solved.residual = 0;  // of the six solves, not of the start's rounding
     for (int load_case = 0; load_case < 6; ++load_case) {
-      const Positions way = strained(load_case);
+      const Positions displacement = strained(load_case);
       const StaticResponse response =
-          static_response(model, state.positions, Positions::Zero(3, body_.size()), way, options);
+          static_response(model, state.positions, Positions::Zero(3, body_.size()), displacement, options);
       solved.linear_iterations += response.result.linear_iterations;
       solved.residual = std::max(solved.residual, response.result.residual);
       solved.solver = response.result.solver;
@@ -77,7 +77,7 @@ class Homogenisation final : public Driven {
   }
 
  private:
-  Vector3 way(std::size_t, double) const override { return Vector3::Zero(); }
+  Vector3 displacement(std::size_t, double) const override { return Vector3::Zero(); }
 
   Positions strained(int load_case) const {
     return (axes_ * unit_strain(load_case) * axes_.transpose()) * (body_.rest.colwise() - body_.rest.rowwise().mean());
@@ -107,7 +107,7 @@ class Homogenisation final : public Driven {
   double patch_residual(Model& model, const State& state) const {
     const Tangent tangent(model, state);
     std::vector<char> inner(static_cast<std::size_t>(body_.size()), 1);
-    for (const Held& held : held_) inner[static_cast<std::size_t>(held.molecule)] = 0;
+    for (const Fixed& fixed : fixed_) inner[static_cast<std::size_t>(fixed.molecule)] = 0;
     double worst = 0;
     Positions forces(3, body_.size());
     for (int load_case = 0; load_case < 6; ++load_case) {

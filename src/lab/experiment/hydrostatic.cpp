@@ -15,7 +15,7 @@ class Hydrostatic final : public Driven {
       : Driven(body, setup.load_steps), strain_(setup.strain), middle_(body.rest.rowwise().mean()) {
     if (setup.walls == Walls::affine) {
       const Surface surface = find_surface(body, axes, setup.grip_depth);
-      hold_fast(surface.molecules);
+      fix_fully(surface.molecules);
       volume_ = surface.volume;
       return;
     }
@@ -30,11 +30,11 @@ class Hydrostatic final : public Driven {
       }
     for (int molecule = 0; molecule < body.size(); ++molecule)
       if (const Matrix3& left = free[static_cast<std::size_t>(molecule)]; left != Matrix3::Identity())
-        held_.push_back({molecule, left});
+        fixed_.push_back({molecule, left});
   }
 
   std::string name() const override { return "hydrostatic"; }
-  CourseMeasures course() const override { return {"volume_strain", "pressure"}; }
+  ResponseMeasures response_measures() const override { return {"volume_strain", "pressure"}; }
 
   Measures measure(Model& model, const Start& start, const State& state, const StaticOptions&,
                    StaticResult& solved) const override {
@@ -56,8 +56,8 @@ class Hydrostatic final : public Driven {
   }
 
  private:
-  Vector3 way(std::size_t held, double factor) const override {
-    return factor * strain_ * (body_.rest.col(held_[held].molecule) - middle_);
+  Vector3 displacement(std::size_t index, double factor) const override {
+    return factor * strain_ * (body_.rest.col(fixed_[index].molecule) - middle_);
   }
 
   double strain_;

@@ -37,7 +37,7 @@ class Curves {
     if (material.bending_rigidity > 0)
       model.add(make_bending(specimen_.body, material.bending_rigidity, material.poissons_ratio));
     for (const auto& add_load : specimen_.loads) add_load(model);
-    experiment_.hold(model);
+    experiment_.set_up(model);
     auto values = from_last(model);
     if (!values) values = from_start(model);
     return values;

@@ -6,9 +6,9 @@
 
 #include "contact/search.h"
 #include "elastin/core/base/error.h"
+#include "lab/experiment/contact_measures.h"
 #include "lab/experiment/faces.h"
 #include "lab/experiment/symmetry.h"
-#include "lab/experiment/touching.h"
 
 namespace elastin::lab {
 namespace {
@@ -20,8 +20,8 @@ class Indentation final : public Experiment {
   Indentation(const Body& body, const IndentationSetup& setup, const Material& material,
               contact::ContactOptions& contact)
       : setup_(setup), poissons_ratio_(material.poissons_ratio) {
-    hold_in_planes(body, setup.symmetry, held_);
-    hold_bottom(body);
+    fix_in_planes(body, setup.symmetry, fixed_);
+    fix_bottom(body);
     if (setup.shape == IndenterShape::obstacle) {
       indenter_ = find_obstacle(contact.obstacles, setup.obstacle);
       if (indenter_ < 0) throw InputError("there is no obstacle '" + setup.obstacle + "'");
@@ -34,9 +34,9 @@ class Indentation final : public Experiment {
     contact::Obstacle& obstacle = contact.obstacles[static_cast<std::size_t>(indenter_)];
     if (obstacle.motion)
       throw InputError("the indenter '" + obstacle.name + "' has a motion of its own: leave that out");
-    obstacle.motion = [start = obstacle.pose, way = way_, axis = setup.axis](double) {
+    obstacle.motion = [start = obstacle.pose, displacement = displacement_, axis = setup.axis](double) {
       contact::Pose pose = start;
-      pose.place += *way * axis;
+      pose.position += *displacement * axis;
       return pose;
     };
     if (setup.force) control_ = ForceControl(*setup.force, first_depth(*setup.force / copies(), material));
@@ -47,26 +47,26 @@ class Indentation final : public Experiment {
   double copies() const override { return std::pow(2, setup_.symmetry.size()); }
   Experiment* at_rest() override { return nullptr; }  // without contact there is nothing to calibrate by
 
-  void hold(Model& model) override {
-    for (const auto& [molecule, free] : held_) model.supports.push_back({molecule, free, Vector3::Zero()});
+  void set_up(Model& model) override {
+    for (const auto& [molecule, free] : fixed_) model.supports.push_back({molecule, free, Vector3::Zero()});
     contact_ = contact_of(model);
   }
 
   void set_load(Model&, double factor) override {
     if (setup_.force) control_.aim(factor);
-    move_to(factor == 0 ? 0 : setup_.force ? control_.way() : factor * *setup_.depth);
+    move_to(factor == 0 ? 0 : setup_.force ? control_.displacement() : factor * *setup_.depth);
   }
 
   bool adjust(const State& state) override {
-    if (!setup_.force || *way_ == 0 || !control_.adjust(resistance(contact_->report(state)))) return false;
-    move_to(control_.way());
+    if (!setup_.force || *displacement_ == 0 || !control_.adjust(resistance(contact_->report(state)))) return false;
+    move_to(control_.displacement());
     return true;
   }
 
   Measures measure(Model& model, const Start&, const State& state, const StaticOptions&,
                    StaticResult& solved) const override {
     const contact::ContactReport report = contact_->report(state);
-    const double force = resistance(report), depth = *way_, radius = setup_.radius;
+    const double force = resistance(report), depth = *displacement_, radius = setup_.radius;
     Measures measures;
     measures.set("force", force);
     measures.set("depth", depth);
@@ -92,15 +92,15 @@ class Indentation final : public Experiment {
   std::string remark(const Measures& measures) const override {
     if (!(measures.get("contacts") > 0)) return "the indenter touches nothing";
     if (setup_.force && std::abs(measures.get("force") / *setup_.force - 1) > 1e-5)
-      return "the force that was asked for is not met";
+      return "the prescribed force was not reached";
     return "";
   }
 
  private:
-  void hold_bottom(const Body& body) {
+  void fix_bottom(const Body& body) {
     const Matrix3 along = setup_.axis * setup_.axis.transpose();
     for (const int molecule : end_face(body, setup_.axis, setup_.grip_depth).molecules) {
-      Matrix3& free = held_.try_emplace(molecule, Matrix3::Identity()).first->second;
+      Matrix3& free = fixed_.try_emplace(molecule, Matrix3::Identity()).first->second;
       free = setup_.bottom == Grip::clamped ? Matrix3(Matrix3::Zero()) : Matrix3(free - along);
     }
   }
@@ -114,8 +114,8 @@ class Indentation final : public Experiment {
     for (const Vector3& normal : setup_.symmetry) base -= normal.dot(base) * normal;
     base -= setup_.axis.dot(base) * setup_.axis;
     double first = std::numeric_limits<double>::infinity();  // place along the axis at which it touches
-    const auto meet = [&](const Vector3& place, double r) {
-      const double along = setup_.axis.dot(place), off = (place - base - along * setup_.axis).norm();
+    const auto meet = [&](const Vector3& position, double r) {
+      const double along = setup_.axis.dot(position), off = (position - base - along * setup_.axis).norm();
       if (off <= (sphere ? radius + r : radius))
         first = std::min(first, along - (sphere ? std::sqrt(std::pow(radius + r, 2) - off * off) : r));
     };
@@ -124,12 +124,12 @@ class Indentation final : public Experiment {
       meet(body.rest.col(molecule), spheres ? body.radius[molecule] : 0);
     if (!spheres)  // in a hollow a triangle's middle comes before its corners
       for (const contact::Sample& sample : contact::triangle_samples(body, contact::surface_triangles(body))) {
-        Vector3 place = Vector3::Zero();
-        for (std::size_t i = 0; i < 3; ++i) place += sample.weights[i] * body.rest.col(sample.molecules[i]);
-        meet(place, 0);
+        Vector3 position = Vector3::Zero();
+        for (std::size_t i = 0; i < 3; ++i) position += sample.weights[i] * body.rest.col(sample.molecules[i]);
+        meet(position, 0);
       }
     first -= 1e-9 * radius;  // what only seems to be pressed in, by rounding, would be asked for its equilibrium
-    if (!std::isfinite(first)) throw InputError("no molecule lies before the indenter: give `at`, a place on its axis");
+    if (!std::isfinite(first)) throw InputError("no molecule lies before the indenter: give `at`, a point on its axis");
     contact::Obstacle obstacle;
     obstacle.name = kIndenter;
     obstacle.pose.turn = Eigen::Quaterniond::FromTwoVectors(-Vector3::UnitZ(), setup_.axis).toRotationMatrix();
@@ -138,7 +138,7 @@ class Indentation final : public Experiment {
       obstacle.shape = contact::shape::Sphere{radius};
     else
       obstacle.shape = contact::shape::Cylinder{radius, length};
-    obstacle.pose.place = base + (sphere ? first : first - length / 2) * setup_.axis;
+    obstacle.pose.position = base + (sphere ? first : first - length / 2) * setup_.axis;
     return obstacle;
   }
 
@@ -149,9 +149,9 @@ class Indentation final : public Experiment {
                                                  : force / (2 * radius * modulus);
   }
 
-  void move_to(double way) {
-    *way_ = way;
-    contact_->set_moment(way);
+  void move_to(double displacement) {
+    *displacement_ = displacement;
+    contact_->set_moment(displacement);
   }
 
   /// With which the body presses back [N].
@@ -161,9 +161,9 @@ class Indentation final : public Experiment {
 
   IndentationSetup setup_;
   double poissons_ratio_;
-  HeldMolecules held_;
+  FixedMolecules fixed_;
   int indenter_ = 0;
-  std::shared_ptr<double> way_ = std::make_shared<double>(0);  // of the indenter [m]; its obstacle asks for it
+  std::shared_ptr<double> displacement_ = std::make_shared<double>(0);  // of the indenter [m]; its obstacle asks for it
   ForceControl control_;
   contact::Contact* contact_ = nullptr;  // owned by the model that was held last
 };

@@ -27,7 +27,7 @@ class Inflation final : public Experiment {
       : body_(body), setup_(setup), thickness_(material.thickness) {
     if (body.triangles.empty()) throw InputError("inflation needs a body with triangles");
     if (!(thickness_ > 0)) throw InputError("inflation needs a membrane: give material.thickness");
-    hold_in_planes(body, setup.symmetry, held_);
+    fix_in_planes(body, setup.symmetry, fixed_);
     require_closed();
     apex_ = setup.symmetry.empty() ? Vector3(body.rest.rowwise().mean()) : Vector3(Vector3::Zero());
     rest_volume_ = enclosed_volume(body.triangles, body.rest, apex_);
@@ -47,8 +47,8 @@ class Inflation final : public Experiment {
   int load_steps() const override { return setup_.load_steps; }
   double copies() const override { return std::pow(2, setup_.symmetry.size()); }
 
-  void hold(Model& model) override {
-    for (const auto& [molecule, free] : held_) model.supports.push_back({molecule, free, Vector3::Zero()});
+  void set_up(Model& model) override {
+    for (const auto& [molecule, free] : fixed_) model.supports.push_back({molecule, free, Vector3::Zero()});
     auto load = std::make_unique<Pressure>(body_, constant_pressure(0), apex_, true);
     load_ = load.get();
     model.add(std::move(load));
@@ -57,21 +57,21 @@ class Inflation final : public Experiment {
   void set_load(Model&, double factor) override {
     if (factor == 0) pressure_ = 0;
     if (setup_.pressure) {
-      load_->set_filling(constant_pressure(factor * *setup_.pressure));
+      load_->set_law(constant_pressure(factor * *setup_.pressure));
     } else if (setup_.volume_ratio) {
       volume_ = rest_volume_ * std::pow(1 + factor * (std::cbrt(*setup_.volume_ratio) - 1), 3);
       control();
     } else {
       const auto& [_, start, exponent, ambient] = *setup_.gas;
       const double absolute = ambient + factor * (start - ambient);
-      load_->set_filling(factor == 0 ? constant_pressure(0) : enclosed_gas(absolute * rest_volume_, exponent, ambient));
+      load_->set_law(factor == 0 ? constant_pressure(0) : enclosed_gas(absolute * rest_volume_, exponent, ambient));
     }
   }
 
   bool adjust(const State& state) override {
     if (!setup_.volume_ratio) return false;
     if (std::abs(load_->volume(state.positions) - volume_) <= kVolumeTolerance * volume_) return false;
-    pressure_ = load_->inside(state.positions).pressure;
+    pressure_ = load_->pressure_state(state.positions).pressure;
     control();
     return true;
   }
@@ -79,7 +79,7 @@ class Inflation final : public Experiment {
   Measures measure(Model& model, const Start&, const State& state, const StaticOptions&,
                    StaticResult& solved) const override {
     const VectorX radius = radii(state.positions);
-    const double mean = radius.dot(share_), pressure = load_->inside(state.positions).pressure;
+    const double mean = radius.dot(share_), pressure = load_->pressure_state(state.positions).pressure;
     Measures measures;
     measures.set("radius", mean);
     measures.set("stretch", mean / rest_radius_);
@@ -104,7 +104,7 @@ class Inflation final : public Experiment {
   }
 
  private:
-  void control() { load_->set_filling(controlled_volume(volume_, control_stiffness_ / volume_, pressure_)); }
+  void control() { load_->set_law(controlled_volume(volume_, control_stiffness_ / volume_, pressure_)); }
 
   /// Every side that one triangle alone has must lie in a plane of symmetry.
   void require_closed() const {
@@ -141,20 +141,20 @@ class Inflation final : public Experiment {
   }
 
   /// The middle of the surface; in the planes of symmetry where there are any.
-  Vector3 centre_of(const Positions& places) const {
-    Vector3 centre = places * share_;
+  Vector3 centre_of(const Positions& positions) const {
+    Vector3 centre = positions * share_;
     for (const Vector3& normal : setup_.symmetry) centre -= normal.dot(centre) * normal;
     return centre;
   }
 
-  VectorX radii(const Positions& places) const {
-    return (places.colwise() - centre_of(places)).colwise().norm().transpose();
+  VectorX radii(const Positions& positions) const {
+    return (positions.colwise() - centre_of(positions)).colwise().norm().transpose();
   }
 
   const Body& body_;
   InflationSetup setup_;
   double thickness_;
-  HeldMolecules held_;
+  FixedMolecules fixed_;
   VectorX share_;  // of the surface at rest, a molecule; sum 1
   std::vector<int> corners_;
   Vector3 apex_;

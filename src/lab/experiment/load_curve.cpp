@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "elastin/core/forces/tension.h"
+#include "lab/experiment/contact_measures.h"
 #include "lab/experiment/load_path.h"
-#include "lab/experiment/touching.h"
 
 namespace elastin::lab {
 namespace {
@@ -38,8 +38,8 @@ double total_energy(const Model& model, const State& state) {
 
 /// From a scene's own start a body may find no equilibrium, or one where it is tangled up: one of more energy than that
 /// to which it comes from rest. Then that one is taken, and said. [J] `before`: energy of the start.
-StaticResult untangle(Model& model, const RunOptions& options, double before, StaticResult solved, State& state,
-                      Run& run) {
+StaticResult restart_from_rest(Model& model, const RunOptions& options, double before, StaticResult solved,
+                               State& state, Run& run) {
   State other = state_at_rest(model.body());
   StaticResult from_rest = solve_static(model, other, options.statics);
   if (from_rest.outcome != Outcome::converged) return solved;
@@ -48,7 +48,7 @@ StaticResult untangle(Model& model, const RunOptions& options, double before, St
   const double least = total_energy(model, other), above = total_energy(model, state) - least;
   const double noise = std::isfinite(before) ? 1e-9 * std::abs(before - least) : 0;
   if (found && above <= noise) return solved;
-  run.untangled = true;
+  run.restarted_from_rest = true;
   run.warnings.push_back(std::string("from the scene's start the body ") +
                          (found ? "comes to rest in a tangle, at more energy than at rest"
                                 : "finds no equilibrium (" + solved.cause + ")") +
@@ -68,7 +68,7 @@ bool find_start(Model& model, Experiment& experiment, const RunOptions& options,
   if (options.progress) options.progress(at_rest ? "the scene's own loads" : "the scene's start");
   const double before = total_energy(model, state);
   StaticResult solved = solve_static(model, state, options.statics);
-  if (!at_rest) solved = untangle(model, options, before, std::move(solved), state, run);
+  if (!at_rest) solved = restart_from_rest(model, options, before, std::move(solved), state, run);
   start = {state.positions, solved.reactions};
   return note_solve(solved, at_rest ? " (under the scene's own loads)" : " (from the scene's start)", run);
 }
@@ -86,12 +86,12 @@ void note_curve_error(const Experiment& experiment, const Material& material, Ru
   run.measures.set("curve_error", difference / largest);
 }
 
-void note_compression(const Model& model, const Positions& places, const Material& material, Run& run) {
-  const Compression found = find_compression(model, places);
+void note_compression(const Model& model, const Positions& positions, const Material& material, Run& run) {
+  const Compression found = find_compression(model, positions);
   const int all = static_cast<int>(model.body().triangles.size());
   if (found.triangles == 0) return;
   const auto& [a, b, c] = model.body().triangles[static_cast<std::size_t>(found.worst)];
-  const Vector3 at = (places.col(a) + places.col(b) + places.col(c)) / 3;
+  const Vector3 at = (positions.col(a) + positions.col(b) + positions.col(c)) / 3;
   char text[240];
   std::snprintf(
       text, sizeof text,
@@ -116,8 +116,8 @@ void solve_load_curve(Model& model, Experiment& experiment, const Material& mate
   keep(0, 0);
   const int steps = experiment.load_steps();
   for (int step = 1; step <= steps; ++step) {
-    const std::string place = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "";
-    if (options.progress) options.progress(place.empty() ? "solving" : place);
+    const std::string which = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "";
+    if (options.progress) options.progress(which.empty() ? "solving" : which);
     const double load_factor = static_cast<double>(step) / steps;
     StaticResult solved = path.advance(load_factor);
     Measures measures;
@@ -128,12 +128,12 @@ void solve_load_curve(Model& model, Experiment& experiment, const Material& mate
         note_contact(*run.contact, experiment.copies(), measures);
       }
     }
-    run.halved_load_steps = path.halvings();
-    if (!note_solve(solved, place.empty() ? "" : " (" + place + ")", run)) return;
+    run.bisected_load_steps = path.halvings();
+    if (!note_solve(solved, which.empty() ? "" : " (" + which + ")", run)) return;
     if (measures.get("elongation") < 0 && measures.get("strain") <= -1) {
       run.outcome = Outcome::inverted;
       run.cause =
-          "the load presses the body through itself: strain below −100 %" + (place.empty() ? "" : " (" + place + ")");
+          "the load presses the body through itself: strain below −100 %" + (which.empty() ? "" : " (" + which + ")");
       return;
     }
     run.curve.push_back({load_factor, measures, solved.newton_iterations, solved.linear_iterations, solved.residual});

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "lab/experiment/touching.h"
+#include "lab/experiment/contact_measures.h"
 
 namespace elastin::lab {
 namespace {
@@ -22,10 +22,10 @@ void add_cost(StaticResult& result, const StaticResult& cost) {
 LoadPath::LoadPath(Model& model, Experiment& experiment, const StaticOptions& options, State start)
     : model_(model), experiment_(experiment), options_(options), state_(std::move(start)) {
   options_.probe = true;
-  model_.remember(state_);
+  model_.commit_step(state_);
 }
 
-/// Where the last way leads if it goes on: near the next equilibrium, unless a cell turns over or, under loads, the
+/// Where the last way leads if it goes on: near the next equilibrium, unless a cell inverts or, under loads, the
 /// energy is higher than where the body stands (a bar that turns far would be torn).
 State LoadPath::start_of(double factor) const {
   if (options_.linear) return state_;
@@ -34,7 +34,7 @@ State LoadPath::start_of(double factor) const {
     experiment_.shape_start(next.positions);
     return next;
   }
-  next.positions += (factor - factor_) / last_step_ * way_;
+  next.positions += (factor - factor_) / last_step_ * displacement_;
   const double gain = model_.elastic_energy(next.positions) + model_.load_energy(next) -
                       model_.elastic_energy(state_.positions) - model_.load_energy(state_);
   const bool loaded = model_.conservative() && !model_.load_forces(state_).isZero(0);
@@ -61,8 +61,8 @@ StaticResult LoadPath::advance(double factor, double smallest) {
     solved = std::move(again);
   }
   if (solved.outcome == Outcome::converged) {
-    model_.remember(next);
-    way_ = next.positions - state_.positions;
+    model_.commit_step(next);
+    displacement_ = next.positions - state_.positions;
     state_ = std::move(next);
     last_step_ = factor - factor_;
     factor_ = factor;

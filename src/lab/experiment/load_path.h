@@ -25,7 +25,7 @@ class LoadPath {
   Experiment& experiment_;
   StaticOptions options_;
   State state_;
-  Positions way_;                      // from the equilibrium before
+  Positions displacement_;             // from the equilibrium before
   double factor_ = 0, last_step_ = 0;  // of the load: now, and how much the last part added
   int halvings_ = 0;
 };

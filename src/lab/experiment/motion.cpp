@@ -4,8 +4,8 @@
 
 #include "core/solve/newton.h"
 #include "elastin/core/base/error.h"
-#include "lab/experiment/course_fits.h"
 #include "lab/experiment/load_path.h"
+#include "lab/experiment/time_history_fits.h"
 
 namespace elastin::lab {
 namespace {
@@ -25,9 +25,9 @@ const char* name_of(MotionKind kind) {
 }
 
 /// One measure over time, from a time on.
-Series series_of(const std::vector<CurvePoint>& rows, std::string_view name, double from = 0) {
+Series series_of(const std::vector<CurvePoint>& history, std::string_view name, double from = 0) {
   std::vector<double> times, values;
-  for (const CurvePoint& row : rows)
+  for (const CurvePoint& row : history)
     if (const double value = row.measures.get(name); row.time >= from * (1 - 1e-12) && std::isfinite(value)) {
       times.push_back(row.time);
       values.push_back(value);
@@ -39,25 +39,25 @@ Series series_of(const std::vector<CurvePoint>& rows, std::string_view name, dou
 class Motion final : public TimedExperiment {
  public:
   explicit Motion(MotionSetup setup) : setup_(std::move(setup)) {
-    if (!setup_.hold) return;
-    course_ = setup_.hold->course();
-    if (setup_.kind == MotionKind::relaxation && course_.resistance.empty())
-      throw InputError("hold: needs a displacement that is given, as that of tension, shear or torsion");
-    const bool applied = setup_.kind == MotionKind::creep || (setup_.kind == MotionKind::release && !setup_.let_go);
-    if (applied && !course_.resistance.empty())
-      throw InputError("hold: a load that is put on at once must be a force, not a displacement");
-    if (setup_.kind != MotionKind::motion && course_.displacement.empty())
-      throw InputError("hold: a " + setup_.hold->name() + " experiment has no displacement to watch");
+    if (!setup_.fixture) return;
+    response_ = setup_.fixture->response_measures();
+    if (setup_.kind == MotionKind::relaxation && response_.resistance.empty())
+      throw InputError("fixture: needs a displacement that is given, as that of tension, shear or torsion");
+    const bool applied = setup_.kind == MotionKind::creep || (setup_.kind == MotionKind::release && !setup_.released);
+    if (applied && !response_.resistance.empty())
+      throw InputError("fixture: a load that is put on at once must be a force, not a displacement");
+    if (setup_.kind != MotionKind::motion && response_.displacement.empty())
+      throw InputError("fixture: a " + setup_.fixture->name() + " experiment has no displacement to watch");
   }
 
   std::string name() const override { return name_of(setup_.kind); }
-  std::optional<Vector3> axis() const override { return setup_.hold ? setup_.hold->axis() : std::nullopt; }
-  Experiment* at_rest() override { return setup_.hold.get(); }
+  std::optional<Vector3> axis() const override { return setup_.fixture ? setup_.fixture->axis() : std::nullopt; }
+  Experiment* at_rest() override { return setup_.fixture.get(); }
 
-  void hold(Model& model) override {
-    if (!setup_.hold) return;
+  void set_up(Model& model) override {
+    if (!setup_.fixture) return;
     const std::size_t others = model.loads().size();
-    setup_.hold->hold(model);
+    setup_.fixture->set_up(model);
     if (setup_.load.constant()) return;
     for (std::size_t i = others; i < model.loads().size(); ++i)
       if (auto* load = dynamic_cast<PointLoads*>(model.loads()[i].get())) load->set_varying();
@@ -65,51 +65,51 @@ class Motion final : public TimedExperiment {
 
   StaticResult start(Model& model, State& state, const StaticOptions& options) override {
     start_ = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
-    if (!setup_.hold) return {};
-    setup_.hold->set_load(model, 0);
+    if (!setup_.fixture) return {};
+    setup_.fixture->set_load(model, 0);
     StaticResult result;
     if (!model.load_forces(state).isZero(0)) {
       result = solve_static(model, state, options);
       if (result.outcome != Outcome::converged) return result;
       start_ = {state.positions, result.reactions};
     }
-    if (setup_.let_go) return load_and_let_go(model, state, options);
-    setup_.hold->set_load(model, setup_.load.value(0));
+    if (setup_.released) return load_and_release(model, state, options);
+    setup_.fixture->set_load(model, setup_.load.value(0));
     if (setup_.load.constant()) return result;
     model.drive = [this, &model](double time, std::vector<Support>&) {
-      setup_.hold->set_load(model, setup_.load.value(time));
-      setup_.hold->set_load_rate(model, setup_.load.rate(time));
+      setup_.fixture->set_load(model, setup_.load.value(time));
+      setup_.fixture->set_load_rate(model, setup_.load.rate(time));
     };
     return result;
   }
 
   Measures read(Model& model, const State& state) override {
-    if (!setup_.hold) return {};
+    if (!setup_.fixture) return {};
     Positions forces;
     model.set_forces(state, forces);
     StaticResult held;
-    held.reactions = -held_parts(model.supports, forces);
-    const Measures all = setup_.hold->measure(model, start_, state, {}, held);
+    held.reactions = -fixed_components(model.supports, forces);
+    const Measures all = setup_.fixture->measure(model, start_, state, {}, held);
     Measures kept;
     for (const auto& [name, value] : all.all())
       if (tells(name)) kept.set(name, value);
     return kept;
   }
 
-  void read_course(const std::vector<CurvePoint>& rows, Measures& measures) const override {
-    if (setup_.kind == MotionKind::release) read_vibration(series_of(rows, course_.displacement), measures);
+  void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
+    if (setup_.kind == MotionKind::release) read_vibration(series_of(history, response_.displacement), measures);
     if (setup_.kind == MotionKind::creep)
-      if (const auto fit = fit_exponential(series_of(rows, course_.displacement)))
+      if (const auto fit = fit_exponential(series_of(history, response_.displacement)))
         measures.set("retardation_time", fit->time);
-    if (setup_.kind == MotionKind::relaxation) read_relaxation(rows, measures);
+    if (setup_.kind == MotionKind::relaxation) read_relaxation(history, measures);
   }
 
   std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {
     if (setup_.kind == MotionKind::release)
       return {{"frequency"}, {"logarithmic_decrement"}, {"first_peak"}, {"energy_drift"}};
-    if (setup_.kind == MotionKind::creep) return {{"retardation_time"}, {course_.displacement}};
+    if (setup_.kind == MotionKind::creep) return {{"retardation_time"}, {response_.displacement}};
     if (setup_.kind == MotionKind::relaxation) return {{"relaxation_time"}, {"relaxed_ratio"}};
-    if (setup_.hold && !course_.displacement.empty()) return {{course_.displacement}, {"energy_drift"}};
+    if (setup_.fixture && !response_.displacement.empty()) return {{response_.displacement}, {"energy_drift"}};
     return {{"speed"}, {"largest_strain"}, {"energy_drift"}};
   }
 
@@ -117,13 +117,13 @@ class Motion final : public TimedExperiment {
   /// Balances mean nothing in motion, and moduli nothing once the load is gone.
   bool tells(const std::string& name) const {
     const bool modulus = name.ends_with("modulus") || name.ends_with("stiffness") || name == "poissons_ratio";
-    return name != "reaction_balance" && !(setup_.let_go && modulus);
+    return name != "reaction_balance" && !(setup_.released && modulus);
   }
 
-  StaticResult load_and_let_go(Model& model, State& state, const StaticOptions& options) {
-    LoadPath path(model, *setup_.hold, options, state);
+  StaticResult load_and_release(Model& model, State& state, const StaticOptions& options) {
+    LoadPath path(model, *setup_.fixture, options, state);
     StaticResult result, all;
-    const int steps = setup_.hold->load_steps();
+    const int steps = setup_.fixture->load_steps();
     for (int step = 1; step <= steps; ++step) {
       result = path.advance(static_cast<double>(step) / steps);
       all.newton_iterations += result.newton_iterations;
@@ -133,26 +133,26 @@ class Motion final : public TimedExperiment {
     state.positions = path.state().positions;
     result.newton_iterations = all.newton_iterations;
     result.linear_iterations = all.linear_iterations;
-    setup_.hold->let_go(model);
+    setup_.fixture->release(model);
     return result;
   }
 
   /// The slowest part alone: from where a twentieth of the fall is left, faster ones are gone.
-  void read_relaxation(const std::vector<CurvePoint>& rows, Measures& measures) const {
-    const Series all = series_of(rows, course_.resistance, setup_.ramp);
+  void read_relaxation(const std::vector<CurvePoint>& history, Measures& measures) const {
+    const Series all = series_of(history, response_.resistance, setup_.ramp);
     const auto whole = fit_exponential(all);
     if (!whole) return;
     measures.set("relaxed_ratio", whole->end / all.values[0]);
     double late = setup_.ramp;
     for (Eigen::Index i = 0; i < all.times.size(); ++i)
       if (std::abs(all.values[i] - whole->end) > 0.05 * std::abs(all.values[0] - whole->end)) late = all.times[i];
-    if (const auto fit = fit_exponential(series_of(rows, course_.resistance, late)))
+    if (const auto fit = fit_exponential(series_of(history, response_.resistance, late)))
       measures.set("relaxation_time", fit->time);
   }
 
   void read_vibration(const Series& series, Measures& measures) const {
     const Series turns = turning_points(series);
-    const bool is_length = find_measure(std::string(course_.displacement)).unit == dimension::length;
+    const bool is_length = find_measure(std::string(response_.displacement)).unit == dimension::length;
     if (turns.times.size() > 0) {
       if (is_length) measures.set("first_peak", turns.values[0]);
       measures.set("first_peak_time", turns.times[0]);
@@ -168,7 +168,7 @@ class Motion final : public TimedExperiment {
   }
 
   MotionSetup setup_;
-  CourseMeasures course_;
+  ResponseMeasures response_;
   Start start_;
 };
 

@@ -17,10 +17,10 @@ enum class MotionKind {
 /// A body held and loaded as an experiment at rest says, whose load changes in time.
 struct MotionSetup {
   MotionKind kind = MotionKind::motion;
-  std::unique_ptr<Experiment> hold;  ///< null: the body is free; only `motion` allows that
-  TimeFunction load;                 ///< what the experiment's load is multiplied with
-  bool let_go = false;               ///< the load is there before time 0 and gone from then on
-  double ramp = 0;                   ///< [s] after which a relaxation begins
+  std::unique_ptr<Experiment> fixture;  ///< null: the body is free; only `motion` allows that
+  TimeFunction load;                    ///< what the experiment's load is multiplied with
+  bool released = false;                ///< the load is there before time 0 and gone from then on
+  double ramp = 0;                      ///< [s] after which a relaxation begins
 };
 
 /// Starts in the equilibrium of the scene's own loads (a free body: at rest). Throws InputError if the inner experiment
@@ -60,6 +60,6 @@ std::unique_ptr<TimedExperiment> make_parachute(const Body& body, const Parachut
 
 /// Natural frequencies of a body held as an experiment at rest says, or free, about its equilibrium under the scene's
 /// own loads. At rest: it takes no time.
-std::unique_ptr<Experiment> make_vibration(const Body& body, std::unique_ptr<Experiment> hold, int count);
+std::unique_ptr<Experiment> make_vibration(const Body& body, std::unique_ptr<Experiment> fixture, int count);
 
 }  // namespace elastin::lab

@@ -20,7 +20,7 @@ class Parachute final : public TimedExperiment {
   Experiment* at_rest() override { return nullptr; }
   bool stiffened_by_load() const override { return true; }
 
-  void hold(Model& model) override {
+  void set_up(Model& model) override {
     scene_loads_ = static_cast<int>(model.loads().size());
     if (setup_.gravity > 0) model.add(make_gravity(body_, setup_.gravity * down_));
   }
@@ -52,21 +52,21 @@ class Parachute final : public TimedExperiment {
     return measures;
   }
 
-  void read_course(const std::vector<CurvePoint>& rows, Measures& measures) const override {
+  void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
     const auto largest = [&](std::string_view name, double low, double high) {
       const CurvePoint* most = nullptr;
-      for (const CurvePoint& row : rows)
+      for (const CurvePoint& row : history)
         if (row.time >= low && row.time <= high && (!most || row.measures.get(name) > most->measures.get(name)))
           most = &row;
       return most;
     };
-    if (rows.size() < 2) return;
-    measures.set("largest_line_force", largest("line_force", 0, rows.back().time)->measures.get("line_force"));
+    if (history.size() < 2) return;
+    measures.set("largest_line_force", largest("line_force", 0, history.back().time)->measures.get("line_force"));
     // The flat canopy at the start is no open one: from the smallest area on.
-    const auto least = std::min_element(rows.begin(), rows.end(), [](const CurvePoint& a, const CurvePoint& b) {
+    const auto least = std::min_element(history.begin(), history.end(), [](const CurvePoint& a, const CurvePoint& b) {
       return a.measures.get("open_area") < b.measures.get("open_area");
     });
-    measures.set("opening_time", largest("open_area", least->time, rows.back().time)->time);
+    measures.set("opening_time", largest("open_area", least->time, history.back().time)->time);
   }
 
   std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {

@@ -5,8 +5,8 @@
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
+#include "lab/experiment/contact_measures.h"
 #include "lab/experiment/faces.h"
-#include "lab/experiment/touching.h"
 
 namespace elastin::lab {
 namespace {
@@ -15,9 +15,9 @@ class Press final : public Experiment {
  public:
   Press(const Body& body, const PressSetup& setup) : setup_(setup) {
     moved_ = setup.moved ? *setup.moved : end_face(body, -setup.axis, setup.grip_depth).molecules;
-    held_ = setup.held ? *setup.held : end_face(body, setup.axis, setup.grip_depth).molecules;
+    fixed_ = setup.fixed ? *setup.fixed : end_face(body, setup.axis, setup.grip_depth).molecules;
     std::vector<int> both;
-    std::set_intersection(moved_.begin(), moved_.end(), held_.begin(), held_.end(), std::back_inserter(both));
+    std::set_intersection(moved_.begin(), moved_.end(), fixed_.begin(), fixed_.end(), std::back_inserter(both));
     if (!both.empty()) throw InputError("what is moved is held, too: molecule " + std::to_string(both.front()));
     for (const Part& part : body.parts) {
       if (!part.rigid) continue;
@@ -35,12 +35,12 @@ class Press final : public Experiment {
   std::string name() const override { return "press"; }
   int load_steps() const override { return setup_.load_steps; }
   Experiment* at_rest() override { return nullptr; }  // without contact there is nothing to calibrate by
-  CourseMeasures course() const override { return {"depth", setup_.displacement ? "force" : ""}; }
+  ResponseMeasures response_measures() const override { return {"depth", setup_.displacement ? "force" : ""}; }
 
-  void hold(Model& model) override {
+  void set_up(Model& model) override {
     const Matrix3 along = setup_.axis * setup_.axis.transpose();
     const Matrix3 free = setup_.grip == Grip::clamped ? Matrix3(Matrix3::Zero()) : Matrix3(Matrix3::Identity() - along);
-    for (const std::vector<int>* grip : {&held_, &moved_}) {
+    for (const std::vector<int>* grip : {&fixed_, &moved_}) {
       const std::size_t first = model.supports.size();
       for (const int molecule : *grip) model.supports.push_back({molecule, free, Vector3::Zero()});
       if (setup_.grip == Grip::sliding) keep_in_plane(model, first);
@@ -51,18 +51,18 @@ class Press final : public Experiment {
   void set_load(Model& model, double factor) override {
     model_ = &model;
     if (setup_.force) control_.aim(factor);
-    move_to(model, factor == 0 ? 0 : setup_.force ? control_.way() : factor * *setup_.displacement);
+    move_to(model, factor == 0 ? 0 : setup_.force ? control_.displacement() : factor * *setup_.displacement);
   }
 
   bool adjust(const State& state) override {
-    if (!setup_.force || way_ == 0 || !control_.adjust(resistance(state))) return false;
-    move_to(*model_, control_.way());
+    if (!setup_.force || displacement_ == 0 || !control_.adjust(resistance(state))) return false;
+    move_to(*model_, control_.displacement());
     return true;
   }
 
   void set_load_rate(Model& model, double rate) override {
     if (!setup_.displacement) return;
-    for (std::size_t i = held_.size(); i < held_.size() + moved_.size(); ++i)
+    for (std::size_t i = fixed_.size(); i < fixed_.size() + moved_.size(); ++i)
       model.supports[i].velocity = rate * *setup_.displacement * setup_.axis;
   }
 
@@ -71,7 +71,7 @@ class Press final : public Experiment {
     const double force = resistance(state);
     Measures measures;
     measures.set("force", force);
-    measures.set("depth", way_);
+    measures.set("depth", displacement_);
     const contact::ContactReport report = contact_->report(state);
     if (report.area > 0) measures.set("mean_pressure", largest_force(report) / report.area);
     measures.set("pressure_spread", pressure_spread(report.pressure));
@@ -88,7 +88,7 @@ class Press final : public Experiment {
   std::string remark(const Measures& measures) const override {
     if (!(measures.get("contacts") > 0)) return "nothing touches";
     if (setup_.force && std::abs(measures.get("force") / *setup_.force - 1) > 1e-5)
-      return "the force that was asked for is not met";
+      return "the prescribed force was not reached";
     return "";
   }
 
@@ -96,25 +96,25 @@ class Press final : public Experiment {
   /// A smooth grip lets its body drift and turn in its plane. One molecule near the middle is held there, the one that
   /// is farthest from it may only come nearer or go away: that takes no force of a body in balance.
   void keep_in_plane(Model& model, std::size_t first) const {
-    const auto place = [&](std::size_t i) -> Vector3 { return model.body().rest.col(model.supports[i].molecule); };
+    const auto position = [&](std::size_t i) -> Vector3 { return model.body().rest.col(model.supports[i].molecule); };
     const std::size_t end = model.supports.size();
     Vector3 centre = Vector3::Zero();
-    for (std::size_t i = first; i < end; ++i) centre += place(i) / static_cast<double>(end - first);
+    for (std::size_t i = first; i < end; ++i) centre += position(i) / static_cast<double>(end - first);
     std::size_t middle = first, far = first;
     for (std::size_t i = first; i < end; ++i) {
-      if ((place(i) - centre).norm() < (place(middle) - centre).norm()) middle = i;
-      if ((place(i) - centre).norm() > (place(far) - centre).norm()) far = i;
+      if ((position(i) - centre).norm() < (position(middle) - centre).norm()) middle = i;
+      if ((position(i) - centre).norm() > (position(far) - centre).norm()) far = i;
     }
     if (far == middle) return;
-    const Vector3 out = (place(far) - place(middle)).normalized();
+    const Vector3 out = (position(far) - position(middle)).normalized();
     model.supports[middle].free.setZero();
     model.supports[far].free = out * out.transpose();
   }
 
-  void move_to(Model& model, double way) {
-    way_ = way;
-    for (std::size_t i = held_.size(); i < held_.size() + moved_.size(); ++i)
-      model.supports[i].displacement = way * setup_.axis;
+  void move_to(Model& model, double displacement) {
+    displacement_ = displacement;
+    for (std::size_t i = fixed_.size(); i < fixed_.size() + moved_.size(); ++i)
+      model.supports[i].displacement = displacement * setup_.axis;
   }
 
   /// With which the moved molecules are pressed back [N].
@@ -140,9 +140,9 @@ class Press final : public Experiment {
   }
 
   PressSetup setup_;
-  std::vector<int> moved_, held_;
+  std::vector<int> moved_, fixed_;
   ForceControl control_;
-  double way_ = 0;                       // of what is moved [m]
+  double displacement_ = 0;              // of what is moved [m]
   Model* model_ = nullptr;               // that was loaded last
   contact::Contact* contact_ = nullptr;  // its own
 };

@@ -11,7 +11,7 @@ namespace elastin::lab {
 struct PressSetup {
   Vector3 axis = -Vector3::UnitZ();  ///< the way, unit
   /// Molecules, ascending; none given: those of the near, of the far end.
-  std::optional<std::vector<int>> moved, held;
+  std::optional<std::vector<int>> moved, fixed;
   std::optional<double> displacement;  ///< [m], > 0
   std::optional<double> force;         ///< or until this resists [N], > 0
   Grip grip = Grip::clamped;           ///< of both, across the axis

@@ -70,30 +70,30 @@ class Words {
   std::istringstream stream_;
 };
 
-void put(std::string& out, const std::vector<TouchMemory>& touches) {
-  put(out, static_cast<int>(touches.size()));
-  for (const TouchMemory& touch : touches) {
+void put(std::string& out, const std::vector<ContactHistory>& contact_history) {
+  put(out, static_cast<int>(contact_history.size()));
+  for (const ContactHistory& entry : contact_history) {
     out += "\n";
-    for (const int value : {touch.sample, touch.target, touch.count}) put(out, value);
-    for (const int molecule : touch.molecules) put(out, molecule);
-    for (const double weight : touch.weights) put(out, weight);
-    for (const double value : touch.offset) put(out, value);
-    put(out, touch.multiplier);
+    for (const int value : {entry.sample, entry.target, entry.count}) put(out, value);
+    for (const int molecule : entry.molecules) put(out, molecule);
+    for (const double weight : entry.weights) put(out, weight);
+    for (const double value : entry.offset) put(out, value);
+    put(out, entry.multiplier);
   }
   out += "\n";
 }
 
-std::vector<TouchMemory> touches_of(Words& words) {
+std::vector<ContactHistory> contact_history_of(Words& words) {
   const int count = words.count();
-  std::vector<TouchMemory> found(static_cast<std::size_t>(count));
-  for (TouchMemory& touch : found) {
-    touch.sample = words.whole();
-    touch.target = words.whole();
-    touch.count = words.whole();
-    for (int& molecule : touch.molecules) molecule = words.whole();
-    for (double& weight : touch.weights) weight = words.number();
-    for (double& value : touch.offset) value = words.number();
-    touch.multiplier = words.number();
+  std::vector<ContactHistory> found(static_cast<std::size_t>(count));
+  for (ContactHistory& entry : found) {
+    entry.sample = words.whole();
+    entry.target = words.whole();
+    entry.count = words.whole();
+    for (int& molecule : entry.molecules) molecule = words.whole();
+    for (double& weight : entry.weights) weight = words.number();
+    for (double& value : entry.offset) value = words.number();
+    entry.multiplier = words.number();
   }
   return found;
 }
@@ -102,13 +102,13 @@ std::vector<TouchMemory> touches_of(Words& words) {
 void check(const State& state) {
   const Eigen::Index molecules = state.positions.cols(), known = state.accelerations.cols();
   if (state.velocities.cols() != molecules || (known != 0 && known != molecules))
-    throw InputError("the restart file is damaged: its places, velocities and accelerations are not equally many");
-  for (const TouchMemory& touch : state.touches) {
-    bool sound = touch.count >= 0 && touch.count <= 3;
-    for (int i = 0; sound && i < touch.count; ++i)
+    throw InputError("the restart file is damaged: its positions, velocities and accelerations are not equally many");
+  for (const ContactHistory& entry : state.contact_history) {
+    bool sound = entry.count >= 0 && entry.count <= 3;
+    for (int i = 0; sound && i < entry.count; ++i)
       sound =
-          touch.molecules[static_cast<std::size_t>(i)] >= 0 && touch.molecules[static_cast<std::size_t>(i)] < molecules;
-    if (!sound) throw InputError("the restart file is damaged: a touch of a molecule that there is not");
+          entry.molecules[static_cast<std::size_t>(i)] >= 0 && entry.molecules[static_cast<std::size_t>(i)] < molecules;
+    if (!sound) throw InputError("the restart file is damaged: a contact point of a molecule that does not exist");
   }
 }
 
@@ -128,9 +128,9 @@ std::string restart_text(const RestartPoint& point, const std::string& identity)
   put(out, point.state.positions);
   put(out, point.state.velocities);
   put(out, point.state.accelerations);
-  put(out, point.state.touches);
-  put(out, static_cast<int>(point.rows.size()));
-  for (const CurvePoint& row : point.rows) {
+  put(out, point.state.contact_history);
+  put(out, static_cast<int>(point.history.size()));
+  for (const CurvePoint& row : point.history) {
     out += "\n";
     for (const double value : {row.load_factor, row.residual, row.time, row.step}) put(out, value);
     for (const int value : {row.newton_iterations, row.linear_iterations, row.steps}) put(out, value);
@@ -160,7 +160,7 @@ RestartPoint parse_restart(const std::string& text, const std::string& identity)
   point.state.positions = words.positions();
   point.state.velocities = words.positions();
   point.state.accelerations = words.positions();
-  point.state.touches = touches_of(words);
+  point.state.contact_history = contact_history_of(words);
   check(point.state);
   const int rows = words.count();
   for (int i = 0; i < rows; ++i) {
@@ -172,7 +172,7 @@ RestartPoint parse_restart(const std::string& text, const std::string& identity)
       const std::string name = words.next();
       row.measures.set(name, words.number());
     }
-    point.rows.push_back(std::move(row));
+    point.history.push_back(std::move(row));
   }
   if (words.next() != "end") throw InputError("the restart file is damaged: it does not end where it should");
   return point;

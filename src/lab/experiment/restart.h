@@ -15,7 +15,7 @@ struct RestartPoint {
   double dissipated = 0, work = 0;  ///< [J], of the ledger
   StepControl::Memory memory;
   int newton_iterations = 0, linear_iterations = 0;
-  std::vector<CurvePoint> rows;
+  std::vector<CurvePoint> history;
 };
 
 /// As text, every number with all its bits. `identity` names what must be the same when it is read.

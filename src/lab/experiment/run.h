@@ -40,7 +40,7 @@ struct CurvePoint {
 struct Snapshot {
   double at = 0;                              ///< load factor; time [s] of a run in time
   Positions positions;                        ///< [m]
-  VectorX densities;                          ///< force density of each connection [N/m]
+  VectorX force_densities;                    ///< force density of each connection [N/m]
   int number = 0;                             ///< of the load step or frame
   Positions contact_forces = {};              ///< [N]; empty without contact
   VectorX contact_pressure = {};              ///< [Pa]
@@ -63,17 +63,17 @@ struct Run {
   std::optional<Identified> identified;  ///< the material that the experiment was there to find
   double build_seconds = 0, solve_seconds = 0;
   int newton_iterations = 0, linear_iterations = 0;
-  int cut_steps = 0;          ///< Newton steps that were shortened because they would have turned a cell over
-  int halved_load_steps = 0;  ///< parts of the load that were gone in halves, lest a cell turn over
+  int cut_steps = 0;            ///< Newton steps that were shortened because they would have inverted a cell
+  int bisected_load_steps = 0;  ///< parts of the load that were bisected, lest a cell turn over
   double residual = 0;
   int zero_energy_modes = 0;
   std::vector<std::string> warnings;
-  std::string remark;              ///< of the experiment on what its measures mean here; empty = nothing to say
-  bool untangled = false;          ///< the start led nowhere: measured from the equilibrium that there is from rest
-  bool unstable = false;           ///< an equilibrium was found that is no minimum
-  bool uses_cells = false;         ///< the strategy could not run without the body's triangles or tetrahedra
-  bool suited = true;              ///< false: the strategy cannot run on this body; cause says why
-  std::optional<TimeReport> time;  ///< of a run in time
+  std::string remark;                ///< of the experiment on what its measures mean here; empty = nothing to say
+  bool restarted_from_rest = false;  ///< the start led nowhere: measured from the equilibrium that there is from rest
+  bool unstable = false;             ///< an equilibrium was found that is no minimum
+  bool uses_cells = false;           ///< the strategy could not run without the body's triangles or tetrahedra
+  bool suited = true;                ///< false: the strategy cannot run on this body; cause says why
+  std::optional<TimeReport> time;    ///< of a run in time
   std::optional<contact::ContactReport> contact;  ///< of the last state, where there is contact
 };
 

@@ -7,9 +7,9 @@
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/solve/energies.h"
+#include "lab/experiment/contact_measures.h"
 #include "lab/experiment/restart.h"
 #include "lab/experiment/timed.h"
-#include "lab/experiment/touching.h"
 
 namespace elastin::lab {
 namespace {
@@ -37,10 +37,10 @@ double largest_strain(const Model& model, const State& state) {
 }
 
 /// One run's way through time.
-class Course {
+class TimedRun {
  public:
-  Course(Model& model, TimedExperiment& experiment, const RunOptions& options, Run& run, State start, Scheme scheme,
-         const std::string& identity)
+  TimedRun(Model& model, TimedExperiment& experiment, const RunOptions& options, Run& run, State start, Scheme scheme,
+           const std::string& identity)
       : model_(model),
         experiment_(experiment),
         options_(options),
@@ -65,7 +65,7 @@ class Course {
     control_.memory = point.memory;
     run_.newton_iterations = point.newton_iterations;
     run_.linear_iterations = point.linear_iterations;
-    run_.curve = point.rows;
+    run_.curve = point.history;
     frame_ = point.frame;
   }
 
@@ -193,7 +193,7 @@ class Course {
     time.last_step = memory.last;
     time.critical_step = memory.critical;
     time.frequency = memory.frequency;
-    experiment_.read_course(run_.curve, run_.measures);
+    experiment_.read_history(run_.curve, run_.measures);
     for (const auto& [name, value] : run_.curve.back().measures.all())
       if (!std::isfinite(run_.measures.get(name))) run_.measures.set(name, value);
     double largest = 0, drift = 0;
@@ -250,7 +250,7 @@ void run_in_time(Model& model, TimedExperiment& experiment, const Specimen& spec
   }
   if (specimen.start) specimen.start(state);
   if (model.drive) model.drive(0, model.supports);
-  model.remember(state);
+  model.commit_step(state);
   if (!model.admissible(state.positions)) {
     run.outcome = Outcome::inverted;
     run.cause =
@@ -259,9 +259,9 @@ void run_in_time(Model& model, TimedExperiment& experiment, const Specimen& spec
     return;
   }
   const std::string identity = restart_identity(model.body(), run.strategy, *options.time, run.time->scheme);
-  Course course(model, experiment, options, run, std::move(state), scheme, identity);
-  if (run.time->resumed) course.resume();
-  course.go();
+  TimedRun timed_run(model, experiment, options, run, std::move(state), scheme, identity);
+  if (run.time->resumed) timed_run.resume();
+  timed_run.go();
 }
 
 }  // namespace elastin::lab

@@ -2,9 +2,9 @@
 #include <numbers>
 
 #include "elastin/core/base/error.h"
-#include "lab/experiment/course_fits.h"
 #include "lab/experiment/faces.h"
 #include "lab/experiment/motion.h"
+#include "lab/experiment/time_history_fits.h"
 
 namespace elastin::lab {
 namespace {
@@ -20,7 +20,7 @@ class Shake final : public TimedExperiment {
   std::string name() const override { return "shake"; }
   Experiment* at_rest() override { return nullptr; }
 
-  void hold(Model& model) override {
+  void set_up(Model& model) override {
     for (const int molecule : base_.molecules) model.supports.push_back({molecule, Matrix3::Zero()});
   }
 
@@ -46,14 +46,14 @@ class Shake final : public TimedExperiment {
   }
 
   /// Over the last half of the time, in whole periods.
-  void read_course(const std::vector<CurvePoint>& rows, Measures& measures) const override {
-    const double period = 1 / setup_.frequency, end = rows.back().time;
+  void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
+    const double period = 1 / setup_.frequency, end = history.back().time;
     const double periods = std::floor(end / 2 / period);
     if (periods < 1) return;
     const auto ratio_since = [&](double from, double to) {
-      Series far{VectorX(rows.size()), VectorX(rows.size())};
+      Series far{VectorX(history.size()), VectorX(history.size())};
       Eigen::Index count = 0;
-      for (const CurvePoint& row : rows)
+      for (const CurvePoint& row : history)
         if (row.time > from && row.time <= to * (1 + 1e-12)) {
           far.times[count] = row.time;
           far.values[count++] = row.measures.get("far_way");

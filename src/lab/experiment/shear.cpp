@@ -25,17 +25,17 @@ class Shear final : public Driven {
   }
 
   std::string name() const override { return "shear"; }
-  CourseMeasures course() const override { return {"strain", "force"}; }
-  bool let_go(Model& model) override {
+  ResponseMeasures response_measures() const override { return {"strain", "force"}; }
+  bool release(Model& model) override {
     if (loaded_ == 0) return false;
-    free_from(model, held_.size() - static_cast<std::size_t>(loaded_));
+    free_from(model, fixed_.size() - static_cast<std::size_t>(loaded_));
     return true;
   }
 
   Measures measure(Model& model, const Start& start, const State& state, const StaticOptions&,
                    StaticResult& solved) const override {
     const Positions pull = pull_of(start, solved);
-    const double strain = released_ ? mean_way(state.positions) * strain_ / way_ : factor_ * strain_;
+    const double strain = released_ ? mean_displacement(state.positions) * strain_ / displacement_ : factor_ * strain_;
     // Simple shear keeps the volume and the area of the sheared planes: first Piola-Kirchhoff = Cauchy on them.
     const Vector3 traction = volume_ > 0 ? Vector3(virial(pull, body_.rest) * setup_.axis / volume_)
                                          : Vector3(pull.rightCols(loaded_).rowwise().sum() / area_);
@@ -58,39 +58,39 @@ class Shear final : public Driven {
   void clamp_ends() {
     const Face fixed = end_face(body_, -setup_.axis, setup_.grip_depth),
                loaded = end_face(body_, setup_.axis, setup_.grip_depth);
-    hold_fast(fixed.molecules);
-    hold_fast(loaded.molecules);
+    fix_fully(fixed.molecules);
+    fix_fully(loaded.molecules);
     loaded_ = static_cast<Eigen::Index>(loaded.molecules.size());
     const double height = setup_.axis.dot(middle_of(loaded, body_.rest) - middle_of(fixed, body_.rest));
-    way_ = setup_.displacement != 0 ? setup_.displacement : setup_.strain * height;
-    strain_ = way_ / height;
+    displacement_ = setup_.displacement != 0 ? setup_.displacement : setup_.strain * height;
+    strain_ = displacement_ / height;
   }
 
   void follow_shear(const Matrix3& axes) {
     const Surface surface = find_surface(body_, axes, setup_.grip_depth);
-    hold_fast(surface.molecules);
+    fix_fully(surface.molecules);
     volume_ = surface.volume;
     strain_ = setup_.displacement != 0 ? setup_.displacement / rise_.maxCoeff() : setup_.strain;
   }
 
-  Vector3 way(std::size_t held, double factor) const override {
-    if (volume_ > 0) return factor * strain_ * rise_[held_[held].molecule] * setup_.direction;
-    const bool loaded = held + static_cast<std::size_t>(loaded_) >= held_.size();
-    return loaded ? Vector3(factor * way_ * setup_.direction) : Vector3::Zero();
+  Vector3 displacement(std::size_t index, double factor) const override {
+    if (volume_ > 0) return factor * strain_ * rise_[fixed_[index].molecule] * setup_.direction;
+    const bool loaded = index + static_cast<std::size_t>(loaded_) >= fixed_.size();
+    return loaded ? Vector3(factor * displacement_ * setup_.direction) : Vector3::Zero();
   }
 
   /// Way of the loaded end along the shear [m].
-  double mean_way(const Positions& places) const {
+  double mean_displacement(const Positions& positions) const {
     double sum = 0;
-    for (std::size_t i = held_.size() - static_cast<std::size_t>(loaded_); i < held_.size(); ++i)
-      sum += setup_.direction.dot(places.col(held_[i].molecule) - body_.rest.col(held_[i].molecule));
+    for (std::size_t i = fixed_.size() - static_cast<std::size_t>(loaded_); i < fixed_.size(); ++i)
+      sum += setup_.direction.dot(positions.col(fixed_[i].molecule) - body_.rest.col(fixed_[i].molecule));
     return sum / static_cast<double>(loaded_);
   }
 
   ShearSetup setup_;
   VectorX rise_;             // of each molecule above the lowest
   Eigen::Index loaded_ = 0;  // the last of the held molecules
-  double way_ = 0, strain_ = 0;
+  double displacement_ = 0, strain_ = 0;
   double area_ = 0, volume_ = 0;  // volume: affine sides only
 };
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "elastin/core/base/error.h"
-#include "lab/experiment/touching.h"
+#include "lab/experiment/contact_measures.h"
 
 namespace elastin::lab {
 namespace {
@@ -69,21 +69,21 @@ class Sliding final : public TimedExperiment {
     plane.pose.turn = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), setup.up).toRotationMatrix();
     const VectorX height = body.rest.transpose() * setup.up;
     const double depth = 1e-6 * body.radius.mean();  // what touches nothing has no equilibrium to begin from
-    plane.pose.place = ((height - reach).minCoeff() + depth) * setup.up;
+    plane.pose.position = ((height - reach).minCoeff() + depth) * setup.up;
     contact.obstacles.push_back(plane);
   }
 
   std::string name() const override { return "sliding"; }
   Experiment* at_rest() override { return nullptr; }
 
-  void hold(Model& model) override {
+  void set_up(Model& model) override {
     auto weight = std::make_unique<TiltedGravity>(body_, setup_);
     weight_ = weight.get();
     model.add(std::move(weight));
   }
 
   StaticResult start(Model& model, State& state, const StaticOptions& options) override {
-    model.remember(state);  // friction holds the body where it is
+    model.commit_step(state);  // friction holds the body where it is
     State stands = state;
     StaticResult solved = solve_static(model, stands, options);
     if (solved.outcome != Outcome::converged && setup_.angle != 0) {
@@ -99,25 +99,25 @@ class Sliding final : public TimedExperiment {
   }
 
   Measures read(Model&, const State& state) override {
-    const Positions way = state.positions - begin_;
+    const Positions displacement = state.positions - begin_;
     Measures measures;
-    measures.set("slide_distance", setup_.along.dot(way * body_.mass) / body_.mass.sum());
+    measures.set("slide_distance", setup_.along.dot(displacement * body_.mass) / body_.mass.sum());
     measures.set("slide_speed", setup_.along.dot(state.velocities * body_.mass) / body_.mass.sum());
-    measures.set("creep", way.colwise().norm().maxCoeff());
+    measures.set("creep", displacement.colwise().norm().maxCoeff());
     if (setup_.kind == SlidingKind::threshold) measures.set("slope", setup_.angle + setup_.rate * state.time);
     return measures;
   }
 
-  void read_course(const std::vector<CurvePoint>& rows, Measures& measures) const override {
+  void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
     double creep = 0, fastest = 0;
-    for (const CurvePoint& row : rows) {
+    for (const CurvePoint& row : history) {
       creep = std::max(creep, row.measures.get("creep"));
       fastest = std::max(fastest, std::abs(row.measures.get("slide_speed")));
     }
     measures.set("creep", creep);
     std::vector<std::pair<double, double>> points;
     const bool threshold = setup_.kind == SlidingKind::threshold;
-    for (const CurvePoint& row : rows) {
+    for (const CurvePoint& row : history) {
       const double speed = row.measures.get("slide_speed");
       if (threshold && speed > 0.1 * fastest) points.emplace_back(row.measures.get("slope"), std::sqrt(speed));
       if (!threshold && std::abs(speed) > 0.1 * fastest) points.emplace_back(row.time, speed);
@@ -125,7 +125,7 @@ class Sliding final : public TimedExperiment {
     const Line line = fit_line(points);
     if (line.points == 0) return;
     // Beyond the angle φ of friction the speed grows as sin² ((θ − φ)/2) of the slope θ: its root is straight there.
-    const double gone = rows.back().measures.get("slide_distance");
+    const double gone = history.back().measures.get("slide_distance");
     if (threshold && gone > kSlipped * body_.radius.mean()) {
       measures.set("slip_angle", line.zero);
       measures.set("slip_friction", std::tan(line.zero));

@@ -153,8 +153,8 @@ void add_surroundings(Model& model, const Specimen& specimen, Experiment& experi
   add_companions(model, choice.strategy, specimen.material);
   for (const auto& add_load : specimen.loads) add_load(model);
   if (specimen.contact) model.add(contact::make_contact(specimen.body, *specimen.contact));
-  experiment.hold(model);
-  hold_rigid_parts(model);
+  experiment.set_up(model);
+  fix_rigid_parts(model);
 }
 
 std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,

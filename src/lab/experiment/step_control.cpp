@@ -54,8 +54,8 @@ StepResult StepControl::one_step(Model& model, State& state, double until) {
     double step = std::min(memory.wanted, memory.stable);
     if (by_error_) step = std::max(step, options_.smallest);
     // The rest of the frame's time in equal parts; a part that rounding alone makes is none.
-    const double parts = std::max(1., std::ceil(left / step * (1 - 1e-9)));
-    const double dt = left / parts;
+    const double count = std::max(1., std::ceil(left / step * (1 - 1e-9)));
+    const double dt = left / count;
     if (!(state.time + dt > state.time))
       return {Outcome::diverged, "the step has become too short for the clock", 0, 0, 1, 0};
     const State before = by_error_ ? state : State{};
@@ -64,7 +64,7 @@ StepResult StepControl::one_step(Model& model, State& state, double until) {
     if (by_error_) {
       const double ratio = result.error / (options_.error * size_);
       const double change = ratio > 0 ? 0.9 * std::pow(ratio, -1 / (order_ + 1)) : 2;
-      const bool can_shorten = dt > options_.smallest * (1 + 1e-9) && result.parts <= 1;
+      const bool can_shorten = dt > options_.smallest * (1 + 1e-9) && result.substeps <= 1;
       memory.wanted = std::min(options_.largest, dt * std::clamp(change, 0.2, 2.));
       if (ratio > 1 && can_shorten) {
         state = before;
@@ -73,7 +73,7 @@ StepResult StepControl::one_step(Model& model, State& state, double until) {
         continue;
       }
     }
-    if (parts == 1) {
+    if (count == 1) {
       state.time = until;
       if (model.drive) model.drive(until, model.supports);
     }

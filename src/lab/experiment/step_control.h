@@ -20,12 +20,12 @@ class StepControl {
   template <class After>
   StepResult advance(Model& model, State& state, double until, After&& after) {
     StepResult all;
-    all.parts = 0;
+    all.substeps = 0;
     while (state.time < until) {
       const StepResult step = one_step(model, state, until);
       all.newton_iterations += step.newton_iterations;
       all.linear_iterations += step.linear_iterations;
-      ++all.parts;
+      ++all.substeps;
       if (step.outcome != Outcome::converged) {
         all.outcome = step.outcome;
         all.cause = step.cause;

@@ -4,7 +4,7 @@
 
 namespace elastin::lab {
 
-void hold_in_planes(const Body& body, const std::vector<Vector3>& normals, HeldMolecules& held) {
+void fix_in_planes(const Body& body, const std::vector<Vector3>& normals, FixedMolecules& fixed) {
   const double near = 1e-9 * body.rest.cwiseAbs().maxCoeff();
   for (const Vector3& normal : normals) {
     const VectorX height = body.rest.transpose() * normal;
@@ -14,7 +14,7 @@ void hold_in_planes(const Body& body, const std::vector<Vector3>& normals, HeldM
     for (int molecule = 0; molecule < body.size(); ++molecule) {
       if (std::abs(height[molecule]) > near) continue;
       any = true;
-      Matrix3& free = held.try_emplace(molecule, Matrix3::Identity()).first->second;
+      Matrix3& free = fixed.try_emplace(molecule, Matrix3::Identity()).first->second;
       free -= (free * normal * normal.transpose()).eval();
     }
     if (!any) throw InputError("symmetry: no molecule lies in one of the planes, which go through the origin");

@@ -39,9 +39,9 @@ class Tension final : public Experiment {
   std::string name() const override { return "tension"; }
   std::optional<Vector3> axis() const override { return setup_.axis; }
   int load_steps() const override { return setup_.load_steps; }
-  CourseMeasures course() const override { return {"elongation", setup_.displacement ? "force" : ""}; }
+  ResponseMeasures response_measures() const override { return {"elongation", setup_.displacement ? "force" : ""}; }
 
-  void hold(Model& model) override {
+  void set_up(Model& model) override {
     const Matrix3 along = setup_.axis * setup_.axis.transpose(), nothing = Matrix3::Zero();
     const Matrix3 sideways = Matrix3::Identity() - along;
     add_supports(model, fixed_, setup_.fixed_grip == Grip::clamped ? nothing : sideways);
@@ -73,7 +73,7 @@ class Tension final : public Experiment {
         model.supports[i].velocity = rate * *setup_.displacement * setup_.axis;
   }
 
-  bool let_go(Model& model) override {
+  bool release(Model& model) override {
     set_load(model, 0);
     if (setup_.displacement)
       for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
@@ -104,12 +104,12 @@ class Tension final : public Experiment {
 
   void measure_end(Model& model, const State& state, const StaticOptions& options, Measures& measures,
                    int& iterations) const override {
-    Positions load = Positions::Zero(3, body_.size()), way = load;
+    Positions load = Positions::Zero(3, body_.size()), displacement = load;
     for (std::size_t i = 0; i < loaded_.size(); ++i) {
       if (setup_.force) load.col(loaded_[i]) = share_[static_cast<Eigen::Index>(i)] * setup_.axis;
-      if (setup_.displacement) way.col(loaded_[i]) = gauge_length_ * setup_.axis;
+      if (setup_.displacement) displacement.col(loaded_[i]) = gauge_length_ * setup_.axis;
     }
-    const StaticResponse response = static_response(model, state.positions, load, way, options);
+    const StaticResponse response = static_response(model, state.positions, load, displacement, options);
     iterations += response.result.linear_iterations;
     if (response.result.outcome != Outcome::converged) return;
     const double force = setup_.force ? 1 : loaded_reaction(response.result.reactions);
@@ -117,12 +117,12 @@ class Tension final : public Experiment {
   }
 
   std::vector<MainMeasure> main_measures(const Material& material, const Measures& measured) const override {
-    UniaxialResponse asked = uniaxial_response(material, setup_.axis);
+    UniaxialResponse target = uniaxial_response(material, setup_.axis);
     const double strain = measured.get("strain");
     if (std::isfinite(strain) && strain != 0)  // the secant of a curve
-      if (const auto stress = uniaxial_stress(material, setup_.axis, strain)) asked.youngs_modulus = *stress / strain;
+      if (const auto stress = uniaxial_stress(material, setup_.axis, strain)) target.youngs_modulus = *stress / strain;
     std::vector<MainMeasure> measures{
-        {"effective_modulus", asked.youngs_modulus}, {"poissons_ratio", asked.poissons_ratio}, {"elongation"}};
+        {"effective_modulus", target.youngs_modulus}, {"poissons_ratio", target.poissons_ratio}, {"elongation"}};
     if (material.curve || material.fibre) measures.push_back({"curve_error"});
     return measures;
   }
@@ -211,19 +211,19 @@ class Tension final : public Experiment {
   /// − F_yx)²).
   double lateral_strain(const Positions& motion, bool small) const {
     const auto count = static_cast<Eigen::Index>(middle_.size());
-    Eigen::MatrixX3d places(count, 3);
+    Eigen::MatrixX3d positions(count, 3);
     Eigen::MatrixX2d moves(count, 2);
     for (Eigen::Index i = 0; i < count; ++i) {
       const int molecule = middle_[static_cast<std::size_t>(i)];
-      places.row(i) << (plane_.transpose() * body_.rest.col(molecule)).transpose(), 1;
+      positions.row(i) << (plane_.transpose() * body_.rest.col(molecule)).transpose(), 1;
       moves.row(i) = (plane_.transpose() * motion.col(molecule)).transpose();
     }
     if (count < 3) return std::numeric_limits<double>::quiet_NaN();
-    const Eigen::RowVector2d middle = places.leftCols<2>().colwise().mean();
-    places.leftCols<2>().rowwise() -= middle;
-    const Eigen::Matrix2d spread = places.leftCols<2>().transpose() * places.leftCols<2>();
+    const Eigen::RowVector2d middle = positions.leftCols<2>().colwise().mean();
+    positions.leftCols<2>().rowwise() -= middle;
+    const Eigen::Matrix2d spread = positions.leftCols<2>().transpose() * positions.leftCols<2>();
     if (!(spread.determinant() > 1e-12 * std::pow(spread.trace(), 2))) return std::numeric_limits<double>::quiet_NaN();
-    const Eigen::Matrix2d gradient = spread.inverse() * places.leftCols<2>().transpose() * moves;
+    const Eigen::Matrix2d gradient = spread.inverse() * positions.leftCols<2>().transpose() * moves;
     const double sum = gradient.trace(), turn = small ? 0 : gradient(0, 1) - gradient(1, 0);
     return (sum * (4 + sum) + turn * turn) / (2 * (std::hypot(2 + sum, turn) + 2));
   }

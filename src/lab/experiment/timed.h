@@ -17,7 +17,7 @@ class TimedExperiment : public Experiment {
   /// Reads one state on the way.
   virtual Measures read(Model& model, const State& state) = 0;
   /// Adds what the whole course says, from its rows at equal times, the first at time 0.
-  virtual void read_course(const std::vector<CurvePoint>& rows, Measures& measures) const = 0;
+  virtual void read_history(const std::vector<CurvePoint>& history, Measures& measures) const = 0;
 
   void set_load(Model&, double) final {}
   int load_steps() const final { return 1; }

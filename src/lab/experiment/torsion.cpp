@@ -22,17 +22,17 @@ class Torsion final : public Driven {
   Torsion(const Body& body, const TorsionSetup& setup) : Driven(body, setup.load_steps), setup_(setup) {
     const Face fixed = end_face(body, -setup.axis, setup.grip_depth),
                loaded = end_face(body, setup.axis, setup.grip_depth);
-    hold_fast(fixed.molecules);
-    first_loaded_ = held_.size();
-    hold_fast(loaded.molecules);
+    fix_fully(fixed.molecules);
+    first_loaded_ = fixed_.size();
+    fix_fully(loaded.molecules);
     middle_ = middle_of(loaded, body.rest);
     length_ = setup.axis.dot(middle_ - middle_of(fixed, body.rest));
     section_ = section_constant(convex_hull(across(setup.axis).transpose() * body.rest));
   }
 
   std::string name() const override { return "torsion"; }
-  CourseMeasures course() const override { return {"angle", "torque"}; }
-  bool let_go(Model& model) override {
+  ResponseMeasures response_measures() const override { return {"angle", "torque"}; }
+  bool release(Model& model) override {
     free_from(model, first_loaded_);
     return true;
   }
@@ -40,11 +40,11 @@ class Torsion final : public Driven {
   Measures measure(Model& model, const Start& start, const State& state, const StaticOptions&,
                    StaticResult& solved) const override {
     const Positions pull = pull_of(start, solved);
-    const Positions& places = solved.linear ? body_.rest : state.positions;
+    const Positions& positions = solved.linear ? body_.rest : state.positions;
     double torque = 0, axial = 0, size = 0;
-    for (std::size_t i = first_loaded_; i < held_.size(); ++i) {
+    for (std::size_t i = first_loaded_; i < fixed_.size(); ++i) {
       const Vector3 force = pull.col(static_cast<Eigen::Index>(i));
-      torque += setup_.axis.dot((places.col(held_[i].molecule) - middle_).cross(force));
+      torque += setup_.axis.dot((positions.col(fixed_[i].molecule) - middle_).cross(force));
       axial += setup_.axis.dot(force);
       size += force.norm();
     }
@@ -66,29 +66,29 @@ class Torsion final : public Driven {
   }
 
  private:
-  Vector3 way(std::size_t held, double factor) const override {
-    if (held < first_loaded_) return Vector3::Zero();
-    const Vector3 arm = body_.rest.col(held_[held].molecule) - middle_;
+  Vector3 displacement(std::size_t index, double factor) const override {
+    if (index < first_loaded_) return Vector3::Zero();
+    const Vector3 arm = body_.rest.col(fixed_[index].molecule) - middle_;
     const double angle = factor * setup_.angle;
     if (setup_.straight) return angle * setup_.axis.cross(arm);
     return Eigen::AngleAxisd(angle, setup_.axis) * arm - arm;
   }
 
-  Vector3 way_slope(std::size_t held, double factor) const override {
-    if (held < first_loaded_) return Vector3::Zero();
-    const Vector3 arm = body_.rest.col(held_[held].molecule) - middle_;
+  Vector3 displacement_slope(std::size_t index, double factor) const override {
+    if (index < first_loaded_) return Vector3::Zero();
+    const Vector3 arm = body_.rest.col(fixed_[index].molecule) - middle_;
     const double angle = setup_.straight ? 0 : factor * setup_.angle;
     return setup_.angle * setup_.axis.cross(Eigen::AngleAxisd(angle, setup_.axis) * arm);
   }
 
   /// Angle [rad] by which the end has turned in the mean.
-  double turn_of(const Positions& places) const {
+  double turn_of(const Positions& positions) const {
     double across = 0, along = 0;
-    for (std::size_t i = first_loaded_; i < held_.size(); ++i) {
-      const int molecule = held_[i].molecule;
+    for (std::size_t i = first_loaded_; i < fixed_.size(); ++i) {
+      const int molecule = fixed_[i].molecule;
       Vector3 arm = body_.rest.col(molecule) - middle_;
       arm -= setup_.axis.dot(arm) * setup_.axis;
-      const Vector3 now = places.col(molecule) - middle_;
+      const Vector3 now = positions.col(molecule) - middle_;
       across += setup_.axis.dot(arm.cross(now));
       along += arm.dot(now);
     }

@@ -6,17 +6,17 @@ namespace {
 
 class Vibration final : public Experiment {
  public:
-  Vibration(std::unique_ptr<Experiment> hold, int count) : hold_(std::move(hold)), count_(count) {}
+  Vibration(std::unique_ptr<Experiment> fixture, int count) : fixture_(std::move(fixture)), count_(count) {}
 
   std::string name() const override { return "vibration"; }
   int load_steps() const override { return 1; }
-  Experiment* at_rest() override { return hold_.get(); }
+  Experiment* at_rest() override { return fixture_.get(); }
 
   /// The hold's own load stays away: what it holds is held.
-  void hold(Model& model) override {
-    if (!hold_) return;
-    hold_->hold(model);
-    hold_->set_load(model, 0);
+  void set_up(Model& model) override {
+    if (!fixture_) return;
+    fixture_->set_up(model);
+    fixture_->set_load(model, 0);
   }
   void set_load(Model&, double) override {}
 
@@ -39,14 +39,14 @@ class Vibration final : public Experiment {
   }
 
  private:
-  std::unique_ptr<Experiment> hold_;
+  std::unique_ptr<Experiment> fixture_;
   int count_;
 };
 
 }  // namespace
 
-std::unique_ptr<Experiment> make_vibration(const Body&, std::unique_ptr<Experiment> hold, int count) {
-  return std::make_unique<Vibration>(std::move(hold), count);
+std::unique_ptr<Experiment> make_vibration(const Body&, std::unique_ptr<Experiment> fixture, int count) {
+  return std::make_unique<Vibration>(std::move(fixture), count);
 }
 
 }  // namespace elastin::lab

@@ -32,7 +32,7 @@ double inverse_of_hyperbola(const Sampled* points, double nu) {
 }  // namespace
 
 std::optional<VolumeFit> fit_volume(const Material& material, const MeasureModuli& measure, int most_solves) {
-  const double asked = material.poissons_ratio;
+  const double target = material.poissons_ratio;
   std::vector<Sampled> points;
   double softness = 0, most = 0;  // q, and the κ that is taken for infinite
   for (double kappa = 0;;) {
@@ -42,8 +42,8 @@ std::optional<VolumeFit> fit_volume(const Material& material, const MeasureModul
     const double scale = material.youngs_modulus / E;
     points.push_back({kappa, nu});
     const int solves = static_cast<int>(points.size());
-    const bool unreachable = solves > 1 && kappa == most && nu < asked;
-    if (std::abs(nu - asked) <= 0.001 || unreachable || solves >= most_solves)
+    const bool unreachable = solves > 1 && kappa == most && nu < target;
+    if (std::abs(nu - target) <= 0.001 || unreachable || solves >= most_solves)
       return VolumeFit{scale, scale * kappa, nu};
     const double bounded = std::min(nu, 0.45);
     if (solves == 1) softness = E / (2 * (1 + bounded) * (1 - 2 * bounded));
@@ -52,9 +52,9 @@ std::optional<VolumeFit> fit_volume(const Material& material, const MeasureModul
     const double before_t = solves == 1 ? 0 : 1 / (points[points.size() - 2].kappa + softness);
     const double before = solves == 1 ? std::max(0.5, nu + 0.05) : points[points.size() - 2].nu;
     const double slope = (nu - before) / (t - before_t);
-    const double next = slope < 0 ? t + (asked - nu) / slope : t / 2;
+    const double next = slope < 0 ? t + (target - nu) / slope : t / 2;
     const double guess = 1 / std::clamp(next, 1e-3 * t, 2 * t) - softness;
-    const double better = solves < 3 ? std::nan("") : inverse_of_hyperbola(&points[points.size() - 3], asked);
+    const double better = solves < 3 ? std::nan("") : inverse_of_hyperbola(&points[points.size() - 3], target);
     if (solves == 1) most = 10 * std::max(guess, softness);
     kappa = std::min(better > -softness ? better : guess, most);
   }

@@ -115,21 +115,21 @@ Table verdicts_table(const std::vector<Record>& records) {
                  {verdict->expectation.outcome},
                  {""},
                  {""},
-                 {verdict->holds ? "holds" : "FAILS", verdict->holds ? Tone::good : Tone::bad},
+                 {verdict->passed ? "holds" : "FAILS", verdict->passed ? Tone::good : Tone::bad},
                  {verdict->expectation.source, Tone::faint}});
       continue;
     }
     const MeasureInfo& info = find_measure(verdict->expectation.measure);
     const bool missing = !std::isfinite(verdict->measured);
-    const Tone tone = !verdict->judged ? Tone::faint : verdict->holds ? Tone::good : Tone::bad;
+    const Tone tone = !verdict->judged ? Tone::faint : verdict->passed ? Tone::good : Tone::bad;
     table.add({{verdict->strategy},
                {verdict->expectation.measure},
                {readable(verdict->expectation.value, info, 6), Tone::plain, true},
                {missing ? "none" : readable(verdict->measured, info, 6), Tone::plain, true},
                {percent(verdict->difference), Tone::plain, true},
-               {!verdict->judged ? "not reproduced"
-                : verdict->holds ? "holds"
-                                 : "FAILS",
+               {!verdict->judged  ? "not reproduced"
+                : verdict->passed ? "holds"
+                                  : "FAILS",
                 tone},
                {verdict->expectation.source + (verdict->judged ? "" : ": " + verdict->expectation.not_reproduced),
                 Tone::faint}});
@@ -158,7 +158,7 @@ std::string advice_text(const Ranking& ranking, bool colours) {
               : modulus             ? percent(best->error(name))
                                     : value_text(value, info));
   }
-  return fmt::format("\n  {} {}: {} (asked: {}), {}\n",
+  return fmt::format("\n  {} {}: {} (target: {}), {}\n",
                      ranking.error(*best) <= kNear ? "take" : "none is near " + goal + "; the nearest is",
                      painted(best->run.strategy, Tone::bold, colours), found, best->prescribed,
                      readable_seconds(best->run.build_seconds + best->run.solve_seconds));

@@ -30,7 +30,7 @@ Table comparison_table(const std::vector<Record>& records, const Ranking& rankin
 /// What was expected of the runs, and what came.
 Table verdicts_table(const std::vector<Record>& records);
 
-/// "take lattice: E +0.001 %, Poisson's ratio 0.2500 (asked: …), 3 ms".
+/// "take lattice: E +0.001 %, Poisson's ratio 0.2500 (target: …), 3 ms".
 std::string advice_text(const Ranking& ranking, bool colours);
 
 }  // namespace elastin::lab

@@ -37,7 +37,8 @@ std::vector<std::vector<std::string>> fields_of(const std::string& text) {
 
 std::size_t Csv::column(const std::string& name) const {
   const auto found = std::find(head.begin(), head.end(), name);
-  if (found == head.end()) throw InputError(Place{path, 1}, "no column '" + name + "'" + suggestion(name, head));
+  if (found == head.end())
+    throw InputError(SourceLocation{path, 1}, "no column '" + name + "'" + suggestion(name, head));
   return static_cast<std::size_t>(found - head.begin());
 }
 
@@ -49,23 +50,24 @@ double Csv::number(std::size_t row, std::size_t column) const {
   double value = 0;
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (problem != std::errc() || end != text.data() + text.size())
-    throw InputError(Place{path, static_cast<int>(row) + 2}, head[column] + ": '" + text + "' is no number");
+    throw InputError(SourceLocation{path, static_cast<int>(row) + 2}, head[column] + ": '" + text + "' is no number");
   return value;
 }
 
 Csv load_csv(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   std::error_code ignored;
-  if (!stream || std::filesystem::is_directory(path, ignored)) throw InputError(Place{path}, "cannot be read");
+  if (!stream || std::filesystem::is_directory(path, ignored)) throw InputError(SourceLocation{path}, "cannot be read");
   Csv csv{path, {}, fields_of({std::istreambuf_iterator<char>(stream), {}})};
   csv.head = csv.rows.front();
-  if (csv.head == std::vector<std::string>{""}) throw InputError(Place{path, 1}, "no head: names of the columns");
+  if (csv.head == std::vector<std::string>{""})
+    throw InputError(SourceLocation{path, 1}, "no head: names of the columns");
   csv.rows.erase(csv.rows.begin());
   while (!csv.rows.empty() && csv.rows.back() == std::vector<std::string>{""}) csv.rows.pop_back();
   for (std::size_t row = 0; row < csv.rows.size(); ++row)
     if (csv.rows[row].size() != csv.head.size())
       throw InputError(
-          Place{path, static_cast<int>(row) + 2},
+          SourceLocation{path, static_cast<int>(row) + 2},
           std::to_string(csv.rows[row].size()) + " fields; the head has " + std::to_string(csv.head.size()));
   return csv;
 }

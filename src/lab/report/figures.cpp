@@ -28,7 +28,7 @@ PlotSeries front_of(const std::vector<PlotSeries>& series) {
 }
 
 /// What a course is drawn over, and what of: the first pair that the records have.
-struct Course {
+struct ResponseCurve {
   std::string x, y;
   bool from_nothing;  ///< begins at 0, 0
 };
@@ -39,11 +39,11 @@ bool measured(const std::vector<Record>& records, const std::string& name) {
   });
 }
 
-Course course_of(const std::vector<Record>& records) {
+ResponseCurve response_curve_of(const std::vector<Record>& records) {
   const bool in_time =
       std::any_of(records.begin(), records.end(), [](const Record& r) { return r.run.time.has_value(); });
   if (!in_time)
-    for (const auto& [x, y, zero] : {Course{"strain", "stress", true},
+    for (const auto& [x, y, zero] : {ResponseCurve{"strain", "stress", true},
                                      {"angle", "torque", true},
                                      {"volume_strain", "pressure", true},
                                      {"stretch", "pressure", false},  // begins at 1
@@ -52,8 +52,9 @@ Course course_of(const std::vector<Record>& records) {
   for (const char* y : {"tip_deflection", "elongation", "angle", "compression", "fall_speed", "far_way", "radius",
                         "height", "strain", "centre_way", "largest_strain", "effective_modulus"}) {
     const std::string name(y);
-    const bool way = name == "tip_deflection" || name == "elongation" || name == "angle" || name == "height";
-    if (measured(records, name)) return {in_time ? "time" : "load", name, way && !in_time};
+    const bool is_displacement =
+        name == "tip_deflection" || name == "elongation" || name == "angle" || name == "height";
+    if (measured(records, name)) return {in_time ? "time" : "load", name, is_displacement && !in_time};
   }
   return {};
 }
@@ -71,8 +72,8 @@ PlotAxis axis_of(const std::string& name) {
 }
 
 /// What the material itself asks for, where that is a line through the origin.
-void add_asked(Plot& plot, const Course& course, const Record& record) {
-  if (course.x != "strain" || course.y != "stress" || record.main_measures.empty()) return;
+void add_target(Plot& plot, const ResponseCurve& curve, const Record& record) {
+  if (curve.x != "strain" || curve.y != "stress" || record.main_measures.empty()) return;
   const auto& [name, prescribed] = record.main_measures.front();
   if (!std::isfinite(prescribed) || (name != "effective_modulus" && name != "shear_modulus")) return;
   double low = 0, high = 0;  // no further than the others go in either direction
@@ -82,7 +83,7 @@ void add_asked(Plot& plot, const Course& course, const Record& record) {
       high = std::max(high, std::min(point.x, point.y / prescribed));
     }
   plot.series.push_back(
-      {"asked", -1, PlotSeries::Kind::dashed, {{low, low * prescribed, ""}, {high, high * prescribed, ""}}});
+      {"target", -1, PlotSeries::Kind::dashed, {{low, low * prescribed, ""}, {high, high * prescribed, ""}}});
 }
 
 }  // namespace
@@ -168,26 +169,26 @@ Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, cons
   return plot;
 }
 
-Plot course_plot(const std::vector<Record>& records, const std::map<std::string, int>& colours) {
+Plot response_plot(const std::vector<Record>& records, const std::map<std::string, int>& colours) {
   Plot plot;
-  const Course course = course_of(records);
-  if (course.x.empty()) return plot;
-  plot.x = axis_of(course.x);
-  plot.y = axis_of(course.y);
+  const ResponseCurve curve = response_curve_of(records);
+  if (curve.x.empty()) return plot;
+  plot.x = axis_of(curve.x);
+  plot.y = axis_of(curve.y);
   plot.title = records.front().title + ": " + plot.y.title + " over " + plot.x.title;
   for (const StudyCurve& curve : curves_of(records)) {
     const Record& record = *curve.rows.back();
     PlotSeries series{curve.name, colours.at(curve.strategy), PlotSeries::Kind::line, {}};
-    if (course.from_nothing) series.points.push_back({0, 0, ""});
+    if (curve.from_nothing) series.points.push_back({0, 0, ""});
     for (const CurvePoint& point : record.run.curve) {
-      const PlotPoint at{along(point, course.x), along(point, course.y), ""};
+      const PlotPoint at{along(point, curve.x), along(point, curve.y), ""};
       if (std::isfinite(at.x) && std::isfinite(at.y)) series.points.push_back(at);
     }
-    const bool short_course = series.points.size() <= 24;
-    if (short_course) series.kind = PlotSeries::Kind::marked_line;
-    if (series.points.size() > (course.from_nothing ? 1u : 0u)) plot.series.push_back(std::move(series));
+    const bool short_curve = series.points.size() <= 24;
+    if (short_curve) series.kind = PlotSeries::Kind::marked_line;
+    if (series.points.size() > (curve.from_nothing ? 1u : 0u)) plot.series.push_back(std::move(series));
   }
-  if (!plot.series.empty()) add_asked(plot, course, records.front());
+  if (!plot.series.empty()) add_target(plot, curve, records.front());
   return plot;
 }
 

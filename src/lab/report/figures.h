@@ -20,8 +20,8 @@ std::map<std::string, int> strategy_colours(const std::vector<Record>& records);
 Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, const std::map<std::string, int>& colours,
                 const std::vector<Peer>& peers = {});
 
-/// The course of each record: stress over strain, torque over angle, a deflection over load or time; of a study the
-/// finest of each curve. No series where there is no such measure.
-Plot course_plot(const std::vector<Record>& records, const std::map<std::string, int>& colours);
+/// The course of each record: the stress–strain curve, torque over angle, a deflection over load or time; of a study
+/// the finest of each curve. No series where there is no such measure.
+Plot response_plot(const std::vector<Record>& records, const std::map<std::string, int>& colours);
 
 }  // namespace elastin::lab

@@ -41,7 +41,7 @@ std::string variant_field(const Record& record) {
 }
 
 /// One row a frame, with the measures that the run has.
-std::string course_csv_text(const std::vector<CurvePoint>& rows) {
+std::string history_csv_text(const std::vector<CurvePoint>& history) {
   std::vector<const MeasureInfo*> columns;
   for (const MeasureInfo& info : measure_list())
     if (std::any_of(rows.begin(), rows.end(),
@@ -110,7 +110,7 @@ std::string csv_text(const std::vector<Record>& records) {
 }
 
 std::string curve_csv_text(const Record& record) {
-  if (record.run.time) return course_csv_text(record.run.curve);
+  if (record.run.time) return history_csv_text(record.run.curve);
   std::string out = "load_factor";
   for (const MeasureInfo& info : measure_list()) out += "," + headed(info);
   out += ",newton_iterations,linear_iterations,residual\n";
@@ -131,8 +131,8 @@ std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& cons
   for (int c = 0; c < m; ++c) {
     const Vector3 d = positions.col(ends[c][1]) - positions.col(ends[c][0]);
     length[c] = d.norm();
-    force.col(ends[c][0]) += shot.densities[c] * d;
-    force.col(ends[c][1]) -= shot.densities[c] * d;
+    force.col(ends[c][0]) += shot.force_densities[c] * d;
+    force.col(ends[c][1]) -= shot.force_densities[c] * d;
   }
   std::string out = vtu_head(n, m) + "<Points>\n";
   VtuArrays arrays(out);
@@ -149,8 +149,8 @@ std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& cons
   out += "</PointData>\n<CellData Scalars=\"strain\">\n";
   arrays.add("strain", "Float64", 1, m,
              [&](int c, int) { return rest_length[c] > 0 ? length[c] / rest_length[c] - 1 : 0; });
-  arrays.add("tension", "Float64", 1, m, [&](int c, int) { return shot.densities[c] * length[c]; });
-  arrays.add("force_density", "Float64", 1, m, [&](int c, int) { return shot.densities[c]; });
+  arrays.add("tension", "Float64", 1, m, [&](int c, int) { return shot.force_densities[c] * length[c]; });
+  arrays.add("force_density", "Float64", 1, m, [&](int c, int) { return shot.force_densities[c]; });
   if (constants.size()) arrays.add("constant", "Float64", 1, m, [&](int c, int) { return constants[c]; });
   out += "</CellData>\n<Cells>\n";
   arrays.add("connectivity", "Int32", 2, m, [&](int c, int k) { return ends[c][k]; });

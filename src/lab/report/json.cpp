@@ -21,9 +21,9 @@ Json to_json(const Verdict& verdict) {
   const Expectation& expectation = verdict.expectation;
   if (!expectation.outcome.empty())
     return {{"strategy", expectation.strategy}, {"outcome", expectation.outcome}, {"cause", expectation.cause},
-            {"source", expectation.source},     {"holds", verdict.holds},         {"judged", true}};
+            {"source", expectation.source},     {"holds", verdict.passed},        {"judged", true}};
   Json object{{"strategy", expectation.strategy}, {"measure", expectation.measure}, {"expected", expectation.value},
-              {"source", expectation.source},     {"holds", verdict.holds},         {"judged", verdict.judged}};
+              {"source", expectation.source},     {"holds", verdict.passed},        {"judged", verdict.judged}};
   if (std::isfinite(verdict.measured)) object["measured"] = verdict.measured;
   if (std::isfinite(verdict.difference)) object["difference"] = verdict.difference;
   if (!verdict.judged) object["not_reproduced"] = verdict.expectation.not_reproduced;
@@ -64,7 +64,7 @@ void add_of_study(Json& object, const Record& record) {
   const Run& run = record.run;
   if (!run.remark.empty()) object["remark"] = run.remark;
   for (const auto& [name, holds] :
-       {std::pair{"unstable", run.unstable}, {"untangled", run.untangled}, {"uses_cells", run.uses_cells}})
+       {std::pair{"unstable", run.unstable}, {"untangled", run.restarted_from_rest}, {"uses_cells", run.uses_cells}})
     if (holds) object[name] = true;
 }
 
@@ -88,7 +88,7 @@ Json to_json(const Record& record) {
               {"iterations", run.newton_iterations},
               {"linear_iterations", run.linear_iterations},
               {"cut_steps", run.cut_steps},
-              {"halved_load_steps", run.halved_load_steps},
+              {"halved_load_steps", run.bisected_load_steps},
               {"residual", run.residual},
               {"zero_energy_modes", run.zero_energy_modes},
               {"warnings", record.warnings},
@@ -174,7 +174,7 @@ Verdict verdict_of(const Json& object, const std::string& strategy) {
   verdict.strategy = strategy;
   verdict.measured = number(object, "measured");
   verdict.difference = number(object, "difference");
-  verdict.holds = object.at("holds");
+  verdict.passed = object.at("holds");
   verdict.judged = object.at("judged");
   return verdict;
 }
@@ -186,7 +186,7 @@ void read_outcome(const Json& object, Run& run) {
     if (name == name_of(static_cast<Outcome>(outcome))) run.outcome = static_cast<Outcome>(outcome);
   run.cause = object.value("cause", "");
   run.unstable = object.value("unstable", false);
-  run.untangled = object.value("untangled", false);
+  run.restarted_from_rest = object.value("untangled", false);
   run.uses_cells = object.value("uses_cells", false);
   run.remark = object.value("remark", "");
 }
@@ -234,7 +234,7 @@ Run run_of(const Json& object) {
   run.newton_iterations = object.at("iterations");
   run.linear_iterations = object.at("linear_iterations");
   run.cut_steps = object.value("cut_steps", 0);
-  run.halved_load_steps = object.value("halved_load_steps", 0);
+  run.bisected_load_steps = object.value("halved_load_steps", 0);
   run.residual = number(object, "residual");
   run.zero_energy_modes = object.value("zero_energy_modes", 0);
   if (object.contains("calibration_factor")) run.calibration_factor = object["calibration_factor"];

@@ -66,9 +66,9 @@ Table stability_table(const Scenery& scene) {
     const std::string verdict = !solved(record) ? outcome_text(run)
                                 : run.zero_energy_modes > 0
                                     ? "mechanism: " + counted(run.zero_energy_modes, "zero-energy mode")
-                                : run.unstable  ? "not stable: an equilibrium that is no minimum"
-                                : run.untangled ? "stable, from rest: the start led nowhere"
-                                                : "stable";
+                                : run.unstable            ? "not stable: an equilibrium that is no minimum"
+                                : run.restarted_from_rest ? "stable, from rest: the start led nowhere"
+                                                          : "stable";
     table.add({{run.strategy + (record.variant.empty() ? "" : ", " + variant_text(record))},
                {verdict, sound            ? Tone::good
                          : solved(record) ? Tone::poor
@@ -111,7 +111,7 @@ std::string head_html(const Scenery& scene) {
     out += chip(counted(first.connections, "connection"));
     if (first.cells) out += chip(counted(first.cells, "cell"));
   }
-  out += chip("asked: " + first.prescribed) + chip(counted(first.threads, "thread"));
+  out += chip("target: " + first.prescribed) + chip(counted(first.threads, "thread"));
   out += chip(first.repeats.size() > 1 ? fmt::format("least of {} repeats", first.repeats.size()) : "one run each");
   for (const Reference& reference : first.references)
     out += chip(fmt::format("reference: {} {} ({})", find_measure(reference.measure).label(),
@@ -126,8 +126,8 @@ std::string head_html(const Scenery& scene) {
 constexpr const char* kStage = R"html(<section class="card"><div class="bar"><h2>The body</h2>
 <label>strategy <select data-part="strategy"></select></label>
 <label>colour <select data-part="colour"><option value="tension">tension</option><option value="strain">strain</option>
-<option value="way">way from rest</option><option value="error">away from the best</option></select></label>
-<label>ways <select data-part="enlarge"></select></label>
+<option value="way">displacement from rest</option><option value="error">away from the best</option></select></label>
+<label>displacement scale <select data-part="enlarge"></select></label>
 <label><input type="checkbox" data-part="lines"> connections</label>
 <label><input type="checkbox" data-part="spheres"> molecules</label>
 <label><input type="checkbox" data-part="surface"> surface</label>
@@ -145,7 +145,7 @@ std::string view_html(const std::string& line) {
 }
 
 /// The body with as many strategies as there is room for, the best first; of a study the variant with most molecules.
-std::string stage_html(const Scenery& scene, const std::vector<std::string>& views, std::size_t room) {
+std::string stage_html(const Scenery& scene, const std::vector<std::string>& views, std::size_t size_left) {
   using Json = nlohmann::json;
   struct View {
     Json head;
@@ -163,7 +163,7 @@ std::string stage_html(const Scenery& scene, const std::vector<std::string>& vie
   for (auto at = bodies.rbegin(); at != bodies.rend(); ++at) {
     std::string body, states, note;
     const auto take = [&](const View& view) {
-      if (body.size() + states.size() + view.line->size() < room) states += view_html(*view.line);
+      if (body.size() + states.size() + view.line->size() < size_left) states += view_html(*view.line);
     };
     for (const View& view : at->second)
       if (view.head["kind"] == "body") {
@@ -187,7 +187,7 @@ std::string stage_html(const Scenery& scene, const std::vector<std::string>& vie
 }
 
 std::string scene_html(const Scenery& scene, std::size_t number, const Colours& colours, const PageMatter& matter,
-                       std::size_t room) {
+                       std::size_t size_left) {
   const Record& first = scene.records.front();
   const auto mark = [&](const std::string& strategy) {
     const auto colour = colours.find(strategy);
@@ -198,10 +198,10 @@ std::string scene_html(const Scenery& scene, std::size_t number, const Colours& 
   out += head_html(scene);
   const std::string error = figure(error_plot(scene.records, scene.ranking, colours, matter.peers),
                                    "Error against time", first.scene + "-error");
-  const Plot course = course_plot(scene.records, colours);
+  const Plot response = response_plot(scene.records, colours);
   out += "<div class=\"pair\">" + error +
-         figure(course, course.y.title + " over " + course.x.title, first.scene + "-course") + "</div>\n";
-  out += stage_html(scene, matter.views, room);
+         figure(response, response.y.title + " over " + response.x.title, first.scene + "-course") + "</div>\n";
+  out += stage_html(scene, matter.views, size_left);
   if (scene.study && !scene.ranking.measures.empty())
     out += card("Time to an error", time_to_table(scene.records, scene.ranking, matter.peers).html());
   out += card("All rows", scene.study ? study_table(scene.records, scene.ranking).html(mark)
@@ -276,7 +276,7 @@ std::vector<std::pair<std::string, std::string>> plot_files(const std::vector<Re
   for (const Scenery& scene : by_scene(records)) {
     const std::string name = scene.records.front().scene;
     for (const auto& [kind, plot] : {std::pair{"error", error_plot(scene.records, scene.ranking, colours, peers)},
-                                     std::pair{"course", course_plot(scene.records, colours)}})
+                                     std::pair{"course", response_plot(scene.records, colours)}})
       if (!plot.series.empty()) files.emplace_back(name + "-" + kind + ".svg", svg_text(plot, kFile, true));
   }
   return files;

@@ -36,7 +36,7 @@ struct Scale {
   bool logarithmic;
   std::vector<Tick> ticks;
   double step() const { return logarithmic || ticks.size() < 2 ? 0 : ticks[1].value - ticks[0].value; }
-  double part(double value) const { return ((logarithmic ? std::log10(value) : value) - low) / (high - low); }
+  double fraction(double value) const { return ((logarithmic ? std::log10(value) : value) - low) / (high - low); }
 };
 
 Scale logarithmic_scale(double least, double most) {
@@ -123,8 +123,8 @@ struct Sheet {
   Scale x, y;
   double width, left, top, right, bottom;
   std::string out;
-  double px(double value) const { return left + x.part(value) * (right - left); }
-  double py(double value) const { return bottom - y.part(value) * (bottom - top); }
+  double px(double value) const { return left + x.fraction(value) * (right - left); }
+  double py(double value) const { return bottom - y.fraction(value) * (bottom - top); }
   template <class... Parts>
   void add(fmt::format_string<Parts...> text, Parts&&... parts) {
     fmt::format_to(std::back_inserter(out), text, std::forward<Parts>(parts)...);

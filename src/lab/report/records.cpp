@@ -57,8 +57,8 @@ Neighbours neighbours_inside(const Body& body) {
   const Vector3 low = body.rest.rowwise().minCoeff(), high = body.rest.rowwise().maxCoeff();
   std::vector<int> inside;
   for (int molecule = 0; molecule < body.size(); ++molecule) {
-    const auto place = body.rest.col(molecule);
-    if ((place - low).minCoeff() > longest && (high - place).minCoeff() > longest)
+    const auto position = body.rest.col(molecule);
+    if ((position - low).minCoeff() > longest && (high - position).minCoeff() > longest)
       inside.push_back(count[static_cast<std::size_t>(molecule)]);
   }
   const std::vector<int>& counted = inside.empty() ? count : inside;
@@ -88,12 +88,12 @@ double Record::median_seconds() const {
 
 bool Record::stopped_as_expected() const {
   return std::any_of(verdicts.begin(), verdicts.end(),
-                     [](const Verdict& v) { return !v.expectation.outcome.empty() && v.holds; });
+                     [](const Verdict& v) { return !v.expectation.outcome.empty() && v.passed; });
 }
 
 bool Record::good() const {
   return (!run.suited || run.outcome == Outcome::converged || stopped_as_expected()) &&
-         std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.holds || !v.judged; });
+         std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.passed || !v.judged; });
 }
 
 double Record::error(std::string_view name) const {
@@ -105,13 +105,13 @@ double Record::error(std::string_view name) const {
 Verdict judge(const Expectation& expectation, const Run& run) {
   Verdict verdict{expectation, run.strategy, std::nan(""), std::nan(""), false, expectation.not_reproduced.empty()};
   if (!expectation.outcome.empty()) {
-    verdict.holds = expectation.outcome == outcome_name(run) && run.cause.find(expectation.cause) != std::string::npos;
+    verdict.passed = expectation.outcome == outcome_name(run) && run.cause.find(expectation.cause) != std::string::npos;
     return verdict;
   }
   verdict.measured = run.measures.get(expectation.measure);
   const double off = verdict.measured - expectation.value;
   verdict.difference = off / std::abs(expectation.value);
-  verdict.holds = std::abs(off) <= expectation.absolute + expectation.relative * std::abs(expectation.value);
+  verdict.passed = std::abs(off) <= expectation.absolute + expectation.relative * std::abs(expectation.value);
   return verdict;
 }
 

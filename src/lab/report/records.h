@@ -13,7 +13,7 @@ struct Verdict {
   std::string strategy;   ///< the run it was held against
   double measured = 0;    ///< NaN if the run has no such measure
   double difference = 0;  ///< relative to the expected value; both NaN where an outcome is expected
-  bool holds = false;
+  bool passed = false;
   bool judged = true;  ///< false: the scene says that it is not reproduced
 };
 

@@ -167,7 +167,7 @@ Table study_table(const std::vector<Record>& records, const Ranking& ranking) {
 namespace {
 
 /// A curve's way to the goals; a peer's if it is another program's.
-struct WayToGoals {
+struct TimesToGoals {
   std::string name;
   bool peer;
   TimeTo goals[2];
@@ -175,52 +175,52 @@ struct WayToGoals {
 
 double order_of(const TimeTo& time) { return std::isfinite(time.seconds) ? time.seconds : INFINITY; }
 
-WayToGoals way_of(const std::string& name, bool peer, const std::vector<std::pair<double, double>>& points) {
+TimesToGoals times_of(const std::string& name, bool peer, const std::vector<std::pair<double, double>>& points) {
   return {name, peer, {time_to(points, kGoals[0]), time_to(points, kGoals[1])}};
 }
 
-std::vector<WayToGoals> ways_of_peers(const std::vector<Peer>& peers, const std::string& scene) {
+std::vector<TimesToGoals> times_of_peers(const std::vector<Peer>& peers, const std::string& scene) {
   std::map<std::string, std::vector<std::pair<double, double>>> points;
   for (const Peer& peer : peers)
     if (peer.scene.empty() || peer.scene == scene) points[peer.name].emplace_back(peer.seconds, peer.error);
-  std::vector<WayToGoals> ways;
+  std::vector<TimesToGoals> candidates;
   for (auto& [name, own] : points) {
     std::sort(own.begin(), own.end());
-    ways.push_back(way_of(name, true, own));
+    candidates.push_back(times_of(name, true, own));
   }
-  return ways;
+  return candidates;
 }
 
 }  // namespace
 
 Table time_to_table(const std::vector<Record>& records, const Ranking& ranking, const std::vector<Peer>& peers) {
-  std::vector<WayToGoals> ways;
-  if (!records.empty()) ways = ways_of_peers(peers, records.front().scene);
-  const bool beside = !ways.empty();
+  std::vector<TimesToGoals> candidates;
+  if (!records.empty()) candidates = times_of_peers(peers, records.front().scene);
+  const bool beside = !candidates.empty();
   for (const StudyCurve& curve : curves_of(records)) {
     std::vector<std::pair<double, double>> points;
     for (const Record* record : curve.rows)
       if (solved(*record)) points.emplace_back(record->least_seconds(), ranking.error(*record));
-    ways.push_back(way_of(curve.name, false, points));
+    candidates.push_back(times_of(curve.name, false, points));
   }
-  std::stable_sort(ways.begin(), ways.end(), [&](const WayToGoals& a, const WayToGoals& b) {
+  std::stable_sort(candidates.begin(), candidates.end(), [&](const TimesToGoals& a, const TimesToGoals& b) {
     return std::pair{order_of(a.goals[0]), order_of(a.goals[1])} <
            std::pair{order_of(b.goals[0]), order_of(b.goals[1])};
   });
   double best[2] = {INFINITY, INFINITY};
-  for (const WayToGoals& way : ways)
+  for (const TimesToGoals& times : candidates)
     for (int goal = 0; goal < 2; ++goal)
-      if (!way.peer) best[goal] = std::min(best[goal], order_of(way.goals[goal]));
+      if (!times.peer) best[goal] = std::min(best[goal], order_of(times.goals[goal]));
   std::vector<std::string> head{"strategy"};
   for (const char* goal : {"to 1 %", "to 0.1 %"}) {
     head.push_back(goal);
     if (beside) head.push_back("of Elastin's best");
   }
   Table table(head);
-  for (const WayToGoals& way : ways) {
-    std::vector<TableCell> cells{{way.name}};
+  for (const TimesToGoals& times : candidates) {
+    std::vector<TableCell> cells{{times.name}};
     for (int goal = 0; goal < 2; ++goal) {
-      const TimeTo& time = way.goals[goal];
+      const TimeTo& time = times.goals[goal];
       const double times = order_of(time) / best[goal];
       cells.push_back(number_cell(
           std::isfinite(time.seconds) ? (time.at_most ? "≤ " : "") + readable_seconds(time.seconds) : "not reached",
@@ -237,7 +237,7 @@ std::string study_text(const std::vector<Record>& records, bool colours, const s
   if (records.empty()) return "";
   const Ranking ranking = rank_strategies(records);
   std::string out = painted(records.front().scene, Tone::bold, colours) + "  " + records.front().title + "\n  " +
-                    painted("asked: " + records.front().prescribed, Tone::faint, colours) + "\n";
+                    painted("target: " + records.front().prescribed, Tone::faint, colours) + "\n";
   for (const Reference& reference : records.front().references)
     out += painted(fmt::format("  reference: {} {}, {}\n", reference.measure,
                                readable(reference.value, find_measure(reference.measure), 6), reference.source),

@@ -123,7 +123,7 @@ Tone tone_of(double error, double goal) {
 }
 
 std::string strategies_text(const Summary& summary, bool colours) {
-  Table table({"strategy", "ran", "unsuited", "failed", "|error of E|", "worst", "on", "|nu - asked|", "worst", "on",
+  Table table({"strategy", "ran", "unsuited", "failed", "|error of E|", "worst", "on", "|nu - target|", "worst", "on",
                "solve", "with build", "mechanisms", "best on"});
   std::string nowhere;
   for (const StrategySummary& row : summary.strategies) {
@@ -171,14 +171,14 @@ TableCell goal_cell(const Record* best, bool enough) {
 }
 
 std::string bodies_text(const Summary& summary, bool colours) {
-  Table table({"body", "molecules", "neighbours inside", "least", "best without cells", "error of E", "nu - asked",
-               "1 %, 0.01", "best springs", "error of E", "nu - asked", "1 %, 0.01"});
-  int asked = 0, held = 0, held_by_springs = 0;
+  Table table({"body", "molecules", "neighbours inside", "least", "best without cells", "error of E", "nu - target",
+               "1 %, 0.01", "best springs", "error of E", "nu - target", "1 %, 0.01"});
+  int judged_bodies = 0, met = 0, met_by_springs = 0;
   for (const BodySummary& body : summary.bodies) {
     const bool enough = body.neighbours.mean >= kEnoughNeighbours;
-    asked += enough;
-    held += enough && body.best && within_goal(*body.best);
-    held_by_springs += enough && body.best_springs && within_goal(*body.best_springs);
+    judged_bodies += enough;
+    met += enough && body.best && within_goal(*body.best);
+    met_by_springs += enough && body.best_springs && within_goal(*body.best_springs);
     const Tone tone = enough ? Tone::plain : Tone::faint;
     std::vector<TableCell> row{{body.scene},
                                {std::to_string(body.molecules), Tone::plain, true},
@@ -194,28 +194,28 @@ std::string bodies_text(const Summary& summary, bool colours) {
                                    "\n  within 1 % of E and 0.01 of nu, of the {} with {:.0f} neighbours or more: {} "
                                    "without cells, {} by any "
                                    "springs (some with a volume term over cells)\n",
-                                   counted(asked, "body", "bodies"), kEnoughNeighbours, held, held_by_springs);
+                                   counted(judged_bodies, "body", "bodies"), kEnoughNeighbours, met, met_by_springs);
 }
 
 /// How many calibrated runs have the E that was asked for.
 std::string calibrated_text(const std::vector<Record>& records) {
   constexpr double goal = 1e-3;
-  int runs = 0, held = 0;
+  int runs = 0, met = 0;
   std::string others;
   for (const Record& record : records) {
     const double error = record.error("effective_modulus");
     if (!record.run.strategy.starts_with("calibrated:") || !solved(record) || !std::isfinite(error)) continue;
     ++runs;
-    held += std::abs(error) <= goal;
+    met += std::abs(error) <= goal;
     if (!(std::abs(error) <= goal))
       others += fmt::format("; {} on {}: {}", record.run.strategy, record.scene, percent(error));
   }
-  return runs ? fmt::format("  calibrated within 0.1 % of E: {} of {} runs{}\n", held, runs, others) : "";
+  return runs ? fmt::format("  calibrated within 0.1 % of E: {} of {} runs{}\n", met, runs, others) : "";
 }
 
 /// Each run and expectation that failed, a line each.
 std::string failures_text(const std::vector<Record>& records, bool colours) {
-  int held = 0, judged = 0;
+  int met = 0, judged = 0;
   std::string out;
   for (const Record& record : records) {
     const std::string who = "  " + record.scene + ", " + record.run.strategy + ": ";
@@ -226,8 +226,8 @@ std::string failures_text(const std::vector<Record>& records, bool colours) {
     }
     for (const Verdict& verdict : record.verdicts) {
       judged += verdict.judged;
-      held += verdict.judged && verdict.holds;
-      if (verdict.judged && !verdict.holds)
+      met += verdict.judged && verdict.passed;
+      if (verdict.judged && !verdict.passed)
         out += painted(who + (verdict.expectation.outcome.empty()
                                   ? verdict.expectation.measure + " " + percent(verdict.difference) + " from expected"
                                   : "expected to stop as " + verdict.expectation.outcome + ": \"" +
@@ -236,7 +236,7 @@ std::string failures_text(const std::vector<Record>& records, bool colours) {
                "\n";
     }
   }
-  if (judged) out += fmt::format("  {} of {} expectations hold\n", held, judged);
+  if (judged) out += fmt::format("  {} of {} expectations hold\n", met, judged);
   return out;
 }
 

@@ -84,7 +84,7 @@ Triangulation triangulated(const contact::shape::Mesh& mesh, double) { return {m
 contact::Pose drawn_pose(const contact::Obstacle& obstacle, contact::Pose pose, const Vector3& middle) {
   if (!std::holds_alternative<contact::shape::Plane>(obstacle.shape)) return pose;
   const Vector3 normal = pose.turn.col(2);
-  pose.place = middle - normal.dot(middle - pose.place) * normal;
+  pose.position = middle - normal.dot(middle - pose.position) * normal;
   return pose;
 }
 

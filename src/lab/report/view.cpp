@@ -69,10 +69,10 @@ Shown shown_of(const Body& body) {
   const bool all = static_cast<std::size_t>(proper) <= kMostConnections;
   const std::vector<char> outer =
       all ? std::vector<char>(static_cast<std::size_t>(body.size()), 1) : on_surface(body, shown.surface);
-  std::vector<int> place(outer.size(), -1);
+  std::vector<int> index(outer.size(), -1);
   for (int molecule = 0; molecule < body.size(); ++molecule)
     if (outer[static_cast<std::size_t>(molecule)]) {
-      place[static_cast<std::size_t>(molecule)] = static_cast<int>(shown.molecules.size());
+      index[static_cast<std::size_t>(molecule)] = static_cast<int>(shown.molecules.size());
       shown.molecules.push_back(molecule);
     }
   for (int c = 0; c < proper; ++c) {
@@ -87,7 +87,7 @@ Shown shown_of(const Body& body) {
     shown.note += ", one connection of " + std::to_string(every);
   }
   for (auto& side : shown.surface)
-    for (int& molecule : side) molecule = place[static_cast<std::size_t>(molecule)];
+    for (int& molecule : side) molecule = index[static_cast<std::size_t>(molecule)];
   std::erase_if(shown.surface, [](const auto& side) { return side[0] < 0 || side[1] < 0 || side[2] < 0; });
   return shown;
 }
@@ -108,9 +108,10 @@ void add_tensions(Json& frame, const Shown& shown, const Body& body, const Snaps
   std::vector<double> tensions;
   for (const int c : shown.connections) {
     const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
-    const double tension = snapshot.densities.size()
-                               ? snapshot.densities[c] * (snapshot.positions.col(b) - snapshot.positions.col(a)).norm()
-                               : 0;
+    const double tension =
+        snapshot.force_densities.size()
+            ? snapshot.force_densities[c] * (snapshot.positions.col(b) - snapshot.positions.col(a)).norm()
+            : 0;
     tensions.push_back(std::isfinite(tension) ? tension : 0);
     most = std::max(most, std::abs(tensions.back()));
   }
@@ -148,12 +149,12 @@ std::string body_view(const Scene& scene, const Record& record) {
     radius.push_back(static_cast<float>(body.radius[molecule]));
   }
   std::vector<std::uint32_t> ends, surface;
-  std::vector<int> place(static_cast<std::size_t>(body.size()), 0);
+  std::vector<int> index(static_cast<std::size_t>(body.size()), 0);
   for (std::size_t i = 0; i < shown.molecules.size(); ++i)
-    place[static_cast<std::size_t>(shown.molecules[i])] = static_cast<int>(i);
+    index[static_cast<std::size_t>(shown.molecules[i])] = static_cast<int>(i);
   for (const int c : shown.connections)
     for (const int end : body.connections.ends[static_cast<std::size_t>(c)])
-      ends.push_back(static_cast<std::uint32_t>(place[static_cast<std::size_t>(end)]));
+      ends.push_back(static_cast<std::uint32_t>(index[static_cast<std::size_t>(end)]));
   for (const auto& side : shown.surface)
     for (const int molecule : side) surface.push_back(static_cast<std::uint32_t>(molecule));
   Json json = head_of("body", record);
@@ -178,13 +179,13 @@ std::string states_view(const Scene& scene, const Record& record) {
   const std::size_t count = std::min(kMostFrames, snapshots.size());
   for (std::size_t i = 0; i < count; ++i) {
     const Snapshot& snapshot = snapshots[count > 1 ? i * (snapshots.size() - 1) / (count - 1) : snapshots.size() - 1];
-    std::vector<float> ways;
+    std::vector<float> displacements;
     for (const int molecule : shown.molecules)
       for (int k = 0; k < 3; ++k) {
-        const auto way = static_cast<float>(snapshot.positions(k, molecule) - body.rest(k, molecule));
-        ways.push_back(std::isfinite(way) ? way : 0);
+        const auto displacement = static_cast<float>(snapshot.positions(k, molecule) - body.rest(k, molecule));
+        displacements.push_back(std::isfinite(displacement) ? displacement : 0);
       }
-    Json frame{{"at", snapshot.at}, {"ways", packed(ways)}};
+    Json frame{{"at", snapshot.at}, {"ways", packed(displacements)}};
     add_tensions(frame, shown, body, snapshot);
     json["frames"].push_back(std::move(frame));
   }

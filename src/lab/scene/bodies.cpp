@@ -14,7 +14,7 @@ namespace {
 constexpr double kTieStiffness = 100;
 
 /// Where the body stands: turned about the origin, then moved.
-void place_body(Reader& reader, Body& body, std::optional<Fibre>& fibre) {
+void pose_body(Reader& reader, Body& body, std::optional<Fibre>& fibre) {
   if (auto turn = reader.find("turn")) {
     const Matrix3 rotation = read_rotation(*turn);
     rotate(body, rotation);
@@ -38,7 +38,7 @@ void read_one(Reader item, Specimen& specimen, Remarks remarks) {
   if (material.bending_rigidity > 0) (own ? *own : item).fail("bending needs a scene of one body, `body`");
   const bool own_fibre = own && own->has("fibre");
   std::optional<Fibre> none;
-  place_body(item, body, own_fibre ? material.fibre : none);
+  pose_body(item, body, own_fibre ? material.fibre : none);
   if (own) {
     part.material = static_cast<int>(specimen.materials.size());
     specimen.materials.push_back(std::move(material));

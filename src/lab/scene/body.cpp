@@ -102,19 +102,19 @@ Cells<3> read_triangles(const Reader& reader, int last) {
 }
 
 Body read_list(const Reader& molecules, std::optional<Reader> connections, std::optional<Reader> triangles) {
-  std::vector<Vector3> places;
-  for (const Reader& item : molecules.items()) places.push_back(item.vector(dimension::length));
-  if (places.empty()) molecules.fail("a body needs at least one molecule");
+  std::vector<Vector3> positions;
+  for (const Reader& item : molecules.items()) positions.push_back(item.vector(dimension::length));
+  if (positions.empty()) molecules.fail("a body needs at least one molecule");
   std::vector<std::array<int, 2>> pairs;
   const auto reach = read_reach(connections);
-  const int last = static_cast<int>(places.size()) - 1;
+  const int last = static_cast<int>(positions.size()) - 1;
   if (connections && !reach)
     for (const Reader& item : connections->items()) {
       const auto ends = item.items(2);
       pairs.push_back({ends[0].whole(0, last), ends[1].whole(0, last)});
       if (pairs.back()[0] == pairs.back()[1]) item.fail("a connection needs two different molecules");
     }
-  Body body = listed_body(places, pairs);
+  Body body = listed_body(positions, pairs);
   if (reach) body.connections = connections_within(body.rest, *reach);
   if (!triangles) return body;
   if (connections) triangles->fail("the sides of the triangles are the connections; leave `connections` out");

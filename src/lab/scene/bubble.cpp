@@ -23,9 +23,10 @@ void read_table(const Reader& reader, BubbleSetup& setup) {
     if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#' ||
         std::isalpha(static_cast<unsigned char>(line[0])))
       continue;
-    const Place place{path, number, 1};
+    const SourceLocation location{path, number, 1};
     const std::size_t comma = line.find(',');
-    if (comma == std::string::npos) throw InputError(place, "'" + line + "': write \"pressure, height\", with units");
+    if (comma == std::string::npos)
+      throw InputError(location, "'" + line + "': write \"pressure, height\", with units");
     const auto read = [&](std::string text, const Dimension& dimension, double above) {
       text.erase(text.find_last_not_of(" \t\r") + 1);
       text.erase(0, text.find_first_not_of(" \t"));
@@ -37,7 +38,7 @@ void read_table(const Reader& reader, BubbleSetup& setup) {
           throw InputError("'" + text + "' must be above " + (above > 0 ? "the line's before" : "0"));
         return quantity.value;
       } catch (const InputError& error) {
-        throw InputError(place, error.what());
+        throw InputError(location, error.what());
       }
     };
     setup.pressures.push_back(before = read(line.substr(0, comma), dimension::pressure, before));
@@ -78,7 +79,7 @@ void read_pressures(Reader& reader, BubbleSetup& setup) {
 
 }  // namespace
 
-std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentContext& context) {
   BubbleSetup setup;
   read_pressures(reader, setup);
   if (auto identify = reader.find("identify")) {
@@ -93,8 +94,8 @@ std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentPlace& pl
                 std::to_string(*setup.identify_degree + 1) + " measured points");
   }
   reader.finish();
-  if (place.statics.linear) reader.fail("a flat membrane bears no pressure with small displacements");
-  return reader.located([&] { return make_bubble(place.body, setup, place.material); });
+  if (context.statics.linear) reader.fail("a flat membrane bears no pressure with small displacements");
+  return reader.located([&] { return make_bubble(context.body, setup, context.material); });
 }
 
 }  // namespace elastin::lab

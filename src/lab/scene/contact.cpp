@@ -87,14 +87,14 @@ std::function<contact::Pose(double)> read_by(Reader reader, const contact::Pose&
     contact.by_load.push_back(reader);
     return [=](double factor) {
       contact::Pose moved = pose;
-      moved.place += factor * by;
+      moved.position += factor * by;
       return moved;
     };
   }
   contact.by_time.push_back(reader);
   return [=, function = read_time_function(*in_time)](double time) {
     contact::Pose moved = pose;
-    moved.place += function.value(time) * by;
+    moved.position += function.value(time) * by;
     moved.velocity = function.rate(time) * by;
     return moved;
   };
@@ -106,7 +106,7 @@ std::function<contact::Pose(double)> steady_motion(const contact::Pose& pose, co
     contact::Pose moved = pose;
     if (const double angle = spin.norm() * time; angle != 0)
       moved.turn = Eigen::AngleAxisd(angle, spin.normalized()).toRotationMatrix() * pose.turn;
-    moved.place += time * velocity;
+    moved.position += time * velocity;
     moved.velocity = velocity;
     moved.spin = spin;
     return moved;
@@ -119,9 +119,10 @@ void read_motion(Reader& reader, const Matrix3& rotation, contact::Obstacle& obs
   if (motion) obstacle.motion = read_by(*motion, obstacle.pose, rotation, contact);
   if (!velocity && !spin) return;
   contact.by_time.push_back(velocity ? *velocity : *spin);
-  const Vector3 way = velocity ? Vector3(rotation * velocity->vector(dimension::velocity)) : Vector3(Vector3::Zero());
+  const Vector3 translation =
+      velocity ? Vector3(rotation * velocity->vector(dimension::velocity)) : Vector3(Vector3::Zero());
   const Vector3 turn = spin ? Vector3(rotation * spin->vector({0, 0, -1})) : Vector3(Vector3::Zero());
-  obstacle.motion = steady_motion(obstacle.pose, way, turn);
+  obstacle.motion = steady_motion(obstacle.pose, translation, turn);
 }
 
 bool is_named(const std::vector<contact::Obstacle>& obstacles, const std::string& name) {
@@ -159,9 +160,9 @@ void read_obstacle(Reader reader, const Matrix3& rotation, SceneContact& contact
   if (at && kind == "plane") at->fail("a plane lies through its own point: leave this out");
   if (turn && kind == "plane") turn->fail("a plane has a normal: leave this out");
   if (turn) obstacle.pose.turn = read_rotation(*turn) * obstacle.pose.turn;
-  if (at) obstacle.pose.place = at->vector(dimension::length);
+  if (at) obstacle.pose.position = at->vector(dimension::length);
   obstacle.pose.turn = rotation * obstacle.pose.turn;
-  obstacle.pose.place = rotation * obstacle.pose.place;
+  obstacle.pose.position = rotation * obstacle.pose.position;
   if (friction) obstacle.friction = friction->quantity(dimension::none, kNotNegative);
   read_motion(reader, rotation, obstacle, contact);
   reader.finish();

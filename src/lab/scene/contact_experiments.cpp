@@ -10,15 +10,15 @@
 namespace elastin::lab {
 namespace {
 
-contact::ContactOptions& contact_of_scene(const Reader& reader, const ExperimentPlace& place) {
-  if (!place.contact)
+contact::ContactOptions& contact_of_scene(const Reader& reader, const ExperimentContext& context) {
+  if (!context.contact)
     reader.fail("needs contact: key 'contact' of the scene is missing, for example contact: {friction: 0.3}");
-  return *place.contact;
+  return *context.contact;
 }
 
-Vector3 read_way(Reader& reader, const ExperimentPlace& place) {
+Vector3 read_direction_of_motion(Reader& reader, const ExperimentContext& context) {
   const auto axis = reader.find("axis");
-  return place.rotation * (axis ? read_direction(*axis) : Vector3(-Vector3::UnitZ()));
+  return context.rotation * (axis ? read_direction(*axis) : Vector3(-Vector3::UnitZ()));
 }
 
 Grip read_grip(const Reader& reader) {
@@ -48,19 +48,19 @@ std::vector<int> molecules_named(const Reader& name, const Body& body) {
 
 }  // namespace
 
-std::unique_ptr<Experiment> read_indentation(Reader reader, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_indentation(Reader reader, const ExperimentContext& context) {
   IndentationSetup setup;
-  setup.axis = read_way(reader, place);
+  setup.axis = read_direction_of_motion(reader, context);
   read_indenter(reader.at("indenter"), setup);
   const auto depth = reader.find("depth"), force = reader.find("force"), at = reader.find("at");
   if (depth) setup.depth = depth->quantity(dimension::length, kPositive);
   if (force) setup.force = force->quantity(dimension::force, kPositive);
-  if (at) setup.at = place.rotation * at->vector(dimension::length);
+  if (at) setup.at = context.rotation * at->vector(dimension::length);
   if (auto bottom = reader.find("bottom")) setup.bottom = read_grip(*bottom);
   if (auto grip = reader.find("grip_depth")) setup.grip_depth = grip->quantity(dimension::length, kPositive);
   if (auto symmetry = reader.find("symmetry"))
     for (const Reader& item : symmetry->items()) {
-      const Vector3 normal = place.rotation * read_direction(item);
+      const Vector3 normal = context.rotation * read_direction(item);
       if (std::abs(normal.dot(setup.axis)) > 1e-9) item.fail("must be perpendicular to the indenter's axis");
       for (const Vector3& other : setup.symmetry)
         if (std::abs(other.dot(normal)) > 1e-9) item.fail("must be perpendicular to the planes before it");
@@ -71,37 +71,37 @@ std::unique_ptr<Experiment> read_indentation(Reader reader, const ExperimentPlac
   if (depth.has_value() == force.has_value()) reader.fail("give one of depth and force");
   if (force && setup.shape == IndenterShape::obstacle) force->fail("of an obstacle give the depth");
   if (at && setup.shape == IndenterShape::obstacle) at->fail("an obstacle begins where the scene has it");
-  contact::ContactOptions& contact = contact_of_scene(reader, place);
-  return reader.located([&] { return make_indentation(place.body, setup, place.material, contact); });
+  contact::ContactOptions& contact = contact_of_scene(reader, context);
+  return reader.located([&] { return make_indentation(context.body, setup, context.material, contact); });
 }
 
-std::unique_ptr<Experiment> read_press(Reader reader, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_press(Reader reader, const ExperimentContext& context) {
   PressSetup setup;
-  setup.axis = read_way(reader, place);
+  setup.axis = read_direction_of_motion(reader, context);
   const auto displacement = reader.find("displacement"), force = reader.find("force");
   if (displacement) setup.displacement = displacement->quantity(dimension::length, kPositive);
   if (force) setup.force = force->quantity(dimension::force, kPositive);
-  const auto move = reader.find("move"), hold = reader.find("hold");
-  if (move) setup.moved = molecules_named(*move, place.body);
-  if (hold) setup.held = molecules_named(*hold, place.body);
+  const auto move = reader.find("move"), fixed = reader.find("fix");
+  if (move) setup.moved = molecules_named(*move, context.body);
+  if (fixed) setup.fixed = molecules_named(*fixed, context.body);
   // What is rigid and is not moved stays where it is.
   const auto stays = [&](const Part& part) { return part.rigid && part.name != move->text(); };
-  if (move && !hold && std::any_of(place.body.parts.begin(), place.body.parts.end(), stays)) setup.held.emplace();
+  if (move && !fixed && std::any_of(context.body.parts.begin(), context.body.parts.end(), stays)) setup.fixed.emplace();
   if (auto grip = reader.find("grip")) setup.grip = read_grip(*grip);
   if (auto grip = reader.find("grip_depth")) setup.grip_depth = grip->quantity(dimension::length, kPositive);
   if (auto steps = reader.find("load_steps")) setup.load_steps = steps->whole(1, 100000);
   reader.finish();
   if (displacement.has_value() == force.has_value()) reader.fail("give one of displacement and force");
-  contact_of_scene(reader, place);
-  return reader.located([&] { return make_press(place.body, setup); });
+  contact_of_scene(reader, context);
+  return reader.located([&] { return make_press(context.body, setup); });
 }
 
-std::unique_ptr<Experiment> read_sliding(Reader reader, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_sliding(Reader reader, const ExperimentContext& context) {
   constexpr Range slope{0, 1.57, false};  // up to a right angle
   SlidingSetup setup;
   const auto up = reader.find("up"), along = reader.find("along");
-  setup.up = place.rotation * (up ? read_direction(*up) : setup.up);
-  setup.along = place.rotation * (along ? read_direction(*along) : setup.along);
+  setup.up = context.rotation * (up ? read_direction(*up) : setup.up);
+  setup.along = context.rotation * (along ? read_direction(*along) : setup.along);
   if (std::abs(setup.up.dot(setup.along)) > 1e-6)
     (along ? *along : up ? *up : reader).fail("`along` must be perpendicular to `up`, the normal of the plane");
   if (auto gravity = reader.find("gravity")) setup.gravity = gravity->quantity(dimension::acceleration, kPositive);
@@ -118,8 +118,8 @@ std::unique_ptr<Experiment> read_sliding(Reader reader, const ExperimentPlace& p
   }
   (incline ? *incline : sled ? *sled : *threshold).finish();
   setup.kind = incline ? SlidingKind::incline : sled ? SlidingKind::sled : SlidingKind::threshold;
-  contact::ContactOptions& contact = contact_of_scene(reader, place);
-  return reader.located([&] { return make_sliding(place.body, setup, contact); });
+  contact::ContactOptions& contact = contact_of_scene(reader, context);
+  return reader.located([&] { return make_sliding(context.body, setup, contact); });
 }
 
 }  // namespace elastin::lab

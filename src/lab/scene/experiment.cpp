@@ -13,14 +13,14 @@ namespace elastin::lab {
 namespace {
 
 /// `fallback` is a direction of the scene, as one that stands there is.
-Vector3 read_axis(Reader& reader, const Vector3& fallback, const ExperimentPlace& place) {
+Vector3 read_axis(Reader& reader, const Vector3& fallback, const ExperimentContext& context) {
   const auto axis = reader.find("axis");
-  return place.rotation * (axis ? read_direction(*axis) : fallback);
+  return context.rotation * (axis ? read_direction(*axis) : fallback);
 }
 
 /// A direction that must stand across the axis.
-Vector3 read_across(const Reader& value, const Vector3& axis, const ExperimentPlace& place) {
-  const Vector3 direction = place.rotation * read_direction(value);
+Vector3 read_across(const Reader& value, const Vector3& axis, const ExperimentContext& context) {
+  const Vector3 direction = context.rotation * read_direction(value);
   if (std::abs(direction.dot(axis)) > 1e-6) value.fail("must be perpendicular to the axis");
   return direction;
 }
@@ -42,10 +42,10 @@ double read_amount(const Reader& value, const Dimension& dimension, const Range&
   return amount;
 }
 
-std::unique_ptr<Experiment> read_tension(Reader reader, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_tension(Reader reader, const ExperimentContext& context) {
   TensionSetup setup;
   const bool compression = reader.at("kind").choice<bool>({{"tension", false}, {"compression", true}});
-  setup.axis = read_axis(reader, setup.axis, place);
+  setup.axis = read_axis(reader, setup.axis, context);
   const auto force = reader.find("force"), displacement = reader.find("displacement");
   const auto load = [&](const Reader& value, const Dimension& dimension) {
     const double amount = value.quantity(dimension);
@@ -73,13 +73,13 @@ std::unique_ptr<Experiment> read_tension(Reader reader, const ExperimentPlace& p
   reader.finish();
   if (force && displacement) displacement->fail("there is a force already; give one of them");
   if (!force && !displacement) reader.fail("give a force or a displacement");
-  return reader.located([&] { return make_tension(place.body, setup); });
+  return reader.located([&] { return make_tension(context.body, setup); });
 }
 
-std::unique_ptr<Experiment> read_shear(Reader reader, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_shear(Reader reader, const ExperimentContext& context) {
   ShearSetup setup;
-  setup.axis = read_axis(reader, setup.axis, place);
-  setup.direction = read_across(reader.at("direction"), setup.axis, place);
+  setup.axis = read_axis(reader, setup.axis, context);
+  setup.direction = read_across(reader.at("direction"), setup.axis, context);
   if (auto sides = reader.find("sides"))
     setup.sides = sides->choice<Sides>({{"free", Sides::free}, {"affine", Sides::affine}});
   const auto displacement = reader.find("displacement"), strain = reader.find("strain"), angle = reader.find("angle");
@@ -92,22 +92,22 @@ std::unique_ptr<Experiment> read_shear(Reader reader, const ExperimentPlace& pla
   setup.load_steps = read_steps(reader);
   reader.finish();
   if (displacement.has_value() + strain.has_value() + angle.has_value() != 1)
-    reader.fail("give one of displacement, strain (way over height) and angle");
-  return reader.located([&] { return make_shear(place.body, setup, place.rotation); });
+    reader.fail("give one of displacement, strain (displacement over height) and angle");
+  return reader.located([&] { return make_shear(context.body, setup, context.rotation); });
 }
 
-std::unique_ptr<Experiment> read_torsion(Reader reader, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_torsion(Reader reader, const ExperimentContext& context) {
   TorsionSetup setup;
-  setup.axis = read_axis(reader, setup.axis, place);
+  setup.axis = read_axis(reader, setup.axis, context);
   setup.angle = read_amount(reader.at("angle"), dimension::none);
-  setup.straight = place.statics.linear;
+  setup.straight = context.statics.linear;
   setup.grip_depth = read_depth(reader);
   setup.load_steps = read_steps(reader);
   reader.finish();
-  return reader.located([&] { return make_torsion(place.body, setup); });
+  return reader.located([&] { return make_torsion(context.body, setup); });
 }
 
-std::unique_ptr<Experiment> read_hydrostatic(Reader reader, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_hydrostatic(Reader reader, const ExperimentContext& context) {
   HydrostaticSetup setup;
   setup.strain = read_amount(reader.at("strain"), dimension::none, {-1, 100, true});
   if (auto sides = reader.find("sides"))
@@ -115,13 +115,13 @@ std::unique_ptr<Experiment> read_hydrostatic(Reader reader, const ExperimentPlac
   setup.grip_depth = read_depth(reader);
   setup.load_steps = read_steps(reader);
   reader.finish();
-  return reader.located([&] { return make_hydrostatic(place.body, setup, place.rotation); });
+  return reader.located([&] { return make_hydrostatic(context.body, setup, context.rotation); });
 }
 
-std::unique_ptr<Experiment> read_bending(Reader reader, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_bending(Reader reader, const ExperimentContext& context) {
   BendingSetup setup;
-  setup.axis = read_axis(reader, setup.axis, place);
-  setup.direction = read_across(reader.at("direction"), setup.axis, place);
+  setup.axis = read_axis(reader, setup.axis, context);
+  setup.direction = read_across(reader.at("direction"), setup.axis, context);
   const auto gravity = reader.find("gravity"), force = reader.find("force");
   if (gravity) setup.gravity = read_amount(*gravity, dimension::acceleration);
   if (force) setup.force = read_amount(*force, dimension::force);
@@ -129,25 +129,25 @@ std::unique_ptr<Experiment> read_bending(Reader reader, const ExperimentPlace& p
   setup.load_steps = read_steps(reader);
   reader.finish();
   if (!gravity && !force) reader.fail("give gravity, a force on the tip, or both");
-  return reader.located([&] { return make_bending(place.body, setup, place.material); });
+  return reader.located([&] { return make_bending(context.body, setup, context.material); });
 }
 
-std::unique_ptr<Experiment> read_homogenisation(Reader reader, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_homogenisation(Reader reader, const ExperimentContext& context) {
   const double depth = read_depth(reader);
   reader.finish();
-  return reader.located([&] { return make_homogenisation(place.body, depth, place.rotation); });
+  return reader.located([&] { return make_homogenisation(context.body, depth, context.rotation); });
 }
 
-std::unique_ptr<Experiment> read_inflation(Reader reader, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_inflation(Reader reader, const ExperimentContext& context) {
   InflationSetup setup;
-  setup.axes = place.rotation;
+  setup.axes = context.rotation;
   const auto pressure = reader.find("pressure"), volume = reader.find("volume_ratio"), gas = reader.find("gas");
   if (pressure) setup.pressure = read_amount(*pressure, dimension::pressure);
   if (volume) setup.volume_ratio = volume->quantity(dimension::none, kPositive);
   if (gas) setup.gas = read_gas(*gas);
   if (auto symmetry = reader.find("symmetry"))
     for (const Reader& item : symmetry->items()) {
-      setup.symmetry.push_back(place.rotation * read_direction(item));
+      setup.symmetry.push_back(context.rotation * read_direction(item));
       for (std::size_t other = 0; other + 1 < setup.symmetry.size(); ++other)
         if (std::abs(setup.symmetry[other].dot(setup.symmetry.back())) > 1e-9)
           item.fail("must be perpendicular to the planes before it");
@@ -156,15 +156,15 @@ std::unique_ptr<Experiment> read_inflation(Reader reader, const ExperimentPlace&
   reader.finish();
   if (pressure.has_value() + volume.has_value() + gas.has_value() != 1)
     reader.fail("give one of pressure, volume_ratio (volume over that at rest) and gas");
-  return reader.located([&] { return make_inflation(place.body, setup, place.material); });
+  return reader.located([&] { return make_inflation(context.body, setup, context.material); });
 }
 
 }  // namespace
 
-std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentContext& context) {
   const Reader kind = reader.at("kind");
-  if (auto timed = read_timed_experiment(reader, kind.text(), place)) return timed;
-  const auto read = kind.choice<std::unique_ptr<Experiment> (*)(Reader, const ExperimentPlace&)>(
+  if (auto timed = read_timed_experiment(reader, kind.text(), context)) return timed;
+  const auto read = kind.choice<std::unique_ptr<Experiment> (*)(Reader, const ExperimentContext&)>(
       {{"tension", read_tension},
        {"compression", read_tension},
        {"shear", read_shear},
@@ -186,7 +186,7 @@ std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace
        {"sliding", nullptr},
        {"parachute", nullptr},
        {"vibration", nullptr}});
-  return read(reader, place);
+  return read(reader, context);
 }
 
 }  // namespace elastin::lab

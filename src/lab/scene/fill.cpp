@@ -31,7 +31,7 @@ void report(const std::string& path, const std::string& name, const mesh::Fillin
   remarks.notes.push_back(fmt::format(
       "{} filled: {} molecules, {} of them on the surface, {} tetrahedra; volume {:.2f} % of the surface's {:.5g} cm3, "
       "masses scaled to the surface's",
-      name, filling.places.cols(), filling.on_surface, filling.tetrahedra.size(), 100 * part,
+      name, filling.positions.cols(), filling.on_surface, filling.tetrahedra.size(), 100 * part,
       1e6 * filling.surface_volume));
   if (filling.slivers > 0)
     remarks.warnings.push_back(
@@ -63,11 +63,11 @@ Body read_fill(Reader reader, VectorX& volumes, Remarks remarks) {
   const std::string wrong = contact::check_surface(mesh.points, mesh.triangles);
   if (!wrong.empty()) file.fail("'" + file.text() + "' encloses no volume that could be filled: " + wrong);
 
-  const mesh::Inside inside(mesh.points, mesh.triangles);
+  const mesh::FillRegion inside(mesh.points, mesh.triangles);
   const mesh::Filling filling = reader.at("spacing").located([&] { return inside.fill(options); });
   report(reader.path(), file.text(), filling, remarks);
   Body body;
-  body.rest = filling.places;
+  body.rest = filling.positions;
   volumes = filling.surface_volume * filling.share;
   body.connections =
       reach > 0 ? inside.connections_within(filling, reach) : connections_of_cells(body.rest, {}, filling.tetrahedra);

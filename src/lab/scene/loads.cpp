@@ -80,7 +80,7 @@ SceneLoad read_air(Reader reader, const Body& body, const Matrix3& rotation) {
 void vary_loads(Model& model, const std::function<void(Model&)>& add, const TimeFunction& function) {
   Model apart(model.body());
   add(apart);
-  for (auto& load : apart.take_loads()) model.add(make_varying(std::move(load), function));
+  for (auto& load : apart.extract_loads()) model.add(make_varying(std::move(load), function));
 }
 
 SceneLoad read_point(Reader reader, const Body& body, const Matrix3& rotation) {

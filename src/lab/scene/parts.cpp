@@ -49,10 +49,10 @@ StaticOptions read_solver(Reader reader) {
   StaticOptions options;
   if (auto value = reader.find("displacements"))
     options.linear = value->choice<bool>({{"large", false}, {"small", true}});
-  if (auto value = reader.find("way"))
-    options.way = value->choice<StaticWay>({{"newton", StaticWay::newton},
-                                            {"explicit", StaticWay::explicit_steps},
-                                            {"implicit", StaticWay::implicit_steps}});
+  if (auto value = reader.find("method"))
+    options.static_method = value->choice<StaticMethod>({{"newton", StaticMethod::newton},
+                                                         {"explicit", StaticMethod::explicit_steps},
+                                                         {"implicit", StaticMethod::implicit_steps}});
   if (auto value = reader.find("linear_solver"))
     options.method = value->choice<LinearMethod>({{"automatic", LinearMethod::automatic},
                                                   {"pcg", LinearMethod::pcg},

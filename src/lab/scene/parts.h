@@ -32,7 +32,7 @@ Body read_fill(Reader reader, VectorX& volumes, Remarks remarks);
 Body read_surface(const std::string& shape, Reader reader);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
 /// What an experiment needs to know of its scene. Directions of the scene are turned with it.
-struct ExperimentPlace {
+struct ExperimentContext {
   const Body& body;  ///< rotated; must outlive the experiment
   const Material& material;
   Matrix3 rotation;
@@ -41,14 +41,15 @@ struct ExperimentPlace {
       nullptr;  ///< of the scene; null if it has none. Experiments add obstacles of their own
 };
 /// A kind that runs through time, or null: the experiment's kind is one at rest.
-std::unique_ptr<Experiment> read_timed_experiment(Reader reader, const std::string& kind, const ExperimentPlace& place);
-std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentPlace& place);
-std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentPlace& place);
+std::unique_ptr<Experiment> read_timed_experiment(Reader reader, const std::string& kind,
+                                                  const ExperimentContext& context);
+std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentContext& context);
+std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentContext& context);
 /// {vary: [{KEY.PATH: [value, …], …}, …], repeats: 5, threads: [1, 2], own_reference: STRATEGY}
 Study read_study(Reader reader, const std::vector<StrategyChoice>& known);
-std::unique_ptr<Experiment> read_indentation(Reader reader, const ExperimentPlace& place);
-std::unique_ptr<Experiment> read_press(Reader reader, const ExperimentPlace& place);
-std::unique_ptr<Experiment> read_sliding(Reader reader, const ExperimentPlace& place);
+std::unique_ptr<Experiment> read_indentation(Reader reader, const ExperimentContext& context);
+std::unique_ptr<Experiment> read_press(Reader reader, const ExperimentContext& context);
+std::unique_ptr<Experiment> read_sliding(Reader reader, const ExperimentContext& context);
 /// Contact, and which obstacles' motions follow the load, and which the time.
 struct SceneContact {
   contact::ContactOptions options;

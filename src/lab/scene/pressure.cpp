@@ -6,17 +6,17 @@ namespace elastin::lab {
 namespace {
 
 /// Throws where the triangles have no common outside, before any run.
-void add_pressure(Model& model, const Filling& filling) {
+void add_pressure(Model& model, const PressureLaw& law) {
   const Vector3 middle = model.body().rest.rowwise().mean();
-  model.add(std::make_unique<Pressure>(model.body(), filling, middle, false));
+  model.add(std::make_unique<Pressure>(model.body(), law, middle, false));
 }
 
-SceneLoad checked(const Reader& reader, const Body& body, const Filling& filling) {
+SceneLoad checked(const Reader& reader, const Body& body, const PressureLaw& law) {
   reader.located([&] {
     Model model(body);
-    add_pressure(model, filling);
+    add_pressure(model, law);
   });
-  return {[=](Model& model) { add_pressure(model, filling); }};
+  return {[=](Model& model) { add_pressure(model, law); }};
 }
 
 }  // namespace

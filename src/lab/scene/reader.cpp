@@ -29,19 +29,21 @@ std::string kind_of(const YAML::Node& node) {
 /// its own anchor, aliases that multiply without end.
 class TreeCheck {
  public:
-  /// `place_of` says where a value stands; `size` of the text in letters: a value of its own takes at least one.
-  TreeCheck(std::function<Place(const YAML::Node&)> place_of, std::size_t size)
-      : place_of_(std::move(place_of)), left_(size + 1000000) {}
+  /// `location_of` says where a value stands; `size` of the text in letters: a value of its own takes at least one.
+  TreeCheck(std::function<SourceLocation(const YAML::Node&)> location_of, std::size_t size)
+      : location_of_(std::move(location_of)), left_(size + 1000000) {}
 
   void check(const YAML::Node& node, int depth = 0) {
-    if (depth > 40) throw InputError(place_of_(node), "nested too deeply; does an alias stand inside its own anchor?");
-    if (left_-- == 0) throw InputError(place_of_(node), "too many values; do aliases stand in what aliases name?");
+    if (depth > 40)
+      throw InputError(location_of_(node), "nested too deeply; does an alias stand inside its own anchor?");
+    if (left_-- == 0) throw InputError(location_of_(node), "too many values; do aliases stand in what aliases name?");
     if (node.IsMap()) {
       std::set<std::string> seen;
       for (const auto& entry : node) {
         const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
-        if (key.empty()) throw InputError(place_of_(entry.first), "a key must be a word");
-        if (!seen.insert(key).second) throw InputError(place_of_(entry.first), "key '" + key + "' stands here twice");
+        if (key.empty()) throw InputError(location_of_(entry.first), "a key must be a word");
+        if (!seen.insert(key).second)
+          throw InputError(location_of_(entry.first), "key '" + key + "' stands here twice");
         check(entry.second, depth + 1);
       }
     } else if (node.IsSequence()) {
@@ -50,7 +52,7 @@ class TreeCheck {
   }
 
  private:
-  std::function<Place(const YAML::Node&)> place_of_;
+  std::function<SourceLocation(const YAML::Node&)> location_of_;
   std::size_t left_;
 };
 
@@ -67,41 +69,41 @@ void mark_override(YAML::Node node) {
 }
 
 /// Which item of a list a key means: its `name`, or its number from 0.
-std::size_t item_of(const YAML::Node& list, const std::string& key, const Place& place) {
+std::size_t item_of(const YAML::Node& list, const std::string& key, const SourceLocation& location) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < list.size(); ++i) {
     const bool named = list[i].IsMap() && list[i]["name"] && list[i]["name"].IsScalar();
     names.push_back(named ? list[i]["name"].Scalar() : std::to_string(i));
     if (key == names.back() || key == std::to_string(i)) return i;
   }
-  throw InputError(place, "'" + key + "' is no item of the list" + suggestion(key, names));
+  throw InputError(location, "'" + key + "' is no item of the list" + suggestion(key, names));
 }
 
 void put_override(YAML::Node root, const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
-  const Place place{"--set " + assignment};
+  const SourceLocation location{"--set " + assignment};
   std::string path = assignment.substr(0, equals);
   if (equals == std::string::npos || ("." + path + ".").find("..") != std::string::npos)
-    throw InputError(place, "write key=value, for example --set material.youngs_modulus='10 kPa'");
+    throw InputError(location, "write key=value, for example --set material.youngs_modulus='10 kPa'");
   YAML::Node value;
   try {
     value = YAML::Load(assignment.substr(equals + 1));
   } catch (const YAML::Exception& error) {
-    throw InputError(place, "the value is not valid YAML: " + error.msg);
+    throw InputError(location, "the value is not valid YAML: " + error.msg);
   }
-  TreeCheck([&](const YAML::Node&) { return place; }, assignment.size()).check(value);
+  TreeCheck([&](const YAML::Node&) { return location; }, assignment.size()).check(value);
   mark_override(value);
   YAML::Node node = root;
   for (std::size_t dot; (dot = path.find('.')) != std::string::npos; path = path.substr(dot + 1)) {
     const std::string key = path.substr(0, dot);
-    YAML::Node next = node.IsSequence() ? node[item_of(node, key, place)] : node[key];
+    YAML::Node next = node.IsSequence() ? node[item_of(node, key, location)] : node[key];
     if (next.IsDefined() && !next.IsMap() && !next.IsSequence())
-      throw InputError(place, "'" + key + "' is " + kind_of(next) + " in the scene, not a map of keys");
+      throw InputError(location, "'" + key + "' is " + kind_of(next) + " in the scene, not a map of keys");
     if (!next.IsDefined()) node[key] = next = YAML::Node(YAML::NodeType::Map);
     node.reset(next);
   }
   if (node.IsSequence())
-    node[item_of(node, path, place)] = value;
+    node[item_of(node, path, location)] = value;
   else
     node[path] = value;
 }
@@ -133,22 +135,22 @@ class SecondDocument final : public YAML::EventHandler {
 
 /// The only document of a scene's text. yaml-cpp's LoadAll finds documents without end in some texts that are none.
 YAML::Node load_document(const std::string& path, const std::string& text) {
-  const Place start{path, 1, 1};
+  const SourceLocation start{path, 1, 1};
   if (text.empty()) throw InputError(start, "the scene is empty");
   YAML::Node document;
   try {
     if (const auto second = SecondDocument().find(text))
-      throw InputError(Place{path, second->line + 1, second->column + 1},
+      throw InputError(SourceLocation{path, second->line + 1, second->column + 1},
                        "a scene is one YAML document; a second one begins here");
     document = YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    throw InputError(Place{path, error.mark.line + 1, error.mark.column + 1}, "not valid YAML: " + error.msg);
+    throw InputError(SourceLocation{path, error.mark.line + 1, error.mark.column + 1}, "not valid YAML: " + error.msg);
   }
   if (!document.IsMap()) throw InputError(start, "a scene is a map of keys (body, material, experiment, …)");
-  const auto place_of = [&](const YAML::Node& node) {
-    return Place{path, node.Mark().line + 1, node.Mark().column + 1};
+  const auto location_of = [&](const YAML::Node& node) {
+    return SourceLocation{path, node.Mark().line + 1, node.Mark().column + 1};
   };
-  TreeCheck(place_of, text.size()).check(document);
+  TreeCheck(location_of, text.size()).check(document);
   return document;
 }
 
@@ -167,29 +169,30 @@ std::string range_text(const Range& range, const Dimension& dimension) {
 
 }  // namespace
 
-Reader::Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path, std::optional<Place> key_place)
-    : file_(std::move(file)), node_(std::move(node)), path_(std::move(path)), key_place_(std::move(key_place)) {}
+Reader::Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path,
+               std::optional<SourceLocation> key_location)
+    : file_(std::move(file)), node_(std::move(node)), path_(std::move(path)), key_location_(std::move(key_location)) {}
 
-Place Reader::place_of(const YAML::Node& node) const {
+SourceLocation Reader::location_of(const YAML::Node& node) const {
   const YAML::Mark mark = node.Mark();
   if (node.Tag() == kOverrideTag || mark.is_null()) return {"--set"};
   return {file_->path, mark.line + 1, mark.column + 1};
 }
 
-Place Reader::place() const {
-  if (node_.IsNull() && node_.Tag() != kOverrideTag) return key_place_.value_or(Place{file_->path, 1, 1});
-  return place_of(node_);
+SourceLocation Reader::location() const {
+  if (node_.IsNull() && node_.Tag() != kOverrideTag) return key_location_.value_or(SourceLocation{file_->path, 1, 1});
+  return location_of(node_);
 }
 
 void Reader::fail(const std::string& message) const {
-  throw InputError(place(), (path_.empty() ? "" : path_ + ": ") + message);
+  throw InputError(location(), (path_.empty() ? "" : path_ + ": ") + message);
 }
 
 bool Reader::has(const std::string& key) { return find(key).has_value(); }
 
 std::optional<Reader> Reader::find(const std::string& key) {
   if (!node_.IsMap()) fail("expected a map of keys, found " + kind_of(node_));
-  asked_->keys.push_back(key);
+  requested_->keys.push_back(key);
   return value_of(key, key);
 }
 
@@ -197,7 +200,7 @@ std::optional<Reader> Reader::find(const std::string& key) {
 std::optional<Reader> Reader::value_of(const std::string& given, const std::string& key) const {
   for (const auto& entry : node_)
     if (entry.first.Scalar() == given) {
-      Reader found(file_, entry.second, path_.empty() ? key : path_ + "." + key, place_of(entry.first));
+      Reader found(file_, entry.second, path_.empty() ? key : path_ + "." + key, location_of(entry.first));
       if (entry.second.IsNull()) found.fail("has no value");
       return found;
     }
@@ -209,25 +212,26 @@ Reader Reader::at(const std::string& key) {
   // A misspelt key is read as what it must be: finish() then names it beside every key that is known.
   std::vector<std::string> unknown;
   for (const std::string& given : keys())
-    if (std::find(asked_->keys.begin(), asked_->keys.end(), given) == asked_->keys.end()) unknown.push_back(given);
+    if (std::find(requested_->keys.begin(), requested_->keys.end(), given) == requested_->keys.end())
+      unknown.push_back(given);
   const std::string misspelt = nearest_name(key, unknown);
   if (misspelt.empty()) fail("key '" + key + "' is missing");
-  asked_->misspelt.emplace_back(misspelt, key);
+  requested_->misspelt.emplace_back(misspelt, key);
   return *value_of(misspelt, key);
 }
 
 void Reader::finish() const {
   if (!node_.IsMap()) return;
   std::vector<std::string> known;
-  for (const std::string& key : asked_->keys)
+  for (const std::string& key : requested_->keys)
     if (std::find(known.begin(), known.end(), key) == known.end()) known.push_back(key);
   for (const auto& entry : node_) {
     const std::string key = entry.first.Scalar();
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    throw InputError(place_of(entry.first),
+    throw InputError(location_of(entry.first),
                      (path_.empty() ? "" : path_ + ": ") + "unknown key '" + key + "'" + suggestion(key, known));
   }
-  for (const auto& [misspelt, key] : asked_->misspelt) fail("key '" + key + "' is missing");
+  for (const auto& [misspelt, key] : requested_->misspelt) fail("key '" + key + "' is missing");
 }
 
 std::vector<std::string> Reader::keys() const {
@@ -241,7 +245,7 @@ std::vector<Reader> Reader::items() const {
   if (!node_.IsSequence()) fail("expected a list, found " + kind_of(node_));
   std::vector<Reader> items;
   for (const auto& item : node_)
-    items.emplace_back(file_, item, path_ + "[" + std::to_string(items.size()) + "]", place());
+    items.emplace_back(file_, item, path_ + "[" + std::to_string(items.size()) + "]", location());
   return items;
 }
 
@@ -282,9 +286,9 @@ double Reader::quantity(const Dimension& dimension, const Range& range) const {
 void Reader::note_unit(const std::string& given, const Dimension& dimension, const Quantity& quantity) const {
   auto& first_unit = file_->first_unit;
   auto& first_plain = file_->first_plain;
-  if (quantity.has_unit && !first_unit) first_unit = place();
+  if (quantity.has_unit && !first_unit) first_unit = location();
   if (!quantity.has_unit && quantity.value != 0 && !first_plain)
-    first_plain = {place(), path_ + ": '" + given + "' has no unit; write for example " + unit_examples(dimension)};
+    first_plain = {location(), path_ + ": '" + given + "' has no unit; write for example " + unit_examples(dimension)};
   if (first_unit && first_plain)
     throw InputError(first_plain->first, first_plain->second +
                                              " (plain SI numbers are taken only where no value has a unit, and " +
@@ -324,12 +328,12 @@ std::string missing_file(const std::string& path) {
 }
 
 Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules) {
-  const Place place{path};
+  const SourceLocation location{path};
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) throw InputError(place, missing_file(path));
-  if (std::filesystem::is_directory(path, ignored)) throw InputError(place, "is a folder; name a scene file in it");
+  if (!std::filesystem::exists(path, ignored)) throw InputError(location, missing_file(path));
+  if (std::filesystem::is_directory(path, ignored)) throw InputError(location, "is a folder; name a scene file in it");
   std::ifstream stream(path);
-  if (!stream) throw InputError(place, std::string("cannot read the scene: ") + std::strerror(errno));
+  if (!stream) throw InputError(location, std::string("cannot read the scene: ") + std::strerror(errno));
   const std::string text((std::istreambuf_iterator<char>(stream)), {});
   return open_scene_text(path, text, overrides, most_molecules);
 }

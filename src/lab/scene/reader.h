@@ -18,9 +18,9 @@ namespace elastin::lab {
 /// What all keys of one scene file share: its path, and how its dimensional values are written.
 struct SceneFile {
   std::string path;
-  std::optional<Place> first_unit;  ///< first dimensional value written with a unit
+  std::optional<SourceLocation> first_unit;  ///< first dimensional value written with a unit
   /// First one written as a plain number, and the message that it is if units are used.
-  std::optional<std::pair<Place, std::string>> first_plain;
+  std::optional<std::pair<SourceLocation, std::string>> first_plain;
   double most_molecules = std::numeric_limits<double>::infinity();  ///< that a body may have
 };
 
@@ -35,7 +35,8 @@ inline constexpr Range kNotNegative{0, std::numeric_limits<double>::infinity(), 
 /// that finish() can name the ones that nobody knows.
 class Reader {
  public:
-  Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path, std::optional<Place> key_place = {});
+  Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path,
+         std::optional<SourceLocation> key_location = {});
 
   bool has(const std::string& key);
   /// The value of a key that must be there; throws InputError if it is not. A misspelt one is read too: finish() names
@@ -82,7 +83,7 @@ class Reader {
     try {
       return build();
     } catch (const InputError& error) {
-      if (error.placed()) throw;
+      if (error.has_location()) throw;
       fail(error.what());
     }
   }
@@ -91,19 +92,19 @@ class Reader {
 
  private:
   /// Keys that were asked for, and those that stood in for a missing one: as written, and as meant.
-  struct Asked {
+  struct Requested {
     std::vector<std::string> keys;
     std::vector<std::pair<std::string, std::string>> misspelt;
   };
-  Place place() const;
-  Place place_of(const YAML::Node& node) const;
+  SourceLocation location() const;
+  SourceLocation location_of(const YAML::Node& node) const;
   std::optional<Reader> value_of(const std::string& given, const std::string& key) const;
   void note_unit(const std::string& given, const Dimension& dimension, const Quantity& quantity) const;
   std::shared_ptr<SceneFile> file_;
   YAML::Node node_;
   std::string path_;  ///< "experiment.force"
-  std::optional<Place> key_place_;
-  std::shared_ptr<Asked> asked_ = std::make_shared<Asked>();
+  std::optional<SourceLocation> key_location_;
+  std::shared_ptr<Requested> requested_ = std::make_shared<Requested>();
 };
 
 /// "no such file; did you mean 'x'?", of the files that stand beside it.

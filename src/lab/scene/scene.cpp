@@ -101,11 +101,11 @@ void check_volume_range(Reader material, const Specimen& specimen, const std::ve
 void warn_of_pieces(const Body& body, const std::string& name, std::vector<std::string>& warnings) {
   const BodyFindings findings = inspect(body);
   if (findings.pieces <= 1) return;
-  const auto loose = findings.loose_molecules.size();
+  const auto isolated = findings.isolated_molecules.size();
   warnings.push_back(name + " hangs apart: " + std::to_string(findings.pieces) + " pieces" +
-                     (loose == 0   ? ""
-                      : loose == 1 ? ", one of them a loose molecule"
-                                   : ", " + std::to_string(loose) + " of them loose molecules") +
+                     (isolated == 0   ? ""
+                      : isolated == 1 ? ", one of them an isolated molecule"
+                                      : ", " + std::to_string(isolated) + " of them isolated molecules") +
                      "; `elastin check` names them");
 }
 
@@ -157,13 +157,13 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog);
   const Reader experiment = reader.at("experiment");
   if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver);
-  ExperimentPlace place{scene->specimen.body, scene->specimen.material, rotation, scene->statics};
+  ExperimentContext context{scene->specimen.body, scene->specimen.material, rotation, scene->statics};
   std::optional<SceneContact> contact;
   if (auto value = reader.find("contact")) {
     contact = read_contact(*value, scene->specimen.body, scene->specimen.material, rotation);
-    place.contact = &contact->options;
+    context.contact = &contact->options;
   }
-  scene->experiment = read_experiment(experiment, place);
+  scene->experiment = read_experiment(experiment, context);
   const bool timed = scene->experiment->in_time();
   if (contact) {
     check_motions(*contact, timed);
@@ -218,7 +218,9 @@ StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const
 
 std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,
                                   const std::vector<std::string>& overrides, double most_molecules) {
-  const auto too_large = [&] { return InputError(Place{path}, "the scene does not fit into this machine's memory"); };
+  const auto too_large = [&] {
+    return InputError(SourceLocation{path}, "the scene does not fit into this machine's memory");
+  };
   try {
     return read_scene(path, catalog, overrides, most_molecules);
   } catch (const std::bad_alloc&) {

@@ -28,7 +28,7 @@ StudyAxis axis_of(Reader reader) {
 }
 
 /// Throws before anybody allocates for more rows than anyone compares.
-void check_rows(const std::vector<StudyAxis>& axes) {
+void check_runs(const std::vector<StudyAxis>& axes) {
   constexpr double most = 1e5;
   double rows = 1;
   for (const StudyAxis& axis : axes) rows *= static_cast<double>(axis.values.size());
@@ -50,9 +50,9 @@ StudyAxis read_axis(const std::string& text) {
       node[text.substr(0, equals)] = YAML::Load(text.substr(equals + 1));
     }
   } catch (const YAML::Exception& error) {
-    throw InputError(Place{what}, "not valid YAML: " + error.msg);
+    throw InputError(SourceLocation{what}, "not valid YAML: " + error.msg);
   }
-  if (!node.IsMap()) throw InputError(Place{what}, "write KEY.PATH=[value, …] or {KEY.PATH: [value, …], …}");
+  if (!node.IsMap()) throw InputError(SourceLocation{what}, "write KEY.PATH=[value, …] or {KEY.PATH: [value, …], …}");
   return axis_of(Reader(std::make_shared<SceneFile>(SceneFile{what, {}, {}}), node, ""));
 }
 
@@ -60,7 +60,7 @@ Study read_study(Reader reader, const std::vector<StrategyChoice>& known) {
   Study study;
   if (auto vary = reader.find("vary")) {
     for (const Reader& item : vary->items()) study.axes.push_back(axis_of(item));
-    vary->located([&] { check_rows(study.axes); });
+    vary->located([&] { check_runs(study.axes); });
   }
   if (auto repeats = reader.find("repeats")) study.repeats = repeats->whole(1, 1000);
   if (auto threads = reader.find("threads"))
@@ -75,7 +75,7 @@ Study read_study(Reader reader, const std::vector<StrategyChoice>& known) {
 }
 
 std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const std::vector<StudyAxis>& axes) {
-  check_rows(axes);
+  check_runs(axes);
   std::vector<std::vector<std::pair<std::string, std::string>>> all{{}};
   for (const StudyAxis& axis : axes) {
     std::vector<std::vector<std::pair<std::string, std::string>>> longer;

@@ -48,87 +48,88 @@ void read_step(Reader reader, TimeOptions& options) {
 }
 
 /// The experiment at rest that says how a timed one holds and loads its body.
-std::unique_ptr<Experiment> read_hold(const Reader& reader, const ExperimentPlace& place) {
-  auto hold = read_experiment(reader, place);
-  if (hold->in_time()) reader.fail("must be an experiment at rest; " + hold->name() + " runs through time itself");
-  return hold;
+std::unique_ptr<Experiment> read_fixture(const Reader& reader, const ExperimentContext& context) {
+  auto fixture = read_experiment(reader, context);
+  if (fixture->in_time())
+    reader.fail("must be an experiment at rest; " + fixture->name() + " runs through time itself");
+  return fixture;
 }
 
-std::unique_ptr<Experiment> read_motion(Reader reader, MotionKind kind, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_motion(Reader reader, MotionKind kind, const ExperimentContext& context) {
   MotionSetup setup;
   setup.kind = kind;
   const bool free = kind == MotionKind::motion;
-  const auto hold = free ? reader.find("hold") : std::optional(reader.at("hold"));
-  if (hold) setup.hold = read_hold(*hold, place);
+  const auto fixture = free ? reader.find("fixture") : std::optional(reader.at("fixture"));
+  if (fixture) setup.fixture = read_fixture(*fixture, context);
   if (free)
     if (auto in_time = reader.find("in_time")) {
-      if (!hold) in_time->fail("there is no load to change: key 'hold' is missing");
+      if (!fixture) in_time->fail("there is no load to change: key 'fixture' is missing");
       setup.load = read_time_function(*in_time);
     }
   if (kind == MotionKind::release) {
     const auto load = reader.find("load");
-    setup.let_go = !load || load->choice<bool>({{"removed", true}, {"applied", false}});
+    setup.released = !load || load->choice<bool>({{"removed", true}, {"applied", false}});
   }
   if (kind == MotionKind::relaxation) {
     setup.ramp = reader.at("ramp").quantity(dimension::time, kPositive);
     setup.load = TimeFunction::ramp(setup.ramp);
   }
   reader.finish();
-  return reader.located([&] { return make_motion(place.body, std::move(setup)); });
+  return reader.located([&] { return make_motion(context.body, std::move(setup)); });
 }
 
-std::unique_ptr<Experiment> read_shake(Reader reader, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_shake(Reader reader, const ExperimentContext& context) {
   ShakeSetup setup;
   if (auto axis = reader.find("axis")) setup.axis = read_direction(*axis);
-  setup.direction = place.rotation * (reader.has("direction") ? read_direction(reader.at("direction")) : setup.axis);
-  setup.axis = place.rotation * setup.axis;
+  setup.direction = context.rotation * (reader.has("direction") ? read_direction(reader.at("direction")) : setup.axis);
+  setup.axis = context.rotation * setup.axis;
   const Reader amplitude = reader.at("amplitude");
   setup.amplitude = amplitude.quantity(dimension::length, kPositive);
   setup.frequency = reader.at("frequency").quantity({0, 0, -1}, kPositive);
   if (auto depth = reader.find("grip_depth")) setup.grip_depth = depth->quantity(dimension::length, kPositive);
   reader.finish();
-  return reader.located([&] { return make_shake(place.body, setup); });
+  return reader.located([&] { return make_shake(context.body, setup); });
 }
 
-std::unique_ptr<Experiment> read_drop(Reader reader, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_drop(Reader reader, const ExperimentContext& context) {
   DropSetup setup;
-  setup.direction =
-      place.rotation * (reader.has("direction") ? read_direction(reader.at("direction")) : Vector3(-Vector3::UnitZ()));
+  setup.direction = context.rotation *
+                    (reader.has("direction") ? read_direction(reader.at("direction")) : Vector3(-Vector3::UnitZ()));
   const auto gravity = reader.find("gravity"), height = reader.find("height"), speed = reader.find("speed"),
              stiffness = reader.find("stiffness"), damping = reader.find("damping");
   if (gravity) setup.gravity = gravity->quantity(dimension::acceleration, kNotNegative);
   if (height) setup.height = height->quantity(dimension::length, kNotNegative);
   if (speed) setup.speed = speed->quantity(dimension::velocity, kNotNegative);
-  if (place.contact) {
+  if (context.contact) {
     for (const auto& own : {height, stiffness, damping})
       if (own) own->fail("is of a floor that drop brings along; this scene has contact, and obstacles of its own");
-    setup.contact = *place.contact;
+    setup.contact = *context.contact;
   }
   setup.stiffness = stiffness ? stiffness->quantity(dimension::stiffness, kPositive)
-                              : default_floor_stiffness(place.body, place.material);
+                              : default_floor_stiffness(context.body, context.material);
   if (damping) setup.damping = damping->quantity(dimension::damping, kNotNegative);
   reader.finish();
   if (!(setup.speed > 0 || (setup.gravity > 0 && (setup.height > 0 || setup.contact))))
     reader.fail("nothing falls: give a speed, or gravity and a height");
-  return reader.located([&] { return make_drop(place.body, setup); });
+  return reader.located([&] { return make_drop(context.body, setup); });
 }
 
-std::unique_ptr<Experiment> read_parachute(Reader reader, const ExperimentPlace& place) {
+std::unique_ptr<Experiment> read_parachute(Reader reader, const ExperimentContext& context) {
   ParachuteSetup setup;
   if (auto direction = reader.find("direction")) setup.direction = read_direction(*direction);
-  setup.direction = place.rotation * setup.direction;
+  setup.direction = context.rotation * setup.direction;
   if (auto gravity = reader.find("gravity")) setup.gravity = gravity->quantity(dimension::acceleration, kNotNegative);
   if (auto speed = reader.find("speed")) setup.speed = speed->quantity(dimension::velocity, kNotNegative);
   reader.finish();
-  return reader.located([&] { return make_parachute(place.body, setup); });
+  return reader.located([&] { return make_parachute(context.body, setup); });
 }
 
-std::unique_ptr<Experiment> read_vibration(Reader reader, const ExperimentPlace& place) {
-  std::unique_ptr<Experiment> hold;
-  if (auto value = reader.find("hold")) hold = read_hold(*value, place);
+std::unique_ptr<Experiment> read_vibration(Reader reader, const ExperimentContext& context) {
+  std::unique_ptr<Experiment> fixture;
+  if (auto value = reader.find("fixture")) fixture = read_fixture(*value, context);
   const int count = reader.has("count") ? reader.at("count").whole(1, 10) : 6;
   reader.finish();
-  return reader.located([&] { return make_vibration(place.body, std::move(hold), count); });
+  return reader.located([&] { return make_vibration(context.body, std::move(fixture), count); });
 }
 
 /// Uniform in −1 … 1: the same on every machine.
@@ -149,17 +150,17 @@ TimeOptions read_time(Reader reader) {
 }
 
 std::unique_ptr<Experiment> read_timed_experiment(Reader reader, const std::string& kind,
-                                                  const ExperimentPlace& place) {
+                                                  const ExperimentContext& context) {
   for (const auto& [name, motion] : {std::pair{"motion", MotionKind::motion},
                                      {"release", MotionKind::release},
                                      {"creep", MotionKind::creep},
                                      {"relaxation", MotionKind::relaxation}})
-    if (kind == name) return read_motion(reader, motion, place);
-  if (kind == "shake") return read_shake(reader, place);
-  if (kind == "drop") return read_drop(reader, place);
-  if (kind == "sliding") return read_sliding(reader, place);
-  if (kind == "parachute") return read_parachute(reader, place);
-  if (kind == "vibration") return read_vibration(reader, place);
+    if (kind == name) return read_motion(reader, motion, context);
+  if (kind == "shake") return read_shake(reader, context);
+  if (kind == "drop") return read_drop(reader, context);
+  if (kind == "sliding") return read_sliding(reader, context);
+  if (kind == "parachute") return read_parachute(reader, context);
+  if (kind == "vibration") return read_vibration(reader, context);
   return nullptr;
 }
 

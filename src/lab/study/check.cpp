@@ -88,7 +88,7 @@ bool add_faults(std::string& out, const Body& body, const std::string& name) {
   const auto name_fault = [&](const char* title, const std::vector<int>& list, const auto& words) {
     if (!list.empty()) add_line(out, title, fmt::format("{}: {}", list.size(), first_few(list, words)));
   };
-  name_fault("LOOSE MOLECULES", findings.loose_molecules, number);
+  name_fault("ISOLATED MOLECULES", findings.isolated_molecules, number);
   name_fault("NO LENGTH", findings.zero_length_connections, pair_name);
   name_fault("DUPLICATE CONNECTIONS", findings.duplicate_connections, pair_name);
   name_fault("FLAT CELLS", findings.flat_or_inverted_cells, number);
@@ -130,8 +130,8 @@ void add_overlaps(std::string& out, const std::vector<contact::Overlap>& overlap
 
 void add_modes(std::string& out, Scene& scene) {
   Model model(scene.specimen.body);
-  scene.experiment->hold(model);
-  hold_rigid_parts(model);
+  scene.experiment->set_up(model);
+  fix_rigid_parts(model);
   const Connections& connections = scene.specimen.body.connections;
   std::vector<char> stiff(static_cast<std::size_t>(connections.size()), 0);
   std::fill_n(stiff.begin(), connections.proper(), 1);
@@ -191,7 +191,7 @@ void add_built(std::string& out, Scene& scene) {
     if (!unsuited(scene.specimen, *scene.experiment, choice).empty()) continue;
     std::string what = strategy.constants            ? "a constant a connection"
                        : needs_cells(strategy, body) ? "the constants of each cell"
-                                                     : "force densities from places alone";
+                                                     : "force densities from positions alone";
     if (strategy.needs_voronoi(body)) what += ", Voronoi cells";
     if (strategy.volume_modulus) what += ", volume groups";
     if (choice.calibrated) what += ", measured by linear solves";

@@ -10,7 +10,7 @@ namespace elastin::lab {
 /// What `elastin check` says of a scene.
 struct CheckReport {
   std::string text;
-  bool sound = true;  ///< false: loose molecules, several pieces, connections without length, flat cells
+  bool sound = true;  ///< false: isolated molecules, several pieces, connections without length, flat cells
 };
 
 /// Counts, neighbours, pieces, faults by number, zero-energy modes by name, what the scene builds, and which strategies

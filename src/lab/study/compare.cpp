@@ -47,18 +47,18 @@ class Comparison {
   bool run();
 
  private:
-  struct RowPlace {
+  struct RunKey {
     const std::vector<std::pair<std::string, std::string>>* combination;
     int threads, repeat;
     std::string strategy;
   };
   void run_combination(ScenePlan& plan, const std::vector<std::pair<std::string, std::string>>& combination,
                        int repeat);
-  Record run_row(const ScenePlan& plan, Scene& scene, const StrategyChoice& choice, const RowPlace& place);
-  Record failed_row(const ScenePlan& plan, const RowPlace& place, const std::string& why) const;
-  void finish_row(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene,
-                  const RowPlace& place);
-  std::string key_of_row(const ScenePlan& plan, const RowPlace& place) const;
+  Record run_one(const ScenePlan& plan, Scene& scene, const StrategyChoice& choice, const RunKey& run_key);
+  Record failed_run(const ScenePlan& plan, const RunKey& run_key, const std::string& why) const;
+  void finish_run(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene,
+                  const RunKey& run_key);
+  std::string text_of(const ScenePlan& plan, const RunKey& run_key) const;
   RunOptions options_of(const ScenePlan& plan, const Scene& scene, const StrategyChoice& choice);
   std::string time_left() const;
   void print_scene(const ScenePlan& plan);
@@ -107,25 +107,25 @@ RunOptions Comparison::options_of(const ScenePlan& plan, const Scene& scene, con
 }
 
 /// A row is the same if its scene, what is changed, its strategy, threads, repeat and the program's flags are.
-std::string Comparison::key_of_row(const ScenePlan& plan, const RowPlace& place) const {
+std::string Comparison::text_of(const ScenePlan& plan, const RunKey& run_key) const {
   std::vector<std::string> parts{plan.name,
                                  plan.text,
-                                 place.strategy,
-                                 std::to_string(place.threads),
-                                 std::to_string(place.repeat),
+                                 run_key.strategy,
+                                 std::to_string(run_key.threads),
+                                 std::to_string(run_key.repeat),
                                  this_machine().compiler,
                                  this_machine().flags};
-  for (const std::string& override : overrides_of(request_, *place.combination)) parts.push_back(override);
+  for (const std::string& override : overrides_of(request_, *run_key.combination)) parts.push_back(override);
   return key_of(parts);
 }
 
-Record Comparison::failed_row(const ScenePlan& plan, const RowPlace& place, const std::string& why) const {
+Record Comparison::failed_run(const ScenePlan& plan, const RunKey& run_key, const std::string& why) const {
   Record record;
   record.scene = plan.name;
   record.title = plan.title;
-  record.variant = *place.combination;
-  record.threads = place.threads > 0 ? place.threads : threads();
-  record.run.strategy = place.strategy;
+  record.variant = *run_key.combination;
+  record.threads = run_key.threads > 0 ? run_key.threads : threads();
+  record.run.strategy = run_key.strategy;
   record.run.outcome = Outcome::diverged;
   record.run.cause = why;
   for (const Record& known : records_)  // so that its row has the others' columns
@@ -133,14 +133,14 @@ Record Comparison::failed_row(const ScenePlan& plan, const RowPlace& place, cons
   return record;
 }
 
-Record Comparison::run_row(const ScenePlan& plan, Scene& scene, const StrategyChoice& choice, const RowPlace& place) {
+Record Comparison::run_one(const ScenePlan& plan, Scene& scene, const StrategyChoice& choice, const RunKey& run_key) {
   const auto start = Clock::now();
   prepare(scene.specimen.body, choice.strategy, scene.specimen.material);
   const double prepared = seconds_since(start);
   Run run = run_strategy(scene.specimen, *scene.experiment, choice, options_of(plan, scene, choice));
   run.build_seconds += prepared;  // once a body: the first strategy that needs it pays
   Record record = make_record(scene, std::move(run));
-  record.variant = *place.combination;
+  record.variant = *run_key.combination;
   if (!record.variant.empty()) record.verdicts.clear();  // the scene speaks of the body that it describes
   if (plan.repeats > 1) record.repeats = {{record.run.build_seconds, record.run.solve_seconds}};
   return record;
@@ -163,11 +163,11 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
   for (const int count : plan.threads)
     for (const std::string& strategy : plan.strategies) {
       if (stopped_) return;
-      const RowPlace place{&combination, count, repeat, strategy};
-      const std::string key = key_of_row(plan, place);
+      const RunKey run_key{&combination, count, repeat, strategy};
+      const std::string key = text_of(plan, run_key);
       const Record* known = journal_ ? journal_->find(key) : nullptr;
       if (known) {
-        finish_row(plan, "", *known, nullptr, place);
+        finish_run(plan, "", *known, nullptr, run_key);
         continue;
       }
       if (choices.empty() && trouble.empty()) load();
@@ -176,30 +176,30 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
       Record record;
       const StrategyChoice* choice = find_strategy(choices, strategy);
       if (!choice) {
-        record = failed_row(plan, place, trouble.empty() ? "the changed scene has no such strategy" : trouble);
+        record = failed_run(plan, run_key, trouble.empty() ? "the changed scene has no such strategy" : trouble);
       } else if (plan.varied()) {
         try {
-          record = run_row(plan, *scene, *choice, place);
+          record = run_one(plan, *scene, *choice, run_key);
         } catch (const std::exception& error) {  // a row of a study that cannot run is a row
-          record = failed_row(plan, place, error.what());
+          record = failed_run(plan, run_key, error.what());
         }
       } else {
-        record = run_row(plan, *scene, *choice, place);
+        record = run_one(plan, *scene, *choice, run_key);
       }
       progress_.pause();
       seconds_ += seconds_since(start);
       ++run_;
-      finish_row(plan, key, std::move(record), scene.get(), place);
+      finish_run(plan, key, std::move(record), scene.get(), run_key);
       stopped_ = request_.interrupted && request_.interrupted();
     }
   if (combination.empty() && plan.repeats > repeat + 1) plan.scene = std::move(scene);
 }
 
-void Comparison::finish_row(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene,
-                            const RowPlace& place) {
+void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene,
+                            const RunKey& run_key) {
   // `run` names its one strategy: that it cannot run is a failure; in a comparison it is a row.
   good_ &= record.good() && (request_.compare || record.run.suited || record.stopped_as_expected());
-  if (scene && place.repeat == 0 && !record.run.snapshots.empty()) {
+  if (scene && run_key.repeat == 0 && !record.run.snapshots.empty()) {
     const auto same_body = [&](const Record& r) { return r.scene == record.scene && r.variant == record.variant; };
     if (journal_ && std::none_of(records_.begin(), records_.end(), same_body))
       journal_->add_view(body_view(*scene, record));
@@ -216,7 +216,7 @@ void Comparison::finish_row(const ScenePlan& plan, const std::string& key, Recor
            r.run.strategy == record.run.strategy;
   };
   const auto row = std::find_if(records_.begin(), records_.end(), same);
-  if (place.repeat > 0 && row != records_.end())
+  if (run_key.repeat > 0 && row != records_.end())
     row->add_repeat(record);
   else
     records_.push_back(std::move(record));
@@ -269,7 +269,7 @@ bool Comparison::run() {
   if (!request_.resume) write_tables(request_, {});  // a folder that cannot be written to is said before the work
   int passes = 0;
   for (const ScenePlan& plan : plans_) {
-    rows_ += plan.rows() * static_cast<std::size_t>(plan.repeats);
+    rows_ += plan.runs() * static_cast<std::size_t>(plan.repeats);
     passes = std::max(passes, plan.repeats);
   }
   for (int repeat = 0; repeat < passes; ++repeat)

@@ -33,7 +33,7 @@ std::unordered_map<std::string, Record> rows_of(const std::string& path) {
       const auto row = nlohmann::ordered_json::parse(line);
       rows.insert_or_assign(row.at("key"), record_of_json(row.at("run").dump()));
     } catch (const std::exception& error) {
-      throw InputError(Place{path, number}, std::string("no row of a comparison: ") + error.what());
+      throw InputError(SourceLocation{path, number}, std::string("no row of a comparison: ") + error.what());
     }
   }
   return rows;
@@ -87,13 +87,13 @@ void LineFile::add(const std::string& line) {
 }
 
 Journal::Journal(const std::string& folder, bool resume)
-    : rows_(resume ? rows_of(folder + "/runs.jsonl") : std::unordered_map<std::string, Record>{}),
+    : runs_(resume ? rows_of(folder + "/runs.jsonl") : std::unordered_map<std::string, Record>{}),
       runs_(folder + "/runs.jsonl", resume),
       views_(folder + "/views.jsonl", resume) {}
 
 const Record* Journal::find(const std::string& key) const {
-  const auto found = rows_.find(key);
-  return found == rows_.end() ? nullptr : &found->second;
+  const auto found = runs_.find(key);
+  return found == runs_.end() ? nullptr : &found->second;
 }
 
 void Journal::add(const std::string& key, const Record& record) {

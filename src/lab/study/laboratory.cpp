@@ -3,8 +3,8 @@
 #include <limits>
 #include <utility>
 
+#include "lab/experiment/contact_measures.h"
 #include "lab/experiment/timed.h"
-#include "lab/experiment/touching.h"
 #include "lab/report/records.h"
 #include "lab/scene/parts.h"
 
@@ -29,7 +29,8 @@ void set_last_state(const Body& body, const Snapshot& last, LaboratoryResult& re
   result.tensions.resize(body.connections.size());
   for (int connection = 0; connection < body.connections.size(); ++connection) {
     const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(connection)];
-    result.tensions[connection] = last.densities[connection] * (last.positions.col(b) - last.positions.col(a)).norm();
+    result.tensions[connection] =
+        last.force_densities[connection] * (last.positions.col(b) - last.positions.col(a)).norm();
   }
 }
 
@@ -69,12 +70,12 @@ void load_in_full(Scene& scene, Model& model, State& state) {
   }
   if (scene.specimen.start) scene.specimen.start(state);
   if (model.drive) model.drive(0, model.supports);
-  model.remember(state);
+  model.commit_step(state);
 }
 
 }  // namespace
 
-struct Laboratory::Inside {
+struct Laboratory::Impl {
   std::string path;
   std::vector<std::string> overrides;
   Catalog catalog;
@@ -88,44 +89,44 @@ double LaboratoryResult::get(const std::string& name) const {
 }
 
 Laboratory::Laboratory(const std::string& scene, const std::vector<std::string>& overrides, Catalog catalog)
-    : inside_(new Inside{scene, overrides, std::move(catalog), nullptr}) {
-  inside_->scene = load_scene(scene, inside_->catalog, overrides);
+    : impl_(new Impl{scene, overrides, std::move(catalog), nullptr}) {
+  impl_->scene = load_scene(scene, impl_->catalog, overrides);
 }
 Laboratory::~Laboratory() = default;
 Laboratory::Laboratory(Laboratory&&) noexcept = default;
 Laboratory& Laboratory::operator=(Laboratory&&) noexcept = default;
 
-const std::string& Laboratory::name() const { return inside_->scene->name; }
-const std::string& Laboratory::title() const { return inside_->scene->title; }
-const Body& Laboratory::body() const { return inside_->scene->specimen.body; }
-const Material& Laboratory::material() const { return inside_->scene->specimen.material; }
-std::string Laboratory::strategy() const { return inside_->scene->stiffness.label; }
-const std::vector<std::string>& Laboratory::warnings() const { return inside_->scene->warnings; }
+const std::string& Laboratory::name() const { return impl_->scene->name; }
+const std::string& Laboratory::title() const { return impl_->scene->title; }
+const Body& Laboratory::body() const { return impl_->scene->specimen.body; }
+const Material& Laboratory::material() const { return impl_->scene->specimen.material; }
+std::string Laboratory::strategy() const { return impl_->scene->stiffness.label; }
+const std::vector<std::string>& Laboratory::warnings() const { return impl_->scene->warnings; }
 
 std::vector<std::string> Laboratory::strategies() const {
   std::vector<std::string> labels;
-  for (const StrategyChoice& choice : inside_->scene->strategies) labels.push_back(choice.label);
+  for (const StrategyChoice& choice : impl_->scene->strategies) labels.push_back(choice.label);
   return labels;
 }
 
 std::vector<Stated> Laboratory::references() const {
   std::vector<Stated> list;
-  for (const Reference& reference : inside_->scene->references)
+  for (const Reference& reference : impl_->scene->references)
     list.push_back({"", measured(reference.measure, reference.value), reference.source});
   return list;
 }
 
 std::vector<Stated> Laboratory::expectations() const {
   std::vector<Stated> list;
-  for (const Expectation& expectation : inside_->scene->expectations)
+  for (const Expectation& expectation : impl_->scene->expectations)
     if (!expectation.measure.empty())
       list.push_back({expectation.strategy, measured(expectation.measure, expectation.value), expectation.source});
   return list;
 }
 
 LaboratoryResult Laboratory::run(const std::string& strategy, const RunWatch& watch) {
-  Scene& scene = *inside_->scene;
-  const StrategyChoice choice = choose(scene, inside_->catalog, strategy);
+  Scene& scene = *impl_->scene;
+  const StrategyChoice choice = choose(scene, impl_->catalog, strategy);
   prepare(scene.specimen.body, choice.strategy, scene.specimen.material);
   RunOptions options;
   options.statics = scene.statics;
@@ -138,9 +139,9 @@ LaboratoryResult Laboratory::run(const std::string& strategy, const RunWatch& wa
 
 Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions options) {
   // A scene of its own: an experiment knows the state of the model that it has held last.
-  const std::shared_ptr<Scene> scene = load_scene(inside_->path, inside_->catalog, inside_->overrides);
+  const std::shared_ptr<Scene> scene = load_scene(impl_->path, impl_->catalog, impl_->overrides);
   Specimen& specimen = scene->specimen;
-  StrategyChoice choice = choose(*scene, inside_->catalog, strategy);
+  StrategyChoice choice = choose(*scene, impl_->catalog, strategy);
   if (!options.parameters.empty()) choice.values = std::exchange(options.parameters, {});
   prepare(specimen.body, choice.strategy, specimen.material);
   Run run;

@@ -17,7 +17,7 @@ struct ScenePlan {
   std::vector<std::string> strategies;
   int repeats = 1;
   std::string name, title, own_reference;
-  std::size_t rows() const { return combinations.size() * threads.size() * strategies.size(); }
+  std::size_t runs() const { return combinations.size() * threads.size() * strategies.size(); }
   bool varied() const { return combinations.size() > 1 || threads.size() > 1; }
 };
 

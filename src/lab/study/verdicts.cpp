@@ -21,8 +21,8 @@ struct Choice {
 
 const std::vector<Choice>& choices() {
   static const std::vector<Choice> list{
-      {"explicit", {"solver.way=explicit"}, {"time.integrator=velocity_verlet", "time.step=automatic"}},
-      {"implicit", {"solver.way=implicit"}, {"time.integrator=newmark"}},
+      {"explicit", {"solver.method=explicit"}, {"time.integrator=velocity_verlet", "time.step=automatic"}},
+      {"implicit", {"solver.method=implicit"}, {"time.integrator=newmark"}},
       {"linear", {"solver.displacements=small"}, {}},
       {"plain springs", {}, {}, true}};
   return list;
@@ -103,8 +103,8 @@ std::string choice_text(const Scene& scene, const Run& run) {
   const std::vector<Verdict> verdicts = judged_as(scene, run);
   if (verdicts.empty()) return "answers";
   const bool right =
-      std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.holds || !v.judged; });
-  return right ? run.untangled ? "untangled" : "right" : "wrong: " + error_text(*tightest(verdicts));
+      std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.passed || !v.judged; });
+  return right ? run.restarted_from_rest ? "untangled" : "right" : "wrong: " + error_text(*tightest(verdicts));
 }
 
 /// The rule without calibration, for a case that measures no modulus to calibrate to.
@@ -148,7 +148,7 @@ std::string detail_text(const Case& a_case) {
   if (own.run.outcome != Outcome::converged || !own.run.suited) return own.run.cause;
   const Verdict* verdict = tightest(own.verdicts);
   if (!verdict) return "the scene expects nothing of it";
-  return error_text(*verdict) + (own.run.untangled ? "; untangled" : "");
+  return error_text(*verdict) + (own.run.restarted_from_rest ? "; untangled" : "");
 }
 
 std::string cut(const std::string& text, std::size_t length) {
@@ -221,7 +221,7 @@ std::string verdicts_text(const std::vector<Case>& cases, bool colours, bool mar
   Table table(head);
   for (auto& row : rows) table.add(std::move(row));
   const auto good = std::count_if(cases.begin(), cases.end(), passed);
-  return table.text(colours) + fmt::format("\n  {} of {} as they must be\n", good, cases.size());
+  return table.text(colours) + fmt::format("\n  {} of {} passed\n", good, cases.size());
 }
 
 }  // namespace elastin::lab

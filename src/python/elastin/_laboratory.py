@@ -129,7 +129,7 @@ def _plot(result, ax=None, **options):
 
 
 def _plot_curve(result, x=None, y=None, ax=None, **options):
-    """One measure of the curve over another: by default stress over strain, or what there is over the load or time."""
+    """One measure of the curve over another: by default the stress–strain curve, or what there is over the load or time."""
     from . import _plots
     return _plots.curve(result, x, y, ax, options)
 

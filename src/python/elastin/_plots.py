@@ -24,17 +24,17 @@ def label(name):
 
 
 def body(result, ax, options):
-    places, tensions, ends = result.positions, result.tensions, result.body.connections
-    if len(places) == 0:
+    positions, tensions, ends = result.positions, result.tensions, result.body.connections
+    if len(positions) == 0:
         raise ValueError(f"there is no state to show: {result.outcome}: {result.cause}")
     ax = figure(ax, projection="3d")
     from mpl_toolkits.mplot3d.art3d import Line3DCollection
     largest = max(abs(tensions).max(), 1e-300) if len(tensions) else 1
     settings = {"cmap": "coolwarm", "linewidths": 1.0} | options
-    lines = Line3DCollection(places[ends], array=tensions, **settings)
+    lines = Line3DCollection(positions[ends], array=tensions, **settings)
     lines.set_clim(-largest, largest)
     ax.add_collection3d(lines)
-    low, high = places.min(axis=0), places.max(axis=0)
+    low, high = positions.min(axis=0), positions.max(axis=0)
     middle, half = (low + high) / 2, max((high - low).max() / 2, 1e-12)
     for axis, centre in zip("xyz", middle):
         getattr(ax, f"set_{axis}lim")(centre - half, centre + half)

@@ -36,12 +36,12 @@ TEST_CASE("a suggestion says the nearest name and what is allowed", "[error]") {
 }
 
 TEST_CASE("an input error starts with its place, once", "[error]") {
-  CHECK(Place{"a.yaml", 3, 7}.text() == "a.yaml:3:7");
-  CHECK(Place{"a.yaml", 3, 0}.text() == "a.yaml:3");
-  CHECK(Place{"a.yaml", 0, 7}.text() == "a.yaml");
-  const InputError placed(Place{"a.yaml", 3, 7}, "wrong"), bare("wrong");
-  CHECK(std::string(placed.what()) == "a.yaml:3:7: wrong");
-  CHECK(placed.placed());
+  CHECK(SourceLocation{"a.yaml", 3, 7}.text() == "a.yaml:3:7");
+  CHECK(SourceLocation{"a.yaml", 3, 0}.text() == "a.yaml:3");
+  CHECK(SourceLocation{"a.yaml", 0, 7}.text() == "a.yaml");
+  const InputError located(SourceLocation{"a.yaml", 3, 7}, "wrong"), bare("wrong");
+  CHECK(std::string(located.what()) == "a.yaml:3:7: wrong");
+  CHECK(located.has_location());
   CHECK(std::string(bare.what()) == "wrong");
-  CHECK_FALSE(bare.placed());
+  CHECK_FALSE(bare.has_location());
 }

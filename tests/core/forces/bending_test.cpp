@@ -25,9 +25,9 @@ Body prepared(Body body) {
 /// A sheet in the plane z = 0 from a function w(x, y), its energy over its area.
 template <class Shape>
 double energy_density(const Body& body, double area, double rigidity, double nu, Shape shape) {
-  Positions places = body.rest;
-  for (int i = 0; i < body.size(); ++i) places(2, i) += shape(places(0, i), places(1, i));
-  return make_bending(body, rigidity, nu)->energy(places) / area;
+  Positions positions = body.rest;
+  for (int i = 0; i < body.size(); ++i) positions(2, i) += shape(positions(0, i), positions(1, i));
+  return make_bending(body, rigidity, nu)->energy(positions) / area;
 }
 
 struct Cantilever {
@@ -37,7 +37,7 @@ struct Cantilever {
 
 /// Way down of the tip's middle [m] under a force on the tip's side, spread by length; two rows of molecules are held,
 /// and the length counts from the middle between them.
-double tip_way(const Cantilever& c, double force, bool linear, double* shortening = nullptr) {
+double tip_displacement(const Cantilever& c, double force, bool linear, double* shortening = nullptr) {
   const double h = c.width / c.squares;
   const int along = static_cast<int>(std::lround(c.length / h));
   Body body =
@@ -78,15 +78,15 @@ TEST_CASE("bending does nothing to a flat sheet, however stretched and placed", 
   const auto bending = make_bending(body, 2, 0.3);
   Matrix3 F;
   F << 1.2, 0.3, 0, -0.1, 0.8, 0, 0.4, -0.2, 1;  // flat stays flat
-  Positions places = F * body.rest;
-  places.colwise() += Vector3(1, -2, 3);
+  Positions positions = F * body.rest;
+  positions.colwise() += Vector3(1, -2, 3);
   Model model(body);
   model.add(make_bending(body, 2, 0.3));
-  const VectorX densities = model.force_densities(places);
-  REQUIRE(densities.norm() > 0);
-  const Positions none = model.elastic_forces(places);
-  CHECK(none.norm() <= 1e-11 * densities.norm() * 0.1);
-  CHECK(bending->energy(places) <= 1e-24 * densities.norm());
+  const VectorX force_densities = model.force_densities(positions);
+  REQUIRE(force_densities.norm() > 0);
+  const Positions none = model.elastic_forces(positions);
+  CHECK(none.norm() <= 1e-11 * force_densities.norm() * 0.1);
+  CHECK(bending->energy(positions) <= 1e-24 * force_densities.norm());
 }
 
 TEST_CASE("bending: forces are minus the gradient, on any sheet and at any bending", "[bending_stiffness]") {
@@ -97,17 +97,17 @@ TEST_CASE("bending: forces are minus the gradient, on any sheet and at any bendi
   const Body body = prepared(std::move(flat));
   Model model(body);
   model.add(make_bending(body, 2, 0.3));
-  const Positions places = deformed(body, 0.02), motion = random_motion(body, 3);
+  const Positions positions = deformed(body, 0.02), motion = random_motion(body, 3);
   const double h = 1e-6;
-  const double rise = model.elastic_energy(places + h * motion) - model.elastic_energy(places - h * motion);
-  const Positions forces = model.elastic_forces(places);
+  const double rise = model.elastic_energy(positions + h * motion) - model.elastic_energy(positions - h * motion);
+  const Positions forces = model.elastic_forces(positions);
   CHECK(rise / (2 * h) == Approx(-forces.cwiseProduct(motion).sum()).epsilon(1e-7));
   CHECK(forces.rowwise().sum().norm() <= 1e-11 * forces.norm());
   Positions predicted(3, body.size());
   State state = state_at_rest(body);
-  state.positions = places;
+  state.positions = positions;
   Tangent(model, state).apply(motion, predicted);
-  const Positions change = model.elastic_forces(places - h * motion) - model.elastic_forces(places + h * motion);
+  const Positions change = model.elastic_forces(positions - h * motion) - model.elastic_forces(positions + h * motion);
   CHECK((change / (2 * h) - predicted).norm() <= 1e-8 * predicted.norm());
 }
 
@@ -143,13 +143,14 @@ TEST_CASE("bending: a clamped strip sinks like a beam, and like the elastica", "
   constexpr double E = 1e9, t = 1e-3, L = 0.2, b = 0.02, I = b * t * t * t / 12;
   Refinement ratio;
   for (std::size_t i = 0; i < 3; ++i)
-    ratio[i] = tip_way({L, b, t, E, 0.3, 2 << i}, 1e-4, true) / (1e-4 * L * L * L / (3 * E * I));
+    ratio[i] = tip_displacement({L, b, t, E, 0.3, 2 << i}, 1e-4, true) / (1e-4 * L * L * L / (3 * E * I));
   INFO(ratio[0] << " " << ratio[1] << " " << ratio[2]);
   CHECK(ratio[2] == Approx(1).epsilon(0.02));
   // F L²/(E I) = 2: w/L = 0.4935, u/L = 0.1606.                           [Mattiasson 1981, elliptic integrals]
   double shortening = 0;
-  const double way = tip_way({L, b / 2, t, E, 0., 4}, E * I / (L * L), false, &shortening);  // I of half the width
-  CHECK(way / L == Approx(0.4935).epsilon(0.02));
+  const double displacement =
+      tip_displacement({L, b / 2, t, E, 0., 4}, E * I / (L * L), false, &shortening);  // I of half the width
+  CHECK(displacement / L == Approx(0.4935).epsilon(0.02));
   CHECK(shortening / L == Approx(0.1606).epsilon(0.04));
 }
 

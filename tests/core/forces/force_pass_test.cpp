@@ -31,12 +31,12 @@ Model springs_on(const Body& body, const VectorX& constants) {
 }
 
 /// Σ_b q_ab (x_b − x_a) by the force densities alone: what every shorter way must agree with.
-Positions forces_by_densities(const Model& model, const Positions& places) {
+Positions forces_by_force_densities(const Model& model, const Positions& positions) {
   const auto& ends = model.body().connections.ends;
-  const VectorX q = model.force_densities(places);
-  Positions forces = Positions::Zero(3, places.cols());
+  const VectorX q = model.force_densities(positions);
+  Positions forces = Positions::Zero(3, positions.cols());
   for (int c = 0; c < q.size(); ++c) {
-    const Vector3 f = q[c] * (places.col(ends[c][1]) - places.col(ends[c][0]));
+    const Vector3 f = q[c] * (positions.col(ends[c][1]) - positions.col(ends[c][0]));
     forces.col(ends[c][0]) += f;
     forces.col(ends[c][1]) -= f;
   }
@@ -88,11 +88,11 @@ TEST_CASE("forces of springs are those of their force densities, on a grid and o
       const VectorX constants = uneven_constants(body);
       CAPTURE(lattice.molecules, jitter);
       REQUIRE(GridSprings::make(body, constants));
-      const Positions places = deformed(body, 1e-3);
+      const Positions positions = deformed(body, 1e-3);
       for (const Body& of : {body, without_grid(body)}) {
         const Model model = springs_on(of, constants);
-        const Positions expected = forces_by_densities(model, places);
-        CHECK((model.elastic_forces(places) - expected).cwiseAbs().maxCoeff() <=
+        const Positions expected = forces_by_force_densities(model, positions);
+        CHECK((model.elastic_forces(positions) - expected).cwiseAbs().maxCoeff() <=
               1e-13 * expected.cwiseAbs().maxCoeff());
       }
     }
@@ -103,10 +103,11 @@ TEST_CASE("rows of a regular lattice share their constants to rounding only", "[
   Body body = cubic_lattice({12, 12, 12}, 0.86 / 11, {true, true, false});
   const VectorX constants = built_in_catalog().find("lattice").constants(body, kSoft, {});
   const Model model = springs_on(body, constants);
-  Positions places = body.rest;
-  places.row(2) *= 1 + 1e-6;
+  Positions positions = body.rest;
+  positions.row(2) *= 1 + 1e-6;
   const double scale = kSoft.youngs_modulus * 0.86 * 0.86;  // rounding of places is rounding of strain
-  CHECK((model.elastic_forces(places) - forces_by_densities(model, places)).cwiseAbs().maxCoeff() <= 1e-14 * scale);
+  CHECK((model.elastic_forces(positions) - forces_by_force_densities(model, positions)).cwiseAbs().maxCoeff() <=
+        1e-14 * scale);
   CHECK((model.elastic_forces(body.rest)).cwiseAbs().maxCoeff() <= 1e-14 * scale);
 }
 
@@ -136,12 +137,12 @@ TEST_CASE("springs on a grid: molecules in one place have no direction and no fo
   const Body body = cubic_lattice({9, 3, 3}, 0.01, {true, true, true});
   const Model model = springs_on(body, uneven_constants(body));
   CHECK(model.elastic_forces(Positions::Zero(3, body.size())).isZero(0));
-  Positions places = deformed(body, 1e-3);
-  places.col(13) = places.col(14);
-  CHECK(model.elastic_forces(places).allFinite());
+  Positions positions = deformed(body, 1e-3);
+  positions.col(13) = positions.col(14);
+  CHECK(model.elastic_forces(positions).allFinite());
 }
 
-TEST_CASE("springs: every vector width gives the same bits", "[force_pass]") {
+TEST_CASE("springs: every vector width gives bitwise identical results", "[force_pass]") {
   constexpr int count = 37, pitch = 40;  // no multiple of any width
   const auto run = [&](const SpringKernel& kernel) {
     std::vector<double> numbers(15 * pitch);
@@ -151,7 +152,7 @@ TEST_CASE("springs: every vector width gives the same bits", "[force_pass]") {
     const auto row = [&](int i) { return RowOf3{numbers.data() + 3 * i * pitch, pitch}; };
     kernel.add_row_flows(row(0), row(1), k, k + pitch, count, row(2), row(3));
     kernel.add_in_row_flows(row(1), 2, k, k + pitch, count, row(3), row(2));
-    kernel.set_densities(row(0), k, k + pitch, count, k + 2 * pitch);
+    kernel.set_force_densities(row(0), k, k + pitch, count, k + 2 * pitch);
     return numbers;
   };
   const std::vector<double> expected = run(spring_kernels().front());
@@ -161,7 +162,7 @@ TEST_CASE("springs: every vector width gives the same bits", "[force_pass]") {
   }
 }
 
-TEST_CASE("forces have the same bits on any number of threads", "[force_pass][threads]") {
+TEST_CASE("forces are bitwise identical on any number of threads", "[force_pass][threads]") {
   const Body lattice = large_lattice(), list = without_grid(lattice), mixed = shuffled(lattice);
   Body block = tetrahedral_block(BlockKind::kuhn, {21, 21, 21}, {0.21, 0.21, 0.21});  // 55 566 cells
   const Catalog catalog = built_in_catalog();
@@ -170,19 +171,19 @@ TEST_CASE("forces have the same bits on any number of threads", "[force_pass][th
     if (body == &block)
       model.add(catalog.find("neo_hookean").make(block, {.youngs_modulus = 1e4, .poissons_ratio = 0.3}, {}));
     model.add(make_springs(*body, uneven_constants(*body)));
-    const Positions places = deformed(*body, 5e-4);
-    Scratch scratch;
+    const Positions positions = deformed(*body, 5e-4);
+    Workspace workspace;
     Positions expected;
     for (const int count : {1, 2, 3, 5}) {
       set_threads(count);
       Positions forces = Positions::Constant(3, body->size(), 0.1);
-      model.add_elastic_forces(places, forces, scratch);
+      model.add_elastic_forces(positions, forces, workspace);
       if (count == 1) expected = forces;
       CHECK(forces == expected);
     }
     set_threads(0);
     if (body != &block) {
-      const Positions oracle = forces_by_densities(model, places).array() + 0.1;
+      const Positions oracle = forces_by_force_densities(model, positions).array() + 0.1;
       CHECK((expected - oracle).cwiseAbs().maxCoeff() <= 1e-13 * oracle.cwiseAbs().maxCoeff());
     }
   }
@@ -198,15 +199,15 @@ TEST_CASE("a force pass allocates nothing after the first", "[force_pass]") {
     if (body != &mixed) model.add(make_volume(*body, 1e4));
     if (body == &block)
       model.add(catalog.find("neo_hookean").make(block, {.youngs_modulus = 1e4, .poissons_ratio = 0.3}, {}));
-    const Positions places = deformed(*body, 5e-4);
+    const Positions positions = deformed(*body, 5e-4);
     Positions forces = Positions::Zero(3, body->size());
     for (const int count : {1, 2}) {
       set_threads(count);
-      Scratch scratch;
+      Workspace workspace;
       const long before_first = allocations();
-      model.add_elastic_forces(places, forces, scratch);
+      model.add_elastic_forces(positions, forces, workspace);
       const long before = allocations();
-      model.add_elastic_forces(places, forces, scratch);
+      model.add_elastic_forces(positions, forces, workspace);
       CHECK(allocations() == before);
       if (body != &mixed && allocations() > 0) CHECK(before > before_first);  // they are counted
     }

@@ -33,8 +33,8 @@ auto difference(const State& state, const Positions& motion, Function&& value) {
   return Value((value(ahead) - value(behind)) / (2 * h));
 }
 
-const Filling kFillings[] = {constant_pressure(300), constant_pressure(-20), enclosed_gas(400, 1, 90),
-                             enclosed_gas(400, 1.4, 90), controlled_volume(4.5, 1000, 30)};
+const PressureLaw kFillings[] = {constant_pressure(300), constant_pressure(-20), enclosed_gas(400, 1, 90),
+                                 enclosed_gas(400, 1.4, 90), controlled_volume(4.5, 1000, 30)};
 
 }  // namespace
 
@@ -72,7 +72,7 @@ TEST_CASE("the pressure's force on a surface is p A n, and on a closed one nothi
 
 TEST_CASE("the pressure's force is −∂energy/∂x, and its tangent that of differences", "[pressure]") {
   const Body ball = sphere(1, SphereMesh::icosahedron, 2), sheet = elastin::testing::sheet(0.001);
-  for (const Filling& filling : kFillings) {
+  for (const PressureLaw& filling : kFillings) {
     const Pressure pressure(ball, filling, {0.1, 0.2, -0.3}, false);
     CHECK(pressure.energy(state_at_rest(ball)) == 0);
     const State state = deformed_state(ball);
@@ -80,7 +80,7 @@ TEST_CASE("the pressure's force is −∂energy/∂x, and its tangent that of di
     const double slope = difference(state, motion, [&](const State& s) { return pressure.energy(s); });
     CHECK(slope == Approx(-forces.cwiseProduct(motion).sum()).epsilon(1e-7));
   }
-  for (const Filling& filling : kFillings) {
+  for (const PressureLaw& filling : kFillings) {
     for (const Body* body : {&ball, &sheet}) {
       const Pressure pressure(*body, filling, {0.1, 0.2, -0.3}, false);
       State state = state_at_rest(*body);
@@ -95,7 +95,7 @@ TEST_CASE("the pressure's force is −∂energy/∂x, and its tangent that of di
       Positions blocks = Positions::Zero(3, body->size());
       pressure.visit_blocks(state, 0,
                             [&](int a, int b, const Matrix3& part) { blocks.col(a) -= part * motion.col(b); });
-      for (const WidePart& wide : pressure.wide_parts(state))
+      for (const WideTerm& wide : pressure.wide_terms(state))
         blocks -= wide.factor * wide.direction.cwiseProduct(motion).sum() * wide.direction;
       CHECK((change - blocks).norm() < 1e-12 * change.norm());
     }
@@ -123,7 +123,8 @@ TEST_CASE("a surface whose rim slides in planes through the apex has its energy 
 
 TEST_CASE("gas keeps its law, controlled volume its stiffness", "[pressure]") {
   const double volume = 3, rest = 2;
-  const Inside isothermal = enclosed_gas(500, 1, 100)(volume, rest), air = enclosed_gas(500, 1.4, 100)(volume, rest);
+  const PressureState isothermal = enclosed_gas(500, 1, 100)(volume, rest),
+                      air = enclosed_gas(500, 1.4, 100)(volume, rest);
   CHECK((isothermal.pressure + 100) * volume == Approx(500));
   CHECK((air.pressure + 100) * std::pow(volume, 1.4) == Approx(250 * std::pow(rest, 1.4)));
   CHECK(enclosed_gas(500, 1 + 1e-7, 100)(volume, rest).work == Approx(isothermal.work).epsilon(1e-6));
@@ -131,7 +132,7 @@ TEST_CASE("gas keeps its law, controlled volume its stiffness", "[pressure]") {
   CHECK(controlled_volume(3.5, 20, 7)(volume, rest).pressure == Approx(17));
 }
 
-TEST_CASE("a pressure has the same bits on any number of threads", "[pressure]") {
+TEST_CASE("a pressure is bitwise identical on any number of threads", "[pressure]") {
   const Body ball = sphere(1, SphereMesh::type_1, 80);  // 51 200 triangles: enough for several threads
   const Pressure gas(ball, enclosed_gas(400, 1.4, 90), {0, 0, 0}, false);
   const State state = deformed_state(ball);

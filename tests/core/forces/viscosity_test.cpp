@@ -14,12 +14,12 @@ namespace {
 
 Positions forces_of(const Body& body, const Viscosity& viscosity, const State& state) {
   const Model model(body);
-  const auto [squares, rates] = model.squares_and_rates(state);
-  VectorX densities = VectorX::Zero(body.connections.size());
-  Scratch scratch;
-  viscosity.add_force_densities(squares, rates, densities, scratch);
+  const auto [squared_lengths, rates] = model.squared_lengths_and_rates(state);
+  VectorX force_densities = VectorX::Zero(body.connections.size());
+  Workspace workspace;
+  viscosity.add_force_densities(squared_lengths, rates, force_densities, workspace);
   Positions forces = Positions::Zero(3, body.size());
-  model.gather(state.positions, densities, forces);
+  model.gather(state.positions, force_densities, forces);
   return forces;
 }
 

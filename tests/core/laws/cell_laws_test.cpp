@@ -18,7 +18,7 @@ static_assert(CellLaw<TwoParameter> && !HasEnergy<TwoParameter>);
 
 namespace {
 
-Matrix3 edges(const Places<4>& places) { return places.rightCols<3>().colwise() - places.col(0); }
+Matrix3 edges(const CornerPositions<4>& positions) { return positions.rightCols<3>().colwise() - positions.col(0); }
 
 /// Second Piola–Kirchhoff stress [Pa] from the deformation gradient.
 Matrix3 textbook_stress(StVenantKirchhoff, const Matrix3& F, double lambda, double mu) {
@@ -32,16 +32,17 @@ Matrix3 textbook_stress(NeoHookean, const Matrix3& F, double lambda, double mu) 
 }
 
 /// Linear plane-stress forces of a triangle [N] by its strain-displacement matrix: f = −t T Bᵀ D B u, in its own plane.
-Places<3> plane_stress_forces(const Places<3>& rest, const Places<3>& displacement, const Material& material) {
+CornerPositions<3> plane_stress_forces(const CornerPositions<3>& rest, const CornerPositions<3>& displacement,
+                                       const Material& material) {
   const Vector3 normal = (rest.col(1) - rest.col(0)).cross(rest.col(2) - rest.col(0));
   const Vector3 x = (rest.col(1) - rest.col(0)).normalized(), y = normal.normalized().cross(x);
   Eigen::Matrix<double, 3, 2> frame;
   frame << x, y;
-  const Eigen::Matrix<double, 2, 3> place = frame.transpose() * rest, moved = frame.transpose() * displacement;
+  const Eigen::Matrix<double, 2, 3> position = frame.transpose() * rest, moved = frame.transpose() * displacement;
   const double T = normal.norm() / 2;
   Eigen::Matrix<double, 3, 6> B = Eigen::Matrix<double, 3, 6>::Zero();
   for (int a = 0; a < 3; ++a) {
-    const Eigen::Vector2d across = place.col((a + 2) % 3) - place.col((a + 1) % 3);
+    const Eigen::Vector2d across = position.col((a + 2) % 3) - position.col((a + 1) % 3);
     B(0, 2 * a) = B(2, 2 * a + 1) = -across.y() / (2 * T);
     B(1, 2 * a + 1) = B(2, 2 * a) = across.x() / (2 * T);
   }
@@ -62,7 +63,7 @@ TEMPLATE_TEST_CASE("a cell law's q is twice the slope of its energy", "[cell_law
   const double nu = GENERATE(-0.3, 0., 0.3, 0.45);
   Random random(1);
   for (int trial = 0; trial < 50; ++trial) {
-    const Places<corners> rest = random_cell<corners>(random);
+    const CornerPositions<corners> rest = random_cell<corners>(random);
     const auto k = TestType{}.constants(rest, material_of(5000, nu));
     const CellVector<corners> s = squared_lengths<corners>(random_deformation(random) * rest);
     const CellVector<corners> q = TestType{}.force_densities(k, s);
@@ -82,7 +83,7 @@ TEMPLATE_TEST_CASE("a cell law's slope is the slope of its q", "[cell_law]", StV
   const double nu = GENERATE(-0.3, 0., 0.3, 0.45);
   Random random(2);
   for (int trial = 0; trial < 50; ++trial) {
-    const Places<corners> rest = random_cell<corners>(random);
+    const CornerPositions<corners> rest = random_cell<corners>(random);
     const auto k = TestType{}.constants(rest, material_of(5000, nu));
     const CellVector<corners> s = squared_lengths<corners>(random_deformation(random) * rest);
     const CellMatrix<corners> slope = TestType{}.slope(k, s);
@@ -102,15 +103,15 @@ TEMPLATE_TEST_CASE("a law of tetrahedra is the finite element", "[cell_law]", St
   const double lambda = E * nu / ((1 + nu) * (1 - 2 * nu)), mu = E / (2 * (1 + nu));
   Random random(3);
   for (int trial = 0; trial < 200; ++trial) {
-    const Places<4> rest = random_cell<4>(random);
-    const Places<4> places = (random_deformation(random) * rest).colwise() + random.matrix<3, 1>();
-    const Matrix3 D_m = edges(rest), F = edges(places) * D_m.inverse();
+    const CornerPositions<4> rest = random_cell<4>(random);
+    const CornerPositions<4> positions = (random_deformation(random) * rest).colwise() + random.matrix<3, 1>();
+    const Matrix3 D_m = edges(rest), F = edges(positions) * D_m.inverse();
     const double volume = std::abs(D_m.determinant()) / 6;
     const Matrix3 P = F * textbook_stress(TestType{}, F, lambda, mu);
     const Matrix3 H = -volume * P * D_m.inverse().transpose();
 
     const auto k = TestType{}.constants(rest, material_of(E, nu));
-    const Places<4> f = forces<4>(places, TestType{}.force_densities(k, squared_lengths<4>(places)));
+    const CornerPositions<4> f = forces<4>(positions, TestType{}.force_densities(k, squared_lengths<4>(positions)));
     // Rounding of a stress on a face; places are up to 1 m from the origin, 200 times a cell, hence not smaller.
     CHECK((f.rightCols<3>() - H).norm() < 1e-12 * 200 * std::max(H.norm(), E * std::pow(volume, 2. / 3)));
     CHECK((f.col(0) + H.rowwise().sum()).norm() < 1e-12 * 200 * std::max(H.norm(), E * std::pow(volume, 2. / 3)));
@@ -122,10 +123,10 @@ TEMPLATE_TEST_CASE("a rigid motion leaves a cell without force", "[cell_law]", S
   constexpr int corners = TestType::corners;
   Random random(4);
   for (int trial = 0; trial < 100; ++trial) {
-    const Places<corners> rest = random_cell<corners>(random);
+    const CornerPositions<corners> rest = random_cell<corners>(random);
     const auto k = TestType{}.constants(rest, material_of(5000, 0.3));
-    const Places<corners> places = (random.rotation() * rest).colwise() + 0.01 * random.matrix<3, 1>();
-    const CellVector<corners> s = squared_lengths<corners>(places);
+    const CornerPositions<corners> positions = (random.rotation() * rest).colwise() + 0.01 * random.matrix<3, 1>();
+    const CellVector<corners> s = squared_lengths<corners>(positions);
     // Against what lengthening every connection by a tenth gives.
     const double scale = TestType{}.force_densities(k, 1.21 * s).norm();
     CHECK(TestType{}.force_densities(k, s).norm() < 1e-12 * scale);
@@ -145,13 +146,13 @@ TEST_CASE("neo-Hookean uniaxial tension", "[cell_law]") {
                                                       {.45, 1.2, 0.170332, 0.920459},
                                                       {.45, 2, 0.599117, 0.724652}}));
   Random random(5);
-  const Places<4> rest = random_cell<4>(random);
+  const CornerPositions<4> rest = random_cell<4>(random);
   const Matrix3 D_m = edges(rest);
   const auto k = NeoHookean{}.constants(rest, material_of(1, nu));
   // First Piola–Kirchhoff stress, from the forces alone.
   const auto stress = [&](double across) -> Matrix3 {
-    const Places<4> places = Vector3(across, across, stretch).asDiagonal() * rest;
-    const Places<4> f = forces<4>(places, NeoHookean{}.force_densities(k, squared_lengths<4>(places)));
+    const CornerPositions<4> positions = Vector3(across, across, stretch).asDiagonal() * rest;
+    const CornerPositions<4> f = forces<4>(positions, NeoHookean{}.force_densities(k, squared_lengths<4>(positions)));
     return -f.rightCols<3>() * D_m.transpose() / (std::abs(D_m.determinant()) / 6);
   };
   double low = 0.3, high = 2;
@@ -168,17 +169,17 @@ TEST_CASE("neo-Hookean uniaxial tension", "[cell_law]") {
 TEST_CASE("a neo-Hookean cell that falls flat pushes apart and has no finite energy", "[cell_law]") {
   Random random(6);
   for (int trial = 0; trial < 100; ++trial) {
-    const Places<4> rest = random_cell<4>(random);
+    const CornerPositions<4> rest = random_cell<4>(random);
     const auto k = NeoHookean{}.constants(rest, material_of(5000, 0.3));
     const Matrix3 turn = random.rotation();
-    const Places<4> flat = turn * Vector3(1, 1, 0).asDiagonal() * turn.transpose() * rest;
+    const CornerPositions<4> flat = turn * Vector3(1, 1, 0).asDiagonal() * turn.transpose() * rest;
     const CellVector<4> s = squared_lengths<4>(flat);
     CHECK(NeoHookean{}.energy(k, s) == std::numeric_limits<double>::infinity());
     const CellVector<4> q = NeoHookean{}.force_densities(k, s);
     CHECK(q.allFinite());
     CHECK(NeoHookean{}.slope(k, s).allFinite());
     // Opening the cell along the direction in which it is flat lowers the energy: power of the forces > 0.
-    const Places<4> open = turn * Vector3(1, 1, 1e-3).asDiagonal() * turn.transpose() * rest;
+    const CornerPositions<4> open = turn * Vector3(1, 1, 1e-3).asDiagonal() * turn.transpose() * rest;
     CHECK(q.dot(squared_lengths<4>(open) - s) < 0);
   }
 }
@@ -187,26 +188,26 @@ TEST_CASE("two_parameter and the membrane are plane stress at small strain, on a
   Random random(7);
   int obtuse = 0;
   for (int trial = 0; trial < 1000; ++trial) {
-    const Places<3> rest = random_cell<3>(random);
+    const CornerPositions<3> rest = random_cell<3>(random);
     const CellVector<3> s0 = squared_lengths<3>(rest);
     obtuse += 2 * s0.maxCoeff() > s0.sum();
     const Material material = material_of(5000, 0.45 * random.number());
     const auto k = TwoParameter{}.constants(rest, material);
-    const Places<3> displacement = 0.005 * random.matrix<3, 3>();
+    const CornerPositions<3> displacement = 0.005 * random.matrix<3, 3>();
 
     // First order: q = slope · δs, δs = 2 (x_b − x_a) · (u_b − u_a).
     const CellVector<3> change =
         (squared_lengths<3>(rest + displacement) - squared_lengths<3>(rest - displacement)) / 2;
-    const Places<3> expected = plane_stress_forces(rest, displacement, material);
-    const Places<3> linear = forces<3>(rest, TwoParameter{}.slope(k, s0) * change);
+    const CornerPositions<3> expected = plane_stress_forces(rest, displacement, material);
+    const CornerPositions<3> linear = forces<3>(rest, TwoParameter{}.slope(k, s0) * change);
     CHECK((linear - expected).norm() < 1e-12 * expected.norm());
     const auto membrane = StVenantKirchhoffMembrane{}.constants(rest, material);
-    const Places<3> biquadratic = forces<3>(rest, StVenantKirchhoffMembrane{}.slope(membrane, s0) * change);
+    const CornerPositions<3> biquadratic = forces<3>(rest, StVenantKirchhoffMembrane{}.slope(membrane, s0) * change);
     CHECK((biquadratic - expected).norm() < 1e-12 * expected.norm());
 
     // And the law itself, not its slope: what is left shrinks with the strain (1e-6, over the triangle's thinness).
-    const Places<3> places = rest + 1e-6 * displacement;
-    const Places<3> f = forces<3>(places, TwoParameter{}.force_densities(k, squared_lengths<3>(places)));
+    const CornerPositions<3> positions = rest + 1e-6 * displacement;
+    const CornerPositions<3> f = forces<3>(positions, TwoParameter{}.force_densities(k, squared_lengths<3>(positions)));
     CHECK((f - 1e-6 * expected).norm() < 1e-3 * 1e-6 * expected.norm());
   }
   CHECK(obtuse > 100);
@@ -217,12 +218,12 @@ TEST_CASE("two_parameter has a finite tension in a side that alone keeps its len
   // Equilateral triangle, side 01 along x, stretched by ε along y alone: plane stress is σ_y = E ε/(1−ν²), σ_x = ν σ_y.
   constexpr double E = 5000, nu = 0.3, strain = 1e-6, side = 0.01;
   const double height = side * std::sqrt(3.) / 2;
-  Places<3> rest;
+  CornerPositions<3> rest;
   rest << 0, side, side / 2, 0, 0, height, 0, 0, 0;
   const Material material = material_of(E, nu);
   const auto k = TwoParameter{}.constants(rest, material);
-  const Places<3> places = Vector3(1, 1 + strain, 1).asDiagonal() * rest;
-  const CellVector<3> q = TwoParameter{}.force_densities(k, squared_lengths<3>(places));
+  const CornerPositions<3> positions = Vector3(1, 1 + strain, 1).asDiagonal() * rest;
+  const CellVector<3> q = TwoParameter{}.force_densities(k, squared_lengths<3>(positions));
   // Corner 0 is pulled by half of t σ on the opposite side's width: across x h/2, across y L/4. In q:
   // q_01 L + q_02 L/2 = t σ_x h/2, q_02 h = t σ_y L/4.
   const double sigma = E * strain / (1 - nu * nu), t = material.thickness;
@@ -235,10 +236,10 @@ TEST_CASE("two_parameter has a finite tension in a side that alone keeps its len
 TEST_CASE("two_parameter stays finite on a flat triangle", "[cell_law]") {
   Random random(8);
   for (int trial = 0; trial < 100; ++trial) {
-    const Places<3> rest = random_cell<3>(random);
+    const CornerPositions<3> rest = random_cell<3>(random);
     const auto k = TwoParameter{}.constants(rest, material_of(5000, 0.3));
     const Vector3 along = random.matrix<3, 1>().normalized();
-    Places<3> flat = along * (along.transpose() * rest);
+    CornerPositions<3> flat = along * (along.transpose() * rest);
     for (int collapse = 0; collapse < 3; ++collapse) {  // a line, a line with two corners on one place, a point
       if (collapse > 0) flat.col(collapse) = flat.col(0);
       CHECK(TwoParameter{}.force_densities(k, squared_lengths<3>(flat)).allFinite());
@@ -259,7 +260,7 @@ TEST_CASE("cell laws say what they can't do", "[cell_law]") {
   CHECK(NeoHookean::unsuited(body).empty());
 
   Random random(9);
-  const Places<4> cell = random_cell<4>(random);
+  const CornerPositions<4> cell = random_cell<4>(random);
   for (const double nu : {-1., 0.5, 0.6}) {
     CHECK_THROWS_AS(NeoHookean{}.constants(cell, material_of(1, nu)), InputError);
     CHECK_THROWS_AS(StVenantKirchhoff{}.constants(cell, material_of(1, nu)), InputError);

@@ -24,23 +24,23 @@ Body lattice(std::array<int, 3> counts, bool space = false) {
 /// The same molecules, moved at random and in another order: no grid, no band, no box that fits.
 Body scattered(const Body& ordered, double amount) {
   std::mt19937_64 generator(3);
-  std::vector<int> places(static_cast<std::size_t>(ordered.size()));
-  for (std::size_t i = 0; i < places.size(); ++i) places[i] = static_cast<int>(i);
-  for (std::size_t i = places.size(); i > 1; --i) std::swap(places[i - 1], places[generator() % i]);
+  std::vector<int> positions(static_cast<std::size_t>(ordered.size()));
+  for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = static_cast<int>(i);
+  for (std::size_t i = positions.size(); i > 1; --i) std::swap(positions[i - 1], positions[generator() % i]);
   Body body = ordered;
   body.grid.reset();
   body.cubes.clear();
   const Positions moved = ordered.rest + amount * random_motion(ordered, 5);
-  for (int i = 0; i < body.size(); ++i) body.rest.col(places[static_cast<std::size_t>(i)]) = moved.col(i);
+  for (int i = 0; i < body.size(); ++i) body.rest.col(positions[static_cast<std::size_t>(i)]) = moved.col(i);
   for (auto& ends : body.connections.ends)
-    for (int& end : ends) end = places[static_cast<std::size_t>(end)];
+    for (int& end : ends) end = positions[static_cast<std::size_t>(end)];
   set_present_lengths(body);
   return body;
 }
 
 /// A body held at its lowest molecules along z (within a quarter of the spacing) and pulled askew at the others' top.
-struct Held {
-  explicit Held(Body a_body, double constant = 100) : body(std::move(a_body)), model(body) {
+struct Fixed {
+  explicit Fixed(Body a_body, double constant = 100) : body(std::move(a_body)), model(body) {
     constants = VectorX::Constant(body.connections.size(), constant);
     loads = Positions::Zero(3, body.size());
     const double low = body.rest.row(2).minCoeff(), high = body.rest.row(2).maxCoeff();
@@ -71,21 +71,21 @@ struct Held {
   Positions loads;
 };
 
-void check_against_factorisation(Held& held, double tolerance = 1e-6) {
+void check_against_factorisation(Fixed& fixed, double tolerance = 1e-6) {
   Positions motion, exact;
-  const LinearResult result = held.solve(make_multigrid(), motion, 1e-11);
-  REQUIRE(held.solve(make_direct(), exact, 1e-11).residual < 1e-9);
+  const LinearResult result = fixed.solve(make_multigrid(), motion, 1e-11);
+  REQUIRE(fixed.solve(make_direct(), exact, 1e-11).residual < 1e-9);
   CHECK(result.status == LinearStatus::solved);
   CHECK((motion - exact).norm() < tolerance * exact.norm());
 }
 
 /// A stiff lump in the middle, as of bone in fat.
-void stiffen_middle(Held& held, double times) {
-  const Vector3 middle = (held.body.rest.rowwise().minCoeff() + held.body.rest.rowwise().maxCoeff()) / 2;
-  const double reach = 0.25 * (held.body.rest.rowwise().maxCoeff() - held.body.rest.rowwise().minCoeff()).maxCoeff();
-  for (int c = 0; c < held.body.connections.size(); ++c) {
-    const auto& [a, b] = held.body.connections.ends[static_cast<std::size_t>(c)];
-    if (((held.body.rest.col(a) + held.body.rest.col(b)) / 2 - middle).norm() < reach) held.constants[c] *= times;
+void stiffen_middle(Fixed& fixed, double times) {
+  const Vector3 middle = (fixed.body.rest.rowwise().minCoeff() + fixed.body.rest.rowwise().maxCoeff()) / 2;
+  const double reach = 0.25 * (fixed.body.rest.rowwise().maxCoeff() - fixed.body.rest.rowwise().minCoeff()).maxCoeff();
+  for (int c = 0; c < fixed.body.connections.size(); ++c) {
+    const auto& [a, b] = fixed.body.connections.ends[static_cast<std::size_t>(c)];
+    if (((fixed.body.rest.col(a) + fixed.body.rest.col(b)) / 2 - middle).norm() < reach) fixed.constants[c] *= times;
   }
 }
 
@@ -93,65 +93,66 @@ void stiffen_middle(Held& held, double times) {
 
 TEST_CASE("multigrid's answer is the factorisation's, whatever the body", "[multigrid]") {
   SECTION("lattice") {
-    Held held(lattice({7, 6, 8}));
-    held.add_springs();
-    check_against_factorisation(held);
+    Fixed fixed(lattice({7, 6, 8}));
+    fixed.add_springs();
+    check_against_factorisation(fixed);
   }
   SECTION("lattice with space diagonals, an odd number of layers in every direction") {
-    Held held(lattice({6, 8, 10}, true));
-    held.add_springs();
-    check_against_factorisation(held);
+    Fixed fixed(lattice({6, 8, 10}, true));
+    fixed.add_springs();
+    check_against_factorisation(fixed);
   }
   SECTION("no order and no grid") {
-    Held held(scattered(lattice({7, 7, 7}), 0.2 * kSpacing));
-    held.add_springs();
-    check_against_factorisation(held);
+    Fixed fixed(scattered(lattice({7, 7, 7}), 0.2 * kSpacing));
+    fixed.add_springs();
+    check_against_factorisation(fixed);
   }
   SECTION("rod, 40 times as long as thick") {
-    Held held(lattice({3, 3, 81}));
-    held.add_springs();
-    check_against_factorisation(held, 1e-5);
+    Fixed fixed(lattice({3, 3, 81}));
+    fixed.add_springs();
+    check_against_factorisation(fixed, 1e-5);
   }
   SECTION("sheet of one layer on edge") {
-    Held held(lattice({12, 1, 14}));
-    for (int a = 0; a < held.body.size(); ++a) held.loads(1, a) = 0;  // it has no stiffness across
-    held.add_springs();
-    check_against_factorisation(held);
+    Fixed fixed(lattice({12, 1, 14}));
+    for (int a = 0; a < fixed.body.size(); ++a) fixed.loads(1, a) = 0;  // it has no stiffness across
+    fixed.add_springs();
+    check_against_factorisation(fixed);
   }
   SECTION("stiffness a million times as high in the middle") {
-    Held held(lattice({7, 7, 7}));
-    stiffen_middle(held, 1e6);
-    held.add_springs();
-    check_against_factorisation(held);
+    Fixed fixed(lattice({7, 7, 7}));
+    stiffen_middle(fixed, 1e6);
+    fixed.add_springs();
+    check_against_factorisation(fixed);
   }
   SECTION("a million times as high, no order, no grid") {
-    Held held(scattered(lattice({7, 7, 7}), 0.2 * kSpacing));
-    stiffen_middle(held, 1e6);
-    held.add_springs();
-    check_against_factorisation(held);
+    Fixed fixed(scattered(lattice({7, 7, 7}), 0.2 * kSpacing));
+    stiffen_middle(fixed, 1e6);
+    fixed.add_springs();
+    check_against_factorisation(fixed);
   }
   SECTION("nearly incompressible by a volume term") {
-    Held held(lattice({6, 6, 6}));
-    held.add_springs();
-    held.model.add(make_volume(held.body, 100 * 100 / kSpacing));
-    check_against_factorisation(held);
+    Fixed fixed(lattice({6, 6, 6}));
+    fixed.add_springs();
+    fixed.model.add(make_volume(fixed.body, 100 * 100 / kSpacing));
+    check_against_factorisation(fixed);
   }
   SECTION("supports that hold askew directions") {
-    Held held(lattice({6, 6, 6}));
+    Fixed fixed(lattice({6, 6, 6}));
     const Vector3 across = Vector3(1, 2, 3).normalized();
-    for (int a = 0; a < held.body.size(); a += 5)
-      if (held.loads.col(a).isZero(0) && held.body.rest(2, a) > kSpacing)
-        held.model.supports.push_back({a, Matrix3::Identity() - across * across.transpose()});
-    held.add_springs();
-    check_against_factorisation(held);
+    for (int a = 0; a < fixed.body.size(); a += 5)
+      if (fixed.loads.col(a).isZero(0) && fixed.body.rest(2, a) > kSpacing)
+        fixed.model.supports.push_back({a, Matrix3::Identity() - across * across.transpose()});
+    fixed.add_springs();
+    check_against_factorisation(fixed);
   }
   SECTION("tetrahedra of every law") {
     for (const char* law : {"st_venant_kirchhoff", "neo_hookean"})
       for (const double nu : {0.3, 0.499}) {
-        Held held(tetrahedral_block(BlockKind::kuhn, {5, 5, 6}, {0.05, 0.05, 0.06}));
-        held.model.add(built_in_catalog().find(law).make(held.body, {.youngs_modulus = 1e4, .poissons_ratio = nu}, {}));
+        Fixed fixed(tetrahedral_block(BlockKind::kuhn, {5, 5, 6}, {0.05, 0.05, 0.06}));
+        fixed.model.add(
+            built_in_catalog().find(law).make(fixed.body, {.youngs_modulus = 1e4, .poissons_ratio = nu}, {}));
         INFO(law << ", nu " << nu);
-        check_against_factorisation(held);
+        check_against_factorisation(fixed);
       }
   }
 }
@@ -162,9 +163,9 @@ TEST_CASE("multigrid's iterations do not grow with the body", "[multigrid]") {
   for (const bool ordered : {true, false}) {
     std::vector<int> iterations;
     for (const int side : {8, 12, 18}) {
-      Held held(ordered ? lattice({side, side, side}) : scattered(lattice({side, side, side}), 0.15 * kSpacing));
-      held.add_springs();
-      iterations.push_back(held.iterations());
+      Fixed fixed(ordered ? lattice({side, side, side}) : scattered(lattice({side, side, side}), 0.15 * kSpacing));
+      fixed.add_springs();
+      iterations.push_back(fixed.iterations());
     }
     INFO(iterations[0] << ", " << iterations[1] << ", " << iterations[2]);
     CHECK(iterations[2] <= (ordered ? 32 : 36));
@@ -173,20 +174,20 @@ TEST_CASE("multigrid's iterations do not grow with the body", "[multigrid]") {
 }
 
 TEST_CASE("multigrid takes rods a hundred times as long as thick in some forty iterations", "[multigrid]") {
-  Held held(lattice({3, 3, 201}));
-  held.add_springs();
-  CHECK(held.iterations() <= 50);  // conjugate gradients alone: thousands
+  Fixed fixed(lattice({3, 3, 201}));
+  fixed.add_springs();
+  CHECK(fixed.iterations() <= 50);  // conjugate gradients alone: thousands
 }
 
-TEST_CASE("multigrid gives the same bits on any number of threads", "[multigrid]") {
+TEST_CASE("multigrid gives bitwise identical results on any number of threads", "[multigrid]") {
   for (const bool ordered : {true, false}) {
-    Held held(ordered ? lattice({20, 20, 20}) : scattered(lattice({20, 20, 20}), 0.2 * kSpacing));
-    held.add_springs();
+    Fixed fixed(ordered ? lattice({20, 20, 20}) : scattered(lattice({20, 20, 20}), 0.2 * kSpacing));
+    fixed.add_springs();
     Positions first;
     for (const int count : {1, 2, 4}) {
       set_threads(count);
       Positions motion;
-      const LinearResult result = held.solve(make_multigrid(), motion, 1e-5);
+      const LinearResult result = fixed.solve(make_multigrid(), motion, 1e-5);
       set_threads(0);
       REQUIRE(result.status == LinearStatus::solved);
       if (count == 1) first = motion;
@@ -197,55 +198,55 @@ TEST_CASE("multigrid gives the same bits on any number of threads", "[multigrid]
 
 TEST_CASE("multigrid says of what has no answer what conjugate gradients alone say", "[multigrid]") {
   SECTION("a pull on a mechanism: axis connections alone do not resist shear") {
-    Held held(cubic_lattice({5, 5, 5}, kSpacing, {.axis = true, .face = false, .space = false}));
-    held.add_springs();
+    Fixed fixed(cubic_lattice({5, 5, 5}, kSpacing, {.axis = true, .face = false, .space = false}));
+    fixed.add_springs();
     Positions motion;
-    CHECK(held.solve(make_pcg(), motion).status == LinearStatus::zero_mode);
-    CHECK(held.solve(make_multigrid(), motion).status == LinearStatus::zero_mode);
+    CHECK(fixed.solve(make_pcg(), motion).status == LinearStatus::zero_mode);
+    CHECK(fixed.solve(make_multigrid(), motion).status == LinearStatus::zero_mode);
     CHECK(motion.allFinite());
   }
   SECTION("negative stiffness") {
-    Held held(lattice({6, 6, 6}), -100);
-    held.add_springs();
+    Fixed fixed(lattice({6, 6, 6}), -100);
+    fixed.add_springs();
     Positions motion;
-    CHECK(held.solve(make_pcg(), motion).status == LinearStatus::negative_mode);
-    const LinearResult result = held.solve(make_multigrid(), motion);
+    CHECK(fixed.solve(make_pcg(), motion).status == LinearStatus::negative_mode);
+    const LinearResult result = fixed.solve(make_multigrid(), motion);
     CHECK(result.status == LinearStatus::negative_mode);
     CHECK(result.negative_direction.allFinite());
   }
   SECTION("a free body under loads in balance keeps what it may do as a whole") {
-    Held held(lattice({6, 7, 8}));
-    held.model.supports.clear();
-    held.add_springs();
-    held.loads.setZero();
-    for (int a = 0; a < held.body.size(); ++a) {
-      if (held.body.rest(2, a) < 0.5 * kSpacing) held.loads(2, a) = -1e-3;
-      if (held.body.rest(2, a) > 6.5 * kSpacing) held.loads(2, a) = 1e-3;
+    Fixed fixed(lattice({6, 7, 8}));
+    fixed.model.supports.clear();
+    fixed.add_springs();
+    fixed.loads.setZero();
+    for (int a = 0; a < fixed.body.size(); ++a) {
+      if (fixed.body.rest(2, a) < 0.5 * kSpacing) fixed.loads(2, a) = -1e-3;
+      if (fixed.body.rest(2, a) > 6.5 * kSpacing) fixed.loads(2, a) = 1e-3;
     }
     Positions motion;
-    REQUIRE(held.solve(make_multigrid(), motion).status == LinearStatus::solved);
+    REQUIRE(fixed.solve(make_multigrid(), motion).status == LinearStatus::solved);
     Vector3 turn = Vector3::Zero();
     double size = 0;
-    const Vector3 middle = held.body.rest.rowwise().mean();
-    for (int a = 0; a < held.body.size(); ++a) {
-      const Vector3 arm = held.body.rest.col(a) - middle;
+    const Vector3 middle = fixed.body.rest.rowwise().mean();
+    for (int a = 0; a < fixed.body.size(); ++a) {
+      const Vector3 arm = fixed.body.rest.col(a) - middle;
       turn += arm.cross(Vector3(motion.col(a)));
       size += arm.norm() * motion.col(a).norm();
     }
-    CHECK(motion.rowwise().mean().norm() < 1e-6 * std::sqrt(motion.squaredNorm() / held.body.size()));
+    CHECK(motion.rowwise().mean().norm() < 1e-6 * std::sqrt(motion.squaredNorm() / fixed.body.size()));
     CHECK(turn.norm() < 1e-6 * size);
   }
 }
 
 TEST_CASE("large displacements by multigrid end where conjugate gradients alone do", "[multigrid]") {
   const auto bent = [](LinearMethod method) {
-    Held held(lattice({4, 4, 24}));
-    held.add_springs();
+    Fixed fixed(lattice({4, 4, 24}));
+    fixed.add_springs();
     std::vector<int> all;
-    for (int a = 0; a < held.body.size(); ++a) all.push_back(a);
-    held.model.add(std::make_unique<PointLoads>(held.body, all, 0.3 * held.loads));
-    State state = state_at_rest(held.body);
-    const StaticResult result = solve_static(held.model, state, {.method = method});
+    for (int a = 0; a < fixed.body.size(); ++a) all.push_back(a);
+    fixed.model.add(std::make_unique<PointLoads>(fixed.body, all, 0.3 * fixed.loads));
+    State state = state_at_rest(fixed.body);
+    const StaticResult result = solve_static(fixed.model, state, {.method = method});
     REQUIRE(result.outcome == Outcome::converged);
     CHECK(result.solver == (method == LinearMethod::pcg ? "newton pcg" : "newton multigrid"));
     return state.positions;
@@ -256,11 +257,11 @@ TEST_CASE("large displacements by multigrid end where conjugate gradients alone 
 
 TEST_CASE("the linear solver is chosen by the body's size and the digits asked for", "[multigrid]") {
   const auto choice = [](std::array<int, 3> counts, double tolerance, Weights weights = {}) {
-    Held held(lattice(counts));
-    held.body.mass = VectorX::Ones(held.body.size());
-    held.add_springs();
-    const State rest = state_at_rest(held.body);
-    return choose_linear_solver(Tangent(held.model, rest, weights), LinearMethod::automatic, tolerance);
+    Fixed fixed(lattice(counts));
+    fixed.body.mass = VectorX::Ones(fixed.body.size());
+    fixed.add_springs();
+    const State rest = state_at_rest(fixed.body);
+    return choose_linear_solver(Tangent(fixed.model, rest, weights), LinearMethod::automatic, tolerance);
   };
   CHECK(choice({3, 3, 3}, 1e-8).method == LinearMethod::direct);
   CHECK(choice({10, 10, 10}, 1e-8).method == LinearMethod::pcg);

@@ -70,16 +70,16 @@ TEST_CASE("only rules and laws that work on cells give sides of cells a stiffnes
   for (const std::string rule : {"van_gelder", "van_gelder_simplified", "lloyd"})
     CHECK(by_pair(body, catalog.find(rule).constants(body, kMaterial, {})) ==
           by_pair(full, catalog.find(rule).constants(full, kMaterial, {})));
-  const Positions places = deformed(full, 1e-4);
-  const auto densities = [&](const std::string& law, const Body& of) {
+  const Positions positions = deformed(full, 1e-4);
+  const auto force_densities = [&](const std::string& law, const Body& of) {
     VectorX q = VectorX::Zero(of.connections.size());
-    Scratch scratch;
-    catalog.find(law).make(of, kMaterial, {})->add_force_densities(places, q, scratch);
+    Workspace workspace;
+    catalog.find(law).make(of, kMaterial, {})->add_force_densities(positions, q, workspace);
     return q;
   };
-  CHECK(by_pair(body, densities("neo_hookean", body)) == by_pair(full, densities("neo_hookean", full)));
-  const VectorX updated = densities("angles_update", body);
-  CHECK(updated.head(plain.connections.size()) == densities("angles_update", plain));
+  CHECK(by_pair(body, force_densities("neo_hookean", body)) == by_pair(full, force_densities("neo_hookean", full)));
+  const VectorX updated = force_densities("angles_update", body);
+  CHECK(updated.head(plain.connections.size()) == force_densities("angles_update", plain));
   CHECK(updated.tail(body.connections.cell_sides).isZero(0));
 }
 
@@ -88,5 +88,5 @@ TEST_CASE("pieces are those of the connections proper", "[cell_sides]") {
   body.connections = {};
   add_cell_sides(body, sides_of(body.tetrahedra));
   CHECK(inspect(body).pieces == body.size());
-  CHECK(static_cast<int>(inspect(body).loose_molecules.size()) == body.size());
+  CHECK(static_cast<int>(inspect(body).isolated_molecules.size()) == body.size());
 }

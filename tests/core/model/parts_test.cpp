@@ -110,14 +110,14 @@ TEST_CASE("other molecules are moved onto the surface and held there", "[parts][
   CHECK(body.size() == before.size());
   for (const Tie& tie : body.ties) {
     CHECK(tie.molecule >= body.parts[1].first);
-    Vector3 place = Vector3::Zero();
+    Vector3 position = Vector3::Zero();
     double sum = 0;
     for (std::size_t j = 0; j < 3; ++j) {
-      place += tie.weights[j] * body.rest.col(tie.corners[j]), sum += tie.weights[j];
+      position += tie.weights[j] * body.rest.col(tie.corners[j]), sum += tie.weights[j];
       CHECK(tie.corners[j] < body.parts[1].first);
     }
     CHECK(sum == Approx(1).epsilon(1e-12));
-    CHECK((place - body.rest.col(tie.molecule)).norm() < 1e-15);
+    CHECK((position - body.rest.col(tie.molecule)).norm() < 1e-15);
   }
   for (int c = 0; c < body.connections.size(); ++c) {
     const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];

@@ -84,7 +84,7 @@ TEST_CASE("Wrong arrays are refused by name, row and value", "[arrays]") {
   CHECK(changed([](auto& a) { a.connections[2] = {3, 3}; }) == "connections[2]: names molecule 3 twice");
   CHECK(changed([](auto& a) { a.triangles = {{0, 1, 0}}; }) == "triangles[0]: names molecule 0 twice");
   CHECK(changed([](auto& a) { a.positions.col(1) = a.positions.col(0); }) ==
-        "connections[0]: has no length: its molecules lie at one place");
+        "connections[0]: has no length: its molecules lie at one position");
   CHECK(changed([](auto& a) { a.masses = VectorX::Ones(3); }) == "masses: has 3 numbers; allowed: 4, one a molecule");
   CHECK(changed([](auto& a) { a.radii = VectorX::Constant(4, INFINITY); }) ==
         "radii[0]: is inf; allowed: finite numbers above 0 m");

@@ -11,10 +11,10 @@ using namespace elastin;
 
 namespace {
 
-double shortest_distance(const Positions& places) {
+double shortest_distance(const Positions& positions) {
   double least = INFINITY;
-  for (int a = 0; a < places.cols(); ++a)
-    for (int b = 0; b < a; ++b) least = std::min(least, (places.col(a) - places.col(b)).norm());
+  for (int a = 0; a < positions.cols(); ++a)
+    for (int b = 0; b < a; ++b) least = std::min(least, (positions.col(a) - positions.col(b)).norm());
   return least;
 }
 
@@ -165,14 +165,14 @@ TEST_CASE("masses add up to the body's", "[model]") {
   CHECK(lattice.mass.sum() == Approx(8).epsilon(1e-12));
 }
 
-TEST_CASE("inspect names pieces, loose molecules and bad connections and cells", "[model]") {
+TEST_CASE("inspect names pieces, isolated molecules and bad connections and cells", "[model]") {
   Body body = listed_body({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {9, 9, 9}, {1, 0, 0}},
                           {{0, 1}, {1, 2}, {2, 1}, {3, 4}, {1, 6}});
   body.tetrahedra = {{0, 1, 2, 3}};
   const BodyFindings findings = inspect(body);
   CHECK(findings.pieces == 3);
   CHECK(findings.piece_of == std::vector<int>{0, 0, 0, 1, 1, 2, 0});
-  CHECK(findings.loose_molecules == std::vector<int>{5});
+  CHECK(findings.isolated_molecules == std::vector<int>{5});
   CHECK(findings.duplicate_connections == std::vector<int>{2});
   CHECK(findings.zero_length_connections == std::vector<int>{4});
   CHECK(findings.flat_or_inverted_cells == std::vector<int>{0});

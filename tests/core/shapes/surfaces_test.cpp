@@ -42,10 +42,10 @@ bool outwards(const Body& body) {
   return true;
 }
 
-int triangles_at(const Body& body, const Vector3& place) {
+int triangles_at(const Body& body, const Vector3& position) {
   int count = 0;
   for (const auto& triangle : body.triangles)
-    for (const int molecule : triangle) count += (body.rest.col(molecule) - place).norm() < 1e-12;
+    for (const int molecule : triangle) count += (body.rest.col(molecule) - position).norm() < 1e-12;
   return count;
 }
 

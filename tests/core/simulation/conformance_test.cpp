@@ -71,11 +71,11 @@ void for_each_pair(Test test) {
 TEST_CASE("every strategy: forces are minus the gradient of the energy", "[conformance]") {
   for_each_pair([](const Strategy&, const Body& body, Model& model, std::size_t) {
     if (!model.has_energy()) return;
-    const Positions places = deformed(body, 2e-4);
-    const Positions forces = model.elastic_forces(places), motion = random_motion(body, 21);
+    const Positions positions = deformed(body, 2e-4);
+    const Positions forces = model.elastic_forces(positions), motion = random_motion(body, 21);
     const double predicted = -forces.cwiseProduct(motion).sum(), h = 1e-7;
     // Fourth-order differences: their error is far below the rounding of the energy.
-    const auto energy = [&](double step) { return model.elastic_energy(places + step * motion); };
+    const auto energy = [&](double step) { return model.elastic_energy(positions + step * motion); };
     const double measured = (8 * (energy(h) - energy(-h)) - (energy(2 * h) - energy(-2 * h))) / (12 * h);
     CHECK(measured == Approx(predicted).epsilon(1e-6));
   });
@@ -83,14 +83,14 @@ TEST_CASE("every strategy: forces are minus the gradient of the energy", "[confo
 
 TEST_CASE("every strategy: the tangent is the difference of forces", "[conformance]") {
   for_each_pair([](const Strategy&, const Body& body, Model& model, std::size_t) {
-    const Positions places = deformed(body, 2e-4), motion = random_motion(body, 22);
-    const State at{places, Positions::Zero(3, places.cols())};
+    const Positions positions = deformed(body, 2e-4), motion = random_motion(body, 22);
+    const State at{positions, Positions::Zero(3, positions.cols())};
     const Tangent tangent(model, at);
     Positions predicted(3, body.size());
     tangent.apply(motion, predicted);
     const double h = 1e-8;
     const Positions measured =
-        -(model.elastic_forces(places + h * motion) - model.elastic_forces(places - h * motion)) / (2 * h);
+        -(model.elastic_forces(positions + h * motion) - model.elastic_forces(positions - h * motion)) / (2 * h);
     if (model.has_full_tangent()) CHECK((predicted - measured).norm() <= 1e-5 * measured.norm());
     // The parts of the blocks add up to the same operator, and the diagonal to its own.
     Positions assembled = Positions::Zero(3, body.size());
@@ -115,15 +115,15 @@ TEST_CASE("every strategy: no total force, no total torque, none at rest, and it
           "[conformance]") {
   const Matrix3 turn = Eigen::AngleAxisd(1.1, Vector3(1, 2, -1).normalized()).toRotationMatrix();
   for_each_pair([&](const Strategy&, const Body& body, Model& model, std::size_t) {
-    const Positions places = deformed(body, 2e-4), forces = model.elastic_forces(places);
+    const Positions positions = deformed(body, 2e-4), forces = model.elastic_forces(positions);
     const double size = forces.colwise().norm().sum();
     REQUIRE(size > 0);
     CHECK(forces.rowwise().sum().norm() <= 1e-13 * size);
     Vector3 torque = Vector3::Zero();
-    for (int i = 0; i < body.size(); ++i) torque += Vector3(places.col(i)).cross(Vector3(forces.col(i)));
-    CHECK(torque.norm() <= 1e-13 * size * places.cwiseAbs().maxCoeff() * 3);
+    for (int i = 0; i < body.size(); ++i) torque += Vector3(positions.col(i)).cross(Vector3(forces.col(i)));
+    CHECK(torque.norm() <= 1e-13 * size * positions.cwiseAbs().maxCoeff() * 3);
     CHECK(model.elastic_forces(body.rest).norm() <= 1e-10 * size);
-    Positions moved = turn * places;
+    Positions moved = turn * positions;
     moved.colwise() += Vector3(0.1, -0.2, 0.05);
     CHECK((model.elastic_forces(moved) - turn * forces).norm() <= 1e-9 * size);
   });
@@ -132,10 +132,10 @@ TEST_CASE("every strategy: no total force, no total torque, none at rest, and it
 TEST_CASE("every strategy: stiffness scales with E and not with the order of molecules", "[conformance]") {
   for_each_pair([](const Strategy& strategy, const Body& body, Model& model, std::size_t material) {
     if (strategy.name.starts_with("uniform")) return;  // its constant is given, not made from E
-    const Positions places = deformed(body, 2e-4), forces = model.elastic_forces(places);
+    const Positions positions = deformed(body, 2e-4), forces = model.elastic_forces(positions);
     Model stiffer(body);
     REQUIRE(add_strategy(stiffer, strategy, materials(2)[material]));
-    CHECK((stiffer.elastic_forces(places) - 2 * forces).norm() <= 1e-13 * forces.norm());
+    CHECK((stiffer.elastic_forces(positions) - 2 * forces).norm() <= 1e-13 * forces.norm());
 
     // The same body with its molecules numbered backwards.
     const int last = body.size() - 1;
@@ -152,7 +152,7 @@ TEST_CASE("every strategy: stiffness scales with E and not with the order of mol
     reversed.voronoi = voronoi_cells(reversed);
     Model other(reversed);
     REQUIRE(add_strategy(other, strategy, materials()[material]));
-    const Positions back = other.elastic_forces(places.rowwise().reverse()).rowwise().reverse();
+    const Positions back = other.elastic_forces(positions.rowwise().reverse()).rowwise().reverse();
     const bool fitted =
         strategy.name.starts_with("patch") || (material == 2 && strategy.kind != StrategyKind::cell_law);
     const double tolerance = fitted ? 1e-6 : 1e-12;  // the least squares are iterated to 1e-7

@@ -70,7 +70,7 @@ TEST_CASE("every strategy in parts: the forces of each part by itself, added up"
       ++used;
       Model model(parts.body);
       add_all(model, strategy, parts.materials[0]);
-      const Positions places = deformed(parts.body, 2e-4);
+      const Positions positions = deformed(parts.body, 2e-4);
       Positions expected = Positions::Zero(3, parts.body.size());
       for (const std::size_t p : {1U, 2U}) {
         const PartAlone alone = part_alone(parts.body, parts.body.parts[p]);
@@ -86,19 +86,19 @@ TEST_CASE("every strategy in parts: the forces of each part by itself, added up"
           Positions with = Positions::Zero(3, alone.body.size()), without = with;
           Model one(alone.body), other(alone.body);
           one.add(both->clone()), other.add(springs->clone());
-          const Positions volume = one.elastic_forces(places(Eigen::all, alone.molecules)) -
-                                   other.elastic_forces(places(Eigen::all, alone.molecules));
+          const Positions volume = one.elastic_forces(positions(Eigen::all, alone.molecules)) -
+                                   other.elastic_forces(positions(Eigen::all, alone.molecules));
           for (std::size_t i = 0; i < alone.molecules.size(); ++i)
             expected.col(alone.molecules[i]) += volume.col(static_cast<Eigen::Index>(i));
           if (auto fibres = make_fibres(plain, alone.body, material)) own.add(std::move(fibres));
         } else {
           add_all(own, plain, material);
         }
-        const Positions forces = own.elastic_forces(places(Eigen::all, alone.molecules));
+        const Positions forces = own.elastic_forces(positions(Eigen::all, alone.molecules));
         for (std::size_t i = 0; i < alone.molecules.size(); ++i)
           expected.col(alone.molecules[i]) += forces.col(static_cast<Eigen::Index>(i));
       }
-      const Positions forces = model.elastic_forces(places);
+      const Positions forces = model.elastic_forces(positions);
       CHECK((forces - expected).norm() < 1e-12 * expected.norm());
       if (strategy.constants) {
         const VectorX constants = strategy.constants(parts.body, parts.materials[0], {});
@@ -108,10 +108,10 @@ TEST_CASE("every strategy in parts: the forces of each part by itself, added up"
       if (!model.has_full_tangent()) continue;
       const Positions motion = random_motion(parts.body, 5);
       Positions change(3, parts.body.size());
-      Tangent(model, {places, Positions::Zero(3, places.cols())}).apply(motion, change);
+      Tangent(model, {positions, Positions::Zero(3, positions.cols())}).apply(motion, change);
       const double h = 1e-8;
       const Positions measured =
-          -(model.elastic_forces(places + h * motion) - model.elastic_forces(places - h * motion)) / (2 * h);
+          -(model.elastic_forces(positions + h * motion) - model.elastic_forces(positions - h * motion)) / (2 * h);
       CHECK((change - measured).norm() <= 1e-5 * measured.norm());
     }
   }

@@ -61,7 +61,7 @@ TEST_CASE("simulation: one spring under its weight; tension, reaction and settle
   pair.radius = VectorX::Constant(2, 0.01);
   Simulation hanging(std::move(pair), [](const Body& body) { return make_springs(body, VectorX::Constant(1, 50)); });
   hanging.model().add(make_gravity(hanging.body(), {0, 0, -10}));
-  hanging.hold(0);
+  hanging.fix(0);
   REQUIRE(hanging.settle().outcome == Outcome::converged);
   CHECK(hanging.positions()(2, 1) == Approx(-0.1 - 0.2 * 10 / 50));
   CHECK(hanging.tensions()[0] == Approx(2));
@@ -75,7 +75,7 @@ TEST_CASE("simulation: one spring under its weight; tension, reaction and settle
 TEST_CASE("simulation: what is moved goes there at one speed, and is pulled by what its reaction says") {
   for (const Scheme scheme : kSchemes) {
     Simulation tissue = simulation_of(tissue_cube(3), scheme);
-    for (int molecule = 0; molecule < 9; ++molecule) tissue.hold(molecule);
+    for (int molecule = 0; molecule < 9; ++molecule) tissue.fix(molecule);
     for (int step = 1; step <= 20; ++step) {
       for (int molecule = 0; molecule < 9; ++molecule)
         tissue.move_to(molecule, tissue.body().rest.col(molecule) + Vector3(0, 0, -1e-5 * step));
@@ -106,8 +106,8 @@ TEST_CASE("simulation: a molecule that something else holds is taken over, moved
   };
   run(tissue, 10);
   CHECK(tissue.positions()(0, 0) == Approx(1e-4));
-  tissue.hold(1);
-  tissue.hold(5);
+  tissue.fix(1);
+  tissue.fix(5);
   tissue.move_to(2, tissue.positions().col(2) + Vector3(0, 1e-5, 0));
   run(tissue, 10);
   CHECK(tissue.positions()(0, 0) - tissue.body().rest(0, 0) == Approx(2e-4));
@@ -125,7 +125,7 @@ TEST_CASE("simulation: a molecule that something else holds is taken over, moved
 TEST_CASE("simulation: a free direction of a support is free") {
   Simulation tissue = simulation_of(tissue_cube(3));
   tissue.model().add(make_gravity(tissue.body(), {0, 5, -10}));
-  for (int molecule = 0; molecule < 27; ++molecule) tissue.hold(molecule, Vector3(0, 1, 0).asDiagonal());
+  for (int molecule = 0; molecule < 27; ++molecule) tissue.fix(molecule, Vector3(0, 1, 0).asDiagonal());
   run(tissue, 50);
   CHECK(tissue.velocities().row(1).minCoeff() == Approx(0.25).epsilon(1e-9));
   CHECK(tissue.velocities().row(2).cwiseAbs().maxCoeff() == 0);
@@ -134,12 +134,12 @@ TEST_CASE("simulation: a free direction of a support is free") {
 TEST_CASE("simulation: a grip pulls with its spring and its damper, in steps and at rest") {
   for (const Scheme scheme : kSchemes) {
     Simulation tissue = simulation_of(tissue_cube(3), scheme);
-    for (int molecule = 0; molecule < 9; ++molecule) tissue.hold(molecule);
-    const Vector3 place = tissue.body().rest.col(22) + Vector3(0, 0, 5e-4);
-    const GripId grip = tissue.grab(22, place, 20, 0.05);
+    for (int molecule = 0; molecule < 9; ++molecule) tissue.fix(molecule);
+    const Vector3 position = tissue.body().rest.col(22) + Vector3(0, 0, 5e-4);
+    const CouplingId coupling = tissue.couple(22, position, 20, 0.05);
     REQUIRE(tissue.settle().outcome == Outcome::converged);
-    const Vector3 pull = tissue.grip_force(grip);
-    CHECK((pull - 20 * (place - tissue.positions().col(22))).norm() < 1e-12);
+    const Vector3 pull = tissue.coupling_force(coupling);
+    CHECK((pull - 20 * (position - tissue.positions().col(22))).norm() < 1e-12);
     Vector3 held = Vector3::Zero();
     for (int molecule = 0; molecule < 9; ++molecule) held += tissue.reaction(molecule);
     CHECK((held + pull).norm() < 1e-6 * pull.norm());
@@ -147,15 +147,15 @@ TEST_CASE("simulation: a grip pulls with its spring and its damper, in steps and
     const Positions settled = tissue.positions();
     run(tissue, 50);
     CHECK(difference(tissue.positions(), settled) < 1e-8);
-    tissue.move_grip(grip, place, {0, 0, 0.1});
-    CHECK((tissue.grip_force(grip) - pull).z() == Approx(0.05 * 0.1).epsilon(1e-3));
-    tissue.let_go(grip);
-    CHECK(tissue.grip_force(grip).norm() == 0);
-    CHECK(tissue.grab(22, place, 20) != grip);
+    tissue.move_coupling(coupling, position, {0, 0, 0.1});
+    CHECK((tissue.coupling_force(coupling) - pull).z() == Approx(0.05 * 0.1).epsilon(1e-3));
+    tissue.decouple(coupling);
+    CHECK(tissue.coupling_force(coupling).norm() == 0);
+    CHECK(tissue.couple(22, position, 20) != coupling);
   }
 }
 
-TEST_CASE("simulation: host forces, steps and grips give the same bits after restore") {
+TEST_CASE("simulation: host forces, steps and grips give bitwise identical results after restore") {
   for (const Scheme scheme : kSchemes) {
     for (const char* strategy : {"lattice", "lattice+volume"}) {
       const auto make = [&] {
@@ -164,9 +164,9 @@ TEST_CASE("simulation: host forces, steps and grips give the same bits after res
         return tissue;
       };
       Simulation tissue = make();
-      for (int molecule = 0; molecule < 16; ++molecule) tissue.hold(molecule);
+      for (int molecule = 0; molecule < 16; ++molecule) tissue.fix(molecule);
       tissue.host_forces()(0, 60) = 1e-3;
-      tissue.grab(63, tissue.body().rest.col(63) + Vector3(0, 1e-4, 0), 5, 1e-3);
+      tissue.couple(63, tissue.body().rest.col(63) + Vector3(0, 1e-4, 0), 5, 1e-3);
       run(tissue, 5);
       tissue.move_to(3, tissue.positions().col(3) + Vector3(0, 0, 1e-5));
       const SimulationState saved = tissue.save();
@@ -204,7 +204,7 @@ TEST_CASE("simulation: observers see every so many good steps") {
 TEST_CASE("simulation: a step that cannot be leaves the state as it was and says why") {
   for (const Scheme scheme : kSchemes) {
     Simulation tissue = simulation_of(tissue_block(), scheme, "neo_hookean");
-    tissue.hold(0);
+    tissue.fix(0);
     run(tissue, 3);
     const auto refused = [&](double dt, const char* why) {
       const Positions before = tissue.positions();
@@ -222,10 +222,10 @@ TEST_CASE("simulation: a step that cannot be leaves the state as it was and says
     tissue.host_forces()(1, 7) = kNaN;
     refused(kStep, "the host's force on molecule 7 is not finite");
     tissue.host_forces().setZero();
-    const GripId grip = tissue.grab(8, tissue.positions().col(8), 10);
-    tissue.move_grip(grip, Vector3(kNaN, 0, 0));
-    refused(kStep, "grip 1 was moved to a place or at a velocity that is not finite");
-    tissue.let_go(grip);
+    const CouplingId coupling = tissue.couple(8, tissue.positions().col(8), 10);
+    tissue.move_coupling(coupling, Vector3(kNaN, 0, 0));
+    refused(kStep, "grip 1 was moved to a position or at a velocity that is not finite");
+    tissue.decouple(coupling);
     // Through the body's other side: some cell must turn over.
     tissue.move_to(0, tissue.body().rest.rightCols(1) * 3);
     const StepResult result = tissue.step(kStep);
@@ -238,15 +238,15 @@ TEST_CASE("simulation: a step that cannot be leaves the state as it was and says
 
 TEST_CASE("simulation: wrong use is refused before anything changes") {
   Simulation tissue = simulation_of(tissue_cube(3));
-  const Vector3 place(0, 0, 0);
-  CHECK(refusal([&] { tissue.hold(27); }) == "molecule 27 is none: the body has molecules 0 to 26");
-  CHECK_THAT(refusal([&] { tissue.hold(0, 2 * Matrix3::Identity()); }), Contains("projector"));
+  const Vector3 position(0, 0, 0);
+  CHECK(refusal([&] { tissue.fix(27); }) == "molecule 27 is none: the body has molecules 0 to 26");
+  CHECK_THAT(refusal([&] { tissue.fix(0, 2 * Matrix3::Identity()); }), Contains("projector"));
   CHECK_THAT(refusal([&] { tissue.release(-1); }), Contains("molecule -1"));
-  CHECK(refusal([&] { tissue.move_to(3, place); }) == "move_to: molecule 3 is not held; hold it first");
-  CHECK_THAT(refusal([&] { tissue.grab(99, place, 1); }), Contains("molecule 99"));
-  CHECK_THAT(refusal([&] { tissue.grab(1, place, 0); }), Contains("stiffness of 0 N/m"));
-  CHECK_THAT(refusal([&] { tissue.grab(1, place, 1, kNaN); }), Contains("damping of nan"));
-  CHECK_THAT(refusal([&] { tissue.grab(1, Vector3(0, kNaN, 0), 1); }), Contains("(0, nan, 0) m is not finite"));
+  CHECK(refusal([&] { tissue.move_to(3, position); }) == "move_to: molecule 3 is not fixed; fix it first");
+  CHECK_THAT(refusal([&] { tissue.couple(99, position, 1); }), Contains("molecule 99"));
+  CHECK_THAT(refusal([&] { tissue.couple(1, position, 0); }), Contains("stiffness of 0 N/m"));
+  CHECK_THAT(refusal([&] { tissue.couple(1, position, 1, kNaN); }), Contains("damping of nan"));
+  CHECK_THAT(refusal([&] { tissue.couple(1, Vector3(0, kNaN, 0), 1); }), Contains("(0, nan, 0) m is not finite"));
   CHECK_THAT(refusal([&] { tissue.observe(0, [](const Simulation&) {}); }), Contains("every 0 steps"));
   CHECK_THAT(refusal([&] { tissue.restore(simulation_of(tissue_cube(4)).save()); }), Contains("another body's: 64"));
   SimulationState odd = tissue.save();
@@ -267,7 +267,7 @@ TEST_CASE("simulation: wrong use is refused before anything changes") {
 
 TEST_CASE("simulation: one that was moved from says so, and takes another") {
   Simulation tissue = simulation_of(tissue_cube(3));
-  tissue.hold(0);
+  tissue.fix(0);
   const Positions* const seen = &tissue.positions();
   Simulation moved = std::move(tissue);
   CHECK(&moved.positions() == seen);
@@ -287,7 +287,7 @@ TEST_CASE("simulation: an explicit step goes in as many parts as its body and it
   CHECK(tissue.step(3.5 * longest).parts == 4);
   CHECK(tissue.step(0.9 * longest).parts == 1);
   // A grip much stiffer than the tissue: its own oscillation sets the step, 2/√(k/m).
-  tissue.grab(13, tissue.positions().col(13), 1e6);
+  tissue.couple(13, tissue.positions().col(13), 1e6);
   const double stiff = 0.8 * 2 / std::sqrt(1e6 / tissue.body().mass[13]);
   CHECK(tissue.step(10.5 * stiff).parts == 11);
   run(tissue, 20);

@@ -22,16 +22,16 @@ void load(Simulation& tissue) {
   model.add(make_mass_damping(body, 5));
   model.add(make_stokes_drag(body, 1e-3));
   model.add(make_quadratic_drag(body, 1, 0.5));
-  tissue.grab(top, body.rest.col(top) + Vector3(0, 1e-4, 0), 5, 1e-3);
+  tissue.couple(top, body.rest.col(top) + Vector3(0, 1e-4, 0), 5, 1e-3);
   tissue.host_forces()(0, top / 2) = 1e-4;
   for (int molecule = 0; molecule < body.size(); ++molecule)
-    if (body.rest(2, molecule) < 1e-9) tissue.hold(molecule);
+    if (body.rest(2, molecule) < 1e-9) tissue.fix(molecule);
 }
 
 bool step(Simulation& tissue, int number) {
   tissue.move_to(0, tissue.body().rest.col(0) + Vector3(1e-6 * number, 0, 0));
   tissue.host_forces()(1, 1) = 1e-5 * number;
-  tissue.move_grip(1, tissue.body().rest.col(tissue.body().size() - 1) + Vector3(1e-5 * number, 0, 0));
+  tissue.move_coupling(1, tissue.body().rest.col(tissue.body().size() - 1) + Vector3(1e-5 * number, 0, 0));
   return tissue.step(1e-3).outcome == Outcome::converged;
 }
 
@@ -46,7 +46,7 @@ long allocations_in_steps(Simulation& tissue, int steps) {
   const long before = allocations();
   for (int number = 1; number <= steps; ++number) {
     if (!step(tissue, number)) FAIL();
-    read += tissue.forces()(0, 0) + tissue.tensions()[0] + tissue.reaction(0).x() + tissue.grip_force(1).x();
+    read += tissue.forces()(0, 0) + tissue.tensions()[0] + tissue.reaction(0).x() + tissue.coupling_force(1).x();
   }
   const long after = allocations();
   CHECK(std::isfinite(read));
@@ -88,7 +88,7 @@ TEST_CASE("simulation: damping of connections, of the stiffness and of cells ask
   }
 }
 
-TEST_CASE("simulation: the host's threads give the same bits, and ask for no memory either") {
+TEST_CASE("simulation: the host's threads give bitwise identical results, and ask for no memory either") {
   const auto with = [](TaskRunner* runner, int threads) {
     SimulationOptions options{.runner = runner, .threads = threads};
     options.integrator.newton_iterations = 1;

@@ -68,8 +68,9 @@ struct Block {
     state = state_at_rest(body);
     const Vector3 spin(3, -20, 5);
     for (int i = 0; i < body.size(); ++i) {
-      const Vector3 place = body.rest.col(i);
-      state.velocities.col(i) = Vector3(1, 0.5, -2) + spin.cross(place) + Vector3(0, 0, 400 * place.x() * place.x());
+      const Vector3 position = body.rest.col(i);
+      state.velocities.col(i) =
+          Vector3(1, 0.5, -2) + spin.cross(position) + Vector3(0, 0, 400 * position.x() * position.x());
     }
   }
   Body body;
@@ -236,11 +237,11 @@ TEST_CASE("the account of a run: weight, damping and a moved support add up", "[
 TEST_CASE("the stable step is that of the textbooks", "[integrator]") {
   // A free chain of n equal molecules: ω_max = 2 √(k/m) cos(π/2n).
   const int n = 12;
-  std::vector<Vector3> places;
+  std::vector<Vector3> positions;
   std::vector<std::array<int, 2>> pairs;
-  for (int i = 0; i < n; ++i) places.emplace_back(i, 0, 0);
+  for (int i = 0; i < n; ++i) positions.emplace_back(i, 0, 0);
   for (int i = 0; i + 1 < n; ++i) pairs.push_back({i, i + 1});
-  Body body = listed_body(places, pairs);
+  Body body = listed_body(positions, pairs);
   body.mass = VectorX::Constant(n, 0.5);
   body.radius = VectorX::Constant(n, 0.1);
   Model model(body);
@@ -303,7 +304,7 @@ TEST_CASE("a step that cannot be taken leaves the state as it was, and says why"
   }
 }
 
-TEST_CASE("steps give the same bits on any number of threads", "[integrator]") {
+TEST_CASE("steps give bitwise identical results on any number of threads", "[integrator]") {
   // 61 000 connections: enough for several threads.
   Body body = cubic_lattice({20, 20, 20}, 0.01, {true, true, false});
   add_jitter(body, 0.001, 3);

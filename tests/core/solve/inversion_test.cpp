@@ -26,12 +26,12 @@ Run pressed(Specimen& specimen, double force, const std::string& strategy, int s
 }
 
 /// Numbers of the cells whose corners do not turn as they should.
-std::vector<int> turned_cells(const Body& body, const Positions& places) {
+std::vector<int> inverted_cells(const Body& body, const Positions& positions) {
   std::vector<int> cells;
   for (std::size_t cell = 0; cell < body.tetrahedra.size(); ++cell) {
     Eigen::Matrix4d corners = Eigen::Matrix4d::Ones();
     for (int corner = 0; corner < 4; ++corner)
-      corners.block<3, 1>(1, corner) = places.col(body.tetrahedra[cell][corner]);
+      corners.block<3, 1>(1, corner) = positions.col(body.tetrahedra[cell][corner]);
     if (!(corners.determinant() > 0)) cells.push_back(static_cast<int>(cell));
   }
   return cells;
@@ -66,14 +66,14 @@ TEST_CASE("a step that would turn a cell over is cut, counted, and the answer is
   CHECK(gentle.measures.get("strain") == Approx(run.measures.get("strain")).epsilon(1e-8));
 }
 
-TEST_CASE("cells that are turned over at rest are named", "[inversion]") {
+TEST_CASE("cells that are inverted at rest are named", "[inversion]") {
   Specimen specimen{jittered_block(), {.youngs_modulus = 1e4}, {}};
   Body& body = specimen.body;
   const auto& cell = body.tetrahedra[17];
   const Vector3 face = (body.rest.col(cell[1]) + body.rest.col(cell[2]) + body.rest.col(cell[3])) / 3;
   body.rest.col(cell[0]) += 1.2 * (face - body.rest.col(cell[0]));
   body.connections = connections_of_cells(body.rest, {}, body.tetrahedra);
-  const std::vector<int> turned = turned_cells(body, body.rest);
+  const std::vector<int> turned = inverted_cells(body, body.rest);
   REQUIRE(std::find(turned.begin(), turned.end(), 17) != turned.end());
   CHECK(flat_or_inverted_cells(body, body.rest) == turned);
   std::string names;
@@ -82,12 +82,12 @@ TEST_CASE("cells that are turned over at rest are named", "[inversion]") {
     const Run run = pressed(specimen, 1e-6, strategy);
     CHECK(run.outcome == Outcome::inverted);
     CHECK_THAT(run.cause, Contains(names + " of " + std::to_string(body.tetrahedra.size())) &&
-                              Contains("flat or turned over at rest"));
+                              Contains("flat or inverted at rest"));
   }
   CHECK(pressed(specimen, 1e-6, "standard").outcome == Outcome::converged);  // springs have no cells to turn over
 }
 
-TEST_CASE("a state that starts with cells turned over is named", "[inversion]") {
+TEST_CASE("a state that starts with cells inverted is named", "[inversion]") {
   const Body body = jittered_block();
   Model model(body);
   model.add(kCatalog.find("neo_hookean").make(body, {}, {}));

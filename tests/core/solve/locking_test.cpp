@@ -23,12 +23,12 @@ std::unique_ptr<Load> end_moment(const Body& body, double stress_slope) {
       std::array<int, 3> face{};
       for (int corner = 0, at = 0; corner < 4; ++corner)
         if (corner != left_out) face[static_cast<std::size_t>(at++)] = cell[static_cast<std::size_t>(corner)];
-      const auto place = [&](int i) { return Vector3(body.rest.col(face[static_cast<std::size_t>(i)])); };
-      if (place(0).x() + place(1).x() + place(2).x() < 3 * kSize.x() - 1e-9) continue;
-      const double area = (place(1) - place(0)).cross(place(2) - place(0)).norm() / 2;
-      const double sum = place(0).z() + place(1).z() + place(2).z();
+      const auto position = [&](int i) { return Vector3(body.rest.col(face[static_cast<std::size_t>(i)])); };
+      if (position(0).x() + position(1).x() + position(2).x() < 3 * kSize.x() - 1e-9) continue;
+      const double area = (position(1) - position(0)).cross(position(2) - position(0)).norm() / 2;
+      const double sum = position(0).z() + position(1).z() + position(2).z();
       for (int i = 0; i < 3; ++i)  // ∫ N_i z dA
-        forces(0, face[static_cast<std::size_t>(i)]) += stress_slope * area / 12 * (sum + place(i).z());
+        forces(0, face[static_cast<std::size_t>(i)]) += stress_slope * area / 12 * (sum + position(i).z());
     }
   for (int molecule = 0; molecule < body.size(); ++molecule) molecules.push_back(molecule);
   return std::make_unique<PointLoads>(body, molecules, forces);
@@ -51,8 +51,9 @@ Bending bend(int n, const std::string& law, bool averaged, double nu) {
   const double curvature = 1e-4, slope = material.youngs_modulus * curvature;
   model.add(end_moment(body, slope));
   for (int molecule = 0; molecule < body.size(); ++molecule) {
-    const Vector3 place = body.rest.col(molecule);
-    Vector3 free(place.x() > 1e-9 && place.z() > 1e-9, place.y() > 1e-9 && place.z() > 1e-9, place.norm() > 1e-9);
+    const Vector3 position = body.rest.col(molecule);
+    Vector3 free(position.x() > 1e-9 && position.z() > 1e-9, position.y() > 1e-9 && position.z() > 1e-9,
+                 position.norm() > 1e-9);
     if (free.minCoeff() == 0) model.supports.push_back({molecule, free.asDiagonal(), Vector3::Zero()});
   }
   State state = state_at_rest(body);

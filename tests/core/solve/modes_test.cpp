@@ -49,7 +49,7 @@ Dense count_densely(const Body& body, const std::vector<Support>& supports) {
   return {3 * n - rank(matrix), rank(rigid) - rank(held * rigid)};
 }
 
-std::vector<Support> hold_layer(const Body& body, const Matrix3& free) {
+std::vector<Support> fix_layer(const Body& body, const Matrix3& free) {
   std::vector<Support> supports;
   const double low = body.rest.row(2).minCoeff();
   for (int i = 0; i < body.size(); ++i)
@@ -88,7 +88,7 @@ TEST_CASE("zero-energy modes equal those of a dense rank count", "[modes]") {
       for (const bool turned : {false, true}) {
         Body body = bodies[i];
         std::vector<Support> supports =
-            support == 0 ? std::vector<Support>{} : hold_layer(body, support == 1 ? held : sliding);
+            support == 0 ? std::vector<Support>{} : fix_layer(body, support == 1 ? held : sliding);
         if (turned) {
           rotate(body, turn);
           for (Support& s : supports) s.free = turn * s.free * turn.transpose();
@@ -107,7 +107,7 @@ TEST_CASE("zero-energy modes equal those of a dense rank count", "[modes]") {
 
 TEST_CASE("the cubic axis lattice of the paper's Fig. 5: twelve lines of molecules slide", "[modes]") {
   const Body body = cubic_lattice({3, 3, 3}, 0.0075, {true, false, false});
-  const ModeReport report = find_zero_energy_modes(body, hold_layer(body, Matrix3::Zero()));
+  const ModeReport report = find_zero_energy_modes(body, fix_layer(body, Matrix3::Zero()));
   CHECK(report.zero_energy_modes == 12);
   REQUIRE(report.modes.size() == 12);
   CHECK(report.modes[0].molecules.size() == 3);
@@ -116,7 +116,7 @@ TEST_CASE("the cubic axis lattice of the paper's Fig. 5: twelve lines of molecul
 
 TEST_CASE("springs of constant zero leave what they held", "[modes]") {
   const Body body = cubic_lattice({3, 3, 3}, 1, {true, true, false});
-  const auto supports = hold_layer(body, Matrix3::Zero());
+  const auto supports = fix_layer(body, Matrix3::Zero());
   CHECK(find_zero_energy_modes(body, supports).zero_energy_modes == 0);
   std::vector<char> stiff(static_cast<std::size_t>(body.connections.size()), 1);
   for (int c = 0; c < body.connections.size(); ++c)
@@ -127,7 +127,7 @@ TEST_CASE("springs of constant zero leave what they held", "[modes]") {
 TEST_CASE("large lattices are settled without a factorisation", "[modes]") {
   const Body body = cubic_lattice({22, 22, 22}, 1, {true, true, false});
   const Matrix3 sliding = Matrix3::Identity() - Vector3::UnitZ() * Vector3::UnitZ().transpose();
-  const ModeReport report = find_zero_energy_modes(body, hold_layer(body, sliding));
+  const ModeReport report = find_zero_energy_modes(body, fix_layer(body, sliding));
   CHECK(report.counted);
   CHECK(report.rigid_motions == 3);
   CHECK(report.zero_energy_modes == 0);

@@ -31,25 +31,25 @@ TEST_CASE("stepping to rest, explicitly or implicitly, arrives where Newton does
   Loaded newton;
   State answer = state_at_rest(newton.body);
   REQUIRE(solve_static(newton.model, answer).outcome == Outcome::converged);
-  const double way = (answer.positions - newton.body.rest).norm();
-  REQUIRE(way > 1e-3);
-  for (const StaticWay by : {StaticWay::explicit_steps, StaticWay::implicit_steps}) {
+  const double displacement = (answer.positions - newton.body.rest).norm();
+  REQUIRE(displacement > 1e-3);
+  for (const StaticMethod by : {StaticMethod::explicit_steps, StaticMethod::implicit_steps}) {
     Loaded stepped;
     State state = state_at_rest(stepped.body);
     StaticOptions options;
-    options.way = by;
+    options.static_method = by;
     const StaticResult result = solve_static(stepped.model, state, options);
     INFO(result.solver << ": " << result.cause);
     REQUIRE(result.outcome == Outcome::converged);
-    CHECK((state.positions - answer.positions).norm() < 1e-6 * way);
+    CHECK((state.positions - answer.positions).norm() < 1e-6 * displacement);
   }
 }
 
 TEST_CASE("a straight column beyond its buckling load is left for the bent one", "[statics]") {
   // Two links of length 1 in line, their joint held sideways by two springs: it buckles at half their stiffness
   // [any text on stability]; links and springs alike, but the links a thousand times as stiff.
-  std::vector<Vector3> places{{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {1, 0, 1}, {0, 1, 1}};
-  Body body = listed_body(places, {{0, 1}, {1, 2}, {1, 3}, {1, 4}});
+  std::vector<Vector3> positions{{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {1, 0, 1}, {0, 1, 1}};
+  Body body = listed_body(positions, {{0, 1}, {1, 2}, {1, 3}, {1, 4}});
   set_matter(body, 0.1, 1000, 0, 1);
   const auto compressed = [&](double force, bool probe) {
     Model model(body);

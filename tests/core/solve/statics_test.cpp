@@ -17,11 +17,11 @@ const Matrix3 kHeld = Matrix3::Zero();
 /// A chain of n connections along x, constant k, length 1 each, held at its first molecule.
 struct Chain {
   Chain(int n, double k) {
-    std::vector<Vector3> places;
+    std::vector<Vector3> positions;
     std::vector<std::array<int, 2>> pairs;
-    for (int i = 0; i <= n; ++i) places.emplace_back(i, 0, 0);
+    for (int i = 0; i <= n; ++i) positions.emplace_back(i, 0, 0);
     for (int i = 0; i < n; ++i) pairs.push_back({i, i + 1});
-    body = listed_body(places, pairs);
+    body = listed_body(positions, pairs);
     body.mass = VectorX::Constant(n + 1, 0.5);
     body.radius = VectorX::Constant(n + 1, 0.5);
     model = std::make_unique<Model>(body);
@@ -146,12 +146,12 @@ TEST_CASE("pcg and the factorisation agree, on springs and on cells, with slante
   }
 }
 
-TEST_CASE("forces and solutions have the same bits on any number of threads", "[threads]") {
+TEST_CASE("forces and solutions are bitwise identical on any number of threads", "[threads]") {
   Body body = cubic_lattice({19, 19, 19}, 0.01, {true, true, false});
   set_matter(body, 0.005, 1000, 0, 1);
   REQUIRE(body.connections.size() > 50000);  // large enough for several threads to be used
   const VectorX constants = built_in_catalog().find("lattice").constants(body, {.youngs_modulus = 1e4}, {});
-  Positions forces, places;
+  Positions forces, positions;
   for (const int count : {1, 2, 3, 5}) {
     set_threads(count);
     Model model(body);
@@ -162,9 +162,9 @@ TEST_CASE("forces and solutions have the same bits on any number of threads", "[
     State state = state_at_rest(body);
     const Positions now = model.elastic_forces(deformed(body, 1e-4));
     REQUIRE(solve_static(model, state, {.newton_limit = 2}).newton_iterations == 2);  // the same bits all the way
-    if (count == 1) forces = now, places = state.positions;
+    if (count == 1) forces = now, positions = state.positions;
     CHECK(now == forces);
-    CHECK(state.positions == places);
+    CHECK(state.positions == positions);
   }
   set_threads(0);
 }
@@ -174,14 +174,14 @@ TEST_CASE("the response is the derivative of the equilibrium", "[statics]") {
   auto load = std::make_unique<PointLoads>(chain.body, std::vector<int>{3}, Vector3(20, 4, 0));
   PointLoads* pull = load.get();
   chain.model->add(std::move(load));
-  const auto places = [&](double factor) {
+  const auto positions = [&](double factor) {
     pull->set_factor(factor);
     State state = state_at_rest(chain.body);
     REQUIRE(solve_static(*chain.model, state, {.tolerance = 1e-13}).outcome == Outcome::converged);
     return state.positions;
   };
   const double h = 1e-4;
-  const Positions measured = (places(1 + h) - places(1 - h)) / (2 * h), at = places(1);
+  const Positions measured = (positions(1 + h) - positions(1 - h)) / (2 * h), at = positions(1);
   Positions change = Positions::Zero(3, 4);
   change.col(3) = Vector3(20, 4, 0);
   const StaticResponse response = static_response(*chain.model, at, change, Positions::Zero(3, 4));

@@ -45,11 +45,11 @@ VectorX dense_frequencies(Model& model, int skipped) {
 TEST_CASE("a chain of springs has the frequencies of the textbook", "[vibrations]") {
   // n masses between two held ends, along the chain: 2 √(k/m) sin(j π / (2 (n + 1))).
   constexpr int inner = 7;
-  std::vector<Vector3> places;
+  std::vector<Vector3> positions;
   std::vector<std::array<int, 2>> pairs;
-  for (int i = 0; i < inner + 2; ++i) places.emplace_back(0.1 * i, 0, 0);
+  for (int i = 0; i < inner + 2; ++i) positions.emplace_back(0.1 * i, 0, 0);
   for (int i = 0; i <= inner; ++i) pairs.push_back({i, i + 1});
-  Body body = listed_body(places, pairs);
+  Body body = listed_body(positions, pairs);
   set_matter(body, 0.01, 1000, 0, 1);
   body.mass.setConstant(0.2);
   Model model(body);

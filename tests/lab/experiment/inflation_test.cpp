@@ -161,8 +161,8 @@ TEST_CASE("pressed from outside, slack or on bad triangles a membrane ends with 
   // Obtuse: the sphere is twisted, the more the higher, until springs of Van Gelder's are negative.
   Specimen obtuse = membrane(sphere(1, SphereMesh::type_1, 16), kLatex);
   for (int molecule = 0; molecule < obtuse.body.size(); ++molecule) {
-    auto place = obtuse.body.rest.col(molecule);
-    place = Eigen::AngleAxisd(2 * place.z(), Vector3::UnitZ()) * Vector3(place);
+    auto position = obtuse.body.rest.col(molecule);
+    position = Eigen::AngleAxisd(2 * position.z(), Vector3::UnitZ()) * Vector3(position);
   }
   set_present_lengths(obtuse.body);
   setup.pressure = 10e3;
@@ -180,7 +180,7 @@ TEST_CASE("pressed from outside, slack or on bad triangles a membrane ends with 
   const auto pinched = make_inflation(flat.body, setup, kLatex);
   const Run run = run_strategy(flat, *pinched, choose_strategy(catalog, "two_parameter"), {});
   CHECK(run.outcome == Outcome::inverted);
-  CHECK_THAT(run.cause, Contains("cell 3 of 32 is flat or turned over at rest"));
+  CHECK_THAT(run.cause, Contains("cell 3 of 32 is flat or inverted at rest"));
 }
 
 TEST_CASE("bodies that can't be inflated are refused with what they lack", "[inflation]") {

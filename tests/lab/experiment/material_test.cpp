@@ -190,7 +190,7 @@ TEST_CASE("a turn about the axis of tension is no lateral strain", "[tension]") 
   setup.displacement = 0.001;
   const auto experiment = make_tension(specimen.body, setup);
   Model model(specimen.body);
-  experiment->hold(model);
+  experiment->set_up(model);
   experiment->set_load(model, 1);
   const Positions none = Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()));
   const Matrix3 turn = Eigen::AngleAxisd(0.3, Vector3::UnitZ()).toRotationMatrix();

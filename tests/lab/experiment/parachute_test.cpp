@@ -37,11 +37,11 @@ TEST_CASE("a load hangs on cables from the tips of the arms", "[parachute]") {
   }
   // Cables pull and never push.
   const auto cables = make_cables(body);
-  Positions places = body.rest;
-  places(2, load) += 0.3;
-  CHECK(cables->energy(places) == 0);
-  places(2, load) = -1.5 - 0.3;
-  CHECK(cables->energy(places) > 0);
+  Positions positions = body.rest;
+  positions(2, load) += 0.3;
+  CHECK(cables->energy(positions) == 0);
+  positions(2, load) = -1.5 - 0.3;
+  CHECK(cables->energy(positions) > 0);
   CHECK_THROWS_AS(make_parachute(cross_canopy(1, 3, 2), {}), InputError);
 }
 
@@ -54,20 +54,20 @@ TEST_CASE("a parachute ends at the speed at which drag carries the weight", "[pa
   model.add(make_cables(body));
   model.add(make_air(body, air));
   const auto parachute = make_parachute(body, {.speed = 6});
-  parachute->hold(model);
+  parachute->set_up(model);
   State state = state_at_rest(body);
   parachute->start(model, state, {});
   const auto integrator = make_integrator({.scheme = Scheme::backward_euler});
-  std::vector<CurvePoint> rows;
+  std::vector<CurvePoint> history;
   for (int step = 0; step <= 150; ++step) {
     CurvePoint row;
     row.time = state.time;
     row.measures = parachute->read(model, state);
-    rows.push_back(row);
+    history.push_back(row);
     INFO("step " << step);
     REQUIRE(integrator->advance(model, state, 0.02).outcome == Outcome::converged);
   }
-  const Measures& end = rows.back().measures;
+  const Measures& end = history.back().measures;
   CHECK(end.get("drag_balance") == Approx(0).margin(0.02));
   CHECK(end.get("line_force") == Approx(2 * 9.81).epsilon(0.02));
   // By hand: ½ ρ C v² Σ A n_z³ of what has opened is the weight.
@@ -78,8 +78,8 @@ TEST_CASE("a parachute ends at the speed at which drag carries the weight", "[pa
   }
   const double weight = body.mass.sum() * 9.81;
   CHECK(end.get("fall_speed") == Approx(std::sqrt(weight / (0.5 * 1.225 * 1.2 * cubes))).epsilon(0.02));
-  Measures course;
-  parachute->read_course(rows, course);
-  CHECK(course.get("largest_line_force") > 1.2 * 2 * 9.81);  // it opens with a jerk
-  CHECK(course.get("opening_time") > 0);
+  Measures measured;
+  parachute->read_history(history, measured);
+  CHECK(measured.get("largest_line_force") > 1.2 * 2 * 9.81);  // it opens with a jerk
+  CHECK(measured.get("opening_time") > 0);
 }

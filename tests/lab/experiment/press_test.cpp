@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "lab/experiment/contact_measures.h"
 #include "lab/experiment/specimen.h"
-#include "lab/experiment/touching.h"
 #include "lab/scene/scene.h"
 #include "support/temporary_folder.h"
 
@@ -70,11 +70,13 @@ TEST_CASE("a rigid part is pressed by its name", "[press]") {
 
 TEST_CASE("force control follows a stiffening resistance", "[press]") {
   ForceControl control(8, 0.1);
-  const auto resistance = [](double way) { return way < 0.5 ? 0 : 4 * std::pow(way - 0.5, 2); };  // 8 N at 0.5 + √2
+  const auto resistance = [](double displacement) {
+    return displacement < 0.5 ? 0 : 4 * std::pow(displacement - 0.5, 2);
+  };  // 8 N at 0.5 + √2
   for (const double part : {0.25, 0.5, 1.}) {
     control.aim(part);
     int solves = 1;
-    while (control.adjust(resistance(control.way()))) REQUIRE(++solves <= 12);
-    CHECK(resistance(control.way()) == Approx(8 * part).epsilon(1e-6));
+    while (control.adjust(resistance(control.displacement()))) REQUIRE(++solves <= 12);
+    CHECK(resistance(control.displacement()) == Approx(8 * part).epsilon(1e-6));
   }
 }

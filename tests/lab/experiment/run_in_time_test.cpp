@@ -25,7 +25,8 @@ const std::string kOscillator =
     "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\n"
     "stiffness: {strategy: uniform, constant: 100 N/m}\n";
 const std::string kRelease =
-    kOscillator + "experiment: {kind: release, hold: {kind: tension, axis: x, force: 0.1 N, cross_section: 1 cm2}}\n";
+    kOscillator +
+    "experiment: {kind: release, fixture: {kind: tension, axis: x, force: 0.1 N, cross_section: 1 cm2}}\n";
 
 Run run_of(const std::string& text, RunOptions options = {}, const std::vector<std::string>& overrides = {}) {
   const TemporaryFolder folder;
@@ -76,10 +77,10 @@ TEST_CASE("a released oscillator has its frequency and its decrement", "[time]")
 }
 
 TEST_CASE("a load put on at once swings to twice its displacement at rest", "[time]") {
-  const Run run = run_of(
-      kOscillator +
-      "experiment: {kind: release, load: applied, hold: {kind: tension, axis: x, force: 0.1 N, cross_section: 1 cm2}}\n"
-      "time: {duration: 1 s, frames: 200}\n");
+  const Run run = run_of(kOscillator +
+                         "experiment: {kind: release, load: applied, fixture: {kind: tension, axis: x, force: 0.1 N, "
+                         "cross_section: 1 cm2}}\n"
+                         "time: {duration: 1 s, frames: 200}\n");
   CHECK(measured(run, "first_peak") == Approx(2e-3).epsilon(1e-3));
   CHECK(measured(run, "first_peak_time") == Approx(M_PI / 10).epsilon(1e-3));
   CHECK(measured(run, "return_time") == Approx(2 * M_PI / 10).epsilon(1e-3));
@@ -110,14 +111,14 @@ TEST_CASE("creep, relaxation and a shaken base follow their formulas", "[time]")
       "material: {youngs_modulus: 10 kPa, density: 1 kg/m3}\nstiffness: {strategy: uniform, constant: 20 N/m}\n";
   const Run creep =
       run_of(chain +
-             "experiment: {kind: creep, hold: {kind: tension, axis: x, force: 0.1 mN, cross_section: 1 cm2}}\n"
+             "experiment: {kind: creep, fixture: {kind: tension, axis: x, force: 0.1 mN, cross_section: 1 cm2}}\n"
              "loads: [{rayleigh: {stiffness: 0.2 s}}]\ntime: {duration: 1 s, integrator: newmark, step: 0.2 ms}\n");
   CHECK(measured(creep, "retardation_time") == Approx(0.2).epsilon(1e-3));
   CHECK(measured(creep, "elongation") == Approx(1e-5 * (1 - std::exp(-5.))).epsilon(1e-3));
   // The middle molecule, drawn by two springs through a liquid: c / 2k.
   const Run relaxation =
       run_of(chain +
-             "experiment: {kind: relaxation, ramp: 10 ms, hold: {kind: tension, axis: x, displacement: 0.1 mm, "
+             "experiment: {kind: relaxation, ramp: 10 ms, fixture: {kind: tension, axis: x, displacement: 0.1 mm, "
              "cross_section: 1 cm2}}\n"
              "loads: [{drag: {kind: stokes, viscosity: 50 Pa s}}]\n"
              "time: {duration: 1 s, integrator: newmark, step: 1 ms, frames: 200}\n");
@@ -187,7 +188,7 @@ TEST_CASE("a twisted bar let go turns back and forth; a sheared one, too", "[tim
   for (const auto& [hold, start] : {std::pair{"kind: torsion, axis: z, angle: 5 deg", 5 * M_PI / 180},
                                     {"kind: shear, axis: z, direction: x, strain: 2 %", 0.02}}) {
     INFO(hold);
-    const Run run = run_of(bar + "experiment: {kind: release, hold: {" + hold + "}}\n" + time);
+    const Run run = run_of(bar + "experiment: {kind: release, fixture: {" + hold + "}}\n" + time);
     const bool torsion = std::string(hold).find("torsion") != std::string::npos;
     CHECK(run.curve.front().measures.get(torsion ? "angle" : "strain") == Approx(start).epsilon(1e-6));
     CHECK(measured(run, "frequency") > 1);
@@ -196,11 +197,11 @@ TEST_CASE("a twisted bar let go turns back and forth; a sheared one, too", "[tim
   }
 }
 
-TEST_CASE("a run that stops and goes on has the same bits as one that does not", "[time][restart]") {
+TEST_CASE("a run that stops and goes on has bitwise the same results as one that does not", "[time][restart]") {
   const std::string block =
       "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [10 mm, 10 mm, 20 mm]}}\n"
       "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
-      "experiment: {kind: motion, hold: {kind: shear, axis: z, direction: x, strain: 0.3}, "
+      "experiment: {kind: motion, fixture: {kind: shear, axis: z, direction: x, strain: 0.3}, "
       "in_time: {sine: {frequency: 30 Hz}}}\n"
       "loads: [{cell_damping: {bulk: 0.1 Pa s, shear: 0.1 Pa s}}, {gravity: [0, 0, -9.81 m/s2], "
       "in_time: {ramp: {duration: 20 ms}}}]\n";
@@ -270,11 +271,11 @@ TEST_CASE("a step far above the stable one ends with its cause and keeps the fra
     for (const auto& [name, value] : row.measures.all()) CHECK(std::abs(value) < 1e6);
 }
 
-TEST_CASE("St Venant-Kirchhoff turns over where neo_hookean holds", "[time]") {
+TEST_CASE("St Venant-Kirchhoff inverts where neo_hookean holds", "[time]") {
   const std::string text =
       "body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 2], size: [10 cm, 10 cm, 10 cm]}}\n"
       "material: {youngs_modulus: 5 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
-      "experiment: {kind: motion, hold: {kind: compression, axis: z, displacement: 75 mm, fixed_grip: clamped, "
+      "experiment: {kind: motion, fixture: {kind: compression, axis: z, displacement: 75 mm, fixed_grip: clamped, "
       "loaded_grip: clamped}, in_time: {ramp: {duration: 0.5 s}}}\n"
       "loads: [{cell_damping: {bulk: 10 Pa s, shear: 10 Pa s}}]\n"
       "time: {duration: 0.6 s, integrator: {scheme: backward_euler, newton_iterations: 1}, step: 10 ms, frames: 60}\n";
@@ -311,7 +312,7 @@ TEST_CASE("every kind of strategy can be compared in time", "[time]") {
   const std::string text =
       "body: {lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 1 cm, connections: [axis, face]}}\n"
       "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\nstiffness: lattice\n"
-      "experiment: {kind: release, hold: {kind: tension, axis: z, force: 1 mN}}\ntime: {duration: 0.2 s}\n";
+      "experiment: {kind: release, fixture: {kind: tension, axis: z, force: 1 mN}}\ntime: {duration: 0.2 s}\n";
   const double exact = measured(run_of(text), "frequency");
   const Run calibrated = run_of(text, {}, {"stiffness=calibrated:standard"});
   CHECK(calibrated.calibration_factor != 1);

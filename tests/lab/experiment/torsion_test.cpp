@@ -93,10 +93,10 @@ TEST_CASE("the torque is the slope of the energy over the angle, in any number o
 TEST_CASE("a turn that would turn cells over goes in halves", "[torsion]") {
   const Specimen specimen = reference_cube(6);
   const Run run = turn(specimen, 120 * kDegree, 1, "neo_hookean");
-  CHECK(run.halved_load_steps > 0);
+  CHECK(run.bisected_load_steps > 0);
   CHECK(run.curve.size() == 1);
   const Run slowly = turn(specimen, 120 * kDegree, 6, "neo_hookean");
-  CHECK(slowly.halved_load_steps == 0);
+  CHECK(slowly.bisected_load_steps == 0);
   CHECK(run.measures.get("torque") == Approx(slowly.measures.get("torque")).epsilon(1e-8));
 }
 

@@ -39,7 +39,7 @@ std::vector<Record> records_of(const std::string& experiment, const std::string&
 TEST_CASE("a comparison has the columns of its experiment", "[texts]") {
   const std::string material = comparison_text(records_of("kind: material", "standard, lattice"), false);
   CHECK_THAT(material, Contains("E measured  error of E  Poisson's ratio  error of G  error of K  anisotropy"));
-  CHECK_THAT(material, Contains("take lattice: E 0.0000 %, Poisson's ratio 0.2500, G 0.0000 %, K 0.0000 % (asked: "));
+  CHECK_THAT(material, Contains("take lattice: E 0.0000 %, Poisson's ratio 0.2500, G 0.0000 %, K 0.0000 % (target: "));
   const std::string shear =
       comparison_text(records_of("kind: shear, direction: x, strain: 1e-6, sides: affine", "standard, lattice"), false);
   CHECK_THAT(shear, Contains("G measured  error of G") && Contains("axial force") && !Contains("Poisson"));

@@ -76,7 +76,7 @@ std::vector<Record> all_outcomes() {
   odd.run.measures.set("energy", nan);
   odd.errors = {{"effective_modulus", std::numeric_limits<double>::infinity()}};
   odd.verdicts.front().measured = odd.verdicts.front().difference = nan;
-  odd.verdicts.front().holds = false;
+  odd.verdicts.front().passed = false;
   odd.run.cause = "no \xff UTF-8, \"quotes\",\nand lines";
   records.push_back(odd);
   return records;
@@ -386,7 +386,7 @@ TEST_CASE("texts have no escape codes unless colours are asked for", "[files]") 
 
 TEST_CASE("a comparison says what came of each strategy and which to take", "[files]") {
   const std::string text = comparison_text(all_outcomes(), false);
-  CHECK_THAT(text, Contains("2 molecules, 1 connection; asked: E = 5.0000 kPa, nu = 0.25; "));
+  CHECK_THAT(text, Contains("2 molecules, 1 connection; target: E = 5.0000 kPa, nu = 0.25; "));
   CHECK_THAT(text, Contains("  not suited: needs tetrahedra or triangles\n"));
   CHECK_THAT(text, Contains("  limit reached: no equilibrium within 1 Newton iteration"));
   CHECK_THAT(text, Contains("take standard: E "));

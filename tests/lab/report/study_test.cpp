@@ -117,7 +117,7 @@ TEST_CASE("a row comes back from its line of JSON", "[study]") {
   Verdict verdict;
   verdict.strategy = "lattice";
   verdict.expectation = {"lattice", "effective_modulus", "", "", 5e3, 0.01, 0, "book", ""};
-  verdict.holds = true;
+  verdict.passed = true;
   verdict.measured = 5e3;
   record.verdicts = {verdict};
   const std::string line = json_line(record);

@@ -134,7 +134,7 @@ TEST_CASE("neighbours are counted away from the surface", "[summary]") {
   CHECK(axis.least == 6);
   CHECK(neighbours_inside(cubic_lattice({7, 7, 7}, 1, {true, true, true})).mean == 26);
   CHECK(neighbours_inside(cubic_lattice({2, 2, 2}, 1, {true, false, false})).mean == 3);  // nothing is inside
-  Body loose = cubic_lattice({2, 2, 2}, 1, {true, false, false});
-  loose.connections = {};
-  CHECK(neighbours_inside(loose).mean == 0);
+  Body isolated = cubic_lattice({2, 2, 2}, 1, {true, false, false});
+  isolated.connections = {};
+  CHECK(neighbours_inside(isolated).mean == 0);
 }

@@ -118,9 +118,9 @@ TEST_CASE("a body can be placed, turned and given what the scene's material has 
                    "bodies.high.material={density: 2000 kg/m3, fibre: {direction: z, youngs_modulus: 1 kPa}}"});
   const Specimen& specimen = scene->specimen;
   const Part& high = specimen.body.parts[1];
-  const Positions places = specimen.body.rest.middleCols(high.first, high.count);
-  CHECK(places.row(0).maxCoeff() == Approx(0.03));  // z became x
-  CHECK(places.row(2).minCoeff() == Approx(0).margin(1e-12));
+  const Positions positions = specimen.body.rest.middleCols(high.first, high.count);
+  CHECK(positions.row(0).maxCoeff() == Approx(0.03));  // z became x
+  CHECK(positions.row(2).minCoeff() == Approx(0).margin(1e-12));
   const Material& own = specimen.materials.at(static_cast<std::size_t>(high.material));
   CHECK(own.youngs_modulus == 1000);
   CHECK(own.density == 2000);

@@ -5,8 +5,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "lab/experiment/contact_measures.h"
 #include "lab/experiment/specimen.h"
-#include "lab/experiment/touching.h"
 #include "lab/scene/scene.h"
 #include "support/temporary_folder.h"
 
@@ -105,7 +105,7 @@ TEST_CASE("obstacles lie where the scene says, turned with it", "[scene][contact
   const Obstacle plane = obstacle_of("plane: {point: [1 mm, 2 mm, 3 mm], normal: -x}");
   CHECK(plane.name == "plane");
   CHECK((plane.pose.turn.col(2) + Vector3::UnitX()).norm() < 1e-12);
-  CHECK((plane.pose.place - at).norm() < 1e-12);
+  CHECK((plane.pose.position - at).norm() < 1e-12);
   const Obstacle rod = obstacle_of(
       "name: rod, cylinder: {radius: 1 mm, length: 20 mm, axis: x}, at: [1 mm, 2 mm, 3 mm], turn: {axis: z, angle: 90 "
       "deg}, friction: 0.2");
@@ -115,8 +115,8 @@ TEST_CASE("obstacles lie where the scene says, turned with it", "[scene][contact
   CHECK(std::get<shape::Cylinder>(rod.shape).length == Approx(0.02));
   const Obstacle turned = obstacle_of("sphere: {radius: 1 mm}, at: [1 mm, 0, 0], motion: {by: [0, 2 mm, 0]}",
                                       "rotate: {axis: z, angle: 90 deg}\n");
-  CHECK((turned.pose.place - Vector3(0, 0.001, 0)).norm() < 1e-12);
-  CHECK((turned.at(0.5).place - Vector3(-0.001, 0.001, 0)).norm() < 1e-12);
+  CHECK((turned.pose.position - Vector3(0, 0.001, 0)).norm() < 1e-12);
+  CHECK((turned.at(0.5).position - Vector3(-0.001, 0.001, 0)).norm() < 1e-12);
   const auto scene =
       load(scene_with("{obstacles: [{box: {size: [1 mm, 1 mm, 1 mm]}}, {box: {size: [1 mm, 2 mm, 3 mm]}}]}"));
   CHECK(scene->specimen.contact->obstacles[1].name == "box 2");
@@ -128,10 +128,10 @@ TEST_CASE("obstacles move in time as the scene says", "[scene][contact]") {
       "s}}}}, {sphere: {radius: 1 mm}, at: [0, 0, 90 mm], velocity: [0, 0, -1 m/s], spin: [0, 0, 3 1/s]}]}",
       kCells, "kind: motion", "time: {duration: 1 s}\n"));
   const Pose plane = scene->specimen.contact->obstacles[0].at(1);
-  CHECK(plane.place.z() == Approx(-0.005 + 0.0005));
+  CHECK(plane.position.z() == Approx(-0.005 + 0.0005));
   CHECK(plane.velocity.z() == Approx(0.0005));
   const Pose sphere = scene->specimen.contact->obstacles[1].at(0.01);
-  CHECK(sphere.place.z() == Approx(0.09 - 0.01));
+  CHECK(sphere.position.z() == Approx(0.09 - 0.01));
   CHECK((sphere.turn - Eigen::AngleAxisd(0.03, Vector3::UnitZ()).toRotationMatrix()).norm() < 1e-12);
   // A point on the rim goes with both.
   const Vector3 rim = sphere.to_world({0.001, 0, 0});

@@ -66,7 +66,7 @@ std::string refusal(const std::string& path, const std::vector<std::string>& ove
 }
 
 /// Takes the '@' out of a text; returns ":line:column" of what stood behind it, counted from 1. Without one, the start.
-std::string take_place(std::string& text) {
+std::string take_location(std::string& text) {
   const std::size_t at = text.find('@');
   if (at == std::string::npos) return ":1:1";
   text.erase(at, 1);
@@ -93,11 +93,11 @@ void check_slips(const std::vector<Slip>& slips) {
   for (const Slip& slip : slips) {
     INFO(slip.wrong);
     std::string text = replaced(kScene, slip.right, slip.wrong);
-    const std::string place = take_place(text), path = folder.write("slip.yaml", text);
+    const std::string location = take_location(text), path = folder.write("slip.yaml", text);
     const std::string message = refusal(path);
-    CHECK_THAT(message, StartsWith(path + place + ": " + slip.path));
+    CHECK_THAT(message, StartsWith(path + location + ": " + slip.path));
     for (const std::string& part : slip.says) CHECK_THAT(message, Contains(part));
-    CHECK(occurrences(message, path + place) == 1);
+    CHECK(occurrences(message, path + location) == 1);
     const std::string keys = slip.path.substr(0, slip.path.find(':'));
     if (keys.find_first_of(".[") != std::string::npos) CHECK(occurrences(message, keys) == 1);
   }
@@ -228,7 +228,7 @@ TEST_CASE("a misspelt key is named with the nearest one and all that are known",
       {"tolerance: 1e-9",
        "@tolerence: 1e-9",
        "solver: unknown key 'tolerence'",
-       {"did you mean 'tolerance'?", "(allowed: displacements, way, linear_solver, tolerance, "}},
+       {"did you mean 'tolerance'?", "(allowed: displacements, method, linear_solver, tolerance, "}},
       {"gravity:",
        "@gravty:",
        "loads[0]: unknown key 'gravty'",
@@ -559,9 +559,9 @@ TEST_CASE("a scene file that is none is refused", "[scene]") {
                         {"title: a\n@title: b\n", "key 'title' stands here twice"},
                         {"title: a\n@[1, 2]: b\n", "a key must be a word"},
                         {"title: @&a\n  x: *a\n", "nested too deeply; does an alias stand inside its own anchor?"}}) {
-    const std::string place = take_place(row.text);
+    const std::string location = take_location(row.text);
     INFO(row.text);
-    CHECK_THAT(refusal(folder.write("cube.yaml", row.text)), StartsWith(path + place + ": " + row.message));
+    CHECK_THAT(refusal(folder.write("cube.yaml", row.text)), StartsWith(path + location + ": " + row.message));
   }
 }
 

@@ -27,7 +27,7 @@ std::string scene_with(const std::string& experiment, const std::string& rest) {
 }
 
 const std::string kMotion = "kind: motion", kTime = "time: {duration: 1 s}";
-const std::string kHold = "hold: {kind: tension, force: 1 mN}";
+const std::string kFixture = "fixture: {kind: tension, force: 1 mN}";
 
 void check_refusal(const std::string& experiment, const std::string& rest, int line, const std::string& says) {
   INFO(experiment << " | " << rest);
@@ -49,14 +49,14 @@ TEST_CASE("time and the experiments that take it go together", "[scene][time]") 
   check_refusal("kind: tension, force: 1 mN", kTime, 6, "time: a tension experiment is at rest and takes no time");
   check_refusal(kMotion, "", 5, "experiment: a motion experiment runs through time: key 'time' is missing");
   check_refusal("kind: vibration", kTime, 6, "a vibration experiment is at rest");
-  check_refusal("kind: relase, " + kHold, kTime, 5, "did you mean 'release'?");
-  check_refusal("kind: release", kTime, 5, "experiment: key 'hold' is missing");
-  check_refusal("kind: release, hold: {kind: motion}", kTime, 5, "must be an experiment at rest");
-  check_refusal("kind: release, load: gone, " + kHold, kTime, 5, "allowed: removed, applied");
-  check_refusal("kind: relaxation, ramp: 1 s, " + kHold, kTime, 5, "needs a displacement that is given");
-  check_refusal("kind: creep, hold: {kind: tension, displacement: 1 mm}", kTime, 5,
+  check_refusal("kind: relase, " + kFixture, kTime, 5, "did you mean 'release'?");
+  check_refusal("kind: release", kTime, 5, "experiment: key 'fixture' is missing");
+  check_refusal("kind: release, fixture: {kind: motion}", kTime, 5, "must be an experiment at rest");
+  check_refusal("kind: release, load: gone, " + kFixture, kTime, 5, "allowed: removed, applied");
+  check_refusal("kind: relaxation, ramp: 1 s, " + kFixture, kTime, 5, "needs a displacement that is given");
+  check_refusal("kind: creep, fixture: {kind: tension, displacement: 1 mm}", kTime, 5,
                 "must be a force, not a displacement");
-  check_refusal("kind: release, hold: {kind: material}", kTime, 5, "has no displacement to watch");
+  check_refusal("kind: release, fixture: {kind: material}", kTime, 5, "has no displacement to watch");
   check_refusal("kind: motion, in_time: {step: {at: 1 s}}", kTime, 5, "there is no load to change");
   check_refusal("kind: drop, height: 1 cm", kTime, 5, "nothing falls: give a speed, or gravity and a height");
   check_refusal("kind: shake, amplitude: 1 mm", kTime, 5, "key 'frequency' is missing");
@@ -124,7 +124,7 @@ TEST_CASE("the scenes in time hold what they expect", "[scene][time][vibrations]
     CHECK_FALSE(record.verdicts.empty());
     for (const Verdict& verdict : record.verdicts) {
       INFO(verdict.expectation.measure << ": " << verdict.measured);
-      CHECK((verdict.holds || !verdict.judged));
+      CHECK((verdict.passed || !verdict.judged));
     }
   }
 }

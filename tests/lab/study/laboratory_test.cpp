@@ -157,8 +157,8 @@ TEST_CASE("A scene's body, held and loaded, settles where its run does", "[labor
     Simulation tissue = laboratory.simulation();
     CHECK(tissue.positions() == laboratory.body().rest);
     REQUIRE(tissue.settle().outcome == Outcome::converged);
-    const double way = (result.positions - laboratory.body().rest).cwiseAbs().maxCoeff();
-    CHECK((tissue.positions() - result.positions).cwiseAbs().maxCoeff() < 1e-6 * way);
+    const double displacement = (result.positions - laboratory.body().rest).cwiseAbs().maxCoeff();
+    CHECK((tissue.positions() - result.positions).cwiseAbs().maxCoeff() < 1e-6 * displacement);
   }
 }
 

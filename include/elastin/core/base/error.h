@@ -7,7 +7,7 @@
 namespace elastin {
 
 /// Where a piece of input stands. Line and column count from 1; 0 = not known.
-struct Place {
+struct SourceLocation {
   std::string file;
   int line = 0;
   int column = 0;
@@ -20,13 +20,13 @@ struct Place {
 class InputError : public std::runtime_error {
  public:
   explicit InputError(const std::string& message) : std::runtime_error(message) {}
-  InputError(const Place& place, const std::string& message)
-      : std::runtime_error(place.text() + ": " + message), placed_(true) {}
+  InputError(const SourceLocation& location, const std::string& message)
+      : std::runtime_error(location.text() + ": " + message), has_location_(true) {}
   /// Whether the message already starts with a place, so that nobody puts a second one in front.
-  bool placed() const { return placed_; }
+  bool has_location() const { return has_location_; }
 
  private:
-  bool placed_ = false;
+  bool has_location_ = false;
 };
 
 /// The candidate that is nearest to `word` by edit distance (swaps of neighbours count one), or "" if none is near

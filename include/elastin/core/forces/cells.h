@@ -19,7 +19,7 @@ struct CellGraph {
   CellGraph(const Body& body, int corners);
   CellGraph(const Connections& connections, const Cells<4>& tetrahedra);
   /// Adds each connection's slots in ascending cell order: one owner a connection, the same bits on any thread count.
-  void gather(Eigen::Ref<const VectorX> slots, VectorX& densities) const;
+  void gather(Eigen::Ref<const VectorX> slots, VectorX& force_densities) const;
   int cells() const { return static_cast<int>(slot_connection.size()) / sides; }
 
   int sides;                         ///< connections of one cell
@@ -49,7 +49,7 @@ double sum_over_cells(int count, const std::function<double(int)>& term);
 template <CellLaw Law>
 class CellElasticity final : public Elasticity {
   static constexpr int corners = Law::corners, sides = connections_of_cell(corners);
-  using Squares = Eigen::Matrix<double, sides, 1>;
+  using SquaredLengths = Eigen::Matrix<double, sides, 1>;
   using Slope = Eigen::Matrix<double, sides, sides, Eigen::RowMajor>;
 
  public:
@@ -84,61 +84,66 @@ class CellElasticity final : public Elasticity {
       return detail::sum_over_cells(graph_.cells(), [&](int cell) {
         if constexpr (corners == 4)
           if (!(signed_volume(positions, body_.tetrahedra[cell]) > 0)) return std::numeric_limits<double>::infinity();
-        return law_.energy(constants_[cell], squares(positions, cell));
+        return law_.energy(constants_[cell], squared_lengths(positions, cell));
       });
     else
       return 0;
   }
 
-  void add_force_densities(const Positions& positions, VectorX& densities, Scratch& scratch) const override {
+  void add_force_densities(const Positions& positions, VectorX& force_densities, Workspace& workspace) const override {
     if (detail::on_one_thread(graph_.cells())) {  // the same order of additions without the slots
       for (int cell = 0; cell < graph_.cells(); ++cell) {
-        const Squares q = law_.force_densities(constants_[cell], squares(positions, cell));
-        for (int side = 0; side < sides; ++side) densities[graph_.slot_connection[cell * sides + side]] += q[side];
+        const SquaredLengths q = law_.force_densities(constants_[cell], squared_lengths(positions, cell));
+        for (int side = 0; side < sides; ++side)
+          force_densities[graph_.slot_connection[cell * sides + side]] += q[side];
       }
       return;
     }
-    auto slots = scratch.take(Scratch::slots, graph_.cells() * sides);
+    auto slots = workspace.buffer(Workspace::slots, graph_.cells() * sides);
     detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
       for (int cell = begin; cell < end; ++cell)
-        slots.template segment<sides>(cell * sides) = law_.force_densities(constants_[cell], squares(positions, cell));
+        slots.template segment<sides>(cell * sides) =
+            law_.force_densities(constants_[cell], squared_lengths(positions, cell));
     });
-    graph_.gather(slots, densities);
+    graph_.gather(slots, force_densities);
   }
 
-  bool add_triangle_densities(const Positions& positions, Eigen::Matrix3Xd& densities) const override {
+  bool add_triangle_force_densities(const Positions& positions, Eigen::Matrix3Xd& force_densities) const override {
     if constexpr (corners == 3)
       for (int cell = 0; cell < graph_.cells(); ++cell)
-        densities.col(cell) += law_.force_densities(constants_[cell], squares(positions, cell));
+        force_densities.col(cell) += law_.force_densities(constants_[cell], squared_lengths(positions, cell));
     return corners == 3;
   }
 
   void linearise(const Positions& positions) override {
     slopes_.resize(constants_.size());
     detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
-      for (int cell = begin; cell < end; ++cell) slopes_[cell] = law_.slope(constants_[cell], squares(positions, cell));
+      for (int cell = begin; cell < end; ++cell)
+        slopes_[cell] = law_.slope(constants_[cell], squared_lengths(positions, cell));
     });
   }
 
   void add_own_slopes(VectorX&) const override {}
   bool coupled() const override { return true; }
 
-  void add_change(const VectorX& change_of_squares, VectorX& change_of_densities, Scratch& scratch) const override {
+  void add_change(const VectorX& change_of_squared_lengths, VectorX& change_of_force_densities,
+                  Workspace& workspace) const override {
     const auto change = [&](int cell) {
-      Squares all;
+      SquaredLengths all;
       for (int side = 0; side < sides; ++side)
-        all[side] = change_of_squares[graph_.slot_connection[cell * sides + side]];
-      return Squares(slopes_[cell] * all);
+        all[side] = change_of_squared_lengths[graph_.slot_connection[cell * sides + side]];
+      return SquaredLengths(slopes_[cell] * all);
     };
     if (detail::on_one_thread(graph_.cells())) {
-      for (int cell = 0; cell < graph_.cells(); ++cell) add_to_connections(cell, change(cell), change_of_densities);
+      for (int cell = 0; cell < graph_.cells(); ++cell)
+        add_to_connections(cell, change(cell), change_of_force_densities);
       return;
     }
-    auto slots = scratch.take(Scratch::slots, graph_.cells() * sides);
+    auto slots = workspace.buffer(Workspace::slots, graph_.cells() * sides);
     detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
       for (int cell = begin; cell < end; ++cell) slots.template segment<sides>(cell * sides) = change(cell);
     });
-    graph_.gather(slots, change_of_densities);
+    graph_.gather(slots, change_of_force_densities);
   }
 
   void visit_cells(const CellVisitor& visit) const override {
@@ -154,12 +159,13 @@ class CellElasticity final : public Elasticity {
       return body_.tetrahedra;
   }
 
-  void add_to_connections(int cell, const Squares& share, VectorX& densities) const {
-    for (int side = 0; side < sides; ++side) densities[graph_.slot_connection[cell * sides + side]] += share[side];
+  void add_to_connections(int cell, const SquaredLengths& share, VectorX& force_densities) const {
+    for (int side = 0; side < sides; ++side)
+      force_densities[graph_.slot_connection[cell * sides + side]] += share[side];
   }
 
-  Squares squares(const Positions& positions, int cell) const {
-    Squares s;
+  SquaredLengths squared_lengths(const Positions& positions, int cell) const {
+    SquaredLengths s;
     int side = 0;
     for (int i = 0; i < corners; ++i)
       for (int j = i + 1; j < corners; ++j)

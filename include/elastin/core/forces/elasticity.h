@@ -16,22 +16,22 @@ class Graph;
 
 /// Room for what a force pass computes on the way. It belongs to the caller and only grows: passes over one model
 /// allocate nothing after the first.
-class Scratch {
+class Workspace {
  public:
   enum Use { slots, cells, groups, changes };
   /// Room for so many numbers; they are what was left there.
-  Eigen::Map<VectorX> take(Use use, Eigen::Index size) { return grown(numbers_[use], size); }
+  Eigen::Map<VectorX> buffer(Use use, Eigen::Index size) { return grown(numbers_[use], size); }
   /// The same for each part of a parallel pass.
-  void make_parts(int parts) {
-    if (static_cast<int>(of_parts_.size()) < parts) of_parts_.resize(static_cast<std::size_t>(parts));
+  void reserve_ranges(int ranges) {
+    if (static_cast<int>(range_buffers_.size()) < ranges) range_buffers_.resize(static_cast<std::size_t>(ranges));
   }
-  Eigen::Map<VectorX> take_part(int part, Eigen::Index size) {
-    return grown(of_parts_[static_cast<std::size_t>(part)], size);
+  Eigen::Map<VectorX> range_buffer(int range, Eigen::Index size) {
+    return grown(range_buffers_[static_cast<std::size_t>(range)], size);
   }
 
-  VectorX densities;       ///< [N/m], one a connection
-  VectorX squares, rates;  ///< of its length [m²], [m²/s]
-  VectorX scaled;          ///< one a connection, what one law hands on to another
+  VectorX force_densities;         ///< [N/m], one a connection
+  VectorX squared_lengths, rates;  ///< of its length [m²], [m²/s]
+  VectorX scaled;                  ///< one a connection, what one law hands on to another
 
  private:
   static Eigen::Map<VectorX> grown(VectorX& numbers, Eigen::Index size) {
@@ -39,7 +39,7 @@ class Scratch {
     return {numbers.data(), size};
   }
   VectorX numbers_[4];
-  std::vector<VectorX> of_parts_;
+  std::vector<VectorX> range_buffers_;
 };
 
 /// A stiffness strategy at work on one body. Everything elastic is one number per connection, its force density q
@@ -57,18 +57,20 @@ class Elasticity {
   virtual bool has_energy() const { return true; }
   /// Whether linearise() gives the whole derivative, or (angles_update) leaves a part out.
   virtual bool has_full_tangent() const { return true; }
-  /// Stored energy [J]; +infinity where a cell is flat or turned over.
+  /// Stored energy [J]; +infinity where a cell is flat or inverted.
   virtual double energy(const Positions& positions) const = 0;
-  /// Whether no cell is flat or turned over. Energies are +infinity where not; laws without an energy say it here.
+  /// Whether no cell is flat or inverted. Energies are +infinity where not; laws without an energy say it here.
   virtual bool admissible(const Positions& /*positions*/) const { return true; }
   /// Adds each connection's force density [N/m].
-  virtual void add_force_densities(const Positions& positions, VectorX& densities, Scratch& scratch) const = 0;
+  virtual void add_force_densities(const Positions& positions, VectorX& force_densities,
+                                   Workspace& workspace) const = 0;
   /// Adds the force on each molecule [N]: through the force densities, unless there is a shorter way. `graph` is that
-  /// of the body. The same bits on any number of threads.
-  virtual void add_forces(const Positions& positions, const Graph& graph, Positions& forces, Scratch& scratch) const;
+  /// of the body. Bitwise identical on any number of threads.
+  virtual void add_forces(const Positions& positions, const Graph& graph, Positions& forces,
+                          Workspace& workspace) const;
   /// Of laws of triangles: adds each triangle's own share [N/m], a column a triangle, order 01 02 12. False where the
   /// force densities belong to connections.
-  virtual bool add_triangle_densities(const Positions& /*positions*/, Eigen::Matrix3Xd& /*densities*/) const {
+  virtual bool add_triangle_force_densities(const Positions& /*positions*/, Eigen::Matrix3Xd& /*densities*/) const {
     return false;
   }
 
@@ -78,14 +80,15 @@ class Elasticity {
   virtual void add_own_slopes(VectorX& slopes) const = 0;
   /// Whether connections influence each other; if not, the next two do nothing.
   virtual bool coupled() const { return false; }
-  /// Adds the coupled part of δq from δs. Allocates nothing once `scratch` has served.
-  virtual void add_change(const VectorX& /*change_of_squares*/, VectorX& /*change_of_densities*/, Scratch&) const {}
+  /// Adds the coupled part of δq from δs. Allocates nothing once `workspace` has served.
+  virtual void add_change(const VectorX& /*change_of_squared_lengths*/, VectorX& /*change_of_force_densities*/,
+                          Workspace&) const {}
   /// Calls visit(connections, slopes) for each cell; slopes row by row, rows = whose q.
   using CellVisitor = std::function<void(std::span<const int> connections, const double* slopes)>;
   virtual void visit_cells(const CellVisitor&) const {}
   /// For couplings too wide for dense slopes: calls visit(a, b, part) for parts of the 3×3 blocks of the stiffness
   /// [N/m], without what the force densities and own slopes give. A law has either this or visit_cells.
-  using BlockVisitor = std::function<void(int a, int b, const Matrix3& part)>;
+  using BlockVisitor = std::function<void(int a, int b, const Matrix3& block)>;
   virtual void visit_blocks(const BlockVisitor&) const {}
   /// Of couplings too wide for dense slopes, what a coarser picture of the body can use: calls visit(g, factor) for
   /// parts factor · (Σ g_a·x_a)² / 2 of the energy, g a list of molecules and vectors whose sum is zero. False where
@@ -93,7 +96,7 @@ class Elasticity {
   using GradientVisitor = std::function<void(std::span<const std::pair<int, Vector3>> gradient, double factor)>;
   virtual bool visit_gradients(const GradientVisitor&) const { return true; }
   /// Calls visit(a, part) for parts of the diagonal ones of those blocks.
-  using DiagonalVisitor = std::function<void(int a, const Matrix3& part)>;
+  using DiagonalVisitor = std::function<void(int a, const Matrix3& block)>;
   virtual void visit_diagonal(const DiagonalVisitor&) const {}
 };
 
@@ -107,7 +110,7 @@ std::unique_ptr<Elasticity> make_curve_springs(const Body& body, VectorX section
 /// Springs of these constants [N/m] at rest, each following the material's curve of its own strain; linear without one.
 std::unique_ptr<Elasticity> make_springs(const Body& body, VectorX constants, const Material& material);
 
-/// Springs whose constants are set anew from the present places; the tangent leaves their change out.
+/// Springs whose constants are set anew from the present positions; the tangent leaves their change out.
 using ConstantsAt = std::function<VectorX(const Positions&)>;
 std::unique_ptr<Elasticity> make_updated_springs(const Body& body, ConstantsAt constants);
 
@@ -118,6 +121,6 @@ std::unique_ptr<Elasticity> make_cables(const Body& body);
 std::unique_ptr<Elasticity> make_sum(std::unique_ptr<Elasticity> first, std::unique_ptr<Elasticity> second);
 
 /// All of them at once; what they work on is kept as long as the sum and its clones.
-std::unique_ptr<Elasticity> make_sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> kept);
+std::unique_ptr<Elasticity> make_sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> owner);
 
 }  // namespace elastin

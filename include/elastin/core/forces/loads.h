@@ -10,7 +10,7 @@
 namespace elastin {
 
 /// A part of a stiffness that joins all molecules with all: factor · direction directionᵀ.
-struct WidePart {
+struct WideTerm {
   double factor;        ///< [Pa/m³] of a pressure
   Positions direction;  ///< [m²] of a pressure
 };
@@ -29,10 +29,10 @@ class Load {
   virtual void add_change(const State&, const Positions& /*change_of_positions*/,
                           const Positions& /*change_of_velocities*/, Positions& /*change_of_forces*/) const {}
   /// Calls visit(a, b, part) for parts of the 3×3 blocks of −∂F_a/∂x_b − velocity_weight ∂F_a/∂v_b [N/m].
-  using BlockVisitor = std::function<void(int a, int b, const Matrix3& part)>;
+  using BlockVisitor = std::function<void(int a, int b, const Matrix3& block)>;
   virtual void visit_blocks(const State&, double /*velocity_weight*/, const BlockVisitor&) const {}
   /// What is left out there: stiffness that joins all molecules with all.
-  virtual std::vector<WidePart> wide_parts(const State&) const { return {}; }
+  virtual std::vector<WideTerm> wide_terms(const State&) const { return {}; }
   /// Whether what it does to a body that does not move comes from energy().
   virtual bool has_energy() const { return true; }
   /// Whether energy() at one place stays the same over time: else what the load does is work from outside.
@@ -50,11 +50,11 @@ class Load {
   virtual bool symmetric() const { return true; }
 
   /// Contact has a memory, State::touches: called with each state that was reached, at the end of a step.
-  virtual void remember(State&) const {}
+  virtual void commit_step(State&) const {}
   /// Changes the memory so that the next equilibrium is nearer to what was asked for. True: that takes another solve.
-  virtual bool tighten(State&) const { return false; }
+  virtual bool update_multipliers(State&) const { return false; }
   /// The largest part (0 … 1] of the straight way from one state to another on which nothing is passed through unseen.
-  virtual double free_way(const State& /*from*/, const State& /*to*/) const { return 1; }
+  virtual double max_step_fraction(const State& /*from*/, const State& /*to*/) const { return 1; }
   /// A bound on the square of the frequency [1/s²] that a stiffness gives which may set in within the next `ahead` [s].
   virtual double square_frequency(const State&, double /*ahead*/) const { return 0; }
 };

@@ -33,7 +33,7 @@ class Model {
   void add(std::unique_ptr<Load> load) { loads_.push_back(std::move(load)); }
   void add(std::unique_ptr<Viscosity> viscosity) { viscosity_.push_back(std::move(viscosity)); }
   /// Hands the loads over: the model then has none.
-  std::vector<std::unique_ptr<Load>> take_loads() { return std::exchange(loads_, {}); }
+  std::vector<std::unique_ptr<Load>> extract_loads() { return std::exchange(loads_, {}); }
   const std::vector<std::unique_ptr<Elasticity>>& elasticity() const { return elasticity_; }
   const std::vector<std::unique_ptr<Viscosity>>& viscosity() const { return viscosity_; }
   const std::vector<std::unique_ptr<Load>>& loads() const { return loads_; }
@@ -45,11 +45,11 @@ class Model {
   /// Whether at rest all forces, the loads' too, come from energies.
   bool conservative() const;
   bool has_full_tangent() const;
-  /// Whether no cell is flat or turned over.
+  /// Whether no cell is flat or inverted.
   bool admissible(const Positions& positions) const;
   /// Whether a force depends on velocities: damping, drag.
   bool feels_velocity() const;
-  /// Elastic energy [J], +infinity where a cell is flat or turned over.
+  /// Elastic energy [J], +infinity where a cell is flat or inverted.
   double elastic_energy(const Positions& positions) const;
   /// Potential energy of the loads [J].
   double load_energy(const State& state) const;
@@ -59,30 +59,31 @@ class Model {
   Positions elastic_forces(const Positions& positions) const;
   /// Whether the loads' tangents are symmetric.
   bool symmetric() const;
-  /// Calls these of the loads, see there: remember, tighten (any), free_way (the least), square_frequency (the sum).
-  void remember(State& state) const;
-  bool tighten(State& state) const;
-  double free_way(const State& from, const State& to) const;
+  /// Calls these of the loads, see there: commit_step, update_multipliers (any), max_step_fraction (the least),
+  /// square_frequency (the sum).
+  void commit_step(State& state) const;
+  bool update_multipliers(State& state) const;
+  double max_step_fraction(const State& from, const State& to) const;
   double square_frequency(const State& state, double ahead) const;
-  /// Adds it to `forces`, without an allocation once `scratch` has served this model. The same bits on any number of
-  /// threads.
-  void add_elastic_forces(const Positions& positions, Positions& forces, Scratch& scratch) const;
+  /// Adds it to `forces`, without an allocation once `workspace` has served this model. Bitwise identical on any number
+  /// of threads.
+  void add_elastic_forces(const Positions& positions, Positions& forces, Workspace& workspace) const;
   /// Force of all loads on each molecule [N].
   Positions load_forces(const State& state) const;
   /// Squared length [m²] of each connection, and its rate [m²/s].
-  std::pair<VectorX, VectorX> squares_and_rates(const State& state) const;
+  std::pair<VectorX, VectorX> squared_lengths_and_rates(const State& state) const;
   /// Force density of each connection [N/m] that internal damping adds.
-  VectorX viscous_densities(const State& state) const;
+  VectorX viscous_force_densities(const State& state) const;
   /// All forces on each molecule [N]: elastic, damping, loads. `forces` is overwritten.
   void set_forces(const State& state, Positions& forces) const;
-  /// The same without an allocation once `scratch` has served this model.
-  void set_forces(const State& state, Positions& forces, Scratch& scratch) const;
-  /// Sum of connection forces on each molecule: Σ q_ab (x_b − x_a). The same bits on any number of threads.
-  void gather(const Positions& positions, const VectorX& densities, Positions& forces) const;
+  /// The same without an allocation once `workspace` has served this model.
+  void set_forces(const State& state, Positions& forces, Workspace& workspace) const;
+  /// Sum of connection forces on each molecule: Σ q_ab (x_b − x_a). Bitwise identical on any number of threads.
+  void gather(const Positions& positions, const VectorX& force_densities, Positions& forces) const;
 
  private:
   friend class Tangent;
-  void set_squares_and_rates(const State& state, VectorX& squares, VectorX& rates) const;
+  void set_squared_lengths_and_rates(const State& state, VectorX& squared_lengths, VectorX& rates) const;
   const Body* body_;
   std::vector<std::unique_ptr<Elasticity>> elasticity_;
   std::vector<std::unique_ptr<Viscosity>> viscosity_;

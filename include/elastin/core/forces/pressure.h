@@ -8,31 +8,31 @@
 namespace elastin {
 
 /// Pressure over that outside, its slope and the work it has done, at one volume.
-struct Inside {
+struct PressureState {
   double pressure = 0;  ///< p [Pa]
   double slope = 0;     ///< dp/dV [Pa/m³]
   double work = 0;      ///< ∫ p dV from the volume at rest [J]
 };
 
 /// What fills a surface: its pressure as a function of the enclosed volume [m³] and of that at rest.
-using Filling = std::function<Inside(double volume, double rest_volume)>;
+using PressureLaw = std::function<PressureState(double volume, double rest_volume)>;
 
 /// The same pressure [Pa] at every volume; may be negative.
-Filling constant_pressure(double pressure);
+PressureLaw constant_pressure(double pressure);
 
 /// A closed amount of gas: (p + ambient) Vᵞ stays what it is at rest, `amount` V₀ᵞ⁻¹. γ = 1: constant temperature, with
 /// amount = n R T; 1.4: air without exchange of heat. `amount` is absolute pressure times volume at rest [J], `ambient`
 /// [Pa], both ≥ 0. A volume that is not above zero has infinite pressure.
-Filling enclosed_gas(double amount, double exponent, double ambient);
+PressureLaw enclosed_gas(double amount, double exponent, double ambient);
 
 /// Volume control: p = pressure + stiffness (volume − V) holds the volume [m³] within (p − pressure)/stiffness, however
 /// the pressure must rise or fall for that: the way past a pressure limit. Solved again with `pressure` = the p found,
 /// the volume is met ever closer, and p is the multiplier of that constraint. [augmented Lagrangian; Hestenes 1969]
-Filling controlled_volume(double volume, double stiffness, double pressure);
+PressureLaw controlled_volume(double volume, double stiffness, double pressure);
 
 /// Signed volume between the triangles and an apex [m³]: Σ (x0 − a)·((x1 − a) × (x2 − a))/6. That inside a closed
 /// surface, wherever the apex; of an open one, that under it and the planes through the apex on which its rim lies.
-double enclosed_volume(const Cells<3>& triangles, const Positions& places, const Vector3& apex);
+double enclosed_volume(const Cells<3>& triangles, const Positions& positions, const Vector3& apex);
 
 /// Sides of triangles that hinder a pressure.
 struct SurfaceFindings {
@@ -44,15 +44,15 @@ SurfaceFindings inspect_surface(const Cells<3>& triangles);
 
 /// Pressure on all triangles of a body, on their present area and along their present normals: a third of p A n to each
 /// corner of a triangle. The tangent is exact; it is symmetric, and energy() is that of the forces, on a closed surface
-/// and on one whose rim is fixed or slides in planes through the apex (`rim_held`). Throws InputError where the
+/// and on one whose rim is fixed or slides in planes through the apex (`rim_fixed`). Throws InputError where the
 /// triangles have no common outside.
 class Pressure final : public Load {
  public:
-  Pressure(const Body& body, Filling filling, const Vector3& apex, bool rim_held);
+  Pressure(const Body& body, PressureLaw law, const Vector3& apex, bool rim_fixed);
 
-  void set_filling(Filling filling);
-  double volume(const Positions& places) const;
-  Inside inside(const Positions& places) const { return filling_(volume(places), rest_volume_); }
+  void set_law(PressureLaw law);
+  double volume(const Positions& positions) const;
+  PressureState pressure_state(const Positions& positions) const { return law_(volume(positions), rest_volume_); }
   double rest_volume() const { return rest_volume_; }
 
   void add_forces(const State& state, Positions& forces) const override;
@@ -61,14 +61,14 @@ class Pressure final : public Load {
   bool changes() const override { return true; }
   void add_change(const State& state, const Positions& dx, const Positions& dv, Positions& forces) const override;
   void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override;
-  std::vector<WidePart> wide_parts(const State& state) const override;
+  std::vector<WideTerm> wide_terms(const State& state) const override;
 
  private:
   template <class OfTriangle>
   void add_to_corners(Positions& sums, OfTriangle&& of_triangle) const;
 
   const Body& body_;
-  Filling filling_;
+  PressureLaw law_;
   Vector3 apex_;
   double rest_volume_ = 0;
   bool conservative_ = false, constant_ = false;

@@ -14,15 +14,16 @@ class Viscosity {
  public:
   virtual ~Viscosity() = default;
   /// Adds each connection's force density [N/m]. All vectors one a connection, and none of them the scratch's `scaled`.
-  virtual void add_force_densities(const VectorX& squares, const VectorX& rates, VectorX& densities,
-                                   Scratch& scratch) const = 0;
+  virtual void add_force_densities(const VectorX& squared_lengths, const VectorX& rates, VectorX& force_densities,
+                                   Workspace& workspace) const = 0;
   /// Adds ∂q/∂s + rate_weight ∂q/∂ṡ of each connection's own s and ṡ.
-  virtual void add_own_slopes(const VectorX& squares, const VectorX& rates, double rate_weight,
+  virtual void add_own_slopes(const VectorX& squared_lengths, const VectorX& rates, double rate_weight,
                               VectorX& slopes) const = 0;
   /// Whether connections influence each other; if not, the next two do nothing.
   virtual bool coupled() const { return false; }
   /// Adds the coupled part of δq from δṡ.
-  virtual void add_change(const VectorX& /*change_of_rates*/, VectorX& /*change_of_densities*/, Scratch&) const {}
+  virtual void add_change(const VectorX& /*change_of_rates*/, VectorX& /*change_of_force_densities*/,
+                          Workspace&) const {}
   /// As Elasticity's, of slopes ∂q/∂ṡ.
   virtual void visit_cells(const Elasticity::CellVisitor&) const {}
 };

@@ -14,7 +14,7 @@ namespace elastin {
 ///     that linear tetrahedra do not lock as ν → ½.
 /// The volumes telescope: under uniform strain nothing acts inside, and the pressure κ (J − 1) on the surface.
 ///
-/// `modulus` κ [Pa] may be negative. Volumes carry a sign, so that single tetrahedra may turn over; a group whose whole
+/// `modulus` κ [Pa] may be negative. Volumes carry a sign, so that single tetrahedra may invert; a group whose whole
 /// volume has is energy +∞. Throws InputError where unsuited_for_volumes says why.
 std::unique_ptr<Elasticity> make_volume(const Body& body, double modulus);
 

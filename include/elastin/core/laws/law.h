@@ -33,8 +33,8 @@ concept SpringRule = StiffnessLaw<Law> && requires(const Law& law, const Body& b
 /// A constant k [N/m] for each connection, set again from the present places at every evaluation. Has no energy.
 template <class Law>
 concept UpdatedSpringRule = StiffnessLaw<Law> &&
-    requires(const Law& law, const Body& body, const Material& material, const Positions& places) {
-  { law.constants(body, material, places) } -> std::convertible_to<VectorX>;
+    requires(const Law& law, const Body& body, const Material& material, const Positions& positions) {
+  { law.constants(body, material, positions) } -> std::convertible_to<VectorX>;
 };
 
 /// Connections of a triangle (order 01 02 12) or a tetrahedron (order 01 02 03 12 13 23).

@@ -85,10 +85,10 @@ struct Body {
 
 /// Every pair of molecules at most `reach` [m] apart, ascending (first, second), with its present length as rest
 /// length. Cost O(n) for bodies of even density (grid of buckets). Throws InputError beyond 1000 neighbours a molecule.
-Connections connections_within(const Positions& places, double reach);
+Connections connections_within(const Positions& positions, double reach);
 
 /// The edges of the body's cells, each once, ascending, with its present length as rest length.
-Connections connections_of_cells(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra);
+Connections connections_of_cells(const Positions& positions, const Cells<3>& triangles, const Cells<4>& tetrahedra);
 
 /// Makes the present length of each connection its rest length.
 void set_present_lengths(Body& body);
@@ -109,23 +109,23 @@ void set_region(Body& body, const Vector3& low, const Vector3& high, double stif
 
 /// Lumped masses [kg]: a quarter of each tetrahedron's mass, a third of each triangle's (thickness t [m]) to its
 /// molecules.
-VectorX lumped_mass(const Positions& places, const Cells<3>& triangles, const Cells<4>& tetrahedra, double density,
+VectorX lumped_mass(const Positions& positions, const Cells<3>& triangles, const Cells<4>& tetrahedra, double density,
                     double thickness);
 
 /// Signed volume of a tetrahedron [m³], positive when corners 1, 2, 3 turn counter-clockwise seen from corner 0's far
 /// side.
-double signed_volume(const Positions& places, const std::array<int, 4>& tetrahedron);
+double signed_volume(const Positions& positions, const std::array<int, 4>& tetrahedron);
 
-/// Tetrahedra that are flat or turned over at these places: their volume is not above 1e-12 L³ of their longest side L.
-std::vector<int> flat_or_inverted_cells(const Body& body, const Positions& places);
-/// "cell 3 is flat or turned over", "cells 3, 7 are …": the first ten by number, how many others, and of how many.
+/// Tetrahedra that are flat or inverted at these positions: their volume is not above 1e-12 L³ of their longest side L.
+std::vector<int> flat_or_inverted_cells(const Body& body, const Positions& positions);
+/// "cell 3 is flat or inverted", "cells 3, 7 are …": the first ten by number, how many others, and of how many.
 std::string flat_or_inverted_text(const std::vector<int>& cells, std::size_t of);
 
 /// What is wrong or odd with a body as a graph of its connections proper, in words a user can act on.
 struct BodyFindings {
-  int pieces = 0;                            ///< connected parts, loose molecules included
+  int pieces = 0;                            ///< connected parts, isolated molecules included
   std::vector<int> piece_of;                 ///< the part each molecule belongs to, parts numbered by first molecule
-  std::vector<int> loose_molecules;          ///< molecules without any connection
+  std::vector<int> isolated_molecules;       ///< molecules without any connection
   std::vector<int> zero_length_connections;  ///< rest length below 1e-12 of the body's size
   std::vector<int> duplicate_connections;    ///< the second and later ones of a pair
   std::vector<int> flat_or_inverted_cells;   ///< at rest

@@ -19,7 +19,7 @@ struct Material {
   double poissons_ratio = 0.25;  ///< ν, −1 < ν < ½. Springs alone give ¼ in an isotropic body, whatever is asked.
   double density = 1000;         ///< ρ [kg/m³], > 0
   double thickness = 0;          ///< t [m] of a membrane; only triangles use it
-  /// D [N m] of a sheet that is not limp; 0 = limp. A plate has E t³/(12 (1−ν²)).
+  /// D [N m] of a sheet that has a bending stiffness; 0 = no bending stiffness. A plate has E t³/(12 (1−ν²)).
   double bending_rigidity = 0;
   std::optional<StressStrain> curve = {};  ///< of the material in uniaxial stress, without its fibres; none = straight
   std::optional<Fibre> fibre = {};

@@ -8,7 +8,7 @@ namespace elastin {
 
 /// What contact remembers of a place on the body that touches: where on the target it sticks, and how hard it was held
 /// back beyond its penalty. Sorted by (sample, target).
-struct TouchMemory {
+struct ContactHistory {
   int sample = 0, target = 0;
   /// The anchor: offset + Σ weight · molecule of the target; on an obstacle (count 0) the offset is in its own frame.
   std::array<int, 3> molecules{-1, -1, -1};
@@ -25,10 +25,10 @@ struct State {
   double time = 0;       ///< [s]
   /// [m/s²], of the last step's end; empty before the first step. Integrators that need it go on from there.
   Positions accelerations = {};
-  std::vector<TouchMemory> touches = {};  ///< of the last state that was reached; empty without contact
+  std::vector<ContactHistory> contact_history = {};  ///< of the last state that was reached; empty without contact
 };
 
-/// The body at rest: its own places, no velocity, time 0.
+/// The body at rest: its own positions, no velocity, time 0.
 inline State state_at_rest(const Body& body) { return {body.rest, Positions::Zero(3, body.size())}; }
 
 }  // namespace elastin

@@ -2,8 +2,8 @@
 
 namespace elastin {
 
-/// A task system that runs loops over large bodies: the host's, or OpenMP's (see openmp.h). Results have the same bits
-/// with any, and with none.
+/// A task system that runs loops over large bodies: the host's, or OpenMP's (see openmp.h). Results are bitwise
+/// identical with any, and with none.
 class TaskRunner {
  public:
   virtual ~TaskRunner() = default;

@@ -38,8 +38,8 @@ enum class BlockKind { kuhn, alternating, body_centred };
 /// connections are their edges.
 Body tetrahedral_block(BlockKind kind, const std::array<int, 3>& cubes, const Vector3& size);
 
-/// A body from given places and pairs; rest lengths are the distances.
-Body listed_body(const std::vector<Vector3>& places, const std::vector<std::array<int, 2>>& pairs);
+/// A body from given positions and pairs; rest lengths are the distances.
+Body listed_body(const std::vector<Vector3>& positions, const std::vector<std::array<int, 2>>& pairs);
 
 /// Stretches the whole body from the origin, along x, y, z; the present lengths become the rest lengths.
 void stretch(Body& body, const Vector3& factors);

@@ -34,7 +34,7 @@ enum class SheetPattern { one_way, alternating, crossed };
 Body rectangular_sheet(const std::array<double, 2>& size, const std::array<int, 2>& squares, SheetPattern pattern);
 
 /// A cross in the plane z = 0 about the origin, as of a cross-type parachute: two strips of `width` × `span` [m] that
-/// share their middle; `squares` across the width, as many along the arms as keep them nearly square, cut in
+/// share their middle; `squared_lengths` across the width, as many along the arms as keep them nearly square, cut in
 /// alternation.
 Body cross_canopy(double width, double span, int squares);
 
@@ -44,15 +44,15 @@ enum class HungFrom {
   rim,   ///< all molecules on sides of one triangle alone
 };
 
-/// Hangs a load of `mass` [kg] at `place` [m] by cables of EA = `stiffness` [N] to each of these molecules, as long as
-/// the way there. The load is the body's last molecule. Masses and radii must be set. Throws InputError where a
+/// Hangs a load of `mass` [kg] at `position` [m] by cables of EA = `stiffness` [N] to each of these molecules, as long
+/// as the way there. The load is the body's last molecule. Masses and radii must be set. Throws InputError where a
 /// molecule lies at that place.
-void hang_load(Body& body, HungFrom from, const Vector3& place, double stiffness, double mass, double radius);
+void hang_load(Body& body, HungFrom from, const Vector3& position, double stiffness, double mass, double radius);
 
 /// ½ (x1 − x0) × (x2 − x0) [m²].
-Vector3 area_vector(const Positions& places, const std::array<int, 3>& triangle);
+Vector3 area_vector(const Positions& positions, const std::array<int, 3>& triangle);
 
 /// Triangles whose area is not above 1e-12 L² of their longest side L.
-std::vector<int> flat_triangles(const Body& body, const Positions& places);
+std::vector<int> flat_triangles(const Body& body, const Positions& positions);
 
 }  // namespace elastin

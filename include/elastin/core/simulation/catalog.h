@@ -162,8 +162,8 @@ void Catalog::add() {
     strategy.constants_at = [described](const Body& body, const Material& material,
                                         const ParameterValues& values) -> ConstantsAt {
       return [law = detail::law_with<Law>(described, values), &body, material,
-              seen = detail::seen_by<Law>(body)](const Positions& places) {
-        return detail::with_cell_sides(law.constants(*seen, material, places), body);
+              seen = detail::seen_by<Law>(body)](const Positions& positions) {
+        return detail::with_cell_sides(law.constants(*seen, material, positions), body);
       };
     };
     strategy.make = [at = strategy.constants_at](const Body& body, const Material& material,

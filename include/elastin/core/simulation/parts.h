@@ -18,6 +18,6 @@ void add_companions(Model& model, const Strategy& strategy, const Material& mate
 
 /// Supports all molecules of the body's rigid parts that have no support yet: bone stays where it is unless something
 /// moves it.
-void hold_rigid_parts(Model& model);
+void fix_rigid_parts(Model& model);
 
 }  // namespace elastin

@@ -12,8 +12,8 @@
 
 namespace elastin {
 
-/// Names a grip (see Simulation::grab); never used again after let_go.
-using GripId = int;
+/// Names a virtual coupling (see Simulation::couple); never used again after decouple.
+using CouplingId = int;
 
 struct SimulationOptions {
   IntegratorOptions integrator = {Scheme::symplectic_euler};
@@ -22,35 +22,35 @@ struct SimulationOptions {
   /// body at rest and of its grips; see stable_step. A law that stiffens much as it is strained wants less.
   double safety = 0.8;
   /// A step that would take more parts ends as limit_reached and leaves the state as it was: real time has a limit.
-  int most_parts = 1000;
+  int max_substeps = 1000;
   /// Who runs the loops over large bodies (some 50 000 connections on): the host's task system, which must outlive the
   /// simulation; or, where it is null, so many threads of the common one (set_runner, use_openmp), 0 = as set_threads
-  /// says. The same bits with any.
+  /// says. Bitwise identical with any.
   TaskRunner* runner = nullptr;
   int threads = 0;
 };
 
-/// A spring of length 0 and a damper between a molecule and a place.
-struct Grip {
-  GripId id = 0;
+/// A spring of length 0 and a damper between a molecule and a position.
+struct Coupling {
+  CouplingId id = 0;
   int molecule = 0;
-  double stiffness = 0, damping = 0;  ///< [N/m], [N s/m]
-  Vector3 place = Vector3::Zero();    ///< [m]
+  double stiffness = 0, damping = 0;   ///< [N/m], [N s/m]
+  Vector3 position = Vector3::Zero();  ///< [m]
   Vector3 velocity = Vector3::Zero();
 };
 
-/// Everything that a simulation changes while it runs; restoring it goes on with the same bits.
+/// Everything that a simulation changes while it runs; restoring it goes on bitwise identically.
 struct SimulationState {
   State state;
   std::vector<Support> supports;
   Positions host_forces;  ///< [N]; empty if nobody asked for them
-  std::vector<Grip> grips;
-  /// Of Simulation::hold and move_to: what these hold, and where it is to be at the end of the next step.
-  struct Hold {
+  std::vector<Coupling> couplings;
+  /// Of Simulation::fix and move_to: what these hold, and where it is to be at the end of the next step.
+  struct HostSupport {
     int molecule = 0;
     std::optional<Vector3> next;  ///< as Support::displacement [m]
   };
-  std::vector<Hold> holds;
+  std::vector<HostSupport> host_supports;
   int others_supports = 0;  ///< so many of the supports come from elsewhere; they stand first
 };
 
@@ -58,8 +58,8 @@ struct SimulationState {
 ///
 ///   Simulation tissue(body, catalog.find("lattice"), material);
 ///   tissue.model().add(make_gravity(tissue.body(), {0, 0, -9.81}));
-///   const GripId tool = tissue.grab(17, place, 200);
-///   while (…) { tissue.move_grip(tool, place); tissue.step(1e-3); push(-tissue.grip_force(tool)); }
+///   const CouplingId tool = tissue.couple(17, position, 200);
+///   while (…) { tissue.move_coupling(tool, position); tissue.step(1e-3); push(-tissue.coupling_force(tool)); }
 ///
 /// The views (positions, velocities, forces, tensions) keep their address as long as the simulation lives. step(), the
 /// views and the calls that are noexcept allocate nothing after the first step and the first call of each, throw
@@ -103,38 +103,38 @@ class Simulation {
 
   /// Holds a molecule at its present place in all directions, or in those that `free` (a projector) leaves; again: with
   /// the new ones. Throws InputError on a number that is no molecule, or a matrix that is no projector.
-  void hold(int molecule, const Matrix3& free = Matrix3::Zero());
+  void fix(int molecule, const Matrix3& free = Matrix3::Zero());
   /// Lets a molecule go, whoever held it; nothing happens where nothing does. Throws InputError as hold.
   void release(int molecule);
   /// Where a held molecule is to be at the end of the next step [m], in its held directions: it goes there at one
   /// speed, and stays. Throws InputError if it is not held or the place is not finite.
-  void move_to(int molecule, const Vector3& place);
+  void move_to(int molecule, const Vector3& position);
   /// Force by which the support of a held molecule acts on it [N], without what its own inertia takes; zero where
   /// nothing holds it. As forces.
   Vector3 reaction(int molecule) const noexcept;
 
-  /// A spring of length 0 and a damper between a molecule and a place [m]: a tool, a mouse. stiffness > 0 [N/m],
+  /// A spring of length 0 and a damper between a molecule and a position [m]: a tool, a mouse. stiffness > 0 [N/m],
   /// damping ≥ 0 [N s/m]. Throws InputError.
-  GripId grab(int molecule, const Vector3& place, double stiffness, double damping = 0);
-  /// From the next step on; nothing happens where there is no such grip.
-  void move_grip(GripId grip, const Vector3& place, const Vector3& velocity = Vector3::Zero()) noexcept;
-  /// Force of the grip on its molecule [N] in the state reached; a haptic device gets its opposite. Zero where there is
-  /// no such grip.
-  Vector3 grip_force(GripId grip) const noexcept;
-  void let_go(GripId grip) noexcept;
+  CouplingId couple(int molecule, const Vector3& position, double stiffness, double damping = 0);
+  /// From the next step on; nothing happens where there is no such coupling.
+  void move_coupling(CouplingId coupling, const Vector3& position, const Vector3& velocity = Vector3::Zero()) noexcept;
+  /// Force of the coupling on its molecule [N] in the state reached; a haptic device gets its opposite. Zero where
+  /// there is no such coupling.
+  Vector3 coupling_force(CouplingId coupling) const noexcept;
+  void decouple(CouplingId coupling) noexcept;
 
   /// Calls `see` after every so many (≥ 1) steps that went well. It must not step; what it throws ends in
   /// std::terminate.
   void observe(int every, std::function<void(const Simulation&)> see);
 
-  /// The state to go on from; with the same model the steps after it have the same bits.
+  /// The state to go on from; with the same model the steps after it are bitwise identical.
   SimulationState save() const;
   /// Throws InputError where it is another body's.
   void restore(const SimulationState& saved);
 
  private:
-  struct Inside;
-  std::unique_ptr<Inside> inside_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace elastin

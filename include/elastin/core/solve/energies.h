@@ -30,8 +30,8 @@ class Ledger {
  private:
   /// Forces that take or give energy beside those with an energy of their own [N].
   struct Border {
-    Positions resisting, driving, holding;  // empty where there are none
-    double held_kinetic = 0;                // of the held parts of the supports' motion [J]
+    Positions resisting, driving, supporting;  // empty where there are none
+    double support_kinetic = 0;                // of the held parts of the supports' motion [J]
   };
   Border border(const Model& model, const State& state) const;
   bool open_;  // whether anything passes

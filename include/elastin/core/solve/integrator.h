@@ -30,7 +30,7 @@ struct StepResult {
   Outcome outcome = Outcome::converged;
   std::string cause;  ///< why it did not get there; empty if it did
   int newton_iterations = 0, linear_iterations = 0;
-  int parts = 1;  ///< in how many parts an implicit step had to go
+  int substeps = 1;  ///< in how many parts an implicit step had to go
   /// Estimate of the step's own error in position, largest over the molecules [m]; of the last part.
   double error = 0;
 };

@@ -14,9 +14,9 @@ struct StableStep {
   int cell = -1;            ///< the same, if cells carry more of it than connections do
 };
 
-/// ω_max by power iteration on M⁻¹ K about the state (from a fixed start: the same bits every time), the damping rate
-/// in the same way; dt_crit = 2 / (√(ω² + c²) + c), c the damping rate: exact for velocity Verlet on one oscillator
-/// without damping, and on one without stiffness. Supports are taken into account.
+/// ω_max by power iteration on M⁻¹ K about the state (from a fixed start: bitwise identical every time), the damping
+/// rate in the same way; dt_crit = 2 / (√(ω² + c²) + c), c the damping rate: exact for velocity Verlet on one
+/// oscillator without damping, and on one without stiffness. Supports are taken into account.
 StableStep find_stable_step(Model& model, const State& state);
 
 /// The bound alone: one pass, for a watch on bodies that stiffen as they move [rad/s].

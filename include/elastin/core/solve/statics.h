@@ -18,11 +18,11 @@ enum class Outcome {
 const char* name_of(Outcome outcome);
 
 /// How an equilibrium with large displacements is sought; see solve/relaxation.
-enum class StaticWay { newton, explicit_steps, implicit_steps };
+enum class StaticMethod { newton, explicit_steps, implicit_steps };
 
 struct StaticOptions {
   bool linear = false;  ///< true: small displacements, one linear solve about rest; false: large displacements
-  StaticWay way = StaticWay::newton;
+  StaticMethod static_method = StaticMethod::newton;
   LinearMethod method = LinearMethod::automatic;
   double tolerance = 1e-10;  ///< largest unbalanced force over the size of loads and reactions, both as Euclidean norms
   int newton_limit = 200;
@@ -39,7 +39,7 @@ struct StaticResult {
   bool linear = false;  ///< small displacements were assumed
   int newton_iterations = 0;
   int linear_iterations = 0;
-  int cut_steps = 0;         ///< steps that were shortened because they would have turned a cell over
+  int cut_steps = 0;         ///< steps that were shortened because they would have inverted a cell
   double residual = 0;       ///< unbalanced force over the size of loads and reactions
   bool left_saddle = false;  ///< went down from an equilibrium that was no minimum
   bool unstable = false;     ///< the equilibrium found has a direction of negative stiffness: it is not a minimum
@@ -52,13 +52,13 @@ struct StaticResult {
 /// large displacements (it may stiffen) and ends as `mechanism` in the linear mode.
 StaticResult solve_static(Model& model, State& state, const StaticOptions& options = {});
 
-/// Small motion about the state `at` under changed loads [N] and moved supports (the held parts of `way` [m]), both 3 ×
-/// n.
+/// Small motion about the state `at` under changed loads [N] and moved supports (the fixed components of `displacement`
+/// [m]), both 3 × n.
 struct StaticResponse {
   StaticResult result;  ///< its reactions are the changes of the reactions
   Positions motion;     ///< [m], 3 × n
 };
-StaticResponse static_response(Model& model, const Positions& at, const Positions& load_change, const Positions& way,
-                               const StaticOptions& options = {});
+StaticResponse static_response(Model& model, const Positions& at, const Positions& load_change,
+                               const Positions& displacement, const StaticOptions& options = {});
 
 }  // namespace elastin

@@ -23,9 +23,9 @@ struct NeoHookean {
   bool volume_apart = false;
 
   struct Constants {
-    CellVector<4> rest_squares;   ///< s⁰ [m²]
-    CellVector<4> rest_products;  ///< G⁰ of each connection [1/m²]
-    double volume, lambda, mu;    ///< [m³], [Pa], [Pa]
+    CellVector<4> rest_squared_lengths;  ///< s⁰ [m²]
+    CellVector<4> rest_products;         ///< G⁰ of each connection [1/m²]
+    double volume, lambda, mu;           ///< [m³], [Pa], [Pa]
   };
 
   /// @param rest corners [m], not flat. Throws InputError unless −1 < ν < ½.
@@ -65,7 +65,7 @@ struct NeoHookean {
   /// and far above their difference: A = C − I in the frame of the edges from corner 0, whose dot products it comes
   /// from.
   double energy(const Constants& k, const CellVector<4>& s) const {
-    const CellVector<4> d = s - k.rest_squares;
+    const CellVector<4> d = s - k.rest_squared_lengths;
     const CellVector<4>& r = k.rest_products;
     const double xy = (d[0] + d[1] - d[3]) / 2, xz = (d[0] + d[2] - d[4]) / 2, yz = (d[1] + d[2] - d[5]) / 2;
     Matrix3 change, inverse;  // of the dot products; of those at rest

@@ -23,15 +23,15 @@ struct Angles {
 
   VectorX constants(const Body& body, const Material& material) const { return constants(body, material, body.rest); }
 
-  /// The same with the angles and the ratios l_i/l₀ of molecules that stand at `places` [m]; the connection's own bar
-  /// keeps its nominal length.
-  VectorX constants(const Body& body, const Material& material, const Positions& places) const {
+  /// The same with the angles and the ratios l_i/l₀ of molecules that stand at `positions` [m]; the connection's own
+  /// bar keeps its nominal length.
+  VectorX constants(const Body& body, const Material& material, const Positions& positions) const {
     const auto& ends = body.connections.ends;
     const int count = body.connections.size();
     Positions direction(3, count);  // unit vector from the first to the second end
     VectorX length(count);
     for (int c = 0; c < count; ++c) {
-      const Vector3 d = places.col(ends[c][1]) - places.col(ends[c][0]);
+      const Vector3 d = positions.col(ends[c][1]) - positions.col(ends[c][0]);
       length[c] = d.norm();
       direction.col(c) = d / length[c];
     }

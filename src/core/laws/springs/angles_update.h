@@ -15,8 +15,8 @@ struct AnglesUpdate {
   static constexpr std::array parameters{Parameter<AnglesUpdate>{
       "exponent", &AnglesUpdate::exponent, dimension::none, -4, 4, "p of (l_i/l0)^p; 1 is the paper's derivation"}};
 
-  VectorX constants(const Body& body, const Material& material, const Positions& places) const {
-    return Angles{exponent}.constants(body, material, places);
+  VectorX constants(const Body& body, const Material& material, const Positions& positions) const {
+    return Angles{exponent}.constants(body, material, positions);
   }
 };
 

@@ -218,11 +218,11 @@ VectorX non_negative_least_squares(const PatchTest& test) {
   const VectorX right = test.gather(test.right) + pull * test.uniform;
   const double fixed_step = 1.95 / (test.largest_eigenvalue() + pull);  // 2 is where it could go uphill
   VectorX y = test.uniform, gradient = apply(y) - right;
-  const auto free_part = [&]() -> VectorX { return (y.array() > 0).select(gradient, 0.); };
-  VectorX direction = free_part();
+  const auto free_components = [&]() -> VectorX { return (y.array() > 0).select(gradient, 0.); };
+  VectorX direction = free_components();
   double last_misfit = std::numeric_limits<double>::infinity();
   for (int steps = 0; steps < most_steps; ++steps) {
-    const VectorX free = free_part(), held = (y.array() > 0).select(0., gradient.cwiseMin(0));
+    const VectorX free = free_components(), held = (y.array() > 0).select(0., gradient.cwiseMin(0));
     if (!((free + held).norm() > tolerance * right.norm())) break;
     if (steps % window == 0) {
       const double misfit = (test.sums(y) - test.right).norm();
@@ -237,11 +237,11 @@ VectorX non_negative_least_squares(const PatchTest& test) {
     gradient -= length * change;
     if (y.minCoeff() < 0) {
       y = y.cwiseMax(0).eval();
-      y = (y - fixed_step * free_part()).cwiseMax(0).eval();
+      y = (y - fixed_step * free_components()).cwiseMax(0).eval();
       gradient = apply(y) - right;
-      direction = free_part();
+      direction = free_components();
     } else {
-      const VectorX left = free_part();
+      const VectorX left = free_components();
       direction = release ? left : VectorX(left - left.dot(change) / curvature * direction);
     }
   }

@@ -25,12 +25,12 @@ namespace {
 template <class Law>
 Eigen::Vector2d tensions(const Material& material, double along_x, double along_y) {
   Random random(31);
-  Places<3> rest = random_cell<3>(random);
+  CornerPositions<3> rest = random_cell<3>(random);
   rest.row(2).setZero();
-  const Places<3> places = Vector3(along_x, along_y, 1).asDiagonal() * rest;
+  const CornerPositions<3> positions = Vector3(along_x, along_y, 1).asDiagonal() * rest;
   const auto k = Law{}.constants(rest, material);
-  const Places<3> f = forces<3>(places, Law{}.force_densities(k, squared_lengths<3>(places)));
-  const Matrix3 virial = -f * places.transpose() / Simplex<3>(rest).measure;
+  const CornerPositions<3> f = forces<3>(positions, Law{}.force_densities(k, squared_lengths<3>(positions)));
+  const Matrix3 virial = -f * positions.transpose() / Simplex<3>(rest).measure;
   CHECK(std::abs(virial(0, 1)) <= 1e-9 * (std::abs(virial(0, 0)) + std::abs(virial(1, 1))));
   return {virial(0, 0) / along_x, virial(1, 1) / along_y};
 }
@@ -125,7 +125,7 @@ TEMPLATE_TEST_CASE("a membrane law is plane stress at small strain, on any trian
                    NeoHookeanMembrane, CurveMembrane, TwoParameter) {
   Random random(32);
   for (int trial = 0; trial < 300; ++trial) {
-    const Places<3> rest = random_cell<3>(random);
+    const CornerPositions<3> rest = random_cell<3>(random);
     const Material material = material_of(5000, 0.25 + 0.25 * random.number());
     const CellVector<3> s0 = squared_lengths<3>(rest);
     const CellMatrix<3> slope = TestType{}.slope(TestType{}.constants(rest, material), s0);
@@ -143,7 +143,7 @@ TEMPLATE_TEST_CASE("q is twice the slope of the energy, and its own slope right,
   if (curved) material.curve = StressStrain::through({{-0.4, -3000}, {0, 0}, {0.3, 1200}, {1, 9000}});
   if (curved) material.youngs_modulus = material.curve->modulus(0);
   for (int trial = 0; trial < 60; ++trial) {
-    const Places<3> rest = random_cell<3>(random);
+    const CornerPositions<3> rest = random_cell<3>(random);
     const auto k = TestType{}.constants(rest, material);
     const double turned = trial % 3 == 0 ? 1e-7 : 1;  // near equal stretches too
     const Matrix3 F =
@@ -168,7 +168,7 @@ TEMPLATE_TEST_CASE("a membrane's energy keeps its digits near rest", "[membrane]
   Random random(34);
   for (const double size : {1e-3, 1e-5, 1e-7})
     for (int trial = 0; trial < 30; ++trial) {
-      const Places<3> rest = random_cell<3>(random);
+      const CornerPositions<3> rest = random_cell<3>(random);
       const Material material = material_of(5000, 0.3);
       const CellVector<3> s0 = squared_lengths<3>(rest);
       const CellVector<3> change = size * s0.cwiseProduct(random.matrix<3, 1>());
@@ -183,9 +183,9 @@ TEMPLATE_TEST_CASE("triangles at rest, sliver, obtuse, pressed, flat or a point:
                    HenckyMembrane, NeoHookeanMembrane, CurveMembrane, TwoParameter, StVenantKirchhoffMembrane) {
   const double nu = GENERATE(0., 0.3, 0.5);
   const Material material = material_of(5000, nu);
-  const auto is_fine = [&](const Places<3>& rest, const Places<3>& places, bool flat) {
+  const auto is_fine = [&](const CornerPositions<3>& rest, const CornerPositions<3>& positions, bool flat) {
     const auto k = TestType{}.constants(rest, material);
-    const CellVector<3> s = squared_lengths<3>(places);
+    const CellVector<3> s = squared_lengths<3>(positions);
     CHECK(TestType{}.force_densities(k, s).allFinite());
     CHECK(TestType{}.slope(k, s).allFinite());
     if constexpr (HasEnergy<TestType>) {
@@ -197,7 +197,7 @@ TEMPLATE_TEST_CASE("triangles at rest, sliver, obtuse, pressed, flat or a point:
   };
   for (const double thinness : {1., 1e-2, 1e-5})
     for (const double apex : {0.5, 0.1, -0.8, 3.}) {
-      Places<3> rest;
+      CornerPositions<3> rest;
       rest << 0, 0.01, 0.01 * apex, 0, 0, 0.01 * thinness, 0, 0, 0;
       const CellVector<3> none =
           TestType{}.force_densities(TestType{}.constants(rest, material), squared_lengths<3>(rest));
@@ -209,14 +209,14 @@ TEMPLATE_TEST_CASE("triangles at rest, sliver, obtuse, pressed, flat or a point:
         for (const double y : {0.1, 0.9, 2.}) is_fine(rest, Vector3(x, y, 1).asDiagonal() * rest, false);
       is_fine(rest, Vector3(1, 0, 1).asDiagonal() * rest, true);
       is_fine(rest, Vector3(0, 1, 1).asDiagonal() * rest, true);
-      is_fine(rest, Places<3>::Zero(), true);
+      is_fine(rest, CornerPositions<3>::Zero(), true);
     }
 }
 
 TEST_CASE("a flat triangle of rubber has infinite energy and pushes open", "[membrane]") {
-  Places<3> rest, open;
+  CornerPositions<3> rest, open;
   rest << 0, 0.01, 0.004, 0, 0, 0.006, 0, 0, 0;
-  const Places<3> flat = Vector3(1, 0, 0).asDiagonal() * rest;
+  const CornerPositions<3> flat = Vector3(1, 0, 0).asDiagonal() * rest;
   open = Vector3(1, 1e-3, 0).asDiagonal() * rest;
   const CellVector<3> s = squared_lengths<3>(flat), opening = squared_lengths<3>(open) - s;
   const auto rubber = NeoHookeanMembrane{}.constants(rest, material_of(5000, 0.4));
@@ -228,7 +228,7 @@ TEST_CASE("a flat triangle of rubber has infinite energy and pushes open", "[mem
 
 TEST_CASE("membrane laws say which Poisson's ratios they take", "[membrane]") {
   Random random(35);
-  const Places<3> rest = random_cell<3>(random);
+  const CornerPositions<3> rest = random_cell<3>(random);
   CHECK_THROWS_WITH(NeoHookeanMembrane{}.constants(rest, material_of(1, -0.1)), Catch::Contains("takes 0 to 0.5"));
   CHECK_THROWS_WITH(NeoHookeanMembrane{}.constants(rest, material_of(1, 0.51)), Catch::Contains("takes 0 to 0.5"));
   CHECK_THROWS_WITH(HenckyMembrane{}.constants(rest, material_of(1, 0.51)), Catch::Contains("at most 0.5"));

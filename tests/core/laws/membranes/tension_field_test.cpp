@@ -36,19 +36,20 @@ TEMPLATE_TEST_CASE("without compression: taut as the law, wrinkled in uniaxial s
   const double plane = 5000 * 0.001;
   int taut = 0, wrinkled = 0, slack = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    Places<3> rest = random_cell<3>(random);
+    CornerPositions<3> rest = random_cell<3>(random);
     rest.row(2).setZero();
     const Eigen::Matrix2d turn = Eigen::Rotation2Dd(random.number() * 3).toRotationMatrix();
     Eigen::Vector2d stretch(1 + 0.3 * random.number(), 1 + 0.3 * random.number());
     Matrix3 F = Matrix3::Identity();
     F.topLeftCorner<2, 2>() = turn * stretch.asDiagonal() * turn.transpose();
-    const Places<3> places = F * rest;
-    const CellVector<3> s = squared_lengths<3>(places);
+    const CornerPositions<3> positions = F * rest;
+    const CellVector<3> s = squared_lengths<3>(positions);
     const auto full = TestType{}.constants(rest, material);
     const auto k = Relaxed{}.constants(rest, material);
     const CellVector<3> q = Relaxed{}.force_densities(k, s), own = TestType{}.force_densities(full, s);
-    const auto tension_of = [&](const CellVector<3>& densities) -> Eigen::Matrix2d {
-      return -(forces<3>(places, densities) * places.transpose()).topLeftCorner<2, 2>() / Simplex<3>(rest).measure;
+    const auto tension_of = [&](const CellVector<3>& force_densities) -> Eigen::Matrix2d {
+      return -(forces<3>(positions, force_densities) * positions.transpose()).topLeftCorner<2, 2>() /
+             Simplex<3>(rest).measure;
     };
     const Eigen::Vector2d before = principal(tension_of(own)), after = principal(tension_of(q));
     CHECK(after[0] >= -1e-9 * plane);
@@ -69,11 +70,11 @@ TEMPLATE_TEST_CASE("without compression: taut as the law, wrinkled in uniaxial s
       const double longest = stretch.maxCoeff();
       double low = 0.5, high = longest;
       const auto sides_at = [&](double width) {
-        return squared_lengths<3>(Places<3>(Vector3(longest, width, 1).asDiagonal() * rest));
+        return squared_lengths<3>(CornerPositions<3>(Vector3(longest, width, 1).asDiagonal() * rest));
       };
       const auto tensions_at = [&](double width) -> Eigen::Vector2d {
-        const Places<3> at = Vector3(longest, width, 1).asDiagonal() * rest;
-        const Places<3> f = forces<3>(at, TestType{}.force_densities(full, sides_at(width)));
+        const CornerPositions<3> at = Vector3(longest, width, 1).asDiagonal() * rest;
+        const CornerPositions<3> f = forces<3>(at, TestType{}.force_densities(full, sides_at(width)));
         const Matrix3 virial = -f * at.transpose() / Simplex<3>(rest).measure;
         return {virial(0, 0), virial(1, 1)};
       };
@@ -100,12 +101,12 @@ TEMPLATE_TEST_CASE("without compression: flat triangles and points stay finite",
                    StVenantKirchhoffMembrane, HenckyMembrane, NeoHookeanMembrane, CurveMembrane) {
   using Relaxed = typename TestType::WithoutCompression;
   const double nu = GENERATE(0., 0.3, 0.5);
-  Places<3> rest;
+  CornerPositions<3> rest;
   rest << 0, 0.01, 0.004, 0, 0, 0.006, 0, 0, 0;
   const auto k = Relaxed{}.constants(rest, material_of(5000, nu));
   for (const double x : {0., 0.5, 1., 1.5})
     for (const double y : {0., 1e-9, 0.5, 1., 1.5}) {
-      const CellVector<3> s = squared_lengths<3>(Places<3>(Vector3(x, y, 1).asDiagonal() * rest));
+      const CellVector<3> s = squared_lengths<3>(CornerPositions<3>(Vector3(x, y, 1).asDiagonal() * rest));
       CHECK(Relaxed{}.force_densities(k, s).allFinite());
       CHECK(Relaxed{}.slope(k, s).allFinite());
       CHECK(std::isfinite(Relaxed{}.energy(k, s)));

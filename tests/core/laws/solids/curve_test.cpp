@@ -13,26 +13,27 @@ static_assert(CellLaw<FibreLaw> && HasEnergy<FibreLaw>);
 
 namespace {
 
-using Places = Eigen::Matrix<double, 3, 4>;
+using CornerPositions = Eigen::Matrix<double, 3, 4>;
 
-const Places kCell = (Places() << 0, 0.011, 0.002, 0.003, 0, 0.001, 0.009, 0.002, 0, -0.001, 0.001, 0.008).finished();
+const CornerPositions kCell =
+    (CornerPositions() << 0, 0.011, 0.002, 0.003, 0, 0.001, 0.009, 0.002, 0, -0.001, 0.001, 0.008).finished();
 
-CellVector<4> squared_lengths(const Places& places) {
+CellVector<4> squared_lengths(const CornerPositions& positions) {
   CellVector<4> s;
   int side = 0;
-  for (const auto& [a, b] : corner_pairs<4>()) s[side++] = (places.col(b) - places.col(a)).squaredNorm();
+  for (const auto& [a, b] : corner_pairs<4>()) s[side++] = (positions.col(b) - positions.col(a)).squaredNorm();
   return s;
 }
 
 /// First Piola–Kirchhoff stress [Pa] of the cell under x = F X, from the forces on its corners alone.
 template <class Law>
 Matrix3 nominal_stress(const typename Law::Constants& k, const Matrix3& F) {
-  const Places places = F * kCell;
-  const CellVector<4> q = Law{}.force_densities(k, squared_lengths(places));
-  Places f = Places::Zero();
+  const CornerPositions positions = F * kCell;
+  const CellVector<4> q = Law{}.force_densities(k, squared_lengths(positions));
+  CornerPositions f = CornerPositions::Zero();
   int side = 0;
   for (const auto& [a, b] : corner_pairs<4>()) {
-    const Vector3 pull = q[side++] * (places.col(b) - places.col(a));
+    const Vector3 pull = q[side++] * (positions.col(b) - positions.col(a));
     f.col(a) += pull;
     f.col(b) -= pull;
   }

@@ -55,7 +55,7 @@ Matrix3 first_stress(const std::string& law, const Matrix3& F, double nu) {
 }
 
 /// Forces of linear tetrahedra [N]: −V P ∇N_a summed over the cells, ∇N by cross products of the cell's sides.
-Positions finite_element_forces(const Body& body, const Positions& places, const std::string& law, double nu) {
+Positions finite_element_forces(const Body& body, const Positions& positions, const std::string& law, double nu) {
   Positions forces = Positions::Zero(3, body.size());
   for (const auto& cell : body.tetrahedra) {
     Eigen::Matrix<double, 3, 4> gradient;
@@ -68,7 +68,7 @@ Positions finite_element_forces(const Body& body, const Positions& places, const
       gradient.col(a) = area / six_volumes;
     }
     Matrix3 F = Matrix3::Zero();
-    for (int a = 0; a < 4; ++a) F += places.col(cell[a]) * gradient.col(a).transpose();
+    for (int a = 0; a < 4; ++a) F += positions.col(cell[a]) * gradient.col(a).transpose();
     const Matrix3 P = first_stress(law, F, nu);
     for (int a = 0; a < 4; ++a) forces.col(cell[a]) -= std::abs(six_volumes) / 6 * P * gradient.col(a);
   }
@@ -108,10 +108,10 @@ TEST_CASE("a body of cells has the forces of finite elements to 1e-12", "[cell_l
   const BlockKind kind = GENERATE(BlockKind::kuhn, BlockKind::alternating, BlockKind::body_centred);
   const double nu = GENERATE(0., 0.3, 0.45);
   const Body body = jittered(kind);
-  const Positions places = deformed(body, 0.0005);
-  REQUIRE(flat_or_inverted_cells(body, places).empty());
-  const Positions expected = finite_element_forces(body, places, law, nu);
-  const Positions here = model_of(body, law, nu).elastic_forces(places);
+  const Positions positions = deformed(body, 0.0005);
+  REQUIRE(flat_or_inverted_cells(body, positions).empty());
+  const Positions expected = finite_element_forces(body, positions, law, nu);
+  const Positions here = model_of(body, law, nu).elastic_forces(positions);
   CHECK((here - expected).norm() < 1e-12 * expected.norm());
 }
 
@@ -161,8 +161,8 @@ TEST_CASE("an affine body follows the uniaxial curves of its law to 1e-10", "[ce
 
   const Body body = jittered(BlockKind::body_centred);
   const double lateral = std::sqrt(square);
-  const Positions places = Vector3(lateral, lateral, stretch).asDiagonal() * body.rest;
-  const Positions forces = model_of(body, law, nu).elastic_forces(places);
+  const Positions positions = Vector3(lateral, lateral, stretch).asDiagonal() * body.rest;
+  const Positions forces = model_of(body, law, nu).elastic_forces(positions);
   // Across the end face goes area times nominal stress; across the side face nothing.
   Vector3 side = Vector3::Zero(), end = Vector3::Zero();
   for (int molecule = 0; molecule < body.size(); ++molecule) {

@@ -22,16 +22,16 @@ Material material_of(double youngs_modulus) {
 }
 
 /// Which faces of the box from the origin to `size` a molecule lies in: −1, 0 or 1 an axis.
-Vector3 sides(const Vector3& place, const Vector3& size) {
-  const auto low = (place.array() < 1e-9 * size.array()).cast<double>();
-  const auto high = (place.array() > (1 - 1e-9) * size.array()).cast<double>();
+Vector3 sides(const Vector3& position, const Vector3& size) {
+  const auto low = (position.array() < 1e-9 * size.array()).cast<double>();
+  const auto high = (position.array() > (1 - 1e-9) * size.array()).cast<double>();
   return high - low;
 }
 
 /// Surface vector of a molecule of an undisturbed cubic lattice, from its place alone: h² in the middle of a face, half
 /// on an edge, a quarter at a corner.
-Vector3 lattice_surface(const Vector3& place, const Vector3& size, double spacing) {
-  const Vector3 side = sides(place, size);
+Vector3 lattice_surface(const Vector3& position, const Vector3& size, double spacing) {
+  const Vector3 side = sides(position, size);
   Vector3 area;
   for (int axis = 0; axis < 3; ++axis) {
     const double across = side.squaredNorm() - side[axis] * side[axis];

@@ -9,16 +9,16 @@
 namespace elastin {
 
 /// Molecules that a host holds and moves, beside the supports that the model has from elsewhere and what drives those.
-class Holds {
+class HostSupports {
  public:
   /// The model must outlive it, and it must stay where it is.
-  explicit Holds(Model& model) : model_(model) {}
+  explicit HostSupports(Model& model) : model_(model) {}
 
   /// Holds a molecule at this place; one that is held already, by whomever, from there.
-  void hold(int molecule, const Matrix3& free, const Vector3& place);
+  void fix(int molecule, const Matrix3& free, const Vector3& position);
   void release(int molecule);
   /// Where it is to be at the end of the next step; false if nothing holds it.
-  bool move_to(int molecule, const Vector3& place);
+  bool move_to(int molecule, const Vector3& position);
   /// The support of a molecule, null if it has none.
   const Support* find(int molecule) const;
 
@@ -32,30 +32,30 @@ class Holds {
   void restore(const SimulationState& saved);
 
  private:
-  struct Held {
+  struct Fixed {
     int molecule;
     Vector3 displacement;         // of its support, at the step's start
     std::optional<Vector3> next;  // at its end
   };
   struct Driver {
-    Holds* holds;
-    void operator()(double time, std::vector<Support>& supports) const { holds->drive(time, supports); }
+    HostSupports* host_supports;
+    void operator()(double time, std::vector<Support>& supports) const { host_supports->drive(time, supports); }
   };
   /// Where a molecule was last seen, in the supports and in held_; −1 = nowhere.
   struct Seen {
-    int support = -1, held = -1;
+    int support = -1, fixed = -1;
   };
   void drive(double time, std::vector<Support>& supports);
   void attach();
   void index();
   int support_of(int molecule) const;
-  Support& support(const Held& held) { return model_.supports[static_cast<std::size_t>(support_of(held.molecule))]; }
-  Held& take(int molecule);
+  Support& support(const Fixed& fixed) { return model_.supports[static_cast<std::size_t>(support_of(fixed.molecule))]; }
+  Fixed& entry_of(int molecule);
 
   Model& model_;
   std::function<void(double, std::vector<Support>&)> others_;  // what drove the supports before
   int others_supports_ = 0;                                    // they stand first
-  std::vector<Held> held_;
+  std::vector<Fixed> fixed_;
   std::vector<Seen> seen_;  // one a molecule
   double start_ = 0, end_ = 0;
 };

@@ -1,4 +1,4 @@
-#include "contact/answer.h"
+#include "contact/contact_response.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,57 +20,57 @@ double restitution_of(double ratio) {
   return std::exp(-ratio / root * std::log((ratio + root) / (ratio - root)));
 }
 
-void set_friction(const Touch& geometry, const TouchSetting& setting, Answer& answer) {
+void set_friction(const ContactPoint& geometry, const ContactSetting& setting, ContactResponse& response) {
   const Vector3& n = geometry.normal;
   const Matrix3 across = Matrix3::Identity() - n * n.transpose();
-  const double k = setting.stiffness, most = setting.friction * answer.pressing;
+  const double k = setting.stiffness, most = setting.friction * response.pressing;
   const double c = 2 * kSlipDampingRatio * std::sqrt(k * setting.mass);
   const Vector3 slip = across * setting.slip, rate = across * setting.velocity;
   const Vector3 trial = -k * slip - c * rate;
   const double size = trial.norm();
   // What just touches sticks: whether rounding has left it a force decides nothing.
-  answer.sticks = size <= most + 1e-3 * kNearness * k * setting.onset;
-  if (answer.sticks) {
-    answer.friction = trial;
-    answer.slip = slip;
-    answer.sticking = k * across;
-    answer.rubbing = c * across;
+  response.sticks = size <= most + 1e-3 * kNearness * k * setting.onset;
+  if (response.sticks) {
+    response.friction = trial;
+    response.slip = slip;
+    response.friction_stiffness = k * across;
+    response.friction_damping = c * across;
     return;
   }
-  const Vector3 way = trial / size;
-  answer.friction = most * way;
-  answer.slip = -answer.friction / k;
-  const Matrix3 turning = most / size * (across - way * way.transpose());
-  answer.sticking = k * turning;
-  answer.rubbing = c * turning;
-  answer.grip = setting.friction * k * way;
-  answer.grip_rate = setting.friction * way * (answer.damping * n).transpose();
+  const Vector3 direction = trial / size;
+  response.friction = most * direction;
+  response.slip = -response.friction / k;
+  const Matrix3 turning = most / size * (across - direction * direction.transpose());
+  response.friction_stiffness = k * turning;
+  response.friction_damping = c * turning;
+  response.friction_gap_slope = setting.friction * k * direction;
+  response.friction_gap_rate_slope = setting.friction * direction * (response.damping * n).transpose();
 }
 
 }  // namespace
 
-void set_answer(const Touch& geometry, const TouchSetting& setting, Answer& answer) {
+void set_response(const ContactPoint& geometry, const ContactSetting& setting, ContactResponse& response) {
   const Vector3& n = geometry.normal;
   const double k = setting.stiffness, depth = -geometry.gap;
-  answer.gap = geometry.gap;
-  answer.normal = n;
-  answer.elastic = std::max(0., setting.multiplier + k * depth);
+  response.gap = geometry.gap;
+  response.normal = n;
+  response.elastic = std::max(0., setting.multiplier + k * depth);
   // Of the augmented Lagrangian: zero at no force.
-  answer.energy = (answer.elastic * answer.elastic - setting.multiplier * setting.multiplier) / (2 * k);
-  answer.pressing = answer.elastic;
+  response.energy = (response.elastic * response.elastic - setting.multiplier * setting.multiplier) / (2 * k);
+  response.pressing = response.elastic;
   if (!(setting.multiplier + k * depth >= -kNearness * k * setting.onset)) return;
   const double full = 2 * setting.damping_ratio * std::sqrt(k * setting.mass), speed = n.dot(setting.velocity);
   const double onset = std::clamp(depth / setting.onset, 0., 1.), c = full * onset;
-  answer.pressing = answer.elastic - c * speed;
-  if (answer.pressing <= 0 && c > 0) {  // it leaves faster than the spring pushes
-    answer.pressing = 0;
+  response.pressing = response.elastic - c * speed;
+  if (response.pressing <= 0 && c > 0) {  // it leaves faster than the spring pushes
+    response.pressing = 0;
     return;
   }
   // How the onset grows with the depth while the sample comes in.
   const double growth = onset > 0 && onset < 1 && speed < 0 ? -full * speed / setting.onset : 0;
-  answer.stiffness = (k + growth) * n * n.transpose() - answer.pressing * geometry.turning;
-  answer.damping = c * n * n.transpose();
-  if (setting.friction > 0) set_friction(geometry, setting, answer);
+  response.stiffness = (k + growth) * n * n.transpose() - response.pressing * geometry.turning;
+  response.damping = c * n * n.transpose();
+  if (setting.friction > 0) set_friction(geometry, setting, response);
 }
 
 double damping_ratio_of(double restitution) {

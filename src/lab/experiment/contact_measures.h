@@ -30,17 +30,18 @@ class ForceControl {
  public:
   ForceControl() = default;
   /// `wanted` [N], > 0; `first` [m], > 0: a way to begin with.
-  ForceControl(double wanted, double first) : wanted_(wanted), way_(first) {}
+  ForceControl(double wanted, double first) : wanted_(wanted), displacement_(first) {}
   /// From now on `part` (0 … 1) of the force is wanted. Sets the way to where the last points lead.
-  void aim(double part);
+  void aim(double fraction);
   /// Takes the force [N] that the way was met with. True: the force is not met yet, and the way has changed.
   bool adjust(double force);
-  double way() const { return way_; }  ///< [m]
+  double displacement() const { return displacement_; }  ///< [m]
 
  private:
   double towards(double force) const;
-  double wanted_ = 0, way_ = 0, part_ = 0;
-  double before_way_ = 0, before_force_ = 0, last_way_ = 0, last_force_ = 0;  // the two points known last
+  double wanted_ = 0, displacement_ = 0, fraction_ = 0;
+  double before_displacement_ = 0, before_force_ = 0, last_displacement_ = 0,
+         last_force_ = 0;  // the two points known last
 };
 
 }  // namespace elastin::lab

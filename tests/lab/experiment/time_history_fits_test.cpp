@@ -1,4 +1,4 @@
-#include "lab/experiment/course_fits.h"
+#include "lab/experiment/time_history_fits.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/simulation/holds.h"
+#include "core/simulation/host_supports.h"
 #include "elastin/core/simulation/simulation.h"
 #include "elastin/core/solve/stable_step.h"
 
@@ -14,32 +14,32 @@ namespace elastin {
 /// As messages write it.
 std::string number(double value);
 
-struct Simulation::Inside {
-  Inside(Body a_body, SimulationOptions some_options);
+struct Simulation::Impl {
+  Impl(Body a_body, SimulationOptions some_options);
 
   StepResult step(double dt);
-  StepResult parts_of_step(double dt, int parts);
-  double longest_part();
+  StepResult substeps_of(double dt, int substeps);
+  double longest_substep();
   std::string odd_input() const;
   void check_molecule(int molecule) const;
-  Grip* find(GripId id);
-  void make_room_for_host_forces();
-  void make_room_for_grips();
+  Coupling* find(CouplingId id);
+  void ensure_host_forces();
+  void ensure_couplings();
 
   Body body;
   SimulationOptions options;
   Model model{body};
   std::unique_ptr<Integrator> integrator;
-  Holds holds{model};
+  HostSupports host_supports{model};
   State shown;  // what the host sees: its arrays stay where they are
   State work;   // the same, between steps; integrators give it other arrays as they go
   Positions host_forces;
-  std::vector<Grip> grips;
-  bool has_host_forces = false, has_grips = false;
-  GripId next_grip = 1;
+  std::vector<Coupling> couplings;
+  bool has_host_forces = false, has_couplings = false;
+  CouplingId next_coupling = 1;
   std::optional<StableStep> stable;  // of the body at rest, nothing held or gripped
   // Read off the state shown when the host asks.
-  Scratch scratch;
+  Workspace workspace;
   Positions forces;
   VectorX tensions;
   bool forces_known = false, tensions_known = false;

@@ -15,7 +15,7 @@ std::string head_text(const Record& record, bool colours) {
   if (record.cell_sides)
     counts += fmt::format(" (+ {})", counted(record.cell_sides, "side of cells", "sides of cells"));
   if (record.cells) counts += ", " + counted(record.cells, "cell");
-  counts += "; asked: " + record.prescribed + "; " + counted(record.threads, "thread");
+  counts += "; target: " + record.prescribed + "; " + counted(record.threads, "thread");
   return painted(record.scene, Tone::bold, colours) + (record.title == record.scene ? "" : "  " + record.title) +
          "\n  " + painted(counts, Tone::faint, colours) + "\n";
 }
@@ -150,14 +150,14 @@ std::string run_text(const Record& record, bool colours) {
   if (!run.solver_reason.empty()) out += fmt::format("  solver: {}: {}\n", run.solver, run.solver_reason);
   if (run.time) out += time_text(*run.time);
   if (run.contact) out += contact_text(*run.contact, record.obstacles);
-  if (run.cut_steps) out += fmt::format("  {} cut: a cell would have turned over\n", counted(run.cut_steps, "step"));
+  if (run.cut_steps) out += fmt::format("  {} cut: a cell would have inverted\n", counted(run.cut_steps, "step"));
   if (run.calibration_factor != 1)
     out += fmt::format("  calibrated: spring constants times {:.6g}\n", run.calibration_factor);
   if (run.volume_modulus != 0)
     out += fmt::format("  volume term: {}\n", readable(run.volume_modulus, dimension::pressure, 6));
   if (run.identified) out += "  " + identified_text(*run.identified) + "\n";
-  if (run.halved_load_steps)
-    out += "  " + counted(run.halved_load_steps, "load step") + " gone in halves: a cell would have turned over\n";
+  if (run.bisected_load_steps)
+    out += "  " + counted(run.bisected_load_steps, "load step") + " bisected: a cell would have inverted\n";
   for (const std::string& note : record.notes) out += "  " + note + "\n";
   for (const std::string& warning : run.warnings)
     out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";

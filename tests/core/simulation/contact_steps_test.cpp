@@ -8,7 +8,7 @@ using namespace elastin;
 using namespace elastin::contact;
 using namespace elastin::testing;
 
-TEST_CASE("simulation: a body on a rough floor goes on with the same bits after restore, and asks for no memory") {
+TEST_CASE("simulation: a body on a rough floor goes on bitwise identically after restore, and asks for no memory") {
   for (const Scheme scheme : {Scheme::symplectic_euler, Scheme::velocity_verlet, Scheme::backward_euler}) {
     Simulation tissue = simulation_of(tissue_cube(4), scheme);
     const Body& body = tissue.body();
@@ -17,7 +17,7 @@ TEST_CASE("simulation: a body on a rough floor goes on with the same bits after 
     ContactOptions options;
     options.stiffness = default_contact_stiffness(body, kTissue.youngs_modulus);
     options.friction = 0.4;
-    options.obstacles.push_back({"floor", shape::Plane{}, {.place = {0, 0, -1.01e-3}}});
+    options.obstacles.push_back({"floor", shape::Plane{}, {.position = {0, 0, -1.01e-3}}});
     tissue.model().add(make_contact(body, options));
     const auto run = [&](int steps) {
       int good = 0;
@@ -26,7 +26,7 @@ TEST_CASE("simulation: a body on a rough floor goes on with the same bits after 
     };
     REQUIRE(run(60));
     const SimulationState saved = tissue.save();
-    CHECK(saved.state.touches.size() > 4);  // it sticks
+    CHECK(saved.state.contact_history.size() > 4);  // it sticks
     const long before = allocations();
     const bool went = run(40);
     CHECK(allocations() == before);

@@ -1,4 +1,4 @@
-#include "lab/experiment/course_fits.h"
+#include "lab/experiment/time_history_fits.h"
 
 #include <Eigen/QR>
 #include <cmath>
@@ -26,13 +26,13 @@ double golden_section(const std::function<double(double)>& f, double low, double
 }
 
 /// The best of a coarse search, then its valley: of a function that may have several.
-double least_of(const std::function<double(double)>& f, double low, double high, int parts) {
+double least_of(const std::function<double(double)>& f, double low, double high, int intervals) {
   int best = 0;
   double least = f(low);
-  for (int i = 1; i <= parts; ++i)
-    if (const double value = f(low + (high - low) * i / parts); value < least) best = i, least = value;
-  const double step = (high - low) / parts;
-  return golden_section(f, low + step * std::max(0, best - 1), low + step * std::min(parts, best + 1));
+  for (int i = 1; i <= intervals; ++i)
+    if (const double value = f(low + (high - low) * i / intervals); value < least) best = i, least = value;
+  const double step = (high - low) / intervals;
+  return golden_section(f, low + step * std::max(0, best - 1), low + step * std::min(intervals, best + 1));
 }
 
 /// Coefficients of the columns that come nearest to the values, and the size of what is left.

@@ -1,4 +1,4 @@
-#include "lab/experiment/touching.h"
+#include "lab/experiment/contact_measures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -54,30 +54,32 @@ void keep_snapshot(const Model& model, const State& state, double at, int number
   run.snapshots.push_back(snapshot_of(model, state, at, number));
 }
 
-void ForceControl::aim(double part) {
-  part_ = part;
-  if (part == 0) {
-    before_way_ = before_force_ = last_way_ = last_force_ = 0;
+void ForceControl::aim(double fraction) {
+  fraction_ = fraction;
+  if (fraction == 0) {
+    before_displacement_ = before_force_ = last_displacement_ = last_force_ = 0;
   } else if (last_force_ > 0) {
-    way_ = towards(part * wanted_);
+    displacement_ = towards(fraction * wanted_);
   }
 }
 
 bool ForceControl::adjust(double force) {
   // Two points that are almost one would say little of the slope.
-  if (std::abs(way_ - last_way_) > 1e-3 * std::abs(way_)) before_way_ = last_way_, before_force_ = last_force_;
-  last_way_ = way_, last_force_ = force;
-  const double wanted = part_ * wanted_;
+  if (std::abs(displacement_ - last_displacement_) > 1e-3 * std::abs(displacement_))
+    before_displacement_ = last_displacement_, before_force_ = last_force_;
+  last_displacement_ = displacement_, last_force_ = force;
+  const double wanted = fraction_ * wanted_;
   if (std::abs(force - wanted) <= kForceTolerance * wanted_) return false;
-  way_ = towards(wanted);
+  displacement_ = towards(wanted);
   return true;
 }
 
 /// Along the secant, but to no less than half and no more than twice the way; where nothing resists yet, twice.
 double ForceControl::towards(double force) const {
-  const double slope = (last_force_ - before_force_) / (last_way_ - before_way_), now = std::abs(last_way_);
-  if (!(slope > 0)) return last_way_ + now;
-  return last_way_ + std::clamp((force - last_force_) / slope, -0.5 * now, now);
+  const double slope = (last_force_ - before_force_) / (last_displacement_ - before_displacement_),
+               now = std::abs(last_displacement_);
+  if (!(slope > 0)) return last_displacement_ + now;
+  return last_displacement_ + std::clamp((force - last_force_) / slope, -0.5 * now, now);
 }
 
 }  // namespace elastin::lab

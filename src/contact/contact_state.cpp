@@ -1,0 +1,222 @@
+#include "contact/contact_force.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace elastin::contact {
+namespace {
+
+bool before(const ContactHistory& memory, const ContactPoint& contact_point) {
+  return std::pair{memory.sample, memory.target} < std::pair{contact_point.sample, contact_point.target};
+}
+
+bool before_entry(const ContactPoint& contact_point, const ContactHistory& memory) {
+  return std::pair{contact_point.sample, contact_point.target} < std::pair{memory.sample, memory.target};
+}
+
+bool same(const ContactHistory& a, const ContactHistory& b) {
+  return a.sample == b.sample && a.target == b.target && a.molecules == b.molecules && a.weights == b.weights &&
+         a.offset == b.offset && a.multiplier == b.multiplier;
+}
+
+}  // namespace
+
+Vector3 ContactForce::sample_position(const State& state, int sample) const {
+  const Sample& s = search_.samples()[sample];
+  return position_of(s.molecules, s.weights, s.count, state.positions);
+}
+
+void ContactForce::set_poses(double time) const {
+  poses_.clear();
+  for (const Obstacle& obstacle : options_.obstacles) poses_.push_back(obstacle.at(moment_.value_or(time)));
+}
+
+void ContactForce::anchor(const State& state, const ContactPoint& contact_point, const Vector3& at,
+                          ContactHistory& memory) const {
+  memory.molecules = contact_point.molecules;
+  memory.weights = contact_point.weights;
+  memory.count = contact_point.count;
+  memory.offset = contact_point.count == 0 ? poses_[contact_point.target].to_own(at)
+                                           : Vector3(at - position_of(contact_point.molecules, contact_point.weights,
+                                                                      contact_point.count, state.positions));
+}
+
+Vector3 ContactForce::slip_from(const State& state, const ContactPoint& contact_point,
+                                const ContactHistory& memory) const {
+  const Vector3 at =
+      memory.count == 0
+          ? poses_[contact_point.target].to_world(memory.offset)
+          : Vector3(memory.offset + position_of(memory.molecules, memory.weights, memory.count, state.positions));
+  return sample_position(state, contact_point.sample) - at;
+}
+
+const std::vector<ContactResponse>& ContactForce::responses(const State& state) const {
+  if (!(cached_ && same_as_cached(state))) {
+    evaluate(state, 0, false);
+    if (found_.empty())
+      cached_ = false;  // to find nothing again costs less than to compare
+    else
+      store(state);
+  }
+  return responses_;
+}
+
+bool ContactForce::same_as_cached(const State& state) const {
+  if (moves_ && state.time != cached_time_) return false;
+  const int count = static_cast<int>(watched_.size());
+  for (int i = 0; i < count; ++i)
+    if (state.positions.col(watched_[i]) != cached_positions_.col(i)) return false;
+  if (resists())
+    for (int i = 0; i < count; ++i)
+      if (state.velocities.col(watched_[i]) != cached_velocities_.col(i)) return false;
+  return std::equal(state.contact_history.begin(), state.contact_history.end(), cached_memory_.begin(),
+                    cached_memory_.end(), same);
+}
+
+void ContactForce::store(const State& state) const {
+  const auto count = static_cast<Eigen::Index>(watched_.size());
+  cached_positions_.resize(3, count);
+  cached_velocities_.resize(3, resists() ? count : 0);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    cached_positions_.col(i) = state.positions.col(watched_[static_cast<std::size_t>(i)]);
+    if (resists()) cached_velocities_.col(i) = state.velocities.col(watched_[static_cast<std::size_t>(i)]);
+  }
+  cached_time_ = state.time;
+  cached_memory_ = state.contact_history;
+  cached_ = true;
+}
+
+void ContactForce::evaluate(const State& state, double reach, bool all) const {
+  reach = std::max(reach, 1e-9 * mean_size_);                 // what just touches counts
+  for (const ContactHistory& memory : state.contact_history)  // what was held back beyond its penalty lets go at a gap
+    if (memory.multiplier > 0)
+      reach = std::max(reach, memory.multiplier / (options_.stiffness * search_.samples()[memory.sample].area / 2));
+  set_poses(state.time);
+  search_.find(state.positions, poses_, reach, found_);
+  responses_.clear();
+  contact_points_.clear();
+  multipliers_.clear();
+  std::size_t known = 0;
+  for (const ContactPoint& contact_point : found_) {
+    while (known < state.contact_history.size() && before(state.contact_history[known], contact_point)) ++known;
+    const bool match =
+        known < state.contact_history.size() && !before_entry(contact_point, state.contact_history[known]);
+    const ContactHistory* memory = match ? &state.contact_history[known] : nullptr;
+    const ContactSetting setting = setting_of(state, contact_point, memory);
+    ContactResponse& response = responses_.emplace_back();
+    set_response(contact_point, setting, response);
+    if (!all && response.pressing == 0 && response.stiffness.isZero(0) && response.energy == 0) {
+      responses_.pop_back();
+      continue;
+    }
+    response.sample = contact_point.sample;
+    response.target = contact_point.target;
+    response.position = contact_point.position;
+    set_sides(contact_point, memory, response);
+    contact_points_.push_back(contact_point);
+    multipliers_.push_back(setting.multiplier);
+  }
+}
+
+ContactSetting ContactForce::setting_of(const State& state, const ContactPoint& contact_point,
+                                        const ContactHistory* memory) const {
+  const Sample& sample = search_.samples()[contact_point.sample];
+  ContactSetting setting;
+  double area = sample.area, inverse_mass = 0;
+  const bool resisting = resists();  // else velocities may be anything: see feels_velocity
+  for (int i = 0; i < sample.count; ++i) {
+    inverse_mass += sample.weights[i] * sample.weights[i] / body_.mass[sample.molecules[i]];
+    if (resisting) setting.velocity += sample.weights[i] * state.velocities.col(sample.molecules[i]);
+  }
+  if (contact_point.count == 0) {
+    if (resisting) setting.velocity -= poses_[contact_point.target].velocity_at(contact_point.position);
+  } else {
+    for (int i = 0; i < contact_point.count; ++i) {
+      inverse_mass += contact_point.weights[i] * contact_point.weights[i] / body_.mass[contact_point.molecules[i]];
+      if (resisting) setting.velocity -= contact_point.weights[i] * state.velocities.col(contact_point.molecules[i]);
+    }
+    // Of spheres the smaller counts; triangles press on each other from both sides, each with half.
+    area = spheres_ ? std::min(area, area_[contact_point.molecules[0]]) : area / 2;
+  }
+  setting.stiffness = options_.stiffness * area;
+  setting.mass = 1 / inverse_mass;
+  setting.damping_ratio = damping_ratio_;
+  setting.friction =
+      contact_point.count == 0 ? friction_of(options_.obstacles[contact_point.target]) : options_.friction;
+  setting.onset = 1e-3 * std::sqrt(sample.area);
+  if (memory) {
+    setting.multiplier = memory->multiplier;
+    setting.slip = slip_from(state, contact_point, *memory);
+  }
+  return setting;
+}
+
+void ContactForce::set_sides(const ContactPoint& contact_point, const ContactHistory* memory,
+                             ContactResponse& response) const {
+  const auto side_of = [&](int molecule) -> Side& {
+    for (int i = 0; i < response.count; ++i)
+      if (response.sides[i].molecule == molecule) return response.sides[i];
+    response.sides[response.count].molecule = molecule;
+    return response.sides[response.count++];
+  };
+  const Sample& sample = search_.samples()[contact_point.sample];
+  for (int i = 0; i < sample.count; ++i) {
+    Side& side = side_of(sample.molecules[i]);
+    side.normal += sample.weights[i];
+    side.tangential += sample.weights[i];
+  }
+  for (int i = 0; i < contact_point.count; ++i) {
+    Side& side = side_of(contact_point.molecules[i]);
+    side.normal -= contact_point.weights[i];
+    side.slope += contact_point.slopes[i];
+  }
+  const auto& anchors = memory ? memory->molecules : contact_point.molecules;
+  const auto& weights = memory ? memory->weights : contact_point.weights;
+  const int count = memory ? memory->count : contact_point.count;
+  for (int i = 0; i < count; ++i) side_of(anchors[i]).tangential -= weights[i];
+}
+
+void ContactForce::commit_step(State& state) const {
+  if (!has_friction_ && options_.penetration == 0) return;
+  evaluate(state, has_friction_ ? mean_size_ : 0, true);
+  // Where it stuck is where it sticks again, unless it slid; what is near but not pressed sticks from here on.
+  next_history_.clear();
+  for (const ContactResponse& response : responses_) {
+    ContactHistory memory{response.sample, response.target};
+    const ContactPoint& contact_point = contact_points_[next_history_.size()];
+    memory.multiplier = response.elastic > 0 ? multipliers_[next_history_.size()] : 0;
+    anchor(state, contact_point, sample_position(state, contact_point.sample) - response.slip, memory);
+    next_history_.push_back(memory);
+  }
+  state.contact_history = next_history_;
+  cached_ = false;
+}
+
+bool ContactForce::update_multipliers(State& state) const {
+  if (options_.penetration == 0) return false;
+  double deepest = 0;
+  for (const ContactResponse& response : responses(state)) deepest = std::max(deepest, -response.gap);
+  if (deepest <= options_.penetration) return false;
+  set_poses(state.time);
+  next_history_.clear();
+  std::size_t known = 0;
+  for (std::size_t i = 0; i < responses_.size(); ++i) {
+    const ContactPoint& contact_point = contact_points_[i];
+    while (known < state.contact_history.size() && before(state.contact_history[known], contact_point))
+      next_history_.push_back(state.contact_history[known++]);
+    if (known < state.contact_history.size() && !before_entry(contact_point, state.contact_history[known])) {
+      next_history_.push_back(state.contact_history[known++]);
+    } else {
+      next_history_.push_back({contact_point.sample, contact_point.target});
+      anchor(state, contact_point, sample_position(state, contact_point.sample), next_history_.back());
+    }
+    next_history_.back().multiplier = responses_[i].elastic;
+  }
+  next_history_.insert(next_history_.end(), state.contact_history.begin() + static_cast<std::ptrdiff_t>(known),
+                       state.contact_history.end());
+  state.contact_history = next_history_;
+  return true;
+}
+
+}  // namespace elastin::contact
