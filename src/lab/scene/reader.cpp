@@ -1,6 +1,7 @@
 #include "lab/scene/reader.h"
 
 #include <yaml-cpp/eventhandler.h>
+#include <string_view>
 
 #include <algorithm>
 #include <cerrno>
@@ -108,6 +109,16 @@ void put_override(YAML::Node root, const std::string& assignment) {
     node[path] = value;
 }
 
+/// A key that older scenes wrote under another name. The old name must not stand for anything else in that map.
+struct RenamedKey {
+  std::string_view old_name, name;
+};
+constexpr RenamedKey kRenamedKeys[] = {
+    {"way", "method"},    // of the solver
+    {"hold", "fixture"},  // of experiments in time: how the body is held and loaded
+    {"hold", "fix"},      // of a press: the parts that stay
+};
+
 /// Where a text's second YAML document begins.
 class SecondDocument final : public YAML::EventHandler {
  public:
@@ -193,7 +204,20 @@ bool Reader::has(const std::string& key) { return find(key).has_value(); }
 std::optional<Reader> Reader::find(const std::string& key) {
   if (!node_.IsMap()) fail("expected a map of keys, found " + kind_of(node_));
   requested_->keys.push_back(key);
+  refuse_old_name(key);
   return value_of(key, key);
+}
+
+/// Fails where the map has this key under the name that it once had.
+void Reader::refuse_old_name(const std::string& key) const {
+  for (const RenamedKey& renamed : kRenamedKeys) {
+    if (key != renamed.name) continue;
+    for (const auto& entry : node_)
+      if (entry.first.Scalar() == renamed.old_name)
+        throw InputError(location_of(entry.first), (path_.empty() ? "" : path_ + ": ") + "key '" +
+                                                       entry.first.Scalar() + "' has been renamed: write '" + key +
+                                                       "'");
+  }
 }
 
 /// The value that stands under the key `given`, as the one of `key`.

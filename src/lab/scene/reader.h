@@ -42,6 +42,7 @@ class Reader {
   /// The value of a key that must be there; throws InputError if it is not. A misspelt one is read too: finish() names
   /// it.
   Reader at(const std::string& key);
+  /// Throws InputError where the map has the key under a name that it had in older scenes.
   std::optional<Reader> find(const std::string& key);
   /// Throws InputError on the first key that was never asked for, with the nearest one that was.
   void finish() const;
@@ -98,6 +99,7 @@ class Reader {
   };
   SourceLocation location() const;
   SourceLocation location_of(const YAML::Node& node) const;
+  void refuse_old_name(const std::string& key) const;
   std::optional<Reader> value_of(const std::string& given, const std::string& key) const;
   void note_unit(const std::string& given, const Dimension& dimension, const Quantity& quantity) const;
   std::shared_ptr<SceneFile> file_;

@@ -247,6 +247,35 @@ TEST_CASE("a misspelt key is named with the nearest one and all that are known",
   });
 }
 
+TEST_CASE("a key that was renamed is refused with its new name", "[scene]") {
+  const TemporaryFolder folder;
+  const std::string body =
+      "body: {lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 1 mm}}\n"
+      "material: {youngs_modulus: 5 kPa}\nstrategy: uniform\n";
+  struct Row {
+    std::string text, message;
+  };
+  for (const Row& row : {
+           Row{"experiment: {kind: tension, axis: z, displacement: 0.1 mm}\nsolver: {method: implicit}\n",
+               ":5:10: solver: key 'way' has been renamed: write 'method'"},
+           {"experiment: {kind: release, fixture: {kind: tension, axis: z, force: 1 mN}}\ntime: {duration: 1 s}\n",
+            ":4:29: experiment: key 'hold' has been renamed: write 'fixture'"},
+           {"experiment: {kind: vibration, count: 2, fixture: {kind: tension, axis: z, force: 1 mN}}\n",
+            ":4:41: experiment: key 'hold' has been renamed: write 'fixture'"},
+           {"experiment: {kind: press, move: a, fix: b, displacement: 0.1 mm}\n"
+            "contact: {obstacles: [{plane: {point: [0, 0, 0], normal: z}}]}\n",
+            ":4:36: experiment: key 'hold' has been renamed: write 'fix'"},
+       }) {
+    INFO(row.text);
+    const std::string path = folder.write("old.yaml", body + row.text);
+    CHECK_THAT(refusal(path), StartsWith(path + row.message));
+  }
+  const std::string path =
+      folder.write("new.yaml", body + "experiment: {kind: tension, axis: z, displacement: 0.1 mm}\n");
+  CHECK_THAT(refusal(path, {"solver.method=implicit"}), Contains("solver: key 'way' has been renamed: write 'method'"));
+  CHECK(refusal(path, {"solver.method=implicit"}).empty());
+}
+
 TEST_CASE("a value that cannot be is named with what can", "[scene]") {
   check_slips({
       // Missing and wrong units. Plain numbers are taken only where no value of the file has a unit.
