@@ -171,24 +171,24 @@ Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, cons
 
 Plot response_plot(const std::vector<Record>& records, const std::map<std::string, int>& colours) {
   Plot plot;
-  const ResponseCurve curve = response_curve_of(records);
-  if (curve.x.empty()) return plot;
-  plot.x = axis_of(curve.x);
-  plot.y = axis_of(curve.y);
+  const ResponseCurve response = response_curve_of(records);
+  if (response.x.empty()) return plot;
+  plot.x = axis_of(response.x);
+  plot.y = axis_of(response.y);
   plot.title = records.front().title + ": " + plot.y.title + " over " + plot.x.title;
   for (const StudyCurve& curve : curves_of(records)) {
     const Record& record = *curve.rows.back();
     PlotSeries series{curve.name, colours.at(curve.strategy), PlotSeries::Kind::line, {}};
-    if (curve.from_nothing) series.points.push_back({0, 0, ""});
+    if (response.from_nothing) series.points.push_back({0, 0, ""});
     for (const CurvePoint& point : record.run.curve) {
-      const PlotPoint at{along(point, curve.x), along(point, curve.y), ""};
+      const PlotPoint at{along(point, response.x), along(point, response.y), ""};
       if (std::isfinite(at.x) && std::isfinite(at.y)) series.points.push_back(at);
     }
     const bool short_curve = series.points.size() <= 24;
     if (short_curve) series.kind = PlotSeries::Kind::marked_line;
-    if (series.points.size() > (curve.from_nothing ? 1u : 0u)) plot.series.push_back(std::move(series));
+    if (series.points.size() > (response.from_nothing ? 1u : 0u)) plot.series.push_back(std::move(series));
   }
-  if (!plot.series.empty()) add_target(plot, curve, records.front());
+  if (!plot.series.empty()) add_target(plot, response, records.front());
   return plot;
 }
 

@@ -41,7 +41,7 @@ std::string variant_field(const Record& record) {
 }
 
 /// One row a frame, with the measures that the run has.
-std::string history_csv_text(const std::vector<CurvePoint>& history) {
+std::string history_csv_text(const std::vector<CurvePoint>& rows) {
   std::vector<const MeasureInfo*> columns;
   for (const MeasureInfo& info : measure_list())
     if (std::any_of(rows.begin(), rows.end(),

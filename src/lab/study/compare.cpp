@@ -262,7 +262,7 @@ bool Comparison::run() {
   progress_.set("reading scenes");
   plans_ = plan_of(request_, catalog_);
   progress_.pause();
-  if (!request_.restart.empty() && (plans_.size() != 1 || plans_[0].rows() != 1 || !plans_[0].scene->time))
+  if (!request_.restart.empty() && (plans_.size() != 1 || plans_[0].runs() != 1 || !plans_[0].scene->time))
     throw InputError("--restart: goes on with one strategy of one scene that runs in time");
   if (!request_.peers.empty()) peers_ = load_peers(request_.peers);
   if (!request_.out.empty() && request_.compare) journal_.emplace(request_.out, request_.resume);

@@ -87,13 +87,13 @@ void LineFile::add(const std::string& line) {
 }
 
 Journal::Journal(const std::string& folder, bool resume)
-    : runs_(resume ? rows_of(folder + "/runs.jsonl") : std::unordered_map<std::string, Record>{}),
+    : finished_(resume ? rows_of(folder + "/runs.jsonl") : std::unordered_map<std::string, Record>{}),
       runs_(folder + "/runs.jsonl", resume),
       views_(folder + "/views.jsonl", resume) {}
 
 const Record* Journal::find(const std::string& key) const {
-  const auto found = runs_.find(key);
-  return found == runs_.end() ? nullptr : &found->second;
+  const auto found = finished_.find(key);
+  return found == finished_.end() ? nullptr : &found->second;
 }
 
 void Journal::add(const std::string& key, const Record& record) {

@@ -36,11 +36,11 @@ class Journal {
   const Record* find(const std::string& key) const;
   void add(const std::string& key, const Record& record);
   void add_view(const std::string& line) { views_.add(line); }
-  std::size_t found() const { return runs_.size(); }  ///< rows that were there
+  std::size_t found() const { return finished_.size(); }  ///< rows that were there
   const std::string& views_path() const { return views_.path(); }
 
  private:
-  std::unordered_map<std::string, Record> runs_;
+  std::unordered_map<std::string, Record> finished_;
   LineFile runs_, views_;
 };
 
