@@ -251,18 +251,18 @@ TEST_CASE("a key that was renamed is refused with its new name", "[scene]") {
   const TemporaryFolder folder;
   const std::string body =
       "body: {lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 1 mm}}\n"
-      "material: {youngs_modulus: 5 kPa}\nstrategy: uniform\n";
+      "material: {youngs_modulus: 5 kPa}\nstiffness: uniform\n";
   struct Row {
     std::string text, message;
   };
   for (const Row& row : {
-           Row{"experiment: {kind: tension, axis: z, displacement: 0.1 mm}\nsolver: {method: implicit}\n",
+           Row{"experiment: {kind: tension, axis: z, displacement: 0.1 mm}\nsolver: {way: implicit}\n",
                ":5:10: solver: key 'way' has been renamed: write 'method'"},
-           {"experiment: {kind: release, fixture: {kind: tension, axis: z, force: 1 mN}}\ntime: {duration: 1 s}\n",
+           {"experiment: {kind: release, hold: {kind: tension, axis: z, force: 1 mN}}\ntime: {duration: 1 s}\n",
             ":4:29: experiment: key 'hold' has been renamed: write 'fixture'"},
-           {"experiment: {kind: vibration, count: 2, fixture: {kind: tension, axis: z, force: 1 mN}}\n",
+           {"experiment: {kind: vibration, count: 2, hold: {kind: tension, axis: z, force: 1 mN}}\n",
             ":4:41: experiment: key 'hold' has been renamed: write 'fixture'"},
-           {"experiment: {kind: press, move: a, fix: b, displacement: 0.1 mm}\n"
+           {"experiment: {kind: press, move: a, hold: b, displacement: 0.1 mm}\n"
             "contact: {obstacles: [{plane: {point: [0, 0, 0], normal: z}}]}\n",
             ":4:36: experiment: key 'hold' has been renamed: write 'fix'"},
        }) {
@@ -272,7 +272,7 @@ TEST_CASE("a key that was renamed is refused with its new name", "[scene]") {
   }
   const std::string path =
       folder.write("new.yaml", body + "experiment: {kind: tension, axis: z, displacement: 0.1 mm}\n");
-  CHECK_THAT(refusal(path, {"solver.method=implicit"}), Contains("solver: key 'way' has been renamed: write 'method'"));
+  CHECK_THAT(refusal(path, {"solver.way=implicit"}), Contains("solver: key 'way' has been renamed: write 'method'"));
   CHECK(refusal(path, {"solver.method=implicit"}).empty());
 }
 
