@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lab/report/comparison.h"
+#include "lab/report/pack.h"
 #include "lab/report/page_parts.h"
 #include "lab/report/study.h"
 #include "lab/report/summary.h"
@@ -126,22 +127,22 @@ std::string head_html(const Scenery& scene) {
 constexpr const char* kStage = R"html(<section class="card"><div class="bar"><h2>The body</h2>
 <label>strategy <select data-part="strategy"></select></label>
 <label>colour <select data-part="colour"><option value="tension">tension</option><option value="strain">strain</option>
-<option value="way">displacement from rest</option><option value="error">away from the best</option></select></label>
-<label>displacement scale <select data-part="enlarge"></select></label>
-<label><input type="checkbox" data-part="lines"> connections</label>
-<label><input type="checkbox" data-part="spheres"> molecules</label>
+<option value="displacement">displacement</option><option value="error">distance from the best</option></select></label>
+<label>displacements <select data-part="scale"></select></label>
+<label><input type="checkbox" data-part="connections"> connections</label>
+<label><input type="checkbox" data-part="molecules"> molecules</label>
 <label><input type="checkbox" data-part="surface"> surface</label>
 <button type="button" data-save="png" data-name="body">PNG</button></div>
 <div class="view"><canvas tabindex="0" role="img"></canvas></div>
-<div class="scale"><span data-part="low"></span><i data-part="ramp"></i><span data-part="high"></span>
-<label class="steps"><button type="button" data-part="play" aria-label="play">▶</button>
-<input type="range" min="0" max="0" value="0" data-part="step" aria-label="step"></label><span data-part="at"></span></div>
-<p class="note">Drag, pinch or arrow keys to turn; wheel (after a click), + and − to zoom; shift and drag to move; 0 or a double click to reset.{}</p>
+<div class="legend"><span data-part="title"></span><span data-part="low"></span><i data-part="ramp"></i><span data-part="high"></span>
+<span class="steps" data-part="steps"><button type="button" data-part="play" aria-label="play">▶</button>
+<input type="range" min="0" max="0" value="0" data-part="step" aria-label="state"></span><span data-part="at"></span></div>
+<p class="note hint">Drag or arrow keys turn; wheel (after a click), two fingers, + and − zoom; shift and drag, or two fingers, move; 0 or a double click resets.{}</p>
 )html";
 
-/// A line of JSON that stands in an element of its own, to be read when its scene is looked at.
-std::string view_html(const std::string& line) {
-  return "<script type=\"application/json\" class=\"view\">" + line + "</script>\n";
+/// What a script of the page unpacks when it is needed.
+std::string packed_html(const std::string& attribute, std::string_view base64_text) {
+  return fmt::format("<script type=\"application/gzip\" {}>{}</script>\n", attribute, base64_text);
 }
 
 /// The body with as many strategies as there is room for, the best first; of a study the variant with most molecules.
@@ -162,21 +163,22 @@ std::string stage_html(const Scenery& scene, const std::vector<std::string>& vie
   const std::string best = scene.ranking.best ? scene.ranking.best->run.strategy : "";
   for (auto at = bodies.rbegin(); at != bodies.rend(); ++at) {
     std::string body, states, note;
-    const auto take = [&](const View& view) {
-      if (body.size() + states.size() + view.line->size() < size_left) states += view_html(*view.line);
+    const auto add_states = [&](const View& view) {
+      const std::string html = packed_html("class=\"view\"", packed(*view.line));
+      if (body.size() + states.size() + html.size() < size_left) states += html;
     };
     for (const View& view : at->second)
       if (view.head["kind"] == "body") {
-        body = view_html(*view.line);
+        body = packed_html("class=\"view\"", packed(*view.line));
         note = view.head.value("shown", "");
       }
     std::map<std::string, const View*> latest;  // a row that was cut off and run again left two
     for (const View& view : at->second)
       if (view.head["kind"] == "states") latest[view.head.value("strategy", "")] = &view;
-    if (latest.contains(best)) take(*latest[best]);
+    if (latest.contains(best)) add_states(*latest[best]);
     for (const Record& record : scene.records)
       if (const auto view = latest.find(record.run.strategy); view != latest.end() && record.run.strategy != best) {
-        take(*view->second);
+        add_states(*view->second);
         latest.erase(view);
       }
     if (body.empty() || states.empty()) continue;
@@ -263,9 +265,12 @@ std::string page_text(const PageMatter& matter) {
   out += fmt::format(
       "</main>\n<footer><p>{}</p><p><code>{}</code></p><p>Times: build and solve of each strategy, its body given; the "
       "least of all repeats. The best is near enough (0.1 %, or the least there is), with nothing to warn of, "
-      "and then the fastest.</p></footer>\n",
+      "and then the fastest.</p><p>Bodies are drawn by three.js (MIT licence).</p></footer>\n",
       escaped(matter.machine), escaped(matter.command));
-  out += fmt::format("<script>{}</script>\n<script>{}</script>\n</body></html>\n", k_viewer_js, k_page_js);
+  out += packed_html("id=\"three\"", base64(k_three.data(), k_three.size()));
+  for (const char* script : {k_body_js, k_colours_js, k_marks_js, k_viewer_js, k_stage_js, k_page_js})
+    out += fmt::format("<script>{}</script>\n", script);
+  out += "</body></html>\n";
   return out;
 }
 

@@ -1,10 +1,18 @@
 #pragma once
+#include <string_view>
 
 namespace elastin::lab {
 
 /// The texts of src/report/page/, put into the program when it is built: k_NAME_EXTENSION.
 extern const char* const k_page_css;
-extern const char* const k_page_js;
+extern const char* const k_body_js;
+extern const char* const k_colours_js;
+extern const char* const k_marks_js;
 extern const char* const k_viewer_js;
+extern const char* const k_stage_js;
+extern const char* const k_page_js;
+
+/// three, with its notice and the controls that turn a body, as gzip.
+extern const std::string_view k_three;
 
 }  // namespace elastin::lab

@@ -117,6 +117,14 @@ std::string tick_text(double value, const PlotAxis& axis, double step) {
   return number + (unit.empty() ? "" : " ") + unit;
 }
 
+/// Of the labels of an axis, in px.
+double widest_label(const Scale& scale, const PlotAxis& axis) {
+  std::size_t letters = 0;
+  for (const auto& [value, told] : scale.ticks)
+    if (told) letters = std::max(letters, tick_text(value, axis, scale.step()).size());
+  return kLetter * static_cast<double>(letters);
+}
+
 /// A plot on its paper: where values lie, in px.
 struct Sheet {
   const Plot& plot;
@@ -255,15 +263,10 @@ std::string escaped(const std::string& text) {
 
 std::string svg_text(const Plot& plot, double width, bool alone) {
   const double top = alone ? 62 : 30, high = std::clamp(width * 0.5, 250., 400.);
-  Sheet sheet{plot,
-              scale_of(plot, plot.x, &PlotPoint::x, NAN),
-              scale_of(plot, plot.y, &PlotPoint::y, plot.level),
-              width,
-              64,
-              top,
-              width - 26,
-              top + high,
-              ""};
+  const Scale x = scale_of(plot, plot.x, &PlotPoint::x, NAN), y = scale_of(plot, plot.y, &PlotPoint::y, plot.level);
+  const double left = std::max(64., widest_label(y, plot.y) + 12);
+  const double right = width - std::max(26., widest_label(x, plot.x) / 2 + 2);
+  Sheet sheet{plot, x, y, width, left, top, right, top + high, ""};
   add_grid(sheet);
   for (const PlotSeries& series : plot.series) add_series(sheet, series);
   const double lowest = add_legend(sheet, sheet.bottom + 62);

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "lab/report/pack.h"
 #include "lab/report/study.h"
 
 namespace elastin::lab {
@@ -19,7 +20,7 @@ static_assert(std::endian::native == std::endian::little, "the page reads little
 constexpr std::size_t kMostConnections = 60'000, kMostFrames = 25;
 
 template <class Value>
-std::string packed(const std::vector<Value>& values) {
+std::string bytes_text(const std::vector<Value>& values) {
   return base64(values.data(), values.size() * sizeof(Value));
 }
 
@@ -119,26 +120,10 @@ void add_tensions(Json& frame, const Shown& shown, const Body& body, const Snaps
   for (const double tension : tensions)
     shares.push_back(static_cast<std::int16_t>(most > 0 ? std::lround(32767 * tension / most) : 0));
   frame["most"] = most;
-  frame["tensions"] = packed(shares);
+  frame["tensions"] = bytes_text(shares);
 }
 
 }  // namespace
-
-std::string base64(const void* bytes, std::size_t count) {
-  constexpr const char* letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const auto* from = static_cast<const unsigned char*>(bytes);
-  std::string out;
-  out.reserve((count + 2) / 3 * 4);
-  for (std::size_t i = 0; i < count; i += 3) {
-    const unsigned second = i + 1 < count ? from[i + 1] : 0, third = i + 2 < count ? from[i + 2] : 0;
-    const unsigned three = (unsigned{from[i]} << 16) | (second << 8) | third;
-    out += letters[three >> 18];
-    out += letters[three >> 12 & 63];
-    out += i + 1 < count ? letters[three >> 6 & 63] : '=';
-    out += i + 2 < count ? letters[three & 63] : '=';
-  }
-  return out;
-}
 
 std::string body_view(const Scene& scene, const Record& record) {
   const Body& body = scene.specimen.body;
@@ -160,10 +145,10 @@ std::string body_view(const Scene& scene, const Record& record) {
   Json json = head_of("body", record);
   json["membrane"] = !body.triangles.empty();
   json["shown"] = shown.note;
-  json["rest"] = packed(rest);
-  json["radius"] = packed(radius);
-  json["ends"] = packed(ends);
-  json["surface"] = packed(surface);
+  json["rest"] = bytes_text(rest);
+  json["radius"] = bytes_text(radius);
+  json["ends"] = bytes_text(ends);
+  json["surface"] = bytes_text(surface);
   return line_of(json);
 }
 
@@ -185,7 +170,7 @@ std::string states_view(const Scene& scene, const Record& record) {
         const auto displacement = static_cast<float>(snapshot.positions(k, molecule) - body.rest(k, molecule));
         displacements.push_back(std::isfinite(displacement) ? displacement : 0);
       }
-    Json frame{{"at", snapshot.at}, {"ways", packed(displacements)}};
+    Json frame{{"at", snapshot.at}, {"displacements", bytes_text(displacements)}};
     add_tensions(frame, shown, body, snapshot);
     json["frames"].push_back(std::move(frame));
   }

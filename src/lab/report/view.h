@@ -10,11 +10,8 @@ namespace elastin::lab {
 /// so many connections; "shown" says so.
 std::string body_view(const Scene& scene, const Record& record);
 
-/// The states that the run has kept, at most 25 of them, evenly spread: ways of the molecules [m] and tensions of the
-/// connections [N] in the order of body_view. "" if it kept none.
+/// The states that the run has kept, at most 25 of them, evenly spread: displacements of the molecules [m] and tensions
+/// of the connections [N] in the order of body_view. "" if it kept none.
 std::string states_view(const Scene& scene, const Record& record);
-
-/// RFC 4648, with padding.
-std::string base64(const void* bytes, std::size_t count);
 
 }  // namespace elastin::lab

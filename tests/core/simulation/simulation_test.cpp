@@ -284,11 +284,11 @@ TEST_CASE("simulation: an explicit step goes in as many parts as its body and it
   const Catalog catalog = built_in_catalog();
   model.add(catalog.find("lattice").make(tissue.body(), kTissue, {}));
   const double longest = 0.8 * find_stable_step(model, state_at_rest(tissue.body())).step;
-  CHECK(tissue.step(3.5 * longest).parts == 4);
-  CHECK(tissue.step(0.9 * longest).parts == 1);
+  CHECK(tissue.step(3.5 * longest).substeps == 4);
+  CHECK(tissue.step(0.9 * longest).substeps == 1);
   // A grip much stiffer than the tissue: its own oscillation sets the step, 2/√(k/m).
   tissue.couple(13, tissue.positions().col(13), 1e6);
   const double stiff = 0.8 * 2 / std::sqrt(1e6 / tissue.body().mass[13]);
-  CHECK(tissue.step(10.5 * stiff).parts == 11);
+  CHECK(tissue.step(10.5 * stiff).substeps == 11);
   run(tissue, 20);
 }

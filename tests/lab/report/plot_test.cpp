@@ -49,6 +49,24 @@ TEST_CASE("equal ratios are equal ways on logarithmic axes", "[plot]") {
   CHECK_THAT(svg_text(plot, 600, true), Contains(">1 ms<") && Contains(">0.01 %<") && Contains("a&lt;b"));
 }
 
+TEST_CASE("long labels of ticks stay on the paper", "[plot]") {
+  Plot plot = logarithmic({{1e-3, 1e-7, "p"}, {1e-2, 1, "q"}});  // from 0.00001 %
+  plot.x = {"strain", "%", false};
+  plot.series[0].points = {{0, 1e-7, "p"}, {2.4e-5, 1, "q"}};  // to 0.0025 %
+  constexpr double width = 360, letter = 6.5;                  // px: digits of sans-serif at 12 px
+  pugi::xml_document document;
+  const std::string svg = svg_text(plot, width, false);
+  REQUIRE(document.load_string(svg.c_str()));
+  CHECK_THAT(svg, Contains(">0.00001 %<") && Contains(">0.0025 %<"));
+  for (const auto& found : document.select_nodes("//svg/text")) {
+    const std::string text = found.node().text().get(), anchor = found.node().attribute("text-anchor").value();
+    const double x = found.node().attribute("x").as_double(), size = letter * static_cast<double>(text.size());
+    CAPTURE(text, x, anchor);
+    CHECK(x - (anchor == "end" ? size : anchor == "middle" ? size / 2 : 0) >= 0);
+    CHECK(x + (anchor == "end" ? 0 : anchor == "middle" ? size / 2 : size) <= width);
+  }
+}
+
 TEST_CASE("what cannot be drawn is left out", "[plot]") {
   const Plot plot =
       logarithmic({{1, 0.1, "p"}, {0, 0.1, "zero"}, {1, NAN, "nan"}, {INFINITY, 1, "inf"}, {-1, 1, "minus"}});

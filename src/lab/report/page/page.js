@@ -3,7 +3,8 @@
 
 const all = (what, within = document) => [...within.querySelectorAll(what)];
 const root = document.documentElement;
-addEventListener('error', event => { root.dataset.errors = (root.dataset.errors || '') + event.message + '; '; });
+for (const kind of ['error', 'unhandledrejection'])
+  addEventListener(kind, event => { root.dataset.errors = (root.dataset.errors || '') + (event.message ?? event.reason) + '; '; });
 
 // --- tables -----------------------------------------------------------------------------------------------------------
 function sort_by(head, column) {
@@ -60,11 +61,7 @@ function file_of(svg) {
 }
 all('button[data-save]').forEach(button => button.addEventListener('click', () => {
   const figure = button.closest('.card'), name = button.dataset.name;
-  const canvas = figure.querySelector('canvas');
-  if (canvas) {
-    canvas.viewer.draw();
-    return save(name + '.png', canvas.toDataURL('image/png'));
-  }
+  if (figure.querySelector('.view')) return save(name + '.png', figure.closest('.scene').stage.picture().toDataURL('image/png'));
   const svg = all('svg', figure).find(one => one.getClientRects().length);
   const text = 'data:image/svg+xml;charset=utf-8,' + encodeURIComponent(file_of(svg));
   if (button.dataset.save === 'svg') return save(name + '.svg', text);
@@ -78,141 +75,40 @@ all('button[data-save]').forEach(button => button.addEventListener('click', () =
 }));
 
 // --- bodies -----------------------------------------------------------------------------------------------------------
-function with_prefix(value, unit) {
-  for (const [factor, letter] of [[1e9, 'G'], [1e6, 'M'], [1e3, 'k'], [1, ''], [1e-3, 'm'], [1e-6, 'µ'], [1e-9, 'n']])
-    if (Math.abs(value) >= factor) return `${(value / factor).toPrecision(3)} ${letter}${unit}`;
-  return `${value.toPrecision(3)} ${unit}`;
+/** three, of which one copy lies packed in the page; unpacked when a body is first looked at. */
+let three;
+function load_three() {
+  return three ??= unpacked(document.getElementById('three').textContent).then(text => {
+    document.head.append(Object.assign(document.createElement('script'), {textContent: text}));
+  });
 }
 
-/** The number of the form 1, 2 or 5 times a power of ten that is not above. */
-function round_down(value) {
-  const decade = 10 ** Math.floor(Math.log10(value)), first = value / decade;
-  return decade * (first >= 5 ? 5 : first >= 2 ? 2 : 1);
-}
-
-class Stage {
-  constructor(section) {
-    this.part = name => section.querySelector(`[data-part="${name}"]`);
-    this.canvas = section.querySelector('canvas');
-    const views = all('script.view', section).map(script => JSON.parse(script.textContent));
-    this.body = unpack_body(views.find(view => view.kind === 'body'));
-    this.runs = new Map(views.filter(view => view.kind === 'states').map(view => [view.strategy, {frames: unpack_states(view), in_time: view.in_time}]));
-    this.best = section.dataset.best;
-    this.viewer = this.canvas.viewer = new Viewer(this.canvas);
-    for (const name of this.runs.keys()) this.part('strategy').append(new Option(name === this.best ? name + ' (best)' : name, name));
-    if (this.runs.has(this.best)) this.part('strategy').value = this.best;
-    if (!this.runs.has(this.best)) this.part('colour').querySelector('[value=error]').remove();
-    Object.assign(this.viewer.look, {lines: true, spheres: !this.body.membrane, surface: this.body.membrane});
-    for (const name of ['lines', 'spheres', 'surface']) {
-      this.part(name).checked = this.viewer.look[name];
-      this.part(name).disabled = name === 'surface' && !this.body.surface.length;
-      this.part(name).addEventListener('change', event => { this.viewer.look[name] = event.target.checked; this.viewer.request(); });
-    }
-    this.part('strategy').addEventListener('change', () => this.choose());
-    for (const name of ['colour', 'step', 'enlarge']) this.part(name).addEventListener('input', () => this.show());
-    this.part('play').addEventListener('click', () => this.play());
-    this.choose();
-  }
-
-  /** Another strategy: its last state; ways enlarged to a tenth of the body where nobody could see them otherwise. */
-  choose() {
-    this.run = this.runs.get(this.part('strategy').value);
-    const {frames} = this.run, step = this.part('step');
-    step.max = frames.length - 1;
-    step.step = this.run.in_time ? 1 : frames.length > 1 ? 0.02 : 1;
-    step.value = frames.length - 1;
-    step.parentElement.hidden = frames.length < 2;
-    const longest = Math.max(...[...this.runs.values()].map(run => Math.max(...run.frames.map(frame => sizes_of(frame.ways).reduce((a, b) => Math.max(a, b), 0)))));
-    if (!this.part('enlarge').options.length) {
-      const most = longest > 0 ? Math.max(1, round_down(0.12 * this.body.size / longest)) : 1;
-      for (const times of [...new Set([1, round_down(Math.sqrt(most)), most])])
-        this.part('enlarge').append(new Option(times === 1 ? 'true to scale' : `× ${times.toLocaleString('en')}`, times));
-      this.part('enlarge').value = longest < 0.03 * this.body.size ? most : 1;
-    }
-    // Where the body goes is in the picture from the start.
-    const end = frames[frames.length - 1].ways, times = +this.part('enlarge').value;
-    const box = box_of([...this.body.rest, ...this.body.rest.map((v, i) => v + times * end[i])]);
-    this.viewer.aim({middle: box_of(this.body.rest.map((v, i) => v + times * end[i])).middle, size: this.run.in_time ? box.size : (box.size + this.body.size) / 2});
-    this.show();
-  }
-
-  play() {
-    const step = this.part('step'), last = +step.max, begin = performance.now(), seconds = this.run.in_time ? 4 : 2;
-    const tick = now => {
-      const part = Math.min(1, (now - begin) / 1000 / seconds);
-      step.value = part * last;
-      this.show();
-      if (part < 1) requestAnimationFrame(tick);
-    };
-    requestAnimationFrame(tick);
-  }
-
-  /** What is coloured in one state: values of connections or of molecules. */
-  values(state, place) {
-    const kind = this.part('colour').value;
-    if (kind === 'tension') return {lines: state.tensions};
-    if (kind === 'strain') return {lines: strains_of(this.body, state.ways)};
-    if (kind === 'way') return {molecules: sizes_of(state.ways)};
-    const best = this.runs.get(this.best).frames;
-    return {molecules: sizes_of(state.ways, state_at(best, place / (this.run.frames.length - 1 || 1) * (best.length - 1)).ways)};
-  }
-
-  /** One scale for the whole course, so that the slider shows growth: from the largest push to as large a pull where there
-   *  is both; otherwise from the least to the most of the end. */
-  scale(kind) {
-    this.scales ??= {};
-    return this.scales[kind + this.part('strategy').value] ??= (() => {
-      const {frames} = this.run, of = place => { const v = this.values(frames[place], place); return v.lines ?? v.molecules; };
-      let low = Infinity, high = -Infinity;
-      const take = array => array.forEach(v => { low = Math.min(low, v); high = Math.max(high, v); });
-      take(of(frames.length - 1));
-      if (kind !== 'tension' && kind !== 'strain') low = 0;
-      if (!(low < -0.02 * high && high > -0.02 * low)) return {low, high: high > low ? high : low + 1e-300, signed: false};
-      frames.forEach((frame, place) => take(of(place)));
-      high = Math.max(high, -low);
-      return {low: -high, high, signed: true};
-    })();
-  }
-
-  show() {
-    const {frames} = this.run, place = +this.part('step').value, state = state_at(frames, place);
-    const kind = this.part('colour').value, values = this.values(state, place);
-    const {low, high, signed} = this.scale(kind), of_scale = v => signed ? v / high : (v - low) / (high - low);
-    const over = array => array && Float32Array.from(array, of_scale);
-    const lines = over(values.lines), molecules = over(values.molecules ?? means_of(this.body, values.lines));
-    const times = +this.part('enlarge').value;
-    const places = this.body.rest.map((v, i) => v + times * state.ways[i]);
-    this.viewer.show(this.body, places, {lines, molecules}, signed ? 0 : 1);
-    this.part('at').textContent = this.run.in_time ? with_prefix(state.at, 's') : `${(100 * state.at).toFixed(0)} % of the load`;
-    const unit = {tension: 'N', strain: '', way: 'm', error: 'm'}[kind];
-    const told = v => kind === 'strain' ? `${(100 * v).toPrecision(3)} %` : v === 0 ? '0' : with_prefix(v, unit);
-    this.part('low').textContent = told(low);
-    this.part('high').textContent = told(high);
-    this.part('ramp').style.background = signed ? 'linear-gradient(90deg,#1761ed,#9094a1,#e63326)' : 'linear-gradient(90deg,#452185,#21918c,#fadb33)';
-    this.canvas.setAttribute('aria-label', `The body with ${this.part('strategy').value}, coloured by ${kind} up to ${told(high)}; arrow keys turn it, + and - zoom, 0 resets`);
-  }
-}
-
-function stage(section) {
-  if (section.staged || !section.querySelector('script.view')) return;
-  section.staged = true;
+async function stage(section) {
+  const packed = all('script.view', section);
+  if (!packed.length || !section.querySelector('.view canvas')) return;
   try {
-    section.stage = new Stage(section);
+    const [views] = await Promise.all([Promise.all(packed.map(async script => JSON.parse(await unpacked(script.textContent)))), load_three()]);
+    const body = body_from(views.find(view => view.kind === 'body')), states = views.filter(view => view.kind === 'states');
+    section.stage = new Stage(section, body, new Map(states.map(view => [view.strategy, {frames: states_from(view), in_time: view.in_time}])));
   } catch (problem) {
-    section.querySelector('.view').textContent = `No picture: ${problem.message}.`;
-    root.dataset.errors = (root.dataset.errors || '') + problem.message + '; ';
+    all('.bar > label, .bar > button, .legend, .hint', section.querySelector('.view').parentElement).forEach(part => part.remove());
+    section.querySelector('.view').textContent = `No body is drawn here: ${problem.message}. Plots and tables are complete without it.`;
   }
 }
 
 // --- scenes -----------------------------------------------------------------------------------------------------------
 const scenes = all('.scene'), choice = document.getElementById('scene');
-function go() {
+async function go() {
   const wanted = scenes.find(section => '#' + section.id === location.hash) ?? scenes[0];
-  scenes.forEach(section => { section.hidden = section !== wanted; });
+  scenes.forEach(section => {
+    section.hidden = section !== wanted;
+    if (section === wanted) return;
+    section.stage?.release();
+    section.stage = undefined;
+  });
   if (choice) choice.value = wanted.id;
-  if (wanted) stage(wanted);
+  if (wanted && !wanted.stage) await stage(wanted);
 }
 choice?.addEventListener('change', () => { location.hash = choice.value; });
 addEventListener('hashchange', () => { go(); document.getElementById('scene')?.scrollIntoView({block: 'start'}); });
-go();
-root.dataset.ready = 'yes';
+go().then(() => { root.dataset.ready = 'yes'; });

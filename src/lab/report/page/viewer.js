@@ -1,329 +1,306 @@
-// A body in 3D: connections as lines, molecules as spheres, the surface as triangles; turned by hand. WebGL 2, no library:
-// these three shapes are all that it ever draws.
+// A body in 3D, turned by hand: molecules as spheres, connections as rods, faces. Needs three (THREE with OrbitControls),
+// body.js, colours.js and marks.js; knows nothing of strategies, runs or the rest of the page.
 'use strict';
 
-const shaders = {
-  colour: `
-    uniform int map;
-    vec3 colour_of(float v) {
-      if (map == 0) {  // blue pushes, red pulls
-        float s = sqrt(clamp(abs(v), 0., 1.));
-        return mix(vec3(.56, .58, .63), v < 0. ? vec3(.09, .38, .93) : vec3(.9, .2, .15), s);
-      }
-      v = clamp(v, 0., 1.);  // dark violet over green to yellow
-      return v < .5 ? mix(vec3(.27, .13, .52), vec3(.13, .57, .55), v * 2.) : mix(vec3(.13, .57, .55), vec3(.98, .86, .2), v * 2. - 1.);
+/** Both shaders of what is drawn once for each molecule or connection: a corner of a flat shape, turned to the eye. Distant
+ *  parts fade into the ground. */
+const shader_parts = {
+  fade: `
+    uniform float near_side, depth; uniform vec3 ground; varying float distance_to_eye;
+    vec3 faded(vec3 colour) { return mix(colour, ground, .5 * clamp((distance_to_eye - near_side) / depth, 0., 1.)); }`,
+  // The disc is larger than the sphere at its middle, for it is seen in perspective.
+  sphere_vertex: `
+    attribute vec3 centre, colour; attribute float radius;
+    uniform float share, pixel;
+    varying vec3 tint, middle, at; varying float size, distance_to_eye;
+    void main() {
+      vec4 p = modelViewMatrix * vec4(centre, 1.);
+      tint = colour; middle = p.xyz; distance_to_eye = -p.z;
+      size = max(radius * share, 1.2 * pixel * -p.z);
+      at = middle + vec3(1.15 * size * position.xy, 0.);
+      gl_Position = projectionMatrix * vec4(at, 1.);
     }`,
-  lines: [`#version 300 es
-    in vec2 corner; in vec3 from, to; in vec2 value;
-    uniform mat4 view, lens; uniform vec2 size; uniform float wide;
-    out float v; out float depth;
+  sphere_fragment: `
+    uniform mat4 projectionMatrix; varying vec3 tint, middle, at; varying float size;
     void main() {
-      vec4 a = view * vec4(from, 1.), b = view * vec4(to, 1.);
-      vec4 p = lens * a, q = lens * b;
-      vec2 way = (q.xy / q.w - p.xy / p.w) * size;
-      vec2 side = length(way) > 0. ? normalize(vec2(-way.y, way.x)) : vec2(0., 1.);
-      gl_Position = mix(p, q, corner.x);
-      gl_Position.xy += side * corner.y * wide / size * gl_Position.w;
-      v = mix(value.x, value.y, corner.x); depth = mix(a.z, b.z, corner.x);
-    }`, `
-    in float v; in float depth; uniform float near; uniform float deep; uniform vec3 ground; out vec4 paint;
-    void main() { paint = vec4(mix(colour_of(v), ground, .55 * clamp((-depth - near) / deep, 0., 1.)), 1.); }`],
-  spheres: [`#version 300 es
-    in vec3 place; in float radius, value;
-    uniform mat4 view, lens; uniform vec2 size; uniform float share;
-    out float v; out float depth;
+      vec3 ray = normalize(at);
+      float along = dot(ray, middle), inside = along * along - dot(middle, middle) + size * size;
+      if (inside < 0.) discard;
+      vec3 hit = (along - sqrt(inside)) * ray, normal = (hit - middle) / size;
+      vec4 p = projectionMatrix * vec4(hit, 1.);
+      gl_FragDepthEXT = .5 + .5 * p.z / p.w;
+      gl_FragColor = vec4(faded(tint * (.5 + .55 * max(0., dot(normal, normalize(vec3(-.4, .6, .8)))))), 1.);
+    }`,
+  rod_vertex: `
+    attribute vec3 from, to, from_colour, to_colour;
+    uniform float width, pixel, near; uniform vec2 canvas;
+    varying vec3 tint; varying float across, distance_to_eye;
     void main() {
-      vec4 p = view * vec4(place, 1.);
-      gl_Position = lens * p;
-      gl_PointSize = max(2., lens[1][1] * size.y * radius * share / gl_Position.w);
-      v = value; depth = p.z;
-    }`, `
-    in float v; in float depth; uniform float near; uniform float deep; uniform vec3 ground; out vec4 paint;
-    void main() {
-      vec2 p = gl_PointCoord * 2. - 1.;
-      float r = dot(p, p);
-      if (r > 1.) discard;
-      vec3 normal = vec3(p.x, -p.y, sqrt(1. - r));
-      float light = .45 + .6 * max(0., dot(normal, normalize(vec3(-.4, .6, .8))));
-      paint = vec4(mix(colour_of(v) * light, ground, .4 * clamp((-depth - near) / deep, 0., 1.)), 1.);
-    }`],
-  surface: [`#version 300 es
-    in vec3 place; in float value; uniform mat4 view, lens; out float v; out vec3 at;
-    void main() { vec4 p = view * vec4(place, 1.); gl_Position = lens * p; v = value; at = p.xyz; }`, `
-    in float v; in vec3 at; uniform float opaque; out vec4 paint;
-    void main() {
-      vec3 normal = normalize(cross(dFdx(at), dFdy(at)));
-      paint = vec4(colour_of(v) * (.5 + .5 * abs(dot(normal, normalize(vec3(-.3, .5, .8))))), opaque);
-    }`],
+      vec4 a = modelViewMatrix * vec4(from, 1.), b = modelViewMatrix * vec4(to, 1.);
+      float front = -near;  // a rod that passes the eye ends before it
+      if (a.z > front && b.z < front) a = mix(a, b, (a.z - front) / (a.z - b.z));
+      if (b.z > front && a.z < front) b = mix(b, a, (b.z - front) / (b.z - a.z));
+      vec4 p = projectionMatrix * a, q = projectionMatrix * b, end = position.x < .5 ? p : q;
+      vec2 along = (q.xy / q.w - p.xy / p.w) * canvas;
+      vec2 side = length(along) > 0. ? normalize(vec2(-along.y, along.x)) : vec2(0., 1.);
+      float half_width = max(width / (pixel * end.w), 1.);  // in pixels
+      gl_Position = end;
+      gl_Position.xy += side * position.y * 2. * half_width / canvas * end.w;
+      tint = mix(from_colour, to_colour, position.x);
+      across = position.y; distance_to_eye = end.w;
+    }`,
+  rod_fragment: `
+    varying vec3 tint; varying float across;
+    void main() { gl_FragColor = vec4(faded(tint * (.65 + .4 * sqrt(max(0., 1. - across * across)))), 1.); }`,
 };
 
-function bytes_of(text) {
-  const raw = atob(text), bytes = new Uint8Array(raw.length);
-  for (let i = 0; i < raw.length; ++i) bytes[i] = raw.charCodeAt(i);
-  return bytes.buffer;
-}
-
-/** What the page holds of a body, as arrays. */
-function unpack_body(json) {
-  const body = {rest: new Float32Array(bytes_of(json.rest)), radius: new Float32Array(bytes_of(json.radius)),
-    ends: new Uint32Array(bytes_of(json.ends)), surface: new Uint32Array(bytes_of(json.surface)), membrane: json.membrane};
-  return Object.assign(body, box_of(body.rest));
-}
-
-/** Middle and diagonal of the box around places. */
-function box_of(places) {
-  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-  for (let i = 0; i < places.length; ++i) {
-    low[i % 3] = Math.min(low[i % 3], places[i]);
-    high[i % 3] = Math.max(high[i % 3], places[i]);
-  }
-  return {middle: low.map((v, k) => (v + high[k]) / 2), size: Math.hypot(...low.map((v, k) => high[k] - v)) || 1};
-}
-
-function unpack_states(json) {
-  return json.frames.map(frame => ({at: frame.at, most: frame.most, ways: new Float32Array(bytes_of(frame.ways)),
-    tensions: Float32Array.from(new Int16Array(bytes_of(frame.tensions)), share => share * frame.most / 32767)}));
-}
-
-/** The state at a place between two frames, 2.25 = a quarter of the way from frame 2 to frame 3. */
-function state_at(frames, place) {
-  const first = Math.min(Math.floor(place), frames.length - 1), part = place - first;
-  const a = frames[first], b = frames[Math.min(first + 1, frames.length - 1)];
-  if (part < 1e-6) return a;
-  const mixed = (x, y) => Float32Array.from(x, (v, i) => v + part * (y[i] - v));
-  return {at: a.at + part * (b.at - a.at), ways: mixed(a.ways, b.ways), tensions: mixed(a.tensions, b.tensions)};
-}
-
-/** Lengthening of each connection over its length at rest, without the loss of digits that lengths far larger bring. */
-function strains_of(body, ways) {
-  const {ends, rest} = body, strains = new Float32Array(ends.length / 2);
-  for (let c = 0; c < strains.length; ++c) {
-    const a = 3 * ends[2 * c], b = 3 * ends[2 * c + 1];
-    let square = 0, change = 0;
-    for (let k = 0; k < 3; ++k) {
-      const d = rest[b + k] - rest[a + k], w = ways[b + k] - ways[a + k];
-      square += d * d;
-      change += w * (2 * d + w);
-    }
-    const length = Math.sqrt(square);
-    strains[c] = length > 0 ? change / (length * (length + Math.sqrt(Math.max(0, square + change)))) : 0;
-  }
-  return strains;
-}
-
-/** Of each molecule the mean over its connections. */
-function means_of(body, values) {
-  const sums = new Float32Array(body.radius.length), counts = new Uint16Array(body.radius.length);
-  body.ends.forEach((molecule, i) => { sums[molecule] += values[i >> 1]; ++counts[molecule]; });
-  return sums.map((sum, i) => counts[i] ? sum / counts[i] : 0);
-}
-
-function sizes_of(ways, others) {
-  const sizes = new Float32Array(ways.length / 3);
-  for (let i = 0; i < sizes.length; ++i) {
-    let square = 0;
-    for (let k = 3 * i; k < 3 * i + 3; ++k) square += (ways[k] - (others ? others[k] : 0)) ** 2;
-    sizes[i] = Math.sqrt(square);
-  }
-  return sizes;
-}
-
-function product(a, b) {
-  const c = new Float32Array(16);
-  for (let i = 0; i < 4; ++i) for (let j = 0; j < 4; ++j) for (let k = 0; k < 4; ++k) c[4 * j + i] += a[4 * k + i] * b[4 * j + k];
-  return c;
-}
-
 class Viewer {
+  /** Throws where the browser has no WebGL 2. */
   constructor(canvas) {
+    const context = canvas.getContext('webgl2', {antialias: true, alpha: true, premultipliedAlpha: false});
+    if (!context) throw new Error('this browser has no WebGL 2, or it is switched off');
     this.canvas = canvas;
-    this.gl = canvas.getContext('webgl2', {antialias: true, alpha: true, premultipliedAlpha: false});
-    if (!this.gl) throw new Error('this browser has no WebGL 2');
-    this.programs = {};
-    for (const [name, [vertex, fragment]] of Object.entries(shaders).filter(([, v]) => Array.isArray(v)))
-      this.programs[name] = this.program(vertex, '#version 300 es\nprecision highp float;\nprecision highp int;' + shaders.colour + fragment);
-    this.buffers = {};
-    this.look = {lines: true, spheres: true, surface: false};
-    this.reset();
+    this.marks = canvas.parentElement.appendChild(Object.assign(document.createElement('canvas'), {className: 'marks'}));
+    this.marks.setAttribute('aria-hidden', 'true');
+    this.renderer = new THREE.WebGLRenderer({canvas, context, antialias: true, alpha: true, premultipliedAlpha: false});
+    this.renderer.setClearColor(0, 0);
+    this.look = {connections: true, molecules: true, surface: false};
+    this.build_scene();
     this.listen();
-    new ResizeObserver(() => this.request()).observe(canvas);
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.request());
   }
 
-  program(vertex, fragment) {
-    const gl = this.gl, program = gl.createProgram();
-    for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-      const shader = gl.createShader(kind);
-      gl.shaderSource(shader, text);
-      gl.compileShader(shader);
-      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
-      gl.attachShader(program, shader);
-    }
-    gl.linkProgram(program);
-    return program;
+  build_scene() {
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(24, 1, 1, 10);
+    this.camera.up.set(0, 0, 1);
+    this.uniforms = {near_side: {value: 0}, depth: {value: 1}, ground: {value: new THREE.Color()}, share: {value: 1}, width: {value: 0},
+      pixel: {value: 0}, near: {value: 0}, canvas: {value: new THREE.Vector2()}};
+    const material = (vertexShader, fragment) => new THREE.ShaderMaterial({uniforms: this.uniforms, vertexShader,
+      fragmentShader: shader_parts.fade + fragment, side: THREE.DoubleSide, extensions: {fragDepth: true}});
+    const paint = new THREE.MeshPhongMaterial({vertexColors: THREE.VertexColors, flatShading: true, side: THREE.DoubleSide, shininess: 0,
+      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1});
+    this.parts = {
+      molecules: new THREE.Mesh(new THREE.InstancedBufferGeometry(), material(shader_parts.sphere_vertex, shader_parts.sphere_fragment)),
+      connections: new THREE.Mesh(new THREE.InstancedBufferGeometry(), material(shader_parts.rod_vertex, shader_parts.rod_fragment)),
+      surface: new THREE.Mesh(new THREE.BufferGeometry(), paint),
+    };
+    for (const part of Object.values(this.parts)) part.frustumCulled = false;
+    const lamp = new THREE.DirectionalLight(0xffffff, 0.55);
+    lamp.position.set(-0.5, 0.7, 0.9);
+    this.camera.add(lamp);
+    this.scene.add(this.camera, new THREE.AmbientLight(0xffffff, 0.6), ...Object.values(this.parts));
   }
 
-  reset() {
-    Object.assign(this, {yaw: -0.6, pitch: 0.35, zoom: 1, shift: [0, 0]});
-    this.request();
-  }
-
-  /** What is looked at: {middle, size} of a box. */
-  aim(box) { this.box = box; }
-
-  /** values: {lines: one a connection, molecules: one a molecule}, both already over their largest. */
-  show(body, places, values, map) {
+  /** The body that is shown: {radius, ends, surface}, see body.js. */
+  set_body(body) {
     this.body = body;
-    this.map = map;
-    const {ends, surface} = body, m = ends.length / 2;
-    const lines = new Float32Array(8 * m), spheres = new Float32Array(5 * body.radius.length);
-    for (let c = 0; c < m; ++c) {
-      for (let e = 0; e < 2; ++e) {
-        for (let k = 0; k < 3; ++k) lines[8 * c + 3 * e + k] = places[3 * ends[2 * c + e] + k];
-        lines[8 * c + 6 + e] = values.lines ? values.lines[c] : values.molecules[ends[2 * c + e]];
-      }
+    const corners = (x, y) => new THREE.Float32BufferAttribute([x, -1, 0, x, 1, 0, y, -1, 0, y, 1, 0], 3);
+    const of_each = (count, sizes, least) => {
+      const geometry = new THREE.InstancedBufferGeometry();
+      geometry.setIndex([0, 1, 2, 2, 1, 3]);
+      geometry.setAttribute('position', corners(least, 1));
+      geometry.maxInstancedCount = count;
+      for (const [name, size] of Object.entries(sizes))
+        geometry.setAttribute(name, new THREE.InstancedBufferAttribute(new Float32Array(count * size), size).setUsage(THREE.DynamicDrawUsage));
+      return geometry;
+    };
+    const faces = new THREE.BufferGeometry(), connections = body.ends.length / 2;
+    for (const name of ['position', 'color'])
+      faces.setAttribute(name, new THREE.BufferAttribute(new Float32Array(3 * body.surface.length), 3).setUsage(THREE.DynamicDrawUsage));
+    this.ends = [0, 1].map(end => body.ends.filter((_, i) => i % 2 === end));
+    this.mean_radius = body.radius.reduce((sum, radius) => sum + radius, 0) / (body.radius.length || 1);
+    const geometries = {molecules: of_each(body.radius.length, {centre: 3, colour: 3, radius: 1}, -1),
+      connections: of_each(connections, {from: 3, to: 3, from_colour: 3, to_colour: 3}, 0), surface: faces};
+    for (const [name, geometry] of Object.entries(geometries)) {
+      this.parts[name].geometry.dispose();
+      this.parts[name].geometry = geometry;
     }
-    body.radius.forEach((radius, i) => {
-      for (let k = 0; k < 3; ++k) spheres[5 * i + k] = places[3 * i + k];
-      spheres[5 * i + 3] = radius;
-      spheres[5 * i + 4] = values.molecules[i];
+    this.drawable = {molecules: body.radius.length, connections, surface: body.surface.length};
+    this.fill('molecules', 'radius', array => array.set(body.radius));
+  }
+
+  fill(part, name, write) {
+    const attribute = this.parts[part].geometry.attributes[name];
+    write(attribute.array);
+    attribute.needsUpdate = true;
+  }
+
+  /** One state. positions: three a molecule [m]. colours, red green blue [0 … 1] each: molecules, one for each; connections,
+   *  one for each, or none for those of their ends; faces, one for each, or none for those of their corners. */
+  set_state(positions, colours) {
+    const {surface} = this.body;
+    this.positions = positions;
+    const gather = (numbers, from, index) => array => numbers.forEach((number, i) => {
+      const at = 3 * index(number, i);
+      array[3 * i] = from[at];
+      array[3 * i + 1] = from[at + 1];
+      array[3 * i + 2] = from[at + 2];
     });
-    const triangles = new Float32Array(4 * surface.length);
-    surface.forEach((molecule, i) => {
-      for (let k = 0; k < 3; ++k) triangles[4 * i + k] = places[3 * molecule + k];
-      triangles[4 * i + 3] = values.molecules[molecule];
-    });
-    this.fill('lines', lines);
-    this.fill('spheres', spheres);
-    this.fill('surface', triangles);
+    this.fill('molecules', 'centre', array => array.set(positions));
+    this.fill('molecules', 'colour', array => array.set(colours.molecules));
+    for (const [end, name] of ['from', 'to'].entries()) {
+      const molecules = this.ends[end];
+      this.fill('connections', name, gather(molecules, positions, molecule => molecule));
+      this.fill('connections', name + '_colour', colours.connections ? array => array.set(colours.connections)
+        : gather(molecules, colours.molecules, molecule => molecule));
+    }
+    this.fill('surface', 'position', gather(surface, positions, molecule => molecule));
+    this.fill('surface', 'color', colours.faces ? gather(surface, colours.faces, (_, i) => Math.floor(i / 3))
+      : gather(surface, colours.molecules, molecule => molecule));
     this.request();
   }
 
-  fill(name, data) {
-    const gl = this.gl;
-    this.buffers[name] ??= {buffer: gl.createBuffer()};
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[name].buffer);
-    gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
-    this.buffers[name].floats = data.length;
+  /** What is drawn: connections, molecules, surface, each true or false. */
+  set_look(look) {
+    this.look = look;
+    if (this.fitted && !this.touched) this.reset();
+    this.request();
+  }
+
+  /** Molecules are drawn smaller where connections are to be seen between them. */
+  radius_share() { return this.look.connections ? 0.45 : 1; }
+
+  /** Looks so that all of these positions, arrays of three floats a molecule, are in the picture, and keeps it so while the
+   *  canvas changes its size, until a hand turns the body. */
+  fit(states) {
+    this.fitted = states;
+    this.touched = false;
+    this.look_from(-0.6, 0.35);
+  }
+
+  reset() { this.fit(this.fitted); }
+
+  /** The nearest camera of this direction [rad] that sees everything, with an edge left free. Of a point (x, y, z) in the
+   *  camera's axes, z towards the eye, |x − cx| ≤ t (D − z) is to hold, with t the slope of the picture's side: so
+   *  x + t z ≤ t D + cx and −x + t z ≤ t D − cx, whose largest left sides give D and cx. */
+  look_from(yaw, pitch) {
+    if (!this.canvas.clientHeight) return;
+    const {camera, body} = this, [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
+    const right = [cy, sy, 0], up = [-sp * sy, sp * cy, cp], eye = [sy * cp, -cy * cp, sp];
+    const half = Math.tan(camera.fov * Math.PI / 360);
+    const slopes = [0.92 * half * this.canvas.clientWidth / this.canvas.clientHeight, 0.88 * half];
+    const most = [[-Infinity, -Infinity], [-Infinity, -Infinity]];  // of +x, −x and of +y, −y
+    let near = -Infinity, far = Infinity, reach = 0;
+    const along = (axis, positions, i) => axis[0] * positions[i] + axis[1] * positions[i + 1] + axis[2] * positions[i + 2];
+    for (const positions of this.fitted)
+      for (let i = 0; i < positions.length; i += 3) {
+        const z = along(eye, positions, i), radius = this.look.molecules ? this.radius_share() * body.radius[i / 3] : 0;
+        near = Math.max(near, z);
+        far = Math.min(far, z);
+        [right, up].forEach((axis, k) => {
+          const at = along(axis, positions, i), free = radius * Math.hypot(1, slopes[k]) + slopes[k] * z;
+          most[k][0] = Math.max(most[k][0], at + free);
+          most[k][1] = Math.max(most[k][1], free - at);
+        });
+      }
+    const distance = Math.max(...most.map(([a, b], k) => (a + b) / (2 * slopes[k])), near + 1e-9);
+    const shift = most.map(([a, b]) => (a - b) / 2), depth = (near + far) / 2;
+    const point = z => new THREE.Vector3(...[0, 1, 2].map(k => shift[0] * right[k] + shift[1] * up[k] + z * eye[k]));
+    this.controls.target.copy(point(depth));
+    camera.position.copy(point(distance));
+    const {x, y, z} = this.middle = this.controls.target.clone();
+    for (const positions of this.fitted)
+      for (let i = 0; i < positions.length; i += 3)
+        reach = Math.max(reach, Math.hypot(positions[i] - x, positions[i + 1] - y, positions[i + 2] - z) + body.radius[i / 3]);
+    this.reach = reach || 1;
+    this.controls.minDistance = 0.05 * this.reach;
+    this.controls.maxDistance = 40 * this.reach;
+    this.controls.update();
+    this.request();
   }
 
   request() {
-    if (this.waiting) return;
+    if (this.waiting || this.released) return;
     this.waiting = true;
     requestAnimationFrame(() => { this.waiting = false; this.draw(); });
   }
 
-  camera() {
-    const {box: body, yaw, pitch, canvas} = this, far = 1.75 * body.size / this.zoom;
-    const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
-    const turn = [cy, -sp * sy, cp * sy, 0, sy, sp * cy, -cp * cy, 0, 0, cp, sp, 0, 0, 0, 0, 1];  // z is up
-    const to_middle = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, ...body.middle.map(v => -v), 1];
-    const away = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, this.shift[0] * body.size, this.shift[1] * body.size, -far, 1];
-    const near = Math.max(far - 1.5 * body.size, far / 200), end = far + 1.5 * body.size, f = 1 / Math.tan(0.3);
-    const aspect = canvas.width / canvas.height, wide = Math.min(1, aspect);
-    const lens = [f * wide / aspect, 0, 0, 0, 0, f * wide, 0, 0, 0, 0, (near + end) / (near - end), -1, 0, 0, 2 * near * end / (near - end), 0];
-    return {view: product(away, product(turn, to_middle)), lens: new Float32Array(lens), near: far - 0.5 * body.size};
-  }
-
   draw() {
-    const {gl, canvas} = this, scale = Math.min(devicePixelRatio || 1, 2);
-    if (!this.body || !canvas.clientWidth) return;
-    canvas.width = Math.round(canvas.clientWidth * scale);
-    canvas.height = Math.round(canvas.clientHeight * scale);
-    gl.viewport(0, 0, canvas.width, canvas.height);
-    gl.clearColor(0, 0, 0, 0);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    gl.enable(gl.DEPTH_TEST);
-    const at = this.camera();
-    if (this.look.surface) this.paint('surface', at, [['place', 3], ['value', 1]], program => {
-      gl.uniform1f(gl.getUniformLocation(program, 'opaque'), 1);
-      gl.drawArrays(gl.TRIANGLES, 0, this.buffers.surface.floats / 4);
-    });
-    if (this.look.spheres) this.paint('spheres', at, [['place', 3], ['radius', 1], ['value', 1]], program => {
-      gl.uniform1f(gl.getUniformLocation(program, 'share'), this.look.lines ? 0.45 : 1);
-      gl.drawArrays(gl.POINTS, 0, this.buffers.spheres.floats / 5);
-    });
-    if (this.look.lines) this.paint('lines', at, [['from', 3], ['to', 3], ['value', 2]], program => {
-      this.corners ??= this.quad();
-      const corner = gl.getAttribLocation(program, 'corner');
-      gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
-      gl.enableVertexAttribArray(corner);
-      gl.vertexAttribPointer(corner, 2, gl.FLOAT, false, 0, 0);
-      gl.uniform1f(gl.getUniformLocation(program, 'wide'), (this.look.surface ? 0.7 : 1.1) * scale);
-      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.buffers.lines.floats / 8);
-    }, 1);
-    this.count_pixels();
-  }
-
-  /** Once, for whoever checks the page: how many pixels the body takes. */
-  count_pixels() {
-    if (this.canvas.dataset.pixels) return;
-    const {gl, canvas} = this, pixels = new Uint8Array(4 * canvas.width * canvas.height);
-    gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-    let drawn = 0;
-    for (let i = 3; i < pixels.length; i += 4) drawn += pixels[i] > 0;
-    canvas.dataset.pixels = drawn;
-  }
-
-  quad() {
-    const gl = this.gl, buffer = gl.createBuffer();
-    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array([0, -1, 0, 1, 1, -1, 1, 1]), gl.STATIC_DRAW);
-    return buffer;
-  }
-
-  paint(name, at, attributes, draw, each = 0) {
-    const gl = this.gl, program = this.programs[name], uniform = what => gl.getUniformLocation(program, what);
-    gl.useProgram(program);
-    gl.bindVertexArray(this.buffers[name].array ??= gl.createVertexArray());
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[name].buffer);
-    const stride = 4 * attributes.reduce((sum, [, count]) => sum + count, 0);
-    let offset = 0;
-    for (const [attribute, count] of attributes) {
-      const place = gl.getAttribLocation(program, attribute);
-      if (place >= 0) {
-        gl.enableVertexAttribArray(place);
-        gl.vertexAttribPointer(place, count, gl.FLOAT, false, stride, offset);
-        gl.vertexAttribDivisor(place, each);
-      }
-      offset += 4 * count;
+    const {canvas, camera, renderer} = this, scale = Math.min(devicePixelRatio || 1, 2);
+    if (!this.positions || !canvas.clientWidth || this.released) return;
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+    if (canvas.width !== Math.floor(width * scale) || canvas.height !== Math.floor(height * scale)) {
+      renderer.setPixelRatio(scale);
+      renderer.setSize(width, height, false);
     }
-    gl.uniformMatrix4fv(uniform('view'), false, at.view);
-    gl.uniformMatrix4fv(uniform('lens'), false, at.lens);
-    gl.uniform2f(uniform('size'), this.canvas.width, this.canvas.height);
-    gl.uniform1i(uniform('map'), this.map);
-    gl.uniform1f(uniform('near'), at.near);
-    gl.uniform1f(uniform('deep'), this.box.size);
-    const dark = matchMedia('(prefers-color-scheme: dark)').matches;
-    gl.uniform3fv(uniform('ground'), dark ? [.09, .1, .13] : [.97, .97, .98]);
-    draw(program);
-    gl.bindVertexArray(null);
+    const distance = camera.position.distanceTo(this.middle);
+    camera.aspect = width / height;
+    camera.near = Math.max(distance - 1.2 * this.reach, 0.01 * this.reach);
+    camera.far = distance + 1.2 * this.reach;
+    camera.updateProjectionMatrix();
+    for (const [name, part] of Object.entries(this.parts)) part.visible = this.look[name] && this.drawable[name] > 0;
+    const ground = getComputedStyle(canvas).getPropertyValue('--paper').trim();
+    Object.entries({near_side: distance - this.reach, depth: 2 * this.reach, share: this.radius_share(), near: camera.near,
+      width: 0.05 * this.mean_radius, pixel: 2 * Math.tan(camera.fov * Math.PI / 360) / (height * scale)})
+      .forEach(([name, value]) => { this.uniforms[name].value = value; });
+    this.uniforms.ground.value.set(ground || '#fff');
+    this.uniforms.canvas.value.set(width * scale, height * scale);
+    renderer.render(this.scene, camera);
+    this.draw_marks(this.marks, scale);
+  }
+
+  /** Axes and scale bar on a canvas of the same size; the bar's length holds at the distance of the point one turns about. */
+  draw_marks(canvas, scale) {
+    const {camera} = this, [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    canvas.width = width * scale;
+    canvas.height = height * scale;
+    const paper = canvas.getContext('2d'), ink = getComputedStyle(this.canvas).getPropertyValue('--faint').trim() || '#666';
+    paper.scale(scale, scale);
+    const turn = camera.matrixWorldInverse.elements;
+    draw_axes(paper, [0, 1, 2].map(axis => [turn[4 * axis], turn[4 * axis + 1], turn[4 * axis + 2]]), 44, height - 44, 26, ink);
+    const metres = 2 * Math.tan(camera.fov * Math.PI / 360) * camera.position.distanceTo(this.controls.target) / height;
+    draw_scale_bar(paper, metres, width - 16, height - 14, Math.min(0.3 * width, 160), ink);
+  }
+
+  /** What is seen, with axes, bar and legend, as a canvas of its own. */
+  picture(legend) {
+    this.draw();
+    const {canvas, marks} = this, scale = canvas.width / canvas.clientWidth;
+    const page = Object.assign(document.createElement('canvas'), {width: canvas.width, height: canvas.height});
+    const paper = page.getContext('2d'), style = getComputedStyle(canvas);
+    paper.fillStyle = style.getPropertyValue('--paper').trim() || '#fff';
+    paper.fillRect(0, 0, page.width, page.height);
+    paper.drawImage(canvas, 0, 0);
+    paper.drawImage(marks, 0, 0);
+    paper.scale(scale, scale);
+    if (legend) draw_legend(paper, legend, 16, 56, Math.min(240, canvas.clientWidth - 32), style.getPropertyValue('--ink').trim() || '#000');
+    return page;
+  }
+
+  /** The molecule that is seen at a point of the canvas [px], or −1. */
+  molecule_at(x, y) {
+    const {camera, canvas, positions, body} = this, ray = new THREE.Raycaster();
+    camera.updateMatrixWorld();
+    ray.setFromCamera({x: 2 * x / canvas.clientWidth - 1, y: 1 - 2 * y / canvas.clientHeight}, camera);
+    const {origin: o, direction: d} = ray.ray, share = this.uniforms.share.value;
+    const slack = 4 * 2 * Math.tan(camera.fov * Math.PI / 360) / canvas.clientHeight;  // four pixels
+    let found = -1, nearest = Infinity;
+    for (let molecule = 0; molecule < body.radius.length; ++molecule) {
+      const vx = positions[3 * molecule] - o.x, vy = positions[3 * molecule + 1] - o.y, vz = positions[3 * molecule + 2] - o.z;
+      const along = vx * d.x + vy * d.y + vz * d.z;
+      const aside = Math.sqrt(Math.max(0, vx * vx + vy * vy + vz * vz - along * along));
+      if (along > 0 && along < nearest && aside <= Math.max(share * body.radius[molecule], slack * along)) {
+        found = molecule;
+        nearest = along;
+      }
+    }
+    return found;
   }
 
   listen() {
-    const canvas = this.canvas, fingers = new Map();
-    const spread = () => { const [a, b] = [...fingers.values()]; return Math.hypot(a.x - b.x, a.y - b.y); };
-    canvas.addEventListener('pointerdown', event => {
-      fingers.set(event.pointerId, {x: event.clientX, y: event.clientY});
-      canvas.setPointerCapture(event.pointerId);
-    });
-    for (const kind of ['pointerup', 'pointercancel']) canvas.addEventListener(kind, event => fingers.delete(event.pointerId));
-    canvas.addEventListener('pointermove', event => {
-      const finger = fingers.get(event.pointerId);
-      if (!finger) return;
-      const dx = event.clientX - finger.x, dy = event.clientY - finger.y, before = fingers.size > 1 ? spread() : 0;
-      fingers.set(event.pointerId, {x: event.clientX, y: event.clientY});
-      if (fingers.size > 1) this.turn(0, 0, spread() / (before || 1));
-      else if (event.shiftKey) this.move(dx, dy);
-      else this.turn(dx * 0.008, dy * 0.008, 1);
-    });
+    const {canvas} = this;
+    // A page that is scrolled past must not zoom: the wheel does so only in a canvas that was clicked. Heard before the
+    // controls hear it.
     canvas.addEventListener('wheel', event => {
-      if (document.activeElement !== canvas && !event.ctrlKey) return;  // a page that is scrolled past must not zoom
-      event.preventDefault();
-      this.turn(0, 0, Math.exp(-event.deltaY * 0.0015));
-    }, {passive: false});
-    const keys = {ArrowLeft: [-.1, 0, 1], ArrowRight: [.1, 0, 1], ArrowUp: [0, -.1, 1], ArrowDown: [0, .1, 1],
-      '+': [0, 0, 1.15], '-': [0, 0, 1 / 1.15]};
+      this.controls.enableZoom = document.activeElement === canvas || event.ctrlKey;
+      this.controls.zoomSpeed = Math.min(3, Math.abs(event.deltaY) / 40);
+    }, {capture: true, passive: true});
+    canvas.addEventListener('touchstart', () => Object.assign(this.controls, {enableZoom: true, zoomSpeed: 1}), {capture: true, passive: true});
+    this.controls = Object.assign(new THREE.OrbitControls(this.camera, canvas), {enableKeys: false, screenSpacePanning: true, rotateSpeed: 0.7});
+    this.controls.addEventListener('start', () => { this.touched = true; });
+    this.controls.addEventListener('change', () => this.request());
+    const keys = {ArrowLeft: [-.1, 0, 1], ArrowRight: [.1, 0, 1], ArrowUp: [0, .1, 1], ArrowDown: [0, -.1, 1],
+      '+': [0, 0, 1 / 1.15], '-': [0, 0, 1.15]};
     canvas.addEventListener('keydown', event => {
       if (event.key === '0') this.reset();
       if (!keys[event.key]) return;
@@ -331,18 +308,38 @@ class Viewer {
       this.turn(...keys[event.key]);
     });
     canvas.addEventListener('dblclick', () => this.reset());
+    this.sizes = new ResizeObserver(() => {
+      if (this.touched || !this.fitted) this.request();
+      else this.reset();
+    });
+    this.sizes.observe(canvas);
+    this.scheme = matchMedia('(prefers-color-scheme: dark)');
+    this.on_scheme = () => this.request();
+    this.scheme.addEventListener('change', this.on_scheme);
   }
 
-  turn(yaw, pitch, zoom) {
-    this.yaw += yaw;
-    this.pitch = Math.max(-1.55, Math.min(1.55, this.pitch + pitch));
-    this.zoom = Math.max(0.2, Math.min(20, this.zoom * zoom));
+  /** Moves the eye around the body: angles [rad], and distance times so much. */
+  turn(yaw, pitch, distance) {
+    const offset = this.camera.position.clone().sub(this.controls.target), ball = new THREE.Spherical();
+    ball.setFromVector3(new THREE.Vector3(offset.x, offset.z, -offset.y));  // three's angles are about y
+    ball.theta += yaw;
+    ball.phi = Math.max(0.02, Math.min(Math.PI - 0.02, ball.phi - pitch));
+    ball.radius *= distance;
+    const to = new THREE.Vector3().setFromSpherical(ball);
+    this.camera.position.copy(this.controls.target).add(new THREE.Vector3(to.x, -to.z, to.y));
+    this.touched = true;
+    this.controls.update();
     this.request();
   }
 
-  move(dx, dy) {
-    const share = 1.3 / (this.zoom * this.canvas.clientHeight);
-    this.shift = [this.shift[0] + dx * share, this.shift[1] - dy * share];
-    this.request();
+  /** Gives back the graphics memory; browsers allow some sixteen pictures at a time. */
+  release() {
+    this.released = true;
+    this.sizes.disconnect();
+    this.scheme.removeEventListener('change', this.on_scheme);
+    this.controls.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
+    this.marks.remove();
   }
 }
