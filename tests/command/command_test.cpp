@@ -200,7 +200,7 @@ TEST_CASE("list names every strategy, parameter and measure", "[command]") {
     for (const elastin::ParameterInfo& info : strategy.parameters)
       CHECK_THAT(said.out, Contains("\n  " + strategy.name + "." + info.name + " ") && Contains(info.text));
   }
-  for (const elastin::MeasureInfo& info : elastin::measure_list())
+  for (const elastin::lab::MeasureInfo& info : elastin::lab::measure_list())
     CHECK_THAT(said.out, Contains("\n  " + std::string(info.name) + " ") && Contains(std::string(info.text)));
   CHECK_THAT(said.out, Contains("tangent_modulus            Pa  ") && Contains("torque                     N m  "));
 }
