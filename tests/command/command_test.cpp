@@ -233,7 +233,7 @@ experiment: {kind: tension, axis: z, force: 1 mN}
   CHECK(said.err.empty());
   CHECK_THAT(said.out, Contains("PIECES                3: the body hangs apart\n"));
   CHECK_THAT(said.out, Contains("piece 0: 4 molecules: 0, 1, 2, 3\n") && Contains("piece 1: 2 molecules: 4, 5\n"));
-  CHECK_THAT(said.out, Contains("ISOLATED MOLECULES       1: 6\n"));
+  CHECK_THAT(said.out, Contains("ISOLATED MOLECULES    1: 6\n"));
   CHECK_THAT(said.out, Contains("DUPLICATE CONNECTIONS 1: 7 (3–0)\n"));
   CHECK_THAT(said.out, !Contains("overlapping spheres"));
   CHECK_THAT(say("check " + scene + " --set body.radius=0.0155").out,

@@ -50,8 +50,8 @@ const elastin::Catalog& catalog() {
 }
 
 void read_scene(const std::string& path, const std::vector<std::string>& overrides = {}) {
-  const auto scene = elastin::load_scene(path, catalog(), overrides, kMostMolecules);
-  elastin::combinations(scene->study.axes);
+  const auto scene = elastin::lab::load_scene(path, catalog(), overrides, kMostMolecules);
+  elastin::lab::combinations(scene->study.axes);
 }
 
 /// Fewer molecules in each direction, so that many scenes are read in a second.
@@ -135,7 +135,7 @@ Kind meshes(const fs::path& source, const fs::path& folder) {
   Kind kind{"mesh",
             {},
             [folder](const std::string& path) {
-              if (elastin::load_mesh(path).points.cols() > kMostMolecules) return;
+              if (elastin::mesh::load_mesh(path).points.cols() > kMostMolecules) return;
               const std::string name = fs::path(path).filename().string();
               for (const char* shape : {"mesh", "fill"}) try {
                   const std::string key = "body." + std::string(shape) + ".file=";
@@ -156,7 +156,7 @@ Kind tables() {
   Kind kind{"table",
             {},
             [](const std::string& path) {
-              const elastin::Csv csv = elastin::load_csv(path);
+              const elastin::lab::Csv csv = elastin::lab::load_csv(path);
               for (std::size_t row = 0; row < csv.rows.size(); ++row)
                 for (std::size_t column = 0; column < csv.head.size(); ++column) csv.number(row, column);
             },
@@ -167,14 +167,14 @@ Kind tables() {
 }
 
 Kind restarts() {
-  Kind kind{"restart", {}, [](const std::string& path) { elastin::parse_restart(bytes_of(path), kIdentity); }, false};
-  elastin::RestartPoint point;
+  Kind kind{"restart", {}, [](const std::string& path) { elastin::lab::parse_restart(bytes_of(path), kIdentity); }, false};
+  elastin::lab::RestartPoint point;
   point.frame = 3;
   point.state.positions = point.state.velocities = point.state.accelerations = elastin::Positions::Random(3, 4);
   point.state.contact_history.resize(2);
-  point.rows.resize(2);
-  point.rows[1].measures.set("force", 2);
-  kind.seeds.push_back({".restart", elastin::restart_text(point, kIdentity)});
+  point.history.resize(2);
+  point.history[1].measures.set("force", 2);
+  kind.seeds.push_back({".restart", elastin::lab::restart_text(point, kIdentity)});
   return kind;
 }
 
@@ -192,9 +192,9 @@ Kind overrides(const fs::path& source, const fs::path& folder) {
                 read_scene((folder / "base.yaml").string(), lines);
               } catch (const InputError&) {
               }
-              std::vector<elastin::StudyAxis> axes;
-              for (const std::string& line : lines) axes.push_back(elastin::read_axis(line));
-              elastin::combinations(axes);
+              std::vector<elastin::lab::StudyAxis> axes;
+              for (const std::string& line : lines) axes.push_back(elastin::lab::read_axis(line));
+              elastin::lab::combinations(axes);
             },
             false};
   kind.seeds = {{".txt", "body.lattice.molecules=[3, 3, 3]\nmaterial.youngs_modulus=10 kPa\n"},
@@ -210,16 +210,16 @@ Kind journals(const fs::path& folder) {
             [folder](const std::string& path) {
               fs::create_directories(folder / "journal");
               fs::copy_file(path, folder / "journal" / "runs.jsonl", fs::copy_options::overwrite_existing);
-              elastin::Journal(folder / "journal", true);
+              elastin::lab::Journal(folder / "journal", true);
             },
             false};
-  elastin::Record record;
+  elastin::lab::Record record;
   record.scene = "a \"b\"", record.run.strategy = "uniform";
   record.run.measures.set("effective_modulus", 1e4);
   record.verdicts.resize(1);
   record.warnings = {"one"};
   fs::create_directories(folder / "journal");
-  elastin::Journal(folder / "journal", false).add("0123456789abcdef", record);
+  elastin::lab::Journal(folder / "journal", false).add("0123456789abcdef", record);
   kind.seeds.push_back({".jsonl", bytes_of(folder / "journal" / "runs.jsonl")});
   return kind;
 }

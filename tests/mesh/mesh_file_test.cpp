@@ -42,7 +42,7 @@ const std::vector<std::string> fixtures = {"gmsh_22.msh",
                                            "vtk_appended_base64.vtu",
                                            "vtk_appended_base64_zlib.vtu"};
 
-std::string fixture_path(const std::string& name) { return std::string(ELASTIN_TEST_DATA) + "/model/data/" + name; }
+std::string fixture_path(const std::string& name) { return std::string(ELASTIN_TEST_DATA) + "/mesh/data/" + name; }
 
 File fixture(const std::string& name) { return {name, load_file(fixture_path(name)).bytes}; }
 

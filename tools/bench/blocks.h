@@ -16,14 +16,14 @@ struct BlockCase {
   double modulus;         ///< E [Pa]
   double poissons_ratio;
   const char* law;  ///< "linear", or a cell law at large displacements
-  std::function<std::unique_ptr<elastin::Experiment>(const elastin::Body&, const elastin::Material&)> experiment;
+  std::function<std::unique_ptr<elastin::lab::Experiment>(const elastin::Body&, const elastin::Material&)> experiment;
   const char* measure;
   double reference;  ///< of the measure, SI
   double error;      ///< of the reference, relative
   int finest;        ///< cubes along the shortest side that make some 1e5 cells
 
   /// A run on a grid with `level` cubes along the shortest side; throws std::runtime_error if it fails.
-  elastin::Run run(elastin::BlockKind kind, int level, double tolerance) const;
+  elastin::lab::Run run(elastin::BlockKind kind, int level, double tolerance) const;
   std::array<int, 3> cubes(int level) const;
 };
 

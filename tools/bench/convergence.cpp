@@ -25,7 +25,7 @@ int cells_of(const BlockCase& one, const Grid& grid, int level) {
 
 Figures solve(const BlockCase& one, const Grid& grid, int level, int threads) {
   set_threads(threads);
-  const Run run = one.run(grid.kind, level, 1e-9);
+  const lab::Run run = one.run(grid.kind, level, 1e-9);
   Figures figures;
   figures.cells = static_cast<double>(cells_of(one, grid, level));
   figures.build = run.build_seconds;

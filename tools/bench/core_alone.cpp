@@ -18,7 +18,6 @@
 #endif
 
 using namespace elastin;
-using namespace elastin::command;
 
 namespace {
 
@@ -68,7 +67,7 @@ void pull(Model& model, int side) {
 
 int main(int argc, char** argv) {
 #ifdef ELASTIN_BENCH_EVERYTHING
-  if (argc != 2) return run_command(argc, argv, built_in_catalog());
+  if (argc != 2) return elastin::command::run_command(argc, argv, built_in_catalog());
 #endif
   const int side = argc == 2 ? std::atoi(argv[1]) : 0;
   if (side < 3)

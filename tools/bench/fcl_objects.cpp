@@ -23,10 +23,10 @@ bool collide(fcl::CollisionObjectd* one, fcl::CollisionObjectd* other, void* con
   return false;
 }
 
-std::shared_ptr<fcl::CollisionGeometryd> geometry_of(const elastin::ObstacleShape& shape) {
-  if (std::holds_alternative<elastin::shape::Plane>(shape))
+std::shared_ptr<fcl::CollisionGeometryd> geometry_of(const elastin::contact::ObstacleShape& shape) {
+  if (std::holds_alternative<elastin::contact::shape::Plane>(shape))
     return std::make_shared<fcl::Halfspaced>(fcl::Vector3d::UnitZ(), 0);
-  if (const auto* ball = std::get_if<elastin::shape::Sphere>(&shape))
+  if (const auto* ball = std::get_if<elastin::contact::shape::Sphere>(&shape))
     return std::make_shared<fcl::Sphered>(ball->radius);
   throw std::runtime_error("the peer knows planes and spheres alone");
 }
@@ -45,7 +45,7 @@ struct FclObjects::Impl {
 };
 
 FclObjects::FclObjects(const elastin::Body& body, const std::vector<std::vector<int>>& groups,
-                       const elastin::Obstacle* obstacle)
+                       const elastin::contact::Obstacle* obstacle)
     : impl_(std::make_unique<Impl>()) {
   for (const auto& molecules : groups) {
     Group& group = *impl_->groups.emplace_back(std::make_unique<Group>());

@@ -147,7 +147,7 @@ double peak_memory() {
   return 1024. * static_cast<double>(usage.ru_maxrss);
 }
 
-std::string machine() { return elastin::this_machine().text(); }
+std::string machine() { return elastin::lab::this_machine().text(); }
 
 void print_rows(const std::vector<Row>& rows) {
   std::vector<const Column*> shown;
@@ -157,9 +157,9 @@ void print_rows(const std::vector<Row>& rows) {
   std::vector<std::string> head{"side", "method", "threads", "repeats"};
   for (const Column* column : shown) head.push_back(column->head);
   head.push_back("");
-  elastin::Table table(head);
+  elastin::lab::Table table(head);
   for (const Row& row : rows) {
-    std::vector<elastin::TableCell> cells{{row.side ? std::to_string(row.side) : "", {}, true},
+    std::vector<elastin::lab::TableCell> cells{{row.side ? std::to_string(row.side) : "", {}, true},
                                           {row.method},
                                           {std::to_string(row.threads), {}, true},
                                           {std::to_string(row.repeats), {}, true}};

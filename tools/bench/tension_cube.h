@@ -18,7 +18,7 @@ struct TensionCube {
   explicit TensionCube(int side, Numbering numbering = Numbering::lattice);
   elastin::Body body;
   elastin::Model model;
-  std::unique_ptr<elastin::Experiment> experiment;
+  std::unique_ptr<elastin::lab::Experiment> experiment;
   elastin::Positions loads;
 
  private:

@@ -224,7 +224,7 @@ TEST_CASE("simulation: a step that cannot be leaves the state as it was and says
     tissue.host_forces().setZero();
     const CouplingId coupling = tissue.couple(8, tissue.positions().col(8), 10);
     tissue.move_coupling(coupling, Vector3(kNaN, 0, 0));
-    refused(kStep, "grip 1 was moved to a position or at a velocity that is not finite");
+    refused(kStep, "coupling 1 was moved to a position or at a velocity that is not finite");
     tissue.decouple(coupling);
     // Through the body's other side: some cell must turn over.
     tissue.move_to(0, tissue.body().rest.rightCols(1) * 3);
