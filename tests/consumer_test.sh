@@ -71,7 +71,7 @@ case $what in
     if [[ $(uname -m) == x86_64 ]]; then
       # shellcheck disable=SC2046
       refusal=$("$compiler" -std=c++20 -mavx -fsyntax-only -x c++ $(pkg-config --cflags elastin-core) \
-        -include elastin/base/types.h /dev/null 2>&1 || true)
+        -include elastin/core/base/types.h /dev/null 2>&1 || true)
       [[ $refusal == *"compiled for other vectors"* ]] || fail "a program with other alignment is not refused: $refusal"
     fi
     ;;

@@ -61,7 +61,7 @@ std::string page_of(const TemporaryFolder& folder) {
 std::string visit(const std::string& chromium, const TemporaryFolder& folder, const std::string& flags) {
   std::string page = page_of(folder);
   page.insert(page.rfind("</body>"),
-              "<script>" + text_of_file(ELASTIN_TEST_DATA "/report/page_driver.js") + "</script>");
+              "<script>" + text_of_file(ELASTIN_TEST_DATA "/lab/report/page_driver.js") + "</script>");
   folder.write("driven.html", page);
   run("cd '" + folder.path("") + "'; " + chromium +
       " --headless --no-sandbox --disable-gpu --disable-dev-shm-usage --no-first-run --disable-background-networking "
