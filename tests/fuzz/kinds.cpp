@@ -144,7 +144,7 @@ Kind meshes(const fs::path& source, const fs::path& folder) {
                 }
             },
             false};
-  for (const fs::path& file : files_below(source / "tests" / "model" / "data", {".msh", ".vtk", ".vtu"}))
+  for (const fs::path& file : files_below(source / "tests" / "mesh" / "data", {".msh", ".vtk", ".vtu"}))
     kind.seeds.push_back({file.extension().string(), bytes_of(file)});
   for (const auto& [ending, text] : std::initializer_list<Seed>{
            {".obj", kObj}, {".ply", kPly}, {".stl", kStl}, {".stl", binary_stl()}, {".ply", binary_ply()}})

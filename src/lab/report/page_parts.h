@@ -3,7 +3,7 @@
 
 namespace elastin::lab {
 
-/// The texts of src/report/page/, put into the program when it is built: k_NAME_EXTENSION.
+/// The texts of src/lab/report/page/, put into the program when it is built: k_NAME_EXTENSION.
 extern const char* const k_page_css;
 extern const char* const k_body_js;
 extern const char* const k_colours_js;

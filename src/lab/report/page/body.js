@@ -15,7 +15,7 @@ async function unpacked(text) {
   return new Response(new Blob([bytes_of(text)]).stream().pipeThrough(new DecompressionStream('gzip'))).text();
 }
 
-/** A body from the JSON that body_view of src/report/view.h writes. */
+/** A body from the JSON that body_view of src/lab/report/view.h writes. */
 function body_from(json) {
   const body = {rest: new Float32Array(bytes_of(json.rest)), radius: new Float32Array(bytes_of(json.radius)),
     ends: new Uint32Array(bytes_of(json.ends)), surface: new Uint32Array(bytes_of(json.surface)), membrane: json.membrane,
