@@ -3,12 +3,21 @@
 #include <cstdint>
 #include <random>
 
-#include "elastin/core/laws/simplex.h"
+#include "elastin/core/laws/cell_kernel.h"
+#include "elastin/core/shapes/simplices.h"
 
 namespace elastin::testing {
 
 template <int corners>
-using CornerPositions = Eigen::Matrix<double, 3, corners>;
+using CornerPositions = NodePositions<corners>;
+template <int corners>
+using Simplex = std::conditional_t<corners == 4, Tetrahedron4, Triangle3>;
+
+/// A law as the cell driver runs it on first-order simplices.
+template <class Law>
+using OnTetrahedron = CellKernel<Law, Tetrahedron4>;
+template <class Law>
+using OnTriangle = CellKernel<Law, Triangle3>;
 
 /// Numbers in [−1, 1), the same with every standard library.
 class Random {
@@ -30,9 +39,9 @@ template <int corners>
 CornerPositions<corners> random_cell(Random& random) {
   for (;;) {
     const CornerPositions<corners> cell = 0.005 * random.matrix<3, corners>();
-    const Simplex<corners> simplex(cell);
+    const RestCell<Simplex<corners>> simplex(cell);
     const double side2 = simplex.squared_lengths.maxCoeff();
-    if (simplex.measure > (corners == 4 ? 0.012 * side2 * std::sqrt(side2) : 0.04 * side2)) return cell;
+    if (simplex.measure() > (corners == 4 ? 0.012 * side2 * std::sqrt(side2) : 0.04 * side2)) return cell;
   }
 }
 

@@ -7,7 +7,6 @@
 
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/laws/simplex.h"
 
 namespace elastin {
 namespace {
@@ -149,7 +148,8 @@ class Bending final : public Elasticity {
     force_densities += force_densities_;
   }
   /// Moments, not tensions.
-  bool add_triangle_force_densities(const Positions&, Eigen::Matrix3Xd&) const override { return true; }
+  void add_triangle_force_densities(const Positions&, Eigen::Ref<Eigen::Matrix3Xd>, VectorX&,
+                                    Workspace&) const override {}
   void linearise(const Positions&) override {}
   void add_own_slopes(VectorX&) const override {}
 

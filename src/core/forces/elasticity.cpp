@@ -11,4 +11,9 @@ void Elasticity::add_forces(const Positions& positions, const Graph& graph, Posi
   graph.add_forces(positions, workspace.force_densities, forces);
 }
 
+void Elasticity::add_triangle_force_densities(const Positions& positions, Eigen::Ref<Eigen::Matrix3Xd>,
+                                              VectorX& of_connections, Workspace& workspace) const {
+  add_force_densities(positions, of_connections, workspace);
+}
+
 }  // namespace elastin

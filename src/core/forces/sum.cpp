@@ -8,13 +8,14 @@ namespace {
 
 class Sum final : public Elasticity {
  public:
-  Sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> owner)
-      : owner_(std::move(owner)), terms_(std::move(terms)) {}
+  Sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> owner,
+      std::vector<CellRange> triangles)
+      : owner_(std::move(owner)), terms_(std::move(terms)), triangles_(std::move(triangles)) {}
 
   std::unique_ptr<Elasticity> clone() const override {
     std::vector<std::unique_ptr<Elasticity>> terms;
     for (const auto& term : terms_) terms.push_back(term->clone());
-    return std::make_unique<Sum>(std::move(terms), owner_);
+    return std::make_unique<Sum>(std::move(terms), owner_, triangles_);
   }
   bool admissible(const Positions& positions) const override {
     return all([&](const Elasticity& term) { return term.admissible(positions); });
@@ -32,6 +33,14 @@ class Sum final : public Elasticity {
   }
   void add_force_densities(const Positions& positions, VectorX& force_densities, Workspace& workspace) const override {
     for (const auto& term : terms_) term->add_force_densities(positions, force_densities, workspace);
+  }
+  void add_triangle_force_densities(const Positions& positions, Eigen::Ref<Eigen::Matrix3Xd> of_triangles,
+                                    VectorX& of_connections, Workspace& workspace) const override {
+    for (std::size_t term = 0; term < terms_.size(); ++term) {
+      const CellRange own = triangles_.empty() ? CellRange{0, static_cast<int>(of_triangles.cols())} : triangles_[term];
+      terms_[term]->add_triangle_force_densities(positions, of_triangles.middleCols(own.first, own.count),
+                                                 of_connections, workspace);
+    }
   }
   void add_forces(const Positions& positions, const Graph& graph, Positions& forces,
                   Workspace& workspace) const override {
@@ -72,13 +81,14 @@ class Sum final : public Elasticity {
 
   std::shared_ptr<const void> owner_;  // outlives the terms
   std::vector<std::unique_ptr<Elasticity>> terms_;
+  std::vector<CellRange> triangles_;  // of each term, or empty
 };
 
 }  // namespace
 
-std::unique_ptr<Elasticity> make_sum(std::vector<std::unique_ptr<Elasticity>> terms,
-                                     std::shared_ptr<const void> owner) {
-  return std::make_unique<Sum>(std::move(terms), std::move(owner));
+std::unique_ptr<Elasticity> make_sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> owner,
+                                     std::vector<CellRange> triangles) {
+  return std::make_unique<Sum>(std::move(terms), std::move(owner), std::move(triangles));
 }
 
 std::unique_ptr<Elasticity> make_sum(std::unique_ptr<Elasticity> first, std::unique_ptr<Elasticity> second) {

@@ -106,17 +106,15 @@ void Tangent::visit_local_blocks(const BlockVisitor& visit) const {
       for (const int j : {0, 1}) visit(ends[c][i], ends[other][j], i == j ? block : Matrix3(-block));
   };
   for (int c = 0; c < model_.body().connections.size(); ++c) visit_pair(c, c, link_block(c));
-  const auto visit_cell = [&](double weight) {
-    return [&, weight](std::span<const int> connections, const double* slopes) {
-      const std::size_t sides = connections.size();
-      for (std::size_t i = 0; i < sides; ++i)
-        for (std::size_t j = 0; j < sides; ++j)
-          visit_pair(connections[i], connections[j],
-                     2 * weight * slopes[i * sides + j] * link(connections[i]).d * link(connections[j]).d.transpose());
-    };
-  };
-  for (const auto& term : model_.elasticity()) term->visit_cells(visit_cell(1));
-  for (const auto& term : model_.viscosity()) term->visit_cells(visit_cell(weights_.velocity));
+  visit_cells([&](const CellSlopes& cells) {
+    for (int cell = 0; cell < cells.size(); ++cell) {
+      const auto connections = cells.connections_of(cell);
+      const double* slope = cells.slopes_of(cell);
+      for (const int own : connections)
+        for (const int other : connections)
+          visit_pair(own, other, 2 * cells.factor * *slope++ * link(own).d * link(other).d.transpose());
+    }
+  });
   for (const auto& load : model_.loads()) load->visit_blocks(*state_, weights_.velocity, visit);
 }
 
@@ -132,12 +130,13 @@ std::vector<WideTerm> Tangent::wide_terms() const {
   return terms;
 }
 
-void Tangent::visit_cells(const std::function<void(double, std::span<const int>, const double*)>& visit) const {
-  for (const auto& term : model_.elasticity())
-    term->visit_cells([&](std::span<const int> connections, const double* slopes) { visit(1, connections, slopes); });
+void Tangent::visit_cells(const Elasticity::CellVisitor& visit) const {
+  for (const auto& term : model_.elasticity()) term->visit_cells(visit);
   for (const auto& term : model_.viscosity())
-    term->visit_cells(
-        [&](std::span<const int> connections, const double* slopes) { visit(weights_.velocity, connections, slopes); });
+    term->visit_cells([&](CellSlopes cells) {
+      cells.factor *= weights_.velocity;
+      visit(cells);
+    });
 }
 
 void Tangent::visit_other_diagonal(const std::function<void(int, const Matrix3&)>& visit) const {
@@ -169,8 +168,10 @@ void Tangent::set_diagonal() {
     return Six{s.x() * d.x() + density, s.x() * d.y(), s.x() * d.z(),
                s.y() * d.y() + density, s.y() * d.z(), s.z() * d.z() + density};
   });
-  const auto add_cell = [&](double weight) {
-    return [&, weight](std::span<const int> connections, const double* slopes) {
+  visit_cells([&](const CellSlopes& cells) {
+    for (int cell = 0; cell < cells.size(); ++cell) {
+      const auto connections = cells.connections_of(cell);
+      const double* slopes = cells.slopes_of(cell);
       for (const int c : connections) {
         // Of one side all that the cell's sides make of it: Σ over those with which it shares a molecule.
         for (const int end : {0, 1}) {
@@ -182,15 +183,12 @@ void Tangent::set_diagonal() {
             const double sign = ends[connections[other]][end] == molecule ? 1 : -1;
             sum += sign * slopes[other] * link(connections[other]).d;
           }
-          add(molecule, 2 * weight * link(c).d * sum.transpose());
+          add(molecule, 2 * cells.factor * link(c).d * sum.transpose());
         }
         slopes += connections.size();
       }
-    };
-  };
-  const auto add_elastic = add_cell(1), add_viscous = add_cell(weights_.velocity);
-  for (const auto& term : model_.elasticity()) term->visit_cells(std::ref(add_elastic));
-  for (const auto& term : model_.viscosity()) term->visit_cells(std::ref(add_viscous));
+    }
+  });
   const BlockVisitor add_own = [&](int a, int b, const Matrix3& block) {
     if (a == b) add(a, block);
   };

@@ -64,8 +64,9 @@ class Tangent {
     const double density = stressed_ ? force_densities_[connection] : 0;
     return {positions().col(b) - positions().col(a), density, 2 * slopes_[connection]};
   }
-  /// Calls visit(weight, connections, slopes) for each cell whose connections influence each other.
-  void visit_cells(const std::function<void(double, std::span<const int>, const double*)>& visit) const;
+  /// Calls visit(cells) for the cells of each law and shape whose connections influence each other; the factor of
+  /// viscous ones has the weight of the velocities.
+  void visit_cells(const Elasticity::CellVisitor& visit) const;
   /// The blocks K_aa of what is neither link nor cell nor inertia: the loads' and those of laws that have more than
   /// gradients (Elasticity::visit_gradients).
   void visit_other_diagonal(const std::function<void(int, const Matrix3&)>& visit) const;

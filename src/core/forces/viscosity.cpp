@@ -1,7 +1,5 @@
 #include "elastin/core/forces/viscosity.h"
 
-#include <algorithm>
-#include <array>
 #include <utility>
 
 #include "core/laws/solids/st_venant_kirchhoff.h"
@@ -58,11 +56,9 @@ class RestDamping final : public Viscosity {
     law_->add_change(workspace.scaled, change_of_force_densities, workspace);
   }
   void visit_cells(const Elasticity::CellVisitor& visit) const override {
-    law_->visit_cells([&](std::span<const int> connections, const double* slopes) {
-      std::array<double, 36> scaled;  // of a tetrahedron's six sides, or fewer
-      std::transform(slopes, slopes + connections.size() * connections.size(), scaled.begin(),
-                     [this](double slope) { return slope * time_; });
-      visit(connections, scaled.data());
+    law_->visit_cells([&](CellSlopes cells) {
+      cells.factor *= time_;
+      visit(cells);
     });
   }
 
@@ -72,19 +68,12 @@ class RestDamping final : public Viscosity {
   VectorX slopes_;  // own ones, times β
 };
 
-/// The law whose slopes are those of Labelle's damping; its force densities are of no use.
+/// The law whose slopes are those of Labelle's damping; its stress is of no use.
 struct LabelleDamping {
-  static constexpr int corners = 4;
-  static constexpr std::string_view name = "cell_damping", summary = "viscous stress of tetrahedra", source = "[L03]";
-  using Constants = CellMatrix<4>;
+  static constexpr std::string_view name = "cell_damping", summary = "viscous stress of solids", source = "[L03]";
   double bulk = 0, shear = 0;
 
-  Constants constants(const Eigen::Matrix<double, 3, 4>& rest, const Material&) const {
-    const Simplex<4> cell(rest);
-    return StVenantKirchhoff::stiffness(cell, cell.measure, bulk, shear);
-  }
-  CellVector<4> force_densities(const Constants& k, const CellVector<4>& s) const { return k * s; }
-  CellMatrix<4> slope(const Constants& k, const CellVector<4>&) const { return k; }
+  StVenantKirchhoff::Solid solid(const Material&) const { return {bulk, shear}; }
 };
 
 }  // namespace
@@ -92,8 +81,7 @@ struct LabelleDamping {
 std::unique_ptr<Viscosity> make_damping(double coefficient) { return std::make_unique<ConnectionDamping>(coefficient); }
 
 std::unique_ptr<Viscosity> make_cell_damping(const Body& body, double bulk, double shear) {
-  auto law = std::make_unique<CellElasticity<LabelleDamping>>(body, Material{}, LabelleDamping{bulk, shear});
-  return std::make_unique<RestDamping>(body, std::move(law), 1);
+  return std::make_unique<RestDamping>(body, make_cells<3>(body, Material{}, LabelleDamping{bulk, shear}), 1);
 }
 
 std::unique_ptr<Viscosity> make_stiffness_damping(const Body& body, const Elasticity& law, double time) {

@@ -13,7 +13,7 @@
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/cells.h"
-#include "elastin/core/laws/simplex.h"
+#include "elastin/core/shapes/cell_shape.h"
 
 namespace elastin {
 namespace {
@@ -42,7 +42,7 @@ struct Tetrahedron {
 
   Tetrahedron() = default;
   Tetrahedron(const Positions& positions, const std::array<int, 4>& cell, double rest_volume) {
-    static constexpr auto pairs = corner_pairs<4>();
+    static constexpr auto pairs = node_pairs<4>();
     const AreaVectors n = volume_gradient(positions, cell);
     volume = signed_volume(positions, cell);
     // The forces of a flat tetrahedron are finite, its force densities are not: they are those of one nearly flat.
@@ -53,7 +53,7 @@ struct Tetrahedron {
 
   /// Σ_d ∂²V/∂s_c∂s_d δs_d [m].
   CellVector<4> change_of_slope(const CellVector<4>& change) const {
-    static constexpr auto pairs = corner_pairs<4>();
+    static constexpr auto pairs = node_pairs<4>();
     Eigen::Matrix4d G = Eigen::Matrix4d::Zero(), D = G;
     for (int c = 0; c < 6; ++c) {
       const auto [a, b] = pairs[c];
@@ -163,7 +163,7 @@ class Volume final : public Elasticity {
       if (a != b) visit(b, a, block.transpose());
     });
     // A tetrahedron's own part: p ∂²V/∂x_a∂x_b = −p [e]×/6, e the side across, without the force densities 2p ∂V/∂s.
-    static constexpr auto pairs = corner_pairs<4>();
+    static constexpr auto pairs = node_pairs<4>();
     static constexpr std::array<std::array<int, 2>, 6> across{{{2, 3}, {3, 1}, {1, 2}, {0, 3}, {2, 0}, {0, 1}}};
     for (int t = 0; t < tetrahedra(); ++t)
       for (int c = 0; c < 6; ++c) {
@@ -193,7 +193,7 @@ class Volume final : public Elasticity {
     for (int group = 0; group < groups_.size(); ++group)
       for (const auto& [molecule, gradient] : group_gradient(group, workspace))
         visit(molecule, modulus_ / group_volume_[group] * gradient * gradient.transpose());
-    static constexpr auto pairs = corner_pairs<4>();
+    static constexpr auto pairs = node_pairs<4>();
     for (int t = 0; t < tetrahedra(); ++t)
       for (int c = 0; c < 6; ++c)
         for (const int corner : pairs[c])

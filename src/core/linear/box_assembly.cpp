@@ -127,14 +127,19 @@ class Assembly {
   }
 
   /// The energy Σ slopes δs δs / 4 … of a cell's sides, δs = 2 d·δd, as Tangent has it.
-  void add_cell(double weight, std::span<const int> sides, const double* slopes) {
+  void add_cells(const CellSlopes& cells) {
+    Eigen::MatrixXf change(cells.sides, 3 * kCorners), slope(cells.sides, cells.sides);
+    for (int cell = 0; cell < cells.size(); ++cell)
+      add_cell(cells.factor, cells.connections_of(cell), cells.slopes_of(cell), change, slope);
+  }
+  void add_cell(double weight, std::span<const int> sides, const double* slopes, Eigen::MatrixXf& change,
+                Eigen::MatrixXf& slope) {
     Vector3 middle = Vector3::Zero();
     for (const int c : sides)
       for (const int end : body_.connections.ends[static_cast<std::size_t>(c)])
         middle += body_.rest.col(end) / (2 * static_cast<double>(sides.size()));
     const BoxGrid::Location location = grid_.locate(middle);
     const auto count = static_cast<Eigen::Index>(sides.size());
-    Eigen::MatrixXf change(count, 3 * kCorners), slope(count, count);
     for (Eigen::Index i = 0; i < count; ++i) {
       const int c = sides[static_cast<std::size_t>(i)];
       const Corners along = slopes_along(location.at, grid_.along(rest_vector(c)).cast<float>());
@@ -276,12 +281,14 @@ GridLevel assemble_level(const Tangent& tangent, const std::vector<Support>& sup
   });
   for (const int box : of_molecule) grid.use(box);
   for (const int box : of_link) grid.use(box);
-  tangent.visit_cells([&](double, std::span<const int> sides, const double*) {
-    Vector3 middle = Vector3::Zero();
-    for (const int c : sides)
-      for (const int end : body.connections.ends[static_cast<std::size_t>(c)])
-        middle += body.rest.col(end) / (2 * static_cast<double>(sides.size()));
-    grid.use(grid.outline_box(middle));
+  tangent.visit_cells([&](const CellSlopes& cells) {
+    for (int cell = 0; cell < cells.size(); ++cell) {
+      Vector3 middle = Vector3::Zero();
+      for (const int c : cells.connections_of(cell))
+        for (const int end : body.connections.ends[static_cast<std::size_t>(c)])
+          middle += body.rest.col(end) / (2 * static_cast<double>(cells.sides));
+      grid.use(grid.outline_box(middle));
+    }
   });
   grid.number();
 
@@ -299,9 +306,7 @@ GridLevel assemble_level(const Tangent& tangent, const std::vector<Support>& sup
   grid_level.level = std::make_unique<BoxLevel>(std::move(grid));
   Assembly assembly(tangent, *grid_level.level);
   assembly.add_links(links);
-  tangent.visit_cells([&](double weight, std::span<const int> sides, const double* slopes) {
-    assembly.add_cell(weight, sides, slopes);
-  });
+  tangent.visit_cells([&](const CellSlopes& cells) { assembly.add_cells(cells); });
   for (const auto& term : tangent.model().elasticity())
     term->visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double factor) {
       assembly.add_gradient(gradient, factor);

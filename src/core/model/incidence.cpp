@@ -35,26 +35,35 @@ Rows connections_of_molecules(int molecules, const Connections& connections) {
   return rows;
 }
 
-template <int corners>
-std::vector<std::array<int, corners*(corners - 1) / 2>> connections_of_each_cell(
-    const Connections& connections, const std::vector<std::array<int, static_cast<std::size_t>(corners)>>& cells) {
+std::vector<int> connections_of_pairs(const Connections& connections, std::span<const int> nodes, int of_each) {
   std::unordered_map<std::uint64_t, int> index;
   index.reserve(connections.ends.size());
   for (int c = 0; c < connections.size(); ++c) index[pair_key(connections.ends[c][0], connections.ends[c][1])] = c;
-  std::vector<std::array<int, corners*(corners - 1) / 2>> result;
-  result.reserve(cells.size());
-  for (const auto& cell : cells) {
-    auto& row = result.emplace_back();
-    int slot = 0;
-    for (int i = 0; i < corners; ++i)
-      for (int j = i + 1; j < corners; ++j) {
+  std::vector<int> result;
+  result.reserve(nodes.size() * static_cast<std::size_t>(of_each - 1) / 2);
+  for (std::size_t first = 0; first < nodes.size(); first += static_cast<std::size_t>(of_each)) {
+    const auto cell = nodes.subspan(first, static_cast<std::size_t>(of_each));
+    for (std::size_t i = 0; i < cell.size(); ++i)
+      for (std::size_t j = i + 1; j < cell.size(); ++j) {
         const auto found = index.find(pair_key(cell[i], cell[j]));
         if (found == index.end())
-          throw InputError("cell " + std::to_string(result.size() - 1) + " has no connection between molecules " +
+          throw InputError("cell " + std::to_string(first / cell.size()) + " has no connection between molecules " +
                            std::to_string(cell[i]) + " and " + std::to_string(cell[j]));
-        row[slot++] = found->second;
+        result.push_back(found->second);
       }
   }
+  return result;
+}
+
+template <int corners>
+std::vector<std::array<int, corners*(corners - 1) / 2>> connections_of_each_cell(
+    const Connections& connections, const std::vector<std::array<int, static_cast<std::size_t>(corners)>>& cells) {
+  constexpr std::size_t sides = corners * (corners - 1) / 2;
+  const int* nodes = cells.empty() ? nullptr : cells.front().data();
+  const std::vector<int> pairs = connections_of_pairs(connections, {nodes, cells.size() * corners}, corners);
+  std::vector<std::array<int, sides>> result(cells.size());
+  for (std::size_t cell = 0; cell < cells.size(); ++cell)
+    std::copy_n(pairs.begin() + static_cast<std::ptrdiff_t>(cell * sides), sides, result[cell].begin());
   return result;
 }
 

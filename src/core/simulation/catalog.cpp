@@ -3,9 +3,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "core/laws/membranes/curve_membrane.h"
 #include "core/laws/membranes/hencky_membrane.h"
-#include "core/laws/membranes/neo_hookean_membrane.h"
 #include "core/laws/membranes/two_parameter.h"
 #include "core/laws/solids/curve.h"
 #include "core/laws/solids/neo_hookean.h"
@@ -41,12 +39,9 @@ Catalog built_in_catalog() {
   catalog.add<Patch>();
   catalog.add<Uniform>();
   catalog.add<StVenantKirchhoff>();
-  catalog.add<StVenantKirchhoffMembrane>();
   catalog.add<NeoHookean>();
   catalog.add<Curve>();
-  catalog.add<HenckyMembrane>();
-  catalog.add<NeoHookeanMembrane>();
-  catalog.add<CurveMembrane>();
+  catalog.add<Hencky>();
   catalog.add<TwoParameter>();
   const auto add_wrapper = [&](const char* name, const char* summary, const char* source) {
     Strategy wrapper;

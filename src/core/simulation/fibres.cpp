@@ -2,6 +2,7 @@
 
 #include "core/laws/solids/fibre.h"
 #include "core/laws/springs/patch.h"
+#include "elastin/core/forces/cells.h"
 
 namespace elastin {
 
@@ -12,15 +13,14 @@ bool fibres_need_voronoi(const Strategy& strategy, const Body& body, const Mater
 std::string fibres_unsuited(const Strategy& strategy, const Body& body, const Material& material) {
   if (!material.fibre) return "";
   if (strategy.kind == StrategyKind::cell_law)
-    return strategy.corners == 4 ? "" : "the material's fibres join laws of tetrahedra, not of triangles";
+    return strategy.dimensions == 3 ? "" : "the material's fibres join laws of tetrahedra, not of triangles";
   const std::string reason = Patch::unsuited(*detail::proper_part(body));
   return reason.empty() ? "" : "the material's fibres as springs: " + reason;
 }
 
 std::unique_ptr<Elasticity> make_fibres(const Strategy& strategy, const Body& body, const Material& material) {
   if (!material.fibre) return nullptr;
-  if (strategy.kind == StrategyKind::cell_law)
-    return std::make_unique<CellElasticity<FibreLaw>>(body, material, FibreLaw{});
+  if (strategy.kind == StrategyKind::cell_law) return make_cells<3>(body, material, FibreLaw{});
   const VectorX sections = fibre_sections(*detail::proper_part(body), material.fibre->direction);
   return make_curve_springs(body, detail::with_cell_sides(sections, body), material.fibre->curve);
 }

@@ -15,6 +15,7 @@ namespace {
 /// A part at work: by itself, as spring rules see it, and as what its cells are in the whole.
 struct PartAtWork {
   const Material& material;
+  CellRange triangles;  ///< of the whole that are the part's
   PartAlone alone;
   Body in_whole;  ///< with the part's cells only
 };
@@ -30,9 +31,9 @@ std::shared_ptr<const Works> works_of(const Body& whole, const std::vector<Mater
   works->materials = materials;
   for (const Part& part : whole.parts)
     if (!part.rigid)
-      works->soft.push_back(
-          std::make_unique<const PartAtWork>(PartAtWork{works->materials.at(static_cast<std::size_t>(part.material)),
-                                                        part_alone(whole, part), with_cells_of(whole, part)}));
+      works->soft.push_back(std::make_unique<const PartAtWork>(
+          PartAtWork{works->materials.at(static_cast<std::size_t>(part.material)), part.triangles,
+                     part_alone(whole, part), with_cells_of(whole, part)}));
   return works;
 }
 
@@ -99,14 +100,16 @@ std::unique_ptr<Elasticity> make_in_parts(const Strategy& strategy, const std::v
     add_springs(strategy, whole, *works, values, terms);
   else if (strategy.constants_at)
     add_updated_springs(strategy, whole, works, values, terms);
+  std::vector<CellRange> triangles(terms.size(), CellRange{0, static_cast<int>(whole.triangles.size())});
   for (const auto& part : works->soft) {
     if (strategy.kind == StrategyKind::cell_law)
       terms.push_back(strategy.make(part->in_whole, part->material, values));
     else if (strategy.volume_modulus)
       terms.push_back(make_volume(part->in_whole, strategy.volume_modulus(part->material)));
     if (auto fibres = fibres_of(strategy, whole, *part)) terms.push_back(std::move(fibres));
+    triangles.resize(terms.size(), part->triangles);
   }
-  return make_sum(std::move(terms), works);
+  return make_sum(std::move(terms), works, std::move(triangles));
 }
 
 /// Why the strategy cannot run on the first part on which it cannot, or "".

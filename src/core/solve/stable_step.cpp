@@ -79,13 +79,16 @@ void name_culprit(Model& model, const State& state, const Positions& mode, Stabl
   double most = share.size() ? share.maxCoeff(&found.connection) : 0;
   int cell = 0;
   for (const auto& term : model.elasticity())
-    term->visit_cells([&](std::span<const int> sides, const double* slope) {
-      double energy = 0;
-      for (std::size_t i = 0; i < sides.size(); ++i)
-        for (std::size_t j = 0; j < sides.size(); ++j)
-          energy += squared_length_changes[sides[i]] * slope[i * sides.size() + j] * squared_length_changes[sides[j]];
-      if (std::abs(energy) > most) most = std::abs(energy), found.cell = cell, found.connection = -1;
-      ++cell;
+    term->visit_cells([&](const CellSlopes& cells) {
+      for (int own = 0; own < cells.size(); ++own, ++cell) {
+        const auto sides = cells.connections_of(own);
+        const double* slope = cells.slopes_of(own);
+        double energy = 0;
+        for (const int i : sides)
+          for (const int j : sides) energy += squared_length_changes[i] * *slope++ * squared_length_changes[j];
+        energy *= cells.factor;
+        if (std::abs(energy) > most) most = std::abs(energy), found.cell = cell, found.connection = -1;
+      }
     });
 }
 

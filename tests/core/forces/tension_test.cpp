@@ -4,8 +4,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "elastin/core/model/parts.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/shapes/surfaces.h"
+#include "elastin/core/simulation/parts.h"
 #include "elastin/core/solve/statics.h"
 #include "lab/experiment/choice.h"
 
@@ -86,4 +88,36 @@ TEST_CASE("springs share their forces among triangles: the mean tension is right
   for (std::size_t cell = 0; cell < tensions.size(); ++cell)
     sum += tensions[cell] * area_vector(springs.state.positions, springs.body.triangles[cell]).norm();
   CHECK((sum - virial).norm() <= 1e-12 * virial.norm());
+}
+
+TEST_CASE("each triangle of a body of several parts has its own tension, as if its part were alone", "[wrinkling]") {
+  // The parts' strains vary from triangle to triangle, so that shares of connections would be wrong.
+  const Material material{.youngs_modulus = 1e6, .poissons_ratio = 0.3, .thickness = 1e-4};
+  Body sheet = rectangular_sheet({0.2, 0.1}, {4, 2}, SheetPattern::alternating), whole;
+  set_matter(sheet, 0.001, 1000, material.thickness, 0);
+  for (const char* name : {"left", "right"}) {
+    Part part;
+    part.name = name;
+    add_part(whole, sheet, part);
+    sheet.rest.row(0).array() += 1;
+  }
+  Positions positions = whole.rest;
+  for (int i = 0; i < whole.size(); ++i)
+    positions.col(i) += Vector3(0.3 * positions(1, i) * positions(1, i), 0.02 * positions(0, i) * positions(1, i), 0);
+  const Strategy strategy = choose_strategy(built_in_catalog(), "neo_hookean_membrane").strategy;
+  Model together(whole);
+  together.add(in_parts(strategy, whole, {material}).make(whole, material, {}));
+  const std::vector<Matrix3> found = triangle_tensions(together, positions);
+  const std::size_t triangles = sheet.triangles.size();
+  REQUIRE(found.size() == 2 * triangles);
+  for (const Part& part : whole.parts) {
+    const PartAlone alone = part_alone(whole, part);
+    Model model(alone.body);
+    model.add(strategy.make(alone.body, material, {}));
+    const auto expected = triangle_tensions(model, positions.middleCols(part.first, part.count));
+    for (std::size_t cell = 0; cell < triangles; ++cell) {
+      const Matrix3& own = found[cell + static_cast<std::size_t>(part.triangles.first)];
+      CHECK((own - expected[cell]).norm() <= 1e-12 * expected[cell].norm());
+    }
+  }
 }

@@ -6,26 +6,31 @@
 #include "core/laws/solids/neo_hookean.h"
 #include "core/laws/solids/st_venant_kirchhoff.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/simulation/catalog.h"
 #include "support/cells.h"
 
 using namespace elastin;
 using namespace elastin::testing;
 
-static_assert(CellLaw<StVenantKirchhoff> && HasEnergy<StVenantKirchhoff>);
-static_assert(CellLaw<StVenantKirchhoffMembrane> && HasEnergy<StVenantKirchhoffMembrane>);
-static_assert(CellLaw<NeoHookean> && HasEnergy<NeoHookean>);
-static_assert(CellLaw<TwoParameter> && !HasEnergy<TwoParameter>);
+using StVenantKirchhoffSolid = OnTetrahedron<StVenantKirchhoff>;
+using StVenantKirchhoffMembrane = OnTriangle<StVenantKirchhoff>;
+using NeoHookeanSolid = OnTetrahedron<NeoHookean>;
+
+static_assert(LengthKernel<StVenantKirchhoffSolid> && HasEnergy<StVenantKirchhoffSolid>);
+static_assert(LengthKernel<StVenantKirchhoffMembrane> && HasEnergy<StVenantKirchhoffMembrane>);
+static_assert(LengthKernel<NeoHookeanSolid> && HasEnergy<NeoHookeanSolid>);
+static_assert(LengthLaw<TwoParameter> && !HasEnergy<TwoParameter>);
 
 namespace {
 
 Matrix3 edges(const CornerPositions<4>& positions) { return positions.rightCols<3>().colwise() - positions.col(0); }
 
 /// Second Piola–Kirchhoff stress [Pa] from the deformation gradient.
-Matrix3 textbook_stress(StVenantKirchhoff, const Matrix3& F, double lambda, double mu) {
+Matrix3 textbook_stress(StVenantKirchhoffSolid, const Matrix3& F, double lambda, double mu) {
   const Matrix3 strain = (F.transpose() * F - Matrix3::Identity()) / 2;
   return lambda * strain.trace() * Matrix3::Identity() + 2 * mu * strain;
 }
-Matrix3 textbook_stress(NeoHookean, const Matrix3& F, double lambda, double mu) {
+Matrix3 textbook_stress(NeoHookeanSolid, const Matrix3& F, double lambda, double mu) {
   const Matrix3 inverse = (F.transpose() * F).inverse();
   const double J = F.determinant();
   return lambda * J * (J - 1) * inverse + mu * (Matrix3::Identity() - inverse);
@@ -57,9 +62,9 @@ CornerPositions<3> plane_stress_forces(const CornerPositions<3>& rest, const Cor
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("a cell law's q is twice the slope of its energy", "[cell_law]", StVenantKirchhoff,
-                   StVenantKirchhoffMembrane, NeoHookean) {
-  constexpr int corners = TestType::corners;
+TEMPLATE_TEST_CASE("a cell law's q is twice the slope of its energy", "[cell_law]", StVenantKirchhoffSolid,
+                   StVenantKirchhoffMembrane, NeoHookeanSolid) {
+  constexpr int corners = TestType::Shape::nodes;
   const double nu = GENERATE(-0.3, 0., 0.3, 0.45);
   Random random(1);
   for (int trial = 0; trial < 50; ++trial) {
@@ -77,9 +82,9 @@ TEMPLATE_TEST_CASE("a cell law's q is twice the slope of its energy", "[cell_law
   }
 }
 
-TEMPLATE_TEST_CASE("a cell law's slope is the slope of its q", "[cell_law]", StVenantKirchhoff,
-                   StVenantKirchhoffMembrane, NeoHookean, TwoParameter) {
-  constexpr int corners = TestType::corners;
+TEMPLATE_TEST_CASE("a cell law's slope is the slope of its q", "[cell_law]", StVenantKirchhoffSolid,
+                   StVenantKirchhoffMembrane, NeoHookeanSolid, TwoParameter) {
+  constexpr int corners = TestType::Shape::nodes;
   const double nu = GENERATE(-0.3, 0., 0.3, 0.45);
   Random random(2);
   for (int trial = 0; trial < 50; ++trial) {
@@ -97,7 +102,7 @@ TEMPLATE_TEST_CASE("a cell law's slope is the slope of its q", "[cell_law]", StV
   }
 }
 
-TEMPLATE_TEST_CASE("a law of tetrahedra is the finite element", "[cell_law]", StVenantKirchhoff, NeoHookean) {
+TEMPLATE_TEST_CASE("a law of tetrahedra is the finite element", "[cell_law]", StVenantKirchhoffSolid, NeoHookeanSolid) {
   constexpr double E = 5000;
   const double nu = GENERATE(-0.3, 0., 0.3, 0.45);
   const double lambda = E * nu / ((1 + nu) * (1 - 2 * nu)), mu = E / (2 * (1 + nu));
@@ -118,9 +123,9 @@ TEMPLATE_TEST_CASE("a law of tetrahedra is the finite element", "[cell_law]", St
   }
 }
 
-TEMPLATE_TEST_CASE("a rigid motion leaves a cell without force", "[cell_law]", StVenantKirchhoff,
-                   StVenantKirchhoffMembrane, NeoHookean, TwoParameter) {
-  constexpr int corners = TestType::corners;
+TEMPLATE_TEST_CASE("a rigid motion leaves a cell without force", "[cell_law]", StVenantKirchhoffSolid,
+                   StVenantKirchhoffMembrane, NeoHookeanSolid, TwoParameter) {
+  constexpr int corners = TestType::Shape::nodes;
   Random random(4);
   for (int trial = 0; trial < 100; ++trial) {
     const CornerPositions<corners> rest = random_cell<corners>(random);
@@ -148,11 +153,12 @@ TEST_CASE("neo-Hookean uniaxial tension", "[cell_law]") {
   Random random(5);
   const CornerPositions<4> rest = random_cell<4>(random);
   const Matrix3 D_m = edges(rest);
-  const auto k = NeoHookean{}.constants(rest, material_of(1, nu));
+  const auto k = NeoHookeanSolid{}.constants(rest, material_of(1, nu));
   // First Piola–Kirchhoff stress, from the forces alone.
   const auto stress = [&](double across) -> Matrix3 {
     const CornerPositions<4> positions = Vector3(across, across, stretch).asDiagonal() * rest;
-    const CornerPositions<4> f = forces<4>(positions, NeoHookean{}.force_densities(k, squared_lengths<4>(positions)));
+    const CornerPositions<4> f =
+        forces<4>(positions, NeoHookeanSolid{}.force_densities(k, squared_lengths<4>(positions)));
     return -f.rightCols<3>() * D_m.transpose() / (std::abs(D_m.determinant()) / 6);
   };
   double low = 0.3, high = 2;
@@ -170,14 +176,14 @@ TEST_CASE("a neo-Hookean cell that falls flat pushes apart and has no finite ene
   Random random(6);
   for (int trial = 0; trial < 100; ++trial) {
     const CornerPositions<4> rest = random_cell<4>(random);
-    const auto k = NeoHookean{}.constants(rest, material_of(5000, 0.3));
+    const auto k = NeoHookeanSolid{}.constants(rest, material_of(5000, 0.3));
     const Matrix3 turn = random.rotation();
     const CornerPositions<4> flat = turn * Vector3(1, 1, 0).asDiagonal() * turn.transpose() * rest;
     const CellVector<4> s = squared_lengths<4>(flat);
-    CHECK(NeoHookean{}.energy(k, s) == std::numeric_limits<double>::infinity());
-    const CellVector<4> q = NeoHookean{}.force_densities(k, s);
+    CHECK(NeoHookeanSolid{}.energy(k, s) == std::numeric_limits<double>::infinity());
+    const CellVector<4> q = NeoHookeanSolid{}.force_densities(k, s);
     CHECK(q.allFinite());
-    CHECK(NeoHookean{}.slope(k, s).allFinite());
+    CHECK(NeoHookeanSolid{}.slope(k, s).allFinite());
     // Opening the cell along the direction in which it is flat lowers the energy: power of the forces > 0.
     const CornerPositions<4> open = turn * Vector3(1, 1, 1e-3).asDiagonal() * turn.transpose() * rest;
     CHECK(q.dot(squared_lengths<4>(open) - s) < 0);
@@ -249,20 +255,21 @@ TEST_CASE("two_parameter stays finite on a flat triangle", "[cell_law]") {
 }
 
 TEST_CASE("cell laws say what they can't do", "[cell_law]") {
+  const Catalog catalog = built_in_catalog();
   Body body;
-  CHECK(StVenantKirchhoff::unsuited(body) == "needs tetrahedra");
-  CHECK(NeoHookean::unsuited(body) == "needs tetrahedra");
-  CHECK(StVenantKirchhoffMembrane::unsuited(body) == "needs triangles");
-  CHECK(TwoParameter::unsuited(body) == "needs triangles");
+  CHECK(catalog.find("st_venant_kirchhoff").unsuited(body) == "needs tetrahedra");
+  CHECK(catalog.find("neo_hookean").unsuited(body) == "needs tetrahedra");
+  CHECK(catalog.find("st_venant_kirchhoff_membrane").unsuited(body) == "needs triangles");
+  CHECK(catalog.find("two_parameter").unsuited(body) == "needs triangles");
   body.triangles.push_back({0, 1, 2});
-  CHECK(TwoParameter::unsuited(body).empty());
+  CHECK(catalog.find("two_parameter").unsuited(body).empty());
   body.tetrahedra.push_back({0, 1, 2, 3});
-  CHECK(NeoHookean::unsuited(body).empty());
+  CHECK(catalog.find("neo_hookean").unsuited(body).empty());
 
   Random random(9);
   const CornerPositions<4> cell = random_cell<4>(random);
   for (const double nu : {-1., 0.5, 0.6}) {
-    CHECK_THROWS_AS(NeoHookean{}.constants(cell, material_of(1, nu)), InputError);
-    CHECK_THROWS_AS(StVenantKirchhoff{}.constants(cell, material_of(1, nu)), InputError);
+    CHECK_THROWS_AS(NeoHookeanSolid{}.constants(cell, material_of(1, nu)), InputError);
+    CHECK_THROWS_AS(StVenantKirchhoffSolid{}.constants(cell, material_of(1, nu)), InputError);
   }
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <type_traits>
@@ -6,29 +7,44 @@
 #include <vector>
 
 #include "elastin/core/forces/elasticity.h"
-#include "elastin/core/laws/law.h"
+#include "elastin/core/laws/cell_kernel.h"
 #include "elastin/core/model/material.h"
+#include "elastin/core/shapes/cell_shapes.h"
 
 namespace elastin {
 
 /// What the cell driver needs of a body's graph, kept apart from the law so that it is compiled once.
 struct CellGraph {
-  template <int corners>
-  using Sides = std::vector<std::array<int, static_cast<std::size_t>(connections_of_cell(corners))>>;
+  /// @param nodes molecules of all cells, `of_each` a cell. Throws InputError if two of a cell are not connected.
+  CellGraph(const Connections& connections, std::span<const int> nodes, int of_each);
+  template <std::size_t nodes>
+  CellGraph(const Connections& connections, const std::vector<std::array<int, nodes>>& cells)
+      : CellGraph(connections, {cells.empty() ? nullptr : cells.front().data(), cells.size() * nodes},
+                  static_cast<int>(nodes)) {}
 
-  CellGraph(const Body& body, int corners);
-  CellGraph(const Connections& connections, const Cells<4>& tetrahedra);
-  /// Adds each connection's slots in ascending cell order: one owner a connection, the same bits on any thread count.
-  void gather(Eigen::Ref<const VectorX> slots, VectorX& force_densities) const;
   int cells() const { return static_cast<int>(slot_connection.size()) / sides; }
+  /// Adds each connection's slots in ascending cell order: one owner a connection, bitwise identical on any number of
+  /// threads.
+  void gather(Eigen::Ref<const VectorX> slots, VectorX& force_densities) const;
+
+  /// A term of one thread's work: it adds to the connections begin … end−1 alone, and of the cells those that have one
+  /// of these are among first … last−1.
+  struct Range {
+    int first, last, begin, end;
+  };
+  /// Into how many ranges a pass is parted: 1 where one thread is as fast; 0 where cells reach everywhere, so that
+  /// ranges would compute most cells again and slots are cheaper.
+  int ranges() const;
+  Range range(int number, int of) const;
 
   int sides;                         ///< connections of one cell
   std::vector<int> slot_connection;  ///< connection of slot cell · sides + side
   std::vector<int> start, slots_of;  ///< slots of each connection, ascending
 
  private:
-  void set_slots(int connections);
   int connections_ = 0;
+  std::vector<int> highest_until_;  ///< connection of cells 0 … cell
+  std::vector<int> lowest_from_;    ///< connection of cells cell …
 };
 
 namespace detail {
@@ -42,84 +58,104 @@ void for_each_cell(int count, Range&& range) {
     (*static_cast<std::remove_reference_t<Range>*>(context))(begin, end);
   });
 }
+void run_each(int count, void* context, void (*work)(void*, int number));
 double sum_over_cells(int count, const std::function<double(int)>& term);
+
+/// Adds share(cell), one number a side, to the connections of each cell. Each connection meets its cells in ascending
+/// order, whoever adds.
+template <int sides, class Share>
+void add_shares(const CellGraph& graph, const Share& share, VectorX& values, Workspace& workspace) {
+  const int* connections = graph.slot_connection.data();
+  const int ranges = graph.ranges();
+  if (ranges == 1) {
+    for (int cell = 0; cell < graph.cells(); ++cell) {
+      const Eigen::Matrix<double, sides, 1> own = share(cell);
+      for (int side = 0; side < sides; ++side) values[connections[cell * sides + side]] += own[side];
+    }
+  } else if (ranges > 1) {
+    const auto work = [&](int number) {
+      const auto [first, last, begin, end] = graph.range(number, ranges);
+      for (int cell = first; cell < last; ++cell) {
+        const int* c = connections + static_cast<std::ptrdiff_t>(cell) * sides;
+        if (std::none_of(c, c + sides, [begin, end](int at) { return begin <= at && at < end; })) continue;
+        const Eigen::Matrix<double, sides, 1> own = share(cell);
+        for (int side = 0; side < sides; ++side)
+          if (begin <= c[side] && c[side] < end) values[c[side]] += own[side];
+      }
+    };
+    run_each(ranges, const_cast<void*>(static_cast<const void*>(&work)),
+             [](void* context, int number) { (*static_cast<decltype(work)*>(context))(number); });
+  } else {
+    auto slots = workspace.buffer(Workspace::slots, graph.cells() * sides);
+    for_each_cell(graph.cells(), [&](int begin, int end) {
+      for (int cell = begin; cell < end; ++cell) slots.template segment<sides>(cell * sides) = share(cell);
+    });
+    graph.gather(slots, values);
+  }
+}
 }  // namespace detail
 
-/// The one driver of every cell law: cells write their own slots, connections gather them.
-template <CellLaw Law>
+/// The one driver of every cell law. It owns the loops over the cells of one shape, where their nodes are, what is
+/// written where and by whom; the kernel (see CellKernel) is the law on one cell.
+template <LengthKernel Kernel>
 class CellElasticity final : public Elasticity {
-  static constexpr int corners = Law::corners, sides = connections_of_cell(corners);
-  using SquaredLengths = Eigen::Matrix<double, sides, 1>;
+  using Shape = typename Kernel::Shape;
+  static constexpr int nodes = Shape::nodes, sides = pairs_of(nodes);
+  using SquaredLengths = CellVector<nodes>;
   using Slope = Eigen::Matrix<double, sides, sides, Eigen::RowMajor>;
 
  public:
-  CellElasticity(const Body& body, const Material& material, Law law)
-      : body_(body), law_(std::move(law)), graph_(body, corners) {
+  CellElasticity(const Body& body, const Material& material, Kernel kernel)
+      : body_(body), kernel_(std::move(kernel)), graph_(body.connections, cells()) {
     constants_.reserve(cells().size());
-    for (const auto& cell : cells()) {
-      Eigen::Matrix<double, 3, corners> rest;
-      for (int corner = 0; corner < corners; ++corner) rest.col(corner) = body.rest.col(cell[corner]);
+    for (int cell = 0; cell < graph_.cells(); ++cell) {
       Material own = material;
-      if (body.cell_stiffness.size())
-        own.youngs_modulus *= body.cell_stiffness[static_cast<Eigen::Index>(constants_.size())];
-      constants_.push_back(law_.constants(rest, own));
+      if (body.cell_stiffness.size()) own.youngs_modulus *= body.cell_stiffness[cell];
+      constants_.push_back(kernel_.constants(positions_of(body.rest, cell), own));
     }
   }
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<CellElasticity>(*this); }
-  bool has_energy() const override { return HasEnergy<Law>; }
+  bool has_energy() const override { return HasEnergy<Kernel>; }
 
-  /// Lengths cannot tell a cell from its mirror image; volumes can.
   bool admissible(const Positions& positions) const override {
-    if constexpr (corners == 4)
-      return detail::sum_over_cells(graph_.cells(), [&](int cell) {
-               return signed_volume(positions, body_.tetrahedra[cell]) > 0 ? 0. : 1.;
-             }) == 0;
-    else
-      return true;
+    return detail::sum_over_cells(graph_.cells(), [&](int cell) { return is_inverted(positions, cell) ? 1. : 0.; }) ==
+           0;
   }
 
   double energy(const Positions& positions) const override {
-    if constexpr (HasEnergy<Law>)
+    if constexpr (HasEnergy<Kernel>)
       return detail::sum_over_cells(graph_.cells(), [&](int cell) {
-        if constexpr (corners == 4)
-          if (!(signed_volume(positions, body_.tetrahedra[cell]) > 0)) return std::numeric_limits<double>::infinity();
-        return law_.energy(constants_[cell], squared_lengths(positions, cell));
+        if (is_inverted(positions, cell)) return std::numeric_limits<double>::infinity();
+        return kernel_.energy(constants_[cell], squared_lengths(positions, cell));
       });
     else
       return 0;
   }
 
   void add_force_densities(const Positions& positions, VectorX& force_densities, Workspace& workspace) const override {
-    if (detail::on_one_thread(graph_.cells())) {  // the same order of additions without the slots
-      for (int cell = 0; cell < graph_.cells(); ++cell) {
-        const SquaredLengths q = law_.force_densities(constants_[cell], squared_lengths(positions, cell));
-        for (int side = 0; side < sides; ++side)
-          force_densities[graph_.slot_connection[cell * sides + side]] += q[side];
-      }
-      return;
-    }
-    auto slots = workspace.buffer(Workspace::slots, graph_.cells() * sides);
-    detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
-      for (int cell = begin; cell < end; ++cell)
-        slots.template segment<sides>(cell * sides) =
-            law_.force_densities(constants_[cell], squared_lengths(positions, cell));
-    });
-    graph_.gather(slots, force_densities);
+    detail::add_shares<sides>(
+        graph_,
+        [&](int cell) -> SquaredLengths {
+          return kernel_.force_densities(constants_[cell], squared_lengths(positions, cell));
+        },
+        force_densities, workspace);
   }
 
-  bool add_triangle_force_densities(const Positions& positions, Eigen::Matrix3Xd& force_densities) const override {
-    if constexpr (corners == 3)
+  void add_triangle_force_densities(const Positions& positions, Eigen::Ref<Eigen::Matrix3Xd> of_triangles,
+                                    VectorX& of_connections, Workspace& workspace) const override {
+    if constexpr (std::is_same_v<Shape, Triangle3>)
       for (int cell = 0; cell < graph_.cells(); ++cell)
-        force_densities.col(cell) += law_.force_densities(constants_[cell], squared_lengths(positions, cell));
-    return corners == 3;
+        of_triangles.col(cell) += kernel_.force_densities(constants_[cell], squared_lengths(positions, cell));
+    else
+      add_force_densities(positions, of_connections, workspace);
   }
 
   void linearise(const Positions& positions) override {
     slopes_.resize(constants_.size());
     detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
       for (int cell = begin; cell < end; ++cell)
-        slopes_[cell] = law_.slope(constants_[cell], squared_lengths(positions, cell));
+        slopes_[cell] = kernel_.slope(constants_[cell], squared_lengths(positions, cell));
     });
   }
 
@@ -128,56 +164,66 @@ class CellElasticity final : public Elasticity {
 
   void add_change(const VectorX& change_of_squared_lengths, VectorX& change_of_force_densities,
                   Workspace& workspace) const override {
-    const auto change = [&](int cell) {
-      SquaredLengths all;
-      for (int side = 0; side < sides; ++side)
-        all[side] = change_of_squared_lengths[graph_.slot_connection[cell * sides + side]];
-      return SquaredLengths(slopes_[cell] * all);
-    };
-    if (detail::on_one_thread(graph_.cells())) {
-      for (int cell = 0; cell < graph_.cells(); ++cell)
-        add_to_connections(cell, change(cell), change_of_force_densities);
-      return;
-    }
-    auto slots = workspace.buffer(Workspace::slots, graph_.cells() * sides);
-    detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
-      for (int cell = begin; cell < end; ++cell) slots.template segment<sides>(cell * sides) = change(cell);
-    });
-    graph_.gather(slots, change_of_force_densities);
+    detail::add_shares<sides>(
+        graph_,
+        [&](int cell) -> SquaredLengths {
+          SquaredLengths all;
+          for (int side = 0; side < sides; ++side)
+            all[side] = change_of_squared_lengths[graph_.slot_connection[cell * sides + side]];
+          return slopes_[cell] * all;
+        },
+        change_of_force_densities, workspace);
   }
 
   void visit_cells(const CellVisitor& visit) const override {
-    for (int cell = 0; cell < graph_.cells(); ++cell)
-      visit({graph_.slot_connection.data() + cell * sides, static_cast<std::size_t>(sides)}, slopes_[cell].data());
+    if (!slopes_.empty()) visit({sides, graph_.slot_connection, slopes_.front().data()});
   }
 
  private:
-  const auto& cells() const {
-    if constexpr (corners == 3)
-      return body_.triangles;
-    else
-      return body_.tetrahedra;
+  const auto& cells() const { return Shape::in(body_); }
+
+  NodePositions<nodes> positions_of(const Positions& positions, int cell) const {
+    NodePositions<nodes> own;
+    for (int node = 0; node < nodes; ++node) own.col(node) = positions.col(cells()[cell][node]);
+    return own;
   }
 
-  void add_to_connections(int cell, const SquaredLengths& share, VectorX& force_densities) const {
-    for (int side = 0; side < sides; ++side)
-      force_densities[graph_.slot_connection[cell * sides + side]] += share[side];
+  /// Lengths cannot tell a cell from its mirror image; volumes can.
+  bool is_inverted(const Positions& positions, int cell) const {
+    if constexpr (Shape::dimensions == 3)
+      return flat_or_inverted<Shape>(positions_of(positions, cell));
+    else
+      return false;
   }
 
   SquaredLengths squared_lengths(const Positions& positions, int cell) const {
     SquaredLengths s;
     int side = 0;
-    for (int i = 0; i < corners; ++i)
-      for (int j = i + 1; j < corners; ++j)
+    for (int i = 0; i < nodes; ++i)
+      for (int j = i + 1; j < nodes; ++j)
         s[side++] = (positions.col(cells()[cell][j]) - positions.col(cells()[cell][i])).squaredNorm();
     return s;
   }
 
   const Body& body_;
-  Law law_;
+  Kernel kernel_;
   CellGraph graph_;
-  std::vector<typename Law::Constants> constants_;
+  std::vector<typename Kernel::Constants> constants_;
   std::vector<Slope> slopes_;
 };
+
+/// A law that sees C on all cells of a body that have these dimensions, whatever their shapes. The body must outlive
+/// it.
+template <int dimensions, class Law>
+std::unique_ptr<Elasticity> make_cells(const Body& body, const Material& material, const Law& law) {
+  std::vector<std::unique_ptr<Elasticity>> blocks;
+  ShapesOf<dimensions>::for_each([&]<class Shape>() {
+    using Kernel = CellKernel<Law, Shape>;
+    if (!Shape::in(body).empty())
+      blocks.push_back(std::make_unique<CellElasticity<Kernel>>(body, material, Kernel{law}));
+  });
+  if (blocks.size() == 1) return std::move(blocks.front());
+  return make_sum(std::move(blocks), nullptr);
+}
 
 }  // namespace elastin

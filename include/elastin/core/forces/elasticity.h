@@ -42,6 +42,21 @@ class Workspace {
   std::vector<VectorX> range_buffers_;
 };
 
+/// Cells of one shape whose connections influence each other, one after the other, with their slopes ∂q/∂s [N/m³].
+struct CellSlopes {
+  int sides;                         ///< connections of each cell
+  std::span<const int> connections;  ///< of all cells
+  const double* slopes;              ///< sides × sides a cell, row by row, rows = whose q
+  double factor = 1;                 ///< of all slopes
+
+  int size() const { return static_cast<int>(connections.size()) / sides; }
+  std::span<const int> connections_of(int cell) const {
+    return connections.subspan(static_cast<std::size_t>(cell) * static_cast<std::size_t>(sides),
+                               static_cast<std::size_t>(sides));
+  }
+  const double* slopes_of(int cell) const { return slopes + static_cast<std::ptrdiff_t>(cell) * sides * sides; }
+};
+
 /// A stiffness strategy at work on one body. Everything elastic is one number per connection, its force density q
 /// [N/m]: the force on molecule a is Σ_b q_ab (x_b − x_a). [Schek 1974]
 ///
@@ -68,11 +83,10 @@ class Elasticity {
   /// of the body. Bitwise identical on any number of threads.
   virtual void add_forces(const Positions& positions, const Graph& graph, Positions& forces,
                           Workspace& workspace) const;
-  /// Of laws of triangles: adds each triangle's own share [N/m], a column a triangle, order 01 02 12. False where the
-  /// force densities belong to connections.
-  virtual bool add_triangle_force_densities(const Positions& /*positions*/, Eigen::Matrix3Xd& /*densities*/) const {
-    return false;
-  }
+  /// The same told apart: laws of triangles add each triangle's own share [N/m] to a column of `of_triangles`, order 01
+  /// 02 12, a column for each triangle of the body that they were made for; all others add to the connections.
+  virtual void add_triangle_force_densities(const Positions& positions, Eigen::Ref<Eigen::Matrix3Xd> of_triangles,
+                                            VectorX& of_connections, Workspace& workspace) const;
 
   /// Remembers the slopes ∂q/∂s [N/m³] at these positions for the three calls below.
   virtual void linearise(const Positions& positions) = 0;
@@ -83,8 +97,8 @@ class Elasticity {
   /// Adds the coupled part of δq from δs. Allocates nothing once `workspace` has served.
   virtual void add_change(const VectorX& /*change_of_squared_lengths*/, VectorX& /*change_of_force_densities*/,
                           Workspace&) const {}
-  /// Calls visit(connections, slopes) for each cell; slopes row by row, rows = whose q.
-  using CellVisitor = std::function<void(std::span<const int> connections, const double* slopes)>;
+  /// Calls visit(cells) for all cells of each law and shape at once.
+  using CellVisitor = std::function<void(const CellSlopes& cells)>;
   virtual void visit_cells(const CellVisitor&) const {}
   /// For couplings too wide for dense slopes: calls visit(a, b, part) for parts of the 3×3 blocks of the stiffness
   /// [N/m], without what the force densities and own slopes give. A law has either this or visit_cells.
@@ -120,7 +134,9 @@ std::unique_ptr<Elasticity> make_cables(const Body& body);
 /// Both at once.
 std::unique_ptr<Elasticity> make_sum(std::unique_ptr<Elasticity> first, std::unique_ptr<Elasticity> second);
 
-/// All of them at once; what they work on is kept as long as the sum and its clones.
-std::unique_ptr<Elasticity> make_sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> owner);
+/// All of them at once; what they work on is kept as long as the sum and its clones. `triangles` says which of the
+/// body's triangles each term was made for, one a term; empty = all terms for all.
+std::unique_ptr<Elasticity> make_sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> owner,
+                                     std::vector<CellRange> triangles = {});
 
 }  // namespace elastin

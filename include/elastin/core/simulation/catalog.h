@@ -26,7 +26,7 @@ struct Strategy {
   std::string name, summary, source;
   StrategyKind kind = StrategyKind::spring_rule;
   std::vector<ParameterInfo> parameters;
-  int corners = 0;             ///< of the cells of a cell law
+  int dimensions = 0;          ///< of the cells of a cell law: 3 of a solid's, 2 of a membrane's
   bool follows_curve = false;  ///< whether it takes the material's stress-strain curve, not its first slope alone
   /// Why it cannot run on a body, or "".
   std::function<std::string(const Body&)> unsuited = [](const Body&) { return std::string(); };
@@ -109,12 +109,116 @@ Law law_with(const Strategy& strategy, const ParameterValues& values) {
   }
   return law;
 }
+
+/// What every law says of itself.
+template <class Law>
+Strategy described_strategy() {
+  Strategy strategy;
+  strategy.name = Law::name;
+  strategy.summary = Law::summary;
+  strategy.source = Law::source;
+  strategy.parameters = describe_parameters<Law>();
+  if constexpr (requires(const Body& body) { Law::unsuited(body); })
+    strategy.unsuited = [](const Body& body) { return Law::unsuited(*seen_by<Law>(body)); };
+  if constexpr (requires(const Body& body) { Law::needs_voronoi(body); }) strategy.needs_voronoi = &Law::needs_voronoi;
+  if constexpr (requires { Law::follows_curve; }) strategy.follows_curve = Law::follows_curve;
+  return strategy;
+}
+
+template <class Law>
+Strategy spring_strategy() {
+  Strategy strategy = described_strategy<Law>();
+  const Strategy described = strategy;  // what the functions below need of it, without a pointer to a moving vector
+  if constexpr (SpringRule<Law>) {
+    strategy.kind = StrategyKind::spring_rule;
+    strategy.follows_curve = true;
+    strategy.constants = [described](const Body& body, const Material& material,
+                                     const ParameterValues& values) -> VectorX {
+      const Law law = law_with<Law>(described, values);
+      return with_cell_sides(law.constants(*seen_by<Law>(body), material), body);
+    };
+    strategy.make = [constants = strategy.constants](const Body& body, const Material& material,
+                                                     const ParameterValues& values) {
+      return make_springs(body, constants(body, material, values), material);
+    };
+  } else {
+    strategy.kind = StrategyKind::updated_spring_rule;
+    strategy.constants_at = [described](const Body& body, const Material& material,
+                                        const ParameterValues& values) -> ConstantsAt {
+      return [law = law_with<Law>(described, values), &body, material,
+              seen = seen_by<Law>(body)](const Positions& positions) {
+        return with_cell_sides(law.constants(*seen, material, positions), body);
+      };
+    };
+    strategy.make = [at = strategy.constants_at](const Body& body, const Material& material,
+                                                 const ParameterValues& values) {
+      return make_updated_springs(body, at(body, material, values));
+    };
+  }
+  return strategy;
+}
+
+/// make(body, material, law) of the law with its parameters.
+template <class Law, class Make>
+Strategy::Make made_by(const Strategy& described, Make make) {
+  return [described, make](const Body& body, const Material& material, const ParameterValues& values) {
+    return std::unique_ptr<Elasticity>(make(body, material, law_with<Law>(described, values)));
+  };
+}
+
+/// A law on the cells of so many dimensions.
+template <int cell_dimensions, class Law>
+Strategy cell_strategy() {
+  Strategy strategy = described_strategy<Law>();
+  strategy.kind = StrategyKind::cell_law;
+  strategy.dimensions = cell_dimensions;
+  if (!requires(const Body& body) { Law::unsuited(body); }) strategy.unsuited = &no_cells<cell_dimensions>;
+  return strategy;
+}
+
+/// A law that is a kernel itself, on the one shape whose lengths it knows.
+template <class Law>
+Strategy length_strategy() {
+  Strategy strategy = cell_strategy<Law::Shape::dimensions, Law>();
+  strategy.make = made_by<Law>(strategy, [](const Body& body, const Material& material, Law law) {
+    return std::make_unique<CellElasticity<Law>>(body, material, std::move(law));
+  });
+  return strategy;
+}
+
+template <class Law>
+Strategy solid_strategy() {
+  Strategy strategy = cell_strategy<3, Law>();
+  strategy.make = made_by<Law>(strategy, &make_cells<3, Law>);
+  if constexpr (requires(Law law) { law.volume_apart = true; })
+    strategy.make_without_volume = made_by<Law>(strategy, [](const Body& body, const Material& material, Law law) {
+      law.volume_apart = true;
+      return make_cells<3>(body, material, law);
+    });
+  return strategy;
+}
+
+template <class Law>
+Strategy membrane_strategy() {
+  Strategy strategy = cell_strategy<2, Law>();
+  strategy.name += "_membrane";
+  if constexpr (requires { Law::membrane_summary; }) strategy.summary = Law::membrane_summary;
+  if constexpr (requires { Law::membrane_source; }) strategy.source = Law::membrane_source;
+  strategy.make = made_by<Law>(strategy, &make_cells<2, Law>);
+  if constexpr (requires(const Law& law, const Material& m) { law.membrane(m).without_compression(m); })
+    strategy.make_without_compression =
+        made_by<Law>(strategy, [](const Body& body, const Material& material, const Law& law) {
+          return make_cells<2>(body, material, WithoutCompression<Law>{law});
+        });
+  return strategy;
+}
 }  // namespace detail
 
 /// Everything pluggable, by name. Filled explicitly: a program may add its own laws to its own catalog.
 class Catalog {
  public:
-  /// Adds a spring rule, an updated one or a cell law; its name must be new. Strong guarantee.
+  /// Adds a spring rule, an updated one or a cell law; its name must be new. Strong guarantee. A law of solids and of
+  /// membranes makes a strategy of each, NAME and NAME_membrane.
   template <class Law>
   requires SpringRule<Law> || UpdatedSpringRule<Law> || CellLaw<Law>
   void add();
@@ -136,63 +240,13 @@ Catalog built_in_catalog();
 template <class Law>
 requires SpringRule<Law> || UpdatedSpringRule<Law> || CellLaw<Law>
 void Catalog::add() {
-  Strategy strategy;
-  strategy.name = Law::name;
-  strategy.summary = Law::summary;
-  strategy.source = Law::source;
-  strategy.parameters = detail::describe_parameters<Law>();
-  if constexpr (requires(const Body& body) { Law::unsuited(body); })
-    strategy.unsuited = [](const Body& body) { return Law::unsuited(*detail::seen_by<Law>(body)); };
-  if constexpr (requires(const Body& body) { Law::needs_voronoi(body); }) strategy.needs_voronoi = &Law::needs_voronoi;
-  const Strategy described = strategy;  // what the two functions below need of it, without a pointer to a moving vector
-  if constexpr (SpringRule<Law>) {
-    strategy.kind = StrategyKind::spring_rule;
-    strategy.follows_curve = true;
-    strategy.constants = [described](const Body& body, const Material& material,
-                                     const ParameterValues& values) -> VectorX {
-      const Law law = detail::law_with<Law>(described, values);
-      return detail::with_cell_sides(law.constants(*detail::seen_by<Law>(body), material), body);
-    };
-    strategy.make = [constants = strategy.constants](const Body& body, const Material& material,
-                                                     const ParameterValues& values) {
-      return make_springs(body, constants(body, material, values), material);
-    };
-  } else if constexpr (UpdatedSpringRule<Law>) {
-    strategy.kind = StrategyKind::updated_spring_rule;
-    strategy.constants_at = [described](const Body& body, const Material& material,
-                                        const ParameterValues& values) -> ConstantsAt {
-      return [law = detail::law_with<Law>(described, values), &body, material,
-              seen = detail::seen_by<Law>(body)](const Positions& positions) {
-        return detail::with_cell_sides(law.constants(*seen, material, positions), body);
-      };
-    };
-    strategy.make = [at = strategy.constants_at](const Body& body, const Material& material,
-                                                 const ParameterValues& values) {
-      return make_updated_springs(body, at(body, material, values));
-    };
+  if constexpr (CellLaw<Law>) {
+    if constexpr (LengthLaw<Law>) add(detail::length_strategy<Law>());
+    if constexpr (SolidLaw<Law>) add(detail::solid_strategy<Law>());
+    if constexpr (MembraneLaw<Law>) add(detail::membrane_strategy<Law>());
   } else {
-    strategy.kind = StrategyKind::cell_law;
-    strategy.corners = Law::corners;
-    if constexpr (requires { Law::follows_curve; }) strategy.follows_curve = Law::follows_curve;
-    strategy.make = [described](const Body& body, const Material& material,
-                                const ParameterValues& values) -> std::unique_ptr<Elasticity> {
-      return std::make_unique<CellElasticity<Law>>(body, material, detail::law_with<Law>(described, values));
-    };
-    if constexpr (requires { typename Law::WithoutCompression; })
-      strategy.make_without_compression = [](const Body& body, const Material& material,
-                                             const ParameterValues&) -> std::unique_ptr<Elasticity> {
-        using Relaxed = typename Law::WithoutCompression;
-        return std::make_unique<CellElasticity<Relaxed>>(body, material, Relaxed{});
-      };
-    if constexpr (requires(Law law) { law.volume_apart = true; })
-      strategy.make_without_volume = [described](const Body& body, const Material& material,
-                                                 const ParameterValues& values) -> std::unique_ptr<Elasticity> {
-        Law law = detail::law_with<Law>(described, values);
-        law.volume_apart = true;
-        return std::make_unique<CellElasticity<Law>>(body, material, std::move(law));
-      };
+    add(detail::spring_strategy<Law>());
   }
-  add(std::move(strategy));
 }
 
 }  // namespace elastin

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/laws/membranes/membrane.h"
-#include "core/laws/membranes/tension_field.h"
 #include "core/laws/solids/curve_size.h"
+#include "elastin/core/laws/moduli.h"
 
 namespace elastin {
 
@@ -16,12 +16,7 @@ namespace elastin {
 /// Without a curve it is engineering strain at constant thickness, with an energy: what two_parameter is a form of.
 /// With a = λ₁ + λ₂ − 2 and the squared difference b of the stretches, q² = ((λ + μ) a² + μ b)/E.
 struct CurveMembraneDensity {
-  static constexpr std::string_view name = "curve_membrane";
-  static constexpr std::string_view summary =
-      "the material's nominal curve (or straight), triangles: engineering strain, constant thickness";
-  static constexpr std::string_view source = "deformation theory [Hencky 1924] in Biot's stress and strain";
   static constexpr bool resists_flattening = false;
-  static constexpr bool follows_curve = true;
 
   double thickness, even, shear;  ///< t [m]; (λ + μ)/E, μ/E
   StressStrain curve;
@@ -30,7 +25,7 @@ struct CurveMembraneDensity {
   explicit CurveMembraneDensity(const Material& m)
       : thickness(m.thickness),
         even(0.5 / (1 - m.poissons_ratio)),
-        shear(lame<3>(m).mu / m.youngs_modulus),
+        shear(lame<2>(m).mu / m.youngs_modulus),
         curve(m.curve ? *m.curve : StressStrain::linear(m.youngs_modulus)) {}
 
   Jet operator()(const PlaneStrain& strain) const {
@@ -79,9 +74,6 @@ struct CurveMembraneDensity {
     if (!(now.q > kStraight)) return {0, 0};
     return {even * now.a.value / now.q, shear / (2 * now.q)};
   }
-};
-struct CurveMembrane : IsotropicMembrane<CurveMembraneDensity> {
-  using WithoutCompression = IsotropicMembrane<TensionField<CurveMembraneDensity>>;
 };
 
 }  // namespace elastin

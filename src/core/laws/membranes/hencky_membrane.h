@@ -3,6 +3,7 @@
 
 #include "core/laws/membranes/membrane.h"
 #include "core/laws/membranes/tension_field.h"
+#include "elastin/core/laws/moduli.h"
 
 namespace elastin {
 
@@ -16,11 +17,6 @@ namespace elastin {
 /// A flat triangle has infinite energy. Pressed evenly below a stretch of e^(−1/(2β)) it softens, as that Cauchy
 /// stress does.
 struct HenckyDensity {
-  static constexpr std::string_view name = "hencky_membrane";
-  static constexpr std::string_view summary =
-      "true stress linear in logarithmic strain, triangles: thins as it stretches";
-  static constexpr std::string_view source = "[Hencky 1928] in plane stress, the reference of [TP]";
-  static constexpr bool follows_curve = false;
   static constexpr bool resists_flattening = true;
 
   double mean, shear, beta;  ///< 2 E t/(1−ν), t μ [N/m]; β
@@ -28,7 +24,7 @@ struct HenckyDensity {
   /// Throws InputError unless −1 < ν ≤ ½.
   explicit HenckyDensity(const Material& m)
       : mean(2 * m.youngs_modulus * m.thickness / (1 - m.poissons_ratio)),
-        shear(lame<3>(m).mu * m.thickness),
+        shear(lame<2>(m).mu * m.thickness),
         beta((1 - 2 * m.poissons_ratio) / (1 - m.poissons_ratio)) {}
 
   Jet operator()(const PlaneStrain& strain) const {
@@ -63,8 +59,16 @@ struct HenckyDensity {
     return z.through(d * d, by_z, (2 / tanh2 - by_z * 2 * (1 + 2 * at) / tanh2) / tanh2);
   }
 };
-struct HenckyMembrane : IsotropicMembrane<HenckyDensity> {
-  using WithoutCompression = IsotropicMembrane<TensionField<HenckyDensity>>;
+
+/// A membrane law alone: in plane stress it is not what a solid of that name would be.
+struct Hencky {
+  static constexpr std::string_view name = "hencky";
+  static constexpr std::string_view summary =
+      "true stress linear in logarithmic strain, triangles: thins as it stretches";
+  static constexpr std::string_view source = "[Hencky 1928] in plane stress, the reference of [TP]";
+
+  /// Throws InputError unless −1 < ν ≤ ½.
+  IsotropicMembrane<HenckyDensity> membrane(const Material& material) const { return {material}; }
 };
 
 }  // namespace elastin

@@ -2,7 +2,7 @@
 #include <cstdio>
 
 #include "core/laws/membranes/membrane.h"
-#include "core/laws/membranes/tension_field.h"
+#include "elastin/core/base/error.h"
 
 namespace elastin {
 
@@ -12,11 +12,6 @@ namespace elastin {
 /// solved for y = x − 1 so that nothing cancels near rest, and with μ : λ = (1 − 2ν) : 2ν so that ν = ½ is a case like
 /// others: there x = 1/√D and w = t μ/2 (I + 1/D − 3), the incompressible membrane, exactly.
 struct NeoHookeanDensity {
-  static constexpr std::string_view name = "neo_hookean_membrane";
-  static constexpr std::string_view summary =
-      "rubber, triangles: thins as it stretches, no stress across; nu = 0.5 is incompressible";
-  static constexpr std::string_view source = "[L03] in plane stress";
-  static constexpr bool follows_curve = false;
   static constexpr bool resists_flattening = true;
 
   double stiffness, mu, lambda;  ///< t μ [N/m]; 1 − 2ν, 2ν
@@ -41,9 +36,6 @@ struct NeoHookeanDensity {
     return stiffness *
            (0.5 * (Jet::first(strain.trace) - squeezed) - 0.5 * log1p(D1) - log1p(y) + 0.5 * squeezed * J1 / (1 + J1));
   }
-};
-struct NeoHookeanMembrane : IsotropicMembrane<NeoHookeanDensity> {
-  using WithoutCompression = IsotropicMembrane<TensionField<NeoHookeanDensity>>;
 };
 
 }  // namespace elastin

@@ -12,12 +12,8 @@ namespace elastin {
 ///   * wrinkled, where it is but C₁ > 1: w(C₁, C₂*), C₂* the natural width, at which the law has no stress across;
 ///   * slack, where also C₁ ≤ 1: 0, and no stiffness.
 /// With w₁ = ∂w/∂C₁ … at the natural width the slope of the second is w₁, its second slope w₁₁ − w₁₂²/w₂₂.
-template <MembraneDensity Density>
+template <class Density>
 struct TensionField {
-  static constexpr std::string_view name = Density::name;
-  static constexpr std::string_view summary = Density::summary;
-  static constexpr std::string_view source = "[Pipkin 1986] on that law";
-  static constexpr bool follows_curve = Density::follows_curve;
   static constexpr bool resists_flattening = false;
 
   Density law;

@@ -4,45 +4,58 @@
 
 #include "core/laws/membranes/curve_membrane.h"
 #include "core/laws/membranes/membrane.h"
+#include "elastin/core/laws/moduli.h"
+#include "elastin/core/shapes/simplices.h"
 
 namespace elastin {
+
+/// L [1/m²] of (τ, u, v) = L (s − s⁰): with A = C − I in a frame of the triangle at rest, τ = A₁₁ + A₂₂, u = A₁₁ − A₂₂,
+/// v = 2 A₁₂, and ρ = u² + v².
+inline Matrix3 strains_of(const RestCell<Triangle3>& cell) {
+  static constexpr auto pairs = node_pairs<3>();
+  Matrix3 strains;
+  for (int c = 0; c < 3; ++c) {
+    const Eigen::Vector2d a = cell.gradients[0].col(pairs[c][0]), b = cell.gradients[0].col(pairs[c][1]);
+    strains.col(c) = -Vector3(a.dot(b), a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]);
+  }
+  return strains;
+}
 
 /// Membrane by the strains along and across each side. [TP, eqs 5–17, in force form: nothing is divided by a strain]
 /// Tension of side b, a and c the other two:  F_b = Q b₀ (a₀² q_a − b₀² q_b + c₀² q_c),
 ///   Q = E t/(8 (1−ν²) |T₀|),  q_s = ε_n(s) + ν ε_τ(s),  ε_τ = s/s₀ − 1,  ε_n = h/h₀ − 1, h the height on side s.
 /// At small strain it is plane stress, on any triangle; at finite strain it has no energy: ∂q/∂s is not symmetric.
-/// Where the material has a curve, E is its secant modulus at the size of the triangle's strain, see CurveMembrane.
-/// A triangle falling flat has finite forces, but its heights change ever faster: below an area of 2.5e-8 (a²+b²+c²)
-/// the slope is the one at that area. A side shorter than 1e-8 of its rest length counts as that long.
+/// Where the material has a curve, E is its secant modulus at the size of the triangle's strain, see
+/// CurveMembraneDensity. A law of triangles' sides: it sees lengths, not C. A triangle falling flat has finite forces,
+/// but its heights change ever faster: below an area of 2.5e-8 (a²+b²+c²) the slope is the one at that area. A side
+/// shorter than 1e-8 of its rest length counts as that long.
 struct TwoParameter {
-  static constexpr int corners = 3;
+  using Shape = Triangle3;
   static constexpr std::string_view name = "two_parameter";
   static constexpr std::string_view summary = "membrane from the strain along and across each side; not conservative";
   static constexpr std::string_view source = "[TP] eqs. 5-17";
-  static std::string unsuited(const Body& body) { return body.triangles.empty() ? "needs triangles" : ""; }
-
   static constexpr bool follows_curve = true;
 
   struct Constants {
     CellMatrix<3> weight;        ///< F = weight · q: −Q b₀³ on the diagonal, Q b₀ a₀² beside it [N]
     CellVector<3> rest_squared;  ///< [m²]
-    Matrix3 strains;             ///< [1/m²], see IsotropicMembrane
+    Matrix3 strains;             ///< [1/m²], see strains_of
     double rest_area, nu;        ///< [m²], 1
     std::optional<CurveMembraneDensity> curve;
     double modulus;  ///< E at no strain [Pa]
   };
 
   /// @param rest corners [m], not flat; the material's thickness t [m] counts. Throws InputError unless −1 < ν ≤ ½.
-  Constants constants(const Eigen::Matrix<double, 3, 3>& rest, const Material& material) const {
-    const Simplex<3> cell(rest);
-    const auto [lambda, mu] = lame<3>(material);
-    const double Q = (lambda + 2 * mu) * material.thickness / (8 * cell.measure);  // λ + 2μ = E/(1−ν²)
+  Constants constants(const NodePositions<3>& rest, const Material& material) const {
+    const RestCell<Triangle3> cell(rest);
+    const auto [lambda, mu] = lame<2>(material);
+    const double Q = (lambda + 2 * mu) * material.thickness / (8 * cell.weights[0]);  // λ + 2μ = E/(1−ν²)
     const CellVector<3>& s0 = cell.squared_lengths;
     const CellMatrix<3> sign = CellMatrix<3>::Ones() - 2 * CellMatrix<3>::Identity();
     return {Q * s0.cwiseSqrt().asDiagonal() * sign * s0.asDiagonal(),
             s0,
             strains_of(cell),
-            cell.measure,
+            cell.weights[0],
             material.poissons_ratio,
             material.curve ? std::optional(CurveMembraneDensity(material)) : std::nullopt,
             material.youngs_modulus};

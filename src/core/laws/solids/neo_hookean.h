@@ -2,38 +2,111 @@
 #include <algorithm>
 #include <limits>
 
-#include "elastin/core/laws/simplex.h"
+#include "core/laws/membranes/neo_hookean_membrane.h"
+#include "core/laws/membranes/tension_field.h"
+#include "elastin/core/laws/cell_kernel.h"
+#include "elastin/core/laws/moduli.h"
+#include "elastin/core/shapes/simplices.h"
 
 namespace elastin {
 
-/// S = λ J (J − 1) C⁻¹ + μ (I − C⁻¹), W = V (μ/2 (tr C − 3) − μ ln J + λ/2 (J − 1)²). [L03]
+/// S = λ J (J − 1) C⁻¹ + μ (I − C⁻¹), W = μ/2 (tr C − 3) − μ ln J + λ/2 (J − 1)². [L03]
 ///
-/// With G_ab = b_aᵀ C⁻¹ b_b, which are the dot products of the *present* gradients of the barycentric coordinates and
-/// thus follow from the present lengths alone, and G⁰_ab = b_aᵀ b_b those at rest:
-///   q_ab = −V (g G_ab + μ G⁰_ab),  g = λ J (J − 1) − μ,  tr C = −Σ s_ab G⁰_ab.
-/// Cannot tell an inverted cell from its mirror image; see forces/elastic. A cell so flat that rounding decides the
-/// sign of det C (at or below 1e-14) has energy +∞; its q and slope are finite, as if J were 1e-7: a strong push apart.
+/// Cannot tell an inverted cell from its mirror image; the cell driver does. A point so flat that rounding decides the
+/// sign of det C (at or below 1e-14) has energy +∞; its S and tangent are finite, as if J were 1e-7: a strong push
+/// apart. As a membrane it thins so that there is no stress across, see NeoHookeanDensity.
 struct NeoHookean {
-  static constexpr int corners = 4;
   static constexpr std::string_view name = "neo_hookean";
   static constexpr std::string_view summary = "compressible rubber, tetrahedra: the finite-element solid at any strain";
   static constexpr std::string_view source = "[L03]";
-  static std::string unsuited(const Body& body) { return body.tetrahedra.empty() ? "needs tetrahedra" : ""; }
+  static constexpr std::string_view membrane_summary =
+      "rubber, triangles: thins as it stretches, no stress across; nu = 0.5 is incompressible";
+  static constexpr std::string_view membrane_source = "[L03] in plane stress";
+  static constexpr double kFlat = 1e-14;  ///< det C where rounding begins to decide its sign
+
+  struct Solid {
+    double lambda, mu;  ///< [Pa]
+
+    Matrix3 stress(const Matrix3& A) const {
+      const auto [G, J] = present(A);
+      return (lambda * J * (J - 1) - mu) * G + mu * Matrix3::Identity();
+    }
+
+    /// ∂S_ij/∂C_kl = ½ λ J (2J − 1) G_ij G_kl − ½ g (G_ik G_jl + G_il G_jk), G = C⁻¹, g = λ J (J − 1) − μ.
+    TangentModuli<3> tangent(const Matrix3& A) const {
+      static constexpr std::array<std::array<int, 2>, 6> components{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
+      const auto [G, J] = present(A);
+      const double g = lambda * J * (J - 1) - mu, bulk = lambda * J * (2 * J - 1);
+      TangentModuli<3> result;
+      for (int row = 0; row < 6; ++row)
+        for (int column = 0; column <= row; ++column) {
+          const auto [i, j] = components[row];
+          const auto [k, l] = components[column];
+          result(row, column) = result(column, row) =
+              (bulk * G(i, j) * G(k, l) - g * (G(i, k) * G(j, l) + G(i, l) * G(j, k))) / 2;
+        }
+      return result;
+    }
+
+    /// Written in A, for near rest tr C − 3 and 2 ln J are nearly equal and far above their difference.
+    double energy(const Matrix3& A) const {
+      const double trace = A.trace(), minors = (trace * trace - A.cwiseProduct(A.transpose()).sum()) / 2;
+      const double D = trace + minors + A.determinant();  // det C − 1
+      if (!(1 + D > kFlat)) return std::numeric_limits<double>::infinity();
+      const double swelling = D / (1 + std::sqrt(1 + D));  // J − 1
+      return (mu * (trace - std::log1p(D)) + lambda * swelling * swelling) / 2;
+    }
+
+   private:
+    struct Present {
+      Matrix3 G;  ///< C⁻¹
+      double J;   ///< ≥ 1e-7
+    };
+    static Present present(const Matrix3& A) {
+      const Matrix3 C = Matrix3::Identity() + A;
+      Matrix3 adjugate;
+      adjugate.col(0) = C.col(1).cross(C.col(2));
+      adjugate.col(1) = C.col(2).cross(C.col(0));
+      adjugate.col(2) = C.col(0).cross(C.col(1));
+      const double det_C = std::max(C.col(0).dot(adjugate.col(0)), kFlat);
+      return {adjugate / det_C, std::sqrt(det_C)};
+    }
+  };
+
   /// Leaves λ/2 (J − 1)² to a volume term around each molecule: `volume: averaged`, against locking near ν = ½.
   bool volume_apart = false;
+
+  /// Throws InputError unless −1 < ν < ½.
+  Solid solid(const Material& material) const {
+    const auto [lambda, mu] = lame<3>(material);
+    return {volume_apart ? 0 : lambda, mu};
+  }
+  /// Throws InputError unless 0 ≤ ν ≤ ½.
+  IsotropicMembrane<NeoHookeanDensity> membrane(const Material& material) const { return {material}; }
+};
+
+/// On the first-order tetrahedron, in closed form. With G_ab = b_aᵀ C⁻¹ b_b, which are the dot products of the
+/// *present* gradients of the barycentric coordinates and thus follow from the present lengths alone, and
+/// G⁰_ab = b_aᵀ b_b those at rest:
+///   q_ab = −V (g G_ab + μ G⁰_ab),  g = λ J (J − 1) − μ,  tr C = −Σ s_ab G⁰_ab.
+template <>
+struct CellKernel<NeoHookean, Tetrahedron4> {
+  using Shape = Tetrahedron4;
 
   struct Constants {
     CellVector<4> rest_squared_lengths;  ///< s⁰ [m²]
     CellVector<4> rest_products;         ///< G⁰ of each connection [1/m²]
     double volume, lambda, mu;           ///< [m³], [Pa], [Pa]
   };
+  NeoHookean law = {};
 
   /// @param rest corners [m], not flat. Throws InputError unless −1 < ν < ½.
-  Constants constants(const Eigen::Matrix<double, 3, 4>& rest, const Material& material) const {
-    const Simplex<4> cell(rest);
-    const auto [lambda, mu] = lame<4>(material);
-    Constants k{cell.squared_lengths, {}, cell.measure, volume_apart ? 0 : lambda, mu};
-    for (int c = 0; c < 6; ++c) k.rest_products[c] = -cell.basis(c).trace();
+  Constants constants(const NodePositions<4>& rest, const Material& material) const {
+    const RestCell<Tetrahedron4> cell(rest);
+    const auto [lambda, mu] = law.solid(material);
+    Constants k{cell.squared_lengths, {}, cell.weights[0], lambda, mu};
+    for (int c = 0; c < 6; ++c)
+      k.rest_products[c] = cell.gradients[0].col(pairs[c][0]).dot(cell.gradients[0].col(pairs[c][1]));
     return k;
   }
 
@@ -76,14 +149,13 @@ struct NeoHookean {
     const Matrix3 A = inverse * change;
     const double trace = A.trace(), minors = (trace * trace - A.cwiseProduct(A.transpose()).sum()) / 2;
     const double D = trace + minors + A.determinant();  // det C − 1
-    if (!(1 + D > kFlat)) return std::numeric_limits<double>::infinity();
+    if (!(1 + D > NeoHookean::kFlat)) return std::numeric_limits<double>::infinity();
     const double swelling = D / (1 + std::sqrt(1 + D));  // J − 1
     return k.volume / 2 * (k.mu * (trace - std::log1p(D)) + k.lambda * swelling * swelling);
   }
 
  private:
-  static constexpr auto pairs = corner_pairs<4>();
-  static constexpr double kFlat = 1e-14;  ///< det C where rounding begins to decide its sign
+  static constexpr auto pairs = node_pairs<4>();
 
   struct Present {
     Eigen::Matrix4d G;  ///< [1/m²]
@@ -98,7 +170,7 @@ struct NeoHookean {
           xy * yz - xz * s[1], xy * xz - yz * s[0], s[0] * s[1] - xy * xy;
       const double determinant = s[0] * adjugate(0, 0) + xy * adjugate(1, 0) + xz * adjugate(2, 0);
       const double rest_determinant = 36 * k.volume * k.volume, det_C = determinant / rest_determinant;
-      J = std::sqrt(std::max(det_C, kFlat));
+      J = std::sqrt(std::max(det_C, NeoHookean::kFlat));
       G.bottomRightCorner<3, 3>() = adjugate / (J * J * rest_determinant);
       G.row(0).tail<3>() = -G.bottomRightCorner<3, 3>().colwise().sum();
       G.col(0).tail<3>() = G.row(0).tail<3>().transpose();

@@ -6,9 +6,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/laws/membranes/curve_membrane.h"
 #include "core/laws/membranes/hencky_membrane.h"
-#include "core/laws/membranes/neo_hookean_membrane.h"
+#include "core/laws/solids/curve.h"
+#include "core/laws/solids/neo_hookean.h"
 #include "core/laws/solids/st_venant_kirchhoff.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/simulation/catalog.h"
@@ -29,8 +29,9 @@ Eigen::Vector2d principal(const Eigen::Matrix2d& tension) {
 }  // namespace
 
 TEMPLATE_TEST_CASE("without compression: taut as the law, wrinkled in uniaxial stress, slack without any",
-                   "[wrinkling]", StVenantKirchhoffMembrane, HenckyMembrane, NeoHookeanMembrane, CurveMembrane) {
-  using Relaxed = typename TestType::WithoutCompression;
+                   "[wrinkling]", StVenantKirchhoff, Hencky, NeoHookean, Curve) {
+  using Plain = OnTriangle<TestType>;
+  using Relaxed = OnTriangle<WithoutCompression<TestType>>;
   Random random(51);
   const Material material = material_of(5000, 0.3);
   const double plane = 5000 * 0.001;
@@ -44,16 +45,16 @@ TEMPLATE_TEST_CASE("without compression: taut as the law, wrinkled in uniaxial s
     F.topLeftCorner<2, 2>() = turn * stretch.asDiagonal() * turn.transpose();
     const CornerPositions<3> positions = F * rest;
     const CellVector<3> s = squared_lengths<3>(positions);
-    const auto full = TestType{}.constants(rest, material);
+    const auto full = Plain{}.constants(rest, material);
     const auto k = Relaxed{}.constants(rest, material);
-    const CellVector<3> q = Relaxed{}.force_densities(k, s), own = TestType{}.force_densities(full, s);
+    const CellVector<3> q = Relaxed{}.force_densities(k, s), own = Plain{}.force_densities(full, s);
     const auto tension_of = [&](const CellVector<3>& force_densities) -> Eigen::Matrix2d {
       return -(forces<3>(positions, force_densities) * positions.transpose()).topLeftCorner<2, 2>() /
-             Simplex<3>(rest).measure;
+             RestCell<Triangle3>(rest).measure();
     };
     const Eigen::Vector2d before = principal(tension_of(own)), after = principal(tension_of(q));
     CHECK(after[0] >= -1e-9 * plane);
-    CHECK(Relaxed{}.energy(k, s) <= TestType{}.energy(full, s) * (1 + 1e-9));
+    CHECK(Relaxed{}.energy(k, s) <= Plain{}.energy(full, s) * (1 + 1e-9));
     CHECK(Relaxed{}.energy(k, s) >= 0);
     if (before[0] >= 0) {
       ++taut;
@@ -74,8 +75,8 @@ TEMPLATE_TEST_CASE("without compression: taut as the law, wrinkled in uniaxial s
       };
       const auto tensions_at = [&](double width) -> Eigen::Vector2d {
         const CornerPositions<3> at = Vector3(longest, width, 1).asDiagonal() * rest;
-        const CornerPositions<3> f = forces<3>(at, TestType{}.force_densities(full, sides_at(width)));
-        const Matrix3 virial = -f * at.transpose() / Simplex<3>(rest).measure;
+        const CornerPositions<3> f = forces<3>(at, Plain{}.force_densities(full, sides_at(width)));
+        const Matrix3 virial = -f * at.transpose() / RestCell<Triangle3>(rest).measure();
         return {virial(0, 0), virial(1, 1)};
       };
       for (int halving = 0; halving < 60; ++halving) {
@@ -87,7 +88,7 @@ TEMPLATE_TEST_CASE("without compression: taut as the law, wrinkled in uniaxial s
     const CellVector<3> step = 1e-6 * s.minCoeff() * random.matrix<3, 1>();
     const double rise = Relaxed{}.energy(k, s + step) - Relaxed{}.energy(k, s - step);
     CHECK(std::abs(rise - q.dot(step)) <= 1e-5 * plane * step.norm());
-    const CellMatrix<3> slope = Relaxed{}.slope(k, s), law_slope = TestType{}.slope(full, s);
+    const CellMatrix<3> slope = Relaxed{}.slope(k, s), law_slope = Plain{}.slope(full, s);
     CHECK((slope - slope.transpose()).norm() <= 1e-12 * law_slope.norm());
     const CellVector<3> change = Relaxed{}.force_densities(k, s + step) - Relaxed{}.force_densities(k, s - step);
     CHECK((change - 2 * slope * step).norm() <= 1e-4 * law_slope.norm() * step.norm());
@@ -97,9 +98,10 @@ TEMPLATE_TEST_CASE("without compression: taut as the law, wrinkled in uniaxial s
   CHECK(slack > 20);
 }
 
-TEMPLATE_TEST_CASE("without compression: flat triangles and points stay finite", "[wrinkling]",
-                   StVenantKirchhoffMembrane, HenckyMembrane, NeoHookeanMembrane, CurveMembrane) {
-  using Relaxed = typename TestType::WithoutCompression;
+TEMPLATE_TEST_CASE("without compression: flat triangles and points stay finite", "[wrinkling]", StVenantKirchhoff,
+                   Hencky, NeoHookean, Curve) {
+  using Plain = OnTriangle<TestType>;
+  using Relaxed = OnTriangle<WithoutCompression<TestType>>;
   const double nu = GENERATE(0., 0.3, 0.5);
   CornerPositions<3> rest;
   rest << 0, 0.01, 0.004, 0, 0, 0.006, 0, 0, 0;

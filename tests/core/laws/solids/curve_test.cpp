@@ -5,11 +5,15 @@
 #include <random>
 
 #include "core/laws/solids/fibre.h"
+#include "elastin/core/shapes/simplices.h"
 
 using namespace elastin;
 
-static_assert(CellLaw<Curve> && HasEnergy<Curve>);
-static_assert(CellLaw<FibreLaw> && HasEnergy<FibreLaw>);
+using CurveSolid = CellKernel<Curve, Tetrahedron4>;
+using Fibres = CellKernel<FibreLaw, Tetrahedron4>;
+
+static_assert(LengthKernel<CurveSolid> && HasEnergy<CurveSolid>);
+static_assert(LengthKernel<Fibres> && HasEnergy<Fibres>);
 
 namespace {
 
@@ -21,7 +25,7 @@ const CornerPositions kCell =
 CellVector<4> squared_lengths(const CornerPositions& positions) {
   CellVector<4> s;
   int side = 0;
-  for (const auto& [a, b] : corner_pairs<4>()) s[side++] = (positions.col(b) - positions.col(a)).squaredNorm();
+  for (const auto& [a, b] : node_pairs<4>()) s[side++] = (positions.col(b) - positions.col(a)).squaredNorm();
   return s;
 }
 
@@ -32,7 +36,7 @@ Matrix3 nominal_stress(const typename Law::Constants& k, const Matrix3& F) {
   const CellVector<4> q = Law{}.force_densities(k, squared_lengths(positions));
   CornerPositions f = CornerPositions::Zero();
   int side = 0;
-  for (const auto& [a, b] : corner_pairs<4>()) {
+  for (const auto& [a, b] : node_pairs<4>()) {
     const Vector3 pull = q[side++] * (positions.col(b) - positions.col(a));
     f.col(a) += pull;
     f.col(b) -= pull;
@@ -84,11 +88,11 @@ void check_derivatives(const typename Law::Constants& k, std::mt19937_64& genera
 TEST_CASE("curve: uniaxial stress is the given curve, with nu at every strain", "[cell_law][curve]") {
   const double nu = GENERATE(-0.2, 0., 0.25, 0.45, 0.499);
   for (const StressStrain& curve : kCurves) {
-    const auto k = Curve{}.constants(kCell, with_curve(curve, nu));
+    const auto k = CurveSolid{}.constants(kCell, with_curve(curve, nu));
     for (const double strain : {-0.45, -0.2, -0.05, -1e-3, -1e-6, 1e-6, 1e-3, 0.01, 0.03, 0.1, 0.4, 1.}) {
       const double across = 1 - nu * strain;
       const Matrix3 F = Vector3(across, across, 1 + strain).asDiagonal();
-      const Matrix3 P = turn().transpose() * nominal_stress<Curve>(k, turn() * F);
+      const Matrix3 P = turn().transpose() * nominal_stress<CurveSolid>(k, turn() * F);
       INFO("nu " << nu << ", strain " << strain);
       // What rounding of the squared lengths does to the strain, 1e-15 or so, is seen by the stiffest modulus.
       const double tolerance = 1e-10 * std::abs(curve.stress(strain)) + 1e-13 * 4e5 / (1 - 2 * nu);
@@ -104,17 +108,17 @@ TEST_CASE("curve: q is twice the slope of the energy, and its slope its own", "[
   const double nu = GENERATE(-0.2, 0.25, 0.45);
   std::mt19937_64 generator(3);
   for (const StressStrain& curve : kCurves)
-    check_derivatives<Curve>(Curve{}.constants(kCell, with_curve(curve, nu)), generator);
+    check_derivatives<CurveSolid>(CurveSolid{}.constants(kCell, with_curve(curve, nu)), generator);
 }
 
 TEST_CASE("curve: equal stretches are no special case", "[cell_law][curve]") {
-  const auto k = Curve{}.constants(kCell, with_curve(kCurves[1], 0.3));
+  const auto k = CurveSolid{}.constants(kCell, with_curve(kCurves[1], 0.3));
   for (const Vector3& stretch : {Vector3(1, 1, 1), Vector3(1.1, 1.1, 1.1), Vector3(0.9, 0.9, 1.3)}) {
     const Matrix3 F = turn() * stretch.asDiagonal() * turn().transpose();
     const CellVector<4> s = squared_lengths(F * kCell);
     // Another one that differs by less than the slope can tell, but whose stretches are not equal.
     const Matrix3 near = F + 1e-11 * (Matrix3() << 1, 2, 0, -1, 0.5, 3, 0, 1, -2).finished();
-    const CellMatrix<4> slope = Curve{}.slope(k, s), other = Curve{}.slope(k, squared_lengths(near * kCell));
+    const CellMatrix<4> slope = CurveSolid{}.slope(k, s), other = CurveSolid{}.slope(k, squared_lengths(near * kCell));
     CHECK(slope.allFinite());
     CHECK((slope - other).norm() < 1e-6 * slope.norm());
   }
@@ -125,26 +129,26 @@ TEST_CASE("curve: straight, it is Hooke's law in the frame that turns with the c
   Material material;
   material.youngs_modulus = E;
   material.poissons_ratio = nu;
-  const auto k = Curve{}.constants(kCell, material);
+  const auto k = CurveSolid{}.constants(kCell, material);
   std::mt19937_64 generator(4);
   for (int trial = 0; trial < 50; ++trial) {
     const Matrix3 F = turn() * (Matrix3::Identity() + 0.3 * random_matrix(generator));
     const Eigen::JacobiSVD<Matrix3> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
     const Matrix3 R = svd.matrixU() * svd.matrixV().transpose(), strain = R.transpose() * F - Matrix3::Identity();
     const Matrix3 P = R * (lambda * strain.trace() * Matrix3::Identity() + 2 * mu * strain);
-    CHECK((nominal_stress<Curve>(k, F) - P).norm() < 1e-10 * P.norm());
+    CHECK((nominal_stress<CurveSolid>(k, F) - P).norm() < 1e-10 * P.norm());
   }
 }
 
 TEST_CASE("curve: stays finite on a flat cell", "[cell_law][curve]") {
   for (const StressStrain& curve : kCurves) {
-    const auto k = Curve{}.constants(kCell, with_curve(curve, 0.3));
+    const auto k = CurveSolid{}.constants(kCell, with_curve(curve, 0.3));
     const Matrix3 flat = turn() * Vector3(1, 1, 0).asDiagonal() * turn().transpose();
     for (const Matrix3& F : {flat, Matrix3(Matrix3::Zero())}) {
       const CellVector<4> s = squared_lengths(F * kCell);
-      CHECK(Curve{}.force_densities(k, s).allFinite());
-      CHECK(Curve{}.slope(k, s).allFinite());
-      CHECK(std::isfinite(Curve{}.energy(k, s)));
+      CHECK(CurveSolid{}.force_densities(k, s).allFinite());
+      CHECK(CurveSolid{}.slope(k, s).allFinite());
+      CHECK(std::isfinite(CurveSolid{}.energy(k, s)));
     }
   }
 }
@@ -155,14 +159,14 @@ TEST_CASE("fibres add their nominal stress along their direction", "[cell_law][f
     Material material;
     material.fibre = Fibre{Vector3(2, -1, 2) / 3, curve};
     const Vector3 a = material.fibre->direction;
-    const auto k = FibreLaw{}.constants(kCell, material);
+    const auto k = Fibres{}.constants(kCell, material);
     for (int trial = 0; trial < 30; ++trial) {
       const Matrix3 F = turn() * (Matrix3::Identity() + 0.3 * random_matrix(generator));
       const double stretch = (F * a).norm();
       // The fibres pull with ψ′ along the turned direction, per section of the whole across a.
       const Matrix3 P = curve.stress(stretch - 1) * (F * a).normalized() * a.transpose();
-      CHECK((nominal_stress<FibreLaw>(k, F) - P).norm() < 1e-10 * (P.norm() + curve.modulus(0)));
+      CHECK((nominal_stress<Fibres>(k, F) - P).norm() < 1e-10 * (P.norm() + curve.modulus(0)));
     }
-    check_derivatives<FibreLaw>(k, generator);
+    check_derivatives<Fibres>(k, generator);
   }
 }

@@ -1,0 +1,102 @@
+#pragma once
+#include "elastin/core/laws/law.h"
+
+namespace elastin {
+namespace detail {
+
+/// The law at work, on as many dimensions as the cell has.
+template <int dimensions, class Law>
+auto at_work(const Law& law, const Material& material) {
+  if constexpr (dimensions == 3)
+    return law.solid(material);
+  else
+    return law.membrane(material);
+}
+
+}  // namespace detail
+
+/// Any law on any shape, at the quadrature points g: A = C − I = −½ Σ_ab (s − s⁰)_ab (B_a B_bᵀ + B_b B_aᵀ) from the
+/// changes of the squared lengths, q_ab = −Σ_g w_g B_aᵀ S_g B_b.
+template <class Law, CellShape CellShape_>
+struct PointKernel {
+  using Shape = CellShape_;
+  static constexpr int nodes = Shape::nodes, dimensions = Shape::dimensions;
+  static constexpr std::size_t points = Shape::points.size();
+  using Point = decltype(detail::at_work<dimensions>(std::declval<Law>(), std::declval<Material>()));
+
+  struct Constants {
+    RestCell<Shape> rest;
+    Point law;
+  };
+  Law law = {};
+
+  /// @param rest nodes [m], the cell not flat. Throws InputError if the law does not take the material.
+  Constants constants(const NodePositions<nodes>& rest, const Material& material) const {
+    return {RestCell<Shape>(rest), detail::at_work<dimensions>(law, material)};
+  }
+
+  /// q [N/m] from squared lengths s [m²].
+  CellVector<nodes> force_densities(const Constants& k, const CellVector<nodes>& s) const {
+    const CellVector<nodes> change = s - k.rest.squared_lengths;
+    CellVector<nodes> q = CellVector<nodes>::Zero();
+    for (std::size_t g = 0; g < points; ++g) {
+      const Gradients& B = k.rest.gradients[g];
+      const Gradients SB = k.law.stress(strain(B, change)) * B;
+      for (int c = 0; c < q.size(); ++c) q[c] -= k.rest.weights[g] * B.col(pairs[c][0]).dot(SB.col(pairs[c][1]));
+    }
+    return q;
+  }
+
+  /// ∂q_ab/∂s_cd = Σ_g w_g B_ab : ∂S/∂C : B_cd [N/m³], B_ab = −½ (B_a B_bᵀ + B_b B_aᵀ).
+  CellMatrix<nodes> slope(const Constants& k, const CellVector<nodes>& s) const {
+    const CellVector<nodes> change = s - k.rest.squared_lengths;
+    CellMatrix<nodes> result = CellMatrix<nodes>::Zero();
+    for (std::size_t g = 0; g < points; ++g) {
+      const Gradients& B = k.rest.gradients[g];
+      const Bases bases = bases_of(B);
+      const Bases changes = k.rest.weights[g] * k.law.tangent(strain(B, change)) * bases;
+      result.noalias() += bases.transpose() * changes;
+    }
+    return result;
+  }
+
+  /// W [J], ≥ 0.
+  double energy(const Constants& k, const CellVector<nodes>& s) const requires HasEnergyDensity<Point, dimensions> {
+    const CellVector<nodes> change = s - k.rest.squared_lengths;
+    double sum = 0;
+    for (std::size_t g = 0; g < points; ++g)
+      sum += k.rest.weights[g] * k.law.energy(strain(k.rest.gradients[g], change));
+    return sum;
+  }
+
+ private:
+  static constexpr auto pairs = node_pairs<nodes>();
+  using Gradients = typename RestCell<Shape>::Gradients;
+  using Bases = Eigen::Matrix<double, dimensions*(dimensions + 1) / 2, pairs_of(nodes)>;
+
+  static Tensor<dimensions> strain(const Gradients& B, const CellVector<nodes>& change) {
+    Tensor<dimensions> sum = Tensor<dimensions>::Zero();
+    for (int c = 0; c < change.size(); ++c)
+      sum.noalias() -= (change[c] * B.col(pairs[c][0])) * B.col(pairs[c][1]).transpose();
+    return (sum + sum.transpose()) / 2;
+  }
+
+  /// B_ab of each pair, its components off the diagonal twice: what it is contracted with has them once.
+  static Bases bases_of(const Gradients& B) {
+    Bases bases;
+    for (int c = 0; c < bases.cols(); ++c) {
+      const auto a = B.col(pairs[c][0]), b = B.col(pairs[c][1]);
+      for (int i = 0; i < dimensions; ++i) bases(i, c) = -a[i] * b[i];
+      for (int i = 0, row = dimensions; i < dimensions; ++i)
+        for (int j = i + 1; j < dimensions; ++j, ++row) bases(row, c) = -(a[i] * b[j] + a[j] * b[i]);
+    }
+    return bases;
+  }
+};
+
+/// How the cell driver runs a law on a shape: at the quadrature points. Where a law has a closed form in the lengths of
+/// a shape, a specialisation beside the law gives it: the same numbers, sooner.
+template <class Law, CellShape Shape>
+struct CellKernel : PointKernel<Law, Shape> {};
+
+}  // namespace elastin
