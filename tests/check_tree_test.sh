@@ -13,31 +13,63 @@ put() {  # path line…
   printf '%s\n' "${@:2}" >"$tree/$1"
 }
 
+library() {  # name line…: its CMakeLists.txt
+  put "src/$1/CMakeLists.txt" "elastin_library($1 x.cpp)" "${@:2}"
+}
+
+umbrella() {  # header…
+  put include/elastin/elastin.h '#pragma once' "${@/#/#include \"elastin/}"
+  sed -i '2,$s/$/"/' -- "$tree/include/elastin/elastin.h"
+}
+
 make_good_tree() {
   rm -rf -- "$tree"
   mkdir -p -- "$tree"/{scenes,build-x,out,.ci}
-  put CMakeLists.txt
+  put CMakeLists.txt 'add_subdirectory(src/core)' 'add_subdirectory(src/openmp)' 'if(ELASTIN_CONTACT)' \
+    '  add_subdirectory(src/contact)' 'endif()' 'add_subdirectory(src/mesh)' 'add_subdirectory(src/lab)' \
+    'add_subdirectory(src/command)' 'add_subdirectory(src/c)' 'add_subdirectory(src/python)'
   put README.md
   put .gitignore 'build*/' 'out/'
   put build-x/stray.h 'int x;'
-  put include/elastin/elastin.h '#pragma once' '#include "elastin/contact/pairs.h"' '#include "elastin/core/model/body.h"'
-  put include/elastin/base/types.h '// Types.' '' '#pragma once' '#include <Eigen/Core>'
-  put include/elastin/model/body.h '#pragma once' '#include "elastin/core/base/types.h"'
-  put include/elastin/contact/pairs.h '#pragma once'
-  put src/base/parallel.h '#pragma once' '#include <omp.h>' '#pragma omp parallel for'
-  put src/solve/pcg.h '#pragma once' '#include "core/parallel/parallel.h"' '#include "elastin/core/model/body.h"'
+  library core 'target_link_libraries(elastin_core PUBLIC Eigen3::Eigen)'
+  library openmp 'target_link_libraries(elastin_openmp PUBLIC elastin_core)'
+  library contact 'target_link_libraries(elastin_contact PUBLIC elastin_core PRIVATE fcl)'
+  library mesh 'target_link_libraries(elastin_mesh PUBLIC elastin_core)'
+  library lab 'target_link_libraries(elastin_lab PUBLIC elastin_core elastin_contact' \
+    '                      PRIVATE elastin_mesh $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>)'
+  library command 'target_link_libraries(elastin_command PUBLIC elastin_lab)' \
+    'target_link_libraries(elastin PRIVATE elastin_command elastin_openmp elastin_options)'
+  library c 'target_link_libraries(elastin_c PRIVATE elastin_lab)'
+  library python 'target_link_libraries(elastin_python PRIVATE elastin_lab)'
+  umbrella contact/pairs.h core/base/types.h core/model/body.h
+  put include/elastin/core/base/types.h '// Types.' '' '#pragma once' '#include <Eigen/Core>' \
+    'namespace elastin {' 'enum class Kind : int { a };' 'struct Pair;' '}'
+  put include/elastin/core/model/body.h '#pragma once' '#include "elastin/core/base/types.h"' \
+    'namespace elastin {' 'class Body final : Base {' '  struct Kind {};' '};' 'struct Pair;' '}'
+  put include/elastin/contact/pairs.h '#pragma once' 'namespace elastin { struct Body; }' 'namespace elastin::contact {' \
+    'struct Pair {};' 'namespace shape { struct Mesh {}; }' '}'
+  put src/openmp/openmp.cpp '#include <omp.h>' '#pragma omp parallel for'
+  put src/core/linear/pcg.h '#pragma once' '#include "elastin/core/model/body.h"' 'namespace elastin { struct Pcg {}; }'
+  put src/core/laws/uniform.h '#pragma once' '  static constexpr std::string_view name = "uniform";'
+  put src/core/solve/newton.h '#pragma once'
+  put src/core/simulation/catalog.cpp 'Table steppers() {' '  return {{"euler", "first order"}, {"verlet", "second order"},' \
+    '          {"newmark", "two weights"}};' '}'
   put src/contact/pairs.cpp '#include <fcl/fcl.h>' '#include "elastin/contact/pairs.h"'
-  put src/scene/load.h '#pragma once'
-  put src/scene/load.cpp '#include "scene/load.h"' '#include <yaml-cpp/yaml.h>' '/* once:' '#include "gone.h"' '*/' \
-    '// #include "gone.h"' '#include <sstream>' '#include "solve/pcg.h"'
-  put include/elastin/face/elastin.h '#pragma once' '#include <stddef.h>'
-  put src/face/handles.h '#pragma once' '#include "elastin/c/elastin.h"' '#include "scene/load.h"'
-  put src/python/bind.h '#pragma once' '#include <pybind11/numpy.h>' '#include "scene/load.h"'
+  put src/mesh/file.h '#pragma once' 'namespace elastin::mesh { struct Mesh {}; }'
+  put src/lab/scene/load.h '#pragma once'
+  put src/lab/scene/load.cpp '#include "lab/scene/load.h"' '#include <yaml-cpp/yaml.h>' '/* once:' '#include "gone.h"' \
+    '*/' '// #include "gone.h"' '#include <sstream>' '#include "core/linear/pcg.h"' '#include "mesh/file.h"' \
+    'void read() {' '  at("euler"), at("verlet"), at("newmark");' '  if (a == "euler" || a == "verlet") return;' '}'
+  put src/lab/report/table.cpp '#include <nlohmann/json.hpp>' '#include "lab/scene/load.h"'
+  put src/command/main.cpp '#include "lab/scene/load.h"'
+  put include/elastin/c/elastin.h '#pragma once' '#include <stddef.h>'
+  put src/c/handles.h '#pragma once' '#include "elastin/c/elastin.h"' '#include "lab/scene/load.h"'
+  put src/python/bind.h '#pragma once' '#include <pybind11/numpy.h>' '#include "lab/scene/load.h"'
   put tests/contact/pairs_test.cpp '#include <fcl/fcl.h>'
   put tools/bench/contact.cpp '#include <fcl/fcl.h>'
   put tests/near.h '#pragma once'
-  put tests/solve/pcg_test.cpp '#include "near.h"' '#include "solve/pcg.h"' '#include "elastin/elastin.h"'
-  put tools/elastin.cpp '#include <iostream>' '#include "scene/load.h"'
+  put tests/core/linear/pcg_test.cpp '#include "near.h"' '#include "core/linear/pcg.h"' '#include "elastin/elastin.h"'
+  put tests/fuzz/fuzz_test.cpp '#include <iostream>' '#include "lab/scene/load.h"'
 }
 
 expect() {  # file:line words, or nothing where the tree is good
@@ -53,9 +85,23 @@ expect() {  # file:line words, or nothing where the tree is good
   printf 'expected %s\ngot (exit %s) %s\n\n' "${*:-no violation}" "$status" "${output:-nothing}"
 }
 
-broken_by() {  # place words path line…: the good tree with one more or other file
+expect_all() {  # line…: all that it says
+  local output status=0
+  output=$("$check_tree" "$tree" 2>&1) || status=$?
+  cases=$((cases + 1))
+  [[ $status == 1 && $output == "$(printf '%s\n' "$@")" ]] && return
+  failures=$((failures + 1))
+  printf 'expected\n%s\ngot (exit %s)\n%s\n\n' "$(printf '%s\n' "$@")" "$status" "${output:-nothing}"
+}
+
+broken_by() {  # place words path line… [-- path line…]: the good tree with other files
+  local file=("${@:3}") next=() n
   make_good_tree
-  put "${@:3}"
+  for n in "${!file[@]}"; do
+    [[ ${file[n]} == -- ]] && next=("${file[@]:n+1}") && file=("${file[@]:0:n}") && break
+  done
+  put "${file[@]}"
+  ((${#next[@]} == 0)) || put "${next[@]}"
   expect "$1" "$2"
 }
 
@@ -66,57 +112,130 @@ broken_by notes.txt:1 'top level' notes.txt
 broken_by data:1 'top level' data/x
 broken_by build.txt:1 'top level' build.txt
 
-broken_by src/solve/newton.cpp:2 'solve (floor 2) includes "scene/load.h" from scene (floor 4)' \
-  src/solve/newton.cpp '#include "solve/pcg.h"' '#include "scene/load.h"'
-broken_by src/model/shape.cpp:1 'model (floor 0) includes "solve/pcg.h"' src/model/shape.cpp '#include "solve/pcg.h"'
-broken_by src/forces/drag.cpp:1 'forces (floor 1) includes "elastin/contact/pairs.h"' \
-  src/forces/drag.cpp '#include <elastin/contact/pairs.h>'
-broken_by include/elastin/model/mesh.h:2 'model (floor 0) includes "elastin/contact/pairs.h" from contact (floor 3)' \
-  include/elastin/model/mesh.h '#pragma once' '#include "elastin/contact/pairs.h"'
-broken_by src/solve/newton.cpp:1 'solve (floor 2) includes "elastin/elastin.h"' \
-  src/solve/newton.cpp '#include "elastin/elastin.h"'
-broken_by src/contact/grid.cpp:1 'contact (floor 3) includes "scene/load.h"' src/contact/grid.cpp '#include "scene/load.h"'
+# Arrows between rooms and libraries.
+broken_by src/core/solve/newton.cpp:2 'includes "core/simulation/step.h", and core/simulation is above core/solve' \
+  src/core/solve/newton.cpp '#include "core/linear/pcg.h"' '#include "core/simulation/step.h"' \
+  -- src/core/simulation/step.h '#pragma once'
+broken_by src/core/base/sum.cpp:1 'includes "core/solve/newton.h", and core/solve is above core/base' \
+  src/core/base/sum.cpp '#include "core/solve/newton.h"'
+broken_by src/lab/scene/note.h:2 'includes "lab/study/plan.h", and lab/study is above lab/scene' \
+  src/lab/scene/note.h '#pragma once' '#include "lab/study/plan.h"' -- src/lab/study/plan.h '#pragma once'
+broken_by src/core/forces/drag.cpp:1 'includes "elastin/contact/pairs.h", but core does not link contact' \
+  src/core/forces/drag.cpp '#include <elastin/contact/pairs.h>'
+broken_by src/contact/grid.cpp:1 'includes "lab/scene/load.h", but contact does not link lab' \
+  src/contact/grid.cpp '#include "lab/scene/load.h"'
+broken_by src/command/main.cpp:1 'includes "mesh/file.h", but command does not link mesh' \
+  src/command/main.cpp '#include "mesh/file.h"'
+broken_by src/core/solve/newton.cpp:1 'includes "elastin/elastin.h", which is for programs' \
+  src/core/solve/newton.cpp '#include "elastin/elastin.h"'
+broken_by include/elastin/contact/pairs.h:2 'includes "elastin/core/model/body.h", but contact does not link PUBLIC core' \
+  include/elastin/contact/pairs.h '#pragma once' '#include "elastin/core/model/body.h"' \
+  -- src/contact/CMakeLists.txt 'target_link_libraries(elastin_contact PRIVATE elastin_core)'
+
+# A cycle comes with its arrows.
 make_good_tree
-put include/elastin/scene/scene.h '#pragma once'
-put include/elastin/elastin.h '#pragma once' '#include "elastin/scene/scene.h"'
-expect include/elastin/elastin.h:2 'from scene (floor 4)'
-broken_by src/base/sum.cpp:1 'base includes "elastin/model/body.h" from model' \
-  src/base/sum.cpp '#include "elastin/core/model/body.h"'
-broken_by src/extras/x.cpp:1 'no folder that has a floor' src/extras/x.cpp
-broken_by src/x.cpp:1 'no folder that has a floor' src/x.cpp
-broken_by include/elastin/version.h:1 'no folder that has a floor' include/elastin/version.h '#pragma once'
+put src/core/linear/pcg.h '#pragma once' '#include "core/solve/newton.h"'
+put src/core/solve/newton.h '#pragma once' '' '#include "core/linear/pcg.h"'
+expect_all 'src/core/linear/pcg.h:2: includes "core/solve/newton.h", and core/solve is above core/linear' \
+  'src/core/linear/pcg.h:2: is in a cycle: core/linear to core/solve here, core/solve to core/linear at src/core/solve/newton.h:3'
+make_good_tree
+library core 'target_link_libraries(elastin_core PUBLIC elastin_lab)'
+expect_all 'src/contact/CMakeLists.txt:2: is in a cycle: contact to core here, core to lab at src/core/CMakeLists.txt:2, lab to contact at src/lab/CMakeLists.txt:2'
 
-broken_by src/solve/newton.cpp:1 '<fcl/fcl.h> outside src/contact' src/solve/newton.cpp '#include <fcl/fcl.h>'
-broken_by src/report/table.cpp:1 '<yaml-cpp/yaml.h> outside src/scene' src/report/table.cpp '#include <yaml-cpp/yaml.h>'
-broken_by include/elastin/face/elastin.h:2 'a header for C includes <vector>' \
-  include/elastin/face/elastin.h '#pragma once' '#include <vector>'
-broken_by src/report/table.cpp:1 '<pybind11/stl.h> outside src/python' src/report/table.cpp '#include <pybind11/stl.h>'
-broken_by src/scene/load.h:2 'scene (floor 4) includes "python/bind.h" from python (floor 5)' \
-  src/scene/load.h '#pragma once' '#include "python/bind.h"'
-broken_by src/solve/newton.cpp:1 '<omp.h> outside src/base/parallel' src/solve/newton.cpp '#include <omp.h>'
-broken_by src/solve/newton.cpp:2 '#pragma omp outside src/base/parallel' src/solve/newton.cpp 'void f() {' '  # pragma omp simd'
-broken_by tools/bench/bench.cpp:1 '#pragma omp outside src/base/parallel' tools/bench/bench.cpp '#pragma omp parallel'
+# Places.
+broken_by src/extras/x.cpp:1 'no folder that is a library' src/extras/x.cpp
+broken_by src/x.cpp:1 'no folder that is a library' src/x.cpp
+broken_by src/core/x.cpp:1 'stands in no room of core' src/core/x.cpp
+broken_by src/lab/extras/x.cpp:1 'stands in no room of lab' src/lab/extras/x.cpp
+broken_by tests/core/solver/pcg_test.cpp:1 'there is no src/core/solver' tests/core/solver/pcg_test.cpp
+broken_by tests/pcg_test.cpp:1 'tests mirror src' tests/pcg_test.cpp
 
+# The header of all headers.
+broken_by include/elastin/elastin.h:1 'does not include elastin/core/model/state.h' \
+  include/elastin/core/model/state.h '#pragma once'
+make_good_tree
+umbrella contact/pairs.h core/base/types.h core/model/body.h c/elastin.h
+expect include/elastin/elastin.h:5 'includes elastin/c/elastin.h, which is for C'
+make_good_tree
+umbrella contact/pairs.h core/base/types.h core/model/body.h core/base/types.h
+expect include/elastin/elastin.h:5 'includes elastin/core/base/types.h twice'
+make_good_tree
+umbrella contact/pairs.h core/base/gone.h core/base/types.h core/model/body.h
+expect include/elastin/elastin.h:3 '"elastin/core/base/gone.h", which is not in the tree'
+
+# Namespaces.
+broken_by src/lab/scene/load.h:3 'is in namespace elastin; that of lab is elastin::lab' \
+  src/lab/scene/load.h '#pragma once' '' 'namespace elastin {' 'void load();' '}'
+broken_by src/core/solve/newton.h:2 'is in namespace elastin::lab; that of core is elastin' \
+  src/core/solve/newton.h '#pragma once' 'namespace elastin { namespace lab {' 'void solve(); } }'
+broken_by include/elastin/core/model/body.h:4 'and include/elastin/core/base/types.h:4 defines elastin::Body' \
+  include/elastin/core/base/types.h '#pragma once' '' 'namespace elastin {' 'struct Body : Base {};' '}'
+broken_by include/elastin/core/model/body.h:4 'and include/elastin/contact/pairs.h:3 defines elastin::contact::Body' \
+  include/elastin/contact/pairs.h '#pragma once' 'namespace elastin::contact {' 'using Body = int;' '}'
+broken_by src/lab/report/b.h:2 'defines elastin::lab::Row, and src/lab/report/a.h:2 defines elastin::lab::Row' \
+  src/lab/report/a.h '#pragma once' 'namespace elastin::lab { struct Row {}; }' \
+  -- src/lab/report/b.h '#pragma once' 'namespace elastin::lab { class Row {}; }'
+
+# A name listed twice.
+broken_by src/lab/scene/time.cpp:1 'lists euler, newmark, verlet, and so does src/core/simulation/catalog.cpp:2' \
+  src/lab/scene/time.cpp 'choice({{"euler", 1}, {"newmark", 2}, {"verlet", 3}});'
+broken_by src/core/solve/names.cpp:1 'lists euler, newmark, verlet' \
+  src/core/solve/names.cpp 'name() { if (a) return "euler"; return b ? "newmark" : "verlet"; }'
+broken_by src/python/elastin/types.pyi:2 'lists euler, newmark, verlet' \
+  src/python/elastin/types.pyi '# "euler", "newmark", "verlet"' "Scheme = Literal['euler', 'newmark', 'verlet']"
+broken_by src/lab/scene/b.cpp:1 'lists drop, press, shake, and so does src/lab/scene/a.cpp:1' \
+  src/lab/scene/a.cpp 'choice({{"drop", read_drop}, {"press", read_press}, {"shake", nullptr}});' \
+  -- src/lab/scene/b.cpp 'for (auto name : {"drop", "press", "shake", "fall"}) use(name);'
+broken_by src/core/laws/uniform.h:2 'has the name uniform, and so has src/core/laws/plain.h:2' \
+  src/core/laws/plain.h '#pragma once' 'static constexpr std::string_view name = "uniform";'
+
+# Outside libraries.
+broken_by src/core/solve/newton.cpp:1 '<fcl/fcl.h> outside src/contact' src/core/solve/newton.cpp '#include <fcl/fcl.h>'
+broken_by src/lab/report/table.cpp:1 '<yaml-cpp/yaml.h> outside src/lab/scene' \
+  src/lab/report/table.cpp '#include <yaml-cpp/yaml.h>'
+broken_by include/elastin/c/elastin.h:2 'a header for C includes <vector>' \
+  include/elastin/c/elastin.h '#pragma once' '#include <vector>'
+broken_by src/lab/report/table.cpp:1 '<pybind11/stl.h> outside src/python' \
+  src/lab/report/table.cpp '#include <pybind11/stl.h>'
+broken_by src/mesh/surface.cpp:1 '<voro++/voro++.hh> outside src/mesh/voronoi.cpp' src/mesh/surface.cpp '#include <voro++/voro++.hh>'
+broken_by src/core/model/hull.cpp:1 '<libqhull_r/qhull_ra.h> outside src/hull' src/core/model/hull.cpp '#include <libqhull_r/qhull_ra.h>'
+broken_by src/core/solve/newton.cpp:1 '<omp.h> outside src/openmp' src/core/solve/newton.cpp '#include <omp.h>'
+broken_by src/core/solve/newton.cpp:2 '#pragma omp outside src/openmp' \
+  src/core/solve/newton.cpp 'void f() {' '  # pragma omp simd'
+broken_by tools/bench/bench.cpp:1 '#pragma omp outside src/openmp' tools/bench/bench.cpp '#pragma omp parallel'
+
+# Public headers.
 for stream in iostream fstream sstream; do
-  broken_by include/elastin/model/mesh.h:2 "a public header includes <$stream>" \
-    include/elastin/model/mesh.h '#pragma once' "#include <$stream>"
+  broken_by include/elastin/core/model/body.h:2 "a public header includes <$stream>" \
+    include/elastin/core/model/body.h '#pragma once' "#include <$stream>"
 done
-broken_by include/elastin/model/mesh.h:2 '<yaml-cpp/yaml.h>' \
-  include/elastin/model/mesh.h '#pragma once' '#include <yaml-cpp/yaml.h>'
-broken_by include/elastin/base/parallel.h:2 '<omp.h>' include/elastin/base/parallel.h '#pragma once' '#include <omp.h>'
-broken_by include/elastin/contact/fcl.h:2 '<fcl/fcl.h>' \
-  include/elastin/contact/fcl.h '#pragma once' '#include <fcl/fcl.h>'
-broken_by include/elastin/simulation/step.h:2 'includes the private "solve/pcg.h"' \
-  include/elastin/simulation/step.h '#pragma once' '#include "solve/pcg.h"'
+broken_by include/elastin/core/model/body.h:2 '<yaml-cpp/yaml.h>' \
+  include/elastin/core/model/body.h '#pragma once' '#include <yaml-cpp/yaml.h>'
+broken_by include/elastin/core/model/body.h:2 'includes the private "core/base/sum.h"' \
+  include/elastin/core/model/body.h '#pragma once' '#include "core/base/sum.h"' -- src/core/base/sum.h '#pragma once'
 
-broken_by src/solve/newton.cpp:1 '"solve/gone.h", which is not in the tree' src/solve/newton.cpp '#include "solve/gone.h"'
-broken_by src/solve/newton.cpp:1 '"elastin/gone.h", which is not in the tree' \
-  src/solve/newton.cpp '#include <elastin/gone.h>'
-broken_by tests/solve/pcg_test.cpp:1 '"gone.h", which is not in the tree' tests/solve/pcg_test.cpp '#include "gone.h"'
-broken_by src/solve/newton.cpp:1 'relative to its own folder' src/solve/newton.cpp '#include "pcg.h"'
+broken_by src/core/solve/newton.cpp:1 '"core/solve/gone.h", which is not in the tree' \
+  src/core/solve/newton.cpp '#include "core/solve/gone.h"'
+broken_by src/core/solve/newton.cpp:1 '"elastin/gone.h", which is not in the tree' \
+  src/core/solve/newton.cpp '#include <elastin/gone.h>'
+broken_by tests/core/linear/pcg_test.cpp:1 '"gone.h", which is not in the tree' \
+  tests/core/linear/pcg_test.cpp '#include "gone.h"'
+broken_by src/core/solve/newton.cpp:1 'relative to its own folder' src/core/solve/newton.cpp '#include "newton.h"'
 
-broken_by src/solve/lean.h:1 'does not start with #pragma once' src/solve/lean.h '#include "solve/pcg.h"' '#pragma once'
-broken_by src/solve/lean.h:1 'does not start with #pragma once' src/solve/lean.h '// Nothing but words.'
+broken_by src/core/solve/lean.h:1 'does not start with #pragma once' \
+  src/core/solve/lean.h '#include "core/linear/pcg.h"' '#pragma once'
+broken_by src/core/solve/lean.h:1 'does not start with #pragma once' src/core/solve/lean.h '// Nothing but words.'
+
+# The graph and its picture name each arrow.
+make_good_tree
+cases=$((cases + 1))
+"$check_tree" --graph "$tree" >"$work/graph"
+"$check_tree" --picture "$tree" >"$work/picture"
+if ! grep -qF '"core/linear" -> "core/model" [label=1]' "$work/graph" ||
+  ! grep -qF '<title>core/linear to core/model: 1</title>' "$work/picture"; then
+  failures=$((failures + 1))
+  echo "the graph lacks the arrow from core/linear to core/model"
+fi
 
 make_good_tree
 rm -r -- "$tree/src"
