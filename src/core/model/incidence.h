@@ -1,26 +1,14 @@
 #pragma once
 #include <array>
-#include <span>
 #include <vector>
 
+#include "core/base/rows.h"
 #include "elastin/core/model/body.h"
 
 namespace elastin {
 
-/// Rows of integers of different length, one behind the other.
-struct Rows {
-  std::vector<int> start;  ///< row r is entries[start[r]] … entries[start[r+1]−1]
-  std::vector<int> entries;
-  std::span<const int> operator[](int row) const {
-    return {entries.data() + start[row], static_cast<std::size_t>(start[row + 1] - start[row])};
-  }
-};
-
 /// The connections of each molecule, ascending.
 Rows connections_of_molecules(int molecules, const Connections& connections);
-
-/// The slots that write to each target, ascending; targets[slot] in 0 … rows−1.
-Rows rows_by_target(int rows, std::span<const int> targets);
 
 /// Connection of each corner pair of each cell, order 01 02 12 or 01 02 03 12 13 23.
 /// Throws InputError if a cell's edge is no connection of the body.
