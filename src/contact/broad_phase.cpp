@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "contact/triangle.h"
+#include "core/geometry/triangle.h"
 #include "core/parallel/parallel.h"
 
 namespace elastin::contact {

@@ -1,9 +1,9 @@
 #pragma once
 #include <vector>
 
-#include "contact/box_tree.h"
 #include "contact/distance.h"
 #include "contact/search.h"
+#include "core/geometry/box_tree.h"
 #include "core/model/incidence.h"
 
 namespace elastin::contact {

@@ -1,12 +1,9 @@
 #include "contact/mesh_distance.h"
 
-#include <cmath>
-#include <limits>
 #include <string>
 
-#include "contact/box_tree.h"
-#include "contact/surface_normals.h"
-#include "contact/triangle.h"
+#include "contact/surface_distance.h"
+#include "core/geometry/triangle_tree.h"
 #include "elastin/core/base/error.h"
 #include "hull/convex_hull.h"
 
@@ -15,60 +12,15 @@ namespace {
 
 class MeshSolid final : public SignedDistance::Solid {
  public:
-  MeshSolid(Positions points, Cells<3> triangles)
-      : points_(std::move(points)),
-        triangles_(std::move(triangles)),
-        normals_(static_cast<int>(points_.cols()), triangles_) {
-    std::vector<Box> boxes(triangles_.size());
-    for (std::size_t t = 0; t < triangles_.size(); ++t) {
-      const auto [a, b, c] = corners(static_cast<int>(t));
-      boxes[t] = {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
-    }
-    tree_ = BoxTree(boxes, std::vector<int>(boxes.size(), 0));
-  }
+  MeshSolid(const Positions& points, const Cells<3>& triangles) : tree_(points, triangles) {}
 
   Distance at(const Vector3& point) const override {
-    Nearest best;
-    visit(0, tree_.nodes()[0].box.distance(point), point, best);
-    return normals_.distance(points_, best.triangle, best.position, point);
+    const TriangleTree::Nearest nearest = tree_.nearest(point);
+    return distance_to_surface(tree_.normals(), tree_.points(), nearest.triangle, nearest.on, point);
   }
 
  private:
-  struct Nearest {
-    double distance = std::numeric_limits<double>::infinity();
-    int triangle = 0;
-    NearestPoint position{Vector3::Zero(), {1, 0, 0}};
-  };
-
-  std::array<Vector3, 3> corners(int triangle) const {
-    const auto& [a, b, c] = triangles_[static_cast<std::size_t>(triangle)];
-    return {points_.col(a), points_.col(b), points_.col(c)};
-  }
-
-  void visit(int node, double at_least, const Vector3& point, Nearest& best) const {
-    if (!(at_least < best.distance)) return;
-    const BoxTree::Node& here = tree_.nodes()[static_cast<std::size_t>(node)];
-    if (here.second < 0) {
-      const NearestPoint position = nearest_point(point, corners(here.item));
-      const double distance = (point - position.position).norm();
-      if (distance < best.distance) best = {distance, here.item, position};
-      return;
-    }
-    const double first = tree_.nodes()[static_cast<std::size_t>(node) + 1].box.distance(point);
-    const double second = tree_.nodes()[static_cast<std::size_t>(here.second)].box.distance(point);
-    if (first <= second) {
-      visit(node + 1, first, point, best);
-      visit(here.second, second, point, best);
-    } else {
-      visit(here.second, second, point, best);
-      visit(node + 1, first, point, best);
-    }
-  }
-
-  Positions points_;
-  Cells<3> triangles_;
-  SurfaceNormals normals_;
-  BoxTree tree_;
+  TriangleTree tree_;
 };
 
 }  // namespace

@@ -5,8 +5,7 @@
 #include <limits>
 
 #include "contact/broad_phase.h"
-#include "contact/surface_normals.h"
-#include "contact/triangle.h"
+#include "contact/surface_distance.h"
 #include "core/parallel/parallel.h"
 
 namespace elastin::contact {
@@ -169,14 +168,14 @@ bool ContactSearch::Impl::add_surface_contact(int group, const Positions& positi
     if (distance < facing.distance && same_direction < -limit) facing = {distance, triangle, on, false};
   }
   if (nearest.triangle < 0) return false;
-  Distance distance = normals.distance(positions, nearest.triangle, nearest.position, position);
+  Distance distance = distance_to_surface(normals, positions, nearest.triangle, nearest.position, position);
   if (!closed[static_cast<std::size_t>(piece)]) {  // a sheet has two fronts and no inside
     if (distance.value < 0) distance = {-distance.value, -distance.normal, -distance.turning};
   } else if (distance.value < 0) {
     if (nearest.same_direction) {  // more than half through: back to where it came in
       if (facing.triangle < 0) return false;
       nearest = facing;
-      distance = normals.distance(positions, nearest.triangle, nearest.position, position);
+      distance = distance_to_surface(normals, positions, nearest.triangle, nearest.position, position);
     }
     if (!(distance.value < 0) || distance.value < -geometry.depth) return false;
   }

@@ -1,70 +1,31 @@
 #include <algorithm>
 
 #include "contact/search.h"
+#include "core/geometry/boundary.h"
 #include "elastin/core/shapes/surfaces.h"
 
 namespace elastin::contact {
 namespace {
 
-/// A part of a cell's surface by its corners in ascending order, so that the same part of two cells is found.
-template <std::size_t corners>
-struct CellPart {
-  std::array<int, corners> sorted;
-  std::array<int, corners> turned;  ///< seen from outside counter-clockwise
-  explicit CellPart(const std::array<int, corners>& ring) : sorted(ring), turned(ring) {
-    std::sort(sorted.begin(), sorted.end());
-  }
-  bool operator<(const CellPart& other) const { return sorted < other.sorted; }
-};
-
-/// Those that stand alone, in the order of their corners.
-template <std::size_t corners>
-std::vector<std::array<int, corners>> alone(std::vector<CellPart<corners>> parts) {
-  std::stable_sort(parts.begin(), parts.end());
-  std::vector<std::array<int, corners>> found;
-  for (std::size_t i = 0, next; i < parts.size(); i = next) {
-    for (next = i + 1; next < parts.size() && parts[next].sorted == parts[i].sorted;) ++next;
-    if (next == i + 1) found.push_back(parts[i].turned);
-  }
-  return found;
-}
-
-std::vector<CellPart<3>> sides(const Cells<4>& tetrahedra) {
-  std::vector<CellPart<3>> parts;
-  parts.reserve(4 * tetrahedra.size());
-  for (const auto& [a, b, c, d] : tetrahedra)
-    for (const std::array<int, 3>& side : {std::array{a, c, b}, {a, b, d}, {a, d, c}, {b, c, d}})
-      parts.emplace_back(side);
-  return parts;
-}
-
-std::vector<CellPart<4>> faces(const Cells<8>& cubes) {
-  std::vector<CellPart<4>> parts;
-  parts.reserve(6 * cubes.size());
-  for (const auto& cube : cubes)
-    for (int axis = 0; axis < 3; ++axis) {
-      const int u = 1 << (axis + 1) % 3, v = 1 << (axis + 2) % 3, up = 1 << axis;
-      parts.emplace_back(std::array{cube[up], cube[up | u], cube[up | u | v], cube[up | v]});
-      parts.emplace_back(std::array{cube[0], cube[v], cube[u | v], cube[u]});
-    }
-  return parts;
+std::array<int, 3> sorted(std::array<int, 3> corners) {
+  std::sort(corners.begin(), corners.end());
+  return corners;
 }
 
 }  // namespace
 
 Cells<3> surface_triangles(const Body& body) {
-  const std::vector<CellPart<3>> all_sides = sides(body.tetrahedra);
-  Cells<3> found = alone(all_sides);
-  for (const auto& [a, b, c, d] : alone(faces(body.cubes))) {
+  Cells<3> found = boundary_of(body.tetrahedra);
+  for (const auto& [a, b, c, d] : boundary_of(body.cubes)) {
     found.push_back({a, b, c});
     found.push_back({a, c, d});
   }
-  std::vector<std::array<int, 3>> taken;
-  if (!body.triangles.empty())
-    for (const CellPart<3>& side : all_sides) taken.push_back(side.sorted);
+  if (body.triangles.empty()) return found;
+  Cells<3> taken = faces_of(body.tetrahedra);
+  for (auto& face : taken) face = sorted(face);
   std::sort(taken.begin(), taken.end());
   for (const auto& triangle : body.triangles)
-    if (!std::binary_search(taken.begin(), taken.end(), CellPart<3>(triangle).sorted)) found.push_back(triangle);
+    if (!std::binary_search(taken.begin(), taken.end(), sorted(triangle))) found.push_back(triangle);
   return found;
 }
 

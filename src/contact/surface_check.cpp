@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "contact/box_tree.h"
+#include "core/geometry/box_tree.h"
 #include "elastin/core/shapes/surfaces.h"
 
 namespace elastin::contact {
@@ -67,7 +67,7 @@ class Crossings {
     for (const auto& [a, b, c] : triangles)
       boxes.push_back({points.col(a).cwiseMin(points.col(b)).cwiseMin(points.col(c)),
                        points.col(a).cwiseMax(points.col(b)).cwiseMax(points.col(c))});
-    tree_ = BoxTree(boxes, std::vector<int>(boxes.size(), 0));
+    tree_ = BoxTree(boxes);
     visit(0);
   }
   std::size_t count = 0;

@@ -16,15 +16,6 @@ constexpr double kSharp = 0.766;
 /// Candidates for each point that finds room: enough to leave few gaps.
 constexpr int kTrials = 30;
 
-std::uint64_t bucket_of(const Vector3& position, double size, int dx, int dy, int dz) {
-  constexpr std::int64_t offset = 1 << 20, mask = (1 << 21) - 1;
-  const auto number = [&](double x, int d) {
-    return static_cast<std::uint64_t>(
-        (static_cast<std::int64_t>(std::clamp(std::floor(x / size), -1e15, 1e15)) + d + offset) & mask);
-  };
-  return number(position.x(), dx) << 42 | number(position.y(), dy) << 21 | number(position.z(), dz);
-}
-
 /// The sharp sides of a surface, as a graph.
 class SharpSides {
  public:
@@ -105,21 +96,14 @@ void add_line(const Positions& points, const std::vector<int>& line, double spac
 }  // namespace
 
 bool SpacedPoints::is_free(const Vector3& position, double distance, const Vector3& normal) const {
-  for (int dx = -1; dx <= 1; ++dx)
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dz = -1; dz <= 1; ++dz) {
-        const auto bucket = buckets_.find(bucket_of(position, reach_, dx, dy, dz));
-        if (bucket == buckets_.end()) continue;
-        for (const int other : bucket->second)
-          if ((positions_[static_cast<std::size_t>(other)] - position).squaredNorm() < distance * distance &&
-              !(normals_[static_cast<std::size_t>(other)].dot(normal) < 0))
-            return false;
-      }
-  return true;
+  return !buckets_.visit_near(position, [&](int other) {
+    return (positions_[static_cast<std::size_t>(other)] - position).squaredNorm() < distance * distance &&
+           !(normals_[static_cast<std::size_t>(other)].dot(normal) < 0);
+  });
 }
 
 void SpacedPoints::add(const Vector3& position, const Vector3& normal) {
-  buckets_[bucket_of(position, reach_, 0, 0, 0)].push_back(size());
+  buckets_.add(position, size());
   positions_.push_back(position);
   normals_.push_back(normal);
 }

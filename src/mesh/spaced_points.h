@@ -1,17 +1,17 @@
 #pragma once
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
+#include "core/geometry/point_buckets.h"
 #include "elastin/core/model/body.h"
 
 namespace elastin::mesh {
 
-/// Points that keep a distance from each other, in a grid of buckets: O(1) a question.
+/// Points that keep a distance from each other, O(1) a question.
 class SpacedPoints {
  public:
   /// @param reach the largest distance that will be asked about [m].
-  explicit SpacedPoints(double reach) : reach_(reach) {}
+  explicit SpacedPoints(double reach) : buckets_(reach) {}
 
   /// Whether no point lies closer than `distance` [m] ≤ reach. A point whose normal is turned away from `normal` by
   /// more than a right angle stands on another side of a thin body and does not count; zero normals always do.
@@ -22,9 +22,8 @@ class SpacedPoints {
   const std::vector<Vector3>& positions() const { return positions_; }
 
  private:
-  double reach_;
   std::vector<Vector3> positions_, normals_;
-  std::unordered_map<std::uint64_t, std::vector<int>> buckets_;
+  PointBuckets buckets_;
 };
 
 /// Points on a closed surface, about `spacing` [m] apart: first on its corners and along its sides that turn by more

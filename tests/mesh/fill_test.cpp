@@ -100,18 +100,8 @@ void check_filling(const Body& surface, const Filling& filling, const FillOption
 
 }  // namespace
 
-TEST_CASE("the distance to a surface has the sign of inside and outside, exactly", "[fill]") {
-  const Body surface = box();
-  const TriangleTree tree(surface.rest, surface.triangles);
-  CHECK(tree.signed_distance({2, 1, 1}) == Approx(-1));
-  CHECK(tree.signed_distance({2, 1, 2.5}) == Approx(0.5));
-  CHECK(tree.signed_distance({5, 3, 3}) == Approx(std::sqrt(3)));      // off a corner
-  CHECK(tree.signed_distance({-1, -1, 1.3}) == Approx(std::sqrt(2)));  // off a side
-  CHECK(tree.signed_distance({0.1, 0.1, 0.2}) == Approx(-0.1));
-  const auto found = tree.nearest({1.25, 0.75, -3});
-  CHECK((found.position - Vector3(1.25, 0.75, 0)).norm() < 1e-12);
-  CHECK(found.weights.sum() == Approx(1));
-  const Body hollow = ring(3, 1);  // a point in the hole is nearest to a hollow part
+TEST_CASE("a point in the hole of a ring is outside", "[fill]") {
+  const Body hollow = ring(3, 1);
   const TriangleTree round(hollow.rest, hollow.triangles);
   CHECK(round.signed_distance({0, 0, 0}) == Approx(2).epsilon(0.01));
   CHECK(round.signed_distance({3, 0, 0}) == Approx(-1).epsilon(0.03));

@@ -5,22 +5,36 @@
 namespace elastin {
 namespace {
 
-/// `faces` are corner numbers, counter-clockwise seen from outside.
+/// Corners counter-clockwise seen from outside.
+constexpr std::array<std::array<int, 3>, 4> kFacesOfTetrahedron{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+constexpr std::array<std::array<int, 4>, 6> kFacesOfCube{
+    {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+
 template <std::size_t corners, std::size_t face_count, std::size_t sides>
-std::vector<std::array<int, sides>> outside(const std::vector<std::array<int, corners>>& cells,
-                                            const std::array<std::array<int, sides>, face_count>& faces) {
+std::vector<std::array<int, sides>> all_faces(const std::vector<std::array<int, corners>>& cells,
+                                              const std::array<std::array<int, sides>, face_count>& faces) {
+  std::vector<std::array<int, sides>> all;
+  all.reserve(cells.size() * face_count);
+  for (const auto& cell : cells)
+    for (const auto& face : faces) {
+      auto& added = all.emplace_back();
+      for (std::size_t side = 0; side < sides; ++side) added[side] = cell[static_cast<std::size_t>(face[side])];
+    }
+  return all;
+}
+
+/// Those that stand alone, in the order of their sorted corners.
+template <std::size_t sides>
+std::vector<std::array<int, sides>> alone(const std::vector<std::array<int, sides>>& faces) {
   struct Face {
     std::array<int, sides> sorted, turned;
   };
   std::vector<Face> all;
-  all.reserve(cells.size() * face_count);
-  for (const auto& cell : cells)
-    for (const auto& face : faces) {
-      Face& added = all.emplace_back();
-      for (std::size_t side = 0; side < sides; ++side) added.turned[side] = cell[face[side]];
-      added.sorted = added.turned;
-      std::sort(added.sorted.begin(), added.sorted.end());
-    }
+  all.reserve(faces.size());
+  for (const auto& face : faces) {
+    all.push_back({face, face});
+    std::sort(all.back().sorted.begin(), all.back().sorted.end());
+  }
   std::sort(all.begin(), all.end(), [](const Face& a, const Face& b) { return a.sorted < b.sorted; });
   std::vector<std::array<int, sides>> found;
   for (std::size_t f = 0; f < all.size(); ++f)
@@ -31,15 +45,10 @@ std::vector<std::array<int, sides>> outside(const std::vector<std::array<int, co
 
 }  // namespace
 
-Cells<3> boundary_of(const Cells<4>& tetrahedra) {
-  constexpr std::array<std::array<int, 3>, 4> faces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-  return outside(tetrahedra, faces);
-}
+Cells<3> faces_of(const Cells<4>& tetrahedra) { return all_faces(tetrahedra, kFacesOfTetrahedron); }
 
-std::vector<std::array<int, 4>> boundary_of(const Cells<8>& cubes) {
-  constexpr std::array<std::array<int, 4>, 6> faces{
-      {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
-  return outside(cubes, faces);
-}
+Cells<3> boundary_of(const Cells<4>& tetrahedra) { return alone(faces_of(tetrahedra)); }
+
+std::vector<std::array<int, 4>> boundary_of(const Cells<8>& cubes) { return alone(all_faces(cubes, kFacesOfCube)); }
 
 }  // namespace elastin

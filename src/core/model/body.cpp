@@ -3,29 +3,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numeric>
-#include <unordered_map>
 
+#include "core/geometry/point_buckets.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 
 namespace elastin {
 namespace {
-
-using Bucket = Eigen::Matrix<std::int64_t, 3, 1>;
-
-/// Places beyond any sense share the outermost buckets.
-Bucket bucket_of(const Vector3& position, double size) {
-  constexpr double most = 1e15;
-  return (position / size).array().floor().max(-most).min(most).cast<std::int64_t>();
-}
-
-std::uint64_t bucket_key(const Bucket& bucket) {
-  constexpr std::int64_t offset = 1 << 20, mask = (1 << 21) - 1;
-  const auto part = [&](int axis) { return static_cast<std::uint64_t>((bucket[axis] + offset) & mask); };
-  return part(0) << 42 | part(1) << 21 | part(2);
-}
 
 Connections with_present_lengths(const Positions& positions, std::vector<std::array<int, 2>> ends) {
   std::sort(ends.begin(), ends.end());
@@ -59,24 +44,18 @@ void add_edges(const CellList& cells, std::vector<std::array<int, 2>>& ends) {
 }  // namespace
 
 Connections connections_within(const Positions& positions, double reach) {
-  std::unordered_map<std::uint64_t, std::vector<int>> buckets;
-  for (int molecule = 0; molecule < positions.cols(); ++molecule)
-    buckets[bucket_key(bucket_of(positions.col(molecule), reach))].push_back(molecule);
+  PointBuckets buckets(reach);
+  for (int molecule = 0; molecule < positions.cols(); ++molecule) buckets.add(positions.col(molecule), molecule);
 
   const std::size_t most = most_connections(positions.cols());
   std::vector<std::array<int, 2>> ends;
   for (int first = 0; first < positions.cols(); ++first) {
-    const Bucket home = bucket_of(positions.col(first), reach);
-    for (int dx = -1; dx <= 1; ++dx)
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dz = -1; dz <= 1; ++dz) {
-          const auto found = buckets.find(bucket_key(home + Bucket(dx, dy, dz)));
-          if (found == buckets.end()) continue;
-          for (const int second : found->second)
-            if (second > first && (positions.col(second) - positions.col(first)).squaredNorm() <= reach * reach)
-              ends.push_back({first, second});
-          if (ends.size() > most) throw InputError(too_wide(positions.cols(), most));
-        }
+    const bool too_many = buckets.visit_near(positions.col(first), [&](int second) {
+      if (second > first && (positions.col(second) - positions.col(first)).squaredNorm() <= reach * reach)
+        ends.push_back({first, second});
+      return ends.size() > most;
+    });
+    if (too_many) throw InputError(too_wide(positions.cols(), most));
   }
   return with_present_lengths(positions, std::move(ends));
 }

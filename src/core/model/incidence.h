@@ -3,24 +3,13 @@
 #include <span>
 #include <vector>
 
+#include "core/base/rows.h"
 #include "elastin/core/model/body.h"
 
 namespace elastin {
 
-/// Rows of integers of different length, one behind the other.
-struct Rows {
-  std::vector<int> start;  ///< row r is entries[start[r]] … entries[start[r+1]−1]
-  std::vector<int> entries;
-  std::span<const int> operator[](int row) const {
-    return {entries.data() + start[row], static_cast<std::size_t>(start[row + 1] - start[row])};
-  }
-};
-
 /// The connections of each molecule, ascending.
 Rows connections_of_molecules(int molecules, const Connections& connections);
-
-/// The slots that write to each target, ascending; targets[slot] in 0 … rows−1.
-Rows rows_by_target(int rows, std::span<const int> targets);
 
 /// Connection of each pair of nodes of each cell, cell by cell, pairs in the order 01 02 … 12 …; `nodes` those of all
 /// cells, `of_each` of one. Throws InputError if a pair is no connection of the body.

@@ -207,14 +207,12 @@ void tie_to(Body& body, const Side& slaves, const std::vector<TriangleTree::Near
   const VectorX areas = surface_shares(body, slaves.triangles);
   for (std::size_t i = 0; i < slaves.molecules.size(); ++i) {
     const int molecule = slaves.molecules[i];
-    const auto& [triangle, position, weights, distance] = nearest[i];
+    const auto& [triangle, on, distance] = nearest[i];
     if (distance > within || taken[static_cast<std::size_t>(molecule)]) continue;
     const double area = slaves.triangles.empty() ? 4 * std::pow(body.radius[molecule], 2) : areas[molecule];
-    body.ties.push_back({molecule,
-                         masters.triangles[static_cast<std::size_t>(triangle)],
-                         {weights[0], weights[1], weights[2]},
-                         stiffness * std::sqrt(area)});
-    body.rest.col(molecule) = position;
+    body.ties.push_back(
+        {molecule, masters.triangles[static_cast<std::size_t>(triangle)], on.weights, stiffness * std::sqrt(area)});
+    body.rest.col(molecule) = on.position;
     report.furthest = std::max(report.furthest, distance);
     ++report.tied;
   }

@@ -4,38 +4,24 @@
 #include <array>
 #include <cmath>
 
+#include "core/geometry/boundary.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin::lab {
 namespace {
-
-/// Triangles of tetrahedra that stand on the boundary, of those whose three corners are `among`; corners ascending.
-std::vector<std::array<int, 3>> boundary_triangles(const Body& body, const std::vector<char>& among) {
-  std::vector<std::array<int, 3>> triangles, boundary;
-  for (const auto& cell : body.tetrahedra)
-    for (std::size_t left_out = 0; left_out < 4; ++left_out) {
-      std::array<int, 3> corners{cell[(left_out + 1) % 4], cell[(left_out + 2) % 4], cell[(left_out + 3) % 4]};
-      std::sort(corners.begin(), corners.end());
-      if (std::all_of(corners.begin(), corners.end(), [&](int m) { return among[static_cast<std::size_t>(m)]; }))
-        triangles.push_back(corners);
-    }
-  std::sort(triangles.begin(), triangles.end());
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const bool between_two_cells = i + 1 < triangles.size() && triangles[i] == triangles[i + 1];
-    if (between_two_cells)
-      ++i;
-    else
-      boundary.push_back(triangles[i]);
-  }
-  return boundary;
-}
 
 /// A third of the area, seen along `direction`, of each boundary triangle whose three corners are in the face.
 VectorX triangle_thirds(const Body& body, const std::vector<int>& molecules, const Vector3& direction) {
   std::vector<char> among(static_cast<std::size_t>(body.size()), 0);
   for (const int molecule : molecules) among[static_cast<std::size_t>(molecule)] = 1;
   VectorX areas = VectorX::Zero(body.size());
-  for (const auto& triangle : boundary_triangles(body, among)) {
+  const auto is_among = [&](int molecule) { return among[static_cast<std::size_t>(molecule)] != 0; };
+  Cells<4> cells;  // with a side in the face
+  for (const auto& cell : body.tetrahedra)
+    if (std::count_if(cell.begin(), cell.end(), is_among) >= 3) cells.push_back(cell);
+  for (auto triangle : boundary_of(cells)) {
+    if (!std::all_of(triangle.begin(), triangle.end(), is_among)) continue;
+    std::sort(triangle.begin(), triangle.end());
     const auto& [a, b, c] = triangle;
     const Vector3 ab = body.rest.col(b) - body.rest.col(a), ac = body.rest.col(c) - body.rest.col(a);
     for (const int corner : triangle) areas[corner] += std::abs(ab.cross(ac).dot(direction)) / 6;
@@ -111,7 +97,7 @@ Surface find_surface(const Body& body, const Matrix3& axes, double depth) {
   std::vector<char> outside(static_cast<std::size_t>(body.size()), 0);
   if (!body.tetrahedra.empty()) {
     if (depth > 0) throw InputError("grip_depth: the body's cells say what its surface is");
-    for (const auto& triangle : boundary_triangles(body, std::vector<char>(outside.size(), 1)))
+    for (const auto& triangle : boundary_of(body.tetrahedra))
       for (const int corner : triangle) outside[static_cast<std::size_t>(corner)] = 1;
     for (const auto& cell : body.tetrahedra) surface.volume += signed_volume(body.rest, cell);
   } else {

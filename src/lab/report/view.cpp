@@ -4,9 +4,9 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <nlohmann/json.hpp>
 
+#include "core/geometry/boundary.h"
 #include "lab/report/pack.h"
 #include "lab/report/study.h"
 
@@ -26,18 +26,9 @@ std::string bytes_text(const std::vector<Value>& values) {
 
 /// Triangles of the body, or the sides of its tetrahedra that belong to one alone.
 std::vector<std::array<int, 3>> surface_of(const Body& body) {
-  std::map<std::array<int, 3>, std::pair<int, std::array<int, 3>>> sides;
-  for (const auto& [a, b, c, d] : body.tetrahedra)
-    for (const std::array<int, 3>& side : {std::array{b, c, d}, {a, d, c}, {a, b, d}, {a, c, b}}) {
-      std::array<int, 3> key = side;
-      std::sort(key.begin(), key.end());
-      auto& [count, corners] = sides[key];
-      ++count;
-      corners = side;
-    }
-  std::vector<std::array<int, 3>> surface = body.triangles;
-  for (const auto& [key, side] : sides)
-    if (side.first == 1) surface.push_back(side.second);
+  Cells<3> surface = body.triangles;
+  const Cells<3> boundary = boundary_of(body.tetrahedra);
+  surface.insert(surface.end(), boundary.begin(), boundary.end());
   return surface;
 }
 

@@ -1,8 +1,9 @@
-#include "contact/triangle.h"
+#include "core/geometry/triangle.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
-namespace elastin::contact {
+namespace elastin {
 namespace {
 
 NearestPoint on_side(const std::array<Vector3, 3>& corners, int from, int to, double part) {
@@ -58,4 +59,4 @@ std::array<Vector3, 3> weight_slopes(const std::array<Vector3, 3>& corners, cons
   return slopes;
 }
 
-}  // namespace elastin::contact
+}  // namespace elastin

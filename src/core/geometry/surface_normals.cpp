@@ -1,9 +1,10 @@
-#include "contact/surface_normals.h"
+#include "core/geometry/surface_normals.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-namespace elastin::contact {
+namespace elastin {
 namespace {
 
 /// (x1 − x0) × (x2 − x0), twice the area.
@@ -62,25 +63,4 @@ Vector3 SurfaceNormals::at(const Positions& positions, int triangle, const std::
   return face.squaredNorm() > 0.5 ? face : Vector3(Vector3::UnitZ());
 }
 
-Distance SurfaceNormals::distance(const Positions& positions, int triangle, const NearestPoint& nearest,
-                                  const Vector3& point) const {
-  const Vector3 outward = at(positions, triangle, nearest.weights), away = point - nearest.position;
-  const auto zeros = std::count(nearest.weights.begin(), nearest.weights.end(), 0);
-  if (zeros == 0) return {away.dot(outward), outward, Matrix3::Zero()};
-  const auto& [a, b, c] = triangles_[static_cast<std::size_t>(triangle)];
-  const std::array<Vector3, 3> corners{positions.col(a), positions.col(b), positions.col(c)};
-  const double length = away.norm(), sign = away.dot(outward) < 0 ? -1 : 1;
-  // Rounding has a say in the direction of what is short; there it comes from the surface.
-  const double size = std::max((corners[1] - corners[0]).norm(), (corners[2] - corners[0]).norm());
-  if (!(length > 1e-9 * size)) return {sign * length, outward, Matrix3::Zero()};
-  const Vector3 normal = sign / length * away;
-  Matrix3 free = Matrix3::Identity() - normal * normal.transpose();
-  if (zeros == 1) {
-    const int out = nearest.weights[0] == 0 ? 0 : nearest.weights[1] == 0 ? 1 : 2;
-    const Vector3 side = unit_or_zero(corners[(out + 2) % 3] - corners[(out + 1) % 3]);
-    free -= side * side.transpose();
-  }
-  return {sign * length, normal, sign / length * free};
-}
-
-}  // namespace elastin::contact
+}  // namespace elastin

@@ -1,9 +1,9 @@
 #pragma once
 #include <array>
 
-#include "elastin/core/model/body.h"
+#include "elastin/core/base/types.h"
 
-namespace elastin::contact {
+namespace elastin {
 
 /// The place on a triangle that is nearest to a point: Σ weight · corner. Weights are exactly 0 of corners that it does
 /// not lie between: three of them on the face, two on a side, one at a corner.
@@ -19,4 +19,4 @@ NearestPoint nearest_point(const Vector3& point, const std::array<Vector3, 3>& c
 /// leave) [1/m]; 0 at a corner.
 std::array<Vector3, 3> weight_slopes(const std::array<Vector3, 3>& corners, const std::array<double, 3>& weights);
 
-}  // namespace elastin::contact
+}  // namespace elastin
