@@ -109,6 +109,8 @@ inline Vector3 position_of(const double numbers[3], const char* name) {
   return position;
 }
 
+/// What this library knows by name.
+const Catalog& catalog();
 /// A strategy by name, with the endings that its name may have.
 Strategy strategy_of(const char* name);
 Material material_of(const elastin_material* given);

@@ -1,101 +1,41 @@
-#include <functional>
-#include <map>
+#include <algorithm>
+#include <cmath>
 
 #include "c/handles.h"
-#include "elastin/core/forces/floor.h"
-#include "elastin/core/forces/loads.h"
-#include "elastin/core/forces/viscosity.h"
+#include "elastin/core/forces/load_table.h"
 
 namespace elastin::c {
 namespace {
 
-using Values = std::map<std::string, double>;
-
-/// A load by name: what its values are called and what they are where nothing is given, and what it adds to a model.
-struct NamedLoad {
-  Values defaults;
-  std::function<void(Model&, const Values&)> add;
-};
-
-double not_negative(const Values& values, const char* name) {
-  const double value = values.at(name);
-  if (value >= 0) return value;
-  throw InputError(std::string(name) + " is " + std::to_string(value) + "; it must be at least 0");
-}
-
-Vector3 vector(const Values& values, const char* x, const char* y, const char* z) {
-  return {values.at(x), values.at(y), values.at(z)};
-}
-
-void add_floor(Model& model, const Values& values) {
-  const Vector3 normal = vector(values, "normal_x", "normal_y", "normal_z");
-  if (!(normal.norm() > 0)) throw InputError("the floor's normal is zero");
-  const Floor floor{vector(values, "x", "y", "z"), normal.normalized(), not_negative(values, "stiffness"),
-                    not_negative(values, "damping")};
-  if (!(floor.stiffness > 0)) throw InputError("stiffness is 0; give the floor one above 0 [N/m]");
-  model.add(make_floor(model.body(), floor));
-  if (floor.damping > 0) model.add(make_floor_damping(model.body(), floor));
-}
-
-const std::map<std::string, NamedLoad>& known_loads() {
-  static const std::map<std::string, NamedLoad> all{
-      {"gravity",
-       {{{"x", 0}, {"y", 0}, {"z", 0}},
-        [](Model& model, const Values& values) {
-          model.add(make_gravity(model.body(), vector(values, "x", "y", "z")));
-        }}},
-      {"stokes_drag",
-       {{{"viscosity", 0}},
-        [](Model& model, const Values& values) {
-          model.add(make_stokes_drag(model.body(), not_negative(values, "viscosity")));
-        }}},
-      {"quadratic_drag",
-       {{{"density", 0}, {"drag_coefficient", 0}},
-        [](Model& model, const Values& values) {
-          model.add(make_quadratic_drag(model.body(), not_negative(values, "density"),
-                                        not_negative(values, "drag_coefficient")));
-        }}},
-      {"mass_damping",
-       {{{"rate", 0}},
-        [](Model& model, const Values& values) {
-          model.add(make_mass_damping(model.body(), not_negative(values, "rate")));
-        }}},
-      {"connection_damping",
-       {{{"coefficient", 0}},
-        [](Model& model, const Values& values) { model.add(make_damping(not_negative(values, "coefficient"))); }}},
-      {"floor",
-       {{{"x", 0},
-         {"y", 0},
-         {"z", 0},
-         {"normal_x", 0},
-         {"normal_y", 0},
-         {"normal_z", 1},
-         {"stiffness", 0},
-         {"damping", 0}},
-        add_floor}}};
-  return all;
-}
-
-template <class Map>
-std::vector<std::string> names_of(const Map& map) {
-  std::vector<std::string> names;
-  for (const auto& [name, _] : map) names.push_back(name);
-  return names;
-}
-
-void add_load(Model& model, const std::string& name, const elastin_value* values, std::size_t count) {
-  const auto load = known_loads().find(name);
-  if (load == known_loads().end())
-    throw InputError("load '" + name + "' is not known" + suggestion(name, names_of(known_loads())));
-  Values taken = load->second.defaults;
+/// What numbers by name mean: NAME_x, NAME_y and NAME_z of a vector or direction, NAME once for each of molecules.
+LoadValues load_values(const LoadKind& load, const elastin_value* values, std::size_t count) {
+  LoadValues found;
   if (count > 0) given(values, "values");
+  std::vector<std::string> names;
+  for (const ParameterInfo& info : load.parameters)
+    if (info.kind == ValueKind::vector || info.kind == ValueKind::direction)
+      for (const char* axis : {"_x", "_y", "_z"}) names.push_back(info.name + axis);
+    else
+      names.push_back(info.name);
   for (std::size_t i = 0; i < count; ++i) {
     const std::string key = &given(values[i].name, "a value's name");
-    if (!taken.contains(key)) throw InputError(name + " has no '" + key + "'" + suggestion(key, names_of(taken)));
-    if (!std::isfinite(values[i].value)) throw InputError(name + "'s " + key + " is not finite");
-    taken[key] = values[i].value;
+    const double value = values[i].value;
+    if (std::find(names.begin(), names.end(), key) == names.end())
+      throw InputError(load.name + " has no '" + key + "'" + suggestion(key, names));
+    if (!std::isfinite(value)) throw InputError(load.name + "'s " + key + " is not finite");
+    for (const ParameterInfo& info : load.parameters) {
+      if (key == info.name && info.kind == ValueKind::molecules) {
+        if (!(std::abs(value) < 2e9 && value == std::floor(value)))
+          throw InputError(load.name + "'s " + key + " must be whole numbers");
+        found.molecules[key].push_back(static_cast<int>(value));
+      } else if (key == info.name) {
+        found.numbers[key] = value;
+      } else if (key.size() == info.name.size() + 2 && key.starts_with(info.name)) {
+        found.vectors.try_emplace(info.name, Vector3::Zero()).first->second[key.back() - 'x'] = value;
+      }
+    }
   }
-  load->second.add(model, taken);
+  return found;
 }
 
 }  // namespace
@@ -107,6 +47,7 @@ extern "C" elastin_status elastin_add(elastin_simulation* simulation, const char
   return elastin::c::guarded([&] {
     elastin_simulation& handle = given(simulation, "simulation");
     if (handle.stepped) throw elastin::InputError("loads are added before the first step");
-    elastin::c::add_load(handle.simulation.model(), &given(load, "load"), values, value_count);
+    const elastin::LoadKind& kind = *elastin::c::catalog().loads.find(&given(load, "load"));
+    handle.simulation.add_load(kind, elastin::c::load_values(kind, values, value_count));
   });
 }

@@ -2,8 +2,8 @@
 #include "lab/experiment/specimen.h"
 #endif
 #include "c/handles.h"
-#include "c/saved_state.h"
 #include "elastin/core/forces/bending.h"
+#include "elastin/core/simulation/saved_state.h"
 
 namespace elastin::c {
 namespace {
@@ -179,7 +179,7 @@ elastin_status elastin_observe(elastin_simulation* simulation, int every, elasti
 
 elastin_status elastin_save(const elastin_simulation* simulation, void* buffer, size_t capacity, size_t* needed) {
   return guarded([&] {
-    const auto bytes = elastin::c::bytes_of(given(simulation, "simulation").simulation.save());
+    const auto bytes = elastin::bytes_of(given(simulation, "simulation").simulation.save());
     given(needed, "needed") = bytes.size();
     if (capacity == 0) return;
     given(static_cast<char*>(buffer), "buffer");
@@ -194,7 +194,7 @@ elastin_status elastin_restore(elastin_simulation* simulation, const void* buffe
   return guarded([&] {
     elastin_simulation& handle = given(simulation, "simulation");
     given(static_cast<const char*>(buffer), "buffer");
-    handle.simulation.restore(elastin::c::state_of(buffer, bytes));
+    handle.simulation.restore(elastin::simulation_state_of(buffer, bytes));
   });
 }
 }

@@ -76,7 +76,7 @@ struct Moving {
 };
 
 /// As keyword arguments give them.
-SimulationOptions simulation_options(const std::string& scheme, double safety, int max_substeps, int newton_iterations,
-                                     ParameterValues parameters);
+SimulationOptions simulation_options(const Catalog& catalog, const std::string& scheme, double safety, int max_substeps,
+                                     ParameterValues scheme_parameters, ParameterValues parameters);
 
 }  // namespace elastin::python

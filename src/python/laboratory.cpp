@@ -168,13 +168,14 @@ void add_laboratory(py::module_& module) {
       .def(
           "simulation",
           [](const std::shared_ptr<SharedLaboratory>& shared, const std::string& strategy, const std::string& scheme,
-             double safety, int max_substeps, int newton_iterations, ParameterValues parameters) {
-            return simulation(
-                shared, strategy,
-                simulation_options(scheme, safety, max_substeps, newton_iterations, std::move(parameters)));
+             double safety, int max_substeps, ParameterValues scheme_parameters, ParameterValues parameters) {
+            return simulation(shared, strategy,
+                              simulation_options(built_in_catalog(), scheme, safety, max_substeps,
+                                                 std::move(scheme_parameters), std::move(parameters)));
           },
           py::arg("strategy") = "", py::kw_only(), py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8,
-          py::arg("max_substeps") = 1000, py::arg("newton_iterations") = 0, py::arg("parameters") = ParameterValues{},
+          py::arg("max_substeps") = 1000, py::arg("scheme_parameters") = ParameterValues{},
+          py::arg("parameters") = ParameterValues{},
           "The scene's body at rest, or at time 0, with its strategy, loads, damping and contact, held by its "
           "experiment and loaded in full at once, to be stepped.");
 }

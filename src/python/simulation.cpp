@@ -2,10 +2,10 @@
 
 #include <pybind11/eigen.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "elastin/core/base/error.h"
-#include "elastin/core/forces/floor.h"
 #include "lab/experiment/specimen.h"
 #include "python/bind.h"
 
@@ -17,11 +17,12 @@ constexpr std::chrono::milliseconds kBetweenSignals{50};
 
 std::shared_ptr<Moving> make_simulation(const Body& body, const py::object& strategy, const Material& material,
                                         const std::string& scheme, double safety, int max_substeps,
-                                        int newton_iterations, ParameterValues parameters,
-                                        const std::shared_ptr<Catalog>& catalog) {
+                                        ParameterValues scheme_parameters, ParameterValues parameters,
+                                        const std::shared_ptr<Catalog>& given) {
+  const Catalog catalog = given ? *given : built_in_catalog();
   const SimulationOptions options =
-      simulation_options(scheme, safety, max_substeps, newton_iterations, std::move(parameters));
-  const Strategy chosen = strategy_from(strategy, catalog ? *catalog : built_in_catalog());
+      simulation_options(catalog, scheme, safety, max_substeps, std::move(scheme_parameters), std::move(parameters));
+  const Strategy chosen = strategy_from(strategy, catalog);
   const py::gil_scoped_release others_run;
   Body own = body;
   prepare(own, chosen, material);
@@ -77,14 +78,22 @@ Matrix3 free_directions(const py::object& given) {
   return free;
 }
 
-Scheme scheme_from(const std::string& name) {
-  std::vector<std::string> known;
-  for (const Scheme scheme :
-       {Scheme::symplectic_euler, Scheme::velocity_verlet, Scheme::backward_euler, Scheme::newmark}) {
-    if (name == elastin::name_of(scheme)) return scheme;
-    known.emplace_back(elastin::name_of(scheme));
+/// The values of a load as keywords give them.
+LoadValues load_values(const LoadKind& load, const py::kwargs& given) {
+  LoadValues values;
+  for (const auto& [key, value] : given) {
+    const auto name = key.cast<std::string>();
+    const auto info = std::find_if(load.parameters.begin(), load.parameters.end(),
+                                   [&](const ParameterInfo& one) { return one.name == name; });
+    const ValueKind kind = info == load.parameters.end() ? ValueKind::number : info->kind;
+    if (kind == ValueKind::molecules)
+      values.molecules[name] = value.cast<std::vector<int>>();
+    else if (kind == ValueKind::vector || kind == ValueKind::direction)
+      values.vectors[name] = value.cast<Vector3>();
+    else
+      values.numbers[name] = value.cast<double>();
   }
-  throw InputError("scheme: '" + name + "' is not known here" + suggestion(name, known));
+  return values;
 }
 
 /// A method that changes the simulation, in its turn.
@@ -217,54 +226,25 @@ void add_hands(Class& simulation) {
 }
 
 void add_loads(Class& simulation) {
-  const auto add = [](Moving& self, auto&& make) {
-    self.in_turn([&](Simulation& s) { s.model().add(make(s.body())); });
-  };
-  simulation
-      .def(
-          "add_gravity",
-          [add](Moving& self, const Vector3& acceleration) {
-            add(self, [&](const Body& body) { return make_gravity(body, acceleration); });
-          },
-          py::arg("acceleration"), "Weight: acceleration [m/s^2], (3,).")
-      .def(
-          "add_mass_damping",
-          [add](Moving& self, double rate) {
-            add(self, [&](const Body& body) { return make_mass_damping(body, rate); });
-          },
-          py::arg("rate"), "F = -rate m V, rate [1/s].")
-      .def(
-          "add_damping",
-          [add](Moving& self, double coefficient) {
-            add(self, [&](const Body&) { return make_damping(coefficient); });
-          },
-          py::arg("coefficient"), "Each connection resists its own lengthening, coefficient [N s/m].")
-      .def(
-          "add_stokes_drag",
-          [add](Moving& self, double viscosity) {
-            add(self, [&](const Body& body) { return make_stokes_drag(body, viscosity); });
-          },
-          py::arg("viscosity"), "F = -6 pi viscosity r V, viscosity [Pa s].")
-      .def(
-          "add_floor",
-          [add](Moving& self, const Vector3& point, const Vector3& normal, double stiffness, double damping) {
-            if (!(normal.norm() > 0)) throw InputError("normal: has no direction");
-            const Floor floor{point, normal.normalized(), stiffness, damping};
-            add(self, [&](const Body& body) { return make_floor(body, floor); });
-            if (damping > 0) add(self, [&](const Body& body) { return make_floor_damping(body, floor); });
-          },
-          py::arg("point"), py::arg("normal"), py::arg("stiffness"), py::arg("damping") = 0.,
-          "A plane through `point` [m] that molecules, as spheres, do not pass without resistance: stiffness [N/m] and "
-          "damping [N s/m] of each that is pressed in.");
+  simulation.def(
+      "add_load",
+      [](Moving& self, const std::string& load, const py::kwargs& values) {
+        const LoadKind& kind = *built_in_loads().find(load);
+        const LoadValues given = load_values(kind, values);
+        self.in_turn([&](Simulation& s) { s.add_load(kind, given); });
+      },
+      py::arg("load"),
+      "Adds a load or damping, one of loads(), before the first step: add_load('gravity', acceleration=(0, 0, "
+      "-9.81)).");
 }
 
 }  // namespace
 
-SimulationOptions simulation_options(const std::string& scheme, double safety, int max_substeps, int newton_iterations,
-                                     ParameterValues parameters) {
+SimulationOptions simulation_options(const Catalog& catalog, const std::string& scheme, double safety, int max_substeps,
+                                     ParameterValues scheme_parameters, ParameterValues parameters) {
   SimulationOptions options;
-  options.integrator.scheme = scheme_from(scheme);
-  options.integrator.newton_iterations = newton_iterations;
+  options.integrator.scheme = catalog.steppers.find(scheme);
+  options.integrator.parameters = std::move(scheme_parameters);
   options.safety = safety;
   options.max_substeps = max_substeps;
   options.parameters = std::move(parameters);
@@ -279,11 +259,13 @@ void add_simulation(py::module_& module) {
   simulation
       .def(py::init(&make_simulation), py::arg("body"), py::arg("strategy"), py::arg("material"), py::kw_only(),
            py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8, py::arg("max_substeps") = 1000,
-           py::arg("newton_iterations") = 0, py::arg("parameters") = ParameterValues{}, py::arg("catalog") = py::none(),
-           "strategy: a name ('lattice', 'lattice+volume') or a Strategy; scheme: symplectic_euler, velocity_verlet, "
-           "backward_euler or newmark. Explicit schemes part a step so that each part is at most `safety` of the "
-           "body's stable step; a step that would take more than most_parts is not taken. Implicit ones take "
-           "newton_iterations a step, 0 = until they converge. parameters: of the strategy, by name.")
+           py::arg("scheme_parameters") = ParameterValues{}, py::arg("parameters") = ParameterValues{},
+           py::arg("catalog") = py::none(),
+           "strategy: a name ('lattice', 'lattice+volume') or a Strategy; scheme: one of steppers(), and "
+           "scheme_parameters its own by name: {'newton_iterations': 1}. Explicit schemes part a step so that each "
+           "part is at most `safety` of the "
+           "body's stable step; a step that would take more than max_substeps is not taken. "
+           "parameters: of the strategy, by name.")
       .def("step", &step, py::arg("dt"), py::arg("count") = 1,
            "Brings the body forward by dt [s], `count` times; stops at the first step that fails, and gives the last "
            "one's result. Numerical trouble is an outcome: the state then stays as it was.")

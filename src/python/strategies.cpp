@@ -79,8 +79,15 @@ Strategy strategy_from(const py::handle& given, const Catalog& catalog) {
   return choice.strategy;
 }
 
+template <class Row>
+std::vector<Descriptor> rows_of(const Table<Row>& table) {
+  std::vector<Descriptor> rows;
+  for (const auto& row : table) rows.push_back(*row);
+  return rows;
+}
+
 void add_strategies(py::module_& module) {
-  py::class_<ParameterInfo>(module, "Parameter", "A number that a strategy takes, described once.")
+  py::class_<ParameterInfo>(module, "Parameter", "A value that a strategy, a stepper or a load takes, described once.")
       .def(py::init(&make_parameter), py::arg("name"), py::arg("default"), py::kw_only(),
            py::arg("low") = -std::numeric_limits<double>::infinity(),
            py::arg("high") = std::numeric_limits<double>::infinity(), py::arg("text") = "",
@@ -90,8 +97,25 @@ void add_strategies(py::module_& module) {
       .def_readonly("low", &ParameterInfo::low)
       .def_readonly("high", &ParameterInfo::high)
       .def_readonly("text", &ParameterInfo::text)
+      .def_readonly("required", &ParameterInfo::required)
+      .def_property_readonly(
+          "kind", [](const ParameterInfo& info) { return name_of(info.kind); },
+          "'number', 'whole number', 'vector', 'direction' or 'molecules'.")
       .def_property_readonly("unit", [](const ParameterInfo& info) { return si_unit(info.unit); })
       .def("__repr__", &parameter_text);
+  py::class_<Descriptor>(module, "Row", "What a stepper, a linear solver or a load says of itself.")
+      .def_readonly("name", &Descriptor::name)
+      .def_readonly("summary", &Descriptor::summary)
+      .def_readonly("source", &Descriptor::source)
+      .def_readonly("parameters", &Descriptor::parameters)
+      .def("__repr__", [](const Descriptor& row) { return "<elastin.Row " + row.name + ": " + row.summary + ">"; });
+  module.def(
+      "steppers", [] { return rows_of(built_in_steppers()); }, "What a simulation takes as its scheme.");
+  module.def(
+      "linear_solvers", [] { return rows_of(built_in_linear_solvers()); },
+      "What scenes name under solver.linear_solver.");
+  module.def(
+      "loads", [] { return rows_of(built_in_loads()); }, "What Simulation.add_load takes, and scenes under loads.");
   py::class_<Strategy>(module, "Strategy", "One way to give a body's connections their stiffness.")
       .def(py::init(&make_strategy), py::arg("name"), py::arg("constants"), py::kw_only(), py::arg("summary") = "",
            py::arg("source") = "", py::arg("parameters") = std::vector<ParameterInfo>{},

@@ -40,7 +40,7 @@ static elastin_simulation* tissue(const elastin_options* options) {
 
 /* Programs that were compiled with this header must go on working: offsets only ever grow at the end. */
 static void layout(void) {
-  CHECK(elastin_abi() == ELASTIN_ABI && ELASTIN_ABI == 0);
+  CHECK(elastin_abi() == ELASTIN_ABI && ELASTIN_ABI == 1);
   CHECK(strcmp(elastin_version(), "0.1.0") == 0);
   CHECK(sizeof(elastin_status) == sizeof(int) && sizeof(elastin_outcome) == sizeof(int));
   if (sizeof(void*) != 8 || sizeof(size_t) != 8) return;
@@ -72,7 +72,7 @@ static void strategies(void) {
     OK(elastin_strategy(i, &name, &summary, &parameters));
     CHECK(name && *name && summary && *summary);
     for (k = 0; k < parameters; ++k) {
-      elastin_parameter one = {sizeof one, NULL, NULL, NULL, 1, 0, 0};
+      elastin_parameter one = {sizeof one, NULL, NULL, NULL, 1, 0, 0, NULL, 0};
       OK(elastin_strategy_parameter(i, k, &one));
       CHECK(one.name && one.unit && one.text && one.low <= one.fallback && one.fallback <= one.high);
       ++found;
@@ -144,7 +144,7 @@ static void bodies(void) {
 
 static void stepping(void) {
   static twin_run twin, run;
-  const elastin_value weight[] = {{"z", -9.81}}, damping[] = {{"rate", 20}};
+  const elastin_value weight[] = {{"acceleration_z", -9.81}}, damping[] = {{"mass", 20}};
   const double *positions = NULL, *velocities = NULL, *forces = NULL, *tensions = NULL, *again = NULL;
   double* host = NULL;
   double time = 0;
@@ -152,7 +152,7 @@ static void stepping(void) {
   int coupling = 0, molecule, step;
   elastin_simulation* simulation = tissue(NULL);
   OK(elastin_add(simulation, "gravity", weight, 1));
-  OK(elastin_add(simulation, "mass_damping", damping, 1));
+  OK(elastin_add(simulation, "rayleigh", damping, 1));
   for (molecule = 0; molecule < 9; ++molecule) OK(elastin_fix(simulation, molecule, 0));
   OK(elastin_positions(simulation, &positions, &count));
   CHECK(count == 3 * 36);
@@ -197,7 +197,7 @@ static void refusals(void) {
   elastin_material wrong = kSoft;
   elastin_body* body = lattice();
   elastin_simulation *simulation = NULL, *kept = tissue(NULL);
-  elastin_options options = {sizeof options, "newmak", 0, 0, NULL, 0, 0, NULL, NULL, 0};
+  elastin_options options = {sizeof options, "newmak", 0, 0, NULL, 0, 0, NULL, NULL, 0, NULL, 0};
   elastin_step_result result = {0, 0, 0, 0, 0};
   double time = 0, force[3];
   int coupling = 0;
@@ -224,7 +224,7 @@ static void refusals(void) {
   REFUSED(elastin_add(kept, "stokes_drag", unknown, 1), "did you mean 'viscosity'");
   REFUSED(elastin_add(kept, "stokes_drag", negative, 1), "must be at least 0");
   REFUSED(elastin_add(kept, "stokes_drag", nameless, 1), "name is null");
-  REFUSED(elastin_add(kept, "floor", NULL, 0), "stiffness");
+  REFUSED(elastin_add(kept, "floor", NULL, 0), "floor.point is missing");
   REFUSED(elastin_add(NULL, "floor", NULL, 0), "simulation is null");
   REFUSED(elastin_fix(kept, 36, 0), "36");
   REFUSED(elastin_fix(kept, 0, 8), "free_axes is 8");
@@ -284,20 +284,15 @@ static void saving(void) {
   REFUSED(elastin_restore(simulation, bytes, 4), "no saved state");
   bytes[needed] = 0;
   REFUSED(elastin_restore(simulation, bytes, needed + 1), "followed by 1 bytes");
-  bytes[0] = 2;
-  REFUSED(elastin_restore(simulation, bytes, needed), "version 2; version 1 is read");
-  bytes[0] = 1, bytes[5] = 'X';
+  bytes[0] = 1;
+  REFUSED(elastin_restore(simulation, bytes, needed), "version 1; version 2 is read");
+  bytes[0] = 2, bytes[5] = 'X';
   REFUSED(elastin_restore(simulation, bytes, needed), "no saved state, or that of another kind of machine");
   bytes[5] = 'a';
-  for (at = 0; at < needed; at += 3) { /* damaged bytes are refused, or a state like another */
-    const char kept = bytes[at];
-    elastin_status status;
-    bytes[at] = (char)(kept ^ (1 << at % 8));
-    status = elastin_restore(simulation, bytes, needed);
-    CHECK(status == ELASTIN_OK || status == ELASTIN_WRONG_INPUT);
-    status = elastin_step(simulation, 1e-3, NULL);
-    CHECK(status == ELASTIN_OK || status == ELASTIN_STOPPED);
-    bytes[at] = kept;
+  for (at = 0; at < needed; ++at) { /* a single bit that has changed */
+    bytes[at] = (char)(bytes[at] ^ (1 << at % 8));
+    CHECK(elastin_restore(simulation, bytes, needed) == ELASTIN_WRONG_INPUT);
+    bytes[at] = (char)(bytes[at] ^ (1 << at % 8));
   }
   OK(elastin_restore(simulation, bytes, needed));
   steps_of(simulation, 5, second);
@@ -327,7 +322,7 @@ static void run_tasks(void* context, int count, elastin_task task, void* task_co
 static void hooks(void) {
   double seen[2] = {0, 0}, plain[3 * 36], run[3 * 36];
   int runs = 0;
-  elastin_options options = {sizeof options, "velocity_verlet", 0, 0, NULL, 0, 0, NULL, NULL, 0};
+  elastin_options options = {sizeof options, "velocity_verlet", 0, 0, NULL, 0, 0, NULL, NULL, 0, NULL, 0};
   elastin_simulation* simulation = tissue(&options);
   OK(elastin_observe(simulation, 2, see, seen));
   OK(elastin_fix(simulation, 0, 4));

@@ -13,7 +13,7 @@ int main(void) {
   const int counts[3] = {5, 5, 9};
   const double spacing[3] = {2.5e-3, 2.5e-3, 2.5e-3}; /* [m] */
   const elastin_material fat = {sizeof fat, 5000 /* Pa */, 0.25, 0, 0};
-  const elastin_value weight[] = {{"z", -9.81}}, drag[] = {{"rate", 10}};
+  const elastin_value weight[] = {{"acceleration_z", -9.81}}, drag[] = {{"mass", 10}};
   elastin_body* body = NULL;
   elastin_simulation* tissue = NULL;
   const double *positions, *tensions;
@@ -23,7 +23,7 @@ int main(void) {
 
   if (elastin_lattice(counts, spacing, ELASTIN_AXIS | ELASTIN_FACE, 950 /* kg/m^3 */, &body) ||
       elastin_simulate(body, "lattice", &fat, NULL, &tissue) || elastin_add(tissue, "gravity", weight, 1) ||
-      elastin_add(tissue, "mass_damping", drag, 1) || elastin_positions(tissue, &positions, NULL))
+      elastin_add(tissue, "rayleigh", drag, 1) || elastin_positions(tissue, &positions, NULL))
     return stop();
   for (i = 200; i < 225; ++i)
     if (elastin_fix(tissue, (int)i, 0)) return stop();

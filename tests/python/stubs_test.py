@@ -24,7 +24,7 @@ def arguments_in_module(function):
                  for name, parameter in inspect.signature(function).parameters.items()]
         return [name for name in names if name not in ("self", "result")]
     signature = function.__doc__.splitlines()[0]
-    return [name for name in re.findall(r"[(,] ?(\w+):", signature) if name != "self"]
+    return [name for name in re.findall(r"[(,] ?(\w+(?=:)|\*\*\w+)", signature) if name != "self"]
 
 
 class Stubs(unittest.TestCase):

@@ -11,7 +11,7 @@ import elastin
 
 def tissue(number=0):
     simulation = elastin.Simulation(elastin.lattice((6, 6, 6), 1e-3), "lattice", elastin.Material(5e3))
-    simulation.add_gravity((0, 0.1 * number, -9.81))
+    simulation.add_load("gravity", acceleration=(0, 0.1 * number, -9.81))
     simulation.fix(0)
     return simulation
 

@@ -14,7 +14,7 @@ MATERIAL = elastin.Material(5e3)
 
 def tissue(**options):
     simulation = elastin.Simulation(elastin.lattice((4, 4, 4), 1e-3), "lattice", MATERIAL, **options)
-    simulation.add_gravity((0, 0, -9.81))
+    simulation.add_load("gravity", acceleration=(0, 0, -9.81))
     return simulation
 
 

@@ -44,7 +44,7 @@ Figures time_steps(const BudgetCase& one, int side, int threads) {
     if (body.rest(2, i) < 1e-9) model.supports.push_back({i, Matrix3::Zero(), Vector3::Zero()});
     state.velocities(0, i) = body.rest(2, i);  // m/s: some tenths of a radian of shear to come
   }
-  const auto integrator = make_integrator({.scheme = Scheme::backward_euler, .newton_iterations = 1});
+  const auto integrator = make_integrator({.scheme = "backward_euler", .parameters = {{"newton_iterations", 1}}});
   set_threads(threads);
   constexpr int warm_up = 20, steps = 200;
   std::vector<double> seconds;

@@ -27,7 +27,7 @@ struct Run {
   Body body;
   Model model;
   State state;
-  std::unique_ptr<Integrator> integrator = make_integrator({.scheme = Scheme::velocity_verlet});
+  std::unique_ptr<Integrator> integrator = make_integrator({.scheme = "velocity_verlet"});
   double dt;
 
   Run(Kind kind, int side) : body(make_cube(side)), model(body), state(state_at_rest(body)) {

@@ -145,7 +145,7 @@ std::vector<Figures> steady(int side, const IntegratorOptions& integrator, doubl
 
 /// The force pass alone, as often as a step has parts: nothing explicit can be quicker; and a peer's step.
 std::vector<Figures> limits(int side, int parts, int repeats) {
-  Host host(side, {Scheme::symplectic_euler});
+  Host host(side, {"symplectic_euler"});
   Simulation& tissue = host.tissue();
   const ThreadScope alone(nullptr, 1);
   const SimulationState saved = tissue.save();
@@ -187,12 +187,12 @@ std::vector<Row> run_embed(const Settings& settings) {
     rows.push_back({"embed", name, side, 1, steps, found[1], "processor time"});
     return std::pair{side, static_cast<int>(found[0].parts)};
   };
-  const auto [side, parts] = add("symplectic_euler", {Scheme::symplectic_euler});
+  const auto [side, parts] = add("symplectic_euler", {"symplectic_euler"});
   const auto found = in_child([&, side = side, parts = parts] { return limits(side, parts, settings.repeats); });
   rows.push_back({"embed", "force passes alone", side, 1, 100 * settings.repeats, found[0], "the limit of the above"});
   rows.push_back({"embed", "Bullet soft body", side, 1, 100 * settings.repeats, found[1],
                   bullet_missing().empty() ? "one position iteration, single precision" : bullet_missing()});
-  add("backward_euler", {.scheme = Scheme::backward_euler, .newton_iterations = 1});
+  add("backward_euler", {.scheme = "backward_euler", .parameters = {{"newton_iterations", 1}}});
   return rows;
 }
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "core/forces/tangent.h"
 #include "elastin/core/forces/model.h"
+#include "elastin/core/forces/tangent.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/simulation/catalog.h"

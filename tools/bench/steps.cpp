@@ -19,7 +19,7 @@ struct Ours {
   Body body;
   Model model;
   State state;
-  std::unique_ptr<Integrator> integrator = make_integrator({.scheme = Scheme::velocity_verlet});
+  std::unique_ptr<Integrator> integrator = make_integrator({.scheme = "velocity_verlet"});
 
   Ours(Body of, const VectorX& constants, const Positions& positions)
       : body(std::move(of)), model(body), state(state_at_rest(body)) {

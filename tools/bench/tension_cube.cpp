@@ -4,8 +4,8 @@
 #include <numeric>
 #include <random>
 
-#include "core/linear/linear_solver.h"
 #include "core/linear/sparse_stiffness.h"
+#include "elastin/core/linear/linear_solver.h"
 #include "elastin/core/simulation/catalog.h"
 #include "lab/experiment/tension.h"
 #include "measure.h"

@@ -25,7 +25,7 @@ extern "C" {
 #endif
 
 /* Grows where a program that was compiled with an older header would no longer work. */
-#define ELASTIN_ABI 0
+#define ELASTIN_ABI 1
 ELASTIN_API int elastin_abi(void);
 ELASTIN_API const char* elastin_version(void); /* "0.1.0" */
 
@@ -113,9 +113,19 @@ ELASTIN_API elastin_status elastin_strategy(size_t number, const char** name, co
 typedef struct elastin_parameter {
   size_t size; /* sizeof(elastin_parameter) */
   const char *name, *unit, *text;
-  double low, high, fallback; /* range, ends included, and what is taken where nothing is given */
+  double low, high, fallback; /* range, ends included, and what is taken where nothing is given; NaN: nothing */
+  const char* kind;           /* "number", "whole number", "vector", "direction" or "molecules" */
+  int required;               /* whether it must be given */
 } elastin_parameter;
 ELASTIN_API elastin_status elastin_strategy_parameter(size_t strategy, size_t number, elastin_parameter* parameter);
+
+/* All that has names, row by row: table is "strategies", "steppers" (of elastin_options.scheme), "linear_solvers" (of
+ * scenes) or "loads" (of elastin_add). */
+ELASTIN_API elastin_status elastin_row_count(const char* table, size_t* count);
+ELASTIN_API elastin_status elastin_row(const char* table, size_t number, const char** name, const char** summary,
+                                       size_t* parameter_count);
+ELASTIN_API elastin_status elastin_row_parameter(const char* table, size_t row, size_t number,
+                                                 elastin_parameter* parameter);
 
 /* A value by name. */
 typedef struct elastin_value {
@@ -133,7 +143,7 @@ typedef void (*elastin_run_tasks)(void* context, int count, elastin_task task, v
 
 typedef struct elastin_options {
   size_t size;                     /* sizeof(elastin_options) */
-  const char* scheme;              /* symplectic_euler (null), velocity_verlet, backward_euler, newmark */
+  const char* scheme;              /* of the table "steppers"; null: symplectic_euler */
   double safety;                   /* share of the stable step that a part of an explicit step takes; 0 = 0.8 */
   int max_substeps;                /* of a step; more: it is not taken; 0 = 1000 */
   const elastin_value* parameters; /* of the strategy */
@@ -141,7 +151,9 @@ typedef struct elastin_options {
   int threads;           /* of loops over large bodies; 0 = as elastin_set_threads says. Bitwise identical with any */
   elastin_run_tasks run; /* who runs them instead; null: nobody */
   void* run_context;
-  int run_width; /* into how many tasks loops are parted, >= 1 */
+  int run_width;                          /* into how many tasks loops are parted, >= 1 */
+  const elastin_value* scheme_parameters; /* "newton_iterations" of an implicit one … */
+  size_t scheme_parameter_count;
 } elastin_options;
 
 /* A body at rest that a strategy gives its stiffness; options null = all as said there. */
@@ -150,10 +162,9 @@ ELASTIN_API elastin_status elastin_simulate(const elastin_body* body, const char
                                             elastin_simulation** simulation);
 ELASTIN_API void elastin_simulation_free(elastin_simulation* simulation); /* null is none */
 
-/* What acts on all of it, before the first step:
- *   gravity x y z [m/s^2] · stokes_drag viscosity [Pa s] · quadratic_drag density [kg/m^3] drag_coefficient ·
- *   mass_damping rate [1/s] · connection_damping coefficient [N s/m] ·
- *   floor x y z [m] (on it) normal_x normal_y normal_z stiffness [N/m] damping [N s/m], of each molecule pressed in */
+/* What acts on it, before the first step: a row of the table "loads" by name, as scenes have it under `loads`. A
+ * vector's numbers go by NAME_x, NAME_y, NAME_z (0 where they are left out): gravity takes acceleration_z; of
+ * molecules, the name once for each. */
 ELASTIN_API elastin_status elastin_add(elastin_simulation* simulation, const char* load, const elastin_value* values,
                                        size_t value_count);
 

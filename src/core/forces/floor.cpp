@@ -82,6 +82,10 @@ class FloorDamping final : public Load, private HalfSpace {
 
 }  // namespace
 
+double default_floor_stiffness(const Body& body, const Material& material) {
+  return material.youngs_modulus * 2 * body.radius.mean();
+}
+
 std::unique_ptr<Load> make_floor(const Body& body, const Floor& floor) {
   return std::make_unique<FloorPenalty>(body, floor);
 }

@@ -106,6 +106,8 @@ class Varying final : public Load {
   }
   bool steady() const override { return function_.constant() && load_->steady(); }
   bool acts_at_rest() const override { return load_->acts_at_rest(); }
+  std::vector<HistoryBlock> history() const override { return load_->history(); }
+  void commit_step(State& state) const override { load_->commit_step(state); }
 
  private:
   std::unique_ptr<Load> load_;

@@ -3,12 +3,37 @@
 #include <algorithm>
 
 #include "core/forces/graph.h"
+#include "elastin/core/base/error.h"
 
 namespace elastin {
 
 Model::Model(const Body& body) : body_(&body), graph_(std::make_unique<Graph>(body)) {}
 Model::~Model() = default;
 Model::Model(Model&&) noexcept = default;
+
+void Model::add(std::unique_ptr<Load> load) {
+  std::vector<HistoryBlock> all = history_;
+  std::vector<HistoryBlock> own = load->history();
+  for (HistoryBlock& block : own) {
+    if (block.name.empty() || block.name.find_first_of(" \t\n") != std::string::npos)
+      throw InputError("'" + block.name + "' cannot name what a load remembers: write one word");
+    const auto place =
+        std::find_if(all.begin(), all.end(), [&](const HistoryBlock& other) { return other.name >= block.name; });
+    if (place != all.end() && place->name == block.name)
+      throw InputError("two loads remember something under the name '" + block.name + "'");
+    all.insert(place, std::move(block));
+  }
+  loads_.push_back(std::move(load));
+  history_ = std::move(all);
+}
+
+void Model::declare_history(State& state) const {
+  const bool has_them = std::equal(state.history.begin(), state.history.end(), history_.begin(), history_.end(),
+                                   [](const HistoryBlock& own, const HistoryBlock& declared) {
+                                     return own.name == declared.name && own.values.size() == declared.values.size();
+                                   });
+  if (!has_them) state.history = history_;
+}
 
 bool Model::has_energy() const {
   return std::all_of(elasticity_.begin(), elasticity_.end(), [](const auto& term) { return term->has_energy(); });

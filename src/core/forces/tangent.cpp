@@ -1,4 +1,4 @@
-#include "core/forces/tangent.h"
+#include "elastin/core/forces/tangent.h"
 
 #include <algorithm>
 

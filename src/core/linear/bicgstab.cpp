@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "core/linear/block_inverse.h"
-#include "core/linear/linear_solver.h"
 #include "core/parallel/parallel.h"
+#include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
 namespace {

@@ -2,7 +2,7 @@
 #include <array>
 #include <vector>
 
-#include "core/forces/tangent.h"
+#include "elastin/core/forces/tangent.h"
 
 namespace elastin {
 

@@ -2,9 +2,9 @@
 #include <memory>
 #include <vector>
 
-#include "core/forces/tangent.h"
 #include "core/linear/box_level.h"
 #include "elastin/core/forces/model.h"
+#include "elastin/core/forces/tangent.h"
 
 namespace elastin {
 

@@ -3,8 +3,8 @@
 #include <Eigen/SparseCholesky>
 #include <cmath>
 
-#include "core/linear/linear_solver.h"
 #include "core/linear/sparse_stiffness.h"
+#include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
 namespace {

@@ -27,19 +27,20 @@ double connections_across(const Body& body) {
 LinearChoice choose_linear_solver(const Tangent& tangent, LinearMethod requested, double tolerance) {
   const Model& model = tangent.model();
   const Body& body = model.body();
-  if (requested != LinearMethod::automatic) return {requested, ""};
-  if (!model.symmetric()) return {LinearMethod::pcg, ""};
+  if (requested->make) return {requested, ""};
+  static const LinearMethod pcg = "pcg", direct = "direct", multigrid = "multigrid";
+  if (!model.symmetric()) return {pcg, ""};
   const bool moving = tangent.weights().acceleration != 0;
-  if (body.size() <= kTinyBody && !moving) return {LinearMethod::direct, counted_molecules(body) + " are few"};
-  if (moving) return {LinearMethod::pcg, ""};  // inertia keeps iterations few; a step has no memory for words
-  if (!model.has_energy()) return {LinearMethod::pcg, "the stiffness is not symmetric"};
+  if (body.size() <= kTinyBody && !moving) return {direct, counted_molecules(body) + " are few"};
+  if (moving) return {pcg, ""};  // inertia keeps iterations few; a step has no memory for words
+  if (!model.has_energy()) return {pcg, "the stiffness is not symmetric"};
   const double across = connections_across(body), digits = std::max(1., -std::log10(tolerance));
   // In iterations of single molecules' blocks, with half as much again before the change is worth it.
   const bool worth_it = 1.25 * across * digits > 1.5 * (20 + 8 * digits);
   const std::string size =
       counted_molecules(body) + ", " + std::to_string(std::lround(across)) + " connections from end to end";
-  if (worth_it) return {LinearMethod::multigrid, size + ": conjugate gradients alone would take many iterations"};
-  return {LinearMethod::pcg, size + " are not many"};
+  if (worth_it) return {multigrid, size + ": conjugate gradients alone would take many iterations"};
+  return {pcg, size + " are not many"};
 }
 
 }  // namespace elastin

@@ -1,13 +1,13 @@
 #pragma once
 #include <string>
 
-#include "core/forces/tangent.h"
-#include "elastin/core/linear/linear_method.h"
+#include "elastin/core/forces/tangent.h"
+#include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
 
 struct LinearChoice {
-  LinearMethod method;  ///< never automatic
+  LinearMethod method;  ///< one that can be made: never automatic
   std::string reason;   ///< in words for a user; empty where the method was not up to us
 };
 

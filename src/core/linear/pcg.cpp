@@ -2,11 +2,11 @@
 #include <optional>
 
 #include "core/linear/block_inverse.h"
-#include "core/linear/linear_solver.h"
 #include "core/linear/multigrid.h"
 #include "core/linear/rigid_motions.h"
 #include "core/linear/sparse_stiffness.h"
 #include "core/parallel/parallel.h"
+#include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
 namespace {

@@ -3,9 +3,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-#include "core/linear/linear_solver.h"
 #include "core/linear/sparse_stiffness.h"
 #include "core/parallel/parallel.h"
+#include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "core/forces/tangent.h"
+#include "elastin/core/forces/tangent.h"
 
 namespace elastin {
 

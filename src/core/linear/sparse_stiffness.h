@@ -2,7 +2,7 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
-#include "core/forces/tangent.h"
+#include "elastin/core/forces/tangent.h"
 
 namespace elastin {
 

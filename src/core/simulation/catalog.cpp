@@ -132,9 +132,7 @@ Strategy make_spring_rule(const std::string& name, RuleConstants constants, std:
   rule.follows_curve = true;
   rule.constants = [described = rule, constants](const Body& body, const Material& material,
                                                  const ParameterValues& given) {
-    ParameterValues values = given;
-    for (const auto& [key, value] : given) detail::checked_parameter(described, key, value);
-    for (const ParameterInfo& info : described.parameters) values.try_emplace(info.name, info.fallback);
+    const ParameterValues values = complete_values(described.name, described.parameters, given);
     std::shared_ptr<const Body> seen = detail::proper_part(body);
     if (seen->connection_stiffness.size()) {  // or a rule that asks another would count it twice
       auto plain = std::make_shared<Body>(*seen);
@@ -199,20 +197,7 @@ VectorX with_cell_sides(VectorX constants, const Body& body) {
 }
 
 const ParameterInfo& checked_parameter(const Strategy& strategy, const std::string& name, double value) {
-  std::vector<std::string> names;
-  for (const ParameterInfo& info : strategy.parameters) {
-    if (info.name != name) {
-      names.push_back(info.name);
-      continue;
-    }
-    if (value >= info.low && value <= info.high) return info;
-    char text[160];
-    std::snprintf(text, sizeof text, "%g is out of range: %g to %g %s", value, info.low, info.high,
-                  si_unit(info.unit).c_str());
-    throw InputError(strategy.name + "." + name + ": " + text + " (" + info.text + ")");
-  }
-  if (names.empty()) throw InputError("'" + name + "': strategy " + strategy.name + " takes no parameters");
-  throw InputError("unknown parameter '" + name + "' of strategy " + strategy.name + suggestion(name, names));
+  return elastin::checked_parameter(strategy.name, strategy.parameters, name, value);
 }
 
 }  // namespace detail

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/model/visit_state.h"
 #include "core/simulation/host_loads.h"
 #include "core/simulation/simulation_impl.h"
 #include "elastin/core/base/error.h"
@@ -17,13 +18,6 @@ void check_finite(const Vector3& position) {
   if (!position.allFinite())
     throw InputError("the position (" + number(position.x()) + ", " + number(position.y()) + ", " +
                      number(position.z()) + ") m is not finite");
-}
-
-void check_shape(const char* what, const Positions& given, Eigen::Index wanted) {
-  if (given.cols() != wanted)
-    throw InputError("the saved state is another body's: " + std::to_string(given.cols()) + " " + what + ", not " +
-                     std::to_string(wanted));
-  if (!given.allFinite()) throw InputError(std::string("the saved ") + what + " are not all finite");
 }
 
 }  // namespace
@@ -123,17 +117,10 @@ SimulationState Simulation::save() const {
 
 void Simulation::restore(const SimulationState& saved) {
   Impl& in = *impl_;
-  const Eigen::Index n = in.body.size();
-  check_shape("positions", saved.state.positions, n);
-  check_shape("velocities", saved.state.velocities, n);
-  if (saved.state.accelerations.cols() > 0) check_shape("accelerations", saved.state.accelerations, n);
-  if (saved.host_forces.cols() > 0) check_shape("host forces", saved.host_forces, n);
-  for (const ContactHistory& entry : saved.state.contact_history) {
-    if (entry.count < 0 || entry.count > 3)
-      throw InputError("the saved state has a contact point of " + std::to_string(entry.count) + " molecules");
-    for (int i = 0; i < entry.count; ++i) in.check_molecule(entry.molecules[static_cast<std::size_t>(i)]);
-  }
-  if (!std::isfinite(saved.state.time)) throw InputError("the saved time is not finite");
+  check_state(saved.state, in.body.size(), in.model.history(), "the saved state");
+  if (saved.host_forces.cols() > 0 && (saved.host_forces.cols() != in.body.size() || !saved.host_forces.allFinite()))
+    throw InputError("the saved state has host forces on " + std::to_string(saved.host_forces.cols()) +
+                     " molecules, or forces that are not finite");
   for (const Support& support : saved.supports) in.check_molecule(support.molecule);
   if (saved.others_supports < 0 || static_cast<std::size_t>(saved.others_supports) > saved.supports.size())
     throw InputError("the saved state has " + std::to_string(saved.supports.size()) + " supports, " +

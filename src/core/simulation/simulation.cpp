@@ -54,7 +54,7 @@ Simulation::Impl::Impl(Body a_body, SimulationOptions some_options)
 /// The longest part of an explicit step [s]. Grips add to the square of the fastest vibration's frequency, and to the
 /// largest damping rate, no more than what they are worth on their own molecules.
 double Simulation::Impl::longest_substep() {
-  if (!is_explicit(options.integrator.scheme)) return std::numeric_limits<double>::infinity();
+  if (!options.integrator.scheme->is_explicit) return std::numeric_limits<double>::infinity();
   if (!stable) {
     const auto saved_couplings = std::exchange(couplings, {});
     const auto saved_supports = std::exchange(model.supports, {});
@@ -135,6 +135,7 @@ Simulation::Simulation(Body body, const Strategy& any, const Material& material,
   std::string why = strategy.unsuited(own);
   if (why.empty() && !strategy.by_parts) why = fibres_unsuited(strategy, own, material);
   if (!why.empty()) throw InputError("'" + strategy.name + "' cannot run on this body: " + why);
+  impl_->material = material;
   impl_->model.add(strategy.make(own, material, impl_->options.parameters));
   add_companions(impl_->model, strategy, material);
   fix_rigid_parts(impl_->model);
@@ -170,24 +171,36 @@ StepResult Simulation::step(double dt) noexcept {
   return result;
 }
 
-StaticResult Simulation::settle(const StaticOptions& options) noexcept {
+StaticResult Simulation::settle(const StaticOptions& options) {
   Impl& in = *impl_;
   const ThreadScope scope(in.options.runner, in.options.threads);
+  const auto go_back = [&] {
+    in.work = in.shown;
+    in.host_supports.go_back();
+  };
   in.host_supports.begin(in.shown.time, in.shown.time);
   in.host_supports.jump();
   in.work.velocities.setZero();
   in.work.accelerations.setZero();
-  StaticResult result = solve_static(in.model, in.work, options);
-  if (result.outcome == Outcome::converged) {
+  try {
+    StaticResult result = solve_static(in.model, in.work, options);
+    if (result.outcome != Outcome::converged) {
+      go_back();
+      return result;
+    }
     in.model.commit_step(in.work);
     in.shown = in.work;
     in.host_supports.arrive();
     in.forces_known = in.tensions_known = false;
-  } else {
-    in.work = in.shown;
-    in.host_supports.go_back();
+    return result;
+  } catch (...) {
+    go_back();
+    throw;
   }
-  return result;
+}
+
+void Simulation::add_load(const LoadKind& load, const LoadValues& values) {
+  elastin::add_load(impl_->model, load, values, impl_->material ? &*impl_->material : nullptr);
 }
 
 const Positions& Simulation::forces() const noexcept {

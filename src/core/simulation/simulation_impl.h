@@ -27,6 +27,7 @@ struct Simulation::Impl {
   void ensure_couplings();
 
   Body body;
+  std::optional<Material> material;  // of the strategy, where there is one
   SimulationOptions options;
   Model model{body};
   std::unique_ptr<Integrator> integrator;

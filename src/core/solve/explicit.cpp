@@ -1,4 +1,4 @@
-#include "core/solve/explicit.h"
+#include "core/solve/steppers.h"
 
 #include <cmath>
 #include <limits>
@@ -26,11 +26,11 @@ void set_accelerations(const Model& model, const State& state, Positions& accele
 /// Passes over the molecules are bound by memory: each array is read and written as seldom as can be.
 class Explicit final : public Integrator {
  public:
-  explicit Explicit(Scheme scheme) : scheme_(scheme) {}
-  Scheme scheme() const override { return scheme_; }
+  explicit Explicit(bool verlet) : verlet_(verlet) {}
 
   /// In parts where a stiffness sets in that the step is too long for, or something would be passed through.
   StepResult advance(Model& model, State& state, double dt) override {
+    model.declare_history(state);
     const double substeps = std::max(1., std::ceil(dt * std::sqrt(model.square_frequency(state, dt))));
     if (!(substeps > 1)) return step(model, state, dt);
     before_ = state;
@@ -70,22 +70,21 @@ class Explicit final : public Integrator {
 
   StepResult step(Model& model, State& state, double dt) {
     const int n = model.body().size();
-    const bool verlet = scheme_ == Scheme::velocity_verlet;
-    if (!verlet)
+    if (!verlet_)
       set_accelerations(model, state, accelerations_, workspace_);
     else if (state.accelerations.cols() != n)
       set_accelerations(model, state, state.accelerations, workspace_);
     next_.positions.resize(3, n);
     next_.velocities.resize(3, n);
+    next_.carry_over(state);
     next_.time = state.time + dt;
-    next_.contact_history = state.contact_history;
     if (model.drive) model.drive(next_.time, model.supports);
     StepResult result;
-    const double largest = verlet ? verlet_step(model, state, dt) : euler_step(state, dt);
+    const double largest = verlet_ ? verlet_step(model, state, dt) : euler_step(state, dt);
     apply_supports(model, next_.positions);
     move_with_supports(model.supports, next_.velocities);
     // Local error: Verlet's is dt³/6 of the third derivative, as in central differences; Euler's dt²/2 of the second.
-    result.error = dt * dt / (verlet ? 6 : 2) * std::sqrt(largest);
+    result.error = dt * dt / (verlet_ ? 6 : 2) * std::sqrt(largest);
     if (!std::isfinite(largest)) {
       result.outcome = Outcome::diverged;
       result.cause = "the next step has no finite velocities: the step is too long";
@@ -180,7 +179,7 @@ class Explicit final : public Integrator {
     return value < std::numeric_limits<double>::infinity() ? value : std::numeric_limits<double>::infinity();
   }
 
-  Scheme scheme_;
+  bool verlet_;
   State next_, before_;
   Positions accelerations_;  // of a step's start, where the next step has no use for them
   Workspace workspace_;
@@ -205,6 +204,18 @@ void set_accelerations(const Model& model, State& state) {
   set_accelerations(model, state, state.accelerations, workspace);
 }
 
-std::unique_ptr<Integrator> make_explicit(Scheme scheme) { return std::make_unique<Explicit>(scheme); }
+Stepper symplectic_euler() {
+  return {{"symplectic_euler", "explicit, order 1: v += dt a(x, v), x += dt v; no energy drift", "[Hairer 2006]"},
+          true,
+          1,
+          [](const ParameterValues&, const StaticOptions&) { return std::make_unique<Explicit>(false); }};
+}
+
+Stepper velocity_verlet() {
+  return {{"velocity_verlet", "explicit, order 2: half a kick, drift, half a kick", "[Swope 1982]"},
+          true,
+          2,
+          [](const ParameterValues&, const StaticOptions&) { return std::make_unique<Explicit>(true); }};
+}
 
 }  // namespace elastin

@@ -1,11 +1,11 @@
-#include "core/solve/implicit.h"
+#include "core/solve/steppers.h"
 
 #include <cmath>
 #include <utility>
 
 #include "core/parallel/parallel.h"
-#include "core/solve/explicit.h"
 #include "core/solve/newton.h"
+#include "core/solve/steppers.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin {
@@ -16,13 +16,16 @@ constexpr double kSmallestSubstep = 1. / 1024;
 
 class Implicit final : public Integrator {
  public:
-  explicit Implicit(const IntegratorOptions& options) : options_(options) {
-    kinematics_.cut_short = options.newton_iterations > 0;
-    if (kinematics_.cut_short) options_.newton.newton_limit = options.newton_iterations;
+  /// Newmark's, or backward Euler where beta is 0.
+  Implicit(const ParameterValues& values, const StaticOptions& newton, double beta, double gamma)
+      : newton_(newton), beta_(beta), gamma_(gamma) {
+    const int iterations = static_cast<int>(values.at("newton_iterations"));
+    kinematics_.cut_short = iterations > 0;
+    if (kinematics_.cut_short) newton_.newton_limit = iterations;
   }
-  Scheme scheme() const override { return options_.scheme; }
 
   StepResult advance(Model& model, State& state, double dt) override {
+    model.declare_history(state);
     if (state.accelerations.cols() != state.positions.cols()) set_accelerations(model, state);
     before_ = state;
     StepResult result;
@@ -47,25 +50,25 @@ class Implicit final : public Integrator {
   void set_kinematics(const State& state, double dt) {
     const Positions &v = state.velocities, &a = state.accelerations;
     kinematics_.start = state.positions;
-    if (options_.scheme == Scheme::backward_euler) {
+    if (!newmark()) {
       kinematics_.weights = {1 / dt, 1 / (dt * dt)};
       kinematics_.velocities.setZero(3, v.cols());
       kinematics_.accelerations = -v / dt;
       return;
     }
-    const double beta = options_.beta, gamma = options_.gamma;
+    const double beta = beta_, gamma = gamma_;
     kinematics_.weights = {gamma / (beta * dt), 1 / (beta * dt * dt)};
     kinematics_.velocities = v * (1 - gamma / beta) + a * (dt * (1 - gamma / (2 * beta)));
     kinematics_.accelerations = -v / (beta * dt) - a * (1 / (2 * beta) - 1);
   }
 
   /// Where Newton starts: as if nothing changed, if that turns no cell over; else from where the body is.
-  void set_first_guess(const Model& model, const State& state, double dt, bool newmark) {
+  void set_first_guess(const Model& model, const State& state, double dt) {
     next_.positions = state.positions + dt * state.velocities;
     next_.velocities = state.velocities;
+    next_.carry_over(state);
     next_.time = state.time + dt;
-    next_.contact_history = state.contact_history;
-    if (newmark) {
+    if (newmark()) {
       next_.positions += dt * dt / 2 * state.accelerations;
     } else {
       next_.accelerations.setZero(3, model.body().size());
@@ -79,11 +82,10 @@ class Implicit final : public Integrator {
 
   /// The state stays if it fails; the result then says why.
   void try_step(Model& model, State& state, double dt, StepResult& result) {
-    const bool newmark = options_.scheme == Scheme::newmark;
     if (model.drive) model.drive(state.time + dt, model.supports);
     set_kinematics(state, dt);
-    set_first_guess(model, state, dt, newmark);
-    const StaticResult solved = solve_newton(model, next_, options_.newton, &kinematics_, workspace_);
+    set_first_guess(model, state, dt);
+    const StaticResult solved = solve_newton(model, next_, newton_, &kinematics_, workspace_);
     result.newton_iterations += solved.newton_iterations;
     result.linear_iterations += solved.linear_iterations;
     const bool cut_short = kinematics_.cut_short && solved.outcome == Outcome::limit_reached;
@@ -101,10 +103,10 @@ class Implicit final : public Integrator {
     model.commit_step(next_);
     ++result.substeps;
     result.cause.clear();
-    const double change = newmark ? largest_square(next_.accelerations - state.accelerations)  //
-                                  : largest_square(next_.accelerations);
+    const double change = newmark() ? largest_square(next_.accelerations - state.accelerations)  //
+                                    : largest_square(next_.accelerations);
     // Newmark: [Zienkiewicz & Xie 1991]; Euler: half of dt² times the acceleration.
-    const double factor = newmark ? std::max(std::abs(options_.beta - 1. / 6), 1. / 12) : 0.5;
+    const double factor = newmark() ? std::max(std::abs(beta_ - 1. / 6), 1. / 12) : 0.5;
     result.error = factor * dt * dt * std::sqrt(change);
     std::swap(state, next_);
   }
@@ -128,7 +130,10 @@ class Implicit final : public Integrator {
     next_.positions.colwise() += missing / weights.acceleration;
   }
 
-  IntegratorOptions options_;
+  bool newmark() const { return beta_ > 0; }
+
+  StaticOptions newton_;
+  double beta_, gamma_;
   // Kept from one step to the next, so that steps ask for no memory.
   State next_, before_;
   Kinematics kinematics_;
@@ -138,32 +143,42 @@ class Implicit final : public Integrator {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_implicit(const IntegratorOptions& options) {
-  return std::make_unique<Implicit>(options);
+namespace {
+
+ParameterInfo newton_iterations() {
+  return {"newton_iterations",
+          dimension::none,
+          0,
+          1000,
+          0,
+          "Newton iterations a step; 0: until it converges; 1: what is left over goes into the next step",
+          false,
+          ValueKind::whole};
 }
 
-const char* name_of(Scheme scheme) {
-  switch (scheme) {
-    case Scheme::symplectic_euler:
-      return "symplectic_euler";
-    case Scheme::velocity_verlet:
-      return "velocity_verlet";
-    case Scheme::backward_euler:
-      return "backward_euler";
-    case Scheme::newmark:
-      return "newmark";
-  }
-  return "";
+}  // namespace
+
+Stepper backward_euler() {
+  return {{"backward_euler", "implicit, order 1: never gains energy", "[Baraff 1998]", {newton_iterations()}},
+          false,
+          1,
+          [](const ParameterValues& values, const StaticOptions& newton) {
+            return std::make_unique<Implicit>(values, newton, 0, 0);
+          }};
 }
 
-bool is_explicit(Scheme scheme) { return scheme == Scheme::symplectic_euler || scheme == Scheme::velocity_verlet; }
-
-std::unique_ptr<Integrator> make_integrator(const IntegratorOptions& options) {
-  if (is_explicit(options.scheme)) return make_explicit(options.scheme);
-  if (!(options.beta > 0 && options.beta <= 1)) throw InputError("newmark's beta must be above 0 and at most 1");
-  if (!(options.gamma >= 0.5 && options.gamma <= 1)) throw InputError("newmark's gamma must be from 0.5 to 1");
-  if (options.newton_iterations < 0) throw InputError("newton_iterations must not be negative");
-  return make_implicit(options);
+Stepper newmark() {
+  return {{"newmark",
+           "implicit, order 2 with gamma = 0.5; stable for any step if 2 beta >= gamma",
+           "[Newmark 1959]",
+           {{"beta", dimension::none, 0, 1, 0.25, "weight of the step's last acceleration in its displacement", true},
+            {"gamma", dimension::none, 0.5, 1, 0.5, "weight of the step's last acceleration in its velocity"},
+            newton_iterations()}},
+          false,
+          2,
+          [](const ParameterValues& values, const StaticOptions& newton) {
+            return std::make_unique<Implicit>(values, newton, values.at("beta"), values.at("gamma"));
+          }};
 }
 
 }  // namespace elastin

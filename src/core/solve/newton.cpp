@@ -6,7 +6,7 @@
 
 #include "core/linear/linear_choice.h"
 #include "core/parallel/parallel.h"
-#include "core/solve/explicit.h"
+#include "core/solve/steppers.h"
 
 namespace elastin {
 namespace {
@@ -24,16 +24,12 @@ constexpr int kSaddles = 3;
 const std::string kAdrift = "the loads work on a zero-energy mode that does not stiffen";
 
 /// The solver of the last time, if it was of this kind.
-LinearSolver& solver_of(LinearMethod method, bool symmetric, CachedSolver& cached) {
-  if (cached.solver && cached.method == method && cached.symmetric == symmetric) return *cached.solver;
-  if (!symmetric)
-    cached.solver = make_bicgstab();
-  else if (method == LinearMethod::direct)
-    cached.solver = make_direct();
-  else
-    cached.solver = method == LinearMethod::multigrid ? make_multigrid() : make_pcg();
-  cached.method = method;
-  cached.symmetric = symmetric;
+LinearSolver& solver_of(const LinearMethod& method, bool symmetric, CachedSolver& cached) {
+  static const LinearMethod unsymmetric = "bicgstab";
+  const LinearMethod& used = symmetric || !method->needs_symmetry ? method : unsymmetric;
+  if (cached.solver && cached.method == used) return *cached.solver;
+  cached.solver = used->make();
+  cached.method = used;
   return *cached.solver;
 }
 
@@ -94,9 +90,9 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
     result = solver->solve(tangent, supports, rhs, tolerance, solution);
     result.iterations += before;
   }
-  const bool iterated = choice.method != LinearMethod::direct && symmetric;
+  const bool iterated = !choice.method->factorises && symmetric;
   const bool downhill = result.status == LinearStatus::negative_mode && !through_saddles;
-  if (result.status != LinearStatus::solved && !downhill && iterated && options.method == LinearMethod::automatic &&
+  if (result.status != LinearStatus::solved && !downhill && iterated && !options.method->make &&
       molecules <= kDirectLimit) {
     Positions other;
     auto direct = make_direct();
@@ -153,7 +149,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     result.cause = inverted_text(model.body(), now.state.positions) + " at the start of the step";
     return result;
   }
-  UsedSolver used{options.method == LinearMethod::direct ? "direct" : "pcg", ""};
+  UsedSolver used{options.method->factorises ? options.method->name : "pcg", ""};
   bool stable_start = false, adrift = false;
   int saddles = 0, last_saddle = 0;  // how many were left, and after how many iterations
   double forcing = 1e-3, last = now.forces.norm;

@@ -2,9 +2,9 @@
 #include <memory>
 #include <string>
 
-#include "core/forces/tangent.h"
-#include "core/linear/linear_solver.h"
 #include "core/solve/trial.h"
+#include "elastin/core/forces/tangent.h"
+#include "elastin/core/linear/linear_solver.h"
 #include "elastin/core/solve/statics.h"
 
 namespace elastin {
@@ -12,8 +12,7 @@ namespace elastin {
 /// A linear solver kept from one solve to the next, for its memory.
 struct CachedSolver {
   std::unique_ptr<LinearSolver> solver;
-  LinearMethod method = LinearMethod::automatic;
-  bool symmetric = true;
+  LinearMethod method = "automatic";
 };
 
 /// Room for what Newton computes on the way; it only grows. Time steps of one model with conjugate gradients allocate

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "core/parallel/parallel.h"
-#include "core/solve/explicit.h"
 #include "core/solve/newton.h"
+#include "core/solve/steppers.h"
 #include "elastin/core/solve/integrator.h"
 #include "elastin/core/solve/stable_step.h"
 
@@ -41,7 +41,7 @@ void stop(const StepResult& step, StaticResult& result) {
 }
 
 void relax_explicitly(Model& model, State& state, double tolerance, StaticResult& result) {
-  const auto integrator = make_integrator({.scheme = Scheme::velocity_verlet});
+  const auto integrator = make_integrator({.scheme = "velocity_verlet"});
   double dt = 0, before = 0;
   for (int step = 0; step < kExplicitSteps; ++step) {
     if (step % kBetweenChecks == 0) {
@@ -61,7 +61,7 @@ void relax_explicitly(Model& model, State& state, double tolerance, StaticResult
 }
 
 void relax_implicitly(Model& model, State& state, double tolerance, StaticResult& result) {
-  IntegratorOptions options{.scheme = Scheme::backward_euler};
+  IntegratorOptions options{.scheme = "backward_euler"};
   options.newton.newton_limit = 20;
   const auto integrator = make_integrator(options);
   double dt = 100 / frequency_bound(model, state);

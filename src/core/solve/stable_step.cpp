@@ -6,9 +6,9 @@
 #include <functional>
 #include <limits>
 
-#include "core/forces/tangent.h"
-#include "core/linear/linear_solver.h"
 #include "core/parallel/parallel.h"
+#include "elastin/core/forces/tangent.h"
+#include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
 namespace {

@@ -59,6 +59,7 @@ const char* name_of(Outcome outcome) {
 }
 
 StaticResult solve_static(Model& model, State& state, const StaticOptions& options) {
+  model.declare_history(state);
   if (options.linear) return solve_linear_statics(model, state, options);
   if (options.static_method != StaticMethod::newton) return relax(model, state, options);
   StaticResult moved;

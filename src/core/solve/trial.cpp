@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "core/parallel/parallel.h"
-#include "core/solve/explicit.h"
 #include "core/solve/newton.h"
+#include "core/solve/steppers.h"
 
 namespace elastin {
 namespace {
@@ -82,8 +82,7 @@ void set_state(const State& from, double factor, const Positions& motion, State&
   state.positions = from.positions + factor * motion;
   state.velocities = from.velocities;
   state.accelerations = from.accelerations;
-  state.time = from.time;
-  state.contact_history = from.contact_history;
+  state.carry_over(from);
 }
 
 }  // namespace

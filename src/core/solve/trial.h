@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "core/forces/tangent.h"
 #include "elastin/core/forces/model.h"
+#include "elastin/core/forces/tangent.h"
 
 namespace elastin {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/linear/linear_solver.h"
+#include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/forces/tangent.h"
+#include "elastin/core/forces/tangent.h"
 #include "lab/experiment/driven.h"
 #include "lab/experiment/faces.h"
 #include "lab/experiment/moduli.h"

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <thread>
 
+#include "core/model/visit_state.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/solve/energies.h"
 #include "lab/experiment/contact_measures.h"
@@ -39,8 +40,8 @@ double largest_strain(const Model& model, const State& state) {
 /// One run's way through time.
 class TimedRun {
  public:
-  TimedRun(Model& model, TimedExperiment& experiment, const RunOptions& options, Run& run, State start, Scheme scheme,
-           const std::string& identity)
+  TimedRun(Model& model, TimedExperiment& experiment, const RunOptions& options, Run& run, State start,
+           const Scheme& scheme, const std::string& identity)
       : model_(model),
         experiment_(experiment),
         options_(options),
@@ -54,9 +55,9 @@ class TimedRun {
 
   void resume() {
     const RestartPoint point = parse_restart(options_.restart, identity_);
-    if (point.state.positions.cols() != model_.body().size() || point.frame < 0 || point.frame > options_.time->frames)
-      throw InputError("the restart file is damaged: " + std::to_string(point.state.positions.cols()) +
-                       " molecules at frame " + std::to_string(point.frame));
+    check_state(point.state, model_.body().size(), model_.history(), "the restart file");
+    if (point.frame < 0 || point.frame > options_.time->frames)
+      throw InputError("the restart file is damaged: frame " + std::to_string(point.frame));
     state_ = point.state;
     if (model_.drive) model_.drive(state_.time, model_.supports);
     ledger_ = Ledger(model_, state_);
@@ -224,9 +225,8 @@ class TimedRun {
 
 std::pair<Scheme, std::string> chosen_scheme(const TimeOptions& options, bool uses_cells) {
   if (options.scheme) return {*options.scheme, ""};
-  if (uses_cells)
-    return {Scheme::newmark, "cells make short stable steps: implicit steps may be as long as they are right"};
-  return {Scheme::velocity_verlet, "springs without cells: an explicit step costs one pass over them"};
+  if (uses_cells) return {"newmark", "cells make short stable steps: implicit steps may be as long as they are right"};
+  return {"velocity_verlet", "springs without cells: an explicit step costs one pass over them"};
 }
 
 void run_in_time(Model& model, TimedExperiment& experiment, const Specimen& specimen, const RunOptions& options,
@@ -234,7 +234,7 @@ void run_in_time(Model& model, TimedExperiment& experiment, const Specimen& spec
   if (!options.time) throw InputError("a " + experiment.name() + " experiment needs to know for how long: TimeOptions");
   const auto [scheme, reason] = chosen_scheme(*options.time, run.uses_cells);
   run.time = TimeReport{};
-  run.time->scheme = name_of(scheme);
+  run.time->scheme = scheme->name;
   run.time->reason = reason;
   run.time->resumed = !options.restart.empty();
   State state = state_at_rest(model.body());
@@ -250,6 +250,7 @@ void run_in_time(Model& model, TimedExperiment& experiment, const Specimen& spec
   }
   if (specimen.start) specimen.start(state);
   if (model.drive) model.drive(0, model.supports);
+  model.declare_history(state);
   model.commit_step(state);
   if (!model.admissible(state.positions)) {
     run.outcome = Outcome::inverted;

@@ -16,18 +16,17 @@ double size_of(const Body& body) { return (body.rest.rowwise().maxCoeff() - body
 
 }  // namespace
 
-StepControl::StepControl(Model& model, const State& start, const TimeOptions& options, Scheme scheme,
+StepControl::StepControl(Model& model, const State& start, const TimeOptions& options, const Scheme& scheme,
                          const StaticOptions& newton)
     : options_(options), size_(size_of(model.body())) {
-  integrator_ = make_integrator({scheme, options.beta, options.gamma, options.newton_iterations, newton});
-  const bool second_order = scheme == Scheme::velocity_verlet || scheme == Scheme::newmark;
-  order_ = second_order ? 2 : 1;
+  integrator_ = make_integrator({scheme, options.parameters, newton});
+  order_ = scheme->order;
   const bool automatic = options.choice == StepChoice::automatic;
-  by_error_ = options.choice == StepChoice::by_error || (automatic && !is_explicit(scheme));
-  watched_ = is_explicit(scheme) && options.choice != StepChoice::fixed;
+  by_error_ = options.choice == StepChoice::by_error || (automatic && !scheme->is_explicit);
+  watched_ = scheme->is_explicit && options.choice != StepChoice::fixed;
   memory.wanted = options.choice == StepChoice::fixed ? options.step : options.duration / options.frames;
   memory.stable = std::numeric_limits<double>::infinity();
-  if (is_explicit(scheme)) {
+  if (scheme->is_explicit) {
     const StableStep found = find_stable_step(model, start);
     memory.critical = found.step;
     memory.frequency = found.frequency;

@@ -13,7 +13,8 @@ class StepControl {
  public:
   /// Throws InputError if nothing says how long a step may be (an explicit scheme on a body that nothing holds
   /// together).
-  StepControl(Model& model, const State& start, const TimeOptions& options, Scheme scheme, const StaticOptions& newton);
+  StepControl(Model& model, const State& start, const TimeOptions& options, const Scheme& scheme,
+              const StaticOptions& newton);
 
   /// Steps to `until` [s] exactly. Ends early if a step fails: the state is then the last good one. `after` is called
   /// with each step's end.

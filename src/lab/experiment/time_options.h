@@ -15,10 +15,9 @@ enum class StepChoice {
 
 /// How a scene wants time to go.
 struct TimeOptions {
-  double duration = 1;           ///< [s], > 0
-  std::optional<Scheme> scheme;  ///< none: velocity_verlet on springs without cells, newmark otherwise
-  double beta = 0.25, gamma = 0.5;
-  int newton_iterations = 0;
+  double duration = 1;              ///< [s], > 0
+  std::optional<Scheme> scheme;     ///< none: velocity_verlet on springs without cells, newmark otherwise
+  ParameterValues parameters = {};  ///< of the scheme
   StepChoice choice = StepChoice::automatic;
   double step = 0;                      ///< [s], of fixed ones; frames shorten it evenly
   double error = 1e-4;                  ///< of a step in position, as a part of the body's size

@@ -1,79 +1,63 @@
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
-#include "elastin/core/forces/air.h"
-#include "elastin/core/forces/floor.h"
+#include "elastin/core/base/error.h"
 #include "lab/experiment/faces.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
 namespace {
 
-SceneLoad read_drag(Reader reader) {
-  const bool stokes = reader.at("kind").choice<bool>({{"stokes", true}, {"quadratic", false}});
-  if (stokes) {
-    const double viscosity = reader.at("viscosity").quantity(dimension::viscosity, kNotNegative);
-    reader.finish();
-    return {[=](Model& model) { model.add(make_stokes_drag(model.body(), viscosity)); }, false};
+/// The row that stands on the ends of an experiment.
+LoadKind face() {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  LoadKind load{{"face", "a dead traction on the end of a body, in proportion to the molecules' shares of it", "", {}}};
+  load.parameters = {{"side", dimension::none, -1, 1, NAN, "which end", false, ValueKind::direction, true},
+                     {"traction", dimension::pressure, -infinity, infinity, NAN, "force over area at rest", false,
+                      ValueKind::vector, true}};
+  load.check = [](const Body& body, const LoadValues& values) {
+    if (!(end_face(body, values.vectors.at("side"), 0).area > 0))
+      throw InputError("the molecules on this side span no area");
+  };
+  load.add = [](Model& model, const LoadValues& values, const Material*) {
+    const Face end = end_face(model.body(), values.vectors.at("side"), 0);
+    model.add(std::make_unique<PointLoads>(model.body(), end.molecules,
+                                           end.area * values.vectors.at("traction") * end.share.transpose()));
+  };
+  return load;
+}
+
+/// One value of a load, in the scene's axes.
+void read_value(const Reader& reader, const ParameterInfo& info, const Body& body, const Matrix3& rotation,
+                LoadValues& values) {
+  if (info.kind == ValueKind::direction) {
+    values.vectors[info.name] = rotation * read_direction(reader);
+  } else if (info.kind == ValueKind::vector) {
+    values.vectors[info.name] = rotation * reader.vector(info.unit, {info.low, info.high, info.above_low});
+  } else if (info.kind == ValueKind::molecules) {
+    std::vector<int>& molecules = values.molecules[info.name];
+    for (const Reader& item : reader.items()) molecules.push_back(item.whole(0, body.size() - 1));
+  } else {
+    values.numbers[info.name] = read_parameter(reader, info);
   }
-  const double density = reader.at("density").quantity(dimension::density, kNotNegative);
-  const double coefficient = reader.at("drag_coefficient").quantity(dimension::none, kNotNegative);
-  reader.finish();
-  return {[=](Model& model) { model.add(make_quadratic_drag(model.body(), density, coefficient)); }, false};
 }
 
-SceneLoad read_damping(const Reader& reader, const Body&) {
-  const double coefficient = reader.quantity(dimension::damping, kNotNegative);
-  return {[=](Model& model) { model.add(make_damping(coefficient)); }, false};
-}
-
-SceneLoad read_cell_damping(Reader reader, const Body& body) {
-  const double bulk = reader.at("bulk").quantity(dimension::viscosity, kNotNegative);
-  const double shear = reader.at("shear").quantity(dimension::viscosity, kNotNegative);
+/// A map of values; or, of a load that needs one value alone, that value.
+LoadValues read_values(Reader reader, const LoadKind& load, const Body& body, const Matrix3& rotation) {
+  LoadValues values;
+  const auto needed = [](const ParameterInfo& info) { return info.required; };
+  const auto first = std::find_if(load.parameters.begin(), load.parameters.end(), needed);
+  if (!reader.is_map() && std::count_if(load.parameters.begin(), load.parameters.end(), needed) == 1) {
+    read_value(reader, *first, body, rotation, values);
+    return values;
+  }
+  for (const ParameterInfo& info : load.parameters) {
+    const auto value = info.required ? std::optional(reader.at(info.name)) : reader.find(info.name);
+    if (value) read_value(*value, info, body, rotation, values);
+  }
   reader.finish();
-  if (body.tetrahedra.empty()) reader.fail("needs a body with tetrahedra; `damping` works on connections");
-  return {[=](Model& model) { model.add(make_cell_damping(model.body(), bulk, shear)); }, false};
-}
-
-/// Rayleigh's: α M + β K.
-SceneLoad read_rayleigh(Reader reader) {
-  const auto mass = reader.find("mass"), stiffness = reader.find("stiffness");
-  const double rate = mass ? mass->quantity({0, 0, -1}, kNotNegative) : 0;
-  const double time = stiffness ? stiffness->quantity(dimension::time, kNotNegative) : 0;
-  reader.finish();
-  if (!mass && !stiffness) reader.fail("give mass (a rate), stiffness (a time), or both");
-  return {[=](Model& model) {
-            if (rate > 0) model.add(make_mass_damping(model.body(), rate));
-            if (time > 0)
-              for (const auto& law : model.elasticity()) model.add(make_stiffness_damping(model.body(), *law, time));
-          },
-          false};
-}
-
-SceneLoad read_floor(Reader reader, const Body& body, const Material& material, const Matrix3& rotation) {
-  Floor floor;
-  floor.point = rotation * reader.at("point").vector(dimension::length);
-  floor.normal = rotation * read_direction(reader.at("normal"));
-  floor.stiffness = default_floor_stiffness(body, material);
-  if (auto stiffness = reader.find("stiffness")) floor.stiffness = stiffness->quantity(dimension::stiffness, kPositive);
-  if (auto damping = reader.find("damping")) floor.damping = damping->quantity(dimension::damping, kNotNegative);
-  reader.finish();
-  return {[=](Model& model) {
-    model.add(make_floor(model.body(), floor));
-    if (floor.damping > 0) model.add(make_floor_damping(model.body(), floor));
-  }};
-}
-
-SceneLoad read_air(Reader reader, const Body& body, const Matrix3& rotation) {
-  Air air;
-  if (auto density = reader.find("density")) air.density = density->quantity(dimension::density, kNotNegative);
-  if (auto drag = reader.find("drag_coefficient")) air.drag_coefficient = drag->quantity(dimension::none, kNotNegative);
-  if (auto skin = reader.find("skin_coefficient")) air.skin_coefficient = skin->quantity(dimension::none, kNotNegative);
-  if (auto caught = reader.find("pressure_coefficient"))
-    air.pressure_coefficient = caught->quantity(dimension::none, kNotNegative);
-  if (auto wind = reader.find("wind")) air.wind = rotation * wind->vector(dimension::velocity);
-  reader.finish();
-  if (body.triangles.empty()) reader.fail("air drags on triangles and the body has none; `drag` works on molecules");
-  return {[=](Model& model) { model.add(make_air(model.body(), air)); }, air.wind.norm() > 0};
+  return values;
 }
 
 /// Adds loads as functions of time.
@@ -83,34 +67,7 @@ void vary_loads(Model& model, const std::function<void(Model&)>& add, const Time
   for (auto& load : apart.extract_loads()) model.add(make_varying(std::move(load), function));
 }
 
-SceneLoad read_point(Reader reader, const Body& body, const Matrix3& rotation) {
-  std::vector<int> molecules;
-  for (const Reader& item : reader.at("molecules").items()) molecules.push_back(item.whole(0, body.size() - 1));
-  const Vector3 force = rotation * reader.at("force").vector(dimension::force);
-  reader.finish();
-  return {[=](Model& model) {
-    model.add(std::make_unique<PointLoads>(model.body(), molecules,
-                                           force.replicate(1, static_cast<Eigen::Index>(molecules.size()))));
-  }};
-}
-
-SceneLoad read_face(Reader reader, const Body& body, const Matrix3& rotation) {
-  const Vector3 side = rotation * read_direction(reader.at("side"));
-  const Vector3 traction = rotation * reader.at("traction").vector(dimension::pressure);
-  reader.finish();
-  const Face face = reader.located([&] { return end_face(body, side, 0); });
-  if (!(face.area > 0)) reader.fail("the molecules on this side span no area");
-  return {[=](Model& model) {
-    model.add(
-        std::make_unique<PointLoads>(model.body(), face.molecules, face.area * traction * face.share.transpose()));
-  }};
-}
-
 }  // namespace
-
-double default_floor_stiffness(const Body& body, const Material& material) {
-  return material.youngs_modulus * 2 * body.radius.mean();
-}
 
 TimeFunction read_time_function(Reader reader) {
   if (!reader.is_map()) reader.fail("write {ramp: …}, {step: …}, {sine: …} or {table: [[time, factor], …]}");
@@ -144,39 +101,36 @@ TimeFunction read_time_function(Reader reader) {
                             mean ? mean->quantity(dimension::none) : 0);
 }
 
-SceneLoad read_load(Reader reader, const Body& body, const Material& material, const Matrix3& rotation) {
-  using Read = std::function<SceneLoad(const Reader&)>;
-  const std::vector<std::pair<std::string, Read>> kinds{
-      {"gravity",
-       [&](const Reader& value) -> SceneLoad {
-         const Vector3 acceleration = rotation * value.vector(dimension::acceleration);
-         return {[=](Model& model) { model.add(make_gravity(model.body(), acceleration)); }};
-       }},
-      {"drag", read_drag},
-      {"air", [&](const Reader& value) { return read_air(value, body, rotation); }},
-      {"damping", [&](const Reader& value) { return read_damping(value, body); }},
-      {"cell_damping", [&](const Reader& value) { return read_cell_damping(value, body); }},
-      {"rayleigh", read_rayleigh},
-      {"floor", [&](const Reader& value) { return read_floor(value, body, material, rotation); }},
-      {"point", [&](const Reader& value) { return read_point(value, body, rotation); }},
-      {"face", [&](const Reader& value) { return read_face(value, body, rotation); }},
-      {"pressure", [&](const Reader& value) { return read_pressure(value, body); }},
-      {"gas", [&](const Reader& value) { return read_gas_load(value, body); }}};
-  std::vector<std::pair<Reader, Read>> found;
+elastin::Table<LoadKind> scene_loads(const Catalog& catalog) {
+  elastin::Table<LoadKind> loads = catalog.loads;
+  loads.add(face());
+  return loads;
+}
+
+SceneLoad read_load(Reader reader, const elastin::Table<LoadKind>& loads, const Body& body, const Material& material,
+                    const Matrix3& rotation) {
+  const std::vector<std::string> keys = reader.keys();
+  if (std::find(keys.begin(), keys.end(), "drag") != keys.end())
+    reader.at("drag").fail(
+        "is two loads now: write stokes_drag: {viscosity: …} or quadratic_drag: {density: …, drag_coefficient: …}");
+  std::vector<std::pair<Reader, std::shared_ptr<const LoadKind>>> found;
   std::string names;
-  for (const auto& [name, read] : kinds) {
-    if (auto value = reader.find(name)) found.emplace_back(*value, read);
-    names += (names.empty() ? "" : ", ") + name;
+  for (const auto& load : loads) {
+    if (auto value = reader.find(load->name)) found.emplace_back(*value, load);
+    names += (names.empty() ? "" : ", ") + load->name;
   }
   const auto in_time = reader.find("in_time");
   reader.finish();
   if (found.size() != 1) reader.fail("a load is one of " + names + "; write each as an item of its own");
-  const auto& [value, read] = found.front();
-  SceneLoad load = read(value);
-  if (!in_time) return load;
+  const auto& [value, kind] = found.front();
+  LoadValues values = read_values(value, *kind, body, rotation);
+  values = value.located([&] { return checked_values(*kind, body, std::move(values)); });
+  const bool acts_at_rest = kind->acts_at_rest(values);
+  const auto add = [kind = kind, values, material](Model& model) { kind->add(model, values, &material); };
+  if (!in_time) return {add, acts_at_rest};
   const TimeFunction function = read_time_function(*in_time);
-  if (!load.acts_at_rest) in_time->fail("damping and drag do not change in time");
-  return {[add = load.add, function](Model& model) { vary_loads(model, add, function); }, true, true};
+  if (!acts_at_rest) in_time->fail("damping and drag do not change in time");
+  return {[add, function](Model& model) { vary_loads(model, add, function); }, true, true};
 }
 
 }  // namespace elastin::lab

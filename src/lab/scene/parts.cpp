@@ -2,13 +2,17 @@
 
 namespace elastin::lab {
 
+double read_parameter(const Reader& reader, const ParameterInfo& info) {
+  if (info.kind == ValueKind::whole) return reader.whole(static_cast<int>(info.low), static_cast<int>(info.high));
+  return reader.quantity(info.unit, {info.low, info.high, info.above_low});
+}
+
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
   if (reader.is_text()) return reader.located([&] { return choose_strategy(catalog, reader.text()); });
   const Reader name = reader.at("strategy");
   StrategyChoice choice = name.located([&] { return choose_strategy(catalog, name.text()); });
   for (const ParameterInfo& info : choice.strategy.parameters)
-    if (auto value = reader.find(info.name))
-      choice.values[info.name] = value->quantity(info.unit, {info.low, info.high});
+    if (auto value = reader.find(info.name)) choice.values[info.name] = read_parameter(*value, info);
   if (auto volume = reader.find("volume")) {
     const bool springs = choice.strategy.kind != StrategyKind::cell_law;
     const auto words = springs ? std::vector<std::pair<std::string, bool>>{{"true", true}, {"false", false}}
@@ -45,7 +49,7 @@ Matrix3 read_rotation(Reader reader) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 
-StaticOptions read_solver(Reader reader) {
+StaticOptions read_solver(Reader reader, const elastin::Table<LinearSolverKind>& linear_solvers) {
   StaticOptions options;
   if (auto value = reader.find("displacements"))
     options.linear = value->choice<bool>({{"large", false}, {"small", true}});
@@ -54,10 +58,7 @@ StaticOptions read_solver(Reader reader) {
                                                          {"explicit", StaticMethod::explicit_steps},
                                                          {"implicit", StaticMethod::implicit_steps}});
   if (auto value = reader.find("linear_solver"))
-    options.method = value->choice<LinearMethod>({{"automatic", LinearMethod::automatic},
-                                                  {"pcg", LinearMethod::pcg},
-                                                  {"multigrid", LinearMethod::multigrid},
-                                                  {"direct", LinearMethod::direct}});
+    options.method = value->located([&] { return linear_solvers.find(value->text()); });
   if (auto value = reader.find("tolerance")) options.tolerance = value->quantity(dimension::none, {1e-14, 0.1, false});
   if (auto value = reader.find("newton_limit")) options.newton_limit = value->whole(1, 100000);
   reader.finish();

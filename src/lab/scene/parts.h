@@ -30,6 +30,8 @@ mesh::Mesh read_mesh_file(Reader& reader);
 Body read_fill(Reader reader, VectorX& volumes, Remarks remarks);
 /// A body of triangles: sphere, sphere_octant, disc, sheet or canopy.
 Body read_surface(const std::string& shape, Reader reader);
+/// A number in the range of a parameter, SI.
+double read_parameter(const Reader& reader, const ParameterInfo& info);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
 /// What an experiment needs to know of its scene. Directions of the scene are turned with it.
 struct ExperimentContext {
@@ -58,26 +60,23 @@ struct SceneContact {
 SceneContact read_contact(Reader reader, const Body& body, const Material& material, const Matrix3& rotation);
 /// Throws InputError on a motion that means nothing in this experiment.
 void check_motions(const SceneContact& contact, bool timed);
-StaticOptions read_solver(Reader reader);
+StaticOptions read_solver(Reader reader, const elastin::Table<LinearSolverKind>& linear_solvers);
 /// Adds one load, or internal damping, to a model of the scene's body.
 struct SceneLoad {
   std::function<void(Model&)> add;
   bool acts_at_rest = true;      ///< false: drag and damping, which a static experiment does not feel
   bool changes_in_time = false;  ///< an experiment at rest must not have it
 };
-/// What a floor gives each molecule that is pressed in where the scene says nothing: E times the mean molecule's
-/// diameter, as a cube of that size has [N/m].
-double default_floor_stiffness(const Body& body, const Material& material);
+/// What scenes name under `loads`: the catalog's, and those that stand on the ends of an experiment.
+elastin::Table<LoadKind> scene_loads(const Catalog& catalog);
 /// `rotation` turns its directions with the scene.
-SceneLoad read_load(Reader reader, const Body& body, const Material& material, const Matrix3& rotation);
+SceneLoad read_load(Reader reader, const elastin::Table<LoadKind>& loads, const Body& body, const Material& material,
+                    const Matrix3& rotation);
 /// {ramp: {duration: 1 s}}, {step: {at: 1 s}}, {sine: …} or {table: [[0 s, 0], …]}.
 TimeFunction read_time_function(Reader reader);
-TimeOptions read_time(Reader reader);
+TimeOptions read_time(Reader reader, const elastin::Table<Stepper>& steppers);
 /// How the run begins: velocities and places that are not those of rest.
 std::function<void(State&)> read_initial(Reader reader, const Body& body, const Matrix3& rotation, bool timed);
-/// Pressure on all triangles, and gas that they enclose.
-SceneLoad read_pressure(const Reader& reader, const Body& body);
-SceneLoad read_gas_load(const Reader& reader, const Body& body);
 GasSetup read_gas(Reader reader);
 Matrix3 read_rotation(Reader reader);
 

@@ -156,7 +156,7 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   scene->stiffness = read_strategy(reader.at("stiffness"), catalog);
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog);
   const Reader experiment = reader.at("experiment");
-  if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver);
+  if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver, catalog.linear_solvers);
   ExperimentContext context{scene->specimen.body, scene->specimen.material, rotation, scene->statics};
   std::optional<SceneContact> contact;
   if (auto value = reader.find("contact")) {
@@ -177,12 +177,12 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   if (!time && timed)
     experiment.fail("a " + scene->experiment->name() + " experiment runs through time: key 'time' is missing, " +
                     "for example time: {duration: 1 s}");
-  if (time) scene->time = read_time(*time);
+  if (time) scene->time = read_time(*time, catalog.steppers);
   if (auto initial = reader.find("initial"))
     scene->specimen.start = read_initial(*initial, scene->specimen.body, rotation, timed);
   if (auto loads = reader.find("loads"))
     for (const Reader& item : loads->items()) {
-      SceneLoad load = read_load(item, scene->specimen.body, scene->specimen.material, rotation);
+      SceneLoad load = read_load(item, scene_loads(catalog), scene->specimen.body, scene->specimen.material, rotation);
       if (load.changes_in_time && !timed) item.fail("an experiment at rest knows no time: in_time means nothing here");
       if (!load.acts_at_rest && !timed)
         scene->warnings.push_back(item.path() +

@@ -1,36 +1,45 @@
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/forces/floor.h"
 #include "lab/experiment/motion.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
 namespace {
 
-const std::vector<std::pair<std::string, Scheme>> kSchemes{{"newmark", Scheme::newmark},
-                                                           {"backward_euler", Scheme::backward_euler},
-                                                           {"velocity_verlet", Scheme::velocity_verlet},
-                                                           {"symplectic_euler", Scheme::symplectic_euler}};
+/// Fails where a key is a parameter of other schemes than the one chosen.
+void refuse_others(Reader& reader, const elastin::Table<Stepper>& steppers, const Stepper& chosen) {
+  const auto has = [](const Stepper& stepper, const std::string& key) {
+    return std::any_of(stepper.parameters.begin(), stepper.parameters.end(),
+                       [&](const ParameterInfo& info) { return info.name == key; });
+  };
+  for (const std::string& key : reader.keys()) {
+    if (has(chosen, key)) continue;
+    std::string owners;
+    int count = 0;
+    for (const auto& stepper : steppers)
+      if (has(*stepper, key)) owners += (count++ ? ", " : "") + stepper->name;
+    if (count > 0) reader.at(key).fail("only " + owners + (count > 1 ? " have this" : " has this"));
+  }
+}
 
-void read_integrator(Reader reader, TimeOptions& options) {
+/// {scheme: NAME, PARAMETER: VALUE, …}, or the name alone.
+void read_integrator(Reader reader, const elastin::Table<Stepper>& steppers, TimeOptions& options) {
+  const auto named = [&](const Reader& name) { return name.located([&] { return steppers.find(name.text()); }); };
   if (reader.is_text()) {
-    options.scheme = reader.choice<Scheme>(kSchemes);
+    options.scheme = named(reader);
     return;
   }
-  options.scheme = reader.at("scheme").choice<Scheme>(kSchemes);
-  const auto beta = reader.find("beta"), gamma = reader.find("gamma"), iterations = reader.find("newton_iterations");
+  const auto scheme = named(reader.at("scheme"));
+  options.scheme = scheme;
+  refuse_others(reader, steppers, *scheme);
+  for (const ParameterInfo& info : scheme->parameters)
+    if (auto value = reader.find(info.name)) options.parameters[info.name] = read_parameter(*value, info);
   reader.finish();
-  for (const auto& [value, target] : {std::pair{beta, &options.beta}, {gamma, &options.gamma}}) {
-    if (!value) continue;
-    if (options.scheme != Scheme::newmark) value->fail("only newmark has this");
-    *target = value->quantity(dimension::none, target == &options.beta ? Range{0, 1, true} : Range{0.5, 1, false});
-  }
-  if (iterations) {
-    if (is_explicit(*options.scheme)) iterations->fail("an explicit scheme has no Newton iterations");
-    options.newton_iterations = iterations->whole(1, 1000);
-  }
 }
 
 void read_step(Reader reader, TimeOptions& options) {
@@ -137,10 +146,10 @@ double uniform(std::mt19937_64& generator) { return 2 * static_cast<double>(gene
 
 }  // namespace
 
-TimeOptions read_time(Reader reader) {
+TimeOptions read_time(Reader reader, const elastin::Table<Stepper>& steppers) {
   TimeOptions options;
   options.duration = reader.at("duration").quantity(dimension::time, kPositive);
-  if (auto integrator = reader.find("integrator")) read_integrator(*integrator, options);
+  if (auto integrator = reader.find("integrator")) read_integrator(*integrator, steppers, options);
   if (auto step = reader.find("step")) read_step(*step, options);
   if (auto frames = reader.find("frames")) options.frames = frames->whole(1, 1000000);
   if (auto rate = reader.find("frame_rate")) options.frame_rate = rate->quantity({0, 0, -1}, kPositive);

@@ -14,6 +14,7 @@
 #include "elastin/core/solve/stable_step.h"
 #include "lab/experiment/run_in_time.h"
 #include "lab/report/table.h"
+#include "lab/scene/parts.h"
 
 namespace elastin::lab {
 namespace {
@@ -168,7 +169,7 @@ void add_steps_in_time(std::string& out, Scene& scene) {
     std::optional<Model> model = make_model(scene.specimen, *scene.experiment, choice, {}, run);
     if (!model) continue;
     const auto [scheme, reason] = chosen_scheme(*scene.time, needs_cells(choice.strategy, scene.specimen.body));
-    std::string text = name_of(scheme);
+    std::string text = scheme->name;
     if (!reason.empty()) text += " by default (" + reason + ")";
     const StableStep found = find_stable_step(*model, state_at_rest(scene.specimen.body));
     text +=
@@ -242,22 +243,54 @@ CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<
   return report;
 }
 
+namespace {
+
+/// "0 … 1", or what stands behind the name where it is no number.
+std::string range_of(const ParameterInfo& info) {
+  if (info.kind != ValueKind::number && info.kind != ValueKind::whole) return name_of(info.kind);
+  return fmt::format("{}{:g} … {:g}", info.above_low ? "> " : "", info.low, info.high);
+}
+
+void add_parameters(const Descriptor& row, Table& parameters) {
+  for (const ParameterInfo& info : row.parameters)
+    parameters.add({{row.name + "." + info.name},
+                    {si_unit(info.unit)},
+                    {range_of(info)},
+                    {std::isnan(info.fallback) ? "" : fmt::format("{:g}", info.fallback), Tone::plain, true},
+                    {info.text, Tone::faint}});
+}
+
+Table parameter_table() { return Table({"parameter", "unit", "range", "default", "meaning"}); }
+
+/// A table of rows with their parameters.
+template <class Rows>
+std::string rows_text(const std::string& title, const Rows& rows, bool colours) {
+  Table names({"name", "what it does", "source"}), parameters = parameter_table();
+  bool any = false;
+  for (const auto& row : rows) {
+    names.add({{row->name, Tone::good}, {row->summary}, {row->source, Tone::faint}});
+    add_parameters(*row, parameters);
+    any |= !row->parameters.empty();
+  }
+  return "\n" + painted(title, Tone::bold, colours) + "\n" + names.text(colours) +
+         (any ? "\n" + parameters.text(colours) : "");
+}
+
+}  // namespace
+
 std::string catalog_text(const Catalog& catalog, bool colours) {
   std::string out = painted("Stiffness strategies", Tone::bold, colours) + "\n";
-  Table strategies({"name", "kind", "what it does", "source"});
-  Table parameters({"parameter", "unit", "range", "default", "meaning"});
+  Table strategies({"name", "kind", "what it does", "source"}), parameters = parameter_table();
   for (const Strategy& strategy : catalog.strategies()) {
     strategies.add(
         {{strategy.name, Tone::good}, {name_of(strategy.kind)}, {strategy.summary}, {strategy.source, Tone::faint}});
-    for (const ParameterInfo& info : strategy.parameters)
-      parameters.add({{strategy.name + "." + info.name},
-                      {si_unit(info.unit)},
-                      {fmt::format("{:g} … {:g}", info.low, info.high)},
-                      {fmt::format("{:g}", info.fallback), Tone::plain, true},
-                      {info.text, Tone::faint}});
+    add_parameters(strategy, parameters);
   }
   out += strategies.text(colours) + "\n" + painted("Their parameters", Tone::bold, colours) + "\n" +
          parameters.text(colours);
+  out += rows_text("Integrators (time.integrator)", catalog.steppers, colours);
+  out += rows_text("Linear solvers (solver.linear_solver)", catalog.linear_solvers, colours);
+  out += rows_text("Loads (loads)", scene_loads(catalog), colours);
   Table measures({"measure", "unit", "meaning"});
   for (const MeasureInfo& info : measure_list())
     measures.add({{std::string(info.name)}, {info.unit_text()}, {std::string(info.text), Tone::faint}});

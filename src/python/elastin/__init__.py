@@ -10,7 +10,7 @@ Quantities are in SI units. Arrays of places are (n, 3), one row a molecule; vie
 
     body = elastin.lattice((5, 5, 5), spacing=1e-3)
     tissue = elastin.Simulation(body, "lattice", elastin.Material(5e3))
-    tissue.add_gravity((0, 0, -9.81))
+    tissue.add_load("gravity", acceleration=(0, 0, -9.81))
     tissue.step(1e-3)
 """
 
@@ -21,11 +21,13 @@ import os as _os
 if "OMP_WAIT_POLICY" not in _os.environ:
     _os.environ.setdefault("GOMP_SPINCOUNT", "3000")
 
-from ._elastin import (Body, Catalog, InputError, Material, Parameter, Result, Simulation, SimulationState,
-                       StaticResult, StepResult, Strategy, __version__, measures, set_threads, threads)
+from ._elastin import (Body, Catalog, InputError, Material, Parameter, Result, Row, Simulation, SimulationState,
+                       StaticResult, StepResult, Strategy, __version__, linear_solvers, loads, measures, set_threads,
+                       steppers, threads)
 from ._bodies import body, lattice, read_mesh
 from ._laboratory import Comparison, Laboratory, Sweep, compare, run, strategies, sweep
 
-__all__ = ["Body", "Catalog", "Comparison", "InputError", "Laboratory", "Material", "Parameter", "Result", "Simulation",
-           "SimulationState", "StaticResult", "StepResult", "Strategy", "Sweep", "body", "compare", "lattice",
-           "measures", "read_mesh", "run", "set_threads", "strategies", "sweep", "threads"]
+__all__ = ["Body", "Catalog", "Comparison", "InputError", "Laboratory", "Material", "Parameter", "Result", "Row",
+           "Simulation", "SimulationState", "StaticResult", "StepResult", "Strategy", "Sweep", "body", "compare",
+           "lattice", "linear_solvers", "loads", "measures", "read_mesh", "run", "set_threads", "steppers",
+           "strategies", "sweep", "threads"]

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/forces/tangent.h"
+#include "elastin/core/forces/tangent.h"
 #include "elastin/core/forces/tension.h"
 #include "elastin/core/shapes/surfaces.h"
 #include "elastin/core/simulation/catalog.h"
@@ -63,8 +63,7 @@ double tip_displacement(const Cantilever& c, double force, bool linear, double* 
   }
   model.add(std::make_unique<PointLoads>(body, tip, forces));
   State state = state_at_rest(body);
-  const StaticResult solved =
-      solve_static(model, state, {.linear = linear, .method = LinearMethod::direct, .tolerance = 1e-8});
+  const StaticResult solved = solve_static(model, state, {.linear = linear, .method = "direct", .tolerance = 1e-8});
   INFO(solved.cause);
   REQUIRE(solved.outcome == Outcome::converged);
   if (shortening) *shortening = body.rest(0, middle) - state.positions(0, middle);

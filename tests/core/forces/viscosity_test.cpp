@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/forces/tangent.h"
 #include "elastin/core/forces/model.h"
+#include "elastin/core/forces/tangent.h"
 #include "elastin/core/simulation/catalog.h"
 #include "support/bodies.h"
 

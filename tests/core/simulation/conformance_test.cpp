@@ -2,9 +2,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/forces/tangent.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/model.h"
+#include "elastin/core/forces/tangent.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/simulation/fibres.h"
 #include "elastin/mesh/voronoi.h"

@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/forces/tangent.h"
 #include "elastin/core/forces/model.h"
+#include "elastin/core/forces/tangent.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/simulation/fibres.h"
 #include "elastin/mesh/voronoi.h"

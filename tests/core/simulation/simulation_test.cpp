@@ -218,7 +218,7 @@ TEST_CASE("simulation: a step that cannot be leaves the state as it was and says
     };
     for (const double dt : {0., -1e-3, kNaN, std::numeric_limits<double>::infinity()})
       refused(dt, "above 0 s and finite");
-    if (is_explicit(scheme)) refused(100, "1000 are allowed");
+    if (scheme->is_explicit) refused(100, "1000 are allowed");
     tissue.host_forces()(1, 7) = kNaN;
     refused(kStep, "the host's force on molecule 7 is not finite");
     tissue.host_forces().setZero();

@@ -65,12 +65,12 @@ TEST_CASE("simulation: steps, views, grips, moved supports and observers ask for
   for (const Scheme scheme : kSchemes)
     for (const char* strategy : {"lattice", "lattice+volume", "neo_hookean"})
       for (const int newton : {0, 1}) {
-        if (is_explicit(scheme) && newton == 1) continue;
-        INFO(name_of(scheme) << " " << strategy << " " << newton);
+        if (scheme->is_explicit && newton == 1) continue;
+        INFO(scheme->name << " " << strategy << " " << newton);
         // More molecules than one block of an ordered sum, where that is quick.
         Body body = strategy[0] == 'n' ? tissue_block() : tissue_cube(std::string(strategy) == "lattice" ? 11 : 5);
         SimulationOptions options;
-        options.integrator.newton_iterations = newton;
+        if (newton > 0) options.integrator.parameters["newton_iterations"] = newton;
         Simulation tissue = simulation_of(std::move(body), scheme, strategy, options);
         load(tissue);
         CHECK(allocations_in_steps(tissue, 4) == 0);
@@ -78,7 +78,7 @@ TEST_CASE("simulation: steps, views, grips, moved supports and observers ask for
 }
 
 TEST_CASE("simulation: damping of connections, of the stiffness and of cells asks for no memory") {
-  for (const Scheme scheme : {Scheme::velocity_verlet, Scheme::backward_euler}) {
+  for (const Scheme scheme : {"velocity_verlet", "backward_euler"}) {
     Simulation tissue = simulation_of(tissue_block(), scheme, "neo_hookean");
     load(tissue);
     tissue.model().add(make_damping(1e-4));
@@ -91,9 +91,9 @@ TEST_CASE("simulation: damping of connections, of the stiffness and of cells ask
 TEST_CASE("simulation: the host's threads give bitwise identical results, and ask for no memory either") {
   const auto with = [](TaskRunner* runner, int threads) {
     SimulationOptions options{.runner = runner, .threads = threads};
-    options.integrator.newton_iterations = 1;
+    options.integrator.parameters["newton_iterations"] = 1;
     // Large enough to be shared out.
-    Simulation tissue = simulation_of(tissue_cube(20), Scheme::backward_euler, "lattice", options);
+    Simulation tissue = simulation_of(tissue_cube(20), "backward_euler", "lattice", options);
     load(tissue);
     REQUIRE(step(tissue, 0));
     const long before = allocations();

@@ -23,8 +23,8 @@ inline Body tissue_block() {
   return body;
 }
 
-inline Simulation simulation_of(Body body, Scheme scheme = Scheme::symplectic_euler,
-                                const std::string& strategy = "lattice", SimulationOptions options = {}) {
+inline Simulation simulation_of(Body body, Scheme scheme = "symplectic_euler", const std::string& strategy = "lattice",
+                                SimulationOptions options = {}) {
   const Catalog catalog = built_in_catalog();
   options.integrator.scheme = scheme;
   const bool volume = strategy.ends_with("+volume");
@@ -34,7 +34,6 @@ inline Simulation simulation_of(Body body, Scheme scheme = Scheme::symplectic_eu
   return Simulation(std::move(body), volume ? with_volume(found) : found, material, std::move(options));
 }
 
-inline constexpr Scheme kSchemes[] = {Scheme::symplectic_euler, Scheme::velocity_verlet, Scheme::backward_euler,
-                                      Scheme::newmark};
+inline const std::vector<Scheme> kSchemes{built_in_steppers().begin(), built_in_steppers().end()};
 
 }  // namespace elastin::testing

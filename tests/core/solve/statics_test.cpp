@@ -41,7 +41,7 @@ TEST_CASE("a hanging chain stretches as its weight says", "[statics]") {
   // Connection i carries the weight of the n − i molecules below it.
   const int n = 30;
   const double k = 200, g = 9.81;
-  for (const LinearMethod method : {LinearMethod::pcg, LinearMethod::direct, LinearMethod::automatic})
+  for (const LinearMethod method : {"pcg", "direct", "automatic"})
     for (const bool linear : {true, false}) {
       Chain chain(n, k);
       chain.model->add(make_gravity(chain.body, {g, 0, 0}));
@@ -129,10 +129,8 @@ TEST_CASE("pcg and the factorisation agree, on springs and on cells, with slante
     }
     for (const bool linear : {true, false}) {
       State one = state_at_rest(body), other = one;
-      const StaticResult a =
-          solve_static(model, one, {.linear = linear, .method = LinearMethod::pcg, .tolerance = 1e-12});
-      const StaticResult b =
-          solve_static(model, other, {.linear = linear, .method = LinearMethod::direct, .tolerance = 1e-12});
+      const StaticResult a = solve_static(model, one, {.linear = linear, .method = "pcg", .tolerance = 1e-12});
+      const StaticResult b = solve_static(model, other, {.linear = linear, .method = "direct", .tolerance = 1e-12});
       REQUIRE(a.outcome == Outcome::converged);
       REQUIRE(b.outcome == Outcome::converged);
       CHECK((one.positions - other.positions).norm() <= 1e-8 * (one.positions - body.rest).norm());

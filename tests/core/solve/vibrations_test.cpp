@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/forces/tangent.h"
+#include "elastin/core/forces/tangent.h"
 #include "elastin/core/simulation/catalog.h"
 #include "support/bodies.h"
 

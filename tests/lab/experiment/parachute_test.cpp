@@ -57,7 +57,7 @@ TEST_CASE("a parachute ends at the speed at which drag carries the weight", "[pa
   parachute->set_up(model);
   State state = state_at_rest(body);
   parachute->start(model, state, {});
-  const auto integrator = make_integrator({.scheme = Scheme::backward_euler});
+  const auto integrator = make_integrator({.scheme = "backward_euler"});
   std::vector<CurvePoint> history;
   for (int step = 0; step <= 150; ++step) {
     CurvePoint row;

@@ -120,7 +120,7 @@ TEST_CASE("creep, relaxation and a shaken base follow their formulas", "[time]")
       run_of(chain +
              "experiment: {kind: relaxation, ramp: 10 ms, fixture: {kind: tension, axis: x, displacement: 0.1 mm, "
              "cross_section: 1 cm2}}\n"
-             "loads: [{drag: {kind: stokes, viscosity: 50 Pa s}}]\n"
+             "loads: [{stokes_drag: {viscosity: 50 Pa s}}]\n"
              "time: {duration: 1 s, integrator: newmark, step: 1 ms, frames: 200}\n");
   CHECK(measured(relaxation, "relaxation_time") == Approx(6 * M_PI * 50 * 0.005 / 40).epsilon(2e-3));
   CHECK(measured(relaxation, "force") == Approx(1e-3).epsilon(1e-3));
@@ -143,10 +143,10 @@ TEST_CASE("both drag laws reach their speeds, at the order of the integrator", "
   const auto speed = [&](const std::string& drag, const std::string& scheme, double duration, int frames) {
     const std::string time = "time: {duration: " + std::to_string(duration) + " s, frames: " + std::to_string(frames) +
                              ", step: 1 s, integrator: " + scheme + "}\n";
-    return measured(run_of(ball + "loads: [{gravity: [0, 0, -9.81 m/s2]}, {drag: {" + drag + "}}]\n" + time), "speed");
+    return measured(run_of(ball + "loads: [{gravity: [0, 0, -9.81 m/s2]}, {" + drag + "}}]\n" + time), "speed");
   };
-  const std::string stokes = "kind: stokes, viscosity: 0.2 Pa s",
-                    quadratic = "kind: quadratic, density: 1000 kg/m3, drag_coefficient: 0.47";
+  const std::string stokes = "stokes_drag: {viscosity: 0.2 Pa s",
+                    quadratic = "quadratic_drag: {density: 1000 kg/m3, drag_coefficient: 0.47";
   CHECK(speed(stokes, "newmark", 4, 200) == Approx(g * tau).epsilon(1e-7));
   CHECK(speed(quadratic, "newmark", 2, 200) == Approx(sink).epsilon(1e-7));
   for (const auto& [scheme, order] : {std::pair{"backward_euler", 1.}, {"newmark", 2.}, {"symplectic_euler", 1.}}) {
@@ -257,7 +257,7 @@ TEST_CASE("a restart file of another run, or a damaged one, is refused", "[time]
   refuse(kept, kRelease + "time: {duration: 1 s, frames: 4, integrator: newmark}\n", "newmark");
   std::string bad = kept;
   bad.replace(bad.find("0x1"), 3, "0y1");
-  refuse(bad, kRelease + time, "is no number");
+  refuse(bad, kRelease + time, "is damaged: its checksum does not hold");
 }
 
 TEST_CASE("a step far above the stable one ends with its cause and keeps the frames before", "[time]") {

@@ -33,7 +33,7 @@ experiment:
 solver: {tolerance: 1e-9}
 loads:
   - gravity: [0, 0, -9.81 m/s2]
-  - drag: {kind: stokes, viscosity: 1 mPa s}
+  - stokes_drag: {viscosity: 1 mPa s}
   - point: {molecules: [26], force: [0 N, 0 N, 1 uN]}
   - face: {side: z, traction: [1 Pa, 0, 0]}
 expect:
@@ -232,8 +232,8 @@ TEST_CASE("a misspelt key is named with the nearest one and all that are known",
       {"gravity:",
        "@gravty:",
        "loads[0]: unknown key 'gravty'",
-       {"did you mean 'gravity'?", "(allowed: gravity, drag, "}},
-      {"viscosity:", "@viscousity:", "loads[1].drag: unknown key 'viscousity'", {"did you mean 'viscosity'?"}},
+       {"did you mean 'gravity'?", "(allowed: gravity, point, "}},
+      {"viscosity:", "@viscousity:", "loads[1].stokes_drag: unknown key 'viscousity'", {"did you mean 'viscosity'?"}},
       {"traction:", "@tracton:", "loads[3].face: unknown key 'tracton'", {"did you mean 'traction'?"}},
       {"measure: eff",
        "@mesure: eff",
@@ -514,8 +514,8 @@ TEST_CASE("keys that are missing or do not go together are named", "[scene]") {
        "packing: @{size: [1 m, 1 m, 1 m], distance: 0.1 mm}",
        "body.packing: the size holds too many molecules",
        {}},
-      {kGravity, "@" + kGravity + "\n    damping: 1 N s/m", "loads[0]: a load is one of gravity, drag", {"an item"}},
-      {kGravity, "@{}", "loads[0]: a load is one of gravity, drag, ", {}},
+      {kGravity, "@" + kGravity + "\n    damping: 1 N s/m", "loads[0]: a load is one of gravity, point", {"an item"}},
+      {kGravity, "@{}", "loads[0]: a load is one of gravity, point, ", {}},
       {"[standard, {strategy: divided, divisor: 3.75, label: halved}]",
        "@[]",
        "strategies: names no strategy",

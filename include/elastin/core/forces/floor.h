@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "elastin/core/forces/loads.h"
+#include "elastin/core/model/material.h"
 
 namespace elastin {
 
@@ -12,6 +13,10 @@ struct Floor {
   double stiffness = 0;               ///< of each molecule that is pressed in [N/m]
   double damping = 0;                 ///< of each molecule that is pressed in [N s/m]
 };
+
+/// What a floor gives each molecule that is pressed in where nothing else is said: E times the mean molecule's
+/// diameter, as a cube of that size has [N/m].
+double default_floor_stiffness(const Body& body, const Material& material);
 
 /// The force grows with the square of the depth over the first tenth of a radius, then with the stiffness: a smooth
 /// force with an energy.

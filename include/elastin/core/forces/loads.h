@@ -49,7 +49,10 @@ class Load {
   /// Whether the blocks of visit_blocks make a symmetric matrix.
   virtual bool symmetric() const { return true; }
 
-  /// Contact has a memory, State::touches: called with each state that was reached, at the end of a step.
+  /// What it remembers from step to step, as it is at the beginning: blocks with names of their own. Empty: nothing.
+  virtual std::vector<HistoryBlock> history() const { return {}; }
+  /// Called with each state that was reached, at the end of a step: here State::history and State::contact_history
+  /// change.
   virtual void commit_step(State&) const {}
   /// Changes the memory so that the next equilibrium is nearer to what was asked for. True: that takes another solve.
   virtual bool update_multipliers(State&) const { return false; }

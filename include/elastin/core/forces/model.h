@@ -30,10 +30,14 @@ class Model {
 
   const Body& body() const { return *body_; }
   void add(std::unique_ptr<Elasticity> elasticity) { elasticity_.push_back(std::move(elasticity)); }
-  void add(std::unique_ptr<Load> load) { loads_.push_back(std::move(load)); }
+  /// Throws InputError where two loads declare history under one name.
+  void add(std::unique_ptr<Load> load);
   void add(std::unique_ptr<Viscosity> viscosity) { viscosity_.push_back(std::move(viscosity)); }
   /// Hands the loads over: the model then has none.
-  std::vector<std::unique_ptr<Load>> extract_loads() { return std::exchange(loads_, {}); }
+  std::vector<std::unique_ptr<Load>> extract_loads() {
+    history_.clear();
+    return std::exchange(loads_, {});
+  }
   const std::vector<std::unique_ptr<Elasticity>>& elasticity() const { return elasticity_; }
   const std::vector<std::unique_ptr<Viscosity>>& viscosity() const { return viscosity_; }
   const std::vector<std::unique_ptr<Load>>& loads() const { return loads_; }
@@ -59,6 +63,10 @@ class Model {
   Positions elastic_forces(const Positions& positions) const;
   /// Whether the loads' tangents are symmetric.
   bool symmetric() const;
+  /// What the loads remember, as it is at the beginning; in order of name.
+  const std::vector<HistoryBlock>& history() const { return history_; }
+  /// Gives a state that begins the blocks of history(), unless it has them: blocks of other names or sizes go.
+  void declare_history(State& state) const;
   /// Calls these of the loads, see there: commit_step, update_multipliers (any), max_step_fraction (the least),
   /// square_frequency (the sum).
   void commit_step(State& state) const;
@@ -88,6 +96,7 @@ class Model {
   std::vector<std::unique_ptr<Elasticity>> elasticity_;
   std::vector<std::unique_ptr<Viscosity>> viscosity_;
   std::vector<std::unique_ptr<Load>> loads_;
+  std::vector<HistoryBlock> history_;
   std::unique_ptr<Graph> graph_;
 };
 

@@ -1,11 +1,8 @@
 #pragma once
-#include <map>
-#include <string>
 #include <string_view>
 #include <tuple>
-#include <vector>
 
-#include "elastin/core/base/units.h"
+#include "elastin/core/base/table.h"
 
 namespace elastin {
 
@@ -19,16 +16,5 @@ struct Parameter {
   double low, high;  ///< admissible range, ends included, SI
   std::string_view text;
 };
-
-/// The same, without the law's type.
-struct ParameterInfo {
-  std::string name;
-  Dimension unit;
-  double low = 0, high = 0, fallback = 0;
-  std::string text;
-};
-
-/// Values by parameter name, SI units; what is not named keeps its default.
-using ParameterValues = std::map<std::string, double>;
 
 }  // namespace elastin

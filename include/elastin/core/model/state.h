@@ -1,5 +1,8 @@
 #pragma once
+#include <algorithm>
 #include <array>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "elastin/core/model/body.h"
@@ -18,6 +21,12 @@ struct ContactHistory {
   double multiplier = 0;             ///< [N]
 };
 
+/// What a law or a load remembers from one accepted step to the next, under a name of its own: so many numbers.
+struct HistoryBlock {
+  std::string name;
+  std::vector<double> values;
+};
+
 /// The only thing that changes during a run.
 struct State {
   Positions positions;   ///< [m]
@@ -25,7 +34,25 @@ struct State {
   double time = 0;       ///< [s]
   /// [m/s²], of the last step's end; empty before the first step. Integrators that need it go on from there.
   Positions accelerations = {};
-  std::vector<ContactHistory> contact_history = {};  ///< of the last state that was reached; empty without contact
+  // Both of the last state that was reached: changed where a step is accepted, carried along by trials.
+  std::vector<ContactHistory> contact_history = {};  ///< empty without contact
+  std::vector<HistoryBlock> history = {};            ///< as Model::declare_history has made it; in order of name
+
+  /// The block of this name, or null where nobody has declared it.
+  const HistoryBlock* find_history(const std::string& name) const {
+    const auto found =
+        std::find_if(history.begin(), history.end(), [&](const HistoryBlock& block) { return block.name == name; });
+    return found == history.end() ? nullptr : &*found;
+  }
+  HistoryBlock* find_history(const std::string& name) {
+    return const_cast<HistoryBlock*>(std::as_const(*this).find_history(name));
+  }
+  /// Takes the time and all that is remembered from another state, without an allocation once it has had as much.
+  void carry_over(const State& from) {
+    time = from.time;
+    contact_history = from.contact_history;
+    history = from.history;
+  }
 };
 
 /// The body at rest: its own positions, no velocity, time 0.

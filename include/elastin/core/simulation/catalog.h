@@ -9,7 +9,10 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/cells.h"
 #include "elastin/core/forces/elasticity.h"
+#include "elastin/core/forces/load_table.h"
 #include "elastin/core/laws/law.h"
+#include "elastin/core/linear/linear_solver.h"
+#include "elastin/core/solve/integrator.h"
 
 namespace elastin {
 
@@ -22,10 +25,8 @@ enum class StrategyKind {
 const char* name_of(StrategyKind kind);
 
 /// One way to give a body its stiffness: what the catalog knows of a law, without the law's type.
-struct Strategy {
-  std::string name, summary, source;
+struct Strategy : Descriptor {
   StrategyKind kind = StrategyKind::spring_rule;
-  std::vector<ParameterInfo> parameters;
   int dimensions = 0;          ///< of the cells of a cell law: 3 of a solid's, 2 of a membrane's
   bool follows_curve = false;  ///< whether it takes the material's stress-strain curve, not its first slope alone
   /// Why it cannot run on a body, or "".
@@ -229,6 +230,11 @@ class Catalog {
   /// Throws InputError with the nearest name and the list of what there is.
   const Strategy& find(const std::string& name) const;
   std::vector<std::string> names() const;
+
+  /// What scenes may name besides: to begin with what comes with Elastin.
+  Table<Stepper> steppers = built_in_steppers();
+  Table<LinearSolverKind> linear_solvers = built_in_linear_solvers();
+  Table<LoadKind> loads = built_in_loads();
 
  private:
   std::vector<Strategy> strategies_;

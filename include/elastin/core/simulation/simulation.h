@@ -16,7 +16,7 @@ namespace elastin {
 using CouplingId = int;
 
 struct SimulationOptions {
-  IntegratorOptions integrator = {Scheme::symplectic_euler};
+  IntegratorOptions integrator = {"symplectic_euler"};
   ParameterValues parameters = {};  ///< of the strategy
   /// Explicit schemes part a step so that each part is at most this share (0 … 1] of the longest stable step of the
   /// body at rest and of its grips; see stable_step. A law that stiffens much as it is strained wants less.
@@ -84,11 +84,15 @@ class Simulation {
   Model& model() noexcept;
   const Model& model() const noexcept;
 
+  /// Adds a load, or damping, out of a table, before the first step; the strategy's material stands behind defaults.
+  /// Throws InputError as checked_values.
+  void add_load(const LoadKind& load, const LoadValues& values = {});
   /// Brings the body forward by dt > 0 [s]; numerical trouble is an outcome, and the state then stays as it was.
   StepResult step(double dt) noexcept;
   double time() const noexcept;  ///< [s]
   /// Solves for the equilibrium of all that acts at this time, and leaves the body there, at rest: a start. Allocates.
-  StaticResult settle(const StaticOptions& options = {}) noexcept;
+  /// std::bad_alloc leaves the state as it was.
+  StaticResult settle(const StaticOptions& options = {});
 
   const Positions& positions() const noexcept;   ///< [m], 3 × n
   const Positions& velocities() const noexcept;  ///< [m/s], 3 × n

@@ -1,28 +1,33 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 
+#include "elastin/core/base/table.h"
 #include "elastin/core/forces/model.h"
 #include "elastin/core/solve/statics.h"
 
 namespace elastin {
 
-enum class Scheme {
-  symplectic_euler,  ///< explicit, order 1: v += dt a(x, v), x += dt v
-  velocity_verlet,   ///< explicit, order 2: kick, drift, kick
-  backward_euler,    ///< implicit, order 1: never gains energy
-  newmark,           ///< implicit, order 2 with γ = ½
+class Integrator;
+
+/// A row of the table of steppers: a scheme that brings a body forward in time, by the name that scenes, C and Python
+/// give.
+struct Stepper : Descriptor {
+  bool is_explicit = false;  ///< whether steps must stay below the longest stable one; see find_stable_step
+  int order = 1;             ///< of the error at a fixed time, in the length of a step
+  /// `values` has all parameters, in range. `newton`: tolerance and linear solver of an implicit scheme.
+  std::function<std::unique_ptr<Integrator>(const ParameterValues& values, const StaticOptions& newton)> make = {};
 };
-const char* name_of(Scheme scheme);
-bool is_explicit(Scheme scheme);
+
+/// symplectic_euler, velocity_verlet, backward_euler, newmark.
+const Table<Stepper>& built_in_steppers();
+using Scheme = Choice<Stepper, built_in_steppers>;
 
 struct IntegratorOptions {
-  Scheme scheme = Scheme::newmark;
-  double beta = 0.25,
-         gamma = 0.5;  ///< of newmark: 0 < β ≤ 1, 0.5 ≤ γ ≤ 1; unconditionally stable if 2β ≥ γ. [Newmark 1959]
-  /// Newton iterations a step; 0 = until it converges. 1 is Labelle's mode: what is left over goes into the next step.
-  int newton_iterations = 0;
-  StaticOptions newton = {};  ///< tolerance and linear solver of the implicit schemes
+  Scheme scheme = "newmark";
+  ParameterValues parameters = {};  ///< of the scheme
+  StaticOptions newton = {};        ///< tolerance and linear solver of the implicit schemes
 };
 
 /// How a step ended.
@@ -39,7 +44,6 @@ struct StepResult {
 class Integrator {
  public:
   virtual ~Integrator() = default;
-  virtual Scheme scheme() const = 0;
   /// Steps by dt > 0 [s]. The supports are driven to the end of the step first (Model::drive). If the step fails the
   /// state stays where it was and the outcome says why: nothing in it is ever NaN. Steps of one model allocate nothing
   /// after the first, but where they go wrong or in halves, where something would be passed through, where contact
@@ -49,7 +53,7 @@ class Integrator {
   virtual StepResult advance(Model& model, State& state, double dt) = 0;
 };
 
-/// Throws InputError on parameters out of range.
+/// Throws InputError on parameters that the scheme has not, or out of range.
 std::unique_ptr<Integrator> make_integrator(const IntegratorOptions& options);
 
 /// a = M⁻¹ F of the state, zero in held directions [m/s²].

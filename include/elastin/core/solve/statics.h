@@ -2,7 +2,7 @@
 #include <string>
 
 #include "elastin/core/forces/model.h"
-#include "elastin/core/linear/linear_method.h"
+#include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
 
@@ -23,7 +23,7 @@ enum class StaticMethod { newton, explicit_steps, implicit_steps };
 struct StaticOptions {
   bool linear = false;  ///< true: small displacements, one linear solve about rest; false: large displacements
   StaticMethod static_method = StaticMethod::newton;
-  LinearMethod method = LinearMethod::automatic;
+  LinearMethod method = "automatic";
   double tolerance = 1e-10;  ///< largest unbalanced force over the size of loads and reactions, both as Euclidean norms
   int newton_limit = 200;
   /// Whether an equilibrium is asked if it is a minimum, by one more linear solve; if it is none (a straight column

@@ -1,8 +1,10 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <vector>
 
-#include "core/forces/tangent.h"
+#include "elastin/core/base/table.h"
+#include "elastin/core/forces/tangent.h"
 
 namespace elastin {
 
@@ -32,6 +34,18 @@ class LinearSolver {
   virtual LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                              double tolerance, Positions& solution) = 0;
 };
+
+/// A row of the table of linear solvers: what scenes name under solver.linear_solver.
+struct LinearSolverKind : Descriptor {
+  bool needs_symmetry = true;  ///< where the stiffness is not symmetric, bicgstab takes its place
+  bool factorises = false;     ///< whether it sees the whole matrix, and counts its negative modes
+  /// Null: the row is a rule that chooses another row for each problem.
+  std::function<std::unique_ptr<LinearSolver>()> make = {};
+};
+
+/// automatic, pcg, multigrid, direct, bicgstab.
+const Table<LinearSolverKind>& built_in_linear_solvers();
+using LinearMethod = Choice<LinearSolverKind, built_in_linear_solvers>;
 
 /// Conjugate gradients without a matrix, preconditioned by the 3×3 blocks of each molecule. Its second solve of as many
 /// molecules, and those after it, allocate nothing.

@@ -3,7 +3,11 @@
 
 namespace elastin {
 
-std::unique_ptr<Integrator> make_explicit(Scheme scheme);
+/// The rows of the table, each beside its code.
+Stepper symplectic_euler();
+Stepper velocity_verlet();
+Stepper backward_euler();
+Stepper newmark();
 
 /// "cell 3 is flat or inverted", or the same without a number where no single cell is.
 std::string inverted_text(const Body& body, const Positions& positions);

@@ -1,0 +1,93 @@
+#include "core/base/archive.h"
+
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "elastin/core/base/error.h"
+
+namespace elastin {
+
+std::uint64_t checksum(const void* data, std::size_t size, std::uint64_t start) {
+  const auto* bytes = static_cast<const unsigned char*>(data);
+  for (std::size_t i = 0; i < size; ++i) start = (start ^ bytes[i]) * 1099511628211u;
+  return start;
+}
+
+void ByteWriter::raw(const void* data, std::size_t size) {
+  const char* from = static_cast<const char*>(data);
+  bytes_.insert(bytes_.end(), from, from + size);
+}
+
+std::size_t ByteWriter::count(std::size_t present, std::size_t) {
+  const std::uint64_t wide = present;
+  raw(&wide, sizeof wide);
+  return present;
+}
+
+void ByteWriter::word(std::string& value) { raw(value.data(), count(value.size(), 1)); }
+
+void ByteReader::raw(void* data, std::size_t size) {
+  if (size > left_) throw InputError(what_ + " is cut off");
+  if (size > 0) std::memcpy(data, at_, size);
+  at_ += size;
+  left_ -= size;
+}
+
+std::size_t ByteReader::count(std::size_t, std::size_t bytes_each) {
+  std::uint64_t given = 0;
+  raw(&given, sizeof given);
+  if (given > left_ / bytes_each) throw InputError(what_ + " is cut off");
+  return given;
+}
+
+void ByteReader::word(std::string& value) {
+  value.resize(count(0, 1));
+  raw(value.data(), value.size());
+}
+
+void TextWriter::numbers(double* values, std::size_t count) {
+  char text[40];
+  for (std::size_t i = 0; i < count; ++i) {
+    std::snprintf(text, sizeof text, "%a ", values[i]);
+    text_ += text;
+  }
+}
+
+std::size_t TextWriter::count(std::size_t present, std::size_t) {
+  text_ += "\n" + std::to_string(present) + " ";
+  return present;
+}
+
+void TextReader::word(std::string& value) {
+  if (!(stream_ >> value)) throw InputError(what_ + " is cut off");
+}
+
+void TextReader::numbers(double* values, std::size_t count) {
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) {
+    word(text);
+    char* end = nullptr;
+    values[i] = std::strtod(text.c_str(), &end);
+    if (end != text.c_str() + text.size()) throw InputError(what_ + " is damaged: '" + text + "' is no number");
+  }
+}
+
+void TextReader::whole(int& value) {
+  std::string text;
+  word(text);
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (problem != std::errc() || end != text.data() + text.size())
+    throw InputError(what_ + " is damaged: '" + text + "' is no whole number");
+}
+
+std::size_t TextReader::count(std::size_t, std::size_t) {
+  int given = 0;
+  whole(given);
+  const auto left = stream_.rdbuf()->in_avail();
+  if (given < 0 || given > left) throw InputError(what_ + " is damaged: " + std::to_string(given) + " things");
+  return static_cast<std::size_t>(given);
+}
+
+}  // namespace elastin

@@ -1,0 +1,101 @@
+// What a simulation keeps from step to step, written down and read back.
+
+#include "elastin/core/simulation/saved_state.h"
+
+#include <catch2/catch.hpp>
+
+#include "core/simulation/tissues.h"
+#include "support/own_rows.h"
+
+using namespace elastin;
+using namespace elastin::testing;
+using Catch::Contains;
+
+namespace {
+
+constexpr double kStep = 1e-3;  // s
+
+/// A cube that the ratchet pulls ever harder.
+Simulation ratcheted(const Scheme& scheme) {
+  Simulation tissue = simulation_of(tissue_cube(3), scheme);
+  tissue.add_load(ratchet_row(), {.vectors = {{"growth", Vector3(0, 0, 1e-6)}}, .molecules = {{"molecules", {26}}}});
+  tissue.fix(0);
+  return tissue;
+}
+
+void step(Simulation& tissue, int count) {
+  for (int i = 0; i < count; ++i) REQUIRE(tissue.step(kStep).outcome == Outcome::converged);
+}
+
+std::string refusal(const std::vector<char>& bytes) {
+  try {
+    simulation_state_of(bytes.data(), bytes.size());
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("what a load remembers is committed with each step, and goes through a saved state", "[saved-state]") {
+  for (const Scheme& scheme : kSchemes) {
+    INFO(scheme->name);
+    Simulation whole = ratcheted(scheme), other = ratcheted(scheme);
+    step(whole, 5);
+    const std::vector<char> bytes = bytes_of(whole.save());
+    const SimulationState read = simulation_state_of(bytes.data(), bytes.size());
+    REQUIRE(read.state.find_history("ratchet"));
+    CHECK(read.state.find_history("ratchet")->values[0] >= 5);  // explicit steps go in parts
+    CHECK(bytes_of(read) == bytes);
+    step(whole, 5);
+    other.restore(read);
+    step(other, 5);
+    CHECK((other.positions().array() == whole.positions().array()).all());
+    CHECK(bytes_of(other.save()) == bytes_of(whole.save()));
+    CHECK(whole.positions()(2, 26) > tissue_cube(3).rest(2, 26));
+  }
+}
+
+TEST_CASE("a step that fails remembers nothing", "[saved-state]") {
+  Simulation tissue = ratcheted("backward_euler");
+  step(tissue, 3);
+  const std::vector<char> before = bytes_of(tissue.save());
+  CHECK(tissue.step(-1).outcome != Outcome::converged);
+  tissue.host_forces()(0, 3) = std::numeric_limits<double>::quiet_NaN();
+  CHECK(tissue.step(kStep).outcome != Outcome::converged);
+  CHECK(tissue.save().state.find_history("ratchet")->values[0] == 3);
+  tissue.host_forces().setZero();
+  step(tissue, 1);
+  CHECK(tissue.save().state.find_history("ratchet")->values[0] == 4);
+}
+
+TEST_CASE("a saved state with any bit changed is refused", "[saved-state]") {
+  Simulation tissue = ratcheted("backward_euler");
+  step(tissue, 2);
+  const std::vector<char> bytes = bytes_of(tissue.save());
+  REQUIRE(refusal(bytes).empty());
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    std::vector<char> bad = bytes;
+    bad[at] = static_cast<char>(bad[at] ^ (1 << at % 8));
+    INFO(at);
+    CHECK_FALSE(refusal(bad).empty());
+  }
+  std::vector<char> longer = bytes, shorter = bytes;
+  longer.push_back(0);
+  shorter.pop_back();
+  CHECK_THAT(refusal(longer), Contains("followed by 1 bytes"));
+  CHECK_THAT(refusal(shorter), Contains("cut off"));
+}
+
+TEST_CASE("a state of a model that remembers something else is refused", "[saved-state]") {
+  Simulation tissue = ratcheted("velocity_verlet"), plain = simulation_of(tissue_cube(3), "velocity_verlet");
+  step(tissue, 1);
+  CHECK_THROWS_WITH(plain.restore(tissue.save()), Contains("remembers what this model does not"));
+  plain.restore(simulation_of(tissue_cube(3)).save());
+  Model twice(tissue.body());
+  add_load(twice, ratchet_row(), {.vectors = {{"growth", Vector3(0, 0, 1)}}, .molecules = {{"molecules", {1}}}});
+  CHECK_THROWS_WITH(
+      add_load(twice, ratchet_row(), {.vectors = {{"growth", Vector3(0, 0, 1)}}, .molecules = {{"molecules", {1}}}}),
+      Contains("under the name 'ratchet'"));
+}
