@@ -14,7 +14,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/openmp/openmp.h"
-#include "lab/report/figures.h"
+#include "lab/report/csv_plot.h"
 #include "lab/report/json.h"
 #include "lab/report/progress.h"
 #include "lab/scene/scene.h"
@@ -44,7 +44,7 @@ Exit codes: 0 all expectations hold; 1 an expectation or a run failed; 2 wrong u
 )";
 
 struct Options : Request {
-  std::string resume_from, x_column = "minimum_s", y_column = "error";
+  std::string resume_from, x_column, y_column;
   int threads = 0;
   bool others = false, markdown = false;
 };
@@ -80,7 +80,8 @@ int verify_scenes(const Options& options, const Catalog& catalog) {
   progress.pause();
   if (options.to_screen()) fmt::print("{}", verdicts_text(cases, colours_on(STDOUT_FILENO), options.markdown));
   if (options.json == "-") fmt::print("{}", json_text(records));
-  return std::all_of(cases.begin(), cases.end(), passed) ? 0 : 1;
+  const auto failed = [](const Case& a_case) { return result_of(a_case) == CaseResult::failed; };
+  return std::any_of(cases.begin(), cases.end(), failed) ? 1 : 0;
 }
 
 /// `compare` and `run`. The first interrupt ends the row under way and leaves whole files; see note_interrupt.
@@ -197,6 +198,7 @@ struct Commands {
         check(app.add_subcommand("check", "Say what a scene's body is: counts, separate pieces, zero-energy modes")),
         list(app.add_subcommand("list", "List strategies, their parameters, and measures")),
         plot(app.add_subcommand("plot", "Draw two columns of a CSV file against each other: SVG")) {
+    app.set_version_flag("--version", std::string("elastin ") + ELASTIN_VERSION);
     app.require_subcommand(1);
     add_run_options(*run, options);
     add_run_options(*compare, options);
@@ -207,9 +209,10 @@ struct Commands {
                      "Also what explicit and implicit steps, small displacements and plain springs make of each case");
     verify->add_flag("--markdown", options.markdown, "The table as Markdown, with titles");
     add_scene_options(*check, options);
-    plot->add_option("files", options.scenes, "CSV files with a column method")->required();
-    plot->add_option("--x", options.x_column, "Column along; default minimum_s");
-    plot->add_option("--y", options.y_column, "Column up; default error");
+    plot->add_option("files", options.scenes, "CSV files: curves, time histories, runs, rows of benchmarks")
+        ->required();
+    plot->add_option("--x", options.x_column, "Column along, for example strain; default: what the file is about");
+    plot->add_option("--y", options.y_column, "Column up, for example stress; default: what the file is about");
     const std::string examples = fmt::format(kExamples, name);
     for (CLI::App* command : {&app, run, compare, verify, check, list, plot}) command->footer(examples);
   }

@@ -72,6 +72,49 @@ TEST_CASE("exit code 0: everything ran and is as expected", "[command]") {
   CHECK_THAT(compare.out, Contains("not suited: needs tetrahedra or triangles") && Contains("take lattice: E "));
 }
 
+TEST_CASE("--version gives name and version", "[command]") {
+  const Said said = say("--version");
+  CHECK(said.code == 0);
+  CHECK(said.err.empty());
+  CHECK(said.out.substr(0, 8) == "elastin ");
+  CHECK(std::count(said.out.begin(), said.out.end(), '.') == 2);  // 0.1.0
+  CHECK(std::count(said.out.begin(), said.out.end(), '\n') == 1);
+}
+
+TEST_CASE("verify: a scene that expects nothing is not judged, and fails only where its run does", "[command]") {
+  const TemporaryFolder folder;
+  const std::string plain = folder.write("plain.yaml", kCube.substr(0, kCube.find("expect:")));
+  const Said said = say("verify " + plain);
+  CHECK(said.code == 0);
+  CHECK_THAT(said.out, Contains("no expectation") && Contains("0 of 1 passed, 1 not judged\n"));
+  CHECK(say("verify " + plain + " --set solver.newton_limit=1 --set experiment.force=0.1").code == 1);
+}
+
+TEST_CASE("plot draws every CSV that Elastin writes, with axes of its own choice", "[command][plot]") {
+  const TemporaryFolder folder;
+  const std::string cube = folder.write("cube.yaml", kCube), out = folder.path("out");
+  REQUIRE(say("compare " + cube + " --out " + out).code == 0);
+  const auto drawn = [](const Said& said) {
+    REQUIRE(said.code == 0);
+    pugi::xml_document document;
+    REQUIRE(document.load_string(said.out.c_str()));
+    std::string text;  // all that stands on the plot
+    for (const auto& found : document.select_nodes("//text")) text += found.node().text().get() + std::string("|");
+    return text;
+  };
+  const std::string curve = "plot " + out + "/cube-lattice-curve.csv";
+  CHECK_THAT(drawn(say(curve)), Contains("strain →") && Contains("↑ stress|"));
+  CHECK_THAT(drawn(say(curve + " --x load_factor --y elongation")),
+             Contains("load_factor →") && Contains("↑ elongation|") && Contains(" µm|"));
+  CHECK_THAT(drawn(say("plot " + out + "/runs.csv")),
+             Contains("solve →") && Contains("↑ error effective_modulus|") && Contains("standard|lattice|"));
+  const Said unknown = say(curve + " --y elongatio");
+  CHECK(unknown.code == 2);
+  CHECK_THAT(unknown.err, Contains("cube-lattice-curve.csv:1: no column 'elongatio'; did you mean 'elongation [m]'?"));
+  const std::string text = folder.write("words.csv", "a,b\nx,y\n");
+  CHECK_THAT(say("plot " + text).err, Contains("words.csv:1: no columns that are drawn by themselves; choose some"));
+}
+
 TEST_CASE("exit code 1: an expectation or the run failed", "[command]") {
   const TemporaryFolder folder;
   const std::string wrong = folder.write("wrong.yaml", replaced(kCube, "value: 5 kPa", "value: 6 kPa"));

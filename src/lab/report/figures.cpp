@@ -27,12 +27,6 @@ PlotSeries front_of(const std::vector<PlotSeries>& series) {
   return front;
 }
 
-/// What a course is drawn over, and what of: the first pair that the records have.
-struct ResponseCurve {
-  std::string x, y;
-  bool from_nothing;  ///< begins at 0, 0
-};
-
 bool measured(const std::vector<Record>& records, const std::string& name) {
   return std::any_of(records.begin(), records.end(), [&](const Record& record) {
     return !record.run.curve.empty() && std::isfinite(record.run.curve.back().measures.get(name));
@@ -42,21 +36,7 @@ bool measured(const std::vector<Record>& records, const std::string& name) {
 ResponseCurve response_curve_of(const std::vector<Record>& records) {
   const bool in_time =
       std::any_of(records.begin(), records.end(), [](const Record& r) { return r.run.time.has_value(); });
-  if (!in_time)
-    for (const auto& [x, y, zero] : {ResponseCurve{"strain", "stress", true},
-                                     {"angle", "torque", true},
-                                     {"volume_strain", "pressure", true},
-                                     {"stretch", "pressure", false},  // begins at 1
-                                     {"height", "pressure", true}})
-      if (measured(records, x) && measured(records, y)) return {x, y, zero};
-  for (const char* y : {"tip_deflection", "elongation", "angle", "compression", "fall_speed", "far_way", "radius",
-                        "height", "strain", "centre_way", "largest_strain", "effective_modulus"}) {
-    const std::string name(y);
-    const bool is_displacement =
-        name == "tip_deflection" || name == "elongation" || name == "angle" || name == "height";
-    if (measured(records, name)) return {in_time ? "time" : "load", name, is_displacement && !in_time};
-  }
-  return {};
+  return choose_response(in_time, [&](const std::string& name) { return measured(records, name); });
 }
 
 double along(const CurvePoint& point, const std::string& name) {
@@ -88,6 +68,24 @@ void add_target(Plot& plot, const ResponseCurve& curve, const Record& record) {
 
 }  // namespace
 
+ResponseCurve choose_response(bool in_time, const std::function<bool(const std::string& measure)>& has) {
+  if (!in_time)
+    for (const auto& [x, y, zero] : {ResponseCurve{"strain", "stress", true},
+                                     {"angle", "torque", true},
+                                     {"volume_strain", "pressure", true},
+                                     {"stretch", "pressure", false},  // begins at 1
+                                     {"height", "pressure", true}})
+      if (has(x) && has(y)) return {x, y, zero};
+  for (const char* y : {"tip_deflection", "elongation", "angle", "compression", "fall_speed", "far_way", "radius",
+                        "height", "strain", "centre_way", "largest_strain", "effective_modulus"}) {
+    const std::string name(y);
+    const bool is_displacement =
+        name == "tip_deflection" || name == "elongation" || name == "angle" || name == "height";
+    if (has(name)) return {in_time ? "time" : "load", name, is_displacement && !in_time};
+  }
+  return {};
+}
+
 std::vector<Peer> load_peers(const std::string& path) {
   const Csv csv = load_csv(path);
   const std::size_t name = csv.column("method"), seconds = csv.column("minimum_s"), error = csv.column("error");
@@ -98,28 +96,6 @@ std::vector<Peer> load_peers(const std::string& path) {
     if (std::isfinite(peer.seconds) && std::isfinite(peer.error)) peers.push_back(std::move(peer));
   }
   return peers;
-}
-
-Plot csv_plot(const std::string& path, const std::string& x, const std::string& y) {
-  const Csv csv = load_csv(path);
-  const std::size_t name = csv.column("method"), x_column = csv.column(x), y_column = csv.column(y);
-  const auto axis = [](const std::string& column) {
-    const bool seconds = column.ends_with("_s"), error = column.ends_with("error");
-    return PlotAxis{column, seconds ? "s" : error ? "%" : "", true};
-  };
-  Plot plot;
-  plot.title = path.substr(path.rfind('/') + 1);
-  plot.x = axis(x);
-  plot.y = axis(y);
-  for (std::size_t row = 0; row < csv.rows.size(); ++row) {
-    const std::string& method = csv.rows[row][name];
-    auto series = std::find_if(plot.series.begin(), plot.series.end(), [&](const auto& s) { return s.name == method; });
-    if (series == plot.series.end())
-      series =
-          plot.series.insert(series, {method, static_cast<int>(plot.series.size()), PlotSeries::Kind::marked_line, {}});
-    series->points.push_back({csv.number(row, x_column), csv.number(row, y_column), method});
-  }
-  return plot;
 }
 
 std::map<std::string, int> strategy_colours(const std::vector<Record>& records) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -9,8 +10,14 @@
 
 namespace elastin::lab {
 
-/// Two columns of a CSV file against each other on logarithmic axes, a series a method: what benchmarks write.
-Plot csv_plot(const std::string& path, const std::string& x, const std::string& y);
+/// What a response curve is drawn over, and what of it.
+struct ResponseCurve {
+  std::string x, y;           ///< measures, or "time" and "load"; empty = there is nothing to draw
+  bool from_nothing = false;  ///< begins at 0, 0
+};
+
+/// The first pair of measures that there are: stress–strain, torque–angle …, else a measure over time or load.
+ResponseCurve choose_response(bool in_time, const std::function<bool(const std::string& measure)>& has);
 
 /// The colour of each strategy, the same on a whole page: by first appearance.
 std::map<std::string, int> strategy_colours(const std::vector<Record>& records);
@@ -20,8 +27,8 @@ std::map<std::string, int> strategy_colours(const std::vector<Record>& records);
 Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, const std::map<std::string, int>& colours,
                 const std::vector<Peer>& peers = {});
 
-/// The course of each record: the stress–strain curve, torque over angle, a deflection over load or time; of a study
-/// the finest of each curve. No series where there is no such measure.
+/// The response curve of each record: the stress–strain curve, torque over angle, a deflection over load or time; of a
+/// study the finest of each curve. No series where there is no such measure.
 Plot response_plot(const std::vector<Record>& records, const std::map<std::string, int>& colours);
 
 }  // namespace elastin::lab

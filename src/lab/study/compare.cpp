@@ -58,6 +58,8 @@ class Comparison {
   Record failed_run(const ScenePlan& plan, const RunKey& run_key, const std::string& why) const;
   void finish_run(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene,
                   const RunKey& run_key);
+  RunSource source_of(const ScenePlan& plan) const { return {plan.name, key_of({plan.text}), request_.overrides}; }
+  void open_journal();
   std::string text_of(const ScenePlan& plan, const RunKey& run_key) const;
   RunOptions options_of(const ScenePlan& plan, const Scene& scene, const StrategyChoice& choice);
   std::string time_left() const;
@@ -208,7 +210,8 @@ void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Recor
   }
   record.run.snapshots.clear();
   record.run.constants.resize(0);
-  if (journal_ && !key.empty() && record.run.outcome != Outcome::interrupted) journal_->add(key, record);
+  if (journal_ && !key.empty() && record.run.outcome != Outcome::interrupted)
+    journal_->add(key, source_of(plan), record);
   if (request_.to_screen() && !request_.compare) fmt::print("{}", run_text(record, colours_on(STDOUT_FILENO)));
   ++done_;
   const auto same = [&](const Record& r) {
@@ -258,6 +261,12 @@ void Comparison::refer_to_own_values() {
   }
 }
 
+void Comparison::open_journal() {
+  std::vector<RunSource> sources;
+  for (const ScenePlan& plan : plans_) sources.push_back(source_of(plan));
+  journal_.emplace(request_.out, request_.resume, sources);
+}
+
 bool Comparison::run() {
   progress_.set("reading scenes");
   plans_ = plan_of(request_, catalog_);
@@ -265,7 +274,7 @@ bool Comparison::run() {
   if (!request_.restart.empty() && (plans_.size() != 1 || plans_[0].runs() != 1 || !plans_[0].scene->time))
     throw InputError("--restart: goes on with one strategy of one scene that runs in time");
   if (!request_.peers.empty()) peers_ = load_peers(request_.peers);
-  if (!request_.out.empty() && request_.compare) journal_.emplace(request_.out, request_.resume);
+  if (!request_.out.empty() && request_.compare) open_journal();
   if (!request_.resume) write_tables(request_, {});  // a folder that cannot be written to is said before the work
   int passes = 0;
   for (const ScenePlan& plan : plans_) {

@@ -18,25 +18,66 @@
 #include "lab/report/json.h"
 
 namespace elastin::lab {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunSource, scene, content, overrides)
+
 namespace {
 
 [[noreturn]] void fail(const std::string& path, int problem) {
   throw InputError(path + ": cannot write: " + std::strerror(problem));
 }
 
-std::unordered_map<std::string, Record> rows_of(const std::string& path) {
-  std::unordered_map<std::string, Record> rows;
+/// One line of the journal.
+struct Entry {
+  std::string key;
+  RunSource source;
+  Record record;
+};
+
+Entry entry_of(const std::string& line) {
+  const auto object = nlohmann::ordered_json::parse(line);
+  const nlohmann::json source = nlohmann::json::parse(object.at("source").dump());
+  return {object.at("key"), source.get<RunSource>(), record_of_json(object.at("run").dump())};
+}
+
+/// "--set a=1 --set b=2", or "no --set".
+std::string overrides_text(const std::vector<std::string>& overrides) {
+  return overrides.empty() ? "no --set" : fmt::format("--set {}", fmt::join(overrides, " --set "));
+}
+
+/// Why runs of another source must not stand beside those that are wanted; "" if they may.
+std::string mismatch(const RunSource& there, const std::vector<RunSource>& wanted) {
+  std::string names;
+  for (const RunSource& source : wanted) {
+    if (source == there) return "";
+    names += (names.empty() ? "'" : ", '") + source.scene + "'";
+    if (source.scene != there.scene) continue;
+    if (source.content != there.content)
+      return fmt::format("holds runs of another version of the scene '{}': its file has changed since", there.scene);
+    return fmt::format("holds runs of the scene '{}' with {}; this command has {}", there.scene,
+                       overrides_text(there.overrides), overrides_text(source.overrides));
+  }
+  return fmt::format("holds runs of the scene '{}'; this command is about {}", there.scene, names);
+}
+
+std::unordered_map<std::string, Record> read_finished(const std::string& folder,
+                                                      const std::vector<RunSource>& sources) {
+  const std::string path = folder + "/runs.jsonl";
+  std::unordered_map<std::string, Record> finished;
   int number = 0;
   for (const std::string& line : lines_of(path)) {
     ++number;
+    Entry entry;
     try {
-      const auto row = nlohmann::ordered_json::parse(line);
-      rows.insert_or_assign(row.at("key"), record_of_json(row.at("run").dump()));
+      entry = entry_of(line);
     } catch (const std::exception& error) {
-      throw InputError(SourceLocation{path, number}, std::string("no row of a comparison: ") + error.what());
+      throw InputError(SourceLocation{path, number}, std::string("no run of a comparison: ") + error.what());
     }
+    if (const std::string why = mismatch(entry.source, sources); !why.empty())
+      throw InputError("--resume: " + folder + " " + why + ". Start in a folder of its own with --out");
+    finished.insert_or_assign(entry.key, std::move(entry.record));
   }
-  return rows;
+  return finished;
 }
 
 }  // namespace
@@ -86,8 +127,8 @@ void LineFile::add(const std::string& line) {
   }
 }
 
-Journal::Journal(const std::string& folder, bool resume)
-    : finished_(resume ? rows_of(folder + "/runs.jsonl") : std::unordered_map<std::string, Record>{}),
+Journal::Journal(const std::string& folder, bool resume, const std::vector<RunSource>& sources)
+    : finished_(resume ? read_finished(folder, sources) : std::unordered_map<std::string, Record>{}),
       runs_(folder + "/runs.jsonl", resume),
       views_(folder + "/views.jsonl", resume) {}
 
@@ -96,8 +137,9 @@ const Record* Journal::find(const std::string& key) const {
   return found == finished_.end() ? nullptr : &found->second;
 }
 
-void Journal::add(const std::string& key, const Record& record) {
-  runs_.add(fmt::format("{{\"key\":\"{}\",\"run\":{}}}", key, json_line(record)));
+void Journal::add(const std::string& key, const RunSource& source, const Record& record) {
+  const std::string from = nlohmann::json(source).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  runs_.add(fmt::format("{{\"key\":\"{}\",\"source\":{},\"run\":{}}}", key, from, json_line(record)));
 }
 
 std::string key_of(const std::vector<std::string>& parts) {

@@ -27,16 +27,24 @@ class LineFile {
 /// The lines of such a file; a last one that was cut off is none.
 std::vector<std::string> lines_of(const std::string& path);
 
-/// The finished rows of a comparison, in DIR/runs.jsonl, and what its page shows of them in 3D, in DIR/views.jsonl.
+/// What a scene's runs in a journal are made from: another content gives other runs, whatever the scene is called.
+struct RunSource {
+  std::string scene;                   ///< its name
+  std::string content;                 ///< key_of its file's text
+  std::vector<std::string> overrides;  ///< KEY.PATH=VALUE of the command line
+  bool operator==(const RunSource&) const = default;
+};
+
+/// The finished runs of a comparison, in DIR/runs.jsonl, and what its page shows of them in 3D, in DIR/views.jsonl.
 class Journal {
  public:
-  /// `resume`: takes the rows that are there; otherwise both files start empty.
-  Journal(const std::string& folder, bool resume);
-  /// The row that was finished under this key, or nullptr.
+  /// `resume`: takes the runs that are there, all of which must come from one of the sources: throws InputError that
+  /// says what is there and what is wanted. Otherwise both files start empty.
+  Journal(const std::string& folder, bool resume, const std::vector<RunSource>& sources);
+  /// The run that was finished under this key, or nullptr.
   const Record* find(const std::string& key) const;
-  void add(const std::string& key, const Record& record);
+  void add(const std::string& key, const RunSource& source, const Record& record);
   void add_view(const std::string& line) { views_.add(line); }
-  std::size_t found() const { return finished_.size(); }  ///< rows that were there
   const std::string& views_path() const { return views_.path(); }
 
  private:
@@ -44,7 +52,7 @@ class Journal {
   LineFile runs_, views_;
 };
 
-/// What tells one row from every other, in 16 letters: a change of any of the parts gives another.
+/// What tells one run from every other, in 16 letters: a change of any of the parts gives another.
 std::string key_of(const std::vector<std::string>& parts);
 
 }  // namespace elastin::lab

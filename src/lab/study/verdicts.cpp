@@ -7,6 +7,7 @@
 
 #include "lab/experiment/choice.h"
 #include "lab/experiment/specimen.h"
+#include "lab/report/ranking.h"
 #include "lab/report/table.h"
 
 namespace elastin::lab {
@@ -96,15 +97,20 @@ std::vector<Verdict> judged_as(const Scene& scene, const Run& run) {
   return verdicts;
 }
 
-/// "right", "wrong: E +12 %", "stopped: inverted", "mechanism"; an answer where the case must stop is just that.
+/// "passed", "failed: E +12 %", "stopped: inverted"; a run that converges where the case must stop has not detected it.
 std::string choice_text(const Scene& scene, const Run& run) {
   if (!run.suited) return "unsuited";
   if (run.outcome != Outcome::converged) return "stopped: " + words(name_of(run.outcome));
   const std::vector<Verdict> verdicts = judged_as(scene, run);
-  if (verdicts.empty()) return "answers";
-  const bool right =
+  if (verdicts.empty())
+    return std::any_of(scene.expectations.begin(), scene.expectations.end(),
+                       [](const Expectation& wanted) { return !wanted.outcome.empty(); })
+               ? "not detected"
+               : "no expectation";
+  const bool good =
       std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.passed || !v.judged; });
-  return right ? run.restarted_from_rest ? "untangled" : "right" : "wrong: " + error_text(*tightest(verdicts));
+  if (!good) return "failed: " + error_text(*tightest(verdicts));
+  return run.restarted_from_rest ? "passed: restarted from rest" : "passed";
 }
 
 /// The rule without calibration, for a case that measures no modulus to calibrate to.
@@ -137,8 +143,10 @@ std::vector<std::string> others_of(const std::string& path, const Catalog& catal
 
 std::string verdict_text(const Case& a_case) {
   const Record& own = a_case.own;
-  if (!passed(a_case)) return "WRONG";
-  return own.stopped_as_expected() ? "stopped: " + words(outcome_name(own.run)) : "right";
+  const CaseResult result = result_of(a_case);
+  if (result == CaseResult::failed) return "failed";
+  if (result == CaseResult::not_judged) return own.verdicts.empty() ? "no expectation" : "not reproduced";
+  return own.stopped_as_expected() ? "passed: " + words(outcome_name(own.run)) : "passed";
 }
 
 /// What there is to say beside the verdict: the error, or why it stopped.
@@ -147,12 +155,26 @@ std::string detail_text(const Case& a_case) {
   if (!a_case.trouble.empty()) return a_case.trouble;
   if (own.run.outcome != Outcome::converged || !own.run.suited) return own.run.cause;
   const Verdict* verdict = tightest(own.verdicts);
-  if (!verdict) return "the scene expects nothing of it";
-  return error_text(*verdict) + (own.run.restarted_from_rest ? "; untangled" : "");
+  if (!verdict) return own.verdicts.empty() ? "" : own.verdicts.front().expectation.not_reproduced;
+  return error_text(*verdict) + (own.run.restarted_from_rest ? "; restarted from rest" : "");
+}
+
+Tone tone_of(CaseResult result) {
+  return result == CaseResult::passed ? Tone::good : result == CaseResult::failed ? Tone::bad : Tone::faint;
 }
 
 std::string cut(const std::string& text, std::size_t length) {
   return text.size() <= length ? text : text.substr(0, text.find_last_of(' ', length)) + " …";
+}
+
+/// "40 of 42 passed, 2 not judged"
+std::string tally_text(const std::vector<Case>& cases) {
+  const auto count = [&](CaseResult result) {
+    return std::count_if(cases.begin(), cases.end(), [&](const Case& c) { return result_of(c) == result; });
+  };
+  const auto not_judged = count(CaseResult::not_judged);
+  return fmt::format("{} of {} passed", count(CaseResult::passed), cases.size()) +
+         (not_judged ? fmt::format(", {} not judged", not_judged) : "");
 }
 
 }  // namespace
@@ -184,10 +206,12 @@ std::vector<Case> verify_scene(const std::string& path, const Catalog& catalog, 
   return cases;
 }
 
-bool passed(const Case& a_case) {
-  const auto& verdicts = a_case.own.verdicts;
-  return a_case.own.good() && a_case.trouble.empty() &&
-         std::any_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.judged; });
+CaseResult result_of(const Case& a_case) {
+  const Record& own = a_case.own;
+  if (!own.good() || !a_case.trouble.empty()) return CaseResult::failed;
+  if (std::any_of(own.verdicts.begin(), own.verdicts.end(), [](const Verdict& v) { return v.judged; }))
+    return CaseResult::passed;
+  return solved(own) ? CaseResult::not_judged : CaseResult::failed;
 }
 
 std::string verdicts_text(const std::vector<Case>& cases, bool colours, bool markdown) {
@@ -199,13 +223,13 @@ std::string verdicts_text(const std::vector<Case>& cases, bool colours, bool mar
     const Run& run = a_case.own.run;
     rows.push_back({{markdown ? a_case.own.title : a_case.own.scene, Tone::bold},
                     {run.strategy},
-                    {verdict_text(a_case), passed(a_case) ? Tone::good : Tone::bad},
+                    {verdict_text(a_case), tone_of(result_of(a_case))},
                     {cut(detail_text(a_case), 64)},
                     {readable_seconds(run.build_seconds + run.solve_seconds), Tone::plain, true}});
     for (const std::string& text : a_case.others)
-      rows.back().push_back({text, text == "right" || text == "untangled" ? Tone::good
-                                   : text.starts_with("wrong")            ? Tone::bad
-                                                                          : Tone::poor});
+      rows.back().push_back({text, text.starts_with("passed")   ? Tone::good
+                                   : text.starts_with("failed") ? Tone::bad
+                                                                : Tone::poor});
   }
   if (markdown) {
     std::string out, rule;
@@ -220,8 +244,7 @@ std::string verdicts_text(const std::vector<Case>& cases, bool colours, bool mar
   }
   Table table(head);
   for (auto& row : rows) table.add(std::move(row));
-  const auto good = std::count_if(cases.begin(), cases.end(), passed);
-  return table.text(colours) + fmt::format("\n  {} of {} passed\n", good, cases.size());
+  return table.text(colours) + "\n  " + tally_text(cases) + "\n";
 }
 
 }  // namespace elastin::lab

@@ -30,11 +30,13 @@ struct VerifyOptions {
 /// Runs a scene with its own strategy and with each that an expectation names. Throws InputError on wrong input.
 std::vector<Case> verify_scene(const std::string& path, const Catalog& catalog, const VerifyOptions& options);
 
-/// Whether the scene says what must come of the case, and that came.
-bool passed(const Case& a_case);
+/// What a case is worth. Not judged: the run converged, and the scene has no expectation of it that is judged.
+enum class CaseResult { passed, failed, not_judged };
+CaseResult result_of(const Case& a_case);
+inline bool passed(const Case& a_case) { return result_of(a_case) == CaseResult::passed; }
 
-/// A row a case: verdict, error against the known answer, time; then how many came out as they must. `markdown`: the
-/// table alone, for a page.
+/// A row a case: verdict, error against the known answer, time; then how many passed. `markdown`: the table alone, for
+/// a page.
 std::string verdicts_text(const std::vector<Case>& cases, bool colours, bool markdown);
 
 }  // namespace elastin::lab

@@ -7,6 +7,7 @@
 
 #include "elastin/core/base/error.h"
 #include "lab/report/csv.h"
+#include "lab/report/csv_plot.h"
 #include "lab/report/figures.h"
 #include "support/temporary_folder.h"
 

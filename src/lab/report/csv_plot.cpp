@@ -1,0 +1,113 @@
+#include "lab/report/csv_plot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "elastin/core/base/error.h"
+#include "lab/report/csv.h"
+#include "lab/report/figures.h"
+
+namespace elastin::lab {
+namespace {
+
+/// "stress" of "stress [Pa]".
+std::string name_of(const std::string& column) { return column.substr(0, column.find(" [")); }
+
+/// "Pa" of "stress [Pa]"; "" where there is none.
+std::string unit_of(const std::string& column) {
+  const std::size_t from = column.find(" ["), to = column.rfind(']');
+  if (from != std::string::npos && to != std::string::npos) return column.substr(from + 2, to - from - 2);
+  return column.ends_with("_s") ? "s" : "";
+}
+
+/// The column of this name as the head has it, with its unit; "" if there is none.
+std::string find_column(const Csv& csv, const std::string& name) {
+  for (const std::string& column : csv.head)
+    if (column == name || name_of(column) == name) return column;
+  return "";
+}
+
+std::string column_of(const Csv& csv, const std::string& name) {
+  const std::string found = find_column(csv, name);
+  return found.empty() ? csv.head[csv.column(name)] : found;
+}
+
+bool has_number(const Csv& csv, const std::string& column) {
+  if (column.empty()) return false;
+  const std::size_t at = csv.column(column);
+  for (std::size_t row = 0; row < csv.rows.size(); ++row)
+    if (std::isfinite(csv.number(row, at))) return true;
+  return false;
+}
+
+std::string first_error(const Csv& csv) {
+  for (const std::string& column : csv.head)
+    if (column.starts_with("error ") && has_number(csv, column)) return column;
+  throw InputError(SourceLocation{csv.path, 1},
+                   "no column of errors has a number; choose what to draw with --x and --y");
+}
+
+/// What to draw where the user does not say: the columns along and up.
+std::pair<std::string, std::string> usual_columns(const Csv& csv) {
+  if (csv.has("method") && csv.has("minimum_s") && csv.has("error")) return {"minimum_s", "error"};
+  if (csv.has("strategy")) return {"solve", first_error(csv)};
+  const bool in_time = csv.has("time [s]");
+  const ResponseCurve chosen =
+      choose_response(in_time, [&](const std::string& name) { return has_number(csv, find_column(csv, name)); });
+  if (!chosen.y.empty()) return {chosen.x == "load" ? "load_factor" : chosen.x, chosen.y};
+  throw InputError(SourceLocation{csv.path, 1},
+                   "no columns that are drawn by themselves; choose some with --x and --y" + suggestion("", csv.head));
+}
+
+PlotAxis axis_of(const std::string& column, const Csv& csv) {
+  const bool error = column == "error" || column.starts_with("error ");
+  const bool logarithmic = csv.has("method") || (csv.has("strategy") && (error || unit_of(column) == "s"));
+  return {name_of(column), error ? "%" : unit_of(column), logarithmic};
+}
+
+/// The names of a row's series: "method"; "strategy", with the scene where there are several; one curve has none.
+std::vector<std::string> series_names(const Csv& csv) {
+  std::vector<std::string> names(csv.rows.size());
+  if (!csv.has("method") && !csv.has("strategy")) return names;
+  const std::size_t name = csv.column(csv.has("method") ? "method" : "strategy");
+  std::set<std::string> scenes;
+  for (const auto& row : csv.rows)
+    if (csv.has("strategy") && csv.has("scene")) scenes.insert(row[csv.column("scene")]);
+  for (std::size_t row = 0; row < names.size(); ++row)
+    names[row] = (scenes.size() > 1 ? csv.rows[row][csv.column("scene")] + ", " : "") + csv.rows[row][name];
+  return names;
+}
+
+}  // namespace
+
+Plot csv_plot(const std::string& path, std::string x, std::string y) {
+  const Csv csv = load_csv(path);
+  if (x.empty() || y.empty()) {
+    const auto [along, up] = usual_columns(csv);
+    if (x.empty()) x = along;
+    if (y.empty()) y = up;
+  }
+  const std::string x_name = column_of(csv, x), y_name = column_of(csv, y);
+  const std::size_t x_column = csv.column(x_name), y_column = csv.column(y_name);
+  Plot plot;
+  plot.title = path.substr(path.rfind('/') + 1);
+  plot.x = axis_of(x_name, csv);
+  plot.y = axis_of(y_name, csv);
+  const std::vector<std::string> names = series_names(csv);
+  const auto shown = [&](std::size_t row, std::size_t column, const PlotAxis& axis) {
+    const double value = csv.number(row, column);
+    return axis.logarithmic ? std::abs(value) : value;
+  };
+  for (std::size_t row = 0; row < csv.rows.size(); ++row) {
+    auto series =
+        std::find_if(plot.series.begin(), plot.series.end(), [&](const auto& s) { return s.name == names[row]; });
+    if (series == plot.series.end())
+      series = plot.series.insert(
+          series, {names[row], static_cast<int>(plot.series.size()), PlotSeries::Kind::marked_line, {}});
+    series->points.push_back({shown(row, x_column, plot.x), shown(row, y_column, plot.y), names[row]});
+  }
+  return plot;
+}
+
+}  // namespace elastin::lab
