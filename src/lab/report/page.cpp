@@ -147,16 +147,15 @@ std::string packed_html(const std::string& attribute, std::string_view base64_te
 
 /// The body with as many strategies as there is room for, the best first; of a study the variant with most molecules.
 std::string stage_html(const Scenery& scene, const std::vector<std::string>& views, std::size_t size_left) {
-  using Json = nlohmann::json;
   struct View {
-    Json head;
+    nlohmann::json head;
     const std::string* line;
   };
   std::map<int, std::vector<View>> bodies;  // by molecules
   for (const std::string& line : views) {
     // The arrays are long, the head is not: it ends where the first array begins.
-    const auto keep = [](int depth, Json::parse_event_t, Json&) { return depth < 2; };
-    Json head = Json::parse(line, keep, false);
+    const auto keep = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) { return depth < 2; };
+    nlohmann::json head = nlohmann::json::parse(line, keep, false);
     if (head.is_object() && head.value("scene", "") == scene.records.front().scene)
       bodies[head.value("molecules", 0)].push_back({std::move(head), &line});
   }

@@ -221,12 +221,12 @@ Table time_to_table(const std::vector<Record>& records, const Ranking& ranking, 
     std::vector<TableCell> cells{{times.name}};
     for (int goal = 0; goal < 2; ++goal) {
       const TimeTo& time = times.goals[goal];
-      const double times = order_of(time) / best[goal];
+      const double ratio = order_of(time) / best[goal];
       cells.push_back(number_cell(
           std::isfinite(time.seconds) ? (time.at_most ? "≤ " : "") + readable_seconds(time.seconds) : "not reached",
           order_of(time)));
-      const bool both = std::isfinite(times) && std::isfinite(best[goal]);
-      if (beside) cells.push_back(number_cell(both ? fmt::format("× {:.3g}", times) : "", times));
+      const bool both = std::isfinite(ratio) && std::isfinite(best[goal]);
+      if (beside) cells.push_back(number_cell(both ? fmt::format("× {:.3g}", ratio) : "", ratio));
     }
     table.add(std::move(cells));
   }
