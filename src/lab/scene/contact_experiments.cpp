@@ -110,10 +110,10 @@ std::unique_ptr<Experiment> read_sliding(Reader reader, const ExperimentContext&
   reader.finish();
   if (incline.has_value() + sled.has_value() + threshold.has_value() != 1)
     reader.fail("give one of incline: {angle}, sled: {speed} and threshold: {from, rate}");
-  if (incline) setup.angle = incline->at("angle").quantity(dimension::none, slope);
+  if (incline) setup.angle = incline->at("angle").angle(slope);
   if (sled) setup.speed = sled->at("speed").quantity(dimension::velocity, kPositive);
   if (threshold) {
-    setup.angle = threshold->at("from").quantity(dimension::none, slope);
+    setup.angle = threshold->at("from").angle(slope);
     setup.rate = threshold->at("rate").quantity({0, 0, -1}, kPositive);
   }
   (incline ? *incline : sled ? *sled : *threshold).finish();

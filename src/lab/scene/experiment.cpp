@@ -35,12 +35,18 @@ int read_steps(Reader& reader) {
   return steps ? steps->whole(1, 100000) : 1;
 }
 
-/// A quantity that must not be zero, or there is nothing to measure.
-double read_amount(const Reader& value, const Dimension& dimension, const Range& range = {}) {
-  const double amount = value.quantity(dimension, range);
+double not_zero(const Reader& value, double amount) {
   if (amount == 0) value.fail("a load of zero moves nothing: nothing can be measured");
   return amount;
 }
+
+/// A quantity that must not be zero, or there is nothing to measure.
+double read_amount(const Reader& value, const Dimension& dimension, const Range& range = {}) {
+  return not_zero(value, value.quantity(dimension, range));
+}
+
+/// The same of an angle [rad].
+double read_angle(const Reader& value, const Range& range = {}) { return not_zero(value, value.angle(range)); }
 
 std::unique_ptr<Experiment> read_tension(Reader reader, const ExperimentContext& context) {
   TensionSetup setup;
@@ -86,7 +92,7 @@ std::unique_ptr<Experiment> read_shear(Reader reader, const ExperimentContext& c
   constexpr double upright = 1.57;  // a right angle shears without end
   if (displacement) setup.displacement = read_amount(*displacement, dimension::length);
   if (strain) setup.strain = read_amount(*strain, dimension::none);
-  if (angle) setup.strain = std::tan(read_amount(*angle, dimension::none, {-upright, upright, false}));
+  if (angle) setup.strain = std::tan(read_angle(*angle, {-upright, upright, false}));
   if (auto area = reader.find("cross_section")) setup.cross_section = area->quantity(dimension::area, kPositive);
   setup.grip_depth = read_depth(reader);
   setup.load_steps = read_steps(reader);
@@ -99,7 +105,7 @@ std::unique_ptr<Experiment> read_shear(Reader reader, const ExperimentContext& c
 std::unique_ptr<Experiment> read_torsion(Reader reader, const ExperimentContext& context) {
   TorsionSetup setup;
   setup.axis = read_axis(reader, setup.axis, context);
-  setup.angle = read_amount(reader.at("angle"), dimension::none);
+  setup.angle = read_angle(reader.at("angle"));
   setup.straight = context.statics.linear;
   setup.grip_depth = read_depth(reader);
   setup.load_steps = read_steps(reader);

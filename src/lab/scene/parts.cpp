@@ -44,7 +44,7 @@ Vector3 read_direction(const Reader& reader) {
 
 Matrix3 read_rotation(Reader reader) {
   const Vector3 axis = read_direction(reader.at("axis"));
-  const double angle = reader.at("angle").quantity(dimension::none);
+  const double angle = reader.at("angle").angle();
   reader.finish();
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }

@@ -302,17 +302,40 @@ double Reader::quantity(const Dimension& dimension, const Range& range) const {
   const Quantity quantity = located([&] { return parse_quantity(given, dimension); });
   if (quantity.value < range.low || quantity.value > range.high || (range.open_low && quantity.value == range.low))
     fail("'" + given + "' is out of range: must be " + range_text(range, dimension));
-  if (dimension != dimension::none && node_.Tag() != kOverrideTag) note_unit(given, dimension, quantity);
+  if (dimension == dimension::none || is_override()) return quantity.value;
+  if (quantity.has_unit)
+    note_unit();
+  else if (quantity.value != 0)
+    note_plain(given, unit_examples(dimension));
   return quantity.value;
 }
 
+double Reader::angle(const Range& range) const {
+  const std::string given = text();
+  const double value = quantity(dimension::none, range);
+  if (given.ends_with('%')) fail("'" + given + "' is a ratio, no angle; write for example 30 deg, 0.5 rad");
+  const bool has_unit = parse_quantity(given, dimension::none).has_unit;
+  if (!has_unit && value != 0 && !is_override()) note_plain(given, "30 deg, 0.5 rad");
+  return value;
+}
+
+bool Reader::is_override() const { return node_.Tag() == kOverrideTag; }
+
+void Reader::note_unit() const {
+  if (!file_->first_unit) file_->first_unit = location();
+  check_units_agree();
+}
+
+void Reader::note_plain(const std::string& given, const std::string& examples) const {
+  if (!file_->first_plain)
+    file_->first_plain = {location(), path_ + ": '" + given + "' has no unit; write for example " + examples};
+  check_units_agree();
+}
+
 /// Throws if the file writes some dimensional values with units and others as plain numbers: one of them is a slip.
-void Reader::note_unit(const std::string& given, const Dimension& dimension, const Quantity& quantity) const {
-  auto& first_unit = file_->first_unit;
-  auto& first_plain = file_->first_plain;
-  if (quantity.has_unit && !first_unit) first_unit = location();
-  if (!quantity.has_unit && quantity.value != 0 && !first_plain)
-    first_plain = {location(), path_ + ": '" + given + "' has no unit; write for example " + unit_examples(dimension)};
+void Reader::check_units_agree() const {
+  const auto& first_unit = file_->first_unit;
+  const auto& first_plain = file_->first_plain;
   if (first_unit && first_plain)
     throw InputError(first_plain->first, first_plain->second +
                                              " (plain SI numbers are taken only where no value has a unit, and " +

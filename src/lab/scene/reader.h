@@ -58,6 +58,9 @@ class Reader {
   std::string line() const;
   /// In SI units. Throws if it has no unit where other values of the file have one, or the other way round.
   double quantity(const Dimension& dimension, const Range& range = {}) const;
+  /// A plane angle [rad]. It has a unit where other values of the file have one; a scene of plain numbers may write
+  /// both radians and "30 deg".
+  double angle(const Range& range = {}) const;
   int whole(int low, int high = std::numeric_limits<int>::max()) const;
   Vector3 vector(const Dimension& dimension, const Range& range = {}) const;
   std::array<int, 3> wholes(int low) const;
@@ -101,7 +104,10 @@ class Reader {
   SourceLocation location_of(const YAML::Node& node) const;
   void refuse_old_name(const std::string& key) const;
   std::optional<Reader> value_of(const std::string& given, const std::string& key) const;
-  void note_unit(const std::string& given, const Dimension& dimension, const Quantity& quantity) const;
+  bool is_override() const;
+  void note_unit() const;
+  void note_plain(const std::string& given, const std::string& examples) const;
+  void check_units_agree() const;
   std::shared_ptr<SceneFile> file_;
   YAML::Node node_;
   std::string path_;  ///< "experiment.force"

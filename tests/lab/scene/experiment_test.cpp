@@ -101,6 +101,29 @@ TEST_CASE("errors are against the material's own modulus", "[scene]") {
   CHECK(std::isnan(material.error("anisotropy_index")));  // nothing is asked of it
 }
 
+TEST_CASE("a plane angle has its unit where other values have one", "[scene]") {
+  check_refusal("kind: torsion, angle: @30", "experiment.angle: '30' has no unit; write for example 30 deg, 0.5 rad",
+                "plain SI numbers are taken only where no value has a unit");
+  check_refusal("kind: shear, direction: x, angle: @0.1", "experiment.angle: '0.1' has no unit", "30 deg");
+  check_refusal("kind: torsion, angle: @30 %", "experiment.angle: '30 %' is a ratio, no angle", "30 deg");
+  const TemporaryFolder folder;
+  const auto height = [&](const std::string& size, const std::string& angle) {
+    const std::string text = "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: " + size +
+                             "}}\nmaterial: {youngs_modulus: " + (size.find("mm") < size.size() ? "1 kPa" : "1000") +
+                             "}\nstiffness: neo_hookean\nrotate: {axis: x, angle: " + angle +
+                             "}\nexperiment: {kind: material}\n";
+    const auto scene = load_scene(folder.write("turned.yaml", text), kCatalog);
+    return (scene->specimen.body.rest.row(2).maxCoeff() - scene->specimen.body.rest.row(2).minCoeff());
+  };
+  const std::string plain = "[0.01, 0.01, 0.02]", units = "[10 mm, 10 mm, 20 mm]";
+  const double turned = 0.02 * std::cos(M_PI / 6) + 0.01 * std::sin(M_PI / 6);
+  CHECK(height(units, "30 deg") == Approx(turned));
+  CHECK(height(plain, "30 deg") == Approx(turned));
+  CHECK(height(plain, "0.5235987755982988") == Approx(turned));
+  CHECK(height(units, "0") == Approx(0.02));
+  CHECK_THROWS_WITH(height(units, "30"), Contains(":4:26: rotate.angle: '30' has no unit"));
+}
+
 TEST_CASE("slips in an experiment are named with their place", "[scene]") {
   check_refusal("kind: @shaer, strain: 0.1", "experiment.kind: 'shaer' is not known here",
                 "did you mean 'shear'? (allowed: tension, compression, shear, torsion, hydrostatic, bending, ");
