@@ -56,6 +56,9 @@ std::unique_ptr<Experiment> read_tension(Reader reader, const ExperimentContext&
   const auto load = [&](const Reader& value, const Dimension& dimension) {
     const double amount = value.quantity(dimension);
     if (amount == 0) value.fail("a load of zero stretches nothing: no modulus can be measured");
+    if (compression && amount < 0)
+      value.fail("'" + value.text() + "' would pull: compression presses by a positive amount; write " +
+                 value.text().substr(value.text().find('-') + 1) + ", or kind: tension to pull");
     return compression ? -amount : amount;
   };
   if (force) setup.force = load(*force, dimension::force);

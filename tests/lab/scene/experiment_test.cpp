@@ -149,6 +149,9 @@ TEST_CASE("slips in an experiment are named with their place", "[scene]") {
   check_refusal("kind: torsion", "experiment: key 'angle' is missing", "");
   check_refusal("kind: torsion, angle: 30 deg, load_steps: @0", "experiment.load_steps: '0' is not a whole number", "");
   check_refusal("kind: torsion, angle: 30 deg, @direction: x", "experiment: unknown key 'direction'", "axis, angle");
+  check_refusal("kind: compression, axis: z, displacement: @-1 mm", "experiment.displacement: '-1 mm' would pull",
+                "write 1 mm, or kind: tension");
+  check_refusal("kind: compression, axis: z, force: @-2 N", "experiment.force: '-2 N' would pull", "write 2 N");
   check_refusal("kind: hydrostatic, strain: @-100 %", "experiment.strain: '-100 %' is out of range", "above -1");
   check_refusal("kind: hydrostatic, strain: 1 %, sides: @free", "experiment.sides: 'free' is not known here",
                 "sliding, affine");
