@@ -90,7 +90,7 @@ TEST_CASE("loads check what they are given", "[tables][loads]") {
   CHECK_THAT(add("gravity", {}), Contains("gravity.acceleration is missing"));
   CHECK_THAT(add("gravity", {.numbers = {{"acceleration", 1}}}), Contains("gravity.acceleration: must be a vector"));
   CHECK_THAT(add("damping", {.numbers = {{"coeficient", 1}}}), Contains("did you mean 'coefficient'?"));
-  CHECK_THAT(add("damping", {.numbers = {{"coefficient", -1}}}), Contains("it must be at least 0 kg/s"));
+  CHECK_THAT(add("damping", {.numbers = {{"coefficient", -1}}}), Contains("it must be at least 0 N s/m"));
   CHECK_THAT(add("point", {.vectors = {{"force", Vector3(1, 0, 0)}}, .molecules = {{"molecules", {27}}}}),
              Contains("molecule 27 is none"));
   CHECK_THAT(add("rayleigh", {}), Contains("give mass"));
