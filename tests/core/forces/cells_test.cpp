@@ -73,7 +73,7 @@ TEST_CASE("passes over cells are bitwise identical on any number of threads", "[
       const Positions positions = deformed(*body, 1e-5);
       const VectorX change = VectorX::LinSpaced(body->connections.size(), -1, 1);
       VectorX expected, expected_change;
-      for (const int count : {1, 2, 3, 5}) {
+      for (const int count : {1, 2, 3}) {
         set_threads(count);
         Workspace workspace;
         VectorX q = VectorX::Constant(body->connections.size(), 0.1), changed = q;

@@ -136,7 +136,7 @@ TEMPLATE_TEST_CASE("a membrane law on a triangle: forces are those of the stress
 }
 
 TEST_CASE("a law in plane stress is the solid whose thickness has no stress", "[law]") {
-  // The thickness stretch at which the solid has no stress across, by Newton's method on C₃₃.
+  // The thickness stretch at which the solid has no stress across, by halving.
   Random random(63);
   const Material material = material_of(5000, 0.3);
   const auto check = [&](const auto& solid, const auto& membrane) {
@@ -144,8 +144,11 @@ TEST_CASE("a law in plane stress is the solid whose thickness has no stress", "[
       const Eigen::Matrix2d A = random_strain<2>(random, trial);
       Matrix3 full = Matrix3::Zero();
       full.topLeftCorner<2, 2>() = A;
-      for (int iteration = 0; iteration < 50; ++iteration)
-        full(2, 2) -= solid.stress(full)(2, 2) / solid.tangent(full)(2, 2);
+      double low = -0.99, high = 9;
+      for (int halving = 0; halving < 60; ++halving) {
+        full(2, 2) = (low + high) / 2;
+        (solid.stress(full)(2, 2) < 0 ? low : high) = full(2, 2);
+      }
       const Eigen::Matrix2d expected = material.thickness * solid.stress(full).topLeftCorner(2, 2);
       CHECK((membrane.stress(A) - expected).norm() <= 1e-10 * (expected.norm() + 5));
     }
