@@ -80,7 +80,7 @@ Strategy strategy_from(const py::handle& given, const Catalog& catalog) {
 }
 
 template <class Row>
-std::vector<Descriptor> rows_of(const Table<Row>& table) {
+std::vector<Descriptor> rows_of(const elastin::Table<Row>& table) {
   std::vector<Descriptor> rows;
   for (const auto& row : table) rows.push_back(*row);
   return rows;
