@@ -17,6 +17,7 @@
 #include "lab/report/csv_plot.h"
 #include "lab/report/json.h"
 #include "lab/report/progress.h"
+#include "lab/report/screen.h"
 #include "lab/scene/scene.h"
 #include "lab/study/check.h"
 #include "lab/study/compare.h"
@@ -37,7 +38,7 @@ Examples:
   {0} run scenes/tension/cube-27-face.yaml --set stiffness=lattice --set material.youngs_modulus='10 kPa'
   {0} run scenes/tension/cube-1000.yaml --json - | jq .runs[0].measures
   {0} check scenes/tension/table1-b.yaml                    what the body is, and its zero-energy modes
-  {0} verify scenes/hard/*.yaml --choices                   hard cases against their known answers: a verdict each
+  {0} verify scenes/hard/*.yaml --choices                   hard cases compared with their known results
   {0} list                                                  strategies and their parameters
 
 Exit codes: 0 all expectations hold; 1 an expectation or a run failed; 2 wrong use or input.
@@ -51,18 +52,18 @@ struct Options : Request {
 
 volatile std::sig_atomic_t interrupted = 0;
 
-/// The first interrupt ends a run in time after its frame and a comparison after its row, with everything written; the
+/// The first interrupt ends a run in time after its frame and a comparison after its run, with everything written; the
 /// second ends the command.
 void note_interrupt(int) {
-  constexpr std::string_view said = "\n  ends after this row or frame; once more: at once\n";
+  constexpr std::string_view said = "\n  ends after this run or frame; once more: at once\n";
   if (write(STDERR_FILENO, said.data(), said.size()) < 0) interrupted = 1;  // nobody to tell
   interrupted = 1;
   std::signal(SIGINT, SIG_DFL);
 }
 
-/// Holds every scene against what it says must come of it.
+/// Compares what comes of every scene with what it expects.
 int verify_scenes(const Options& options, const Catalog& catalog) {
-  Progress progress(options.to_screen() && isatty(STDERR_FILENO));
+  Progress progress(progress_of(options));
   for (const std::string& path : options.scenes)
     load_scene(path, catalog, options.overrides);  // a slip is said at once
   write_tables(options, {});
@@ -84,7 +85,7 @@ int verify_scenes(const Options& options, const Catalog& catalog) {
   return std::any_of(cases.begin(), cases.end(), failed) ? 1 : 0;
 }
 
-/// `compare` and `run`. The first interrupt ends the row under way and leaves whole files; see note_interrupt.
+/// `compare` and `run`. The first interrupt ends the run under way and leaves whole files; see note_interrupt.
 int run_all(Options& options, const Catalog& catalog, bool compare) {
   options.compare = compare;
   options.interrupted = [] { return interrupted != 0; };
@@ -129,7 +130,8 @@ void add_scene_options(CLI::App& command, Options& options) {
       ->take_all()
       ->allow_extra_args(false);
   command
-      .add_option("--threads", options.threads, "Threads for large bodies; 0 = one a core. Same bits for any number")
+      .add_option("--threads", options.threads,
+                  "Threads for large bodies; 0 = one a core. Results are bitwise identical for any number")
       ->check(CLI::Range(0, 4096));
   command.add_flag("--quiet", options.quiet, "Print nothing but errors");
 }
@@ -146,14 +148,14 @@ void add_study_options(CLI::App& command, Options& options) {
   command.add_flag("--summary", options.summary, "Print only the summary over all scenes: by strategy, by body");
   command
       .add_option("--vary", options.vary,
-                  "Change a key from row to row: KEY.PATH=[VALUE, …], or {KEY: […], KEY: […]} of keys that go "
+                  "Change a key from run to run: KEY.PATH=[VALUE, …], or {KEY: […], KEY: […]} of keys that go "
                   "together. May be repeated: every combination runs")
       ->take_all()
       ->allow_extra_args(false);
   command.add_option("--repeats", options.repeats, "Run everything so often, in turn; the fastest counts")
       ->check(CLI::Range(1, 1000));
   command.add_option("--resume", options.resume_from,
-                     "Go on in this folder that --out has filled: finished rows are not run again");
+                     "Go on in this folder that --out has filled: finished runs are not repeated");
   command.add_option("--peers", options.peers,
                      "CSV of other programs' rows for the page: method, minimum_s, error, scene");
 }
@@ -194,7 +196,7 @@ struct Commands {
         run(app.add_subcommand("run", "Run a scene with its own stiffness strategy; print every measure")),
         compare(
             app.add_subcommand("compare", "Run a scene with many strategies; print measured modulus, error and cost")),
-        verify(app.add_subcommand("verify", "Hold scenes against the answers that they state; print verdicts")),
+        verify(app.add_subcommand("verify", "Compare scenes with the results that they expect; print verdicts")),
         check(app.add_subcommand("check", "Say what a scene's body is: counts, separate pieces, zero-energy modes")),
         list(app.add_subcommand("list", "List strategies, their parameters, and measures")),
         plot(app.add_subcommand("plot", "Draw two columns of a CSV file against each other: SVG")) {
@@ -220,6 +222,7 @@ struct Commands {
 
 int run_chosen(const Commands& commands, Options& options, const Catalog& catalog) {
   openmp::use_openmp();
+  set_screen_width(terminal_width(STDOUT_FILENO));
   set_threads(options.threads);
   if (*commands.list) return list_catalog(catalog);
   if (*commands.verify) return verify_scenes(options, catalog);

@@ -107,7 +107,7 @@ Table verdicts_table(const std::vector<Record>& records) {
   std::vector<const Verdict*> verdicts;
   for (const Record& record : records)
     for (const Verdict& verdict : record.verdicts) verdicts.push_back(&verdict);
-  Table table({"strategy", "measure", "expected", "here", "difference", "", "source"});
+  Table table({"strategy", "measure", "expected", "measured", "difference", "", "source"});
   for (const Verdict* verdict : verdicts) {
     if (!verdict->expectation.outcome.empty()) {
       table.add({{verdict->strategy},
@@ -115,7 +115,7 @@ Table verdicts_table(const std::vector<Record>& records) {
                  {verdict->expectation.outcome},
                  {""},
                  {""},
-                 {verdict->passed ? "holds" : "FAILS", verdict->passed ? Tone::good : Tone::bad},
+                 {verdict->passed ? "passed" : "failed", verdict->passed ? Tone::good : Tone::bad},
                  {verdict->expectation.source, Tone::faint}});
       continue;
     }
@@ -128,8 +128,8 @@ Table verdicts_table(const std::vector<Record>& records) {
                {missing ? "none" : readable(verdict->measured, info, 6), Tone::plain, true},
                {percent(verdict->difference), Tone::plain, true},
                {!verdict->judged  ? "not reproduced"
-                : verdict->passed ? "holds"
-                                  : "FAILS",
+                : verdict->passed ? "passed"
+                                  : "failed",
                 tone},
                {verdict->expectation.source + (verdict->judged ? "" : ": " + verdict->expectation.not_reproduced),
                 Tone::faint}});
@@ -139,7 +139,7 @@ Table verdicts_table(const std::vector<Record>& records) {
 
 std::string advice_text(const Ranking& ranking, bool colours) {
   const Record* best = ranking.best;
-  if (!best) return "\n  none to take: each one failed or has a warning\n";
+  if (!best) return "\n  no recommendation: each strategy failed or has a warning\n";
   std::string found, goal;
   for (const std::string& name : ranking.measures) {
     const std::string label = find_measure(name).label(), comma = found.empty() ? "" : ", ";
@@ -158,10 +158,11 @@ std::string advice_text(const Ranking& ranking, bool colours) {
               : modulus             ? percent(best->error(name))
                                     : value_text(value, info));
   }
-  return fmt::format("\n  {} {}: {} (target: {}), {}\n",
-                     ranking.error(*best) <= kNear ? "take" : "none is near " + goal + "; the nearest is",
-                     painted(best->run.strategy, Tone::bold, colours), found, best->prescribed,
-                     readable_seconds(best->run.build_seconds + best->run.solve_seconds));
+  return fmt::format(
+      "\n  {} {}: {} (target: {}), {}\n",
+      ranking.error(*best) <= kNear ? "recommended:" : "no strategy is near " + goal + "; the nearest is",
+      painted(best->run.strategy, Tone::bold, colours), found, best->prescribed,
+      readable_seconds(best->run.build_seconds + best->run.solve_seconds));
 }
 
 }  // namespace elastin::lab

@@ -11,6 +11,7 @@
 
 #include "contact/search.h"
 #include "elastin/core/base/error.h"
+#include "lab/report/cell_stress.h"
 #include "lab/report/surface_files.h"
 #include "lab/report/vtu.h"
 
@@ -40,13 +41,19 @@ std::string variant_field(const Record& record) {
   return csv_field(text);
 }
 
-/// One row a frame, with the measures that the run has.
-std::string history_csv_text(const std::vector<CurvePoint>& rows) {
+/// The measures that some row has.
+std::vector<const MeasureInfo*> columns_of(const std::vector<CurvePoint>& rows) {
   std::vector<const MeasureInfo*> columns;
   for (const MeasureInfo& info : measure_list())
     if (std::any_of(rows.begin(), rows.end(),
                     [&](const CurvePoint& row) { return std::isfinite(row.measures.get(info.name)); }))
       columns.push_back(&info);
+  return columns;
+}
+
+/// One row a frame.
+std::string history_csv_text(const std::vector<CurvePoint>& rows) {
+  const std::vector<const MeasureInfo*> columns = columns_of(rows);
   std::string out = "time [s]";
   for (const MeasureInfo* info : columns) out += "," + headed(*info);
   out += ",step [s],steps,newton_iterations,linear_iterations\n";
@@ -56,6 +63,30 @@ std::string history_csv_text(const std::vector<CurvePoint>& rows) {
     out += fmt::format(",{},{},{},{}\n", cell(row.step), row.steps, row.newton_iterations, row.linear_iterations);
   }
   return out;
+}
+
+/// Connections as lines, then triangles, then tetrahedra: VTK's types 3, 5 and 10.
+void add_cells(VtuArrays& arrays, std::string& out, const Body& body) {
+  std::vector<int> corners, ends, types;
+  const auto add = [&](const auto& cells, int type) {
+    for (const auto& cell : cells) {
+      corners.insert(corners.end(), cell.begin(), cell.end());
+      ends.push_back(static_cast<int>(corners.size()));
+      types.push_back(type);
+    }
+  };
+  add(body.connections.ends, 3);
+  add(body.triangles, 5);
+  add(body.tetrahedra, 10);
+  const auto list = [&](const char* name, const char* type, const std::vector<int>& values) {
+    arrays.add(name, type, 1, static_cast<int>(values.size()),
+               [&](int i, int) { return values[static_cast<std::size_t>(i)]; });
+  };
+  out += "<Cells>\n";
+  list("connectivity", "Int32", corners);
+  list("offsets", "Int32", ends);
+  list("types", "UInt8", types);
+  out += "</Cells>\n";
 }
 
 }  // namespace
@@ -111,12 +142,13 @@ std::string csv_text(const std::vector<Record>& records) {
 
 std::string curve_csv_text(const Record& record) {
   if (record.run.time) return history_csv_text(record.run.curve);
+  const std::vector<const MeasureInfo*> columns = columns_of(record.run.curve);
   std::string out = "load_factor";
-  for (const MeasureInfo& info : measure_list()) out += "," + headed(info);
+  for (const MeasureInfo* info : columns) out += "," + headed(*info);
   out += ",newton_iterations,linear_iterations,residual\n";
   for (const CurvePoint& point : record.run.curve) {
     out += cell(point.load_factor);
-    for (const MeasureInfo& info : measure_list()) out += "," + cell(point.measures.get(info.name));
+    for (const MeasureInfo* info : columns) out += "," + cell(point.measures.get(info->name));
     out += fmt::format(",{},{},{}\n", point.newton_iterations, point.linear_iterations, cell(point.residual));
   }
   return out;
@@ -134,7 +166,9 @@ std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& cons
     force.col(ends[c][0]) += shot.force_densities[c] * d;
     force.col(ends[c][1]) -= shot.force_densities[c] * d;
   }
-  std::string out = vtu_head(n, m) + "<Points>\n";
+  const int triangles = static_cast<int>(body.triangles.size());
+  const int cells = m + triangles + static_cast<int>(body.tetrahedra.size());
+  std::string out = vtu_head(n, cells) + "<Points>\n";
   VtuArrays arrays(out);
   arrays.add("positions", "Float64", 3, n, [&](int i, int k) { return positions(k, i); });
   out += "</Points>\n<PointData Vectors=\"displacement\">\n";
@@ -147,16 +181,34 @@ std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& cons
     arrays.add("contact_force", "Float64", 3, n, [&](int i, int k) { return shot.contact_forces(k, i); });
   }
   out += "</PointData>\n<CellData Scalars=\"strain\">\n";
-  arrays.add("strain", "Float64", 1, m,
-             [&](int c, int) { return rest_length[c] > 0 ? length[c] / rest_length[c] - 1 : 0; });
-  arrays.add("tension", "Float64", 1, m, [&](int c, int) { return shot.force_densities[c] * length[c]; });
-  arrays.add("force_density", "Float64", 1, m, [&](int c, int) { return shot.force_densities[c]; });
-  if (constants.size()) arrays.add("constant", "Float64", 1, m, [&](int c, int) { return constants[c]; });
-  out += "</CellData>\n<Cells>\n";
-  arrays.add("connectivity", "Int32", 2, m, [&](int c, int k) { return ends[c][k]; });
-  arrays.add("offsets", "Int32", 1, m, [&](int c, int) { return 2 * c + 2; });
-  arrays.add("types", "UInt8", 1, m, [](int, int) { return 3; });
-  return out + "</Cells>\n" + kVtuEnd;
+  const std::vector<CellState> states = cell_states(body, positions, shot.force_densities);
+  const auto state = [&](int cell) -> const CellState& { return states[static_cast<std::size_t>(cell - m)]; };
+  const auto of_connection = [&](const char* name, const auto& value) {
+    arrays.add(name, "Float64", 1, cells, [&](int cell, int) { return cell < m ? value(cell) : 0; });
+  };
+  arrays.add("strain", "Float64", 1, cells, [&](int cell, int) {
+    if (cell >= m) return largest_strain(state(cell));
+    return rest_length[cell] > 0 ? length[cell] / rest_length[cell] - 1 : 0;
+  });
+  of_connection("tension", [&](int c) { return shot.force_densities[c] * length[c]; });
+  of_connection("force_density", [&](int c) { return shot.force_densities[c]; });
+  if (constants.size()) of_connection("constant", [&](int c) { return constants[c]; });
+  if (!states.empty()) {
+    const auto tensor = [&](const char* name, int from, int to, Matrix3 CellState::*value) {
+      arrays.add(name, "Float64", 9, cells,
+                 [&](int cell, int k) { return cell >= from && cell < to ? (state(cell).*value)(k / 3, k % 3) : 0; });
+    };
+    tensor("green_strain", m, cells, &CellState::strain);
+    if (triangles) tensor("membrane_stress", m, m + triangles, &CellState::stress);
+    if (m + triangles < cells) {
+      tensor("stress", m + triangles, cells, &CellState::stress);
+      arrays.add("von_mises", "Float64", 1, cells,
+                 [&](int cell, int) { return cell >= m + triangles ? von_mises(state(cell)) : 0; });
+    }
+  }
+  out += "</CellData>\n";
+  add_cells(arrays, out, body);
+  return out + kVtuEnd;
 }
 
 void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run,

@@ -9,15 +9,18 @@ namespace elastin::lab {
 /// Writes a whole file or none: to a neighbour first, then in its place. Throws InputError naming the path.
 void write_whole(const std::string& path, const std::string& text);
 
-/// One row a run; columns scene, strategy, …, every measure, every error, seconds.
+/// One row a run; columns scene, strategy, …, every measure there is, so that files of several scenes can be joined,
+/// every error, seconds.
 std::string csv_text(const std::vector<Record>& records);
 
-/// One row a load step of one run.
+/// One row a load step or frame of one run; a column for each measure that some row has.
 std::string curve_csv_text(const Record& record);
 
-/// A VTU file of one state: molecules as points (displacement, elastic force, radius, mass; contact pressure [Pa] and
-/// force [N] where there is contact), connections as lines (tension [N], strain, force density [N/m], and the spring
-/// constant [N/m] where the strategy has one).
+/// A VTU file of one state, packed by zlib: molecules as points (displacement, elastic force, radius, mass; contact
+/// pressure [Pa] and force [N] where there is contact); connections as lines (strain, tension [N], force density [N/m],
+/// and the spring constant [N/m] where the strategy has one), triangles and tetrahedra (largest principal strain,
+/// Green–Lagrange strain, stress [Pa] and its von Mises size; of triangles the membrane stress [N/m]; see cell_states).
+/// What belongs to the others is 0.
 std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& constants);
 
 /// Writes NAME.pvd and one NAME-STEP.vtu a load step into a folder, for ParaView; of a body with cells

@@ -3,6 +3,9 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
+#include <utility>
 
 #include "elastin/core/base/error.h"
 
@@ -10,294 +13,399 @@ namespace elastin::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using Named = std::vector<std::pair<std::string, double>>;
 
-Json to_json(const std::vector<std::pair<std::string, double>>& values) {
+// How single values stand in JSON. What is not finite is written as null, which comes back as NaN.
+
+template <class Value>
+Json written(const Value& value) {
+  return value;
+}
+Json written(const Named& values) {
   Json object = Json::object();
   for (const auto& [name, value] : values) object[name] = value;
   return object;
 }
-
-Json to_json(const Verdict& verdict) {
-  const Expectation& expectation = verdict.expectation;
-  if (!expectation.outcome.empty())
-    return {{"strategy", expectation.strategy}, {"outcome", expectation.outcome}, {"cause", expectation.cause},
-            {"source", expectation.source},     {"holds", verdict.passed},        {"judged", true}};
-  Json object{{"strategy", expectation.strategy}, {"measure", expectation.measure}, {"expected", expectation.value},
-              {"source", expectation.source},     {"holds", verdict.passed},        {"judged", verdict.judged}};
-  if (std::isfinite(verdict.measured)) object["measured"] = verdict.measured;
-  if (std::isfinite(verdict.difference)) object["difference"] = verdict.difference;
-  if (!verdict.judged) object["not_reproduced"] = verdict.expectation.not_reproduced;
+Json written(const std::vector<std::pair<std::string, std::string>>& values) {
+  Json object = Json::object();
+  for (const auto& [name, value] : values) object[name] = value;
   return object;
 }
-
-Json to_json(const Vector3& vector) { return {vector.x(), vector.y(), vector.z()}; }
-
-Json contact_json(const contact::ContactReport& contact, const std::vector<std::string>& obstacles) {
-  Json object{{"pairs", contact.pairs},
-              {"sticking", contact.sticking},
-              {"largest_penetration", contact.largest_penetration},
-              {"area", contact.area},
-              {"largest_pressure", contact.largest_pressure},
-              {"on_obstacles", Json::object()},
-              {"between_pieces", to_json(contact.between_pieces)},
-              {"broad_seconds", contact.broad_seconds},
-              {"narrow_seconds", contact.narrow_seconds}};
-  for (std::size_t i = 0; i < obstacles.size(); ++i)
-    object["on_obstacles"][obstacles[i]] = to_json(contact.on_obstacles[i]);
-  return object;
+Json written(const Measures& measures) { return written(measures.all()); }
+Json written(const Vector3& vector) { return {vector.x(), vector.y(), vector.z()}; }
+Json written(const Stiffness6& matrix) {
+  Json rows = Json::array();
+  for (const auto& row : matrix.rowwise()) rows.push_back(std::vector<double>(row.begin(), row.end()));
+  return rows;
 }
 
-/// What tells a row of a study from another, and what its error is held against.
-void add_of_study(Json& object, const Record& record) {
-  object["asked"] = record.prescribed;
-  object["spacing"] = record.spacing;
-  for (const auto& [name, prescribed] : record.main_measures)
-    object["main_measures"].push_back({{"measure", name}, {"prescribed", prescribed}});
-  for (const Reference& reference : record.references)
-    object["references"].push_back({{"measure", reference.measure},
-                                    {"value", reference.value},
-                                    {"uncertainty", reference.uncertainty},
-                                    {"source", reference.source}});
-  for (const auto& [key, value] : record.variant) object["variant"][key] = value;
-  for (const auto& [build, solve] : record.repeats) object["repeats"].push_back({build, solve});
-  if (!record.repeats.empty()) object["seconds"]["median"] = record.median_seconds();
-  const Run& run = record.run;
-  if (!run.remark.empty()) object["remark"] = run.remark;
-  for (const auto& [name, holds] :
-       {std::pair{"unstable", run.unstable}, {"untangled", run.restarted_from_rest}, {"uses_cells", run.uses_cells}})
-    if (holds) object[name] = true;
+template <class Value>
+void read(const Json& json, Value& value) {
+  json.get_to(value);
 }
-
-Json to_json(const Record& record) {
-  const Run& run = record.run;
-  Json object{{"scene", record.scene},
-              {"title", record.title},
-              {"strategy", run.strategy},
-              {"solver", run.solver},
-              {"solver_reason", run.solver_reason},
-              {"outcome", outcome_name(run)},
-              {"cause", run.cause},
-              {"molecules", record.molecules},
-              {"connections", record.connections},
-              {"cell_sides", record.cell_sides},
-              {"cells", record.cells},
-              {"threads", record.threads},
-              {"measures", to_json(run.measures.all())},
-              {"errors", to_json(record.errors)},
-              {"seconds", {{"build", run.build_seconds}, {"solve", run.solve_seconds}}},
-              {"iterations", run.newton_iterations},
-              {"linear_iterations", run.linear_iterations},
-              {"cut_steps", run.cut_steps},
-              {"halved_load_steps", run.bisected_load_steps},
-              {"residual", run.residual},
-              {"zero_energy_modes", run.zero_energy_modes},
-              {"warnings", record.warnings},
-              {"notes", record.notes}};
-  add_of_study(object, record);
-  if (run.measures.stiffness_matrix) {
-    object["stiffness_matrix"] = Json::array();
-    for (const auto& row : run.measures.stiffness_matrix->rowwise())
-      object["stiffness_matrix"].push_back(std::vector<double>(row.begin(), row.end()));
-  }
-  if (run.calibration_factor != 1) object["calibration_factor"] = run.calibration_factor;
-  if (run.volume_modulus != 0) object["volume_modulus"] = run.volume_modulus;
-  if (run.identified)
-    object["identified"] = {{"polynomial", run.identified->polynomial},
-                            {"up_to", run.identified->up_to},
-                            {"misfit", run.identified->misfit},
-                            {"standard_errors", run.identified->standard_errors},
-                            {"load_curves", run.identified->evaluations}};
-  if (run.time) {
-    const TimeReport& time = *run.time;
-    object["time"] = {{"integrator", time.scheme},       {"simulated", time.simulated},
-                      {"seconds", time.seconds},         {"steps", time.steps},
-                      {"rejected_steps", time.rejected}, {"shortest_step", time.shortest_step},
-                      {"last_step", time.last_step}};
-    if (time.seconds > 0) {
-      object["time"]["steps_per_second"] = time.steps / time.seconds;
-      object["time"]["real_time_factor"] = time.simulated / time.seconds;
-    }
-    if (time.critical_step > 0 && std::isfinite(time.critical_step))
-      object["time"]["critical_step"] = time.critical_step;
-  }
-  if (run.contact) object["contact"] = contact_json(*run.contact, record.obstacles);
-  object["curve"] = Json::array();
-  for (const CurvePoint& point : run.curve) {
-    Json row = to_json(point.measures.all());
-    if (run.time) {
-      row["time"] = point.time;
-      row["step"] = point.step;
-    } else {
-      row["load_factor"] = point.load_factor;
-    }
-    object["curve"].push_back(row);
-  }
-  object["expectations"] = Json::array();
-  for (const Verdict& verdict : record.verdicts) object["expectations"].push_back(to_json(verdict));
-  return object;
+void read(const Json& json, double& value) {
+  value = json.is_number() ? json.get<double>() : std::numeric_limits<double>::quiet_NaN();
 }
-
-/// Null and what is missing come back as NaN.
-double number(const Json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_number() ? found->get<double>() : std::numeric_limits<double>::quiet_NaN();
-}
-
-std::vector<std::pair<std::string, double>> numbers(const Json& object) {
-  std::vector<std::pair<std::string, double>> values;
-  for (const auto& [name, value] : object.items())
+void read(const Json& json, Named& values) {
+  values.clear();
+  for (const auto& [name, value] : json.items())
     if (value.is_number()) values.emplace_back(name, value.get<double>());
-  return values;
 }
-
-Measures measures_of(const Json& object) {
-  Measures measures;
-  for (const auto& [name, value] : numbers(object)) measures.set(name, value);
-  return measures;
+void read(const Json& json, std::vector<std::pair<std::string, std::string>>& values) {
+  values.clear();
+  for (const auto& [name, value] : json.items()) values.emplace_back(name, value.get<std::string>());
 }
-
-/// A point's measures stand beside when it was.
-Measures measures_of_point(Json row) {
-  for (const char* name : {"time", "step", "load_factor"}) row.erase(name);
-  return measures_of(row);
+void read(const Json& json, Measures& measures) {
+  Named values;
+  read(json, values);
+  for (const auto& [name, value] : values) measures.set(name, value);
 }
-
-Verdict verdict_of(const Json& object, const std::string& strategy) {
-  Verdict verdict;
-  verdict.expectation.strategy = object.value("strategy", "");
-  verdict.expectation.measure = object.value("measure", "");
-  verdict.expectation.outcome = object.value("outcome", "");
-  verdict.expectation.cause = object.value("cause", "");
-  verdict.expectation.value = number(object, "expected");
-  verdict.expectation.source = object.value("source", "");
-  verdict.expectation.not_reproduced = object.value("not_reproduced", "");
-  verdict.strategy = strategy;
-  verdict.measured = number(object, "measured");
-  verdict.difference = number(object, "difference");
-  verdict.passed = object.at("holds");
-  verdict.judged = object.at("judged");
-  return verdict;
+void read(const Json& json, Vector3& vector) { vector = Vector3(json.at(0), json.at(1), json.at(2)); }
+void read(const Json& json, Stiffness6& matrix) {
+  for (int row = 0; row < 6; ++row)
+    for (int column = 0; column < 6; ++column)
+      read(json.at(static_cast<std::size_t>(row)).at(static_cast<std::size_t>(column)), matrix(row, column));
 }
+/// The name belongs to the list of all measures.
+void read(const Json& json, std::string_view& measure) { measure = find_measure(json.get<std::string>()).name; }
 
-void read_outcome(const Json& object, Run& run) {
-  const std::string name = object.at("outcome");
+// One list of fields serves both ways: a Writer puts each into an object, a Reader takes it from there.
+
+class Writer {
+ public:
+  static constexpr bool reads = false;
+  /// `whole`: also what only the journal keeps, so that a record comes back as it was.
+  Writer(Json& object, bool whole) : object_(object), whole_(whole) {}
+
+  template <class Value>
+  void field(const char* key, const Value& value) {
+    object_[key] = written(value);
+  }
+  /// Only where it is worth it; it comes back as it is by default otherwise.
+  template <class Value>
+  void field_if(bool worth, const char* key, const Value& value) {
+    if (worth) field(key, value);
+  }
+  template <class Value>
+  void kept(const char* key, const Value& value) {
+    if (whole_) field(key, value);
+  }
+  /// Follows from other fields: is written and never read.
+  template <class Value>
+  void derived(bool worth, const char* key, const Value& value) {
+    if (worth) field(key, value);
+  }
+  template <class Fields>
+  void object(const char* key, const Fields& fields) {
+    Json& inner = object_[key];
+    if (inner.is_null()) inner = Json::object();
+    Writer writer(inner, whole_);
+    fields(writer);
+  }
+  template <class Value, class Fields>
+  void optional(const char* key, const std::optional<Value>& value, const Fields& fields) {
+    if (value) object(key, [&](Writer& writer) { fields(writer, *value); });
+  }
+  template <class List, class Fields>
+  void list(bool worth, const char* key, const List& list, const Fields& fields) {
+    if (!worth) return;
+    object_[key] = Json::array();
+    for (const auto& item : list) {
+      Json inner = Json::object();
+      Writer writer(inner, whole_);
+      fields(writer, item);
+      object_[key].push_back(std::move(inner));
+    }
+  }
+  template <class Fields>
+  void kept_object(const char* key, const Fields& fields) {
+    if (whole_) object(key, fields);
+  }
+  Json& json() { return object_; }
+
+ private:
+  Json& object_;
+  bool whole_;
+};
+
+class Reader {
+ public:
+  static constexpr bool reads = true;
+  explicit Reader(const Json& object) : object_(object) {}
+
+  template <class Value>
+  void field(const char* key, Value& value) {
+    read(object_.at(key), value);
+  }
+  template <class Value>
+  void field_if(bool, const char* key, Value& value) {
+    if (object_.contains(key)) read(object_[key], value);
+  }
+  template <class Value>
+  void kept(const char* key, Value& value) {
+    field_if(true, key, value);
+  }
+  template <class Value>
+  void derived(bool, const char*, const Value&) {}
+  template <class Fields>
+  void object(const char* key, const Fields& fields) {
+    Reader reader(object_.at(key));
+    fields(reader);
+  }
+  template <class Value, class Fields>
+  void optional(const char* key, std::optional<Value>& value, const Fields& fields) {
+    if (!object_.contains(key)) return;
+    Reader reader(object_[key]);
+    fields(reader, value.emplace());
+  }
+  template <class List, class Fields>
+  void list(bool, const char* key, List& list, const Fields& fields) {
+    if (!object_.contains(key)) return;
+    for (const Json& inner : object_[key]) {
+      Reader reader(inner);
+      fields(reader, list.emplace_back());
+    }
+  }
+  template <class Fields>
+  void kept_object(const char* key, const Fields& fields) {
+    if (object_.contains(key)) object(key, fields);
+  }
+  const Json& json() const { return object_; }
+
+ private:
+  const Json& object_;
+};
+
+void outcome_fields(Writer& io, const Run& run) { io.field("outcome", outcome_name(run)); }
+void outcome_fields(Reader& io, Run& run) {
+  std::string name;
+  io.field("outcome", name);
   run.suited = name != kUnsuited;
   for (int outcome = 0; outcome <= static_cast<int>(Outcome::interrupted); ++outcome)
     if (name == name_of(static_cast<Outcome>(outcome))) run.outcome = static_cast<Outcome>(outcome);
-  run.cause = object.value("cause", "");
-  run.unstable = object.value("unstable", false);
-  run.restarted_from_rest = object.value("untangled", false);
-  run.uses_cells = object.value("uses_cells", false);
-  run.remark = object.value("remark", "");
 }
 
-void read_time(const Json& object, Run& run) {
-  TimeReport time;
-  time.scheme = object.at("integrator");
-  time.simulated = number(object, "simulated");
-  time.seconds = number(object, "seconds");
-  time.steps = object.at("steps");
-  time.rejected = object.at("rejected_steps");
-  time.shortest_step = number(object, "shortest_step");
-  time.last_step = number(object, "last_step");
-  if (object.contains("critical_step")) time.critical_step = number(object, "critical_step");
-  run.time = time;
+/// Forces by the obstacles' names, which the record has.
+void obstacle_fields(Writer& io, const contact::ContactReport& contact, const std::vector<std::string>& names) {
+  io.json()["on_obstacles"] = Json::object();
+  for (std::size_t i = 0; i < names.size(); ++i) io.json()["on_obstacles"][names[i]] = written(contact.on_obstacles[i]);
 }
-
-void read_contact(const Json& object, Record& record) {
-  const auto vector = [](const Json& list) { return Vector3(list.at(0), list.at(1), list.at(2)); };
-  contact::ContactReport contact;
-  contact.pairs = object.at("pairs");
-  contact.sticking = object.at("sticking");
-  contact.largest_penetration = number(object, "largest_penetration");
-  contact.area = number(object, "area");
-  contact.largest_pressure = number(object, "largest_pressure");
-  for (const auto& [name, force] : object.at("on_obstacles").items()) {
-    record.obstacles.push_back(name);
-    contact.on_obstacles.push_back(vector(force));
+void obstacle_fields(Reader& io, contact::ContactReport& contact, std::vector<std::string>& names) {
+  names.clear();
+  for (const auto& [name, force] : io.json().at("on_obstacles").items()) {
+    names.push_back(name);
+    read(force, contact.on_obstacles.emplace_back());
   }
-  contact.between_pieces = vector(object.at("between_pieces"));
-  contact.broad_seconds = number(object, "broad_seconds");
-  contact.narrow_seconds = number(object, "narrow_seconds");
-  record.run.contact = std::move(contact);
 }
 
-Run run_of(const Json& object) {
-  Run run;
-  run.strategy = object.at("strategy");
-  run.solver = object.value("solver", "");
-  run.solver_reason = object.value("solver_reason", "");
-  read_outcome(object, run);
-  run.measures = measures_of(object.at("measures"));
-  run.build_seconds = number(object.at("seconds"), "build");
-  run.solve_seconds = number(object.at("seconds"), "solve");
-  run.newton_iterations = object.at("iterations");
-  run.linear_iterations = object.at("linear_iterations");
-  run.cut_steps = object.value("cut_steps", 0);
-  run.bisected_load_steps = object.value("halved_load_steps", 0);
-  run.residual = number(object, "residual");
-  run.zero_energy_modes = object.value("zero_energy_modes", 0);
-  if (object.contains("calibration_factor")) run.calibration_factor = object["calibration_factor"];
-  if (object.contains("volume_modulus")) run.volume_modulus = object["volume_modulus"];
-  if (object.contains("time")) read_time(object["time"], run);
-  for (const Json& row : object.at("curve")) {
-    CurvePoint point;
-    point.measures = measures_of_point(row);
-    point.load_factor = number(row, "load_factor");
-    point.time = row.contains("time") ? number(row, "time") : 0;
-    point.step = row.contains("step") ? number(row, "step") : 0;
-    run.curve.push_back(std::move(point));
-  }
-  return run;
+void stiffness_field(Writer& io, const std::optional<Stiffness6>& matrix) {
+  if (matrix) io.field("stiffness_matrix", *matrix);
+}
+void stiffness_field(Reader& io, std::optional<Stiffness6>& matrix) {
+  if (io.json().contains("stiffness_matrix")) io.field("stiffness_matrix", matrix.emplace());
 }
 
-void read_what_it_stands_for(const Json& object, Record& record) {
-  record.prescribed = object.value("asked", "");
-  record.spacing = number(object, "spacing");
-  if (object.contains("main_measures"))
-    for (const Json& measure : object["main_measures"])
-      record.main_measures.push_back({find_measure(measure.at("measure")).name, number(measure, "prescribed")});
-  if (object.contains("references"))
-    for (const Json& reference : object["references"])
-      record.references.push_back({reference.at("measure"), number(reference, "value"), reference.at("source"),
-                                   number(reference, "uncertainty")});
-  if (object.contains("variant"))
-    for (const auto& [key, value] : object["variant"].items()) record.variant.emplace_back(key, value);
-  if (object.contains("repeats"))
-    for (const Json& seconds : object["repeats"]) record.repeats.push_back({seconds.at(0), seconds.at(1)});
+/// Of the spring constants only the least: whether there are any, and negative ones.
+void least_constant_field(Writer& io, const Run& run) {
+  if (run.constants.size() > 0) io.kept("least_constant", run.constants.minCoeff());
+}
+void least_constant_field(Reader& io, Run& run) {
+  double least = std::nan("");
+  io.kept("least_constant", least);
+  if (std::isfinite(least)) run.constants = VectorX::Constant(1, least);
+}
+
+/// A point's measures stand beside when it was.
+void measure_fields(Writer& io, const CurvePoint& point) { io.json() = written(point.measures); }
+void measure_fields(Reader& io, CurvePoint& point) {
+  Json row = io.json();
+  for (const char* name : {"time", "step", "load_factor"}) row.erase(name);
+  read(row, point.measures);
+}
+
+template <class Io, class Point>
+void curve_fields(Io& io, Point& point, bool in_time) {
+  measure_fields(io, point);
+  io.field_if(in_time, "time", point.time);
+  io.field_if(in_time, "step", point.step);
+  io.field_if(!in_time, "load_factor", point.load_factor);
+  io.kept_object("solver", [&](auto& inner) {
+    inner.field("load_factor", point.load_factor);
+    inner.field("newton_iterations", point.newton_iterations);
+    inner.field("linear_iterations", point.linear_iterations);
+    inner.field("residual", point.residual);
+    inner.field("steps", point.steps);
+  });
+}
+
+template <class Io, class Time>
+void time_fields(Io& io, Time& time) {
+  io.field("integrator", time.scheme);
+  io.field("simulated", time.simulated);
+  io.field("seconds", time.seconds);
+  io.field("steps", time.steps);
+  io.field("rejected_steps", time.rejected);
+  io.field("shortest_step", time.shortest_step);
+  io.field("last_step", time.last_step);
+  io.derived(time.seconds > 0, "steps_per_second", time.steps / time.seconds);
+  io.derived(time.seconds > 0, "real_time_factor", time.simulated / time.seconds);
+  io.field_if(time.critical_step > 0 && std::isfinite(time.critical_step), "critical_step", time.critical_step);
+  io.kept("frequency", time.frequency);
+  io.kept("reason", time.reason);
+  io.kept("resumed", time.resumed);
+}
+
+template <class Io, class Contact, class Names>
+void contact_fields(Io& io, Contact& contact, Names& obstacles) {
+  io.field("pairs", contact.pairs);
+  io.field("sticking", contact.sticking);
+  io.field("largest_penetration", contact.largest_penetration);
+  io.field("area", contact.area);
+  io.field("largest_pressure", contact.largest_pressure);
+  obstacle_fields(io, contact, obstacles);
+  io.field("between_pieces", contact.between_pieces);
+  io.field("broad_seconds", contact.broad_seconds);
+  io.field("narrow_seconds", contact.narrow_seconds);
+}
+
+template <class Io, class Found>
+void identified_fields(Io& io, Found& found) {
+  io.field("polynomial", found.polynomial);
+  io.field("up_to", found.up_to);
+  io.field("misfit", found.misfit);
+  io.field("standard_errors", found.standard_errors);
+  io.field("load_curves", found.evaluations);
+}
+
+template <class Io, class AnyVerdict>
+void verdict_fields(Io& io, AnyVerdict& verdict) {
+  auto& wanted = verdict.expectation;
+  io.field("strategy", wanted.strategy);
+  const bool of_outcome = !wanted.outcome.empty();
+  io.field_if(of_outcome, "outcome", wanted.outcome);
+  io.field_if(of_outcome, "cause", wanted.cause);
+  io.field_if(!of_outcome, "measure", wanted.measure);
+  io.field_if(!of_outcome, "expected", wanted.value);
+  io.field("source", wanted.source);
+  io.field("holds", verdict.passed);
+  io.derived(of_outcome, "judged", true);
+  io.field_if(!of_outcome, "judged", verdict.judged);
+  io.field_if(!of_outcome && std::isfinite(verdict.measured), "measured", verdict.measured);
+  io.field_if(!of_outcome && std::isfinite(verdict.difference), "difference", verdict.difference);
+  io.field_if(!of_outcome && !verdict.judged, "not_reproduced", wanted.not_reproduced);
+  io.kept_object("kept", [&](auto& inner) {
+    inner.field("run", verdict.strategy);
+    inner.field("value", wanted.value);
+    inner.field("relative", wanted.relative);
+    inner.field("absolute", wanted.absolute);
+    inner.field("not_reproduced", wanted.not_reproduced);
+    inner.field("judged", verdict.judged);
+    inner.field("measured", verdict.measured);
+    inner.field("difference", verdict.difference);
+  });
+}
+
+/// What tells a run of a study from another, and what its error is compared with.
+template <class Io, class AnyRecord>
+void study_fields(Io& io, AnyRecord& record) {
+  io.field("asked", record.prescribed);
+  io.field("spacing", record.spacing);
+  io.list(!record.main_measures.empty(), "main_measures", record.main_measures, [](auto& inner, auto& measure) {
+    inner.field("measure", measure.name);
+    inner.field("prescribed", measure.prescribed);
+  });
+  io.list(!record.references.empty(), "references", record.references, [](auto& inner, auto& reference) {
+    inner.field("measure", reference.measure);
+    inner.field("value", reference.value);
+    inner.field("uncertainty", reference.uncertainty);
+    inner.field("source", reference.source);
+  });
+  io.field_if(!record.variant.empty(), "variant", record.variant);
+  io.field_if(!record.repeats.empty(), "repeats", record.repeats);
+  io.object("seconds", [&](auto& inner) { inner.derived(!record.repeats.empty(), "median", record.median_seconds()); });
+  auto& run = record.run;
+  io.field_if(!run.remark.empty(), "remark", run.remark);
+  io.field_if(run.unstable, "unstable", run.unstable);
+  io.field_if(run.restarted_from_rest, "untangled", run.restarted_from_rest);
+  io.field_if(run.uses_cells, "uses_cells", run.uses_cells);
+}
+
+/// All of a record but its states and its constants, of which the journal's lines hold the least.
+template <class Io, class AnyRecord>
+void record_fields(Io& io, AnyRecord& record) {
+  auto& run = record.run;
+  io.field("scene", record.scene);
+  io.field("title", record.title);
+  io.field("strategy", run.strategy);
+  io.field("solver", run.solver);
+  io.field("solver_reason", run.solver_reason);
+  outcome_fields(io, run);
+  io.field("cause", run.cause);
+  io.field("molecules", record.molecules);
+  io.field("connections", record.connections);
+  io.field("cell_sides", record.cell_sides);
+  io.field("cells", record.cells);
+  io.field("threads", record.threads);
+  io.field("measures", run.measures);
+  io.field("errors", record.errors);
+  io.object("seconds", [&](auto& inner) {
+    inner.field("build", run.build_seconds);
+    inner.field("solve", run.solve_seconds);
+  });
+  io.field("iterations", run.newton_iterations);
+  io.field("linear_iterations", run.linear_iterations);
+  io.field("cut_steps", run.cut_steps);
+  io.field("halved_load_steps", run.bisected_load_steps);
+  io.field("residual", run.residual);
+  io.field("zero_energy_modes", run.zero_energy_modes);
+  io.field("warnings", record.warnings);
+  io.field("notes", record.notes);
+  study_fields(io, record);
+  stiffness_field(io, run.measures.stiffness_matrix);
+  io.field_if(run.calibration_factor != 1, "calibration_factor", run.calibration_factor);
+  io.field_if(run.volume_modulus != 0, "volume_modulus", run.volume_modulus);
+  io.optional("identified", run.identified, [](auto& inner, auto& found) { identified_fields(inner, found); });
+  io.optional("time", run.time, [](auto& inner, auto& time) { time_fields(inner, time); });
+  io.optional("contact", run.contact,
+              [&](auto& inner, auto& contact) { contact_fields(inner, contact, record.obstacles); });
+  io.list(true, "curve", run.curve,
+          [&](auto& inner, auto& point) { curve_fields(inner, point, run.time.has_value()); });
+  io.list(true, "expectations", record.verdicts, [](auto& inner, auto& verdict) { verdict_fields(inner, verdict); });
+  io.kept("path", record.path);
+  io.kept("obstacles", record.obstacles);
+  io.kept("run_warnings", run.warnings);
+  io.kept_object("neighbours", [&](auto& inner) {
+    inner.field("mean", record.neighbours.mean);
+    inner.field("least", record.neighbours.least);
+  });
+  least_constant_field(io, run);
+}
+
+Json object_of(const Record& record, bool whole) {
+  Json object = Json::object();
+  Writer writer(object, whole);
+  record_fields(writer, record);
+  return object;
 }
 
 }  // namespace
 
 std::string json_text(const std::vector<Record>& records) {
   Json runs = Json::array();
-  for (const Record& record : records) runs.push_back(to_json(record));
+  for (const Record& record : records) runs.push_back(object_of(record, false));
   return Json{{"runs", runs}}.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string json_line(const Record& record) {
-  return to_json(record).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return object_of(record, true).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 Record record_of_json(const std::string& line) {
   try {
     const Json object = Json::parse(line);
     Record record;
-    record.scene = object.at("scene");
-    record.title = object.at("title");
-    record.run = run_of(object);
-    record.molecules = object.at("molecules");
-    record.connections = object.at("connections");
-    record.cell_sides = object.at("cell_sides");
-    record.cells = object.at("cells");
-    record.threads = object.at("threads");
-    record.errors = numbers(object.at("errors"));
-    record.warnings = object.at("warnings").get<std::vector<std::string>>();
-    record.notes = object.value("notes", record.notes);
-    if (object.contains("contact")) read_contact(object["contact"], record);
-    read_what_it_stands_for(object, record);
-    for (const Json& verdict : object.at("expectations"))
-      record.verdicts.push_back(verdict_of(verdict, record.run.strategy));
+    Reader reader(object);
+    record_fields(reader, record);
     return record;
   } catch (const Json::exception& error) {
     throw InputError(std::string("no run of ours: ") + error.what());

@@ -2,18 +2,48 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
+
+#include "lab/report/table.h"
 
 namespace elastin::lab {
 
 using namespace std::chrono_literals;
 
-Progress::Progress(bool shown) : shown_(shown) {
-  if (shown_) thread_ = std::thread([this] { watch(); });
+namespace {
+
+double seconds_of(std::chrono::steady_clock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+}  // namespace
+
+double time_left(const RunCount& count, double elapsed) {
+  if (count.timed == 0 || count.done >= count.total) return std::nan("");
+  const auto timed = static_cast<double>(count.timed), open = static_cast<double>(count.total - count.done);
+  const double mean = count.seconds / timed;
+  return elapsed <= mean ? mean * open - elapsed : (count.seconds + elapsed) / (timed + 1) * (open - 1);
+}
+
+std::string progress_text(const RunCount& count, double elapsed, const std::string& doing) {
+  std::string text = fmt::format("  {:.0f} s  ", elapsed);
+  if (count.total > 1) {
+    text += fmt::format("run {} of {}", count.done + 1, count.total);
+    const double left = time_left(count, elapsed);
+    if (std::isfinite(left)) text += ", about " + readable_seconds(left) + " left";
+    text += ": ";
+  }
+  return text + doing;
+}
+
+Progress::Progress(Show show, std::chrono::milliseconds every) : show_(show), every_(every) {
+  if (show_ != Show::nothing) thread_ = std::thread([this] { watch(); });
 }
 
 Progress::~Progress() {
-  if (!shown_) return;
+  if (show_ == Show::nothing) return;
   {
     const std::lock_guard lock(mutex_);
     stop_ = true;
@@ -24,13 +54,31 @@ Progress::~Progress() {
 
 void Progress::set(const std::string& doing) {
   const std::lock_guard lock(mutex_);
-  if (doing_.empty()) start_ = std::chrono::steady_clock::now();
+  if (doing_.empty()) start_ = Clock::now();
   doing_ = doing;
+}
+
+void Progress::set_count(const RunCount& count) {
+  const std::lock_guard lock(mutex_);
+  count_ = count;
 }
 
 void Progress::pause() {
   const std::lock_guard lock(mutex_);
   doing_.clear();
+  wipe();
+}
+
+void Progress::note(const std::string& line) {
+  const std::lock_guard lock(mutex_);
+  if (show_ == Show::nothing || Clock::now() - begin_ < (show_ == Show::line ? std::chrono::milliseconds(1s) : every_))
+    return;
+  wipe();
+  fmt::print(stderr, "{}\n", line);
+  told_ = Clock::now();
+}
+
+void Progress::wipe() {
   if (drawn_) fmt::print(stderr, "\r\033[K");
   drawn_ = false;
 }
@@ -38,12 +86,18 @@ void Progress::pause() {
 void Progress::watch() {
   std::unique_lock lock(mutex_);
   while (!stop_) {
-    wake_.wait_for(lock, 200ms);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    if (stop_ || doing_.empty() || seconds < 1) continue;
-    fmt::print(stderr, "\r\033[K  {:.0f} s  {}", seconds, doing_);
-    std::fflush(stderr);
-    drawn_ = true;
+    wake_.wait_for(lock, show_ == Show::line ? 200ms : std::min<std::chrono::milliseconds>(200ms, every_));
+    const auto now = Clock::now();
+    if (stop_ || doing_.empty()) continue;
+    const std::string text = progress_text(count_, seconds_of(now - start_), doing_);
+    if (show_ == Show::line && now - start_ >= 1s) {
+      fmt::print(stderr, "\r\033[K{}", text);
+      std::fflush(stderr);
+      drawn_ = true;
+    } else if (show_ == Show::lines && now - told_ >= every_) {
+      fmt::print(stderr, "{}\n", text);
+      told_ = now;
+    }
   }
 }
 

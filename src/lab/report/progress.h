@@ -1,27 +1,53 @@
 #pragma once
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <mutex>
 #include <string>
 #include <thread>
 
 namespace elastin::lab {
 
-/// One line on standard error that says what is going on, from the second second on; it is wiped when work pauses.
+/// How far a comparison is.
+struct RunCount {
+  std::size_t total = 0, done = 0;  ///< runs
+  std::size_t timed = 0;            ///< of the finished ones, those that were run here
+  double seconds = 0;               ///< that these took
+};
+
+/// Time that is left [s], from the mean of the runs so far; one that takes longer than that counts with what it has
+/// taken. NaN before the first is finished. `elapsed` [s]: of the run under way.
+double time_left(const RunCount& count, double elapsed);
+
+/// "  12 s  run 3 of 18, about 40.00 s left: cube, lattice"
+std::string progress_text(const RunCount& count, double elapsed, const std::string& doing);
+
+/// Says on standard error what is going on: on a terminal in one line, from the second second on, which is wiped when
+/// work pauses; elsewhere in a line every few seconds.
 class Progress {
  public:
-  /// `shown` = false: no line, no thread.
-  explicit Progress(bool shown);
+  enum class Show { nothing, line, lines };
+  /// `lines` come that often [ms].
+  explicit Progress(Show show, std::chrono::milliseconds every = std::chrono::seconds(5));
   ~Progress();
   void set(const std::string& doing);
+  void set_count(const RunCount& count);
   /// Wipes the line, so that something else can be printed; the clock starts again with the next set().
   void pause();
+  /// A line that stays: a run is finished. Only where the whole work takes long enough to tell of it.
+  void note(const std::string& line);
 
  private:
+  using Clock = std::chrono::steady_clock;
   void watch();
-  bool shown_, stop_ = false, drawn_ = false;
+  void wipe();
+  const Show show_;
+  const std::chrono::milliseconds every_;
+  bool stop_ = false, drawn_ = false;
   std::string doing_;
-  std::chrono::steady_clock::time_point start_;
+  RunCount count_;
+  Clock::time_point start_, told_ = Clock::now();
+  const Clock::time_point begin_ = Clock::now();
   std::mutex mutex_;
   std::condition_variable wake_;
   std::thread thread_;

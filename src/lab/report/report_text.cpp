@@ -45,7 +45,7 @@ std::string time_text(const TimeReport& time) {
   std::string out = fmt::format(
       "  {}{}: {}{}, last {}{}; {:.4g} s simulated in {}, {:.3g} steps a second, {:.3g} times {} than real time\n",
       time.resumed ? "resumed, " : "", time.scheme, counted(time.steps, "step"),
-      time.rejected ? fmt::format(" and {} gone again", time.rejected) : "", readable_seconds(time.last_step),
+      time.rejected ? fmt::format(" and {} rejected", time.rejected) : "", readable_seconds(time.last_step),
       time.critical_step > 0 && std::isfinite(time.critical_step)
           ? fmt::format(" (longest stable {}, ω_max {:.4g} rad/s)", readable_seconds(time.critical_step),
                         time.frequency)

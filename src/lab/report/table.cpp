@@ -7,13 +7,81 @@
 #include <utility>
 
 #include "lab/report/plot.h"
+#include "lab/report/screen.h"
 
 namespace elastin::lab {
 namespace {
 
-/// Columns that a terminal uses for a UTF-8 text without wide characters.
-std::size_t shown_width(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+/// What a narrow screen does without, the first to go first.
+constexpr const char* kSpared[] = {"iterations", "build",      "median",  "least", "solver", "with build",
+                                   "unsuited",   "mechanisms", "threads", "on",    "source", "neighbours inside",
+                                   "difference"};
+/// Text is not made narrower than this, so that it can still be read.
+constexpr std::size_t kNarrow = 16;
+
+bool is_right(const std::vector<std::vector<TableCell>>& rows, std::size_t column) {
+  return std::any_of(rows.begin(), rows.end(),
+                     [&](const auto& row) { return column < row.size() && row[column].right; });
+}
+
+/// The columns of a table that a screen has room for, and how wide each is.
+struct Layout {
+  std::vector<std::size_t> columns, width;
+  std::size_t total() const {
+    std::size_t sum = 0;
+    for (const std::size_t column : columns) sum += width[column] + 2;
+    return sum - std::min<std::size_t>(2, sum);
+  }
+};
+
+std::size_t longest_word(const std::string& text) {
+  std::size_t longest = 0;
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t end = std::min(text.find(' ', from), text.size());
+    longest = std::max(longest, shown_width(text.substr(from, end - from)));
+    from = end + 1;
+  }
+  return longest;
+}
+
+/// Makes the widest column of text narrower, by what is too much but not below `least`; false where none is wider.
+bool narrow(Layout& layout, const std::vector<char>& right, std::size_t room, std::size_t least) {
+  std::size_t widest = layout.width.size();
+  for (const std::size_t column : layout.columns)
+    if (!right[column] && layout.width[column] > least &&
+        (widest == layout.width.size() || layout.width[column] > layout.width[widest]))
+      widest = column;
+  if (widest == layout.width.size()) return false;
+  std::size_t& width = layout.width[widest];
+  width = std::max(least, width - std::min(width, layout.total() - room));
+  return true;
+}
+
+/// `room` = 0: as wide as the text. Otherwise heads are folded, then text; columns that can be spared go.
+Layout layout_of(const std::vector<std::string>& head, const std::vector<std::vector<TableCell>>& rows,
+                 std::size_t room) {
+  Layout layout;
+  std::vector<std::size_t> of_rows(head.size());
+  std::vector<char> right;
+  for (std::size_t column = 0; column < head.size(); ++column) {
+    for (const auto& row : rows)
+      if (column < row.size()) of_rows[column] = std::max(of_rows[column], shown_width(row[column].text));
+    layout.columns.push_back(column);
+    layout.width.push_back(std::max(of_rows[column], shown_width(head[column])));
+    right.push_back(is_right(rows, column));
+  }
+  if (room == 0 || layout.total() <= room) return layout;
+  for (std::size_t column = 0; column < head.size(); ++column)
+    layout.width[column] = std::max(of_rows[column], longest_word(head[column]));
+  while (layout.total() > room && narrow(layout, right, room, 2 * kNarrow)) {
+  }
+  for (const char* spared : kSpared)
+    if (layout.total() > room)
+      std::erase_if(layout.columns, [&](std::size_t column) { return column > 0 && head[column] == spared; });
+  while (layout.total() > room && narrow(layout, right, room, kNarrow)) {
+  }
+  while (layout.total() > room && layout.columns.size() > 1) layout.columns.pop_back();
+  return layout;
 }
 
 const char* name_of(Tone tone) {
@@ -34,27 +102,32 @@ std::string painted(const std::string& text, Tone tone, bool colours) {
 }
 
 std::string Table::text(bool colours, const std::string& indent) const {
-  std::vector<std::size_t> width;
-  for (const std::string& word : head_) width.push_back(shown_width(word));
-  for (const auto& row : rows_)
-    for (std::size_t column = 0; column < row.size(); ++column)
-      width[column] = std::max(width[column], shown_width(row[column].text));
+  const Layout layout = layout_of(head_, rows_, screen_width() > indent.size() ? screen_width() - indent.size() : 0);
   std::string out;
   const auto add_row = [&](const std::vector<TableCell>& row) {
-    std::string line = indent;
-    for (std::size_t column = 0; column < row.size(); ++column) {
-      const std::string gap(width[column] - shown_width(row[column].text), ' ');
-      const std::string text = painted(row[column].text, row[column].tone, colours);
-      line += (column ? "  " : "") + (row[column].right ? gap + text : text + (column + 1 < row.size() ? gap : ""));
+    std::vector<std::vector<std::string>> cells;  // of each column shown its lines
+    std::size_t lines = 1;
+    for (const std::size_t column : layout.columns) {
+      cells.push_back(column < row.size() ? folded(row[column].text, layout.width[column])
+                                          : std::vector<std::string>{""});
+      lines = std::max(lines, cells.back().size());
     }
-    out += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+    for (std::size_t line = 0; line < lines; ++line) {
+      std::string text = indent;
+      for (std::size_t i = 0; i < cells.size(); ++i) {
+        const std::size_t column = layout.columns[i];
+        const std::string word = line < cells[i].size() ? cells[i][line] : "";
+        const bool last = i + 1 == cells.size(), right = column < row.size() && row[column].right;
+        const std::string gap(layout.width[column] - shown_width(word), ' ');
+        const std::string shown = painted(word, word.empty() ? Tone::plain : row[column].tone, colours);
+        text += (i ? "  " : "") + (right ? gap + shown : shown + (last ? "" : gap));
+      }
+      out += text.substr(0, text.find_last_not_of(' ') + 1) + "\n";
+    }
   };
   std::vector<TableCell> head;
-  for (std::size_t column = 0; column < head_.size(); ++column) {
-    const bool right = std::any_of(rows_.begin(), rows_.end(),
-                                   [&](const auto& row) { return column < row.size() && row[column].right; });
-    head.push_back({head_[column], Tone::bold, right});
-  }
+  for (std::size_t column = 0; column < head_.size(); ++column)
+    head.push_back({head_[column], Tone::bold, is_right(rows_, column)});
   add_row(head);
   for (const auto& row : rows_) add_row(row);
   return out;

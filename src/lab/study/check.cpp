@@ -79,7 +79,7 @@ bool add_faults(std::string& out, const Body& body, const std::string& name) {
     std::map<int, std::vector<int>> members;
     for (int molecule = 0; molecule < body.size(); ++molecule)
       members[findings.piece_of[static_cast<std::size_t>(molecule)]].push_back(molecule);
-    add_line(out, "PIECES" + name, fmt::format("{}: the body hangs apart", findings.pieces));
+    add_line(out, "PIECES" + name, fmt::format("{}: the body is not connected", findings.pieces));
     int shown = 0;
     for (const auto& [piece, molecules] : members)
       if (molecules.size() > 1 && ++shown <= 8)
@@ -137,7 +137,7 @@ void add_modes(std::string& out, Scene& scene) {
   std::vector<char> stiff(static_cast<std::size_t>(connections.size()), 0);
   std::fill_n(stiff.begin(), connections.proper(), 1);
   const ModeReport report = find_modes_in_parts(scene.specimen.body, model.supports, stiff);
-  add_line(out, "held molecules", number(static_cast<int>(model.supports.size())));
+  add_line(out, "fixed molecules", number(static_cast<int>(model.supports.size())));
   add_line(out, "free rigid motions",
            fmt::format("{}{}", report.rigid_motions, report.rigid_motions ? " (left by the grips; no mechanism)" : ""));
   if (report.zero_energy_modes == 0 && report.counted) return add_line(out, "zero-energy modes", "0");

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -20,6 +21,7 @@
 #include "lab/report/machine.h"
 #include "lab/report/page.h"
 #include "lab/report/progress.h"
+#include "lab/report/ranking.h"
 #include "lab/report/study.h"
 #include "lab/report/summary.h"
 #include "lab/report/view.h"
@@ -42,7 +44,7 @@ std::string restart_text_of(const std::string& path) {
 class Comparison {
  public:
   Comparison(const Request& request, const Catalog& catalog)
-      : request_(request), catalog_(catalog), progress_(request.to_screen() && isatty(STDERR_FILENO)) {}
+      : request_(request), catalog_(catalog), progress_(progress_of(request)) {}
 
   bool run();
 
@@ -62,7 +64,7 @@ class Comparison {
   void open_journal();
   std::string text_of(const ScenePlan& plan, const RunKey& run_key) const;
   RunOptions options_of(const ScenePlan& plan, const Scene& scene, const StrategyChoice& choice);
-  std::string time_left() const;
+  std::string finished_text(const Record& record) const;
   void print_scene(const ScenePlan& plan);
   void refer_to_own_values();
   std::vector<Record> records_of(const std::string& scene) const;
@@ -74,21 +76,26 @@ class Comparison {
   std::optional<Journal> journal_;
   std::vector<Record> records_;
   std::vector<Peer> peers_;
-  std::size_t rows_ = 0, done_ = 0, run_ = 0;  ///< of all repeats: there are, finished, not found finished
-  double seconds_ = 0;                         ///< that the rows run here took
+  std::size_t rows_ = 0, done_ = 0, run_ = 0;  ///< runs of all repeats: there are, finished, not found finished
+  double seconds_ = 0;                         ///< that the runs made here took
   Clock::time_point written_ = Clock::now();
   const Machine machine_ = this_machine();
   bool good_ = true, stopped_ = false;
 };
 
-std::string Comparison::time_left() const {
-  if (rows_ < 2) return "";
-  const std::string left =
-      run_ == 0
-          ? ""
-          : ", about " + readable_seconds(seconds_ / static_cast<double>(run_) * static_cast<double>(rows_ - done_)) +
-                " left";
-  return fmt::format("row {} of {}{}: ", done_ + 1, rows_, left);
+/// "  3 of 18  cube, lattice: E +0.02 %, 12.0 ms": what there is to say of a run before its table stands.
+std::string Comparison::finished_text(const Record& record) const {
+  std::string text = fmt::format("  {} of {}  {}, {}", done_, rows_, record.scene, record.run.strategy);
+  if (const std::string variant = variant_text(record); !variant.empty()) text += ", " + variant;
+  text += ": ";
+  if (!solved(record)) return text + outcome_text(record.run);
+  for (const MainMeasure& measure : record.main_measures) {
+    const double error = record.error(measure.name);
+    if (std::isfinite(error))
+      return text + find_measure(std::string(measure.name)).label() + " " + percent(error) + ", " +
+             readable_seconds(record.least_seconds());
+  }
+  return text + readable_seconds(record.least_seconds());
 }
 
 RunOptions Comparison::options_of(const ScenePlan& plan, const Scene& scene, const StrategyChoice& choice) {
@@ -98,7 +105,8 @@ RunOptions Comparison::options_of(const ScenePlan& plan, const Scene& scene, con
   result.live = request_.live;
   result.keep_snapshots = !request_.out.empty();
   result.progress = [this, name = scene.name + ", " + choice.label + ": "](const std::string& doing) {
-    progress_.set(time_left() + name + doing);
+    progress_.set_count({rows_, done_, run_, seconds_});
+    progress_.set(name + doing);
   };
   result.stop = [this] { return request_.interrupted && request_.interrupted(); };
   if (!request_.restart.empty()) result.restart = restart_text_of(request_.restart);
@@ -209,11 +217,13 @@ void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Recor
     if (!plan.varied()) write_run(request_, *scene, record);
   }
   record.run.snapshots.clear();
-  record.run.constants.resize(0);
+  if (record.run.constants.size() > 1)  // of many rows; the summary asks for the least
+    record.run.constants.setConstant(1, double{record.run.constants.minCoeff()});
   if (journal_ && !key.empty() && record.run.outcome != Outcome::interrupted)
     journal_->add(key, source_of(plan), record);
   if (request_.to_screen() && !request_.compare) fmt::print("{}", run_text(record, colours_on(STDOUT_FILENO)));
   ++done_;
+  if (request_.compare && rows_ > 1 && !key.empty()) progress_.note(finished_text(record));
   const auto same = [&](const Record& r) {
     return r.scene == record.scene && r.variant == record.variant && r.threads == record.threads &&
            r.run.strategy == record.run.strategy;
@@ -309,11 +319,16 @@ bool Comparison::run() {
     fmt::print("  files in {}/: {}runs.csv, runs.json{}\n", request_.out, request_.compare ? "report.html, " : "",
                all_varied ? "" : ", curves, and .pvd for ParaView");
   if (stopped_ && !request_.out.empty() && done_ < rows_ && request_.to_screen())
-    fmt::print("  stopped after {} of {} rows; --resume {} goes on\n", done_, rows_, request_.out);
+    fmt::print("  stopped after {} of {} runs; --resume {} goes on\n", done_, rows_, request_.out);
   return good_;
 }
 
 }  // namespace
+
+Progress::Show progress_of(const Request& request) {
+  if (request.quiet) return Progress::Show::nothing;
+  return isatty(STDERR_FILENO) ? Progress::Show::line : Progress::Show::lines;
+}
 
 bool run_scenes(const Request& request, const Catalog& catalog) { return Comparison(request, catalog).run(); }
 

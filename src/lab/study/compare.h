@@ -1,7 +1,11 @@
 #pragma once
+#include "lab/report/progress.h"
 #include "lab/study/request.h"
 
 namespace elastin::lab {
+
+/// How the progress of a request is told: not at all with --quiet, else as standard error can show it.
+Progress::Show progress_of(const Request& request);
 
 /// Runs every chosen strategy on every scene, in every combination that a study asks for. Of `compare` prints one table
 /// a scene and, of several, a summary; of `run` one page a run. With `out` each row is on disk as soon as it is

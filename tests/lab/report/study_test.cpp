@@ -7,6 +7,7 @@
 
 #include "elastin/core/base/error.h"
 #include "lab/report/json.h"
+#include "lab/report/table.h"
 #include "lab/scene/study.h"
 
 using namespace elastin;
@@ -120,6 +121,24 @@ TEST_CASE("a row comes back from its line of JSON", "[study]") {
   verdict.passed = true;
   verdict.measured = 5e3;
   record.verdicts = {verdict};
+  // What the table and the page of a resumed comparison show as well.
+  record.run.warnings = {"mechanism: 12 zero-energy modes"};
+  record.run.constants = VectorX::Constant(1, -3.5);
+  record.neighbours = {5.5, 4};
+  record.path = "a/b.yaml";
+  record.run.measures.stiffness_matrix = Stiffness6::Random();
+  record.run.identified = Identified{{1e3, -2e3, 5e2}, {1, 2, 3}, 0.8, 0.004, 52};
+  record.run.curve[1].newton_iterations = 4;
+  record.run.curve[1].linear_iterations = 40;
+  record.run.curve[1].residual = 1e-11;
+  record.run.time = TimeReport{};
+  record.run.time->scheme = "newmark";
+  record.run.time->reason = "cells";
+  record.run.time->frequency = 3600;
+  record.run.time->seconds = 2;
+  record.run.time->resumed = true;
+  record.run.curve[1].time = 0.5;
+  record.run.curve[1].steps = 17;
   const std::string line = json_line(record);
   CHECK(line.find('\n') == std::string::npos);
   const Record back = record_of_json(line);
@@ -127,5 +146,18 @@ TEST_CASE("a row comes back from its line of JSON", "[study]") {
   CHECK(back.median_seconds() == Approx(0.4));
   CHECK(back.run.outcome == Outcome::limit_reached);
   CHECK(back.run.curve[1].measures.get("stress") == 7);
+  CHECK(*back.run.measures.stiffness_matrix == *record.run.measures.stiffness_matrix);
+  CHECK(back.run.identified->standard_errors == record.run.identified->standard_errors);
+  CHECK(back.run.identified->modulus(0.5) == record.run.identified->modulus(0.5));
+  CHECK(back.run.constants == record.run.constants);
+  CHECK((back.run.time->frequency == 3600 && back.run.time->reason == "cells" && back.run.time->resumed));
+  CHECK((back.run.curve[1].newton_iterations == 4 && back.run.curve[1].steps == 17));
+  CHECK((back.neighbours.mean == 5.5 && back.neighbours.least == 4 && back.path == "a/b.yaml"));
+  CHECK((back.verdicts[0].expectation.relative == 0.01 && back.verdicts[0].strategy == "lattice"));
+  // Every word that is printed of it is the same, and so is the JSON for others.
+  CHECK(run_text(back, false) == run_text(record, false));
+  CHECK(comparison_text({back}, false) == comparison_text({record}, false));
+  CHECK(json_text({back}) == json_text({record}));
+  CHECK(json_text({record}).find("least_constant") == std::string::npos);
   CHECK_THROWS_WITH(record_of_json("{\"scene\": 3}"), Contains("no run of ours"));
 }

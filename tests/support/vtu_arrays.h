@@ -1,0 +1,73 @@
+#pragma once
+#include <zlib.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <pugixml.hpp>
+#include <string>
+#include <vector>
+
+namespace elastin {
+
+/// Bytes of base64 as RFC 4648 has it; text may hold several padded pieces, one after the other.
+inline std::string bytes_of_base64(const std::string& text) {
+  static const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  unsigned group = 0;
+  int count = 0, padding = 0;
+  for (const char c : text) {
+    const std::size_t value = letters.find(c);
+    if (c != '=' && value == std::string::npos) continue;
+    padding += c == '=';
+    group = group << 6 | (c == '=' ? 0u : static_cast<unsigned>(value));
+    if (++count < 4) continue;
+    for (int k = 0; k < 3 - padding; ++k) bytes += static_cast<char>(group >> (16 - 8 * k) & 255);
+    group = 0;
+    count = padding = 0;
+  }
+  CHECK(count == 0);
+  return bytes;
+}
+
+/// The numbers of one packed array of a VTU file, read by the format's description alone.
+inline std::vector<double> numbers_of(const pugi::xml_node& array) {
+  const std::string bytes = bytes_of_base64(array.text().get());
+  REQUIRE(bytes.size() >= 24);
+  std::uint64_t head[4] = {};
+  std::memcpy(head, bytes.data(), std::min<std::size_t>(sizeof head, bytes.size()));
+  std::string data(head[0] ? head[1] : 0, '\0');
+  if (head[0]) {
+    REQUIRE(head[0] == 1);
+    REQUIRE(bytes.size() == 32 + head[3]);
+    uLongf size = data.size();
+    REQUIRE(uncompress(reinterpret_cast<Bytef*>(data.data()), &size, reinterpret_cast<const Bytef*>(bytes.data() + 32),
+                       head[3]) == Z_OK);
+    REQUIRE(size == data.size());
+  }
+  const std::string type = array.attribute("type").value();
+  const std::size_t width = type == "Float64" ? 8 : type == "Int32" ? 4 : 1;
+  std::vector<double> values;
+  for (std::size_t at = 0; at < data.size(); at += width) {
+    double real = 0;
+    std::int32_t whole = 0;
+    if (width == 8) std::memcpy(&real, data.data() + at, 8);
+    if (width == 4) std::memcpy(&whole, data.data() + at, 4);
+    if (width == 1) whole = static_cast<unsigned char>(data[at]);
+    values.push_back(width == 8 ? real : whole);
+  }
+  return values;
+}
+
+/// Whether every number of every array of a VTU file is finite.
+inline bool finite_arrays(const std::string& vtu) {
+  pugi::xml_document document;
+  REQUIRE(document.load_string(vtu.c_str()));
+  for (const auto& array : document.select_nodes("//DataArray"))
+    for (const double value : numbers_of(array.node()))
+      if (!std::isfinite(value)) return false;
+  return true;
+}
+
+}  // namespace elastin
