@@ -386,7 +386,7 @@ TEST_CASE("threads change no bit of what is measured", "[command]") {
 TEST_CASE("on a terminal of 80 columns no row of a table is longer", "[command][screen]") {
   const TemporaryFolder folder;
   const std::string cube = folder.write("cube.yaml", kCube);
-  for (const std::string command : {"compare " + cube, "run " + cube, std::string("list")}) {
+  for (const std::string& command : {"compare " + cube, "run " + cube, std::string("list")}) {
     INFO(command);
     int master = 0, slave = 0;
     winsize size{};

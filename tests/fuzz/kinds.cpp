@@ -204,13 +204,15 @@ Kind overrides(const fs::path& source, const fs::path& folder) {
   return kind;
 }
 
+const elastin::lab::RunSource kSource{"a \"b\"", "0123456789abcdef", {}};
+
 Kind journals(const fs::path& folder) {
   Kind kind{"journal",
             {},
             [folder](const std::string& path) {
               fs::create_directories(folder / "journal");
               fs::copy_file(path, folder / "journal" / "runs.jsonl", fs::copy_options::overwrite_existing);
-              elastin::lab::Journal(folder / "journal", true);
+              elastin::lab::Journal(folder / "journal", true, {kSource});
             },
             false};
   elastin::lab::Record record;
@@ -219,7 +221,7 @@ Kind journals(const fs::path& folder) {
   record.verdicts.resize(1);
   record.warnings = {"one"};
   fs::create_directories(folder / "journal");
-  elastin::lab::Journal(folder / "journal", false).add("0123456789abcdef", record);
+  elastin::lab::Journal(folder / "journal", false, {kSource}).add("0123456789abcdef", kSource, record);
   kind.seeds.push_back({".jsonl", bytes_of(folder / "journal" / "runs.jsonl")});
   return kind;
 }

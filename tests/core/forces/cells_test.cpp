@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "core/forces/tangent.h"
+#include "elastin/core/forces/tangent.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/shapes/surfaces.h"
 #include "elastin/core/simulation/catalog.h"

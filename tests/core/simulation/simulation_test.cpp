@@ -39,7 +39,7 @@ double difference(const Positions& a, const Positions& b) { return (a - b).cwise
 }  // namespace
 
 TEST_CASE("simulation: a free body falls as its weight says, and its views stay where they are") {
-  for (const Scheme scheme : kSchemes) {
+  for (const Scheme& scheme : kSchemes) {
     Simulation tissue = simulation_of(tissue_cube(3), scheme);
     tissue.model().add(make_gravity(tissue.body(), {0, 0, -10}));
     const double* const views[] = {tissue.positions().data(), tissue.velocities().data(), tissue.forces().data(),
@@ -73,7 +73,7 @@ TEST_CASE("simulation: one spring under its weight; tension, reaction and settle
 }
 
 TEST_CASE("simulation: what is moved goes there at one speed, and is pulled by what its reaction says") {
-  for (const Scheme scheme : kSchemes) {
+  for (const Scheme& scheme : kSchemes) {
     Simulation tissue = simulation_of(tissue_cube(3), scheme);
     for (int molecule = 0; molecule < 9; ++molecule) tissue.fix(molecule);
     for (int step = 1; step <= 20; ++step) {
@@ -132,7 +132,7 @@ TEST_CASE("simulation: a free direction of a support is free") {
 }
 
 TEST_CASE("simulation: a grip pulls with its spring and its damper, in steps and at rest") {
-  for (const Scheme scheme : kSchemes) {
+  for (const Scheme& scheme : kSchemes) {
     Simulation tissue = simulation_of(tissue_cube(3), scheme);
     for (int molecule = 0; molecule < 9; ++molecule) tissue.fix(molecule);
     const Vector3 position = tissue.body().rest.col(22) + Vector3(0, 0, 5e-4);
@@ -156,7 +156,7 @@ TEST_CASE("simulation: a grip pulls with its spring and its damper, in steps and
 }
 
 TEST_CASE("simulation: host forces, steps and grips give bitwise identical results after restore") {
-  for (const Scheme scheme : kSchemes) {
+  for (const Scheme& scheme : kSchemes) {
     for (const char* strategy : {"lattice", "lattice+volume"}) {
       const auto make = [&] {
         Simulation tissue = simulation_of(tissue_cube(4), scheme, strategy);
@@ -202,7 +202,7 @@ TEST_CASE("simulation: observers see every so many good steps") {
 }
 
 TEST_CASE("simulation: a step that cannot be leaves the state as it was and says why") {
-  for (const Scheme scheme : kSchemes) {
+  for (const Scheme& scheme : kSchemes) {
     Simulation tissue = simulation_of(tissue_block(), scheme, "neo_hookean");
     tissue.fix(0);
     run(tissue, 3);

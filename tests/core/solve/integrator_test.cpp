@@ -79,7 +79,7 @@ struct Block {
 }  // namespace
 
 TEST_CASE("every integrator has the order that it declares", "[integrator]") {
-  for (const Scheme scheme : kSchemes) {
+  for (const Scheme& scheme : kSchemes) {
     // x(t) = 1 + 0.2 cos ω t, velocity too; after 1.3 s, no whole number of periods.
     const double time = 1.3;
     const double order = measured_order(
@@ -99,7 +99,7 @@ TEST_CASE("every integrator has the order that it declares", "[integrator]") {
 }
 
 TEST_CASE("damping does not cost order", "[integrator]") {
-  for (const Scheme scheme : kSchemes) {
+  for (const Scheme& scheme : kSchemes) {
     // b = 3 N s/m: δ = b/2m = 3 /s, ω_d = √(100 − 9).
     const double time = 0.7, delta = 3, omega = std::sqrt(91.);
     const double order = measured_order(
@@ -160,7 +160,7 @@ TEST_CASE("backward Euler never gains energy, whatever the step", "[integrator]"
 }
 
 TEST_CASE("momentum is kept to rounding, angular momentum where the scheme can", "[integrator]") {
-  for (const Scheme scheme : kSchemes) {
+  for (const Scheme& scheme : kSchemes) {
     Block block;
     block.model.add(make_cell_damping(block.body, 0.02, 0.01));
     const Ledger ledger(block.model, block.state);
@@ -184,7 +184,7 @@ TEST_CASE("momentum is kept to rounding, angular momentum where the scheme can",
 }
 
 TEST_CASE("free fall strains nothing", "[integrator]") {
-  for (const Scheme scheme : kSchemes) {
+  for (const Scheme& scheme : kSchemes) {
     Block block;
     block.state = state_at_rest(block.body);
     block.model.add(make_gravity(block.body, {0, 0, -9.81}));
@@ -286,7 +286,7 @@ TEST_CASE("just below the stable step a run stays, just above it does not", "[in
 }
 
 TEST_CASE("a step that cannot be taken leaves the state as it was, and says why", "[integrator]") {
-  for (const Scheme scheme : kSchemes) {
+  for (const Scheme& scheme : kSchemes) {
     Block block;
     block.state.velocities.col(3) = 1e160 * Vector3(1, 2, 3);
     const State before = block.state;
@@ -305,7 +305,7 @@ TEST_CASE("steps give bitwise identical results on any number of threads", "[int
   Body body = cubic_lattice({20, 20, 20}, 0.01, {true, true, false});
   add_jitter(body, 0.001, 3);
   set_matter(body, 0.005, 1000, 0, std::pow(0.19, 3));
-  for (const Scheme scheme : kSchemes) {
+  for (const Scheme& scheme : kSchemes) {
     State first;
     for (const int count : {1, 2, 3, 5}) {
       set_threads(count);

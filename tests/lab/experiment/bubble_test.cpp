@@ -31,13 +31,13 @@ Run blow_up(int rings, double E, double nu, const std::string& strategy, const s
   return solve(specimen, *bubble, strategy);
 }
 
-MembraneLaw engineering_law(double E, double nu) {
+testing::MembraneLaw engineering_law(double E, double nu) {
   return [=](double along, double around) -> std::array<double, 2> {
     const double plane = E * kThickness / (1 - nu * nu);
     return {plane * (along - 1 + nu * (around - 1)), plane * (around - 1 + nu * (along - 1))};
   };
 }
-MembraneLaw rubber_law(double mu) {
+testing::MembraneLaw rubber_law(double mu) {
   return [=](double along, double around) -> std::array<double, 2> {
     return {mu * kThickness * (along - 1 / (std::pow(along, 3) * around * around)),
             mu * kThickness * (around - 1 / (std::pow(around, 3) * along * along))};
@@ -47,7 +47,7 @@ MembraneLaw rubber_law(double mu) {
 struct Case {
   std::string strategy;
   double E, nu;
-  MembraneLaw law;
+  testing::MembraneLaw law;
   std::array<double, 3> heights;  ///< of independent solutions [m]
 };
 const std::vector<double> kPressures{5000, 7300, 8940};
@@ -111,7 +111,7 @@ constexpr double kNu = 0.45;
 /// Heights [m] of a bubble of that latex as the differential equation has them, times 1 + noise · (a number of standard
 /// deviation about 1).
 BubbleSetup measured_latex(double noise) {
-  const MembraneLaw law = [](double along, double around) -> std::array<double, 2> {
+  const testing::MembraneLaw law = [](double along, double around) -> std::array<double, 2> {
     const double x = along - 1, y = around - 1;
     const double q = std::sqrt(0.5 / (1 - kNu) * (x + y) * (x + y) + 0.5 / (1 + kNu) * (x - y) * (x - y));
     const double plane = latex(q) * kThickness / (1 - kNu * kNu);

@@ -405,7 +405,7 @@ TEST_CASE("a file is written whole or not at all", "[files]") {
 }
 
 TEST_CASE("a table is aligned by what a terminal shows", "[files]") {
-  Table table({"name", "value", ""});
+  lab::Table table({"name", "value", ""});
   table.add({{"µm"}, {"1.5", Tone::good, true}, {"×"}});
   table.add({{"—"}, {"10.25", Tone::plain, true}, {"note", Tone::bad}});
   table.add({{"long name"}, {"", Tone::plain, true}});

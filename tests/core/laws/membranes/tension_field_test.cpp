@@ -100,7 +100,6 @@ TEMPLATE_TEST_CASE("without compression: taut as the law, wrinkled in uniaxial s
 
 TEMPLATE_TEST_CASE("without compression: flat triangles and points stay finite", "[wrinkling]", StVenantKirchhoff,
                    Hencky, NeoHookean, Curve) {
-  using Plain = OnTriangle<TestType>;
   using Relaxed = OnTriangle<WithoutCompression<TestType>>;
   const double nu = GENERATE(0., 0.3, 0.5);
   CornerPositions<3> rest;
