@@ -30,7 +30,10 @@ std::string find_column(const Csv& csv, const std::string& name) {
 
 std::string column_of(const Csv& csv, const std::string& name) {
   const std::string found = find_column(csv, name);
-  return found.empty() ? csv.head[csv.column(name)] : found;
+  if (!found.empty()) return found;
+  std::vector<std::string> names;
+  for (const std::string& column : csv.head) names.push_back(name_of(column));
+  throw InputError(SourceLocation{csv.path, 1}, "no column '" + name + "'" + suggestion(name, names));
 }
 
 bool has_number(const Csv& csv, const std::string& column) {

@@ -17,7 +17,7 @@ constexpr const char* kSpared[] = {"iterations", "build",      "median",  "least
                                    "unsuited",   "mechanisms", "threads", "on",    "source", "neighbours inside",
                                    "difference"};
 /// Text is not made narrower than this, so that it can still be read.
-constexpr std::size_t kNarrow = 16;
+constexpr std::size_t kNarrow = 12;
 
 bool is_right(const std::vector<std::vector<TableCell>>& rows, std::size_t column) {
   return std::any_of(rows.begin(), rows.end(),
@@ -44,16 +44,16 @@ std::size_t longest_word(const std::string& text) {
   return longest;
 }
 
-/// Makes the widest column of text narrower, by what is too much but not below `least`; false where none is wider.
-bool narrow(Layout& layout, const std::vector<char>& right, std::size_t room, std::size_t least) {
+/// Makes the widest column of text narrower, by what is too much but not below its least; false where none is wider.
+bool narrow(Layout& layout, const std::vector<char>& right, std::size_t room, const std::vector<std::size_t>& least) {
   std::size_t widest = layout.width.size();
   for (const std::size_t column : layout.columns)
-    if (!right[column] && layout.width[column] > least &&
+    if (!right[column] && layout.width[column] > least[column] &&
         (widest == layout.width.size() || layout.width[column] > layout.width[widest]))
       widest = column;
   if (widest == layout.width.size()) return false;
   std::size_t& width = layout.width[widest];
-  width = std::max(least, width - std::min(width, layout.total() - room));
+  width = std::max(least[widest], width - std::min(width, layout.total() - room));
   return true;
 }
 
@@ -61,11 +61,14 @@ bool narrow(Layout& layout, const std::vector<char>& right, std::size_t room, st
 Layout layout_of(const std::vector<std::string>& head, const std::vector<std::vector<TableCell>>& rows,
                  std::size_t room) {
   Layout layout;
-  std::vector<std::size_t> of_rows(head.size());
+  std::vector<std::size_t> of_rows(head.size()), words(head.size(), kNarrow), readable_words;
   std::vector<char> right;
   for (std::size_t column = 0; column < head.size(); ++column) {
     for (const auto& row : rows)
-      if (column < row.size()) of_rows[column] = std::max(of_rows[column], shown_width(row[column].text));
+      if (column < row.size()) {
+        of_rows[column] = std::max(of_rows[column], shown_width(row[column].text));
+        words[column] = std::max(words[column], longest_word(row[column].text));
+      }
     layout.columns.push_back(column);
     layout.width.push_back(std::max(of_rows[column], shown_width(head[column])));
     right.push_back(is_right(rows, column));
@@ -73,12 +76,16 @@ Layout layout_of(const std::vector<std::string>& head, const std::vector<std::ve
   if (room == 0 || layout.total() <= room) return layout;
   for (std::size_t column = 0; column < head.size(); ++column)
     layout.width[column] = std::max(of_rows[column], longest_word(head[column]));
-  while (layout.total() > room && narrow(layout, right, room, 2 * kNarrow)) {
+  for (const std::size_t word : words) readable_words.push_back(std::max(word, 2 * kNarrow));
+  while (layout.total() > room && narrow(layout, right, room, readable_words)) {
   }
   for (const char* spared : kSpared)
     if (layout.total() > room)
       std::erase_if(layout.columns, [&](std::size_t column) { return column > 0 && head[column] == spared; });
-  while (layout.total() > room && narrow(layout, right, room, kNarrow)) {
+  while (layout.total() > room && narrow(layout, right, room, words)) {
+  }
+  const std::vector<std::size_t> least(head.size(), kNarrow);  // then words are broken
+  while (layout.total() > room && narrow(layout, right, room, least)) {
   }
   while (layout.total() > room && layout.columns.size() > 1) layout.columns.pop_back();
   return layout;

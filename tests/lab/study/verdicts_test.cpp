@@ -140,6 +140,6 @@ TEST_CASE("verdicts: an expected stop passes, an unexpected answer or stop fails
   CHECK_THAT(verdict_of("neo_hookean", right), Contains("failed"));
   CHECK_THAT(verdict_of("standard", ""), Contains("no expectation") && Contains("0 of 1 passed, 1 not judged\n"));
   CHECK_THAT(verdict_of("neo_hookean", ""), Contains("failed") && Contains("needs tetrahedra"));
-  CHECK_THAT(verdict_of("standard", "{measure: effective_modulus, value: 1, not_reproduced: why not, source: me}"),
+  CHECK_THAT(verdict_of("standard", "{measure: effective_modulus, value: 1 kPa, not_reproduced: why not, source: me}"),
              Contains("not reproduced") && Contains("why not") && Contains("1 not judged"));
 }
