@@ -75,7 +75,7 @@ TEST_CASE("exit code 0: everything ran and is as expected", "[command]") {
              Contains("not suited: needs tetrahedra or triangles") && Contains("recommended: lattice: E "));
 }
 
-TEST_CASE("--version gives name and version", "[command]") {
+TEST_CASE("the option --version gives name and version", "[command]") {
   const Said said = say("--version");
   CHECK(said.code == 0);
   CHECK(said.err.empty());

@@ -168,7 +168,7 @@ void Tangent::set_diagonal() {
     return Six{s.x() * d.x() + density, s.x() * d.y(), s.x() * d.z(),
                s.y() * d.y() + density, s.y() * d.z(), s.z() * d.z() + density};
   });
-  visit_cells([&](const CellSlopes& cells) {
+  const auto add_cells = [&](const CellSlopes& cells) {
     for (int cell = 0; cell < cells.size(); ++cell) {
       const auto connections = cells.connections_of(cell);
       const double* slopes = cells.slopes_of(cell);
@@ -188,7 +188,8 @@ void Tangent::set_diagonal() {
         slopes += connections.size();
       }
     }
-  });
+  };
+  visit_cells(std::ref(add_cells));  // a function that holds it would ask for memory
   const BlockVisitor add_own = [&](int a, int b, const Matrix3& block) {
     if (a == b) add(a, block);
   };

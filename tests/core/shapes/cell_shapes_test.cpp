@@ -37,7 +37,7 @@ TEMPLATE_TEST_CASE("a cell shape: shape functions, slopes, points and faces belo
     for (int i = 0; i < dimensions; ++i) {
       auto up = at, down = at;
       up[i] += 1e-6, down[i] -= 1e-6;
-      const auto change = (Shape::shape_functions(up) - Shape::shape_functions(down)) / 2e-6;
+      const Eigen::Matrix<double, nodes, 1> change = (Shape::shape_functions(up) - Shape::shape_functions(down)) / 2e-6;
       CHECK((change.transpose() - slopes.row(i)).norm() <= 1e-9);
     }
   }

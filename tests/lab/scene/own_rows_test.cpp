@@ -17,7 +17,7 @@ namespace {
 
 const std::string kScene =
     "title: A scene\n"
-    "body: {lattice: {molecules: [3, 3, 3], spacing: 1 mm, connections: [axis, face]}}\n"
+    "body: {lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 1 mm, connections: [axis, face]}}\n"
     "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\nstiffness: lattice\n"
     "experiment: {kind: motion}\n"
     "loads:\n  - ratchet: {molecules: [26], growth: [0 N, 0 N, 1 uN]}\n"
