@@ -118,7 +118,7 @@ int check_scenes(const Options& options, const Catalog& catalog) {
 }
 
 int list_catalog(const Catalog& catalog) {
-  fmt::print("{}", catalog_text(catalog, colours_on(STDOUT_FILENO)));
+  fmt::print("{}", catalog_text(catalog, built_in_experiments(), colours_on(STDOUT_FILENO)));
   return 0;
 }
 

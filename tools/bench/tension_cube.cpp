@@ -52,8 +52,7 @@ TensionCube::TensionCube(std::pair<Body, VectorX> cube) : body(std::move(cube.fi
   setup.force = kMaterial.youngs_modulus * kCubeLength * kCubeLength * 1e-5;
   experiment = make_tension(body, setup);
   model.add(make_springs(body, std::move(cube.second)));
-  experiment->set_up(model);
-  experiment->set_load(model, 1);
+  experiment->static_rig(model)->set_load(1);
   loads = model.load_forces(state_at_rest(body));
 }
 

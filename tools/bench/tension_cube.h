@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "elastin/core/forces/model.h"
-#include "lab/experiment/experiment.h"
+#include "elastin/lab/experiment/protocol.h"
 
 namespace bench {
 
@@ -18,7 +18,7 @@ struct TensionCube {
   explicit TensionCube(int side, Numbering numbering = Numbering::lattice);
   elastin::Body body;
   elastin::Model model;
-  std::unique_ptr<elastin::lab::Experiment> experiment;
+  std::unique_ptr<elastin::lab::StaticProtocol> experiment;
   elastin::Positions loads;
 
  private:

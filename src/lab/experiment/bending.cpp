@@ -13,7 +13,7 @@ namespace {
 /// Beyond this part of the length the linear beam is off by more than half a hundredth.
 constexpr double kSmallDeflection = 0.1;
 
-class Bending final : public Experiment {
+class Bending final : public StaticProtocol {
  public:
   Bending(const Body& body, const BendingSetup& setup, const Material& material)
       : body_(body), setup_(setup), root_(end_face(body, -setup.axis, setup.grip_depth)) {
@@ -28,45 +28,9 @@ class Bending final : public Experiment {
   }
 
   std::string name() const override { return "bending"; }
+  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
   ResponseMeasures response_measures() const override { return {"tip_deflection", ""}; }
-  bool release(Model& model) override {
-    set_load(model, 0);
-    return true;
-  }
   int load_steps() const override { return setup_.load_steps; }
-
-  void set_up(Model& model) override {
-    for (const int molecule : root_.molecules) model.supports.push_back({molecule, Matrix3::Zero(), Vector3::Zero()});
-    std::vector<int> all(static_cast<std::size_t>(body_.size()));
-    for (int molecule = 0; molecule < body_.size(); ++molecule) all[static_cast<std::size_t>(molecule)] = molecule;
-    auto load = std::make_unique<PointLoads>(body_, std::move(all), full_forces_);
-    load_ = load.get();
-    model.add(std::move(load));
-  }
-
-  void set_load(Model&, double factor) override {
-    load_->set_factor(factor);
-    factor_ = factor;
-  }
-
-  Measures measure(Model& model, const Start& start, const State& state, const StaticOptions&,
-                   StaticResult& solved) const override {
-    Vector3 motion = Vector3::Zero();
-    for (const int molecule : tip_)
-      motion += (state.positions.col(molecule) - start.positions.col(molecule)) / static_cast<double>(tip_.size());
-    const double deflection = setup_.direction.dot(motion);
-    const Vector3 weight = factor_ * full_forces_.rowwise().sum();
-    Measures measures;
-    if (std::abs(deflection) <= kSmallDeflection * length_ || solved.linear)
-      measures.set("effective_modulus", factor_ * deflection_times_modulus_ / deflection);
-    measures.set("tip_deflection", deflection);
-    measures.set("tip_shortening", -setup_.axis.dot(motion));
-    measures.set("force", weight.norm());
-    if (model.has_energy() && !solved.linear) measures.set("energy", model.elastic_energy(state.positions));
-    const Vector3 left = model.load_forces(state).rowwise().sum() + solved.reactions.rowwise().sum();
-    measures.set("reaction_balance", left.norm() / weight.norm());
-    return measures;
-  }
 
   std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
     return {{"effective_modulus", material.youngs_modulus}, {"tip_deflection"}, {"tip_shortening"}};
@@ -83,6 +47,7 @@ class Bending final : public Experiment {
   }
 
  private:
+  friend class BendingRig;
   void choose_tip(const Face& tip) {
     const Vector3 middle = middle_of(tip, body_.rest);
     const auto plane = across(setup_.axis);
@@ -116,13 +81,64 @@ class Bending final : public Experiment {
   Face root_;
   std::vector<int> tip_;  // molecules whose mean is the tip's middle
   Positions full_forces_;
-  double length_ = 0, deflection_times_modulus_ = 0, factor_ = 1;
-  PointLoads* load_ = nullptr;  // owned by the model that was held last
+  double length_ = 0, deflection_times_modulus_ = 0;
 };
+
+class BendingRig final : public StaticRig {
+ public:
+  BendingRig(const Bending& protocol, Model& model)
+      : protocol_(protocol), setup_(protocol.setup_), body_(protocol.body_), model_(model) {
+    for (const int molecule : protocol_.root_.molecules)
+      model.supports.push_back({molecule, Matrix3::Zero(), Vector3::Zero()});
+    std::vector<int> all(static_cast<std::size_t>(body_.size()));
+    for (int molecule = 0; molecule < body_.size(); ++molecule) all[static_cast<std::size_t>(molecule)] = molecule;
+    auto load = std::make_unique<PointLoads>(body_, std::move(all), protocol_.full_forces_);
+    load_ = load.get();
+    model.add(std::move(load));
+  }
+
+  void set_load(double factor) override {
+    load_->set_factor(factor);
+    factor_ = factor;
+  }
+
+  void release() override { set_load(0); }
+
+  Measures measure(const Start& start, const State& state, const StaticOptions&, StaticResult& solved) const override {
+    Vector3 motion = Vector3::Zero();
+    for (const int molecule : protocol_.tip_)
+      motion +=
+          (state.positions.col(molecule) - start.positions.col(molecule)) / static_cast<double>(protocol_.tip_.size());
+    const double deflection = setup_.direction.dot(motion);
+    const Vector3 weight = factor_ * protocol_.full_forces_.rowwise().sum();
+    Measures measures;
+    if (std::abs(deflection) <= kSmallDeflection * protocol_.length_ || solved.linear)
+      measures.set("effective_modulus", factor_ * protocol_.deflection_times_modulus_ / deflection);
+    measures.set("tip_deflection", deflection);
+    measures.set("tip_shortening", -setup_.axis.dot(motion));
+    measures.set("force", weight.norm());
+    if (model_.has_energy() && !solved.linear) measures.set("energy", model_.elastic_energy(state.positions));
+    const Vector3 left = model_.load_forces(state).rowwise().sum() + solved.reactions.rowwise().sum();
+    measures.set("reaction_balance", left.norm() / weight.norm());
+    return measures;
+  }
+
+ private:
+  const Bending& protocol_;
+  const BendingSetup& setup_;
+  const Body& body_;
+  Model& model_;
+  double factor_ = 1;
+  PointLoads* load_ = nullptr;  // owned by the model
+};
+
+std::unique_ptr<StaticRig> Bending::static_rig(Model& model) const {
+  return std::make_unique<BendingRig>(*this, model);
+}
 
 }  // namespace
 
-std::unique_ptr<Experiment> make_bending(const Body& body, const BendingSetup& setup, const Material& material) {
+std::unique_ptr<StaticProtocol> make_bending(const Body& body, const BendingSetup& setup, const Material& material) {
   return std::make_unique<Bending>(body, setup, material);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "lab/experiment/experiment.h"
+#include "elastin/lab/experiment/protocol.h"
 
 namespace elastin::lab {
 
@@ -17,6 +17,6 @@ struct BendingSetup {
 /// The effective modulus is that of the Timoshenko beam that sinks as far under the same weights and force, with
 /// Cowper's shear coefficient of a rectangle for the material's ν; not measured where the tip sinks by more than a
 /// tenth of the length, and the remark says so. Throws InputError if the body does not suit.
-std::unique_ptr<Experiment> make_bending(const Body& body, const BendingSetup& setup, const Material& material);
+std::unique_ptr<StaticProtocol> make_bending(const Body& body, const BendingSetup& setup, const Material& material);
 
 }  // namespace elastin::lab

@@ -24,7 +24,7 @@ VectorX fit(const std::vector<double>& x, const std::vector<double>& values, int
   return powers.colPivHouseholderQr().solve(Eigen::Map<const VectorX>(values.data(), rows));
 }
 
-class Bubble final : public Experiment {
+class Bubble final : public StaticProtocol {
  public:
   Bubble(const Body& body, const BubbleSetup& setup, const Material& material)
       : body_(body), setup_(setup), thickness_(material.thickness), rim_(rim_molecules(body.triangles)) {
@@ -49,58 +49,9 @@ class Bubble final : public Experiment {
   }
 
   std::string name() const override { return "bubble"; }
+  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
   int load_steps() const override { return static_cast<int>(setup_.pressures.size()); }
   bool stiffened_by_load() const override { return true; }
-
-  void set_up(Model& model) override {
-    for (const int molecule : rim_) model.supports.push_back({molecule, Matrix3::Zero(), Vector3::Zero()});
-    auto pressure = std::make_unique<Pressure>(model.body(), constant_pressure(0), centre_, true);
-    load_ = pressure.get();
-    model.add(std::move(pressure));
-  }
-
-  void set_load(Model&, double factor) override {
-    // Load step k of n stands at the factor k/n; on the way between two the pressure grows evenly.
-    const double at = factor * static_cast<double>(setup_.pressures.size());
-    const int before = std::clamp(static_cast<int>(at), 0, load_steps() - 1);
-    const double low = before == 0 ? 0 : setup_.pressures[static_cast<std::size_t>(before) - 1];
-    pressure_ = low + (at - before) * (setup_.pressures[static_cast<std::size_t>(before)] - low);
-    load_->set_law(constant_pressure(pressure_));
-  }
-
-  /// A flat membrane has no stiffness across: a paraboloid as high as a bubble of this stiffness about is.
-  void shape_start(Positions& positions) const override {
-    const double height = radius_ * std::min(0.5, 0.66 * std::cbrt(pressure_ * radius_ / stiffness_));
-    for (int molecule = 0; molecule < body_.size(); ++molecule) {
-      const double r = rest_radius_[static_cast<std::size_t>(molecule)];
-      positions.col(molecule) += height * std::max(0., 1 - r * r) * axis_;
-    }
-  }
-
-  Measures measure(Model& model, const Start&, const State& state, const StaticOptions&,
-                   StaticResult& solved) const override {
-    const Positions& positions = state.positions;
-    Measures measures;
-    const double height = axis_.dot(positions.col(pole_) - body_.rest.col(pole_));
-    measures.set("pressure", pressure_);
-    measures.set("height", height);
-    add_pole(model, positions, measures);
-    const auto [cap, stretch] = cap_of(height);
-    measures.set("cap_radius", cap);
-    measures.set("stretch", stretch);
-    measures.set("strain", stretch - 1);
-    measures.set("stress", pressure_ * cap * stretch * stretch / (2 * thickness_));
-    const auto step = static_cast<std::size_t>(measured_step());
-    if (!setup_.heights.empty()) {
-      measures.set("measured_height", setup_.heights[step]);
-      measures.set("height_misfit", height / setup_.heights[step] - 1);
-    }
-    measures.set("energy", model.elastic_energy(positions));
-    const Positions loads = model.load_forces(state);
-    measures.set("reaction_balance", (loads.rowwise().sum() + solved.reactions.rowwise().sum()).norm() /
-                                         (std::abs(pressure_) * std::numbers::pi * radius_ * radius_));
-    return measures;
-  }
 
   std::vector<MainMeasure> main_measures(const Material&, const Measures& measured) const override {
     std::vector<MainMeasure> main{{"height"}, {"pole_stretch"}, {"pole_stress"}, {"pole_radius"}};
@@ -123,21 +74,13 @@ class Bubble final : public Experiment {
   }
 
  private:
+  friend class BubbleRig;
   struct Cap {
     double radius, stretch;  ///< [m]; arc over chord
   };
   Cap cap_of(double height) const {
     const double half_angle = 2 * std::atan2(height, radius_);
     return {(radius_ * radius_ + height * height) / (2 * height), half_angle / std::sin(half_angle)};
-  }
-
-  /// The step whose pressure is on now.
-  int measured_step() const {
-    const auto& all = setup_.pressures;
-    return static_cast<int>(
-        std::min_element(all.begin(), all.end(),
-                         [&](double a, double b) { return std::abs(a - pressure_) < std::abs(b - pressure_); }) -
-        all.begin());
   }
 
   /// Fits in even powers of the distance from the pole, over the inner 35 % of the rest radius or the three innermost
@@ -178,9 +121,81 @@ class Bubble final : public Experiment {
   double radius_ = 0;                // a [m]
   std::vector<double> rest_radius_;  // of each molecule over a
   int pole_ = 0;
-  Pressure* load_ = nullptr;
+};
+
+class BubbleRig final : public StaticRig {
+ public:
+  BubbleRig(const Bubble& protocol, Model& model)
+      : protocol_(protocol), setup_(protocol.setup_), body_(protocol.body_), model_(model) {
+    for (const int molecule : protocol_.rim_) model.supports.push_back({molecule, Matrix3::Zero(), Vector3::Zero()});
+    auto pressure = std::make_unique<Pressure>(model.body(), constant_pressure(0), protocol_.centre_, true);
+    load_ = pressure.get();
+    model.add(std::move(pressure));
+  }
+
+  void set_load(double factor) override {
+    // Load step k of n stands at the factor k/n; on the way between two the pressure grows evenly.
+    const double at = factor * static_cast<double>(setup_.pressures.size());
+    const int before = std::clamp(static_cast<int>(at), 0, protocol_.load_steps() - 1);
+    const double low = before == 0 ? 0 : setup_.pressures[static_cast<std::size_t>(before) - 1];
+    pressure_ = low + (at - before) * (setup_.pressures[static_cast<std::size_t>(before)] - low);
+    load_->set_law(constant_pressure(pressure_));
+  }
+
+  /// A flat membrane has no stiffness across: a paraboloid as high as a bubble of this stiffness about is.
+  void shape_start(Positions& positions) const override {
+    const double height =
+        protocol_.radius_ * std::min(0.5, 0.66 * std::cbrt(pressure_ * protocol_.radius_ / protocol_.stiffness_));
+    for (int molecule = 0; molecule < body_.size(); ++molecule) {
+      const double r = protocol_.rest_radius_[static_cast<std::size_t>(molecule)];
+      positions.col(molecule) += height * std::max(0., 1 - r * r) * protocol_.axis_;
+    }
+  }
+
+  Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
+    const Positions& positions = state.positions;
+    Measures measures;
+    const double height = protocol_.axis_.dot(positions.col(protocol_.pole_) - body_.rest.col(protocol_.pole_));
+    measures.set("pressure", pressure_);
+    measures.set("height", height);
+    protocol_.add_pole(model_, positions, measures);
+    const auto [cap, stretch] = protocol_.cap_of(height);
+    measures.set("cap_radius", cap);
+    measures.set("stretch", stretch);
+    measures.set("strain", stretch - 1);
+    measures.set("stress", pressure_ * cap * stretch * stretch / (2 * protocol_.thickness_));
+    const auto step = static_cast<std::size_t>(measured_step());
+    if (!setup_.heights.empty()) {
+      measures.set("measured_height", setup_.heights[step]);
+      measures.set("height_misfit", height / setup_.heights[step] - 1);
+    }
+    measures.set("energy", model_.elastic_energy(positions));
+    const Positions loads = model_.load_forces(state);
+    measures.set("reaction_balance",
+                 (loads.rowwise().sum() + solved.reactions.rowwise().sum()).norm() /
+                     (std::abs(pressure_) * std::numbers::pi * protocol_.radius_ * protocol_.radius_));
+    return measures;
+  }
+
+ private:
+  /// The step whose pressure is on now.
+  int measured_step() const {
+    const auto& all = setup_.pressures;
+    return static_cast<int>(
+        std::min_element(all.begin(), all.end(),
+                         [&](double a, double b) { return std::abs(a - pressure_) < std::abs(b - pressure_); }) -
+        all.begin());
+  }
+
+  const Bubble& protocol_;
+  const BubbleSetup& setup_;
+  const Body& body_;
+  Model& model_;
+  Pressure* load_ = nullptr;  // owned by the model
   double pressure_ = 0;
 };
+
+std::unique_ptr<StaticRig> Bubble::static_rig(Model& model) const { return std::make_unique<BubbleRig>(*this, model); }
 
 }  // namespace
 
@@ -199,7 +214,7 @@ std::vector<int> rim_molecules(const Cells<3>& triangles) {
   return molecules;
 }
 
-std::unique_ptr<Experiment> make_bubble(const Body& body, const BubbleSetup& setup, const Material& material) {
+std::unique_ptr<StaticProtocol> make_bubble(const Body& body, const BubbleSetup& setup, const Material& material) {
   return std::make_unique<Bubble>(body, setup, material);
 }
 

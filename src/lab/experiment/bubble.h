@@ -2,7 +2,7 @@
 #include <optional>
 #include <vector>
 
-#include "lab/experiment/experiment.h"
+#include "elastin/lab/experiment/protocol.h"
 
 namespace elastin::lab {
 
@@ -20,7 +20,7 @@ struct BubbleSetup {
 /// with its sign mended), true stress p R/(2 t λ⁻²) of a membrane that keeps its volume. And what the membrane itself
 /// has at the pole, fitted to molecules and triangles around it: its radius of curvature, stretch and nominal stress.
 /// Throws InputError if the body is no flat, round disc of triangles.
-std::unique_ptr<Experiment> make_bubble(const Body& body, const BubbleSetup& setup, const Material& material);
+std::unique_ptr<StaticProtocol> make_bubble(const Body& body, const BubbleSetup& setup, const Material& material);
 
 /// Molecules on sides of one triangle alone, ascending.
 std::vector<int> rim_molecules(const Cells<3>& triangles);

@@ -18,7 +18,7 @@ Material without_fibres(const Material& material) {
 }
 
 /// The measure to which a rule is calibrated: the first that the material prescribes a value for.
-std::optional<MainMeasure> calibrated_measure(const Experiment& experiment, const Material& material) {
+std::optional<MainMeasure> calibrated_measure(const StaticProtocol& experiment, const Material& material) {
   for (const MainMeasure& measure : experiment.main_measures(without_fibres(material), {}))
     if (std::isfinite(measure.prescribed)) return measure;
   return std::nullopt;
@@ -31,19 +31,19 @@ void fail_calibration(Run& run, const std::string& cause) {
 }
 
 /// What one linear solve under a small load measures; nothing if it fails.
-std::optional<Measures> measure_linear(const Specimen& specimen, Experiment& experiment,
+std::optional<Measures> measure_linear(const Specimen& specimen, const StaticProtocol& experiment,
                                        std::unique_ptr<Elasticity> elasticity, const StaticOptions& options, Run& run) {
   Model model(specimen.body);
   model.add(std::move(elasticity));
-  experiment.set_up(model);
-  experiment.set_load(model, 0x1p-10);
+  const auto rig = experiment.static_rig(model);
+  rig->set_load(0x1p-10);
   State state = state_at_rest(specimen.body);
   StaticOptions linear = options;
   linear.linear = true;
   StaticResult solved = solve_static(model, state, linear);
   const Start rest{specimen.body.rest, Positions::Zero(3, solved.reactions.cols())};
   Measures measures;
-  if (solved.outcome == Outcome::converged) measures = experiment.measure(model, rest, state, linear, solved);
+  if (solved.outcome == Outcome::converged) measures = rig->measure(rest, state, linear, solved);
   run.linear_iterations += solved.linear_iterations;
   if (solved.outcome == Outcome::converged) return measures;
   run.outcome = solved.outcome;
@@ -82,7 +82,7 @@ void scale(Run& run, double factor, double volume_modulus) {
 }
 
 /// Scales the run's stiffness to the modulus prescribed / measured.
-void scale_to_modulus(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+void scale_to_modulus(const Specimen& specimen, const StaticProtocol& experiment, const StrategyChoice& choice,
                       const StaticOptions& options, Run& run) {
   const auto measures =
       measure_linear(specimen, experiment, assembled(specimen, choice, run, run.volume_modulus), options, run);
@@ -94,7 +94,7 @@ void scale_to_modulus(const Specimen& specimen, Experiment& experiment, const St
 }
 
 /// Fits the run's constants and volume term to E and ν.
-void fit_springs_and_volume(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+void fit_springs_and_volume(const Specimen& specimen, const StaticProtocol& experiment, const StrategyChoice& choice,
                             const StaticOptions& options, Run& run) {
   const auto fit = fit_volume(specimen.material, [&](double modulus) -> std::optional<std::pair<double, double>> {
     const auto measures = measure_linear(specimen, experiment, assembled(specimen, choice, run, modulus), options, run);
@@ -109,7 +109,7 @@ void fit_springs_and_volume(const Specimen& specimen, Experiment& experiment, co
 }
 
 /// Whether an experiment measures both E and ν of a material.
-bool measures_both(const Experiment& experiment, const Material& material) {
+bool measures_both(const StaticProtocol& experiment, const Material& material) {
   int found = 0;
   for (const MainMeasure& measure : experiment.main_measures(material, {}))
     found += measure.name == "effective_modulus" || measure.name == "poissons_ratio";
@@ -117,7 +117,7 @@ bool measures_both(const Experiment& experiment, const Material& material) {
 }
 
 /// A curve of the springs with which the body shows the material's.
-StressStrain fitted_curve(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+StressStrain fitted_curve(const Specimen& specimen, const StaticProtocol& experiment, const StrategyChoice& choice,
                           const RunOptions& options, Run& run) {
   const Material matrix = without_fibres(specimen.material);
   RunOptions quiet;
@@ -126,9 +126,9 @@ StressStrain fitted_curve(const Specimen& specimen, Experiment& experiment, cons
     if (options.progress) options.progress("fitting the springs' curve");
     Model model(specimen.body);
     model.add(assembled(specimen, choice, run, run.volume_modulus, springs));
-    experiment.set_up(model);
+    const auto rig = experiment.static_rig(model);
     Run trial;
-    solve_load_curve(model, experiment, matrix, quiet, trial);
+    solve_load_curve(model, experiment, *rig, matrix, quiet, trial);
     run.linear_iterations += trial.linear_iterations;
     std::vector<StressStrain::Point> shown;
     for (const CurvePoint& point : trial.curve)
@@ -153,20 +153,21 @@ std::string non_finite_text(const Body& body, const VectorX& constants) {
 
 }  // namespace
 
-std::string calibration_unsuited(Experiment& experiment, const Material& material) {
-  if (experiment.at_rest() && calibrated_measure(*experiment.at_rest(), material)) return "";
+std::string calibration_unsuited(const Protocol& experiment, const Material& material) {
+  if (const StaticProtocol* at_rest = experiment.calibration(); at_rest && calibrated_measure(*at_rest, material))
+    return "";
   return "the experiment " + experiment.name() + " measures on this body no modulus to calibrate to";
 }
 
-std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& whole, const StrategyChoice& choice,
-                                      const RunOptions& options, Run& run) {
-  Experiment& experiment = whole.at_rest() ? *whole.at_rest() : whole;
+std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Protocol& experiment,
+                                      const StrategyChoice& choice, const RunOptions& options, Run& run) {
   const bool with_volume = static_cast<bool>(choice.strategy.volume_modulus);
   run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
   if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
   if (choice.calibrated) {
-    const bool both = with_volume && measures_both(experiment, specimen.material);
-    (both ? fit_springs_and_volume : scale_to_modulus)(specimen, experiment, choice, options.statics, run);
+    const StaticProtocol& at_rest = *experiment.calibration();
+    const bool both = with_volume && measures_both(at_rest, specimen.material);
+    (both ? fit_springs_and_volume : scale_to_modulus)(specimen, at_rest, choice, options.statics, run);
   }
   if (!run.constants.allFinite()) {
     run.outcome = Outcome::diverged;
@@ -174,8 +175,8 @@ std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& whol
   }
   if (!run.suited || run.outcome != Outcome::converged) return nullptr;
   std::optional<StressStrain> curve = specimen.material.curve;
-  if (curve && choice.calibrated && !options.statics.linear && experiment.axis())
-    curve = fitted_curve(specimen, experiment, choice, options, run);
+  if (curve && choice.calibrated && !options.statics.linear && experiment.calibration()->axis())
+    curve = fitted_curve(specimen, *experiment.calibration(), choice, options, run);
   return assembled(specimen, choice, run, run.volume_modulus, curve);
 }
 

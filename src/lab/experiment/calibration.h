@@ -8,7 +8,7 @@
 namespace elastin::lab {
 
 /// Why a rule cannot be calibrated in this experiment, or "".
-std::string calibration_unsuited(Experiment& experiment, const Material& material);
+std::string calibration_unsuited(const Protocol& experiment, const Material& material);
 
 /// The springs of a rule, with their volume term if any, without the material's fibres. A choice that is `calibrated`
 /// is fitted to the material by solves of the experiment alone, without the scene's other loads and without fibres:
@@ -18,7 +18,7 @@ std::string calibration_unsuited(Experiment& experiment, const Material& materia
 ///     solves and at most two more;
 ///   * where the material has a stress–strain curve, then the springs' own curve to it (see curve_fit.h).
 /// Sets the run's constants and what calibration found. Null if a solve fails: the run says why.
-std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
-                                      const RunOptions& options, Run& run);
+std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Protocol& experiment,
+                                      const StrategyChoice& choice, const RunOptions& options, Run& run);
 
 }  // namespace elastin::lab

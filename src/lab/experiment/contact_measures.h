@@ -1,7 +1,7 @@
 #pragma once
 #include "elastin/contact/contact.h"
 #include "elastin/core/forces/model.h"
-#include "lab/experiment/measures.h"
+#include "elastin/lab/experiment/measures.h"
 #include "lab/experiment/run.h"
 
 namespace elastin::lab {

@@ -2,31 +2,49 @@
 
 namespace elastin::lab {
 
+class DrivenRig final : public StaticRig {
+ public:
+  DrivenRig(const Driven& driven, Model& model) : driven_(driven), held_{model} {
+    for (const Driven::Fixed& fixed : driven.fixed_)
+      model.supports.push_back({fixed.molecule, fixed.free, Vector3::Zero()});
+  }
+
+  void set_load(double factor) override {
+    held_.factor = factor;
+    for (std::size_t i = 0; i < driven_.fixed_.size(); ++i)
+      held_.model.supports[i].displacement = driven_.displacement(i, factor);
+  }
+
+  void set_load_rate(double rate) override {
+    for (std::size_t i = 0; i < driven_.fixed_.size(); ++i)
+      held_.model.supports[i].velocity = rate * driven_.displacement_slope(i, held_.factor);
+  }
+
+  void release() override {
+    const auto first = driven_.first_released();
+    if (!first) return;
+    for (std::size_t i = *first; i < driven_.fixed_.size(); ++i) held_.model.supports[i].free = Matrix3::Identity();
+    held_.released = true;
+  }
+
+  Measures measure(const Start& start, const State& state, const StaticOptions& options,
+                   StaticResult& solved) const override {
+    return driven_.measure(held_, start, state, options, solved);
+  }
+
+ private:
+  const Driven& driven_;
+  Driven::Held held_;
+};
+
+std::unique_ptr<StaticRig> Driven::static_rig(Model& model) const { return std::make_unique<DrivenRig>(*this, model); }
+
 void Driven::fix_fully(const std::vector<int>& molecules) {
   for (const int molecule : molecules) fixed_.push_back({molecule, Matrix3::Zero()});
 }
 
-void Driven::set_up(Model& model) {
-  released_ = false;
-  for (const Fixed& fixed : fixed_) model.supports.push_back({fixed.molecule, fixed.free, Vector3::Zero()});
-}
-
-void Driven::set_load(Model& model, double factor) {
-  factor_ = factor;
-  for (std::size_t i = 0; i < fixed_.size(); ++i) model.supports[i].displacement = displacement(i, factor);
-}
-
-void Driven::set_load_rate(Model& model, double rate) {
-  for (std::size_t i = 0; i < fixed_.size(); ++i) model.supports[i].velocity = rate * displacement_slope(i, factor_);
-}
-
-void Driven::free_from(Model& model, std::size_t first) {
-  for (std::size_t i = first; i < fixed_.size(); ++i) model.supports[i].free = Matrix3::Identity();
-  released_ = true;
-}
-
 Matrix3 Driven::virial(const Positions& pull, const Positions& positions) const {
-  const Vector3 middle = positions.rowwise().mean();  // nearer places, less rounding; the forces' sum is zero
+  const Vector3 middle = positions.rowwise().mean();  // smaller arms, less rounding; the forces' sum is zero
   Matrix3 sum = Matrix3::Zero();
   for (std::size_t i = 0; i < fixed_.size(); ++i)
     sum += pull.col(static_cast<Eigen::Index>(i)) * (positions.col(fixed_[i].molecule) - middle).transpose();

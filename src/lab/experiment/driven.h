@@ -1,31 +1,42 @@
 #pragma once
+#include <optional>
 #include <vector>
 
-#include "lab/experiment/experiment.h"
+#include "elastin/lab/experiment/protocol.h"
 
 namespace elastin::lab {
 
-/// What experiments share that move molecules of the body along given ways and read the forces which that takes.
-class Driven : public Experiment {
+/// What experiments share that move molecules of the body along given displacements and read the forces which that
+/// takes.
+class Driven : public StaticProtocol {
  public:
   int load_steps() const override { return load_steps_; }
-  void set_up(Model& model) override;
-  void set_load(Model& model, double factor) override;
-  void set_load_rate(Model& model, double rate) override;
+  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
 
  protected:
+  friend class DrivenRig;
   struct Fixed {
     int molecule;
     Matrix3 free;  ///< projector on the directions in which it stays free
   };
+  /// A model as its rig has it now.
+  struct Held {
+    Model& model;
+    double factor = 1;      ///< of the load that was set last
+    bool released = false;  ///< whether the driven end was released
+  };
 
   Driven(const Body& body, int load_steps) : body_(body), load_steps_(load_steps) {}
-  /// Way from rest [m] of held molecule number `held` under a part (0 … 1) of the load; only its held part counts.
+  /// As StaticRig::measure.
+  virtual Measures measure(const Held& held, const Start& start, const State& state, const StaticOptions& options,
+                           StaticResult& solved) const = 0;
+  /// Displacement from rest [m] of fixed molecule number `index` under a part (0 … 1) of the load; only its held part
+  /// counts.
   virtual Vector3 displacement(std::size_t index, double factor) const = 0;
-  /// Change of that way with the factor [m]. As it stands: of ways that are straight.
+  /// Change of that displacement with the factor [m]. As it stands: of straight displacements.
   virtual Vector3 displacement_slope(std::size_t index, double /*factor*/) const { return displacement(index, 1); }
-  /// Frees the molecules from number `first` of the held ones on.
-  void free_from(Model& model, std::size_t first);
+  /// The first of the fixed molecules that a release frees, and with it all after it; none: nothing can be released.
+  virtual std::optional<std::size_t> first_released() const { return std::nullopt; }
 
   /// Holds molecules in all directions; a molecule must not be held twice.
   void fix_fully(const std::vector<int>& molecules);
@@ -41,8 +52,6 @@ class Driven : public Experiment {
 
   const Body& body_;
   std::vector<Fixed> fixed_;
-  double factor_ = 1;      ///< of the load that was set last
-  bool released_ = false;  ///< whether the driven end of the model that was held last was let go
 
  private:
   int load_steps_;

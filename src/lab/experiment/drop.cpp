@@ -9,7 +9,7 @@
 namespace elastin::lab {
 namespace {
 
-class Drop final : public TimedExperiment {
+class Drop final : public TimedProtocol {
  public:
   Drop(const Body& body, const DropSetup& setup) : body_(body), setup_(setup), up_(-setup.direction.normalized()) {
     const VectorX height = body.rest.transpose() * up_;
@@ -27,34 +27,7 @@ class Drop final : public TimedExperiment {
   }
 
   std::string name() const override { return "drop"; }
-  Experiment* at_rest() override { return nullptr; }
-
-  void set_up(Model& model) override {
-    contact_ = contact_of(model);
-    if (!contact_) {
-      auto floor = make_floor(body_, floor_);
-      pressing_ = floor.get();
-      model.add(std::move(floor));
-      if (floor_.damping > 0) model.add(make_floor_damping(body_, floor_));
-    }
-    if (setup_.gravity != 0) model.add(make_gravity(body_, -setup_.gravity * up_));
-  }
-
-  StaticResult start(Model&, State& state, const StaticOptions&) override {
-    state.velocities.colwise() -= setup_.speed * up_;
-    return {};
-  }
-
-  Measures read(Model&, const State& state) override {
-    const VectorX height = state.positions.transpose() * up_;
-    Measures measures;
-    const double lowest = (height - reach_).minCoeff(), ground = plane_ ? floor_.point.dot(up_) : lowest;
-    if (plane_) measures.set("gap", lowest - ground);
-    measures.set("floor_force", push(state).dot(up_));
-    measures.set("compression", 1 - ((height + reach_).maxCoeff() - std::max(ground, lowest)) / length_);
-    measures.set("impact_speed", -up_.dot(state.velocities * body_.mass) / body_.mass.sum());
-    return measures;
-  }
+  std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
 
   /// The first contact: from the gap's fall below zero to its rise above; where no gap is known, by frames that touch.
   /// On obstacles and without weight it comes but once, and what touched first may bounce before the rest has come:
@@ -102,6 +75,7 @@ class Drop final : public TimedExperiment {
   }
 
  private:
+  friend class DropRig;
   /// The first plane among the obstacles that stands still and lies level is the ground to which gaps are read.
   void find_plane() {
     plane_ = false;
@@ -114,6 +88,47 @@ class Drop final : public TimedExperiment {
       }
   }
 
+  const Body& body_;
+  DropSetup setup_;
+  Vector3 up_;
+  VectorX reach_;      // of what touches, from each molecule [m]
+  bool plane_ = true;  // whether there is a level ground
+  double length_ = 0;  // along the fall, spheres included
+  Floor floor_;
+};
+
+class DropRig final : public TimedRig {
+ public:
+  DropRig(const Drop& protocol, Model& model) : protocol_(protocol), setup_(protocol.setup_), body_(protocol.body_) {
+    contact_ = contact_of(model);
+    if (!contact_) {
+      auto floor = make_floor(body_, protocol_.floor_);
+      pressing_ = floor.get();
+      model.add(std::move(floor));
+      if (protocol_.floor_.damping > 0) model.add(make_floor_damping(body_, protocol_.floor_));
+    }
+    if (setup_.gravity != 0) model.add(make_gravity(body_, -setup_.gravity * protocol_.up_));
+  }
+
+  StaticResult start(State& state, const StaticOptions&) override {
+    state.velocities.colwise() -= setup_.speed * protocol_.up_;
+    return {};
+  }
+
+  Measures read(const State& state) const override {
+    const VectorX height = state.positions.transpose() * protocol_.up_;
+    Measures measures;
+    const double lowest = (height - protocol_.reach_).minCoeff(),
+                 ground = protocol_.plane_ ? protocol_.floor_.point.dot(protocol_.up_) : lowest;
+    if (protocol_.plane_) measures.set("gap", lowest - ground);
+    measures.set("floor_force", push(state).dot(protocol_.up_));
+    measures.set("compression",
+                 1 - ((height + protocol_.reach_).maxCoeff() - std::max(ground, lowest)) / protocol_.length_);
+    measures.set("impact_speed", -protocol_.up_.dot(state.velocities * body_.mass) / body_.mass.sum());
+    return measures;
+  }
+
+ private:
   /// Of the floor, or of all obstacles, on the body [N].
   Vector3 push(const State& state) const {
     if (contact_) return contact_->report(state).forces.rowwise().sum();
@@ -122,20 +137,18 @@ class Drop final : public TimedExperiment {
     return force.rowwise().sum();
   }
 
+  const Drop& protocol_;
+  const DropSetup& setup_;
   const Body& body_;
-  DropSetup setup_;
-  Vector3 up_;
-  VectorX reach_;      // of what touches, from each molecule [m]
-  bool plane_ = true;  // whether there is a level ground
-  double length_ = 0;  // along the fall, spheres included
-  Floor floor_;
-  const Load* pressing_ = nullptr;             // its own floor, owned by the model that was held last
+  const Load* pressing_ = nullptr;             // the experiment's own floor, owned by the model
   const contact::Contact* contact_ = nullptr;  // or the scene's
 };
 
+std::unique_ptr<TimedRig> Drop::timed_rig(Model& model) const { return std::make_unique<DropRig>(*this, model); }
+
 }  // namespace
 
-std::unique_ptr<TimedExperiment> make_drop(const Body& body, const DropSetup& setup) {
+std::unique_ptr<TimedProtocol> make_drop(const Body& body, const DropSetup& setup) {
   return std::make_unique<Drop>(body, setup);
 }
 

@@ -33,14 +33,14 @@ class Homogenisation final : public Driven {
 
   std::string name() const override { return "material"; }
 
-  Measures measure(Model& model, const Start&, const State& state, const StaticOptions& options,
+  Measures measure(const Held& held, const Start&, const State& state, const StaticOptions& options,
                    StaticResult& solved) const override {
     Stiffness6 stiffness;
     solved.residual = 0;  // of the six solves, not of the start's rounding
     for (int load_case = 0; load_case < 6; ++load_case) {
       const Positions displacement = strained(load_case);
       const StaticResponse response =
-          static_response(model, state.positions, Positions::Zero(3, body_.size()), displacement, options);
+          static_response(held.model, state.positions, Positions::Zero(3, body_.size()), displacement, options);
       solved.linear_iterations += response.result.linear_iterations;
       solved.residual = std::max(solved.residual, response.result.residual);
       solved.solver = response.result.solver;
@@ -58,7 +58,7 @@ class Homogenisation final : public Driven {
     }
     Measures measures;
     read_moduli(stiffness, measures);
-    measures.set("patch_residual", patch_residual(model, state));
+    measures.set("patch_residual", patch_residual(held.model, state));
     return measures;
   }
 
@@ -128,7 +128,7 @@ class Homogenisation final : public Driven {
 
 }  // namespace
 
-std::unique_ptr<Experiment> make_homogenisation(const Body& body, double grip_depth, const Matrix3& axes) {
+std::unique_ptr<StaticProtocol> make_homogenisation(const Body& body, double grip_depth, const Matrix3& axes) {
   return std::make_unique<Homogenisation>(body, grip_depth, axes);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "lab/experiment/experiment.h"
+#include "elastin/lab/experiment/protocol.h"
 
 namespace elastin::lab {
 
@@ -8,6 +8,6 @@ namespace elastin::lab {
 /// mean that the surface forces give, Σ f xᵀ / V. Directions are the columns of `axes` (orthonormal). About the state
 /// under the scene's own loads. Molecules within `grip_depth` [m] of a side of a box without cells belong to its
 /// surface. Throws InputError if the body is neither of tetrahedra nor a box.
-std::unique_ptr<Experiment> make_homogenisation(const Body& body, double grip_depth, const Matrix3& axes);
+std::unique_ptr<StaticProtocol> make_homogenisation(const Body& body, double grip_depth, const Matrix3& axes);
 
 }  // namespace elastin::lab

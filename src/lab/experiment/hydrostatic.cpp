@@ -36,10 +36,10 @@ class Hydrostatic final : public Driven {
   std::string name() const override { return "hydrostatic"; }
   ResponseMeasures response_measures() const override { return {"volume_strain", "pressure"}; }
 
-  Measures measure(Model& model, const Start& start, const State& state, const StaticOptions&,
+  Measures measure(const Held& held, const Start& start, const State& state, const StaticOptions&,
                    StaticResult& solved) const override {
     const Positions pull = pull_of(start, solved);
-    const double strain = factor_ * strain_, growth = std::pow(1 + strain, 3);
+    const double strain = held.factor * strain_, growth = std::pow(1 + strain, 3);
     const double volume_strain = solved.linear ? 3 * strain : growth - 1;
     const double volume = solved.linear ? volume_ : volume_ * growth;
     const double pressure = -virial(pull, solved.linear ? body_.rest : state.positions).trace() / (3 * volume);
@@ -47,7 +47,7 @@ class Hydrostatic final : public Driven {
     measures.set("bulk_modulus", -pressure / volume_strain);
     measures.set("pressure", pressure);
     measures.set("volume_strain", volume_strain);
-    add_state(model, state, solved, pull.colwise().norm().sum(), measures);
+    add_state(held.model, state, solved, pull.colwise().norm().sum(), measures);
     return measures;
   }
 
@@ -67,7 +67,7 @@ class Hydrostatic final : public Driven {
 
 }  // namespace
 
-std::unique_ptr<Experiment> make_hydrostatic(const Body& body, const HydrostaticSetup& setup, const Matrix3& axes) {
+std::unique_ptr<StaticProtocol> make_hydrostatic(const Body& body, const HydrostaticSetup& setup, const Matrix3& axes) {
   return std::make_unique<Hydrostatic>(body, setup, axes);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "lab/experiment/experiment.h"
+#include "elastin/lab/experiment/protocol.h"
 
 namespace elastin::lab {
 
@@ -14,6 +14,6 @@ struct HydrostaticSetup {
 };
 
 /// Sliding walls need a box with sides along `axes` (orthonormal columns). Throws InputError if the body does not suit.
-std::unique_ptr<Experiment> make_hydrostatic(const Body& body, const HydrostaticSetup& setup, const Matrix3& axes);
+std::unique_ptr<StaticProtocol> make_hydrostatic(const Body& body, const HydrostaticSetup& setup, const Matrix3& axes);
 
 }  // namespace elastin::lab

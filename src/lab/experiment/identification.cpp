@@ -18,8 +18,8 @@ namespace {
 /// Solves the experiment's load curve for one material after the other.
 class Curves {
  public:
-  Curves(const Identification& wanted, const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
-         const RunOptions& options)
+  Curves(const Identification& wanted, const Specimen& specimen, const StaticProtocol& experiment,
+         const StrategyChoice& choice, const RunOptions& options)
       : wanted_(wanted), specimen_(specimen), experiment_(experiment), choice_(choice), options_(options) {}
 
   /// The relative misfit of each value; none if the material cannot be, or its load curve cannot be solved.
@@ -37,9 +37,9 @@ class Curves {
     if (material.bending_rigidity > 0)
       model.add(make_bending(specimen_.body, material.bending_rigidity, material.poissons_ratio));
     for (const auto& add_load : specimen_.loads) add_load(model);
-    experiment_.set_up(model);
-    auto values = from_last(model);
-    if (!values) values = from_start(model);
+    const auto rig = experiment_.static_rig(model);
+    auto values = from_last(model, *rig);
+    if (!values) values = from_start(model, *rig);
     return values;
   }
 
@@ -55,10 +55,11 @@ class Curves {
   int evaluations = 0;
 
  private:
-  std::optional<double> misfit(Model& model, const State& state, StaticResult& solved, std::size_t step) const {
+  std::optional<double> misfit(const Model& model, const StaticRig& rig, const State& state, StaticResult& solved,
+                               std::size_t step) const {
     if (solved.outcome != Outcome::converged) return std::nullopt;
     const Start start{specimen_.body.rest, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
-    const double shown = experiment_.measure(model, start, state, options_.statics, solved).get(wanted_.measure);
+    const double shown = rig.measure(start, state, options_.statics, solved).get(wanted_.measure);
     if (!std::isfinite(shown)) return std::nullopt;
     return shown / wanted_.values[step] - 1;
   }
@@ -66,14 +67,14 @@ class Curves {
     return static_cast<double>(step + 1) / static_cast<double>(wanted_.values.size());
   }
 
-  std::optional<VectorX> from_last(Model& model) {
+  std::optional<VectorX> from_last(Model& model, StaticRig& rig) {
     if (states_.empty()) return std::nullopt;
     VectorX values(static_cast<Eigen::Index>(wanted_.values.size()));
     for (std::size_t step = 0; step < wanted_.values.size(); ++step) {
-      experiment_.set_load(model, factor(step));
+      rig.set_load(factor(step));
       State state = states_[step];
       StaticResult solved = solve_static(model, state, options_.statics);
-      const auto value = misfit(model, state, solved, step);
+      const auto value = misfit(model, rig, state, solved, step);
       if (!value) return std::nullopt;
       values[static_cast<Eigen::Index>(step)] = *value;
       states_[step] = std::move(state);
@@ -81,13 +82,13 @@ class Curves {
     return values;
   }
 
-  std::optional<VectorX> from_start(Model& model) {
+  std::optional<VectorX> from_start(Model& model, StaticRig& rig) {
     std::vector<State> states;
     VectorX values(static_cast<Eigen::Index>(wanted_.values.size()));
-    LoadPath path(model, experiment_, options_.statics, state_at_rest(specimen_.body));
+    LoadPath path(model, rig, options_.statics, state_at_rest(specimen_.body));
     for (std::size_t step = 0; step < wanted_.values.size(); ++step) {
       StaticResult solved = path.advance(factor(step));
-      const auto value = misfit(model, path.state(), solved, step);
+      const auto value = misfit(model, rig, path.state(), solved, step);
       if (!value) return std::nullopt;
       values[static_cast<Eigen::Index>(step)] = *value;
       states.push_back(path.state());
@@ -98,7 +99,7 @@ class Curves {
 
   const Identification& wanted_;
   const Specimen& specimen_;
-  Experiment& experiment_;
+  const StaticProtocol& experiment_;
   const StrategyChoice& choice_;
   const RunOptions& options_;
   std::vector<State> states_;
@@ -170,7 +171,7 @@ std::string identification_unsuited(const StrategyChoice& choice) {
   return "";
 }
 
-bool identify_material(const Identification& wanted, Specimen& specimen, Experiment& experiment,
+bool identify_material(const Identification& wanted, Specimen& specimen, const StaticProtocol& experiment,
                        const StrategyChoice& choice, const RunOptions& options, Run& run) {
   if (options.progress) options.progress("identifying the material");
   const auto fail = [&](Outcome outcome, const std::string& why) {

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "elastin/core/model/stress_strain.h"
+#include "elastin/lab/experiment/protocol.h"
 
 namespace elastin::lab {
 
@@ -10,16 +10,6 @@ struct Specimen;
 struct StrategyChoice;
 struct RunOptions;
 struct Run;
-class Experiment;
-
-/// A material to be found: the secant modulus E(ε) = c₀ + c₁ |ε| + … with which an experiment shows measured values.
-struct Identification {
-  std::string measure;                           ///< what was measured
-  std::vector<double> values;                    ///< at each load step, SI, > 0
-  int degree = 2;                                ///< of the polynomial
-  double up_to = 0;                              ///< strain up to which it counts, > 0; straight on beyond
-  std::vector<StressStrain::SecantPoint> guess;  ///< a first idea of E at some strains, at least one
-};
 
 /// What was found.
 struct Identified {
@@ -38,7 +28,7 @@ std::string identification_unsuited(const StrategyChoice& choice);
 /// 1 over c₀, c₁ up_to, c₂ up_to² … [Levenberg & Marquardt, MINPACK's lmdif as in Eigen], each evaluation one load
 /// curve, started from the last one's equilibria. False if even the guess cannot be solved, or there are fewer values
 /// than coefficients: the run says why.
-bool identify_material(const Identification& wanted, Specimen& specimen, Experiment& experiment,
+bool identify_material(const Identification& wanted, Specimen& specimen, const StaticProtocol& experiment,
                        const StrategyChoice& choice, const RunOptions& options, Run& run);
 
 }  // namespace elastin::lab

@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kIndenter = "indenter";
 
-class Indentation final : public Experiment {
+class Indentation final : public StaticProtocol {
  public:
   Indentation(const Body& body, const IndentationSetup& setup, const Material& material,
               contact::ContactOptions& contact)
@@ -33,54 +33,23 @@ class Indentation final : public Experiment {
     }
     contact::Obstacle& obstacle = contact.obstacles[static_cast<std::size_t>(indenter_)];
     if (obstacle.motion)
-      throw InputError("the indenter '" + obstacle.name + "' has a motion of its own: leave that out");
-    obstacle.motion = [start = obstacle.pose, displacement = displacement_, axis = setup.axis](double) {
+      throw InputError("the indenter '" + obstacle.name + "' has a motion of its protocol: leave that out");
+    // The moment at which the rig asks for its obstacles' poses is the indenter's displacement.
+    obstacle.motion = [start = obstacle.pose, axis = setup.axis](double displacement) {
       contact::Pose pose = start;
-      pose.position += *displacement * axis;
+      pose.position += displacement * axis;
       return pose;
     };
     if (setup.force) control_ = ForceControl(*setup.force, first_depth(*setup.force / copies(), material));
   }
 
   std::string name() const override { return "indentation"; }
+  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
   int load_steps() const override { return setup_.load_steps; }
   double copies() const override { return std::pow(2, setup_.symmetry.size()); }
-  Experiment* at_rest() override { return nullptr; }  // without contact there is nothing to calibrate by
-
-  void set_up(Model& model) override {
-    for (const auto& [molecule, free] : fixed_) model.supports.push_back({molecule, free, Vector3::Zero()});
-    contact_ = contact_of(model);
-  }
-
-  void set_load(Model&, double factor) override {
-    if (setup_.force) control_.aim(factor);
-    move_to(factor == 0 ? 0 : setup_.force ? control_.displacement() : factor * *setup_.depth);
-  }
-
-  bool adjust(const State& state) override {
-    if (!setup_.force || *displacement_ == 0 || !control_.adjust(resistance(contact_->report(state)))) return false;
-    move_to(control_.displacement());
-    return true;
-  }
-
-  Measures measure(Model& model, const Start&, const State& state, const StaticOptions&,
-                   StaticResult& solved) const override {
-    const contact::ContactReport report = contact_->report(state);
-    const double force = resistance(report), depth = *displacement_, radius = setup_.radius;
-    Measures measures;
-    measures.set("force", force);
-    measures.set("depth", depth);
-    const double plane_strain = 1 - poissons_ratio_ * poissons_ratio_;
-    if (setup_.shape == IndenterShape::sphere)
-      measures.set("indentation_modulus", plane_strain * 3 * force / (4 * std::sqrt(radius) * std::pow(depth, 1.5)));
-    if (setup_.shape == IndenterShape::flat)
-      measures.set("indentation_modulus", plane_strain * force / (2 * radius * depth));
-    if (report.area > 0) measures.set("mean_pressure", force / (copies() * report.area));
-    if (model.has_energy() && !solved.linear) measures.set("energy", copies() * model.elastic_energy(state.positions));
-    const Vector3 left = model.load_forces(state).rowwise().sum() + solved.reactions.rowwise().sum();
-    measures.set("reaction_balance", copies() * left.norm() / std::abs(force));
-    return measures;
-  }
+  const StaticProtocol* calibration() const override {
+    return nullptr;
+  }  // without contact there is nothing to calibrate by
 
   std::vector<MainMeasure> main_measures(const Material& material, const Measures&) const override {
     std::vector<MainMeasure> measures{{"force"}, {"depth"}, {"contact_area"}};
@@ -97,6 +66,7 @@ class Indentation final : public Experiment {
   }
 
  private:
+  friend class IndentationRig;
   void fix_bottom(const Body& body) {
     const Matrix3 along = setup_.axis * setup_.axis.transpose();
     for (const int molecule : end_face(body, setup_.axis, setup_.grip_depth).molecules) {
@@ -149,29 +119,78 @@ class Indentation final : public Experiment {
                                                  : force / (2 * radius * modulus);
   }
 
+  IndentationSetup setup_;
+  double poissons_ratio_;
+  FixedMolecules fixed_;
+  int indenter_ = 0;
+  ForceControl control_;
+};
+
+class IndentationRig final : public StaticRig {
+ public:
+  IndentationRig(const Indentation& protocol, Model& model)
+      : protocol_(protocol), setup_(protocol.setup_), model_(model), control_(protocol.control_) {
+    for (const auto& [molecule, free] : protocol_.fixed_) model.supports.push_back({molecule, free, Vector3::Zero()});
+    contact_ = contact_of(model);
+  }
+
+  void set_load(double factor) override {
+    if (setup_.force) control_.aim(factor);
+    move_to(factor == 0 ? 0 : setup_.force ? control_.displacement() : factor * *setup_.depth);
+  }
+
+  bool adjust(const State& state) override {
+    if (!setup_.force || displacement_ == 0 || !control_.adjust(resistance(contact_->report(state)))) return false;
+    move_to(control_.displacement());
+    return true;
+  }
+
+  Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
+    const contact::ContactReport report = contact_->report(state);
+    const double force = resistance(report), depth = displacement_, radius = setup_.radius;
+    Measures measures;
+    measures.set("force", force);
+    measures.set("depth", depth);
+    const double plane_strain = 1 - protocol_.poissons_ratio_ * protocol_.poissons_ratio_;
+    if (setup_.shape == IndenterShape::sphere)
+      measures.set("indentation_modulus", plane_strain * 3 * force / (4 * std::sqrt(radius) * std::pow(depth, 1.5)));
+    if (setup_.shape == IndenterShape::flat)
+      measures.set("indentation_modulus", plane_strain * force / (2 * radius * depth));
+    if (report.area > 0) measures.set("mean_pressure", force / (protocol_.copies() * report.area));
+    if (model_.has_energy() && !solved.linear)
+      measures.set("energy", protocol_.copies() * model_.elastic_energy(state.positions));
+    const Vector3 left = model_.load_forces(state).rowwise().sum() + solved.reactions.rowwise().sum();
+    measures.set("reaction_balance", protocol_.copies() * left.norm() / std::abs(force));
+    return measures;
+  }
+
+ private:
   void move_to(double displacement) {
-    *displacement_ = displacement;
+    displacement_ = displacement;
     contact_->set_moment(displacement);
   }
 
   /// With which the body presses back [N].
   double resistance(const contact::ContactReport& report) const {
-    return -copies() * setup_.axis.dot(report.on_obstacles[static_cast<std::size_t>(indenter_)]);
+    return -protocol_.copies() * setup_.axis.dot(report.on_obstacles[static_cast<std::size_t>(protocol_.indenter_)]);
   }
 
-  IndentationSetup setup_;
-  double poissons_ratio_;
-  FixedMolecules fixed_;
-  int indenter_ = 0;
-  std::shared_ptr<double> displacement_ = std::make_shared<double>(0);  // of the indenter [m]; its obstacle asks for it
+  const Indentation& protocol_;
+  const IndentationSetup& setup_;
+  Model& model_;
+  contact::Contact* contact_ = nullptr;  // owned by the model
+  double displacement_ = 0;              // of the indenter [m]
   ForceControl control_;
-  contact::Contact* contact_ = nullptr;  // owned by the model that was held last
 };
+
+std::unique_ptr<StaticRig> Indentation::static_rig(Model& model) const {
+  return std::make_unique<IndentationRig>(*this, model);
+}
 
 }  // namespace
 
-std::unique_ptr<Experiment> make_indentation(const Body& body, const IndentationSetup& setup, const Material& material,
-                                             contact::ContactOptions& contact) {
+std::unique_ptr<StaticProtocol> make_indentation(const Body& body, const IndentationSetup& setup,
+                                                 const Material& material, contact::ContactOptions& contact) {
   return std::make_unique<Indentation>(body, setup, material, contact);
 }
 

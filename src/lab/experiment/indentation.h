@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "elastin/contact/contact.h"
-#include "lab/experiment/experiment.h"
+#include "elastin/lab/experiment/protocol.h"
 #include "lab/experiment/tension.h"
 
 namespace elastin::lab {
@@ -33,7 +33,7 @@ struct IndentationSetup {
 /// Adds its indenter to the obstacles. The modulus that it measures is Hertz's of a sphere on a half-space, E* = 3 F /
 /// (4 √R d^1.5), or that of a flat punch, E* = F / (2 a d) [Johnson 1985, ch. 3, 4], times 1 − ν². Throws InputError on
 /// a setup that does not suit the body.
-std::unique_ptr<Experiment> make_indentation(const Body& body, const IndentationSetup& setup, const Material& material,
-                                             contact::ContactOptions& contact);
+std::unique_ptr<StaticProtocol> make_indentation(const Body& body, const IndentationSetup& setup,
+                                                 const Material& material, contact::ContactOptions& contact);
 
 }  // namespace elastin::lab

@@ -16,12 +16,12 @@ namespace {
 
 /// A volume that is controlled counts as met when it is this near.
 constexpr double kVolumeTolerance = 1e-6;
-/// Stiffness of volume control over E t/(R V): a membrane's own, and how fast its pressure can fall, is some 0.1 of
-/// that. High enough to pass any pressure limit and to be met after a few corrections; rounding of the volume makes
+/// Stiffness of volume control over E t/(R V): a membrane's protocol, and how fast its pressure can fall, is some 0.1
+/// of that. High enough to pass any pressure limit and to be met after a few corrections; rounding of the volume makes
 /// that many times more rounding of the pressure.
 constexpr double kControlStiffness = 100;
 
-class Inflation final : public Experiment {
+class Inflation final : public StaticProtocol {
  public:
   Inflation(const Body& body, const InflationSetup& setup, const Material& material)
       : body_(body), setup_(setup), thickness_(material.thickness) {
@@ -44,68 +44,16 @@ class Inflation final : public Experiment {
   }
 
   std::string name() const override { return "inflation"; }
+  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
   int load_steps() const override { return setup_.load_steps; }
   double copies() const override { return std::pow(2, setup_.symmetry.size()); }
-
-  void set_up(Model& model) override {
-    for (const auto& [molecule, free] : fixed_) model.supports.push_back({molecule, free, Vector3::Zero()});
-    auto load = std::make_unique<Pressure>(body_, constant_pressure(0), apex_, true);
-    load_ = load.get();
-    model.add(std::move(load));
-  }
-
-  void set_load(Model&, double factor) override {
-    if (factor == 0) pressure_ = 0;
-    if (setup_.pressure) {
-      load_->set_law(constant_pressure(factor * *setup_.pressure));
-    } else if (setup_.volume_ratio) {
-      volume_ = rest_volume_ * std::pow(1 + factor * (std::cbrt(*setup_.volume_ratio) - 1), 3);
-      control();
-    } else {
-      const auto& [_, start, exponent, ambient] = *setup_.gas;
-      const double absolute = ambient + factor * (start - ambient);
-      load_->set_law(factor == 0 ? constant_pressure(0) : enclosed_gas(absolute * rest_volume_, exponent, ambient));
-    }
-  }
-
-  bool adjust(const State& state) override {
-    if (!setup_.volume_ratio) return false;
-    if (std::abs(load_->volume(state.positions) - volume_) <= kVolumeTolerance * volume_) return false;
-    pressure_ = load_->pressure_state(state.positions).pressure;
-    control();
-    return true;
-  }
-
-  Measures measure(Model& model, const Start&, const State& state, const StaticOptions&,
-                   StaticResult& solved) const override {
-    const VectorX radius = radii(state.positions);
-    const double mean = radius.dot(share_), pressure = load_->pressure_state(state.positions).pressure;
-    Measures measures;
-    measures.set("radius", mean);
-    measures.set("stretch", mean / rest_radius_);
-    measures.set("radius_spread", (radius.maxCoeff() - radius.minCoeff()) / mean);
-    if (!corners_.empty()) {
-      double sum = 0;
-      for (const int corner : corners_) sum += radius[corner];
-      measures.set("corner_radius", sum / static_cast<double>(corners_.size()));
-    }
-    measures.set("pressure", pressure);
-    measures.set("enclosed_volume", copies() * load_->volume(state.positions));
-    measures.set("wall_stress", pressure * mean / (2 * thickness_));
-    if (model.has_energy() && !solved.linear) measures.set("energy", copies() * model.elastic_energy(state.positions));
-    const Positions loads = model.load_forces(state);
-    measures.set("reaction_balance",
-                 (loads.rowwise().sum() + solved.reactions.rowwise().sum()).norm() / loads.colwise().norm().sum());
-    return measures;
-  }
 
   std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {
     return {{"radius"}, {"corner_radius"}, {"radius_spread"}, {"pressure"}};
   }
 
  private:
-  void control() { load_->set_law(controlled_volume(volume_, control_stiffness_ / volume_, pressure_)); }
-
+  friend class InflationRig;
   /// Every side that one triangle alone has must lie in a plane of symmetry.
   void require_closed() const {
     std::map<std::pair<int, int>, int> sides;
@@ -159,13 +107,81 @@ class Inflation final : public Experiment {
   std::vector<int> corners_;
   Vector3 apex_;
   double rest_volume_ = 0, rest_radius_ = 0, control_stiffness_ = 0;  // the last times a volume: [Pa]
-  double volume_ = 0, pressure_ = 0;  // volume control: what is asked for, and the pressure found last
-  Pressure* load_ = nullptr;          // owned by the model that was held last
 };
+
+class InflationRig final : public StaticRig {
+ public:
+  InflationRig(const Inflation& protocol, Model& model) : protocol_(protocol), setup_(protocol.setup_), model_(model) {
+    for (const auto& [molecule, free] : protocol_.fixed_) model.supports.push_back({molecule, free, Vector3::Zero()});
+    auto load = std::make_unique<Pressure>(protocol_.body_, constant_pressure(0), protocol_.apex_, true);
+    load_ = load.get();
+    model.add(std::move(load));
+  }
+
+  void set_load(double factor) override {
+    if (factor == 0) pressure_ = 0;
+    if (setup_.pressure) {
+      load_->set_law(constant_pressure(factor * *setup_.pressure));
+    } else if (setup_.volume_ratio) {
+      volume_ = protocol_.rest_volume_ * std::pow(1 + factor * (std::cbrt(*setup_.volume_ratio) - 1), 3);
+      control();
+    } else {
+      const auto& [_, start, exponent, ambient] = *setup_.gas;
+      const double absolute = ambient + factor * (start - ambient);
+      load_->set_law(factor == 0 ? constant_pressure(0)
+                                 : enclosed_gas(absolute * protocol_.rest_volume_, exponent, ambient));
+    }
+  }
+
+  bool adjust(const State& state) override {
+    if (!setup_.volume_ratio) return false;
+    if (std::abs(load_->volume(state.positions) - volume_) <= kVolumeTolerance * volume_) return false;
+    pressure_ = load_->pressure_state(state.positions).pressure;
+    control();
+    return true;
+  }
+
+  Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
+    const VectorX radius = protocol_.radii(state.positions);
+    const double mean = radius.dot(protocol_.share_), pressure = load_->pressure_state(state.positions).pressure;
+    Measures measures;
+    measures.set("radius", mean);
+    measures.set("stretch", mean / protocol_.rest_radius_);
+    measures.set("radius_spread", (radius.maxCoeff() - radius.minCoeff()) / mean);
+    if (!protocol_.corners_.empty()) {
+      double sum = 0;
+      for (const int corner : protocol_.corners_) sum += radius[corner];
+      measures.set("corner_radius", sum / static_cast<double>(protocol_.corners_.size()));
+    }
+    measures.set("pressure", pressure);
+    measures.set("enclosed_volume", protocol_.copies() * load_->volume(state.positions));
+    measures.set("wall_stress", pressure * mean / (2 * protocol_.thickness_));
+    if (model_.has_energy() && !solved.linear)
+      measures.set("energy", protocol_.copies() * model_.elastic_energy(state.positions));
+    const Positions loads = model_.load_forces(state);
+    measures.set("reaction_balance",
+                 (loads.rowwise().sum() + solved.reactions.rowwise().sum()).norm() / loads.colwise().norm().sum());
+    return measures;
+  }
+
+ private:
+  void control() { load_->set_law(controlled_volume(volume_, protocol_.control_stiffness_ / volume_, pressure_)); }
+
+  const Inflation& protocol_;
+  const InflationSetup& setup_;
+  Model& model_;
+  double volume_ = 0, pressure_ = 0;  // volume control: the target, and the pressure found last
+  Pressure* load_ = nullptr;          // owned by the model
+};
+
+std::unique_ptr<StaticRig> Inflation::static_rig(Model& model) const {
+  return std::make_unique<InflationRig>(*this, model);
+}
 
 }  // namespace
 
-std::unique_ptr<Experiment> make_inflation(const Body& body, const InflationSetup& setup, const Material& material) {
+std::unique_ptr<StaticProtocol> make_inflation(const Body& body, const InflationSetup& setup,
+                                               const Material& material) {
   return std::make_unique<Inflation>(body, setup, material);
 }
 

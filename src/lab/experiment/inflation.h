@@ -2,7 +2,7 @@
 #include <optional>
 #include <vector>
 
-#include "lab/experiment/experiment.h"
+#include "elastin/lab/experiment/protocol.h"
 
 namespace elastin::lab {
 
@@ -27,6 +27,6 @@ struct InflationSetup {
 };
 
 /// Throws InputError if the body does not suit: no triangles, no thickness, a rim outside the planes of symmetry …
-std::unique_ptr<Experiment> make_inflation(const Body& body, const InflationSetup& setup, const Material& material);
+std::unique_ptr<StaticProtocol> make_inflation(const Body& body, const InflationSetup& setup, const Material& material);
 
 }  // namespace elastin::lab

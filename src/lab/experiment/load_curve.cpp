@@ -59,11 +59,11 @@ StaticResult restart_from_rest(Model& model, const RunOptions& options, double b
 
 /// The body before the experiment's load: at rest, or in equilibrium with the scene's other loads, or where it comes to
 /// rest from the scene's own start. False if that fails.
-bool find_start(Model& model, Experiment& experiment, const RunOptions& options, bool at_rest, State& state,
-                Start& start, Run& run) {
+bool find_start(Model& model, StaticRig& rig, const RunOptions& options, bool at_rest, State& state, Start& start,
+                Run& run) {
   start = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
   if (contact::Contact* contact = contact_of(model)) contact->set_moment(0);
-  experiment.set_load(model, 0);
+  rig.set_load(0);
   if (at_rest && model.load_forces(state).isZero(0)) return true;
   if (options.progress) options.progress(at_rest ? "the scene's own loads" : "the scene's start");
   const double before = total_energy(model, state);
@@ -74,7 +74,7 @@ bool find_start(Model& model, Experiment& experiment, const RunOptions& options,
 }
 
 /// Where the material says what stress belongs to a strain: the largest difference to it, over the largest such stress.
-void note_curve_error(const Experiment& experiment, const Material& material, Run& run) {
+void note_curve_error(const Protocol& experiment, const Material& material, Run& run) {
   const auto axis = experiment.axis();
   double difference = 0, largest = 0;
   for (const CurvePoint& point : run.curve) {
@@ -103,13 +103,13 @@ void note_compression(const Model& model, const Positions& positions, const Mate
 
 }  // namespace
 
-void solve_load_curve(Model& model, Experiment& experiment, const Material& material, const RunOptions& options,
-                      Run& run, const std::function<void(State&)>& begin) {
+void solve_load_curve(Model& model, const StaticProtocol& experiment, StaticRig& rig, const Material& material,
+                      const RunOptions& options, Run& run, const std::function<void(State&)>& begin) {
   State at_start = state_at_rest(model.body());
   if (begin) begin(at_start);
   Start start;
-  if (!find_start(model, experiment, options, !begin, at_start, start, run)) return;
-  LoadPath path(model, experiment, options.statics, std::move(at_start));
+  if (!find_start(model, rig, options, !begin, at_start, start, run)) return;
+  LoadPath path(model, rig, options.statics, std::move(at_start));
   const auto keep = [&](double load_factor, int step) {
     keep_snapshot(model, path.state(), load_factor, step, options, run);
   };
@@ -122,7 +122,7 @@ void solve_load_curve(Model& model, Experiment& experiment, const Material& mate
     StaticResult solved = path.advance(load_factor);
     Measures measures;
     if (solved.outcome == Outcome::converged) {
-      measures = experiment.measure(model, start, path.state(), options.statics, solved);
+      measures = rig.measure(start, path.state(), options.statics, solved);
       if (const contact::Contact* contact = contact_of(model)) {
         run.contact = contact->report(path.state());
         note_contact(*run.contact, experiment.copies(), measures);
@@ -146,7 +146,7 @@ void solve_load_curve(Model& model, Experiment& experiment, const Material& mate
     note_compression(model, path.state().positions, material, run);
   note_curve_error(experiment, material, run);
   if (steps > 1 && model.has_full_tangent()) {
-    experiment.measure_end(model, path.state(), options.statics, run.measures, run.linear_iterations);
+    rig.measure_end(path.state(), options.statics, run.measures, run.linear_iterations);
     double sum = 0;
     for (const CurvePoint& point : run.curve) sum += point.measures.get("effective_modulus");
     run.measures.set("average_modulus", sum / steps);

@@ -19,8 +19,8 @@ void add_cost(StaticResult& result, const StaticResult& cost) {
 
 }  // namespace
 
-LoadPath::LoadPath(Model& model, Experiment& experiment, const StaticOptions& options, State start)
-    : model_(model), experiment_(experiment), options_(options), state_(std::move(start)) {
+LoadPath::LoadPath(Model& model, StaticRig& rig, const StaticOptions& options, State start)
+    : model_(model), rig_(rig), options_(options), state_(std::move(start)) {
   options_.probe = true;
   model_.commit_step(state_);
 }
@@ -31,7 +31,7 @@ State LoadPath::start_of(double factor) const {
   if (options_.linear) return state_;
   State next = state_;
   if (last_step_ == 0) {
-    experiment_.shape_start(next.positions);
+    rig_.shape_start(next.positions);
     return next;
   }
   next.positions += (factor - factor_) / last_step_ * displacement_;
@@ -45,7 +45,7 @@ StaticResult LoadPath::advance(double factor) { return advance(factor, (factor -
 
 StaticResult LoadPath::advance(double factor, double smallest) {
   if (contact::Contact* contact = contact_of(model_)) contact->set_moment(factor);
-  experiment_.set_load(model_, factor);
+  rig_.set_load(factor);
   State next = start_of(factor);
   const bool went_on = next.positions != state_.positions;
   StaticResult solved = solve_static(model_, next, options_);
@@ -55,7 +55,7 @@ StaticResult LoadPath::advance(double factor, double smallest) {
     add_cost(solved, before);
   }
   for (int correction = 0; correction < kCorrections; ++correction) {
-    if (solved.outcome != Outcome::converged || !experiment_.adjust(next)) break;
+    if (solved.outcome != Outcome::converged || !rig_.adjust(next)) break;
     StaticResult again = solve_static(model_, next, options_);
     add_cost(again, solved);
     solved = std::move(again);

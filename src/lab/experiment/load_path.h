@@ -1,5 +1,5 @@
 #pragma once
-#include "lab/experiment/experiment.h"
+#include "elastin/lab/experiment/protocol.h"
 
 namespace elastin::lab {
 
@@ -7,7 +7,7 @@ namespace elastin::lab {
 class LoadPath {
  public:
   /// From `start`, an equilibrium of the load 0. All references must outlive the path.
-  LoadPath(Model& model, Experiment& experiment, const StaticOptions& options, State start);
+  LoadPath(Model& model, StaticRig& rig, const StaticOptions& options, State start);
 
   /// Brings the load to `factor` (more than before, up to 1). Where that would turn a cell over, or leads nowhere, it
   /// goes in halves, and those in halves, down to 1/64 of the way. The state stays at the last equilibrium if that
@@ -22,7 +22,7 @@ class LoadPath {
   State start_of(double factor) const;
 
   Model& model_;
-  Experiment& experiment_;
+  StaticRig& rig_;
   StaticOptions options_;
   State state_;
   Positions displacement_;             // from the equilibrium before

@@ -1,4 +1,4 @@
-#include "lab/experiment/measures.h"
+#include "elastin/lab/experiment/measures.h"
 
 #include <algorithm>
 #include <cmath>

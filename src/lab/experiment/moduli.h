@@ -1,6 +1,6 @@
 #pragma once
 #include "elastin/core/model/material.h"
-#include "lab/experiment/measures.h"
+#include "elastin/lab/experiment/measures.h"
 
 namespace elastin::lab {
 

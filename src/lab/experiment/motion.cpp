@@ -36,7 +36,7 @@ Series series_of(const std::vector<CurvePoint>& history, std::string_view name, 
   return {Eigen::Map<const VectorX>(times.data(), size), Eigen::Map<const VectorX>(values.data(), size)};
 }
 
-class Motion final : public TimedExperiment {
+class Motion final : public TimedProtocol {
  public:
   explicit Motion(MotionSetup setup) : setup_(std::move(setup)) {
     if (!setup_.fixture) return;
@@ -51,50 +51,9 @@ class Motion final : public TimedExperiment {
   }
 
   std::string name() const override { return name_of(setup_.kind); }
+  std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
   std::optional<Vector3> axis() const override { return setup_.fixture ? setup_.fixture->axis() : std::nullopt; }
-  Experiment* at_rest() override { return setup_.fixture.get(); }
-
-  void set_up(Model& model) override {
-    if (!setup_.fixture) return;
-    const std::size_t others = model.loads().size();
-    setup_.fixture->set_up(model);
-    if (setup_.load.constant()) return;
-    for (std::size_t i = others; i < model.loads().size(); ++i)
-      if (auto* load = dynamic_cast<PointLoads*>(model.loads()[i].get())) load->set_varying();
-  }
-
-  StaticResult start(Model& model, State& state, const StaticOptions& options) override {
-    start_ = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
-    if (!setup_.fixture) return {};
-    setup_.fixture->set_load(model, 0);
-    StaticResult result;
-    if (!model.load_forces(state).isZero(0)) {
-      result = solve_static(model, state, options);
-      if (result.outcome != Outcome::converged) return result;
-      start_ = {state.positions, result.reactions};
-    }
-    if (setup_.released) return load_and_release(model, state, options);
-    setup_.fixture->set_load(model, setup_.load.value(0));
-    if (setup_.load.constant()) return result;
-    model.drive = [this, &model](double time, std::vector<Support>&) {
-      setup_.fixture->set_load(model, setup_.load.value(time));
-      setup_.fixture->set_load_rate(model, setup_.load.rate(time));
-    };
-    return result;
-  }
-
-  Measures read(Model& model, const State& state) override {
-    if (!setup_.fixture) return {};
-    Positions forces;
-    model.set_forces(state, forces);
-    StaticResult held;
-    held.reactions = -fixed_components(model.supports, forces);
-    const Measures all = setup_.fixture->measure(model, start_, state, {}, held);
-    Measures kept;
-    for (const auto& [name, value] : all.all())
-      if (tells(name)) kept.set(name, value);
-    return kept;
-  }
+  const StaticProtocol* calibration() const override { return setup_.fixture.get(); }
 
   void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
     if (setup_.kind == MotionKind::release) read_vibration(series_of(history, response_.displacement), measures);
@@ -114,27 +73,11 @@ class Motion final : public TimedExperiment {
   }
 
  private:
+  friend class MotionRig;
   /// Balances mean nothing in motion, and moduli nothing once the load is gone.
   bool tells(const std::string& name) const {
     const bool modulus = name.ends_with("modulus") || name.ends_with("stiffness") || name == "poissons_ratio";
     return name != "reaction_balance" && !(setup_.released && modulus);
-  }
-
-  StaticResult load_and_release(Model& model, State& state, const StaticOptions& options) {
-    LoadPath path(model, *setup_.fixture, options, state);
-    StaticResult result, all;
-    const int steps = setup_.fixture->load_steps();
-    for (int step = 1; step <= steps; ++step) {
-      result = path.advance(static_cast<double>(step) / steps);
-      all.newton_iterations += result.newton_iterations;
-      all.linear_iterations += result.linear_iterations;
-      if (result.outcome != Outcome::converged) return result;
-    }
-    state.positions = path.state().positions;
-    result.newton_iterations = all.newton_iterations;
-    result.linear_iterations = all.linear_iterations;
-    setup_.fixture->release(model);
-    return result;
   }
 
   /// The slowest part alone: from where a twentieth of the fall is left, faster ones are gone.
@@ -169,12 +112,82 @@ class Motion final : public TimedExperiment {
 
   MotionSetup setup_;
   ResponseMeasures response_;
+};
+
+class MotionRig final : public TimedRig {
+ public:
+  MotionRig(const Motion& protocol, Model& model) : protocol_(protocol), setup_(protocol.setup_), model_(model) {
+    if (!setup_.fixture) return;
+    const std::size_t others = model.loads().size();
+    fixture_ = setup_.fixture->static_rig(model);
+    if (setup_.load.constant()) return;
+    for (std::size_t i = others; i < model.loads().size(); ++i)
+      if (auto* load = dynamic_cast<PointLoads*>(model.loads()[i].get())) load->set_varying();
+  }
+
+  StaticResult start(State& state, const StaticOptions& options) override {
+    start_ = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model_.supports.size()))};
+    if (!fixture_) return {};
+    fixture_->set_load(0);
+    StaticResult result;
+    if (!model_.load_forces(state).isZero(0)) {
+      result = solve_static(model_, state, options);
+      if (result.outcome != Outcome::converged) return result;
+      start_ = {state.positions, result.reactions};
+    }
+    if (setup_.released) return load_and_release(state, options);
+    fixture_->set_load(setup_.load.value(0));
+    if (setup_.load.constant()) return result;
+    model_.drive = [this](double time, std::vector<Support>&) {
+      fixture_->set_load(setup_.load.value(time));
+      fixture_->set_load_rate(setup_.load.rate(time));
+    };
+    return result;
+  }
+
+  Measures read(const State& state) const override {
+    if (!fixture_) return {};
+    Positions forces;
+    model_.set_forces(state, forces);
+    StaticResult held;
+    held.reactions = -fixed_components(model_.supports, forces);
+    const Measures all = fixture_->measure(start_, state, {}, held);
+    Measures kept;
+    for (const auto& [name, value] : all.all())
+      if (protocol_.tells(name)) kept.set(name, value);
+    return kept;
+  }
+
+ private:
+  StaticResult load_and_release(State& state, const StaticOptions& options) {
+    LoadPath path(model_, *fixture_, options, state);
+    StaticResult result, all;
+    const int steps = setup_.fixture->load_steps();
+    for (int step = 1; step <= steps; ++step) {
+      result = path.advance(static_cast<double>(step) / steps);
+      all.newton_iterations += result.newton_iterations;
+      all.linear_iterations += result.linear_iterations;
+      if (result.outcome != Outcome::converged) return result;
+    }
+    state.positions = path.state().positions;
+    result.newton_iterations = all.newton_iterations;
+    result.linear_iterations = all.linear_iterations;
+    fixture_->release();
+    return result;
+  }
+
+  const Motion& protocol_;
+  const MotionSetup& setup_;
+  Model& model_;
+  std::unique_ptr<StaticRig> fixture_;  // null: the body is free
   Start start_;
 };
 
+std::unique_ptr<TimedRig> Motion::timed_rig(Model& model) const { return std::make_unique<MotionRig>(*this, model); }
+
 }  // namespace
 
-std::unique_ptr<TimedExperiment> make_motion(const Body&, MotionSetup setup) {
+std::unique_ptr<TimedProtocol> make_motion(const Body&, MotionSetup setup) {
   return std::make_unique<Motion>(std::move(setup));
 }
 

@@ -3,7 +3,7 @@
 
 #include "elastin/contact/contact.h"
 #include "elastin/core/forces/time_function.h"
-#include "lab/experiment/timed.h"
+#include "elastin/lab/experiment/protocol.h"
 
 namespace elastin::lab {
 
@@ -17,15 +17,15 @@ enum class MotionKind {
 /// A body held and loaded as an experiment at rest says, whose load changes in time.
 struct MotionSetup {
   MotionKind kind = MotionKind::motion;
-  std::unique_ptr<Experiment> fixture;  ///< null: the body is free; only `motion` allows that
-  TimeFunction load;                    ///< what the experiment's load is multiplied with
-  bool released = false;                ///< the load is there before time 0 and gone from then on
-  double ramp = 0;                      ///< [s] after which a relaxation begins
+  std::unique_ptr<const StaticProtocol> fixture;  ///< null: the body is free; only `motion` allows that
+  TimeFunction load;                              ///< what the experiment's load is multiplied with
+  bool released = false;                          ///< the load is there before time 0 and gone from then on
+  double ramp = 0;                                ///< [s] after which a relaxation begins
 };
 
 /// Starts in the equilibrium of the scene's own loads (a free body: at rest). Throws InputError if the inner experiment
 /// has not what the kind needs.
-std::unique_ptr<TimedExperiment> make_motion(const Body& body, MotionSetup setup);
+std::unique_ptr<TimedProtocol> make_motion(const Body& body, MotionSetup setup);
 
 /// A body clamped at one end, which is moved to and fro.
 struct ShakeSetup {
@@ -35,7 +35,7 @@ struct ShakeSetup {
   double frequency = 0;                  ///< [Hz]
   double grip_depth = 0;
 };
-std::unique_ptr<TimedExperiment> make_shake(const Body& body, const ShakeSetup& setup);
+std::unique_ptr<TimedProtocol> make_shake(const Body& body, const ShakeSetup& setup);
 
 /// A free body that falls on a floor, or on the obstacles of its scene.
 struct DropSetup {
@@ -47,7 +47,7 @@ struct DropSetup {
   /// None: it falls on a floor of its own.
   std::optional<contact::ContactOptions> contact = {};
 };
-std::unique_ptr<TimedExperiment> make_drop(const Body& body, const DropSetup& setup);
+std::unique_ptr<TimedProtocol> make_drop(const Body& body, const DropSetup& setup);
 
 /// A canopy with a load on cables that falls through air: how it opens. The air is a load of the scene.
 struct ParachuteSetup {
@@ -56,10 +56,11 @@ struct ParachuteSetup {
   double speed = 0;                       ///< [m/s] down at time 0
 };
 /// Throws InputError for a body without cables.
-std::unique_ptr<TimedExperiment> make_parachute(const Body& body, const ParachuteSetup& setup);
+std::unique_ptr<TimedProtocol> make_parachute(const Body& body, const ParachuteSetup& setup);
 
 /// Natural frequencies of a body held as an experiment at rest says, or free, about its equilibrium under the scene's
 /// own loads. At rest: it takes no time.
-std::unique_ptr<Experiment> make_vibration(const Body& body, std::unique_ptr<Experiment> fixture, int count);
+std::unique_ptr<StaticProtocol> make_vibration(const Body& body, std::unique_ptr<const StaticProtocol> fixture,
+                                               int count);
 
 }  // namespace elastin::lab

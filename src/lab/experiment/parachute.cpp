@@ -8,7 +8,7 @@
 namespace elastin::lab {
 namespace {
 
-class Parachute final : public TimedExperiment {
+class Parachute final : public TimedProtocol {
  public:
   Parachute(const Body& body, const ParachuteSetup& setup)
       : body_(body), setup_(setup), down_(setup.direction.normalized()), load_(body.size() - 1) {
@@ -17,40 +17,8 @@ class Parachute final : public TimedExperiment {
   }
 
   std::string name() const override { return "parachute"; }
-  Experiment* at_rest() override { return nullptr; }
+  std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
   bool stiffened_by_load() const override { return true; }
-
-  void set_up(Model& model) override {
-    scene_loads_ = static_cast<int>(model.loads().size());
-    if (setup_.gravity > 0) model.add(make_gravity(body_, setup_.gravity * down_));
-  }
-
-  StaticResult start(Model&, State& state, const StaticOptions&) override {
-    state.velocities.colwise() += setup_.speed * down_;
-    return {};
-  }
-
-  Measures read(Model& model, const State& state) override {
-    double pull = 0, area = 0;
-    for (const Cable& cable : body_.cables) {
-      const auto& [end, load] = body_.connections.ends[static_cast<std::size_t>(cable.connection)];
-      const Vector3 d = state.positions.col(end) - state.positions.col(load);
-      const double length = d.norm(), rest = body_.connections.rest_length[static_cast<std::size_t>(cable.connection)];
-      if (length > rest) pull -= cable.stiffness * (length - rest) / rest * d.dot(down_) / length;
-    }
-    // Folds that lie over each other count as what they hide: the sum of the area vectors is that of the outline.
-    for (const auto& triangle : body_.triangles) area += area_vector(state.positions, triangle).dot(down_);
-    Positions drag = Positions::Zero(3, body_.size());
-    for (int i = 0; i < scene_loads_; ++i) model.loads()[static_cast<std::size_t>(i)]->add_forces(state, drag);
-    Measures measures;
-    measures.set("line_force", pull);
-    measures.set("open_area", std::abs(area));
-    measures.set("open_part", std::abs(area) / rest_area_);
-    measures.set("fall_speed", state.velocities.col(load_).dot(down_));
-    if (setup_.gravity > 0)
-      measures.set("drag_balance", -drag.rowwise().sum().dot(down_) / (body_.mass.sum() * setup_.gravity) - 1);
-    return measures;
-  }
 
   void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
     const auto largest = [&](std::string_view name, double low, double high) {
@@ -74,16 +42,65 @@ class Parachute final : public TimedExperiment {
   }
 
  private:
+  friend class ParachuteRig;
   const Body& body_;
   ParachuteSetup setup_;
   Vector3 down_;
-  int load_, scene_loads_ = 0;  // loads of the scene come first in the model
+  int load_;
   double rest_area_ = 0;
 };
 
+class ParachuteRig final : public TimedRig {
+ public:
+  ParachuteRig(const Parachute& protocol, Model& model)
+      : protocol_(protocol), setup_(protocol.setup_), body_(protocol.body_), model_(model) {
+    scene_loads_ = static_cast<int>(model.loads().size());
+    if (setup_.gravity > 0) model.add(make_gravity(body_, setup_.gravity * protocol_.down_));
+  }
+
+  StaticResult start(State& state, const StaticOptions&) override {
+    state.velocities.colwise() += setup_.speed * protocol_.down_;
+    return {};
+  }
+
+  Measures read(const State& state) const override {
+    double pull = 0, area = 0;
+    for (const Cable& cable : body_.cables) {
+      const auto& [end, load] = body_.connections.ends[static_cast<std::size_t>(cable.connection)];
+      const Vector3 d = state.positions.col(end) - state.positions.col(load);
+      const double length = d.norm(), rest = body_.connections.rest_length[static_cast<std::size_t>(cable.connection)];
+      if (length > rest) pull -= cable.stiffness * (length - rest) / rest * d.dot(protocol_.down_) / length;
+    }
+    // Folds that lie over each other count as what they hide: the sum of the area vectors is that of the outline.
+    for (const auto& triangle : body_.triangles) area += area_vector(state.positions, triangle).dot(protocol_.down_);
+    Positions drag = Positions::Zero(3, body_.size());
+    for (int i = 0; i < scene_loads_; ++i) model_.loads()[static_cast<std::size_t>(i)]->add_forces(state, drag);
+    Measures measures;
+    measures.set("line_force", pull);
+    measures.set("open_area", std::abs(area));
+    measures.set("open_part", std::abs(area) / protocol_.rest_area_);
+    measures.set("fall_speed", state.velocities.col(protocol_.load_).dot(protocol_.down_));
+    if (setup_.gravity > 0)
+      measures.set("drag_balance",
+                   -drag.rowwise().sum().dot(protocol_.down_) / (body_.mass.sum() * setup_.gravity) - 1);
+    return measures;
+  }
+
+ private:
+  const Parachute& protocol_;
+  const ParachuteSetup& setup_;
+  const Body& body_;
+  Model& model_;
+  int scene_loads_;  // loads of the scene come first in the model
+};
+
+std::unique_ptr<TimedRig> Parachute::timed_rig(Model& model) const {
+  return std::make_unique<ParachuteRig>(*this, model);
+}
+
 }  // namespace
 
-std::unique_ptr<TimedExperiment> make_parachute(const Body& body, const ParachuteSetup& setup) {
+std::unique_ptr<TimedProtocol> make_parachute(const Body& body, const ParachuteSetup& setup) {
   return std::make_unique<Parachute>(body, setup);
 }
 

@@ -2,7 +2,7 @@
 #include <optional>
 #include <vector>
 
-#include "lab/experiment/experiment.h"
+#include "elastin/lab/experiment/protocol.h"
 #include "lab/experiment/tension.h"
 
 namespace elastin::lab {
@@ -20,6 +20,6 @@ struct PressSetup {
 };
 
 /// Throws InputError on a setup that does not suit the body.
-std::unique_ptr<Experiment> make_press(const Body& body, const PressSetup& setup);
+std::unique_ptr<StaticProtocol> make_press(const Body& body, const PressSetup& setup);
 
 }  // namespace elastin::lab

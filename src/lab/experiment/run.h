@@ -8,7 +8,8 @@
 #include "elastin/contact/contact.h"
 #include "elastin/core/model/body.h"
 #include "elastin/core/model/material.h"
-#include "lab/experiment/experiment.h"
+#include "elastin/lab/experiment/protocol.h"
+#include "lab/experiment/identification.h"
 #include "lab/experiment/time_options.h"
 
 namespace elastin::lab {
@@ -24,16 +25,6 @@ struct Specimen {
   std::function<void(State&)> start = {};               ///< changes the state in which a run begins; may be empty
   std::vector<Material> materials = {};                 ///< of the body's parts, by Part::material; empty without parts
   std::optional<contact::ContactOptions> contact = {};  ///< none: no contact object is built
-};
-
-/// One state on the way of the load.
-struct CurvePoint {
-  double load_factor = 0;
-  Measures measures;
-  int newton_iterations = 0, linear_iterations = 0;
-  double residual = 0;
-  double time = 0, step = 0;  ///< [s] of a run in time; step: the last one before
-  int steps = 0;              ///< since the point before
 };
 
 /// A state to be looked at.

@@ -8,9 +8,9 @@
 #include "core/model/visit_state.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/solve/energies.h"
+#include "elastin/lab/experiment/protocol.h"
 #include "lab/experiment/contact_measures.h"
 #include "lab/experiment/restart.h"
-#include "lab/experiment/timed.h"
 
 namespace elastin::lab {
 namespace {
@@ -40,10 +40,11 @@ double largest_strain(const Model& model, const State& state) {
 /// One run's way through time.
 class TimedRun {
  public:
-  TimedRun(Model& model, TimedExperiment& experiment, const RunOptions& options, Run& run, State start,
-           const Scheme& scheme, const std::string& identity)
+  TimedRun(Model& model, const TimedProtocol& experiment, const TimedRig& rig, const RunOptions& options, Run& run,
+           State start, const Scheme& scheme, const std::string& identity)
       : model_(model),
         experiment_(experiment),
+        rig_(rig),
         options_(options),
         run_(run),
         state_(std::move(start)),
@@ -127,7 +128,7 @@ class TimedRun {
   /// False if the row shows that energy came from nowhere.
   bool keep_row(CurvePoint row) {
     row.time = state_.time;
-    row.measures = experiment_.read(model_, state_);
+    row.measures = rig_.read(state_);
     Measures& m = row.measures;
     const VectorX& mass = model_.body().mass;
     const Energies e = ledger_.energies(model_, state_);
@@ -209,7 +210,8 @@ class TimedRun {
   }
 
   Model& model_;
-  TimedExperiment& experiment_;
+  const TimedProtocol& experiment_;
+  const TimedRig& rig_;
   const RunOptions& options_;
   Run& run_;
   State state_;
@@ -229,8 +231,8 @@ std::pair<Scheme, std::string> chosen_scheme(const TimeOptions& options, bool us
   return {"velocity_verlet", "springs without cells: an explicit step costs one pass over them"};
 }
 
-void run_in_time(Model& model, TimedExperiment& experiment, const Specimen& specimen, const RunOptions& options,
-                 Run& run) {
+void run_in_time(Model& model, const TimedProtocol& experiment, TimedRig& rig, const Specimen& specimen,
+                 const RunOptions& options, Run& run) {
   if (!options.time) throw InputError("a " + experiment.name() + " experiment needs to know for how long: TimeOptions");
   const auto [scheme, reason] = chosen_scheme(*options.time, run.uses_cells);
   run.time = TimeReport{};
@@ -239,7 +241,7 @@ void run_in_time(Model& model, TimedExperiment& experiment, const Specimen& spec
   run.time->resumed = !options.restart.empty();
   State state = state_at_rest(model.body());
   if (options.progress) options.progress("finding the state it starts from");
-  const StaticResult started = experiment.start(model, state, options.statics);
+  const StaticResult started = rig.start(state, options.statics);
   run.newton_iterations += started.newton_iterations;
   run.linear_iterations += started.linear_iterations;
   run.solver = run.time->scheme;
@@ -260,7 +262,7 @@ void run_in_time(Model& model, TimedExperiment& experiment, const Specimen& spec
     return;
   }
   const std::string identity = restart_identity(model.body(), run.strategy, *options.time, run.time->scheme);
-  TimedRun timed_run(model, experiment, options, run, std::move(state), scheme, identity);
+  TimedRun timed_run(model, experiment, rig, options, run, std::move(state), scheme, identity);
   if (run.time->resumed) timed_run.resume();
   timed_run.go();
 }

@@ -9,7 +9,7 @@
 namespace elastin::lab {
 namespace {
 
-class Shake final : public TimedExperiment {
+class Shake final : public TimedProtocol {
  public:
   Shake(const Body& body, const ShakeSetup& setup)
       : body_(body),
@@ -18,32 +18,7 @@ class Shake final : public TimedExperiment {
         far_(end_face(body, setup.axis, setup.grip_depth)) {}
 
   std::string name() const override { return "shake"; }
-  Experiment* at_rest() override { return nullptr; }
-
-  void set_up(Model& model) override {
-    for (const int molecule : base_.molecules) model.supports.push_back({molecule, Matrix3::Zero()});
-  }
-
-  StaticResult start(Model& model, State& state, const StaticOptions& options) override {
-    StaticResult result;
-    if (!model.load_forces(state).isZero(0)) result = solve_static(model, state, options);
-    middle_ = middle_of(far_, state.positions);
-    model.drive = [this](double time, std::vector<Support>& supports) {
-      const TimeFunction wave = TimeFunction::sine(setup_.frequency);
-      for (Support& support : supports) {
-        support.displacement = setup_.amplitude * wave.value(time) * setup_.direction;
-        support.velocity = setup_.amplitude * wave.rate(time) * setup_.direction;
-      }
-    };
-    return result;
-  }
-
-  Measures read(Model& model, const State& state) override {
-    Measures measures;
-    measures.set("base_way", setup_.direction.dot(model.supports.front().displacement));
-    measures.set("far_way", setup_.direction.dot(middle_of(far_, state.positions) - middle_));
-    return measures;
-  }
+  std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
 
   /// Over the last half of the time, in whole periods.
   void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
@@ -83,15 +58,51 @@ class Shake final : public TimedExperiment {
   }
 
  private:
+  friend class ShakeRig;
   const Body& body_;
   ShakeSetup setup_;
   Face base_, far_;
+};
+
+class ShakeRig final : public TimedRig {
+ public:
+  ShakeRig(const Shake& protocol, Model& model) : protocol_(protocol), setup_(protocol.setup_), model_(model) {
+    for (const int molecule : protocol_.base_.molecules) model.supports.push_back({molecule, Matrix3::Zero()});
+  }
+
+  StaticResult start(State& state, const StaticOptions& options) override {
+    StaticResult result;
+    if (!model_.load_forces(state).isZero(0)) result = solve_static(model_, state, options);
+    middle_ = middle_of(protocol_.far_, state.positions);
+    model_.drive = [this](double time, std::vector<Support>& supports) {
+      const TimeFunction wave = TimeFunction::sine(setup_.frequency);
+      for (Support& support : supports) {
+        support.displacement = setup_.amplitude * wave.value(time) * setup_.direction;
+        support.velocity = setup_.amplitude * wave.rate(time) * setup_.direction;
+      }
+    };
+    return result;
+  }
+
+  Measures read(const State& state) const override {
+    Measures measures;
+    measures.set("base_way", setup_.direction.dot(model_.supports.front().displacement));
+    measures.set("far_way", setup_.direction.dot(middle_of(protocol_.far_, state.positions) - middle_));
+    return measures;
+  }
+
+ private:
+  const Shake& protocol_;
+  const ShakeSetup& setup_;
+  Model& model_;
   Vector3 middle_ = Vector3::Zero();
 };
 
+std::unique_ptr<TimedRig> Shake::timed_rig(Model& model) const { return std::make_unique<ShakeRig>(*this, model); }
+
 }  // namespace
 
-std::unique_ptr<TimedExperiment> make_shake(const Body& body, const ShakeSetup& setup) {
+std::unique_ptr<TimedProtocol> make_shake(const Body& body, const ShakeSetup& setup) {
   return std::make_unique<Shake>(body, setup);
 }
 

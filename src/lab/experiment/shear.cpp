@@ -26,16 +26,16 @@ class Shear final : public Driven {
 
   std::string name() const override { return "shear"; }
   ResponseMeasures response_measures() const override { return {"strain", "force"}; }
-  bool release(Model& model) override {
-    if (loaded_ == 0) return false;
-    free_from(model, fixed_.size() - static_cast<std::size_t>(loaded_));
-    return true;
+  std::optional<std::size_t> first_released() const override {
+    if (loaded_ == 0) return std::nullopt;
+    return fixed_.size() - static_cast<std::size_t>(loaded_);
   }
 
-  Measures measure(Model& model, const Start& start, const State& state, const StaticOptions&,
+  Measures measure(const Held& held, const Start& start, const State& state, const StaticOptions&,
                    StaticResult& solved) const override {
     const Positions pull = pull_of(start, solved);
-    const double strain = released_ ? mean_displacement(state.positions) * strain_ / displacement_ : factor_ * strain_;
+    const double strain =
+        held.released ? mean_displacement(state.positions) * strain_ / displacement_ : held.factor * strain_;
     // Simple shear keeps the volume and the area of the sheared planes: first Piola-Kirchhoff = Cauchy on them.
     const Vector3 traction = volume_ > 0 ? Vector3(virial(pull, body_.rest) * setup_.axis / volume_)
                                          : Vector3(pull.rightCols(loaded_).rowwise().sum() / area_);
@@ -46,7 +46,7 @@ class Shear final : public Driven {
     measures.set("strain", strain);
     measures.set("force", stress * area_);
     measures.set("axial_force", traction.dot(setup_.axis) * area_);
-    add_state(model, state, solved, std::abs(stress * area_), measures);
+    add_state(held.model, state, solved, std::abs(stress * area_), measures);
     return measures;
   }
 
@@ -96,7 +96,7 @@ class Shear final : public Driven {
 
 }  // namespace
 
-std::unique_ptr<Experiment> make_shear(const Body& body, const ShearSetup& setup, const Matrix3& axes) {
+std::unique_ptr<StaticProtocol> make_shear(const Body& body, const ShearSetup& setup, const Matrix3& axes) {
   return std::make_unique<Shear>(body, setup, axes);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "lab/experiment/experiment.h"
+#include "elastin/lab/experiment/protocol.h"
 
 namespace elastin::lab {
 
@@ -19,6 +19,6 @@ struct ShearSetup {
 /// Free sides: both ends clamped to rigid plates, stress = force / cross-section. Affine sides: every molecule of the
 /// body's surface follows the simple shear, stress = volume mean: exactly that of the law in a homogeneous body.
 /// `axes` are those of a box without cells. Throws InputError if the body does not suit.
-std::unique_ptr<Experiment> make_shear(const Body& body, const ShearSetup& setup, const Matrix3& axes);
+std::unique_ptr<StaticProtocol> make_shear(const Body& body, const ShearSetup& setup, const Matrix3& axes);
 
 }  // namespace elastin::lab

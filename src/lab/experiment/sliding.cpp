@@ -51,7 +51,7 @@ Line fit_line(const std::vector<std::pair<double, double>>& points) {
   return {xy / xx, x_mean - y_mean * xx / xy, static_cast<int>(points.size())};
 }
 
-class Sliding final : public TimedExperiment {
+class Sliding final : public TimedProtocol {
  public:
   Sliding(const Body& body, const SlidingSetup& setup, contact::ContactOptions& contact) : body_(body), setup_(setup) {
     if (!setup.floor.empty()) {
@@ -74,39 +74,7 @@ class Sliding final : public TimedExperiment {
   }
 
   std::string name() const override { return "sliding"; }
-  Experiment* at_rest() override { return nullptr; }
-
-  void set_up(Model& model) override {
-    auto weight = std::make_unique<TiltedGravity>(body_, setup_);
-    weight_ = weight.get();
-    model.add(std::move(weight));
-  }
-
-  StaticResult start(Model& model, State& state, const StaticOptions& options) override {
-    model.commit_step(state);  // friction holds the body where it is
-    State stands = state;
-    StaticResult solved = solve_static(model, stands, options);
-    if (solved.outcome != Outcome::converged && setup_.angle != 0) {
-      weight_->set_angle(0);
-      stands = state;
-      solved = solve_static(model, stands, options);
-      weight_->set_angle(setup_.angle);
-    }
-    state = stands;
-    state.velocities.colwise() += setup_.speed * setup_.along;
-    begin_ = state.positions;
-    return solved;
-  }
-
-  Measures read(Model&, const State& state) override {
-    const Positions displacement = state.positions - begin_;
-    Measures measures;
-    measures.set("slide_distance", setup_.along.dot(displacement * body_.mass) / body_.mass.sum());
-    measures.set("slide_speed", setup_.along.dot(state.velocities * body_.mass) / body_.mass.sum());
-    measures.set("creep", displacement.colwise().norm().maxCoeff());
-    if (setup_.kind == SlidingKind::threshold) measures.set("slope", setup_.angle + setup_.rate * state.time);
-    return measures;
-  }
+  std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
 
   void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
     double creep = 0, fastest = 0;
@@ -146,16 +114,61 @@ class Sliding final : public TimedExperiment {
   }
 
  private:
+  friend class SlidingRig;
   const Body& body_;
   SlidingSetup setup_;
-  TiltedGravity* weight_ = nullptr;  // owned by the model that was held last
+};
+
+class SlidingRig final : public TimedRig {
+ public:
+  SlidingRig(const Sliding& protocol, Model& model)
+      : protocol_(protocol), setup_(protocol.setup_), body_(protocol.body_), model_(model) {
+    auto weight = std::make_unique<TiltedGravity>(body_, setup_);
+    weight_ = weight.get();
+    model.add(std::move(weight));
+  }
+
+  StaticResult start(State& state, const StaticOptions& options) override {
+    model_.commit_step(state);  // friction holds the body where it is
+    State stands = state;
+    StaticResult solved = solve_static(model_, stands, options);
+    if (solved.outcome != Outcome::converged && setup_.angle != 0) {
+      weight_->set_angle(0);
+      stands = state;
+      solved = solve_static(model_, stands, options);
+      weight_->set_angle(setup_.angle);
+    }
+    state = stands;
+    state.velocities.colwise() += setup_.speed * setup_.along;
+    begin_ = state.positions;
+    return solved;
+  }
+
+  Measures read(const State& state) const override {
+    const Positions displacement = state.positions - begin_;
+    Measures measures;
+    measures.set("slide_distance", setup_.along.dot(displacement * body_.mass) / body_.mass.sum());
+    measures.set("slide_speed", setup_.along.dot(state.velocities * body_.mass) / body_.mass.sum());
+    measures.set("creep", displacement.colwise().norm().maxCoeff());
+    if (setup_.kind == SlidingKind::threshold) measures.set("slope", setup_.angle + setup_.rate * state.time);
+    return measures;
+  }
+
+ private:
+  const Sliding& protocol_;
+  const SlidingSetup& setup_;
+  const Body& body_;
+  Model& model_;
+  TiltedGravity* weight_ = nullptr;  // owned by the model
   Positions begin_;
 };
 
+std::unique_ptr<TimedRig> Sliding::timed_rig(Model& model) const { return std::make_unique<SlidingRig>(*this, model); }
+
 }  // namespace
 
-std::unique_ptr<TimedExperiment> make_sliding(const Body& body, const SlidingSetup& setup,
-                                              contact::ContactOptions& contact) {
+std::unique_ptr<TimedProtocol> make_sliding(const Body& body, const SlidingSetup& setup,
+                                            contact::ContactOptions& contact) {
   return std::make_unique<Sliding>(body, setup, contact);
 }
 

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "elastin/contact/contact.h"
-#include "lab/experiment/timed.h"
+#include "elastin/lab/experiment/protocol.h"
 
 namespace elastin::lab {
 
@@ -27,7 +27,7 @@ struct SlidingSetup {
 /// Gravity tilts, the plane stays. The run begins where the body stands in equilibrium; on a slope too steep for that,
 /// where it would stand on level ground. Adds its plane to the obstacles, just so deep in the body that this begins
 /// with contact. Throws InputError if there is no such obstacle.
-std::unique_ptr<TimedExperiment> make_sliding(const Body& body, const SlidingSetup& setup,
-                                              contact::ContactOptions& contact);
+std::unique_ptr<TimedProtocol> make_sliding(const Body& body, const SlidingSetup& setup,
+                                            contact::ContactOptions& contact);
 
 }  // namespace elastin::lab

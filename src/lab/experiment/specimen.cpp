@@ -14,11 +14,11 @@
 #include "elastin/core/simulation/fibres.h"
 #include "elastin/core/simulation/parts.h"
 #include "elastin/core/solve/modes.h"
+#include "elastin/lab/experiment/protocol.h"
 #include "elastin/mesh/voronoi.h"
 #include "lab/experiment/calibration.h"
 #include "lab/experiment/load_curve.h"
 #include "lab/experiment/run_in_time.h"
-#include "lab/experiment/timed.h"
 
 namespace elastin::lab {
 namespace {
@@ -115,6 +115,10 @@ void note_identified(const Identified& found, Run& run) {
 
 }  // namespace
 
+std::optional<Identification> identification_of(const Protocol& experiment) {
+  return experiment.at_rest() ? experiment.at_rest()->identification() : std::nullopt;
+}
+
 bool needs_cells(const Strategy& strategy, const Body& body) {
   if (body.triangles.empty() && body.tetrahedra.empty()) return false;
   const Body bare = without_cells(body);
@@ -122,7 +126,7 @@ bool needs_cells(const Strategy& strategy, const Body& body) {
   return !strategy.unsuited(bare).empty() && !strategy.needs_voronoi(bare);
 }
 
-std::string unsuited(const Specimen& specimen, Experiment& experiment, const StrategyChoice& any) {
+std::string unsuited(const Specimen& specimen, const Protocol& experiment, const StrategyChoice& any) {
   const StrategyChoice choice = on_body(any, specimen);
   std::string reason = choice.strategy.unsuited(specimen.body);
   if (reason.empty() && choice.calibrated) reason = calibration_of_parts_unsuited(specimen);
@@ -131,12 +135,12 @@ std::string unsuited(const Specimen& specimen, Experiment& experiment, const Str
   if (reason.empty() && choice.calibrated && specimen.body.connection_stiffness.size())
     reason = "a body with regions has no one modulus to calibrate to";
   if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen.material);
-  if (reason.empty() && experiment.identification()) reason = identification_unsuited(choice);
+  if (reason.empty() && identification_of(experiment)) reason = identification_unsuited(choice);
   return reason;
 }
 
-std::unique_ptr<Elasticity> make_elasticity(const Specimen& specimen, Experiment& experiment, const StrategyChoice& any,
-                                            const RunOptions& options, Run& run) {
+std::unique_ptr<Elasticity> make_elasticity(const Specimen& specimen, const Protocol& experiment,
+                                            const StrategyChoice& any, const RunOptions& options, Run& run) {
   const StrategyChoice choice = on_body(any, specimen);
   auto elasticity = choice.strategy.by_parts && !choice.calibrated ? make_by_parts(specimen, choice, run)
                     : choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
@@ -148,23 +152,25 @@ std::unique_ptr<Elasticity> make_elasticity(const Specimen& specimen, Experiment
   return elasticity;
 }
 
-void add_surroundings(Model& model, const Specimen& specimen, Experiment& experiment, const StrategyChoice& any) {
+std::unique_ptr<Rig> add_surroundings(Model& model, const Specimen& specimen, const Protocol& experiment,
+                                      const StrategyChoice& any) {
   const StrategyChoice choice = on_body(any, specimen);
   add_companions(model, choice.strategy, specimen.material);
   for (const auto& add_load : specimen.loads) add_load(model);
   if (specimen.contact) model.add(contact::make_contact(specimen.body, *specimen.contact));
-  experiment.set_up(model);
+  auto rig = experiment.rig(model);
   fix_rigid_parts(model);
+  return rig;
 }
 
-std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
-                                const RunOptions& options, Run& run) {
+std::optional<HeldModel> make_model(const Specimen& specimen, const Protocol& experiment, const StrategyChoice& choice,
+                                    const RunOptions& options, Run& run) {
   auto elasticity = make_elasticity(specimen, experiment, choice, options, run);
   if (!elasticity) return std::nullopt;
-  std::optional<Model> model(specimen.body);
-  model->add(std::move(elasticity));
-  add_surroundings(*model, specimen, experiment, choice);
-  return model;
+  HeldModel held{std::make_unique<Model>(specimen.body), nullptr};
+  held.model->add(std::move(elasticity));
+  held.rig = add_surroundings(*held.model, specimen, experiment, choice);
+  return held;
 }
 
 void prepare(Body& body, const Strategy& strategy, const Material& material) {
@@ -179,7 +185,7 @@ void prepare(Body& body, const Strategy& strategy, const Material& material) {
   if (needs_voronoi(body, strategy, material)) body.voronoi = mesh::voronoi_cells(body);
 }
 
-Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& any,
+Run run_strategy(const Specimen& specimen, const Protocol& experiment, const StrategyChoice& any,
                  const RunOptions& options) {
   const Stopwatch build;
   const StrategyChoice choice = on_body(any, specimen);
@@ -216,21 +222,23 @@ Run run_strategy(const Specimen& specimen, Experiment& experiment, const Strateg
     }
   }
   std::optional<Specimen> found;  // with the material identified
-  if (const auto wanted = experiment.identification()) {
+  if (const auto wanted = identification_of(experiment)) {
     found = specimen;
-    if (!identify_material(*wanted, *found, experiment, choice, options, run)) return run;
+    if (!identify_material(*wanted, *found, *experiment.at_rest(), choice, options, run)) return run;
   }
   const Specimen& at_work = found ? *found : specimen;
-  std::optional<Model> model = make_model(at_work, experiment, choice, options, run);
-  if (!model) return run;
+  const std::optional<HeldModel> held = make_model(at_work, experiment, choice, options, run);
+  if (!held) return run;
+  Model& model = *held->model;
   run.build_seconds = build.seconds();
-  if (!experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0)) count_modes(*model, run);
+  if (!experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0)) count_modes(model, run);
 
   const Stopwatch solve;
-  if (TimedExperiment* timed = experiment.in_time())
-    run_in_time(*model, *timed, specimen, options, run);
+  if (TimedRig* timed = held->rig->in_time())
+    run_in_time(model, *experiment.in_time(), *timed, specimen, options, run);
   else
-    solve_load_curve(*model, experiment, at_work.material, options, run, specimen.start);
+    solve_load_curve(model, *experiment.at_rest(), *held->rig->at_rest(), at_work.material, options, run,
+                     specimen.start);
   if (run.identified) note_identified(*run.identified, run);
   run.solve_seconds = solve.seconds();
   return run;

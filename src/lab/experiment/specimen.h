@@ -12,26 +12,36 @@ void prepare(Body& body, const Strategy& strategy, const Material& material);
 /// Whether the strategy needs the triangles or tetrahedra of a body that it suits.
 bool needs_cells(const Strategy& strategy, const Body& body);
 
+/// The material that an experiment is there to find, if any.
+std::optional<Identification> identification_of(const Protocol& experiment);
+
 /// Why a strategy cannot run here, or "".
-std::string unsuited(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice);
+std::string unsuited(const Specimen& specimen, const Protocol& experiment, const StrategyChoice& choice);
 
 /// The strategy at work on the specimen's body alone; null if that fails: the run says why. The body must be prepared,
 /// and outlive it.
-std::unique_ptr<Elasticity> make_elasticity(const Specimen& specimen, Experiment& experiment,
+std::unique_ptr<Elasticity> make_elasticity(const Specimen& specimen, const Protocol& experiment,
                                             const StrategyChoice& choice, const RunOptions& options, Run& run);
 
 /// Adds what acts beside it to a model of the specimen's body: fibres, bending, cables, ties, the scene's loads, its
-/// contact, and the experiment's supports and load.
-void add_surroundings(Model& model, const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice);
+/// contact, and the experiment's supports and load. The rig must not outlive the model.
+std::unique_ptr<Rig> add_surroundings(Model& model, const Specimen& specimen, const Protocol& experiment,
+                                      const StrategyChoice& choice);
 
-/// Both: the strategy at work with the scene's loads, held by the experiment; nothing if that fails. The specimen must
-/// outlive the model.
-std::optional<Model> make_model(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
-                                const RunOptions& options, Run& run);
+/// A model in the rig that holds and loads it.
+struct HeldModel {
+  std::unique_ptr<Model> model;
+  std::unique_ptr<Rig> rig;
+};
+
+/// Both: the strategy at work with the scene's loads, held by the experiment; nothing if that fails. Specimen and
+/// experiment must outlive the model.
+std::optional<HeldModel> make_model(const Specimen& specimen, const Protocol& experiment, const StrategyChoice& choice,
+                                    const RunOptions& options, Run& run);
 
 /// Builds the strategy on the specimen, solves every load step and measures. Numerical trouble is an outcome in the
 /// result; wrong parameters throw InputError. A body that is not prepared is copied for the run.
-Run run_strategy(const Specimen& specimen, Experiment& experiment, const StrategyChoice& choice,
+Run run_strategy(const Specimen& specimen, const Protocol& experiment, const StrategyChoice& choice,
                  const RunOptions& options);
 
 }  // namespace elastin::lab

@@ -12,7 +12,7 @@
 namespace elastin::lab {
 namespace {
 
-class Tension final : public Experiment {
+class Tension final : public StaticProtocol {
  public:
   Tension(const Body& body, const TensionSetup& setup) : body_(body), setup_(setup), plane_(across(setup.axis)) {
     setup_.axis.normalize();
@@ -37,84 +37,10 @@ class Tension final : public Experiment {
   }
 
   std::string name() const override { return "tension"; }
+  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
   std::optional<Vector3> axis() const override { return setup_.axis; }
   int load_steps() const override { return setup_.load_steps; }
   ResponseMeasures response_measures() const override { return {"elongation", setup_.displacement ? "force" : ""}; }
-
-  void set_up(Model& model) override {
-    const Matrix3 along = setup_.axis * setup_.axis.transpose(), nothing = Matrix3::Zero();
-    const Matrix3 sideways = Matrix3::Identity() - along;
-    add_supports(model, fixed_, setup_.fixed_grip == Grip::clamped ? nothing : sideways);
-    first_loaded_support_ = model.supports.size();
-    if (setup_.displacement || setup_.loaded_grip == Grip::clamped)
-      add_supports(
-          model, loaded_,
-          (setup_.displacement ? nothing : along) + (setup_.loaded_grip == Grip::clamped ? nothing : sideways));
-    end_of_loaded_supports_ = model.supports.size();
-    load_ = nullptr;
-    if (setup_.force) {
-      auto load = std::make_unique<PointLoads>(body_, loaded_, *setup_.force * setup_.axis * share_.transpose());
-      load_ = load.get();
-      model.add(std::move(load));
-    }
-  }
-
-  void set_load(Model& model, double factor) override {
-    if (load_) load_->set_factor(factor);
-    factor_ = factor;
-    if (setup_.displacement)
-      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
-        model.supports[i].displacement = factor * *setup_.displacement * setup_.axis;
-  }
-
-  void set_load_rate(Model& model, double rate) override {
-    if (setup_.displacement)
-      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
-        model.supports[i].velocity = rate * *setup_.displacement * setup_.axis;
-  }
-
-  bool release(Model& model) override {
-    set_load(model, 0);
-    if (setup_.displacement)
-      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
-        model.supports[i].free = Matrix3::Identity();
-    return true;
-  }
-
-  Measures measure(Model& model, const Start& start, const State& state, const StaticOptions&,
-                   StaticResult& solved) const override {
-    Measures measures;
-    const Positions motion = state.positions - start.positions;
-    const double force = setup_.force ? factor_ * *setup_.force : loaded_reaction(solved.reactions - start.reactions);
-    const double elongation = read_elongation(motion), strain = elongation / gauge_length_, stress = force / area_;
-    const double lateral = lateral_strain(motion, solved.linear);
-    measures.set("effective_modulus", stress / strain);
-    measures.set("elongation", elongation);
-    measures.set("poissons_ratio", -lateral / strain);
-    measures.set("force", force);
-    measures.set("stress", stress);
-    measures.set("strain", strain);
-    measures.set("lateral_strain", lateral);
-    if (model.has_energy() && !solved.linear) measures.set("energy", model.elastic_energy(state.positions));
-    const Positions loads = model.load_forces(state);
-    measures.set("reaction_balance",
-                 (loads.rowwise().sum() + solved.reactions.rowwise().sum()).norm() / std::abs(force));
-    return measures;
-  }
-
-  void measure_end(Model& model, const State& state, const StaticOptions& options, Measures& measures,
-                   int& iterations) const override {
-    Positions load = Positions::Zero(3, body_.size()), displacement = load;
-    for (std::size_t i = 0; i < loaded_.size(); ++i) {
-      if (setup_.force) load.col(loaded_[i]) = share_[static_cast<Eigen::Index>(i)] * setup_.axis;
-      if (setup_.displacement) displacement.col(loaded_[i]) = gauge_length_ * setup_.axis;
-    }
-    const StaticResponse response = static_response(model, state.positions, load, displacement, options);
-    iterations += response.result.linear_iterations;
-    if (response.result.outcome != Outcome::converged) return;
-    const double force = setup_.force ? 1 : loaded_reaction(response.result.reactions);
-    measures.set("tangent_modulus", force / area_ / (read_elongation(response.motion) / gauge_length_));
-  }
 
   std::vector<MainMeasure> main_measures(const Material& material, const Measures& measured) const override {
     UniaxialResponse target = uniaxial_response(material, setup_.axis);
@@ -128,6 +54,7 @@ class Tension final : public Experiment {
   }
 
  private:
+  friend class TensionRig;
   /// The corner is the loaded molecule furthest from the layer's middle; of equals, the first.
   void choose_corner(const Points2& seen) {
     Eigen::Vector2d middle = Eigen::Vector2d::Zero();
@@ -248,6 +175,96 @@ class Tension final : public Experiment {
     for (const int molecule : rigid) model.supports.push_back({molecule});
   }
 
+  const Body& body_;
+  TensionSetup setup_;
+  Eigen::Matrix<double, 3, 2> plane_;
+  VectorX height_;  // of each molecule along the axis
+  std::vector<int> fixed_, loaded_, middle_;
+  VectorX share_, fixed_share_;  // of the load, sum 1
+  double area_ = 0, gauge_length_ = 0;
+  Eigen::Index corner_ = 0;  // index into loaded_
+  std::array<std::vector<std::pair<int, double>>, 2> crossings_;
+};
+
+class TensionRig final : public StaticRig {
+ public:
+  TensionRig(const Tension& protocol, Model& model)
+      : protocol_(protocol), setup_(protocol.setup_), body_(protocol.body_), model_(model) {
+    const Matrix3 along = setup_.axis * setup_.axis.transpose(), nothing = Matrix3::Zero();
+    const Matrix3 sideways = Matrix3::Identity() - along;
+    protocol_.add_supports(model, protocol_.fixed_, setup_.fixed_grip == Grip::clamped ? nothing : sideways);
+    first_loaded_support_ = model.supports.size();
+    if (setup_.displacement || setup_.loaded_grip == Grip::clamped)
+      protocol_.add_supports(
+          model, protocol_.loaded_,
+          (setup_.displacement ? nothing : along) + (setup_.loaded_grip == Grip::clamped ? nothing : sideways));
+    end_of_loaded_supports_ = model.supports.size();
+    if (setup_.force) {
+      auto load = std::make_unique<PointLoads>(body_, protocol_.loaded_,
+                                               *setup_.force * setup_.axis * protocol_.share_.transpose());
+      load_ = load.get();
+      model.add(std::move(load));
+    }
+  }
+
+  void set_load(double factor) override {
+    if (load_) load_->set_factor(factor);
+    factor_ = factor;
+    if (setup_.displacement)
+      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
+        model_.supports[i].displacement = factor * *setup_.displacement * setup_.axis;
+  }
+
+  void set_load_rate(double rate) override {
+    if (setup_.displacement)
+      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
+        model_.supports[i].velocity = rate * *setup_.displacement * setup_.axis;
+  }
+
+  void release() override {
+    set_load(0);
+    if (setup_.displacement)
+      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
+        model_.supports[i].free = Matrix3::Identity();
+  }
+
+  Measures measure(const Start& start, const State& state, const StaticOptions&, StaticResult& solved) const override {
+    Measures measures;
+    const Positions motion = state.positions - start.positions;
+    const double force = setup_.force ? factor_ * *setup_.force : loaded_reaction(solved.reactions - start.reactions);
+    const double elongation = protocol_.read_elongation(motion), strain = elongation / protocol_.gauge_length_,
+                 stress = force / protocol_.area_;
+    const double lateral = protocol_.lateral_strain(motion, solved.linear);
+    measures.set("effective_modulus", stress / strain);
+    measures.set("elongation", elongation);
+    measures.set("poissons_ratio", -lateral / strain);
+    measures.set("force", force);
+    measures.set("stress", stress);
+    measures.set("strain", strain);
+    measures.set("lateral_strain", lateral);
+    if (model_.has_energy() && !solved.linear) measures.set("energy", model_.elastic_energy(state.positions));
+    const Positions loads = model_.load_forces(state);
+    measures.set("reaction_balance",
+                 (loads.rowwise().sum() + solved.reactions.rowwise().sum()).norm() / std::abs(force));
+    return measures;
+  }
+
+  void measure_end(const State& state, const StaticOptions& options, Measures& measures,
+                   int& iterations) const override {
+    Positions load = Positions::Zero(3, body_.size()), displacement = load;
+    for (std::size_t i = 0; i < protocol_.loaded_.size(); ++i) {
+      if (setup_.force) load.col(protocol_.loaded_[i]) = protocol_.share_[static_cast<Eigen::Index>(i)] * setup_.axis;
+      if (setup_.displacement) displacement.col(protocol_.loaded_[i]) = protocol_.gauge_length_ * setup_.axis;
+    }
+    const StaticResponse response = static_response(model_, state.positions, load, displacement, options);
+    iterations += response.result.linear_iterations;
+    if (response.result.outcome != Outcome::converged) return;
+    const double force = setup_.force ? 1 : loaded_reaction(response.result.reactions);
+    measures.set("tangent_modulus",
+                 force / protocol_.area_ / (protocol_.read_elongation(response.motion) / protocol_.gauge_length_));
+  }
+
+ private:
   /// Force along the axis with which the loaded supports pull [N].
   double loaded_reaction(const Positions& reactions) const {
     double sum = 0;
@@ -257,22 +274,22 @@ class Tension final : public Experiment {
     return sum;
   }
 
+  const Tension& protocol_;
+  const TensionSetup& setup_;
   const Body& body_;
-  TensionSetup setup_;
-  Eigen::Matrix<double, 3, 2> plane_;
-  VectorX height_;  // of each molecule along the axis
-  std::vector<int> fixed_, loaded_, middle_;
-  VectorX share_, fixed_share_;  // of the load, sum 1
-  double area_ = 0, gauge_length_ = 0, factor_ = 1;
-  Eigen::Index corner_ = 0;  // index into loaded_
-  std::array<std::vector<std::pair<int, double>>, 2> crossings_;
-  PointLoads* load_ = nullptr;  // owned by the model that was held last
+  Model& model_;
+  double factor_ = 1;
+  PointLoads* load_ = nullptr;  // owned by the model
   std::size_t first_loaded_support_ = 0, end_of_loaded_supports_ = 0;
 };
 
+std::unique_ptr<StaticRig> Tension::static_rig(Model& model) const {
+  return std::make_unique<TensionRig>(*this, model);
+}
+
 }  // namespace
 
-std::unique_ptr<Experiment> make_tension(const Body& body, const TensionSetup& setup) {
+std::unique_ptr<StaticProtocol> make_tension(const Body& body, const TensionSetup& setup) {
   if (body.size() < 2)
     throw InputError("tension needs at least 2 molecules; the body has " + std::to_string(body.size()));
   return std::make_unique<Tension>(body, setup);

@@ -2,7 +2,7 @@
 #include <array>
 #include <optional>
 
-#include "lab/experiment/experiment.h"
+#include "elastin/lab/experiment/protocol.h"
 
 namespace elastin::lab {
 
@@ -26,6 +26,6 @@ struct TensionSetup {
 };
 
 /// Checks the setup against the body; throws InputError (no molecule at an end, no cross-section, a gauge outside …).
-std::unique_ptr<Experiment> make_tension(const Body& body, const TensionSetup& setup);
+std::unique_ptr<StaticProtocol> make_tension(const Body& body, const TensionSetup& setup);
 
 }  // namespace elastin::lab

@@ -32,12 +32,9 @@ class Torsion final : public Driven {
 
   std::string name() const override { return "torsion"; }
   ResponseMeasures response_measures() const override { return {"angle", "torque"}; }
-  bool release(Model& model) override {
-    free_from(model, first_loaded_);
-    return true;
-  }
+  std::optional<std::size_t> first_released() const override { return first_loaded_; }
 
-  Measures measure(Model& model, const Start& start, const State& state, const StaticOptions&,
+  Measures measure(const Held& held, const Start& start, const State& state, const StaticOptions&,
                    StaticResult& solved) const override {
     const Positions pull = pull_of(start, solved);
     const Positions& positions = solved.linear ? body_.rest : state.positions;
@@ -48,14 +45,14 @@ class Torsion final : public Driven {
       axial += setup_.axis.dot(force);
       size += force.norm();
     }
-    const double angle = released_ ? turn_of(state.positions) : factor_ * setup_.angle;
+    const double angle = held.released ? turn_of(state.positions) : held.factor * setup_.angle;
     Measures measures;
     measures.set("torque", torque);
     measures.set("axial_force", axial);
     measures.set("angle", angle);
     measures.set("torsional_stiffness", torque / angle);
     if (section_ > 0) measures.set("shear_modulus", torque * length_ / (section_ * angle));
-    add_state(model, state, solved, size, measures);
+    add_state(held.model, state, solved, size, measures);
     return measures;
   }
 
@@ -103,7 +100,7 @@ class Torsion final : public Driven {
 
 }  // namespace
 
-std::unique_ptr<Experiment> make_torsion(const Body& body, const TorsionSetup& setup) {
+std::unique_ptr<StaticProtocol> make_torsion(const Body& body, const TorsionSetup& setup) {
   return std::make_unique<Torsion>(body, setup);
 }
 

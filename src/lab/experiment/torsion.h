@@ -1,5 +1,5 @@
 #pragma once
-#include "lab/experiment/experiment.h"
+#include "elastin/lab/experiment/protocol.h"
 
 namespace elastin::lab {
 
@@ -13,6 +13,6 @@ struct TorsionSetup {
 };
 
 /// Throws InputError if the body does not suit.
-std::unique_ptr<Experiment> make_torsion(const Body& body, const TorsionSetup& setup);
+std::unique_ptr<StaticProtocol> make_torsion(const Body& body, const TorsionSetup& setup);
 
 }  // namespace elastin::lab

@@ -69,13 +69,13 @@ void read(const Json& json, Stiffness6& matrix) {
 /// The name belongs to the list of all measures.
 void read(const Json& json, std::string_view& measure) { measure = find_measure(json.get<std::string>()).name; }
 
-// One list of fields serves both ways: a Writer puts each into an object, a Reader takes it from there.
+// One list of fields serves both ways: a FieldWriter puts each into an object, a FieldReader takes it from there.
 
-class Writer {
+class FieldWriter {
  public:
   static constexpr bool reads = false;
   /// `whole`: also what only the journal keeps, so that a record comes back as it was.
-  Writer(Json& object, bool whole) : object_(object), whole_(whole) {}
+  FieldWriter(Json& object, bool whole) : object_(object), whole_(whole) {}
 
   template <class Value>
   void field(const char* key, const Value& value) {
@@ -99,12 +99,12 @@ class Writer {
   void object(const char* key, const Fields& fields) {
     Json& inner = object_[key];
     if (inner.is_null()) inner = Json::object();
-    Writer writer(inner, whole_);
+    FieldWriter writer(inner, whole_);
     fields(writer);
   }
   template <class Value, class Fields>
   void optional(const char* key, const std::optional<Value>& value, const Fields& fields) {
-    if (value) object(key, [&](Writer& writer) { fields(writer, *value); });
+    if (value) object(key, [&](FieldWriter& writer) { fields(writer, *value); });
   }
   template <class List, class Fields>
   void list(bool worth, const char* key, const List& list, const Fields& fields) {
@@ -112,7 +112,7 @@ class Writer {
     object_[key] = Json::array();
     for (const auto& item : list) {
       Json inner = Json::object();
-      Writer writer(inner, whole_);
+      FieldWriter writer(inner, whole_);
       fields(writer, item);
       object_[key].push_back(std::move(inner));
     }
@@ -128,10 +128,10 @@ class Writer {
   bool whole_;
 };
 
-class Reader {
+class FieldReader {
  public:
   static constexpr bool reads = true;
-  explicit Reader(const Json& object) : object_(object) {}
+  explicit FieldReader(const Json& object) : object_(object) {}
 
   template <class Value>
   void field(const char* key, Value& value) {
@@ -149,20 +149,20 @@ class Reader {
   void derived(bool, const char*, const Value&) {}
   template <class Fields>
   void object(const char* key, const Fields& fields) {
-    Reader reader(object_.at(key));
+    FieldReader reader(object_.at(key));
     fields(reader);
   }
   template <class Value, class Fields>
   void optional(const char* key, std::optional<Value>& value, const Fields& fields) {
     if (!object_.contains(key)) return;
-    Reader reader(object_[key]);
+    FieldReader reader(object_[key]);
     fields(reader, value.emplace());
   }
   template <class List, class Fields>
   void list(bool, const char* key, List& list, const Fields& fields) {
     if (!object_.contains(key)) return;
     for (const Json& inner : object_[key]) {
-      Reader reader(inner);
+      FieldReader reader(inner);
       fields(reader, list.emplace_back());
     }
   }
@@ -176,8 +176,8 @@ class Reader {
   const Json& object_;
 };
 
-void outcome_fields(Writer& io, const Run& run) { io.field("outcome", outcome_name(run)); }
-void outcome_fields(Reader& io, Run& run) {
+void outcome_fields(FieldWriter& io, const Run& run) { io.field("outcome", outcome_name(run)); }
+void outcome_fields(FieldReader& io, Run& run) {
   std::string name;
   io.field("outcome", name);
   run.suited = name != kUnsuited;
@@ -186,11 +186,11 @@ void outcome_fields(Reader& io, Run& run) {
 }
 
 /// Forces by the obstacles' names, which the record has.
-void obstacle_fields(Writer& io, const contact::ContactReport& contact, const std::vector<std::string>& names) {
+void obstacle_fields(FieldWriter& io, const contact::ContactReport& contact, const std::vector<std::string>& names) {
   io.json()["on_obstacles"] = Json::object();
   for (std::size_t i = 0; i < names.size(); ++i) io.json()["on_obstacles"][names[i]] = written(contact.on_obstacles[i]);
 }
-void obstacle_fields(Reader& io, contact::ContactReport& contact, std::vector<std::string>& names) {
+void obstacle_fields(FieldReader& io, contact::ContactReport& contact, std::vector<std::string>& names) {
   names.clear();
   for (const auto& [name, force] : io.json().at("on_obstacles").items()) {
     names.push_back(name);
@@ -198,26 +198,26 @@ void obstacle_fields(Reader& io, contact::ContactReport& contact, std::vector<st
   }
 }
 
-void stiffness_field(Writer& io, const std::optional<Stiffness6>& matrix) {
+void stiffness_field(FieldWriter& io, const std::optional<Stiffness6>& matrix) {
   if (matrix) io.field("stiffness_matrix", *matrix);
 }
-void stiffness_field(Reader& io, std::optional<Stiffness6>& matrix) {
+void stiffness_field(FieldReader& io, std::optional<Stiffness6>& matrix) {
   if (io.json().contains("stiffness_matrix")) io.field("stiffness_matrix", matrix.emplace());
 }
 
 /// Of the spring constants only the least: whether there are any, and negative ones.
-void least_constant_field(Writer& io, const Run& run) {
+void least_constant_field(FieldWriter& io, const Run& run) {
   if (run.constants.size() > 0) io.kept("least_constant", run.constants.minCoeff());
 }
-void least_constant_field(Reader& io, Run& run) {
+void least_constant_field(FieldReader& io, Run& run) {
   double least = std::nan("");
   io.kept("least_constant", least);
   if (std::isfinite(least)) run.constants = VectorX::Constant(1, least);
 }
 
 /// A point's measures stand beside when it was.
-void measure_fields(Writer& io, const CurvePoint& point) { io.json() = written(point.measures); }
-void measure_fields(Reader& io, CurvePoint& point) {
+void measure_fields(FieldWriter& io, const CurvePoint& point) { io.json() = written(point.measures); }
+void measure_fields(FieldReader& io, CurvePoint& point) {
   Json row = io.json();
   for (const char* name : {"time", "step", "load_factor"}) row.erase(name);
   read(row, point.measures);
@@ -383,7 +383,7 @@ void record_fields(Io& io, AnyRecord& record) {
 
 Json object_of(const Record& record, bool whole) {
   Json object = Json::object();
-  Writer writer(object, whole);
+  FieldWriter writer(object, whole);
   record_fields(writer, record);
   return object;
 }
@@ -404,7 +404,7 @@ Record record_of_json(const std::string& line) {
   try {
     const Json object = Json::parse(line);
     Record record;
-    Reader reader(object);
+    FieldReader reader(object);
     record_fields(reader, record);
     return record;
   } catch (const Json::exception& error) {

@@ -77,9 +77,7 @@ void read_pressures(Reader& reader, BubbleSetup& setup) {
   if (setup.pressures.empty()) pressure.fail("names no pressure");
 }
 
-}  // namespace
-
-std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_bubble(Reader reader, const ExperimentContext& context) {
   BubbleSetup setup;
   read_pressures(reader, setup);
   if (auto identify = reader.find("identify")) {
@@ -96,6 +94,19 @@ std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentContext& 
   reader.finish();
   if (context.statics.linear) reader.fail("a flat membrane bears no pressure with small displacements");
   return reader.located([&] { return make_bubble(context.body, setup, context.material); });
+}
+
+}  // namespace
+
+std::vector<ExperimentInfo> bubble_experiments() {
+  return {{.name = "bubble",
+           .summary = "a flat disc, clamped at its rim, is blown up: height, stretch and stress at the pole",
+           .source = "[TP], eqs 18-25",
+           .keys = {{"pressure", "Pa | [Pa, ...]", "the last one, or one a load step, ascending"},
+                    {"load_steps", "number", "equal steps to a single pressure; 1 without it"},
+                    {"measured", "[[Pa, m], ...] | file", "pressures and the heights measured at them"},
+                    {"identify", "map", "{degree, up_to}: finds the material's secant modulus from the heights"}},
+           .read = read_bubble}};
 }
 
 }  // namespace elastin::lab

@@ -46,9 +46,7 @@ std::vector<int> molecules_named(const Reader& name, const Body& body) {
   return name.located([&] { return molecules_of(find_part(body, name.text())); });
 }
 
-}  // namespace
-
-std::unique_ptr<Experiment> read_indentation(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_indentation(Reader reader, const ExperimentContext& context) {
   IndentationSetup setup;
   setup.axis = read_direction_of_motion(reader, context);
   read_indenter(reader.at("indenter"), setup);
@@ -75,7 +73,7 @@ std::unique_ptr<Experiment> read_indentation(Reader reader, const ExperimentCont
   return reader.located([&] { return make_indentation(context.body, setup, context.material, contact); });
 }
 
-std::unique_ptr<Experiment> read_press(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_press(Reader reader, const ExperimentContext& context) {
   PressSetup setup;
   setup.axis = read_direction_of_motion(reader, context);
   const auto displacement = reader.find("displacement"), force = reader.find("force");
@@ -96,7 +94,7 @@ std::unique_ptr<Experiment> read_press(Reader reader, const ExperimentContext& c
   return reader.located([&] { return make_press(context.body, setup); });
 }
 
-std::unique_ptr<Experiment> read_sliding(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_sliding(Reader reader, const ExperimentContext& context) {
   constexpr Range slope{0, 1.57, false};  // up to a right angle
   SlidingSetup setup;
   const auto up = reader.find("up"), along = reader.find("along");
@@ -120,6 +118,50 @@ std::unique_ptr<Experiment> read_sliding(Reader reader, const ExperimentContext&
   setup.kind = incline ? SlidingKind::incline : sled ? SlidingKind::sled : SlidingKind::threshold;
   contact::ContactOptions& contact = contact_of_scene(reader, context);
   return reader.located([&] { return make_sliding(context.body, setup, contact); });
+}
+
+}  // namespace
+
+std::vector<ExperimentInfo> contact_experiments() {
+  return {
+      {.name = "indentation",
+       .summary = "a rigid indenter is pressed into a body that stands on its far end: force, indentation modulus",
+       .source = "Johnson 1985, ch. 3, 4",
+       .keys = {{"axis", "direction", "in which the indenter moves; -z without it"},
+                {"indenter", "map | name", "{sphere: {radius}}, {flat: {radius}}, or the name of an obstacle"},
+                {"depth", "m", "from first touch; it or a force is given"},
+                {"force", "N", "until which it is pressed in, of the whole body"},
+                {"at", "[m, m, m]", "a point on the indenter's axis; without it the middle of the body"},
+                {"bottom", "clamped | sliding", "how the body stands; clamped without it"},
+                kDepthKey,
+                {"symmetry", "[direction, ...]", "normals of planes of symmetry through the origin"},
+                kStepsKey},
+       .read = read_indentation},
+      {.name = "press",
+       .summary = "a part of the body, or its near end, is pressed onto what lies before it: force, contact area",
+       .source = "",
+       .keys = {{"axis", "direction", "in which it moves; -z without it"},
+                {"displacement", "m", "by which it moves; it or a force is given"},
+                {"force", "N", "until which it moves"},
+                {"move", "name", "body that is moved; without it the near end"},
+                {"fix", "name", "body that is fixed; without it the far end, or what is rigid"},
+                {"grip", "clamped | sliding", "of both, across the axis; clamped without it"},
+                kDepthKey,
+                kStepsKey},
+       .read = read_press},
+      {.name = "sliding",
+       .summary = "a body on a plane that is tilted, or along which it is thrown: friction, slip angle",
+       .source = "",
+       .in_time = true,
+       .keys = {{"up", "direction", "normal of the plane; z without it"},
+                {"along", "direction", "in which it slides, across up; x without it"},
+                {"gravity", "m/s^2", "9.81 m/s2 without it"},
+                {"floor", "name", "of the obstacle it slides on; without it a plane of its own"},
+                {"incline", "map", "{angle}: on a slope; it, sled or threshold is given"},
+                {"sled", "map", "{speed}: thrown along a level floor"},
+                {"threshold", "map", "{from, rate}: on a slope that grows steeper"}},
+       .read = read_sliding},
+  };
 }
 
 }  // namespace elastin::lab

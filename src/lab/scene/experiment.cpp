@@ -48,7 +48,7 @@ double read_amount(const Reader& value, const Dimension& dimension, const Range&
 /// The same of an angle [rad].
 double read_angle(const Reader& value, const Range& range = {}) { return not_zero(value, value.angle(range)); }
 
-std::unique_ptr<Experiment> read_tension(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_tension(Reader reader, const ExperimentContext& context) {
   TensionSetup setup;
   const bool compression = reader.at("kind").choice<bool>({{"tension", false}, {"compression", true}});
   setup.axis = read_axis(reader, setup.axis, context);
@@ -85,7 +85,7 @@ std::unique_ptr<Experiment> read_tension(Reader reader, const ExperimentContext&
   return reader.located([&] { return make_tension(context.body, setup); });
 }
 
-std::unique_ptr<Experiment> read_shear(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_shear(Reader reader, const ExperimentContext& context) {
   ShearSetup setup;
   setup.axis = read_axis(reader, setup.axis, context);
   setup.direction = read_across(reader.at("direction"), setup.axis, context);
@@ -105,7 +105,7 @@ std::unique_ptr<Experiment> read_shear(Reader reader, const ExperimentContext& c
   return reader.located([&] { return make_shear(context.body, setup, context.rotation); });
 }
 
-std::unique_ptr<Experiment> read_torsion(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_torsion(Reader reader, const ExperimentContext& context) {
   TorsionSetup setup;
   setup.axis = read_axis(reader, setup.axis, context);
   setup.angle = read_angle(reader.at("angle"));
@@ -116,7 +116,7 @@ std::unique_ptr<Experiment> read_torsion(Reader reader, const ExperimentContext&
   return reader.located([&] { return make_torsion(context.body, setup); });
 }
 
-std::unique_ptr<Experiment> read_hydrostatic(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_hydrostatic(Reader reader, const ExperimentContext& context) {
   HydrostaticSetup setup;
   setup.strain = read_amount(reader.at("strain"), dimension::none, {-1, 100, true});
   if (auto sides = reader.find("sides"))
@@ -127,7 +127,7 @@ std::unique_ptr<Experiment> read_hydrostatic(Reader reader, const ExperimentCont
   return reader.located([&] { return make_hydrostatic(context.body, setup, context.rotation); });
 }
 
-std::unique_ptr<Experiment> read_bending(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_bending(Reader reader, const ExperimentContext& context) {
   BendingSetup setup;
   setup.axis = read_axis(reader, setup.axis, context);
   setup.direction = read_across(reader.at("direction"), setup.axis, context);
@@ -141,13 +141,13 @@ std::unique_ptr<Experiment> read_bending(Reader reader, const ExperimentContext&
   return reader.located([&] { return make_bending(context.body, setup, context.material); });
 }
 
-std::unique_ptr<Experiment> read_homogenisation(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_homogenisation(Reader reader, const ExperimentContext& context) {
   const double depth = read_depth(reader);
   reader.finish();
   return reader.located([&] { return make_homogenisation(context.body, depth, context.rotation); });
 }
 
-std::unique_ptr<Experiment> read_inflation(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_inflation(Reader reader, const ExperimentContext& context) {
   InflationSetup setup;
   setup.axes = context.rotation;
   const auto pressure = reader.find("pressure"), volume = reader.find("volume_ratio"), gas = reader.find("gas");
@@ -168,34 +168,91 @@ std::unique_ptr<Experiment> read_inflation(Reader reader, const ExperimentContex
   return reader.located([&] { return make_inflation(context.body, setup, context.material); });
 }
 
+const ExperimentKey kSectionKey{"cross_section", "m^2", "without it the hull of all molecules seen along the axis"};
+
+/// Of tension and compression, whose `load` pulls or presses.
+std::vector<ExperimentKey> tension_keys(const std::string& load) {
+  return {{"axis", "direction", "along which the bar lies; z without it"},
+          {"force", "N", load + "; it or a displacement is given"},
+          {"displacement", "m", load + "; it or a force is given"},
+          {"fixed_grip", "clamped | sliding", "whether the fixed end may slide sideways; sliding without it"},
+          {"loaded_grip", "clamped | sliding", "whether the loaded end may slide sideways; sliding without it"},
+          {"load_sharing", "area | molecules", "how the loaded end's molecules share a force; by area without it"},
+          {"reading", "mean | corner", "where the elongation is read on the loaded end; its mean without it"},
+          kSectionKey,
+          {"gauge_length", "m", "to which the strain refers; without it the distance between the ends"},
+          {"gauge", "[m, m]", "planes from the fixed end between which the elongation is read"},
+          kDepthKey,
+          kStepsKey};
+}
+
 }  // namespace
 
-std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentContext& context) {
-  const Reader kind = reader.at("kind");
-  if (auto timed = read_timed_experiment(reader, kind.text(), context)) return timed;
-  const auto read = kind.choice<std::unique_ptr<Experiment> (*)(Reader, const ExperimentContext&)>(
-      {{"tension", read_tension},
-       {"compression", read_tension},
-       {"shear", read_shear},
-       {"torsion", read_torsion},
-       {"hydrostatic", read_hydrostatic},
-       {"bending", read_bending},
-       {"inflation", read_inflation},
-       {"bubble", read_bubble},
-       {"material", read_homogenisation},
-       {"indentation", read_indentation},
-       {"press", read_press},
-       // Known here for the list of names; read above.
-       {"motion", nullptr},
-       {"release", nullptr},
-       {"creep", nullptr},
-       {"relaxation", nullptr},
-       {"shake", nullptr},
-       {"drop", nullptr},
-       {"sliding", nullptr},
-       {"parachute", nullptr},
-       {"vibration", nullptr}});
-  return read(reader, context);
+std::vector<ExperimentInfo> static_experiments() {
+  const ExperimentKey axis{"axis", "direction", "along which the body lies; z without it"};
+  return {
+      {.name = "tension",
+       .summary = "a bar is pulled along its axis: effective modulus, Poisson's ratio, stress-strain curve",
+       .source = "",
+       .keys = tension_keys("on the loaded end, positive pulls"),
+       .read = read_tension},
+      {.name = "compression",
+       .summary = "a bar is pressed along its axis, measured as in tension",
+       .source = "",
+       .keys = tension_keys("on the loaded end, positive presses"),
+       .read = read_tension},
+      {.name = "shear",
+       .summary = "planes across the axis slide along a direction, at constant height: shear modulus",
+       .source = "",
+       .keys = {axis,
+                {"direction", "direction", "in which the planes slide, across the axis"},
+                {"displacement", "m", "of the loaded end; it, strain or angle is given"},
+                {"strain", "", "displacement over height"},
+                {"angle", "angle", "of shear, below a right angle"},
+                {"sides", "free | affine", "whether the whole surface follows the simple shear; free without it"},
+                kSectionKey,
+                kDepthKey,
+                kStepsKey},
+       .read = read_shear},
+      {.name = "torsion",
+       .summary = "one end of a clamped bar is turned about its axis: torque, shear modulus of a rectangle",
+       .source = "Timoshenko & Goodier 1970, section 109",
+       .keys = {axis, {"angle", "angle", "by which the end is turned"}, kDepthKey, kStepsKey},
+       .read = read_torsion},
+      {.name = "hydrostatic",
+       .summary = "equal strain along all directions: bulk modulus",
+       .source = "",
+       .keys = {{"strain", "", "of each side, above -1; negative compresses"},
+                {"sides", "sliding | affine",
+                 "whether smooth walls or the whole surface carry the strain; sliding without it"},
+                kDepthKey,
+                kStepsKey},
+       .read = read_hydrostatic},
+      {.name = "bending",
+       .summary = "a cantilever bends under its own weight or a force on its tip: effective modulus, deflection",
+       .source = "Timoshenko 1921, Cowper 1966",
+       .keys = {{"axis", "direction", "from the root to the tip; x without it"},
+                {"direction", "direction", "of the load, across the axis"},
+                {"gravity", "m/s^2", "acceleration that gives the weight; it, a force or both are given"},
+                {"force", "N", "on the tip"},
+                kDepthKey,
+                kStepsKey},
+       .read = read_bending},
+      {.name = "inflation",
+       .summary = "a closed membrane is blown up by pressure, volume control or gas: radius, wall stress",
+       .source = "",
+       .keys = {{"pressure", "Pa", "over that outside; it, volume_ratio or gas is given"},
+                {"volume_ratio", "", "enclosed volume over that at rest"},
+                {"gas", "map", "{amount or start_pressure, exponent, ambient}: gas that is let in"},
+                {"symmetry", "[direction, ...]", "normals of planes of symmetry through the origin"},
+                kStepsKey},
+       .read = read_inflation},
+      {.name = "material",
+       .summary = "six small strains of the surface: the body's 6 x 6 stiffness matrix and its isotropic means",
+       .source = "",
+       .keys = {kDepthKey},
+       .read = read_homogenisation},
+  };
 }
 
 }  // namespace elastin::lab

@@ -5,6 +5,7 @@
 #include "elastin/mesh/mesh_file.h"
 #include "lab/experiment/inflation.h"
 #include "lab/experiment/specimen.h"
+#include "lab/scene/experiments.h"
 #include "lab/scene/reader.h"
 #include "lab/scene/study.h"
 
@@ -33,25 +34,8 @@ Body read_surface(const std::string& shape, Reader reader);
 /// A number in the range of a parameter, SI.
 double read_parameter(const Reader& reader, const ParameterInfo& info);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
-/// What an experiment needs to know of its scene. Directions of the scene are turned with it.
-struct ExperimentContext {
-  const Body& body;  ///< rotated; must outlive the experiment
-  const Material& material;
-  Matrix3 rotation;
-  StaticOptions statics;
-  contact::ContactOptions* contact =
-      nullptr;  ///< of the scene; null if it has none. Experiments add obstacles of their own
-};
-/// A kind that runs through time, or null: the experiment's kind is one at rest.
-std::unique_ptr<Experiment> read_timed_experiment(Reader reader, const std::string& kind,
-                                                  const ExperimentContext& context);
-std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentContext& context);
-std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentContext& context);
 /// {vary: [{KEY.PATH: [value, …], …}, …], repeats: 5, threads: [1, 2], own_reference: STRATEGY}
 Study read_study(Reader reader, const std::vector<StrategyChoice>& known);
-std::unique_ptr<Experiment> read_indentation(Reader reader, const ExperimentContext& context);
-std::unique_ptr<Experiment> read_press(Reader reader, const ExperimentContext& context);
-std::unique_ptr<Experiment> read_sliding(Reader reader, const ExperimentContext& context);
 /// Contact, and which obstacles' motions follow the load, and which the time.
 struct SceneContact {
   contact::ContactOptions options;

@@ -141,7 +141,8 @@ void turn_fibres(Specimen& specimen, const Matrix3& rotation) {
 }
 
 std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalog,
-                                  const std::vector<std::string>& overrides, double most_molecules) {
+                                  const std::vector<std::string>& overrides, double most_molecules,
+                                  const ExperimentCatalog& experiments) {
   const auto start = std::chrono::steady_clock::now();
   Reader reader = open_scene_file(path, overrides, most_molecules);
   auto scene = std::make_unique<Scene>();
@@ -157,14 +158,14 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog);
   const Reader experiment = reader.at("experiment");
   if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver, catalog.linear_solvers);
-  ExperimentContext context{scene->specimen.body, scene->specimen.material, rotation, scene->statics};
+  ExperimentContext context{scene->specimen.body, scene->specimen.material, rotation, scene->statics, experiments};
   std::optional<SceneContact> contact;
   if (auto value = reader.find("contact")) {
     contact = read_contact(*value, scene->specimen.body, scene->specimen.material, rotation);
     context.contact = &contact->options;
   }
   scene->experiment = read_experiment(experiment, context);
-  const bool timed = scene->experiment->in_time();
+  const bool timed = scene->experiment->in_time() != nullptr;
   if (contact) {
     check_motions(*contact, timed);
     reader.at("contact").located([&] { contact::make_contact(scene->specimen.body, contact->options); });
@@ -173,7 +174,7 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   const auto time = reader.find("time");
   if (time && !timed)
     time->fail("a " + scene->experiment->name() + " experiment is at rest and takes no time; those that do are " +
-               "motion, release, creep, relaxation, shake, drop and sliding");
+               timed_experiment_names(experiments));
   if (!time && timed)
     experiment.fail("a " + scene->experiment->name() + " experiment runs through time: key 'time' is missing, " +
                     "for example time: {duration: 1 s}");
@@ -217,12 +218,13 @@ StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const
 }
 
 std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,
-                                  const std::vector<std::string>& overrides, double most_molecules) {
+                                  const std::vector<std::string>& overrides, double most_molecules,
+                                  const ExperimentCatalog& experiments) {
   const auto too_large = [&] {
     return InputError(SourceLocation{path}, "the scene does not fit into this machine's memory");
   };
   try {
-    return read_scene(path, catalog, overrides, most_molecules);
+    return read_scene(path, catalog, overrides, most_molecules, experiments);
   } catch (const std::bad_alloc&) {
     throw too_large();
   } catch (const std::length_error&) {

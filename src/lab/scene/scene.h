@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "elastin/lab/scene/experiment_catalog.h"
 #include "lab/experiment/specimen.h"
 #include "lab/scene/study.h"
 
@@ -32,7 +33,7 @@ struct Reference {
 struct Scene {
   std::string path, name, title;
   Specimen specimen;
-  std::unique_ptr<Experiment> experiment;
+  std::unique_ptr<const Protocol> experiment;
   StrategyChoice stiffness;                ///< what `run` uses
   std::vector<StrategyChoice> strategies;  ///< what `compare` uses
   StaticOptions statics;
@@ -59,6 +60,7 @@ StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const
 /// more molecules than these too.
 std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,
                                   const std::vector<std::string>& overrides = {},
-                                  double most_molecules = kMostMolecules);
+                                  double most_molecules = kMostMolecules,
+                                  const ExperimentCatalog& experiments = built_in_experiments());
 
 }  // namespace elastin::lab

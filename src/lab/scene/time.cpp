@@ -57,14 +57,15 @@ void read_step(Reader reader, TimeOptions& options) {
 }
 
 /// The experiment at rest that says how a timed one holds and loads its body.
-std::unique_ptr<Experiment> read_fixture(const Reader& reader, const ExperimentContext& context) {
-  auto fixture = read_experiment(reader, context);
-  if (fixture->in_time())
-    reader.fail("must be an experiment at rest; " + fixture->name() + " runs through time itself");
-  return fixture;
+std::unique_ptr<const StaticProtocol> read_fixture(const Reader& reader, const ExperimentContext& context) {
+  std::unique_ptr<const Protocol> fixture = read_experiment(reader, context);
+  const StaticProtocol* at_rest = fixture->at_rest();
+  if (!at_rest) reader.fail("must be an experiment at rest; " + fixture->name() + " runs through time itself");
+  fixture.release();
+  return std::unique_ptr<const StaticProtocol>(at_rest);
 }
 
-std::unique_ptr<Experiment> read_motion(Reader reader, MotionKind kind, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_motion(Reader reader, MotionKind kind, const ExperimentContext& context) {
   MotionSetup setup;
   setup.kind = kind;
   const bool free = kind == MotionKind::motion;
@@ -87,7 +88,7 @@ std::unique_ptr<Experiment> read_motion(Reader reader, MotionKind kind, const Ex
   return reader.located([&] { return make_motion(context.body, std::move(setup)); });
 }
 
-std::unique_ptr<Experiment> read_shake(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_shake(Reader reader, const ExperimentContext& context) {
   ShakeSetup setup;
   if (auto axis = reader.find("axis")) setup.axis = read_direction(*axis);
   setup.direction = context.rotation * (reader.has("direction") ? read_direction(reader.at("direction")) : setup.axis);
@@ -100,7 +101,7 @@ std::unique_ptr<Experiment> read_shake(Reader reader, const ExperimentContext& c
   return reader.located([&] { return make_shake(context.body, setup); });
 }
 
-std::unique_ptr<Experiment> read_drop(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_drop(Reader reader, const ExperimentContext& context) {
   DropSetup setup;
   setup.direction = context.rotation *
                     (reader.has("direction") ? read_direction(reader.at("direction")) : Vector3(-Vector3::UnitZ()));
@@ -123,7 +124,7 @@ std::unique_ptr<Experiment> read_drop(Reader reader, const ExperimentContext& co
   return reader.located([&] { return make_drop(context.body, setup); });
 }
 
-std::unique_ptr<Experiment> read_parachute(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_parachute(Reader reader, const ExperimentContext& context) {
   ParachuteSetup setup;
   if (auto direction = reader.find("direction")) setup.direction = read_direction(*direction);
   setup.direction = context.rotation * setup.direction;
@@ -133,8 +134,8 @@ std::unique_ptr<Experiment> read_parachute(Reader reader, const ExperimentContex
   return reader.located([&] { return make_parachute(context.body, setup); });
 }
 
-std::unique_ptr<Experiment> read_vibration(Reader reader, const ExperimentContext& context) {
-  std::unique_ptr<Experiment> fixture;
+std::unique_ptr<Protocol> read_vibration(Reader reader, const ExperimentContext& context) {
+  std::unique_ptr<const StaticProtocol> fixture;
   if (auto value = reader.find("fixture")) fixture = read_fixture(*value, context);
   const int count = reader.has("count") ? reader.at("count").whole(1, 10) : 6;
   reader.finish();
@@ -158,19 +159,73 @@ TimeOptions read_time(Reader reader, const elastin::Table<Stepper>& steppers) {
   return options;
 }
 
-std::unique_ptr<Experiment> read_timed_experiment(Reader reader, const std::string& kind,
-                                                  const ExperimentContext& context) {
-  for (const auto& [name, motion] : {std::pair{"motion", MotionKind::motion},
-                                     {"release", MotionKind::release},
-                                     {"creep", MotionKind::creep},
-                                     {"relaxation", MotionKind::relaxation}})
-    if (kind == name) return read_motion(reader, motion, context);
-  if (kind == "shake") return read_shake(reader, context);
-  if (kind == "drop") return read_drop(reader, context);
-  if (kind == "sliding") return read_sliding(reader, context);
-  if (kind == "parachute") return read_parachute(reader, context);
-  if (kind == "vibration") return read_vibration(reader, context);
-  return nullptr;
+std::vector<ExperimentInfo> timed_experiments() {
+  const auto motion = [](MotionKind kind) {
+    return [kind](Reader& reader, const ExperimentContext& context) { return read_motion(reader, kind, context); };
+  };
+  const ExperimentKey fixture{"fixture", "experiment", "one at rest, which says how the body is held and loaded"};
+  return {
+      {.name = "motion",
+       .summary = "a body, free or held and loaded by a fixture, is watched as it moves",
+       .source = "",
+       .in_time = true,
+       .keys = {{"fixture", "experiment", fixture.text + "; without it the body is free"},
+                {"in_time", "map", "how the fixture's load changes: {ramp: ...}, {step: ...}, {sine: ...} or a table"}},
+       .read = motion(MotionKind::motion)},
+      {.name = "release",
+       .summary = "a loaded body is released, or loaded at once: free vibration, its frequency and damping",
+       .source = "",
+       .in_time = true,
+       .keys = {fixture, {"load", "removed | applied", "what happens to the load at time 0; removed without it"}},
+       .read = motion(MotionKind::release)},
+      {.name = "creep",
+       .summary = "a load is put on and stays: how the displacement grows, retardation time",
+       .source = "",
+       .in_time = true,
+       .keys = {fixture},
+       .read = motion(MotionKind::creep)},
+      {.name = "relaxation",
+       .summary = "a displacement grows and is held: how the force falls, relaxation time",
+       .source = "",
+       .in_time = true,
+       .keys = {fixture, {"ramp", "s", "in which the displacement grows"}},
+       .read = motion(MotionKind::relaxation)},
+      {.name = "shake",
+       .summary = "the clamped end of a body is moved to and fro: amplitude ratio and phase of the far end",
+       .source = "",
+       .in_time = true,
+       .keys = {{"axis", "direction", "from the clamped end to the far one; x without it"},
+                {"direction", "direction", "of the shaking; along the axis without it"},
+                {"amplitude", "m", "of the clamped end"},
+                {"frequency", "Hz", "of the shaking"},
+                kDepthKey},
+       .read = read_shake},
+      {.name = "drop",
+       .summary = "a free body falls on a floor, or on the scene's obstacles: restitution, duration of contact",
+       .source = "",
+       .in_time = true,
+       .keys = {{"direction", "direction", "down; -z without it"},
+                {"gravity", "m/s^2", "none without it"},
+                {"height", "m", "of the lowest sphere above its own floor at time 0"},
+                {"speed", "m/s", "down, at time 0"},
+                {"stiffness", "N/m", "of its own floor, a molecule; E times the diameter without it"},
+                {"damping", "N s/m", "of its own floor, a molecule; none without it"}},
+       .read = read_drop},
+      {.name = "parachute",
+       .summary = "a canopy with a load on lines falls through air: how it opens, largest line force",
+       .source = "",
+       .in_time = true,
+       .keys = {{"direction", "direction", "down; -z without it"},
+                {"gravity", "m/s^2", "9.81 m/s2 without it"},
+                {"speed", "m/s", "down, at time 0"}},
+       .read = read_parachute},
+      {.name = "vibration",
+       .summary = "natural frequencies of a body, free or held by a fixture; takes no time",
+       .source = "",
+       .keys = {{"fixture", "experiment", fixture.text + "; without it the body is free"},
+                {"count", "number", "of frequencies, 1 to 10; 6 without it"}},
+       .read = read_vibration},
+  };
 }
 
 std::function<void(State&)> read_initial(Reader reader, const Body& body, const Matrix3& rotation, bool timed) {

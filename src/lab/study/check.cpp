@@ -131,7 +131,7 @@ void add_overlaps(std::string& out, const std::vector<contact::Overlap>& overlap
 
 void add_modes(std::string& out, Scene& scene) {
   Model model(scene.specimen.body);
-  scene.experiment->set_up(model);
+  const auto rig = scene.experiment->rig(model);
   fix_rigid_parts(model);
   const Connections& connections = scene.specimen.body.connections;
   std::vector<char> stiff(static_cast<std::size_t>(connections.size()), 0);
@@ -166,12 +166,12 @@ void add_steps_in_time(std::string& out, Scene& scene) {
     Run run;
     run.strategy = choice.label;
     if (!unsuited(scene.specimen, *scene.experiment, choice).empty()) continue;
-    std::optional<Model> model = make_model(scene.specimen, *scene.experiment, choice, {}, run);
-    if (!model) continue;
+    const std::optional<HeldModel> held = make_model(scene.specimen, *scene.experiment, choice, {}, run);
+    if (!held) continue;
     const auto [scheme, reason] = chosen_scheme(*scene.time, needs_cells(choice.strategy, scene.specimen.body));
     std::string text = scheme->name;
     if (!reason.empty()) text += " by default (" + reason + ")";
-    const StableStep found = find_stable_step(*model, state_at_rest(scene.specimen.body));
+    const StableStep found = find_stable_step(*held->model, state_at_rest(scene.specimen.body));
     text +=
         std::isfinite(found.step)
             ? fmt::format("; dt_crit {} of an explicit step, ω_max {:.5g} rad/s{}, set by {}",
@@ -278,7 +278,7 @@ std::string rows_text(const std::string& title, const Rows& rows, bool colours) 
 
 }  // namespace
 
-std::string catalog_text(const Catalog& catalog, bool colours) {
+std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experiments, bool colours) {
   std::string out = painted("Stiffness strategies", Tone::bold, colours) + "\n";
   Table strategies({"name", "kind", "what it does", "source"}), parameters = parameter_table();
   for (const Strategy& strategy : catalog.strategies()) {
@@ -291,6 +291,14 @@ std::string catalog_text(const Catalog& catalog, bool colours) {
   out += rows_text("Integrators (time.integrator)", catalog.steppers, colours);
   out += rows_text("Linear solvers (solver.linear_solver)", catalog.linear_solvers, colours);
   out += rows_text("Loads (loads)", scene_loads(catalog), colours);
+  Table kinds({"experiment", "in time", "what it does", "source"}), keys({"key", "type", "meaning"});
+  for (const ExperimentInfo& info : experiments.experiments()) {
+    kinds.add({{info.name, Tone::good}, {info.in_time ? "yes" : ""}, {info.summary}, {info.source, Tone::faint}});
+    for (const ExperimentKey& key : keys_of(info))
+      keys.add({{info.name + "." + key.name}, {key.type}, {key.text, Tone::faint}});
+  }
+  out += "\n" + painted("Experiments", Tone::bold, colours) + "\n" + kinds.text(colours) + "\n" +
+         painted("Their keys", Tone::bold, colours) + "\n" + keys.text(colours);
   Table measures({"measure", "unit", "meaning"});
   for (const MeasureInfo& info : measure_list())
     measures.add({{std::string(info.name)}, {info.unit_text()}, {std::string(info.text), Tone::faint}});

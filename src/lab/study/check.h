@@ -18,6 +18,6 @@ struct CheckReport {
 CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<contact::Overlap>& overlaps);
 
 /// What `elastin list` says.
-std::string catalog_text(const Catalog& catalog, bool colours);
+std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experiments, bool colours);
 
 }  // namespace elastin::lab

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "lab/experiment/contact_measures.h"
-#include "lab/experiment/timed.h"
 #include "lab/report/records.h"
 #include "lab/scene/parts.h"
 
@@ -59,16 +58,25 @@ LaboratoryResult result_of(const Scene& scene, Run made) {
   return result;
 }
 
-/// Puts the experiment's whole load on the model of a scene at rest, or brings that of a scene in time to time 0.
-void load_in_full(Scene& scene, Model& model, State& state) {
-  if (TimedExperiment* timed = scene.experiment->in_time()) {
-    const StaticResult started = timed->start(model, state, scene.statics);
+/// What a simulation of a scene refers to, for as long as it lives.
+struct Owned {
+  std::shared_ptr<const Scene> scene;        ///< its body, on which the experiment was made
+  std::shared_ptr<const Specimen> specimen;  ///< its material may have been identified for the simulation
+};
+
+/// Puts the experiment's whole load on the model of a scene at rest, or brings that of a scene in time to time 0. What
+/// drives the model from then on keeps its rig.
+void load_in_full(const Scene& scene, const std::shared_ptr<Rig>& rig, Model& model, State& state) {
+  if (TimedRig* timed = rig->in_time()) {
+    const StaticResult started = timed->start(state, scene.statics);
     if (started.outcome != Outcome::converged) throw InputError(started.cause + " (before time 0)");
   } else {
     if (contact::Contact* contact = contact_of(model)) contact->set_moment(1);
-    scene.experiment->set_load(model, 1);
+    rig->at_rest()->set_load(1);
   }
   if (scene.specimen.start) scene.specimen.start(state);
+  if (model.drive)
+    model.drive = [rig, drive = model.drive](double time, std::vector<Support>& supports) { drive(time, supports); };
   if (model.drive) model.drive(0, model.supports);
   model.commit_step(state);
 }
@@ -76,10 +84,8 @@ void load_in_full(Scene& scene, Model& model, State& state) {
 }  // namespace
 
 struct Laboratory::Impl {
-  std::string path;
-  std::vector<std::string> overrides;
   Catalog catalog;
-  std::unique_ptr<Scene> scene;
+  std::shared_ptr<Scene> scene;  // simulations keep it
 };
 
 double LaboratoryResult::get(const std::string& name) const {
@@ -88,9 +94,10 @@ double LaboratoryResult::get(const std::string& name) const {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-Laboratory::Laboratory(const std::string& scene, const std::vector<std::string>& overrides, Catalog catalog)
-    : impl_(new Impl{scene, overrides, std::move(catalog), nullptr}) {
-  impl_->scene = load_scene(scene, impl_->catalog, overrides);
+Laboratory::Laboratory(const std::string& scene, const std::vector<std::string>& overrides, Catalog catalog,
+                       const ExperimentCatalog& experiments)
+    : impl_(new Impl{std::move(catalog), nullptr}) {
+  impl_->scene = load_scene(scene, impl_->catalog, overrides, kMostMolecules, experiments);
 }
 Laboratory::~Laboratory() = default;
 Laboratory::Laboratory(Laboratory&&) noexcept = default;
@@ -138,30 +145,30 @@ LaboratoryResult Laboratory::run(const std::string& strategy, const RunWatch& wa
 }
 
 Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions options) {
-  // A scene of its own: an experiment knows the state of the model that it has held last.
-  const std::shared_ptr<Scene> scene = load_scene(impl_->path, impl_->catalog, impl_->overrides);
-  Specimen& specimen = scene->specimen;
+  const std::shared_ptr<Scene> scene = impl_->scene;
   StrategyChoice choice = choose(*scene, impl_->catalog, strategy);
   if (!options.parameters.empty()) choice.values = std::exchange(options.parameters, {});
-  prepare(specimen.body, choice.strategy, specimen.material);
+  prepare(scene->specimen.body, choice.strategy, scene->specimen.material);
   Run run;
   RunOptions of_run;
   of_run.statics = scene->statics;
-  const std::string why = unsuited(specimen, *scene->experiment, choice);
+  const Protocol& experiment = *scene->experiment;
+  const std::string why = unsuited(scene->specimen, experiment, choice);
   if (!why.empty()) throw InputError("strategy '" + choice.label + "' cannot run here: " + why);
-  if (const auto wanted = scene->experiment->identification();
-      wanted && !identify_material(*wanted, specimen, *scene->experiment, choice, of_run, run))
+  const auto specimen = std::make_shared<Specimen>(scene->specimen);
+  if (const auto wanted = identification_of(experiment);
+      wanted && !identify_material(*wanted, *specimen, *experiment.at_rest(), choice, of_run, run))
     throw InputError(run.cause);
   const auto make = [&](const Body&) {
     std::vector<std::unique_ptr<Elasticity>> terms;
-    terms.push_back(make_elasticity(specimen, *scene->experiment, choice, of_run, run));
+    terms.push_back(make_elasticity(*specimen, experiment, choice, of_run, run));
     if (!terms.back()) throw InputError(run.cause);
-    return make_sum(std::move(terms), scene);  // lives as long as what refers to its body
+    return make_sum(std::move(terms), std::make_shared<Owned>(Owned{scene, specimen}));
   };
-  Simulation simulation(specimen.body, make, std::move(options));
-  add_surroundings(simulation.model(), specimen, *scene->experiment, choice);
+  Simulation simulation(specimen->body, make, std::move(options));
+  const std::shared_ptr<Rig> rig = add_surroundings(simulation.model(), *specimen, experiment, choice);
   SimulationState begin = simulation.save();
-  load_in_full(*scene, simulation.model(), begin.state);
+  load_in_full(*scene, rig, simulation.model(), begin.state);
   begin.supports = simulation.model().supports;
   simulation.restore(begin);
   return simulation;

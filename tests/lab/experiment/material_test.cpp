@@ -190,15 +190,15 @@ TEST_CASE("a turn about the axis of tension is no lateral strain", "[tension]") 
   setup.displacement = 0.001;
   const auto experiment = make_tension(specimen.body, setup);
   Model model(specimen.body);
-  experiment->set_up(model);
-  experiment->set_load(model, 1);
+  const auto rig = experiment->static_rig(model);
+  rig->set_load(1);
   const Positions none = Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()));
   const Matrix3 turn = Eigen::AngleAxisd(0.3, Vector3::UnitZ()).toRotationMatrix();
   State state = state_at_rest(specimen.body);
   state.positions = turn * Vector3(0.97, 0.99, 1.025).asDiagonal() * specimen.body.rest;
   StaticResult solved;
   solved.reactions = none;
-  const Measures measures = experiment->measure(model, {specimen.body.rest, none}, state, {}, solved);
+  const Measures measures = rig->measure({specimen.body.rest, none}, state, {}, solved);
   CHECK(measures.get("lateral_strain") == Approx(-0.02).epsilon(1e-10));
 }
 

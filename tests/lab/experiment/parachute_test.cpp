@@ -54,15 +54,15 @@ TEST_CASE("a parachute ends at the speed at which drag carries the weight", "[pa
   model.add(make_cables(body));
   model.add(make_air(body, air));
   const auto parachute = make_parachute(body, {.speed = 6});
-  parachute->set_up(model);
+  const auto rig = parachute->timed_rig(model);
   State state = state_at_rest(body);
-  parachute->start(model, state, {});
+  rig->start(state, {});
   const auto integrator = make_integrator({.scheme = "backward_euler"});
   std::vector<CurvePoint> history;
   for (int step = 0; step <= 150; ++step) {
     CurvePoint row;
     row.time = state.time;
-    row.measures = parachute->read(model, state);
+    row.measures = rig->read(state);
     history.push_back(row);
     INFO("step " << step);
     REQUIRE(integrator->advance(model, state, 0.02).outcome == Outcome::converged);

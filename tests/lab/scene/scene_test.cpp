@@ -119,7 +119,7 @@ TEST_CASE("a scene is read as it is written", "[scene]") {
   CHECK(scene->strategies[1].label == "halved");
   CHECK(scene->strategies[1].strategy.name == "divided");
   CHECK(scene->strategies[1].values.at("divisor") == 3.75);
-  CHECK(scene->experiment->load_steps() == 2);
+  CHECK(scene->experiment->at_rest()->load_steps() == 2);
   CHECK(scene->statics.tolerance == 1e-9);
   CHECK(scene->specimen.loads.size() == 4);
   REQUIRE(scene->expectations.size() == 1);
@@ -663,7 +663,7 @@ TEST_CASE("the option --set changes keys, and its slips are named", "[scene]") {
   }
   SECTION("a whole map, and a map that the scene does not have") {
     const auto scene = load(path, {"experiment={kind: compression, axis: z, force: 3}", "body.jitter.amount=0"});
-    CHECK(scene->experiment->load_steps() == 1);
+    CHECK(scene->experiment->at_rest()->load_steps() == 1);
     CHECK(scene->specimen.body.size() == 27);
   }
   SECTION("slips") {

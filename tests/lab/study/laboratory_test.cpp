@@ -172,6 +172,33 @@ TEST_CASE("A simulation of a scene lives without its laboratory", "[laboratory]"
   CHECK(other.positions() == start);
 }
 
+TEST_CASE("Simulations of a scene and its runs do not disturb each other", "[laboratory]") {
+  const auto twenty_steps = [](Simulation& tissue) {
+    for (int step = 0; step < 20; ++step) REQUIRE(tissue.step(1e-4).outcome == Outcome::converged);
+    return tissue.positions();
+  };
+  for (const std::string name : {"torsion-released", "shake"}) {  // the second is driven as time goes on
+    const std::string path = kScenes + "dynamics/" + name + ".yaml";
+    auto timed = std::make_unique<Laboratory>(path);
+    Simulation first = timed->simulation(), second = timed->simulation();
+    timed.reset();
+    const Positions expected = twenty_steps(first);
+    CHECK((expected - first.body().rest).norm() > 0);
+    CHECK(twenty_steps(second) == expected);
+  }
+  Laboratory laboratory(kCube);
+  // Each has its own load, and a run in between changes none.
+  Simulation tissue = laboratory.simulation();
+  const double before = laboratory.run().get("elongation");
+  Simulation other = laboratory.simulation("lattice");
+  REQUIRE(tissue.settle().outcome == Outcome::converged);
+  REQUIRE(other.settle().outcome == Outcome::converged);
+  Simulation fresh = Laboratory(kCube).simulation();
+  REQUIRE(fresh.settle().outcome == Outcome::converged);
+  CHECK(tissue.positions() == fresh.positions());
+  CHECK(laboratory.run().get("elongation") == before);
+}
+
 TEST_CASE("What cannot be simulated is said", "[laboratory]") {
   const auto said = [](const std::string& strategy) -> std::string {
     try {

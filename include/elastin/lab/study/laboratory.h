@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "elastin/core/simulation/simulation.h"
+#include "elastin/lab/scene/experiment_catalog.h"
 
 namespace elastin::lab {
 
@@ -62,10 +63,11 @@ struct RunWatch {
 /// A scene file, read, checked and built: the laboratory for programs of their own. For one thread at a time.
 class Laboratory {
  public:
-  /// `overrides` are "key.path=value", as the command's --set. A program that has laws of its own hands a catalog with
-  /// them over. Throws InputError as the command says it: file:line:column.
+  /// `overrides` are "key.path=value", as the command's --set. A program that has laws or experiments of its own hands
+  /// catalogs with them over. Throws InputError as the command says it: file:line:column.
   explicit Laboratory(const std::string& scene, const std::vector<std::string>& overrides = {},
-                      Catalog catalog = built_in_catalog());
+                      Catalog catalog = built_in_catalog(),
+                      const ExperimentCatalog& experiments = built_in_experiments());
   ~Laboratory();
   Laboratory(Laboratory&&) noexcept;
   Laboratory& operator=(Laboratory&&) noexcept;

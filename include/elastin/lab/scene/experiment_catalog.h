@@ -1,0 +1,65 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "elastin/contact/contact.h"
+#include "elastin/core/laws/parameters.h"
+#include "elastin/lab/experiment/protocol.h"
+
+namespace elastin::lab {
+
+class ExperimentCatalog;
+class Reader;
+
+/// What an experiment needs to know of its scene. Directions of the scene are turned with it.
+struct ExperimentContext {
+  const Body& body;  ///< rotated; must outlive the experiment
+  const Material& material;
+  Matrix3 rotation;  ///< of the scene
+  StaticOptions statics;
+  const ExperimentCatalog& experiments;  ///< where a fixture is looked up
+  /// Of the scene; null if it has none. Experiments add obstacles of their own.
+  contact::ContactOptions* contact = nullptr;
+};
+
+/// A key that scenes may write in an experiment, for lists and documents.
+struct ExperimentKey {
+  std::string name;
+  std::string type;  ///< "m", "N", "direction", "clamped | sliding": a unit, a form, or the words to choose from
+  std::string text;
+};
+
+/// One kind of experiment. A host's own has parameters and `make`; one whose keys are more than numbers has `keys` and
+/// `read`.
+struct ExperimentInfo {
+  std::string name, summary, source;  ///< name: its `kind` in scenes; source "" where there is nothing to cite
+  bool in_time = false;               ///< whether it runs through time
+  std::vector<ParameterInfo> parameters = {};
+  /// From the parameters' values, all there, in SI units. Throws InputError if the body does not suit.
+  std::function<std::unique_ptr<Protocol>(const ExperimentContext&, const ParameterValues&)> make = {};
+  std::vector<ExperimentKey> keys = {};  ///< beside `kind`
+  std::function<std::unique_ptr<Protocol>(Reader&, const ExperimentContext&)> read = {};
+};
+
+/// The keys of an experiment beside `kind`, those of its parameters too.
+std::vector<ExperimentKey> keys_of(const ExperimentInfo& info);
+
+/// All kinds of experiments that scenes may name.
+class ExperimentCatalog {
+ public:
+  /// Throws InputError where the name is taken, or nothing says how to make one.
+  void add(ExperimentInfo info);
+  const std::vector<ExperimentInfo>& experiments() const { return experiments_; }
+  /// Throws InputError with the nearest name and the list of what there is.
+  const ExperimentInfo& find(const std::string& name) const;
+
+ private:
+  std::vector<ExperimentInfo> experiments_;
+};
+
+/// The experiments that come with Elastin.
+ExperimentCatalog built_in_experiments();
+
+}  // namespace elastin::lab
