@@ -55,11 +55,12 @@ static void layout(void) {
   CHECK(sizeof(elastin_material) == 40 && offsetof(elastin_material, bending_rigidity) == 32);
   CHECK(sizeof(elastin_parameter) == 56 && offsetof(elastin_parameter, fallback) == 48);
   CHECK(sizeof(elastin_value) == 16 && offsetof(elastin_value, value) == 8);
-  CHECK(sizeof(elastin_options) == 80 && offsetof(elastin_options, scheme) == 8);
+  CHECK(sizeof(elastin_options) == 96 && offsetof(elastin_options, scheme) == 8);
   CHECK(offsetof(elastin_options, safety) == 16 && offsetof(elastin_options, max_substeps) == 24);
   CHECK(offsetof(elastin_options, parameters) == 32 && offsetof(elastin_options, parameter_count) == 40);
   CHECK(offsetof(elastin_options, threads) == 48 && offsetof(elastin_options, run) == 56);
   CHECK(offsetof(elastin_options, run_context) == 64 && offsetof(elastin_options, run_width) == 72);
+  CHECK(offsetof(elastin_options, scheme_parameters) == 80 && offsetof(elastin_options, scheme_parameter_count) == 88);
   CHECK(sizeof(elastin_step_result) == 24 && offsetof(elastin_step_result, linear_iterations) == 20);
 }
 

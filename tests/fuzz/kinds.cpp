@@ -167,7 +167,8 @@ Kind tables() {
 }
 
 Kind restarts() {
-  Kind kind{"restart", {}, [](const std::string& path) { elastin::lab::parse_restart(bytes_of(path), kIdentity); }, false};
+  Kind kind{
+      "restart", {}, [](const std::string& path) { elastin::lab::parse_restart(bytes_of(path), kIdentity); }, false};
   elastin::lab::RestartPoint point;
   point.frame = 3;
   point.state.positions = point.state.velocities = point.state.accelerations = elastin::Positions::Random(3, 4);

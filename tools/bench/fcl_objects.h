@@ -11,7 +11,8 @@ namespace bench {
 class FclObjects {
  public:
   /// Groups of molecules (pieces of a body); an obstacle, a plane or a sphere, if there is one group alone.
-  FclObjects(const elastin::Body& body, const std::vector<std::vector<int>>& groups, const elastin::contact::Obstacle* obstacle);
+  FclObjects(const elastin::Body& body, const std::vector<std::vector<int>>& groups,
+             const elastin::contact::Obstacle* obstacle);
   ~FclObjects();
   /// Pairs that touch at these positions.
   std::size_t find(const elastin::Positions& positions);

@@ -160,9 +160,9 @@ void print_rows(const std::vector<Row>& rows) {
   elastin::lab::Table table(head);
   for (const Row& row : rows) {
     std::vector<elastin::lab::TableCell> cells{{row.side ? std::to_string(row.side) : "", {}, true},
-                                          {row.method},
-                                          {std::to_string(row.threads), {}, true},
-                                          {std::to_string(row.repeats), {}, true}};
+                                               {row.method},
+                                               {std::to_string(row.threads), {}, true},
+                                               {std::to_string(row.repeats), {}, true}};
     for (const Column* column : shown) {
       const double value = row.figures.*column->value;
       cells.push_back({std::isnan(value) ? "" : column->text(value), {}, true});

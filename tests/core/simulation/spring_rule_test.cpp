@@ -33,8 +33,9 @@ TEST_CASE("A spring rule made at run time is one as any other", "[strategy]") {
   const VectorX once = standard.constants(block, {5000}, {});
   CHECK(rule.constants(block, {5000}, {}) == 2 * once);
   CHECK(rule.constants(block, {5000}, {{"factor", 3}}) == 3 * once);
-  CHECK_THAT(refusal(rule, block, {{"factor", 11}}),
-             Equals("own.factor: 11 is out of range: it must be at least 0.1 and at most 10 (by how much it is stiffer)"));
+  CHECK_THAT(
+      refusal(rule, block, {{"factor", 11}}),
+      Equals("own.factor: 11 is out of range: it must be at least 0.1 and at most 10 (by how much it is stiffer)"));
   CHECK_THAT(refusal(rule, block, {{"facto", 1}}), Catch::Contains("did you mean 'factor'"));
 
   // It is not shown the sides of cells, and a stiffer region multiplies what it gives.

@@ -39,7 +39,8 @@ std::vector<Record> records_of(const std::string& experiment, const std::string&
 TEST_CASE("a comparison has the columns of its experiment", "[texts]") {
   const std::string material = comparison_text(records_of("kind: material", "standard, lattice"), false);
   CHECK_THAT(material, Contains("E measured  error of E  Poisson's ratio  error of G  error of K  anisotropy"));
-  CHECK_THAT(material, Contains("recommended: lattice: E 0.0000 %, Poisson's ratio 0.2500, G 0.0000 %, K 0.0000 % (target: "));
+  CHECK_THAT(material,
+             Contains("recommended: lattice: E 0.0000 %, Poisson's ratio 0.2500, G 0.0000 %, K 0.0000 % (target: "));
   const std::string shear =
       comparison_text(records_of("kind: shear, direction: x, strain: 1e-6, sides: affine", "standard, lattice"), false);
   CHECK_THAT(shear, Contains("G measured  error of G") && Contains("axial force") && !Contains("Poisson"));
@@ -59,7 +60,8 @@ TEST_CASE("strategies are ranked by the reference where the scene names one", "[
   const std::vector<Record> referenced =
       records_of(experiment, "standard, lattice",
                  "reference: [{measure: pressure, value: " + std::to_string(stiff) + " Pa, source: me}]\n");
-  CHECK_THAT(comparison_text(referenced, false), Contains("recommended: standard: pressure ") && Contains("to the reference"));
+  CHECK_THAT(comparison_text(referenced, false),
+             Contains("recommended: standard: pressure ") && Contains("to the reference"));
   CHECK(rank_strategies(referenced).best == &referenced[0]);
   // Of two references the worse one counts: a strategy that hits one of them by luck is not taken.
   std::vector<Record> two = referenced;

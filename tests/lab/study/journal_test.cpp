@@ -80,7 +80,8 @@ TEST_CASE("a study that is killed goes on with --resume and loses no finished ro
   CHECK(lines_of(folder.path("o/runs.jsonl")).size() == 360);
 }
 
-TEST_CASE("the option --resume refuses a folder whose runs come from elsewhere, and leaves it as it is", "[journal][command]") {
+TEST_CASE("the option --resume refuses a folder whose runs come from elsewhere, and leaves it as it is",
+          "[journal][command]") {
   const TemporaryFolder folder;
   folder.write("cube.yaml", kCube);
   folder.write("other.yaml", kCube);
