@@ -37,6 +37,11 @@ class ContactForce final : public Contact {
     moment_ = moment;
     cached_ = false;
   }
+  std::vector<Pose> poses(double time) const override {
+    std::vector<Pose> all;
+    for (const Obstacle& obstacle : options_.obstacles) all.push_back(obstacle.at(moment_.value_or(time)));
+    return all;
+  }
 
  private:
   double friction_of(const Obstacle& obstacle) const {

@@ -53,7 +53,7 @@ static void layout(void) {
   CHECK(offsetof(elastin_arrays, density) == 96 && offsetof(elastin_arrays, thickness) == 104);
   CHECK(sizeof(elastin_counts) == 40 && offsetof(elastin_counts, tetrahedra) == 32);
   CHECK(sizeof(elastin_material) == 40 && offsetof(elastin_material, bending_rigidity) == 32);
-  CHECK(sizeof(elastin_parameter) == 56 && offsetof(elastin_parameter, fallback) == 48);
+  CHECK(sizeof(elastin_parameter) == 72 && offsetof(elastin_parameter, fallback) == 48);
   CHECK(sizeof(elastin_value) == 16 && offsetof(elastin_value, value) == 8);
   CHECK(sizeof(elastin_options) == 96 && offsetof(elastin_options, scheme) == 8);
   CHECK(offsetof(elastin_options, safety) == 16 && offsetof(elastin_options, max_substeps) == 24);

@@ -54,6 +54,8 @@ class Contact : public Load {
   /// Of an experiment at rest: the moment at which the obstacles' motions are asked, its load factor. Before this is
   /// called they follow the state's time.
   virtual void set_moment(double moment) = 0;
+  /// Where each obstacle is: at the moment that was set, else at this time [s].
+  virtual std::vector<Pose> poses(double time) const = 0;
 };
 
 /// Throws InputError on options out of range, or a body without triangles where the surface asks for them.

@@ -43,7 +43,7 @@ Snapshot snapshot_of(const Model& model, const State& state, double at, int numb
     contact::ContactReport report = contact->report(state);
     shot.contact_forces = std::move(report.forces);
     shot.contact_pressure = std::move(report.pressure);
-    for (const contact::Obstacle& obstacle : contact->obstacles()) shot.obstacles.push_back(obstacle.at(at));
+    shot.obstacles = contact->poses(at);
   }
   return shot;
 }
