@@ -1,11 +1,11 @@
 #include "elastin/core/forces/bending.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "core/parallel/parallel.h"
+#include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin {
@@ -92,10 +92,17 @@ Plate plate_of(const Patch& patch, const Eigen::Matrix2Xd& positions, double rig
           area * rigidity * share[e] * share[f] * ((1 - nu) * std::pow(normals.col(e).dot(normals.col(f)), 2) + nu);
   // On free sides h is what makes the energy least.
   if (!rim.empty() && !inner.empty()) {
-    const Eigen::MatrixXd M = plate.stiffness;
+    const auto part = [M = plate.stiffness](const std::vector<int>& rows, const std::vector<int>& columns) {
+      MatrixX result(rows.size(), columns.size());
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        for (std::size_t j = 0; j < columns.size(); ++j) result(i, j) = M(rows[i], columns[j]);
+      return result;
+    };
+    const MatrixX followed = product(symmetric_pseudoinverse(part(rim, rim)), part(rim, inner));
+    const MatrixX left = part(inner, inner) - product(part(inner, rim), followed);
     plate.stiffness.setZero();
-    plate.stiffness(inner, inner) =
-        M(inner, inner) - M(inner, rim) * M(rim, rim).completeOrthogonalDecomposition().solve(M(rim, inner));
+    for (std::size_t i = 0; i < inner.size(); ++i)
+      for (std::size_t j = 0; j < inner.size(); ++j) plate.stiffness(inner[i], inner[j]) = left(i, j);
   }
   return plate;
 }

@@ -9,9 +9,6 @@
 namespace elastin {
 namespace {
 
-/// A molecule's share of a pass costs as much as ten connections.
-constexpr int kMoleculeThreshold = kParallelThreshold / 10;
-
 double dot(const Positions& a, const Positions& b) {
   return ordered_sum(
       static_cast<int>(a.cols()), [&](int i) { return a.col(i).dot(b.col(i)); }, 0., kMoleculeThreshold);

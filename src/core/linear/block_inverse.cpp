@@ -1,9 +1,8 @@
 #include "core/linear/block_inverse.h"
 
-#include <Eigen/Eigenvalues>
-
 #include "core/linear/sparse_stiffness.h"
 #include "core/parallel/parallel.h"
+#include "elastin/core/base/dense.h"
 
 namespace elastin {
 
@@ -19,11 +18,11 @@ Matrix3 positive_inverse(const Matrix3& block) {
     inverse << first, xy_minor, xz_minor, xy_minor, third, yz_minor, xz_minor, yz_minor, second;
     return inverse / determinant;
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix3> eigen(block);
-  const Vector3 values = eigen.eigenvalues().cwiseAbs();
+  const SymmetricEigen3 eigen = symmetric_eigen3(block);
+  const Vector3 values = eigen.values.cwiseAbs();
   const double threshold = 1e-10 * values.maxCoeff();
   const Vector3 inverse = (values.array() > threshold).select(values.cwiseInverse(), 0);
-  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
 }
 
 void BlockInverses::compute(const Tangent& tangent, const std::vector<Support>& supports) {

@@ -1,10 +1,10 @@
 #include "core/linear/box_assembly.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
 
 #include "core/parallel/parallel.h"
+#include "elastin/core/base/dense.h"
 
 namespace elastin {
 namespace {
@@ -13,12 +13,12 @@ constexpr int kCorners = BoxGrid::kCorners, kPairs = kCorners * (kCorners - 1) /
 using Corners = BoxGrid::Corners;
 using Pairs = Eigen::Array<float, kPairs, 1>;
 
-struct Pair {
+struct CornerPair {
   int first, second;
   int code;  ///< where the second is around the first; always after it
 };
-constexpr std::array<Pair, kPairs> pairs_of_corners() {
-  std::array<Pair, kPairs> pairs{};
+constexpr std::array<CornerPair, kPairs> pairs_of_corners() {
+  std::array<CornerPair, kPairs> pairs{};
   std::size_t count = 0;
   for (int i = 0; i < kCorners; ++i)
     for (int j = i + 1; j < kCorners; ++j) {
@@ -27,7 +27,7 @@ constexpr std::array<Pair, kPairs> pairs_of_corners() {
     }
   return pairs;
 }
-constexpr std::array<Pair, kPairs> kPair = pairs_of_corners();
+constexpr std::array<CornerPair, kPairs> kPair = pairs_of_corners();
 
 /// A box that few connections look into would let motions pass that its molecules feel: those that are no gradient get
 /// a stiffness of a part of the box's own, which no even strain feels [Flanagan & Belytschko 1981]; and all motions
@@ -242,8 +242,8 @@ class Assembly {
 
 /// The part of a symmetric block that is positive.
 Matrix3 positive_part(const Matrix3& block) {
-  const Eigen::SelfAdjointEigenSolver<Matrix3> eigen((block + block.transpose()) / 2);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
+  const SymmetricEigen3 eigen = symmetric_eigen3(Matrix3((block + block.transpose()) / 2));
+  return eigen.vectors * eigen.values.cwiseMax(0).asDiagonal() * eigen.vectors.transpose();
 }
 
 /// What stands at molecules themselves: inertia, loads, supports.

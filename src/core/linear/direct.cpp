@@ -1,9 +1,8 @@
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-#include <Eigen/SparseCholesky>
 #include <cmath>
 
+#include "core/linear/sparse_factor.h"
 #include "core/linear/sparse_stiffness.h"
+#include "elastin/core/base/dense.h"
 #include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
@@ -15,42 +14,41 @@ class Factor {
  public:
   Factor(const Tangent& tangent, const std::vector<Support>& supports, double shift, double scale)
       : sparse_(sparse_stiffness(tangent, supports, shift, scale)) {
-    if (sparse_.info() != Eigen::Success) return;
-    negative_modes_ = static_cast<int>((sparse_.vectorD().array() < 0).count());
+    if (!sparse_.usable()) return;
+    negative_modes_ = sparse_.negative_pivots();
     const std::vector<WideTerm> parts = tangent.wide_terms();
     if (parts.empty()) return;
     const auto count = static_cast<Eigen::Index>(parts.size());
     wide_.resize(parts.front().direction.size(), count);
-    Eigen::MatrixXd border = Eigen::MatrixXd::Zero(count, count);
+    MatrixX border = MatrixX::Zero(count, count);
     for (Eigen::Index i = 0; i < count; ++i) {
       Positions direction = parts[static_cast<std::size_t>(i)].direction;
       keep_free(supports, direction);
       wide_.col(i) = Eigen::Map<const VectorX>(direction.data(), direction.size());
       border(i, i) = 1 / parts[static_cast<std::size_t>(i)].factor;
     }
-    const auto positive = [](const Eigen::MatrixXd& matrix) {
-      return static_cast<int>(
-          (Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvalues().array() > 0).count());
+    const auto positive = [](const MatrixX& matrix) {
+      return static_cast<int>((symmetric_eigenvalues(matrix).array() > 0).count());
     };
     const int before = positive(border);
-    solved_ = sparse_.solve(wide_);
-    border += wide_.transpose() * solved_;
+    solved_.resize(wide_.rows(), count);
+    for (Eigen::Index i = 0; i < count; ++i) solved_.col(i) = sparse_.solve(wide_.col(i));
+    border += transposed_product(wide_, solved_);
     negative_modes_ += positive(border) - before;  // the inertia of the bordered matrix, counted in two ways
-    border_.compute(border);
+    border_inverse_ = inverse(border);
   }
 
-  bool usable() const { return sparse_.info() == Eigen::Success; }
+  bool usable() const { return sparse_.usable(); }
   int negative_modes() const { return negative_modes_; }
   VectorX solve(const Eigen::Ref<const VectorX>& rhs) const {
     VectorX x = sparse_.solve(rhs);
-    if (wide_.size() > 0) x -= solved_ * border_.solve(wide_.transpose() * x);
+    if (wide_.size() > 0) x -= solved_ * (border_inverse_ * (wide_.transpose() * x));
     return x;
   }
 
  private:
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_;
-  Eigen::MatrixXd wide_, solved_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> border_;
+  SparseFactor sparse_;
+  MatrixX wide_, solved_, border_inverse_;
   int negative_modes_ = 0;
 };
 

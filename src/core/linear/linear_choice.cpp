@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elastin/core/base/text.h"
+
 namespace elastin {
 namespace {
 
 /// Below this many molecules a factorisation beats iterations, but for time steps, whose inertia makes them few.
 constexpr int kTinyBody = 60;
-
-std::string counted_molecules(const Body& body) {
-  return std::to_string(body.size()) + (body.size() == 1 ? " molecule" : " molecules");
-}
 
 /// How many connections long the body is from end to end.
 double connections_across(const Body& body) {
@@ -31,14 +29,14 @@ LinearChoice choose_linear_solver(const Tangent& tangent, LinearMethod requested
   static const LinearMethod pcg = "pcg", direct = "direct", multigrid = "multigrid";
   if (!model.symmetric()) return {pcg, ""};
   const bool moving = tangent.weights().acceleration != 0;
-  if (body.size() <= kTinyBody && !moving) return {direct, counted_molecules(body) + " are few"};
+  if (body.size() <= kTinyBody && !moving) return {direct, counted(body.size(), "molecule") + " are few"};
   if (moving) return {pcg, ""};  // inertia keeps iterations few; a step has no memory for words
   if (!model.has_energy()) return {pcg, "the stiffness is not symmetric"};
   const double across = connections_across(body), digits = std::max(1., -std::log10(tolerance));
   // In iterations of single molecules' blocks, with half as much again before the change is worth it.
   const bool worth_it = 1.25 * across * digits > 1.5 * (20 + 8 * digits);
   const std::string size =
-      counted_molecules(body) + ", " + std::to_string(std::lround(across)) + " connections from end to end";
+      counted(body.size(), "molecule") + ", " + std::to_string(std::lround(across)) + " connections from end to end";
   if (worth_it) return {multigrid, size + ": conjugate gradients alone would take many iterations"};
   return {pcg, size + " are not many"};
 }

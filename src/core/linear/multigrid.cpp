@@ -1,7 +1,6 @@
 #include "core/linear/multigrid.h"
 
-#include <Eigen/SparseCholesky>
-
+#include "core/linear/sparse_factor.h"
 #include "core/parallel/parallel.h"
 
 namespace elastin {
@@ -27,7 +26,7 @@ class Multigrid::CoarsestSolver {
     matrix.setFromTriplets(entries.begin(), entries.end());
     factor_.compute(matrix);
   }
-  bool positive() const { return factor_.info() == Eigen::Success && (factor_.vectorD().array() > 0).all(); }
+  bool positive() const { return factor_.positive(); }
   void solve(const BoxLevel::Vectors& b, BoxLevel::Vectors& x) const {
     const VectorX rhs = Eigen::Map<const Eigen::VectorXf>(b.data(), b.size()).cast<double>();
     const VectorX solution = factor_.solve(rhs);
@@ -35,7 +34,7 @@ class Multigrid::CoarsestSolver {
   }
 
  private:
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+  SparseFactor factor_;
 };
 
 namespace {
@@ -82,7 +81,8 @@ void Multigrid::cycle(std::size_t number) {
 
 void Multigrid::add(const Positions& forces, double size, Positions& motion) {
   const BoxGrid& grid = levels_.front()->grid();
-  auto& [b, x, _] = workspaces_.front();
+  LevelWorkspace& finest = workspaces_.front();
+  BoxLevel::Vectors &b = finest.b, &x = finest.x;
   b.setZero();
   // Layers touch the points between them: every second at a time.
   for (const int colour : {0, 1})

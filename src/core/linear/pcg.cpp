@@ -11,9 +11,6 @@
 namespace elastin {
 namespace {
 
-/// A molecule's share of a pass costs as much as ten connections.
-constexpr int kMoleculeThreshold = kParallelThreshold / 10;
-
 /// A coarse picture that serves takes some 30 iterations, a poor one 200.
 constexpr int kCoarseLimit = 400;
 

@@ -1,10 +1,8 @@
 #include "core/linear/rigid_motions.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-
 #include "core/linear/sparse_stiffness.h"
 #include "core/parallel/parallel.h"
+#include "elastin/core/base/dense.h"
 #include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
@@ -22,13 +20,13 @@ RigidMotions::RigidMotions(const Tangent& tangent, const std::vector<Support>& s
     part -= (support.free * part).eval();
     held += part.transpose() * part;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(held);
+  const SymmetricEigen eigen = symmetric_eigen(held);
   free_.resize(6, 0);
   const double stiffness = stiffness_scale(tangent);
   Positions motions(3, positions.cols()), forces(3, positions.cols());
   for (int k = 0; k < 6; ++k) {
-    if (eigen.eigenvalues()[k] > 1e-12 * std::max<double>(1, static_cast<double>(supports.size()))) continue;
-    const Six candidate = eigen.eigenvectors().col(k);
+    if (eigen.values[k] > 1e-12 * std::max<double>(1, static_cast<double>(supports.size()))) continue;
+    const Six candidate = eigen.vectors.col(k);
     parallel_for(static_cast<int>(positions.cols()),
                  [&](int i) { motions.col(i) = motion(candidate, positions.col(i)); });
     tangent.apply(motions, forces);
@@ -42,7 +40,7 @@ RigidMotions::RigidMotions(const Tangent& tangent, const std::vector<Support>& s
 void RigidMotions::remove_from(const Positions& positions, Positions& motions) const {
   if (empty()) return;
   const auto count = free_.cols();
-  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(count, count);
+  MatrixX products = MatrixX::Zero(count, count);
   VectorX parts = VectorX::Zero(count);
   const int n = static_cast<int>(positions.cols());
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -54,7 +52,7 @@ void RigidMotions::remove_from(const Positions& positions, Positions& motions) c
           ordered_sum(n, [&](int a) { return motion(own, positions.col(a)).dot(motion(other, positions.col(a))); });
     }
   }
-  const Six whole = free_ * products.ldlt().solve(parts);
+  const Six whole = free_ * (inverse(products) * parts);
   parallel_for(n, [&](int a) { motions.col(a) -= motion(whole, positions.col(a)); });
 }
 

@@ -12,9 +12,6 @@ namespace {
 /// Of one step.
 constexpr double kMaxSubsteps = 10000;
 
-/// A molecule's part of an update costs as much as some ten connections.
-constexpr int kMoleculeThreshold = kParallelThreshold / 10;
-
 void set_accelerations(const Model& model, const State& state, Positions& accelerations, Workspace& workspace) {
   model.set_forces(state, accelerations, workspace);
   keep_free(model.supports, accelerations);

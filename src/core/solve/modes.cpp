@@ -1,16 +1,14 @@
 #include "elastin/core/solve/modes.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-#include <Eigen/SVD>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <deque>
 #include <map>
 #include <numeric>
 
+#include "core/linear/sparse_factor.h"
 #include "core/model/incidence.h"
+#include "elastin/core/base/dense.h"
 
 namespace elastin {
 namespace {
@@ -96,22 +94,21 @@ class Search {
       const auto rows = rigid_rows(body_.rest.col(m), centre, size);
       all += rows.transpose() * rows / n;
     }
-    const auto null_space = [](const Eigen::MatrixXd& matrix, double scale) -> Eigen::MatrixXd {
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
-      const int zeros = static_cast<int>((eigen.eigenvalues().array() < 1e-12 * scale).count());
-      return eigen.eigenvectors().leftCols(zeros);
+    const auto null_space = [](const MatrixX& matrix, double scale) -> MatrixX {
+      const SymmetricEigen eigen = symmetric_eigen(matrix);
+      const int zeros = static_cast<int>((eigen.values.array() < 1e-12 * scale).count());
+      return eigen.vectors.leftCols(zeros);
     };
-    const Eigen::MatrixXd still = null_space(all, 1);
-    Eigen::MatrixXd motions = null_space(gram + still * still.transpose(), std::max(1., gram.trace()));
+    const MatrixX still = null_space(all, 1);
+    MatrixX motions = null_space(gram + product(still, still.transpose()), std::max(1., gram.trace()));
     const int rigid = static_cast<int>(motions.cols());
     for (const int m : pin_order()) {
       if (motions.cols() == 0) break;
-      const Eigen::MatrixXd moves = rigid_rows(body_.rest.col(m), centre, size) * motions;
-      const Eigen::JacobiSVD<Eigen::MatrixXd> svd(moves, Eigen::ComputeFullU | Eigen::ComputeFullV);
-      int rank = 0;
-      while (rank < svd.singularValues().size() && svd.singularValues()[rank] > 1e-5) ++rank;
-      for (int i = 0; i < rank; ++i) fixed_[m].add(svd.matrixU().col(i));
-      motions = (motions * svd.matrixV().rightCols(motions.cols() - rank)).eval();
+      const MatrixX moves = product(rigid_rows(body_.rest.col(m), centre, size), motions);
+      const SymmetricEigen squares = symmetric_eigen(transposed_product(moves, moves));
+      const Eigen::Index still_free = (squares.values.array() <= 1e-10).count();
+      for (Eigen::Index i = moves.cols(); i-- > still_free;) fixed_[m].add(moves * squares.vectors.col(i));
+      motions = product(motions, squares.vectors.leftCols(still_free));
     }
     return rigid;
   }
@@ -221,13 +218,13 @@ class Search {
     constexpr int dense_limit = 400, sparse_limit = 12000;
     ZeroEnergyMode mode;
     if (size <= dense_limit) {
-      Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(size, size);
+      MatrixX gram = MatrixX::Zero(size, size);
       for (const int r : row_numbers)
         for (const auto& [u, x] : rows[r])
           for (const auto& [v, y] : rows[r]) gram(local[u], local[v]) += x * y;
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
-      const double threshold = 1e-9 * std::max(eigen.eigenvalues()[size - 1], 1e-9);
-      mode.count = static_cast<int>((eigen.eigenvalues().array() <= threshold).count());
+      const SymmetricEigen eigen = symmetric_eigen(gram);
+      const double threshold = 1e-9 * std::max(eigen.values[size - 1], 1e-9);
+      mode.count = static_cast<int>((eigen.values.array() <= threshold).count());
       if (mode.count == 0) return;
       Positions motion = Positions::Zero(3, body_.size());
       VectorX reach = VectorX::Zero(body_.size());  // how far a molecule goes in all the group's modes together
@@ -235,7 +232,7 @@ class Search {
         Positions one = Positions::Zero(3, body_.size());
         for (int i = 0; i < size; ++i) {
           const int m = molecule_of[unknowns[i]];
-          one.col(m) += eigen.eigenvectors()(i, k) * free_basis_[m].col(unknowns[i] - first_unknown[m]);
+          one.col(m) += eigen.vectors(i, k) * free_basis_[m].col(unknowns[i] - first_unknown[m]);
         }
         if (k == 0) motion = one;
         reach += one.colwise().squaredNorm().transpose();
@@ -256,8 +253,8 @@ class Search {
         entries.emplace_back(i, i, -1e-9);  // Sylvester: negative pivots = modes below this
       Eigen::SparseMatrix<double> gram(size, size);
       gram.setFromTriplets(entries.begin(), entries.end());
-      const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(gram);
-      mode.count = static_cast<int>((factor.vectorD().array() < 0).count());
+      const SparseFactor factor(gram);
+      mode.count = factor.negative_pivots();
       if (mode.count == 0) return;
       for (const int u : unknowns)
         if (mode.molecules.empty() || mode.molecules.back() != molecule_of[u]) mode.molecules.push_back(molecule_of[u]);

@@ -1,12 +1,12 @@
 #include "elastin/core/solve/stable_step.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 
 #include "core/parallel/parallel.h"
+#include "elastin/core/base/dense.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/linear/linear_solver.h"
 
@@ -35,9 +35,7 @@ double largest_eigenvalue(const Operator& apply, Positions& mode) {
 }
 
 double spectral_norm(const Matrix3& block) {
-  return std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix3>(block.transpose() * block, Eigen::EigenvaluesOnly)
-                       .eigenvalues()
-                       .maxCoeff());
+  return std::sqrt(symmetric_eigenvalues3(Matrix3(block.transpose() * block)).maxCoeff());
 }
 
 /// Row sums of the blocks' norms over the molecules' masses.

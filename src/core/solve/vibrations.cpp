@@ -1,23 +1,23 @@
 #include "elastin/core/solve/vibrations.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
 
+#include "elastin/core/base/dense.h"
 #include "elastin/core/linear/linear_solver.h"
 
 namespace elastin {
 namespace {
 
-using Block = Eigen::MatrixXd;  // columns are motions times √mass, 3n long
+using Block = MatrixX;  // columns are motions times √mass, 3n long
 
 constexpr int kDenseLimit = 450;  // directions of a body that is solved as a whole
 constexpr int kIterationLimit = 200;
 constexpr double kSteering = 0.1;  // how far the static solver goes in each step
 
-class Operator {
+class ScaledStiffness {
  public:
-  Operator(Model& model, const State& state)
+  ScaledStiffness(Model& model, const State& state)
       : model_(model), tangent_(model, state), root_(model.body().mass.cwiseSqrt()), solver_(make_pcg()) {
     find_rigid_motions(state.positions);
   }
@@ -58,7 +58,7 @@ class Operator {
       keep_free(model_.supports, free);
       block.col(c) = free.reshaped();
     }
-    if (rigid_.cols() > 0) block -= rigid_ * (rigid_.transpose() * block);
+    if (rigid_.cols() > 0) block -= product(rigid_, transposed_product(rigid_, block));
   }
 
   Positions motion(const VectorX& scaled) const {
@@ -86,21 +86,21 @@ class Operator {
       keep_free(model_.supports, free);
       held.col(c) -= free.reshaped();
     }
-    const Eigen::SelfAdjointEigenSolver<Block> moves(all.transpose() * all);
+    const SymmetricEigen moves = symmetric_eigen(transposed_product(all, all));
     rigid_.resize(3 * n, 0);
     Block basis(6, 0);
     for (int k = 0; k < 6; ++k)
-      if (moves.eigenvalues()[k] > 1e-10) {
+      if (moves.values[k] > 1e-10) {
         basis.conservativeResize(6, basis.cols() + 1);
-        basis.rightCols(1) = moves.eigenvectors().col(k) / std::sqrt(moves.eigenvalues()[k]);
+        basis.rightCols(1) = moves.vectors.col(k) / std::sqrt(moves.values[k]);
       }
-    const Block against = basis.transpose() * held.transpose() * held * basis;
-    const Eigen::SelfAdjointEigenSolver<Block> free(against);
+    const Block moved = product(held, basis), against = transposed_product(moved, moved);
+    const SymmetricEigen free = symmetric_eigen(against);
     double stiffest = 0;
     for (int i = 0; i < n; ++i) stiffest = std::max(stiffest, tangent_.diagonal(i).norm() / model_.body().mass[i]);
     for (Eigen::Index k = 0; k < against.cols(); ++k) {
-      if (free.eigenvalues()[k] > 1e-12) continue;
-      const Block motion = all * basis * free.eigenvectors().col(k);
+      if (free.values[k] > 1e-12) continue;
+      const Block motion = product(all, basis * free.vectors.col(k));
       if (apply(motion).norm() > 1e-9 * stiffest) continue;
       rigid_.conservativeResize(3 * n, rigid_.cols() + 1);
       rigid_.rightCols(1) = motion;
@@ -147,7 +147,7 @@ Block fixed_start(Eigen::Index rows, Eigen::Index columns) {
   return block;
 }
 
-void add_modes(const Operator& op, const VectorX& values, const Block& vectors, Eigen::Index count, double scale,
+void add_modes(const ScaledStiffness& op, const VectorX& values, const Block& vectors, Eigen::Index count, double scale,
                Vibrations& found) {
   found.frequencies.resize(count);
   for (Eigen::Index k = 0; k < count; ++k) {
@@ -157,20 +157,20 @@ void add_modes(const Operator& op, const VectorX& values, const Block& vectors, 
   }
 }
 
-void solve_whole(const Operator& op, int count, Vibrations& found) {
+void solve_whole(const ScaledStiffness& op, int count, Vibrations& found) {
   Block basis = Block::Identity(op.size(), op.size()), nothing;
   op.project(basis);
   Block none(op.size(), 0);
   orthonormalise(op.rigid(), none, basis, nothing);
-  const Block reduced = basis.transpose() * op.apply(basis);
-  const Eigen::SelfAdjointEigenSolver<Block> eigen((reduced + reduced.transpose()) / 2);
+  const Block reduced = transposed_product(basis, op.apply(basis));
+  const SymmetricEigen eigen = symmetric_eigen((reduced + reduced.transpose()) / 2);
   const Eigen::Index modes = std::min<Eigen::Index>(count, reduced.cols());
   if (modes == 0) return;
-  add_modes(op, eigen.eigenvalues(), basis * eigen.eigenvectors().leftCols(modes), modes,
-            eigen.eigenvalues().cwiseAbs().maxCoeff(), found);
+  add_modes(op, eigen.values, product(basis, eigen.vectors.leftCols(modes)), modes, eigen.values.cwiseAbs().maxCoeff(),
+            found);
 }
 
-void solve_by_blocks(const Operator& op, int count, double tolerance, Vibrations& found) {
+void solve_by_blocks(const ScaledStiffness& op, int count, double tolerance, Vibrations& found) {
   const Eigen::Index width = count + std::max(3, count / 2);
   Block x = fixed_start(op.size(), width), nothing, p(op.size(), 0), ap = p;
   op.project(x);
@@ -181,15 +181,15 @@ void solve_by_blocks(const Operator& op, int count, double tolerance, Vibrations
   Block ax = op.apply(x);
   VectorX values = VectorX::Zero(x.cols());
   const auto ritz = [&](const Block& s, const Block& as, Eigen::Index olds) {
-    const Block reduced = s.transpose() * as;
-    const Eigen::SelfAdjointEigenSolver<Block> eigen((reduced + reduced.transpose()) / 2);
-    const Block best = eigen.eigenvectors().leftCols(std::min(width, s.cols()));
-    values = eigen.eigenvalues().head(best.cols());
+    const Block reduced = transposed_product(s, as);
+    const SymmetricEigen eigen = symmetric_eigen((reduced + reduced.transpose()) / 2);
+    const Block best = eigen.vectors.leftCols(std::min(width, s.cols()));
+    values = eigen.values.head(best.cols());
     const Eigen::Index news = s.cols() - olds;
-    p = s.rightCols(news) * best.bottomRows(news);
-    ap = as.rightCols(news) * best.bottomRows(news);
-    x = s * best;
-    ax = as * best;
+    p = product(s.rightCols(news), best.bottomRows(news));
+    ap = product(as.rightCols(news), best.bottomRows(news));
+    x = product(s, best);
+    ax = product(as, best);
   };
   ritz(Block(x), Block(ax), x.cols());
   for (; found.iterations < kIterationLimit; ++found.iterations) {
@@ -227,7 +227,7 @@ void solve_by_blocks(const Operator& op, int count, double tolerance, Vibrations
 
 Vibrations find_vibrations(Model& model, const State& state, int count, double tolerance) {
   Vibrations found;
-  const Operator op(model, state);
+  const ScaledStiffness op(model, state);
   found.rigid_motions = static_cast<int>(op.rigid().cols());
   if (op.size() <= kDenseLimit)
     solve_whole(op, count, found);

@@ -1,12 +1,12 @@
 #include "lab/experiment/bubble.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <string>
 
+#include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/pressure.h"
 #include "elastin/core/forces/tension.h"
@@ -21,7 +21,7 @@ VectorX fit(const std::vector<double>& x, const std::vector<double>& values, int
   Eigen::MatrixXd powers(rows, terms);
   for (Eigen::Index row = 0; row < rows; ++row)
     for (int term = 0; term < terms; ++term) powers(row, term) = std::pow(x[static_cast<std::size_t>(row)], term);
-  return powers.colPivHouseholderQr().solve(Eigen::Map<const VectorX>(values.data(), rows));
+  return least_squares(powers, Eigen::Map<const VectorX>(values.data(), rows));
 }
 
 class Bubble final : public StaticProtocol {

@@ -1,9 +1,9 @@
 #include "lab/experiment/homogenisation.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "elastin/core/base/dense.h"
 #include "elastin/core/forces/tangent.h"
 #include "lab/experiment/driven.h"
 #include "lab/experiment/faces.h"
@@ -86,9 +86,9 @@ class Homogenisation final : public Driven {
   static void read_moduli(const Stiffness6& stiffness, Measures& measures) {
     measures.stiffness_matrix = stiffness;
     const Stiffness6 symmetric = (stiffness + stiffness.transpose()) / 2;
-    const VectorX eigenvalues = Eigen::SelfAdjointEigenSolver<Stiffness6>(symmetric).eigenvalues();
+    const VectorX eigenvalues = symmetric_eigenvalues(symmetric);
     if (eigenvalues.minCoeff() > 1e-9 * eigenvalues.maxCoeff()) {
-      const Stiffness6 compliance = symmetric.inverse();
+      const Stiffness6 compliance = inverse(symmetric);
       const IsotropicMeans means = isotropic_means(symmetric, compliance);
       measures.set("effective_modulus", means.youngs());
       measures.set("poissons_ratio", means.poissons_ratio());

@@ -1,12 +1,12 @@
 #include "lab/experiment/identification.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <unsupported/Eigen/NonLinearOptimization>
 #include <unsupported/Eigen/NumericalDiff>
 
+#include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/bending.h"
 #include "lab/experiment/load_path.h"
@@ -136,7 +136,7 @@ std::optional<VectorX> first_guess(const Identification& wanted, Curves& curves)
       for (int term = 0; term <= degree; ++term) powers(row, term) = std::pow(strain / wanted.up_to, term);
     }
     VectorX scaled = VectorX::Zero(wanted.degree + 1);
-    scaled.head(degree + 1) = powers.colPivHouseholderQr().solve(moduli);
+    scaled.head(degree + 1) = least_squares(powers, moduli);
     if (curves.misfits(scaled)) return scaled;
   }
   return std::nullopt;
@@ -147,7 +147,7 @@ std::vector<double> standard_errors(const Eigen::MatrixXd& jacobian, double squa
   const Eigen::Index spare = jacobian.rows() - jacobian.cols();
   if (spare <= 0) return {};
   const Eigen::MatrixXd covariance =
-      (jacobian.transpose() * jacobian).inverse() * (squares / static_cast<double>(spare));
+      inverse(transposed_product(jacobian, jacobian)) * (squares / static_cast<double>(spare));
   std::vector<double> errors;
   for (const double at : {0., 0.5, 1.}) {
     VectorX powers(jacobian.cols());

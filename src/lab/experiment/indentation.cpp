@@ -1,10 +1,10 @@
 #include "lab/experiment/indentation.h"
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 
 #include "contact/search.h"
+#include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "lab/experiment/contact_measures.h"
 #include "lab/experiment/faces.h"
@@ -102,7 +102,7 @@ class Indentation final : public StaticProtocol {
     if (!std::isfinite(first)) throw InputError("no molecule lies before the indenter: give `at`, a point on its axis");
     contact::Obstacle obstacle;
     obstacle.name = kIndenter;
-    obstacle.pose.turn = Eigen::Quaterniond::FromTwoVectors(-Vector3::UnitZ(), setup_.axis).toRotationMatrix();
+    obstacle.pose.turn = rotation_between(-Vector3::UnitZ(), setup_.axis);
     const double length = 4 * radius;
     if (sphere)
       obstacle.shape = contact::shape::Sphere{radius};

@@ -1,9 +1,9 @@
 #include "lab/experiment/sliding.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "lab/experiment/contact_measures.h"
 
@@ -66,7 +66,7 @@ class Sliding final : public TimedProtocol {
     if (find_obstacle(contact.obstacles, plane.name) >= 0)
       throw InputError("an obstacle is called 'floor' already: say floor: floor to slide on it");
     plane.shape = contact::shape::Plane{};
-    plane.pose.turn = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), setup.up).toRotationMatrix();
+    plane.pose.turn = rotation_between(Vector3::UnitZ(), setup.up);
     const VectorX height = body.rest.transpose() * setup.up;
     const double depth = 1e-6 * body.radius.mean();  // what touches nothing has no equilibrium to begin from
     plane.pose.position = ((height - reach).minCoeff() + depth) * setup.up;

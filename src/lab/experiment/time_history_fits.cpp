@@ -1,10 +1,11 @@
 #include "lab/experiment/time_history_fits.h"
 
-#include <Eigen/QR>
 #include <cmath>
 #include <functional>
 #include <numbers>
 #include <vector>
+
+#include "elastin/core/base/dense.h"
 
 namespace elastin::lab {
 namespace {
@@ -37,7 +38,7 @@ double least_of(const std::function<double(double)>& f, double low, double high,
 
 /// Coefficients of the columns that come nearest to the values, and the size of what is left.
 std::pair<VectorX, double> linear_fit(const Eigen::MatrixXd& columns, const VectorX& values) {
-  VectorX found = columns.colPivHouseholderQr().solve(values);
+  VectorX found = least_squares(columns, values);
   const double left = (columns * found - values).norm();
   return {std::move(found), left};
 }

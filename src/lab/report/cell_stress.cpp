@@ -1,11 +1,12 @@
 #include "lab/report/cell_stress.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <unordered_map>
+
+#include "elastin/core/base/dense.h"
 
 namespace elastin::lab {
 namespace {
@@ -101,7 +102,7 @@ std::vector<CellState> cell_states(const Body& body, const Positions& positions,
 }
 
 double largest_strain(const CellState& cell) {
-  const double largest = Eigen::SelfAdjointEigenSolver<Matrix3>(cell.strain, Eigen::EigenvaluesOnly).eigenvalues()[2];
+  const double largest = symmetric_eigenvalues3(cell.strain)[2];
   return std::sqrt(std::max(0., 1 + 2 * largest)) - 1;
 }
 

@@ -1,12 +1,11 @@
 #include "elastin/contact/contact.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
 
 #include "elastin/contact/surface_check.h"
+#include "elastin/core/base/dense.h"
 #include "elastin/mesh/mesh_file.h"
 #include "lab/scene/parts.h"
 
@@ -14,11 +13,7 @@ namespace elastin::lab {
 namespace {
 
 /// Turns z to a direction.
-Matrix3 turn_to(const Vector3& direction) {
-  return Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), direction).toRotationMatrix();
-}
-
-double read_length(Reader& reader, const char* key) { return reader.at(key).quantity(dimension::length, kPositive); }
+Matrix3 turn_to(const Vector3& direction) { return rotation_between(Vector3::UnitZ(), direction); }
 
 /// A shape in its own frame, and how it lies there.
 struct Form {
@@ -61,7 +56,7 @@ Form read_convex(Reader reader) {
   for (std::size_t i = 0; i < items.size(); ++i)
     convex.points.col(static_cast<Eigen::Index>(i)) = items[i].vector(dimension::length);
   const Positions centred = convex.points.colwise() - Vector3(convex.points.rowwise().mean());
-  const VectorX spread = Eigen::SelfAdjointEigenSolver<Matrix3>(centred * centred.transpose()).eigenvalues();
+  const VectorX spread = symmetric_eigenvalues3(Matrix3(centred * centred.transpose()));
   if (items.size() < 4 || !(spread[0] > 1e-12 * spread[2]))
     list.fail("a convex obstacle needs at least four points that do not lie in one plane");
   return {convex};

@@ -1,10 +1,10 @@
 #pragma once
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 #include "core/laws/membranes/curve_membrane.h"
 #include "core/laws/membranes/tension_field.h"
 #include "core/laws/solids/curve_size.h"
+#include "elastin/core/base/dense.h"
 #include "elastin/core/laws/cell_kernel.h"
 #include "elastin/core/laws/moduli.h"
 
@@ -75,9 +75,9 @@ struct Curve {
       double pressure;  ///< T_i = pressure + 2μ/E secant λ_i
 
       Present(const Solid& law, const Matrix3& A) {
-        const Eigen::SelfAdjointEigenSolver<Matrix3> solved(A);
-        axes = solved.eigenvectors();
-        const Vector3 change = solved.eigenvalues().cwiseMax(1e-14 - 1);
+        const SymmetricEigen3 solved = symmetric_eigen3(A);
+        axes = solved.vectors;
+        const Vector3 change = solved.values.cwiseMax(1e-14 - 1);
         stretch = (1 + change.array()).sqrt();
         const Vector3 strain = change.array() / (1 + stretch.array());
         const double t = strain.sum();

@@ -1,6 +1,5 @@
 #include "core/laws/springs/patch.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include "core/geometry/boundary.h"
 #include "core/model/incidence.h"
 #include "core/parallel/parallel.h"
+#include "elastin/core/base/dense.h"
 
 namespace elastin {
 namespace {
@@ -199,8 +199,7 @@ struct PatchTest {
         column << (connections.ends[c][0] == molecule ? 1 : -1) * tensor.col(c), weight[molecule] * share[c];
         own += column * column.transpose();
       }
-      const Eigen::SelfAdjointEigenSolver<decltype(own)> solver(own, Eigen::EigenvaluesOnly);
-      largest = std::max(largest, solver.eigenvalues()[kComponents]);
+      largest = std::max(largest, symmetric_eigenvalues(own)[kComponents]);
     }
     return 2 * largest;
   }

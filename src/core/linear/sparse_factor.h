@@ -1,0 +1,28 @@
+#pragma once
+#include <Eigen/SparseCore>
+#include <memory>
+
+#include "elastin/core/base/types.h"
+
+namespace elastin {
+
+/// L D Lᵀ of a symmetric sparse matrix, compiled once.
+class SparseFactor {
+ public:
+  SparseFactor();
+  explicit SparseFactor(const Eigen::SparseMatrix<double>& matrix);
+  ~SparseFactor();
+
+  void compute(const Eigen::SparseMatrix<double>& matrix);  ///< of its lower half
+
+  bool usable() const;          ///< whether no pivot was zero; nothing else may be asked where one was
+  int negative_pivots() const;  ///< as many as there are negative eigenvalues [Sylvester]
+  bool positive() const;        ///< whether it is usable and all pivots are
+  VectorX solve(const Eigen::Ref<const VectorX>& right) const;
+
+ private:
+  struct Ldlt;
+  std::unique_ptr<Ldlt> ldlt_;
+};
+
+}  // namespace elastin
