@@ -77,7 +77,7 @@ void add_shares(const CellGraph& graph, const Share& share, VectorX& values, Wor
       const auto [first, last, begin, end] = graph.range(number, ranges);
       for (int cell = first; cell < last; ++cell) {
         const int* c = connections + static_cast<std::ptrdiff_t>(cell) * sides;
-        if (std::none_of(c, c + sides, [begin, end](int at) { return begin <= at && at < end; })) continue;
+        if (std::none_of(c, c + sides, [from = begin, to = end](int at) { return from <= at && at < to; })) continue;
         const Eigen::Matrix<double, sides, 1> own = share(cell);
         for (int side = 0; side < sides; ++side)
           if (begin <= c[side] && c[side] < end) values[c[side]] += own[side];
@@ -95,38 +95,94 @@ void add_shares(const CellGraph& graph, const Share& share, VectorX& values, Wor
 }
 }  // namespace detail
 
-/// The one driver of every cell law. It owns the loops over the cells of one shape, where their nodes are, what is
-/// written where and by whom; the kernel (see CellKernel) is the law on one cell.
-template <LengthKernel Kernel>
-class CellElasticity final : public Elasticity {
-  using Shape = typename Kernel::Shape;
+/// The cells of one shape: where their nodes are, their sides, what they make of slopes once a law has given them.
+/// Nothing here knows a law.
+template <CellShape Shape>
+class CellBlock : public Elasticity {
+ public:
+  bool admissible(const Positions& positions) const override {
+    return detail::sum_over_cells(graph_.cells(), [&](int cell) { return is_inverted(positions, cell) ? 1. : 0.; }) ==
+           0;
+  }
+  void add_own_slopes(VectorX&) const override {}
+  bool coupled() const override { return true; }
+  void add_change(const VectorX& change_of_squared_lengths, VectorX& change_of_force_densities,
+                  Workspace& workspace) const override {
+    detail::add_shares<sides>(
+        graph_,
+        [&](int cell) -> SquaredLengths {
+          SquaredLengths all;
+          for (int side = 0; side < sides; ++side)
+            all[side] = change_of_squared_lengths[graph_.slot_connection[cell * sides + side]];
+          return slopes_[cell] * all;
+        },
+        change_of_force_densities, workspace);
+  }
+  void visit_cells(const CellVisitor& visit) const override {
+    if (!slopes_.empty()) visit({sides, graph_.slot_connection, slopes_.front().data()});
+  }
+
+ protected:
   static constexpr int nodes = Shape::nodes, sides = pairs_of(nodes);
   using SquaredLengths = CellVector<nodes>;
   using Slope = Eigen::Matrix<double, sides, sides, Eigen::RowMajor>;
 
+  explicit CellBlock(const Body& body) : body_(body), graph_(body.connections, Shape::in(body)) {}
+
+  NodePositions<nodes> positions_of(const Positions& positions, int cell) const {
+    const auto& at = Shape::in(body_)[static_cast<std::size_t>(cell)];
+    NodePositions<nodes> own;
+    for (int node = 0; node < nodes; ++node) own.col(node) = positions.col(at[static_cast<std::size_t>(node)]);
+    return own;
+  }
+  /// Lengths cannot tell a cell from its mirror image; volumes can.
+  bool is_inverted(const Positions& positions, int cell) const {
+    if constexpr (Shape::dimensions == 3)
+      return flat_or_inverted<Shape>(positions_of(positions, cell));
+    else
+      return false;
+  }
+  SquaredLengths squared_lengths(const Positions& positions, int cell) const {
+    const auto& at = Shape::in(body_)[static_cast<std::size_t>(cell)];
+    SquaredLengths s;
+    int side = 0;
+    for (std::size_t i = 0; i < nodes; ++i)
+      for (std::size_t j = i + 1; j < nodes; ++j)
+        s[side++] = (positions.col(at[j]) - positions.col(at[i])).squaredNorm();
+    return s;
+  }
+
+  const Body& body_;
+  CellGraph graph_;
+  std::vector<Slope> slopes_;
+};
+
+/// The one driver of every cell law. It owns the loops over the cells of one shape, what is written where and by whom;
+/// the kernel (see CellKernel) is the law on one cell.
+template <LengthKernel Kernel>
+class CellElasticity final : public CellBlock<typename Kernel::Shape> {
+  using Shape = typename Kernel::Shape;
+  using Block = CellBlock<Shape>;
+  using Block::graph_, Block::squared_lengths, Block::sides;
+  using typename Block::SquaredLengths;
+
  public:
-  CellElasticity(const Body& body, const Material& material, Kernel kernel)
-      : body_(body), kernel_(std::move(kernel)), graph_(body.connections, cells()) {
-    constants_.reserve(cells().size());
+  CellElasticity(const Body& body, const Material& material, Kernel kernel) : Block(body), kernel_(std::move(kernel)) {
+    constants_.reserve(static_cast<std::size_t>(graph_.cells()));
+    Material own = material;
     for (int cell = 0; cell < graph_.cells(); ++cell) {
-      Material own = material;
-      if (body.cell_stiffness.size()) own.youngs_modulus *= body.cell_stiffness[cell];
-      constants_.push_back(kernel_.constants(positions_of(body.rest, cell), own));
+      if (body.cell_stiffness.size()) own.youngs_modulus = material.youngs_modulus * body.cell_stiffness[cell];
+      constants_.push_back(kernel_.constants(this->positions_of(body.rest, cell), own));
     }
   }
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<CellElasticity>(*this); }
   bool has_energy() const override { return HasEnergy<Kernel>; }
 
-  bool admissible(const Positions& positions) const override {
-    return detail::sum_over_cells(graph_.cells(), [&](int cell) { return is_inverted(positions, cell) ? 1. : 0.; }) ==
-           0;
-  }
-
   double energy(const Positions& positions) const override {
     if constexpr (HasEnergy<Kernel>)
       return detail::sum_over_cells(graph_.cells(), [&](int cell) {
-        if (is_inverted(positions, cell)) return std::numeric_limits<double>::infinity();
+        if (this->is_inverted(positions, cell)) return std::numeric_limits<double>::infinity();
         return kernel_.energy(constants_[cell], squared_lengths(positions, cell));
       });
     else
@@ -152,64 +208,16 @@ class CellElasticity final : public Elasticity {
   }
 
   void linearise(const Positions& positions) override {
-    slopes_.resize(constants_.size());
+    this->slopes_.resize(constants_.size());
     detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
       for (int cell = begin; cell < end; ++cell)
-        slopes_[cell] = kernel_.slope(constants_[cell], squared_lengths(positions, cell));
+        this->slopes_[cell] = kernel_.slope(constants_[cell], squared_lengths(positions, cell));
     });
   }
 
-  void add_own_slopes(VectorX&) const override {}
-  bool coupled() const override { return true; }
-
-  void add_change(const VectorX& change_of_squared_lengths, VectorX& change_of_force_densities,
-                  Workspace& workspace) const override {
-    detail::add_shares<sides>(
-        graph_,
-        [&](int cell) -> SquaredLengths {
-          SquaredLengths all;
-          for (int side = 0; side < sides; ++side)
-            all[side] = change_of_squared_lengths[graph_.slot_connection[cell * sides + side]];
-          return slopes_[cell] * all;
-        },
-        change_of_force_densities, workspace);
-  }
-
-  void visit_cells(const CellVisitor& visit) const override {
-    if (!slopes_.empty()) visit({sides, graph_.slot_connection, slopes_.front().data()});
-  }
-
  private:
-  const auto& cells() const { return Shape::in(body_); }
-
-  NodePositions<nodes> positions_of(const Positions& positions, int cell) const {
-    NodePositions<nodes> own;
-    for (int node = 0; node < nodes; ++node) own.col(node) = positions.col(cells()[cell][node]);
-    return own;
-  }
-
-  /// Lengths cannot tell a cell from its mirror image; volumes can.
-  bool is_inverted(const Positions& positions, int cell) const {
-    if constexpr (Shape::dimensions == 3)
-      return flat_or_inverted<Shape>(positions_of(positions, cell));
-    else
-      return false;
-  }
-
-  SquaredLengths squared_lengths(const Positions& positions, int cell) const {
-    SquaredLengths s;
-    int side = 0;
-    for (int i = 0; i < nodes; ++i)
-      for (int j = i + 1; j < nodes; ++j)
-        s[side++] = (positions.col(cells()[cell][j]) - positions.col(cells()[cell][i])).squaredNorm();
-    return s;
-  }
-
-  const Body& body_;
   Kernel kernel_;
-  CellGraph graph_;
   std::vector<typename Kernel::Constants> constants_;
-  std::vector<Slope> slopes_;
 };
 
 /// A law that sees C on all cells of a body that have these dimensions, whatever their shapes. The body must outlive
