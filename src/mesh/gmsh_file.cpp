@@ -9,7 +9,7 @@ namespace {
 
 // The MSH file format, versions 2.2 and 4.1: Gmsh reference manual, chapter "File formats". The names say what Gmsh
 // counts.
-constexpr CellType cell_types[] = {
+constexpr CellType gmsh_cell_types[] = {
     {1, CellKind::line, 2, "line"},
     {2, CellKind::triangle, 3, "triangle"},
     {3, CellKind::refused, 4, "quadrangle"},
@@ -167,7 +167,7 @@ void read_points_41(Cursor& in, const Format& format, Tags& tags, MeshBuilder& m
 /// Reads the corners of one cell, which started at `at`, and adds it.
 void read_cell(Cursor& in, std::size_t at, long long name, long long code, NumberType width, const Tags& tags,
                MeshBuilder& mesh) {
-  const CellType& type = find_cell_type(cell_types, code);
+  const CellType& type = find_cell_type(gmsh_cell_types, code);
   const auto cell = [&] { return "cell " + std::to_string(name); };
   if (type.kind == CellKind::refused) in.fail(at, cell() + refusal(type, code));
   std::array<int, 4> corners{};

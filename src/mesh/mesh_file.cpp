@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "mesh/mesh_formats.h"
 
 namespace elastin::mesh {
@@ -21,16 +22,6 @@ double longest_side(std::span<const Vector3> corners) {
   for (std::size_t a = 0; a < corners.size(); ++a)
     for (std::size_t b = 0; b < a; ++b) longest = std::max(longest, (corners[a] - corners[b]).norm());
   return longest;
-}
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
-std::string counted(std::size_t count, const std::string& name) {
-  return std::to_string(count) + " " + name + (count == 1 ? "" : "s");
 }
 
 /// "a, b and c left out"; "" for an empty list.
@@ -99,8 +90,8 @@ std::string MeshBuilder::add_triangle(const std::array<int, 3>& corners) {
   const double longest = longest_side(x);
   triangles_.push_back(corners);
   if (area > flat * longest * longest) return "";
-  return " is a flat triangle: its area " + number(area) + " is not above 1e-12 of its longest side (" +
-         number(longest) + ") squared; remove it, or mesh again";
+  return " is a flat triangle: its area " + number(area, 3) + " is not above 1e-12 of its longest side (" +
+         number(longest, 3) + ") squared; remove it, or mesh again";
 }
 
 std::string MeshBuilder::add_tetrahedron(std::array<int, 4> corners) {
@@ -115,8 +106,8 @@ std::string MeshBuilder::add_tetrahedron(std::array<int, 4> corners) {
   if (volume < 0) std::swap(corners[2], corners[3]);
   tetrahedra_.push_back(corners);
   if (std::abs(volume) > flat * longest * longest * longest) return "";
-  return " is a flat tetrahedron: its volume " + number(std::abs(volume)) +
-         " is not above 1e-12 of its longest side (" + number(longest) + ") cubed; remove it, or mesh again";
+  return " is a flat tetrahedron: its volume " + number(std::abs(volume), 3) +
+         " is not above 1e-12 of its longest side (" + number(longest, 3) + ") cubed; remove it, or mesh again";
 }
 
 Mesh MeshBuilder::finish(const std::string& path) const {

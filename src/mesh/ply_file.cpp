@@ -64,7 +64,7 @@ Property read_property(Cursor& in) {
   return property;
 }
 
-void read_format(Cursor& in, Header& header) {
+void read_ply_format(Cursor& in, Header& header) {
   in.expect("format");
   const std::string_view word = in.word("ascii, binary_little_endian or binary_big_endian");
   const bool big = word == "binary_big_endian";
@@ -78,7 +78,7 @@ void read_format(Cursor& in, Header& header) {
 Header read_header(Cursor& in) {
   Header header;
   in.expect("ply");
-  read_format(in, header);
+  read_ply_format(in, header);
   for (;;) {
     const std::string_view word = in.word("element, property or end_header");
     const std::size_t at = in.at() - word.size();

@@ -1,22 +1,17 @@
 #include "elastin/core/base/table.h"
 
 #include <cmath>
-#include <cstdio>
+
+#include "elastin/core/base/text.h"
 
 namespace elastin {
 namespace {
 
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%g", value);
-  return buffer;
-}
-
 /// "at least 0 and at most 1 Pa"
 std::string range_text(const ParameterInfo& info) {
   std::string range;
-  if (std::isfinite(info.low)) range = (info.above_low ? "above " : "at least ") + text(info.low);
-  if (std::isfinite(info.high)) range += (range.empty() ? "at most " : " and at most ") + text(info.high);
+  if (std::isfinite(info.low)) range = (info.above_low ? "above " : "at least ") + number(info.low);
+  if (std::isfinite(info.high)) range += (range.empty() ? "at most " : " and at most ") + number(info.high);
   if (range.empty()) range = "a finite number";
   const std::string unit = si_unit(info.unit);
   return range + (unit.empty() ? "" : " ") + unit;
@@ -51,7 +46,7 @@ const ParameterInfo& checked_parameter(const std::string& owner, const std::vect
     const bool whole = info.kind == ValueKind::whole,
                low_enough = info.above_low ? value > info.low : value >= info.low;
     if (low_enough && value <= info.high && (!whole || value == std::floor(value))) return info;
-    throw InputError(owner + "." + name + ": " + text(value) + " is out of range: it must be " +
+    throw InputError(owner + "." + name + ": " + number(value) + " is out of range: it must be " +
                      (whole ? "whole, " : "") + range_text(info) + " (" + info.text + ")");
   }
   if (names.empty()) throw InputError("'" + name + "': " + owner + " takes no parameters");

@@ -6,17 +6,12 @@
 #include <string>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/shapes/surfaces.h"
 
 namespace elastin {
 namespace {
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
 
 std::string row(const char* array, std::size_t index) { return std::string(array) + "[" + std::to_string(index) + "]"; }
 
@@ -35,7 +30,7 @@ void check_numbers(const char* array, const std::vector<std::array<int, corners>
 }
 
 /// Nothing given is fine.
-void check_positive(const char* array, const VectorX& values, std::size_t count, const char* each, const char* unit) {
+void check_array(const char* array, const VectorX& values, std::size_t count, const char* each, const char* unit) {
   if (values.size() == 0) return;
   if (static_cast<std::size_t>(values.size()) != count)
     throw InputError(std::string(array) + ": has " + std::to_string(values.size()) +
@@ -76,7 +71,7 @@ void set_connections(const BodyArrays& arrays, Body& body) {
   }
   auto& lengths = body.connections.rest_length;
   const auto proper = static_cast<std::size_t>(body.connections.proper());
-  check_positive("rest_lengths", arrays.rest_lengths, proper, "connection", "m");
+  check_array("rest_lengths", arrays.rest_lengths, proper, "connection", "m");
   std::copy(arrays.rest_lengths.begin(), arrays.rest_lengths.end(), lengths.begin());
   const auto none = std::find_if(lengths.begin(), lengths.end(), [](double length) { return !(length > 0); });
   if (none != lengths.end())
@@ -92,8 +87,8 @@ Body make_body(const BodyArrays& arrays) {
   check_numbers("connections", arrays.connections, molecules);
   check_numbers("triangles", arrays.triangles, molecules);
   check_numbers("tetrahedra", arrays.tetrahedra, molecules);
-  check_positive("masses", arrays.masses, static_cast<std::size_t>(molecules), "molecule", "kg");
-  check_positive("radii", arrays.radii, static_cast<std::size_t>(molecules), "molecule", "m");
+  check_array("masses", arrays.masses, static_cast<std::size_t>(molecules), "molecule", "kg");
+  check_array("radii", arrays.radii, static_cast<std::size_t>(molecules), "molecule", "m");
   Body body;
   body.rest = arrays.positions;
   set_cells(arrays, body);
@@ -103,8 +98,8 @@ Body make_body(const BodyArrays& arrays) {
                arrays.radii.size() ? std::optional(arrays.radii.mean()) : std::nullopt);
   if (arrays.masses.size()) body.mass = arrays.masses;
   if (arrays.radii.size()) body.radius = arrays.radii;
-  check_positive("masses", body.mass, static_cast<std::size_t>(molecules), "molecule",
-                 "kg (from density, thickness and the cells that the molecule belongs to)");
+  check_array("masses", body.mass, static_cast<std::size_t>(molecules), "molecule",
+              "kg (from density, thickness and the cells that the molecule belongs to)");
   return body;
 }
 

@@ -6,6 +6,7 @@
 #include "core/simulation/host_loads.h"
 #include "core/simulation/simulation_impl.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 
 namespace elastin {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -10,17 +9,11 @@
 #include "core/simulation/simulation_impl.h"
 #include "core/simulation/tensions.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/simulation/fibres.h"
 #include "elastin/core/simulation/parts.h"
 
 namespace elastin {
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
-
 namespace {
 
 void check(const Body& body, const SimulationOptions& options) {

@@ -11,9 +11,6 @@
 
 namespace elastin {
 
-/// As messages write it.
-std::string number(double value);
-
 struct Simulation::Impl {
   Impl(Body a_body, SimulationOptions some_options);
 

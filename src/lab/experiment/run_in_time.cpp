@@ -7,6 +7,7 @@
 
 #include "core/model/visit_state.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/solve/energies.h"
 #include "elastin/lab/experiment/protocol.h"
 #include "lab/experiment/contact_measures.h"
@@ -18,12 +19,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
 
 double largest_strain(const Model& model, const State& state) {
   const Connections& connections = model.body().connections;
@@ -76,14 +71,15 @@ class TimedRun {
     const TimeOptions& time = *options_.time;
     const double critical = control_.memory.critical;
     if (time.choice == StepChoice::fixed && critical > 0 && time.step > critical)
-      run_.warnings.push_back("a step of " + number(time.step) + " s is longer than the longest stable one, " +
-                              number(critical) + " s");
+      run_.warnings.push_back("a step of " + number(time.step, 4) + " s is longer than the longest stable one, " +
+                              number(critical, 4) + " s");
     if (run_.curve.empty()) keep_row({});
     keep_snapshot();
     const double first = state_.time;
     const int first_step = control_.memory.steps, first_frame = frame_;
     while (frame_ < time.frames && run_.outcome == Outcome::converged) {
-      if (options_.progress) options_.progress("t = " + number(state_.time) + " s of " + number(time.duration) + " s");
+      if (options_.progress)
+        options_.progress("t = " + number(state_.time, 4) + " s of " + number(time.duration, 4) + " s");
       if (!advance_frame(time.duration * (frame_ + 1) / time.frames)) break;
       ++frame_;
       keep_snapshot();
@@ -117,10 +113,10 @@ class TimedRun {
 
   void fail(Outcome outcome, const std::string& cause) {
     run_.outcome = outcome;
-    run_.cause = cause + " (at t = " + number(state_.time) + " s, after " + std::to_string(control_.memory.steps) +
-                 " steps of at most " + number(control_.memory.last) + " s" +
+    run_.cause = cause + " (at t = " + number(state_.time, 4) + " s, after " + std::to_string(control_.memory.steps) +
+                 " steps of at most " + number(control_.memory.last, 4) + " s" +
                  (control_.memory.critical > 0 && std::isfinite(control_.memory.critical)
-                      ? "; the longest stable one was " + number(control_.memory.critical) + " s"
+                      ? "; the longest stable one was " + number(control_.memory.critical, 4) + " s"
                       : "") +
                  ")";
   }
@@ -161,8 +157,8 @@ class TimedRun {
     const double available = first.get("kinetic_energy") + first.get("energy") + released + std::abs(e.work);
     m.set("energy_balance", change);
     if (!(change > 10 * available) || !(e.kinetic + e.elastic > 100 * available)) return true;
-    fail(Outcome::diverged, "the steps make energy from nothing: " + number(e.kinetic + e.elastic) + " J where " +
-                                number(available) + " J were there");
+    fail(Outcome::diverged, "the steps make energy from nothing: " + number(e.kinetic + e.elastic, 4) + " J where " +
+                                number(available, 4) + " J were there");
     return false;
   }
 
@@ -178,7 +174,7 @@ class TimedRun {
     if (options_.checkpoint) save();
     run_.outcome = Outcome::interrupted;
     run_.cause = "stopped after frame " + std::to_string(frame_) + " of " + std::to_string(options_.time->frames) +
-                 ", at t = " + number(state_.time) + " s";
+                 ", at t = " + number(state_.time, 4) + " s";
   }
 
   static void wait(Clock::time_point start, double seconds) {

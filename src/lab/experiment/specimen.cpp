@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/laws/springs/voronoi.h"
+#include "elastin/core/base/text.h"
 #include "elastin/core/forces/volume.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/shapes/surfaces.h"
@@ -30,10 +31,6 @@ class Stopwatch {
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
-
-std::string counted(int count, const std::string& singular, const std::string& plural) {
-  return std::to_string(count) + " " + (count == 1 ? singular : plural);
-}
 
 void note_negative_constants(Run& run) {
   const int negative = static_cast<int>((run.constants.array() < 0).count());

@@ -17,7 +17,7 @@ constexpr const char* kSpared[] = {"iterations", "build",      "median",  "least
                                    "unsuited",   "mechanisms", "threads", "on",    "source", "neighbours inside",
                                    "difference"};
 /// Text is not made narrower than this, so that it can still be read.
-constexpr std::size_t kNarrow = 12;
+constexpr std::size_t kNarrowest = 12;
 
 bool is_right(const std::vector<std::vector<TableCell>>& rows, std::size_t column) {
   return std::any_of(rows.begin(), rows.end(),
@@ -61,7 +61,7 @@ bool narrow(Layout& layout, const std::vector<char>& right, std::size_t room, co
 Layout layout_of(const std::vector<std::string>& head, const std::vector<std::vector<TableCell>>& rows,
                  std::size_t room) {
   Layout layout;
-  std::vector<std::size_t> of_rows(head.size()), words(head.size(), kNarrow), readable_words;
+  std::vector<std::size_t> of_rows(head.size()), words(head.size(), kNarrowest), readable_words;
   std::vector<char> right;
   for (std::size_t column = 0; column < head.size(); ++column) {
     for (const auto& row : rows)
@@ -76,7 +76,7 @@ Layout layout_of(const std::vector<std::string>& head, const std::vector<std::ve
   if (room == 0 || layout.total() <= room) return layout;
   for (std::size_t column = 0; column < head.size(); ++column)
     layout.width[column] = std::max(of_rows[column], longest_word(head[column]));
-  for (const std::size_t word : words) readable_words.push_back(std::max(word, 2 * kNarrow));
+  for (const std::size_t word : words) readable_words.push_back(std::max(word, 2 * kNarrowest));
   while (layout.total() > room && narrow(layout, right, room, readable_words)) {
   }
   for (const char* spared : kSpared)
@@ -84,7 +84,7 @@ Layout layout_of(const std::vector<std::string>& head, const std::vector<std::ve
       std::erase_if(layout.columns, [&](std::size_t column) { return column > 0 && head[column] == spared; });
   while (layout.total() > room && narrow(layout, right, room, words)) {
   }
-  const std::vector<std::size_t> least(head.size(), kNarrow);  // then words are broken
+  const std::vector<std::size_t> least(head.size(), kNarrowest);  // then words are broken
   while (layout.total() > room && narrow(layout, right, room, least)) {
   }
   while (layout.total() > room && layout.columns.size() > 1) layout.columns.pop_back();
@@ -201,10 +201,6 @@ std::string percent(double ratio) {
   if (size < 5e-5) return "0.0000 %";
   if (size >= 1e6) return fmt::format("{:+.1e} %", 100 * ratio);
   return fmt::format("{:+.{}f} %", 100 * ratio, size < 0.01 ? 4 : size < 1 ? 3 : size < 100 ? 2 : 0);
-}
-
-std::string counted(int count, const std::string& singular, const std::string& plural) {
-  return fmt::format("{} {}", count, count == 1 ? singular : plural.empty() ? singular + "s" : plural);
 }
 
 std::string readable_seconds(double seconds) {

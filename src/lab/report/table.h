@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "elastin/core/base/text.h"
 #include "elastin/core/base/units.h"
 #include "lab/report/records.h"
 
@@ -49,9 +50,6 @@ std::string readable(double value, const MeasureInfo& measure, int digits = 5);
 
 /// "+0.02 %" with as many digits as the size asks for; "" for NaN.
 std::string percent(double ratio);
-
-/// "1 connection", "2 connections"; `plural` is needed only where it does not end in an s of its own.
-std::string counted(int count, const std::string& singular, const std::string& plural = "");
 
 /// "120 µs", "1.2 ms", "3.40 s"
 std::string readable_seconds(double seconds);

@@ -28,7 +28,7 @@ std::string first_few(const List& list, Name name) {
   return text;
 }
 
-std::string number(int value) { return std::to_string(value); }
+std::string digits(int value) { return std::to_string(value); }
 
 void add_line(std::string& out, const std::string& name, const std::string& text) {
   out += fmt::format("  {:<22}{}\n", name, text);
@@ -62,8 +62,8 @@ void add_shape(std::string& out, const Body& body) {
   if (body.connections.cell_sides > 0)
     add_line(out, "sides of cells only",
              fmt::format("{} more; only strategies that work on cells use them", body.connections.cell_sides));
-  if (!body.tetrahedra.empty()) add_line(out, "tetrahedra", number(static_cast<int>(body.tetrahedra.size())));
-  if (!body.triangles.empty()) add_line(out, "triangles", number(static_cast<int>(body.triangles.size())));
+  if (!body.tetrahedra.empty()) add_line(out, "tetrahedra", digits(static_cast<int>(body.tetrahedra.size())));
+  if (!body.triangles.empty()) add_line(out, "triangles", digits(static_cast<int>(body.triangles.size())));
 }
 
 /// Names pieces and faults; returns whether there are none.
@@ -84,17 +84,17 @@ bool add_faults(std::string& out, const Body& body, const std::string& name) {
     for (const auto& [piece, molecules] : members)
       if (molecules.size() > 1 && ++shown <= 8)
         add_line(out, "",
-                 fmt::format("piece {}: {} molecules: {}", piece, molecules.size(), first_few(molecules, number)));
+                 fmt::format("piece {}: {} molecules: {}", piece, molecules.size(), first_few(molecules, digits)));
   }
   const auto name_fault = [&](const char* title, const std::vector<int>& list, const auto& words) {
     if (!list.empty()) add_line(out, title, fmt::format("{}: {}", list.size(), first_few(list, words)));
   };
-  name_fault("ISOLATED MOLECULES", findings.isolated_molecules, number);
+  name_fault("ISOLATED MOLECULES", findings.isolated_molecules, digits);
   name_fault("NO LENGTH", findings.zero_length_connections, pair_name);
   name_fault("DUPLICATE CONNECTIONS", findings.duplicate_connections, pair_name);
-  name_fault("FLAT CELLS", findings.flat_or_inverted_cells, number);
+  name_fault("FLAT CELLS", findings.flat_or_inverted_cells, digits);
   const std::vector<int> flat = flat_triangles(body, body.rest);
-  name_fault("FLAT TRIANGLES", flat, number);
+  name_fault("FLAT TRIANGLES", flat, digits);
   return findings.pieces == 1 && findings.zero_length_connections.empty() && findings.duplicate_connections.empty() &&
          findings.flat_or_inverted_cells.empty() && flat.empty();
 }
@@ -137,7 +137,7 @@ void add_modes(std::string& out, Scene& scene) {
   std::vector<char> stiff(static_cast<std::size_t>(connections.size()), 0);
   std::fill_n(stiff.begin(), connections.proper(), 1);
   const ModeReport report = find_modes_in_parts(scene.specimen.body, model.supports, stiff);
-  add_line(out, "fixed molecules", number(static_cast<int>(model.supports.size())));
+  add_line(out, "fixed molecules", digits(static_cast<int>(model.supports.size())));
   add_line(out, "free rigid motions",
            fmt::format("{}{}", report.rigid_motions, report.rigid_motions ? " (left by the grips; no mechanism)" : ""));
   if (report.zero_energy_modes == 0 && report.counted) return add_line(out, "zero-energy modes", "0");

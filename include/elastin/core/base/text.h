@@ -1,0 +1,13 @@
+#pragma once
+#include <cstddef>
+#include <string>
+
+namespace elastin {
+
+/// A number as people write it, with at most so many digits: "0.25", "1e+06".
+std::string number(double value, int digits = 6);
+
+/// "1 molecule", "3 molecules"; a plural that is more than an s is given.
+std::string counted(std::ptrdiff_t count, const std::string& singular, const std::string& plural = "");
+
+}  // namespace elastin
