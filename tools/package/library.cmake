@@ -7,4 +7,10 @@ function(elastin_library name)
   target_include_directories(elastin_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
                              PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(elastin_${name} PRIVATE $<BUILD_INTERFACE:elastin_options>)
+  # A room is compiled as one: what its files name for themselves alone, they name once in the room.
+  set_target_properties(elastin_${name} PROPERTIES UNITY_BUILD_MODE GROUP)
+  foreach(source ${ARGN})
+    string(REGEX MATCH "^${CMAKE_CURRENT_SOURCE_DIR}/([^/]*)/" folder "${source}")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP "${name}_${CMAKE_MATCH_1}")
+  endforeach()
 endfunction()

@@ -13,10 +13,10 @@ struct Pose {
   Vector3 position = Vector3::Zero();  ///< [m]
   Vector3 velocity = Vector3::Zero();  ///< of its own origin [m/s]
   Vector3 spin = Vector3::Zero();      ///< [1/s]
-  Vector3 to_world(const Vector3& own) const { return turn * own + position; }
-  Vector3 to_own(const Vector3& world) const { return turn.transpose() * (world - position); }
+  Vector3 to_world(const Vector3& own) const;
+  Vector3 to_own(const Vector3& world) const;
   /// Of the material point that is there now [m/s].
-  Vector3 velocity_at(const Vector3& world) const { return velocity + spin.cross(world - position); }
+  Vector3 velocity_at(const Vector3& world) const;
 };
 
 /// Shapes of obstacles, each in its own frame. All are solid: what is inside is pushed out.

@@ -10,14 +10,14 @@
 namespace elastin {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr Dimension kRate{0, 0, -1};
 
 bool never_at_rest(const LoadValues&) { return false; }
 
 ParameterInfo vector(const char* name, const Dimension& unit, const char* text) {
-  return {name, unit, -kInfinity, kInfinity, kNone, text, false, ValueKind::vector, true};
+  return {name, unit, -kUnlimited, kUnlimited, kNone, text, false, ValueKind::vector, true};
 }
 
 ParameterInfo direction(const char* name, const char* text) {
@@ -26,7 +26,7 @@ ParameterInfo direction(const char* name, const char* text) {
 
 /// A number of at least 0.
 ParameterInfo amount(const char* name, const Dimension& unit, const char* text, double fallback) {
-  return {name, unit, 0, kInfinity, fallback, text};
+  return {name, unit, 0, kUnlimited, fallback, text};
 }
 
 ParameterInfo required(const char* name, const Dimension& unit, const char* text) {
@@ -81,7 +81,7 @@ LoadKind gravity() {
 LoadKind point() {
   LoadKind load{{"point", "the same dead force on each of some molecules", "", {}}};
   load.parameters = {
-      {"molecules", dimension::none, 0, kInfinity, kNone, "on which it acts", false, ValueKind::molecules, true},
+      {"molecules", dimension::none, 0, kUnlimited, kNone, "on which it acts", false, ValueKind::molecules, true},
       vector("force", dimension::force, "on each of them")};
   load.add = [](Model& model, const LoadValues& values, const Material*) {
     const std::vector<int>& molecules = values.molecules.at("molecules");
@@ -94,7 +94,7 @@ LoadKind point() {
 LoadKind pressure() {
   LoadKind load{{"pressure", "along the present normals of all triangles, on their present area", "", {}}};
   load.parameters = {required("pressure", dimension::pressure, "over that on the other side; may be negative")};
-  load.parameters.front().low = -kInfinity;
+  load.parameters.front().low = -kUnlimited;
   load.check = [](const Body& body, const LoadValues& values) {
     make_pressure(body, constant_pressure(values.numbers.at("pressure")));
   };

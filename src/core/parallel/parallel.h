@@ -10,6 +10,8 @@ namespace elastin {
 
 /// Below this many items a loop stays on one thread: waking the others costs more than they give.
 inline constexpr int kParallelThreshold = 50000;
+/// The same of passes over molecules, of which each costs as much as some ten connections.
+inline constexpr int kMoleculeThreshold = kParallelThreshold / 10;
 
 /// Items in one block of an ordered sum. Fixed, so that the order of additions never depends on the thread count.
 inline constexpr int kSumBlock = 1024;

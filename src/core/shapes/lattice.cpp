@@ -62,8 +62,8 @@ void add_body_centred(const std::array<int, 3>& cubes, Body& body) {
 }  // namespace
 
 Body cubic_lattice(const std::array<int, 3>& molecules, double spacing, const CubicPattern& pattern) {
-  const auto [nx, ny, nz] = molecules;
-  const auto index = [nx = nx, ny = ny](int x, int y, int z) { return x + nx * (y + ny * z); };
+  const int nx = molecules[0], ny = molecules[1], nz = molecules[2];
+  const auto index = [nx, ny](int x, int y, int z) { return x + nx * (y + ny * z); };
   const auto inside = [&](int x, int y, int z) { return x >= 0 && x < nx && y >= 0 && y < ny && z >= 0 && z < nz; };
   std::vector<Eigen::Vector3i> offsets;
   for (const auto& [wanted, nonzero] : {std::pair{pattern.axis, 1}, {pattern.face, 2}, {pattern.space, 3}})

@@ -33,6 +33,8 @@ Body read_fill(Reader reader, VectorX& volumes, Remarks remarks);
 Body read_surface(const std::string& shape, Reader reader);
 /// A number in the range of a parameter, SI.
 double read_parameter(const Reader& reader, const ParameterInfo& info);
+/// A length above 0 [m].
+double read_length(Reader& reader, const char* key);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
 /// {vary: [{KEY.PATH: [value, …], …}, …], repeats: 5, threads: [1, 2], own_reference: STRATEGY}
 Study read_study(Reader reader, const std::vector<StrategyChoice>& known);

@@ -8,8 +8,6 @@ namespace {
 /// More parts than this along a line is a slip of the pen, not a scene.
 constexpr int kMaxDivisions = 4000;
 
-double read_length(Reader& reader, const char* key) { return reader.at(key).quantity(dimension::length, kPositive); }
-
 Body read_sphere(Reader& reader, bool octant) {
   const double radius = read_length(reader, "radius");
   std::vector<std::pair<std::string, SphereMesh>> meshes{{"type_1", SphereMesh::type_1},

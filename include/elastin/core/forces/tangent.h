@@ -81,7 +81,10 @@ class Tangent {
 
   Matrix3 link_block(int connection) const {
     const auto [d, density, slope] = link(connection);
-    return density * Matrix3::Identity() + slope * d * d.transpose();
+    Matrix3 block;
+    for (int column = 0; column < 3; ++column)
+      for (int row = 0; row < 3; ++row) block(row, column) = slope * d[row] * d[column] + (row == column ? density : 0);
+    return block;
   }
   void apply_links(const Positions& motion, Positions& result, ApplyWorkspace& workspace) const;
   void visit_local_blocks(const BlockVisitor& visit) const;
