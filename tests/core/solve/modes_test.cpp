@@ -1,6 +1,6 @@
 #include "elastin/core/solve/modes.h"
 
-#include <Eigen/SVD>
+#include <Eigen/QR>
 #include <catch2/catch.hpp>
 #include <random>
 
@@ -36,8 +36,8 @@ Dense count_densely(const Body& body, const std::vector<Support>& supports) {
   for (std::size_t i = 0; i < rows.size(); ++i) matrix.row(static_cast<Eigen::Index>(i)) = rows[i];
   const auto rank = [](const Eigen::MatrixXd& m) {
     if (m.rows() == 0) return 0;
-    Eigen::BDCSVD<Eigen::MatrixXd> svd(m);
-    return static_cast<int>((svd.singularValues().array() > 1e-7).count());
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(m);
+    return static_cast<int>(qr.setThreshold(1e-7).rank());
   };
   Eigen::MatrixXd rigid(3 * n, 6);
   for (int i = 0; i < n; ++i) {

@@ -1,9 +1,9 @@
 #include "elastin/core/solve/vibrations.h"
 
-#include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "elastin/core/base/dense.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/simulation/catalog.h"
 #include "support/bodies.h"
@@ -36,7 +36,7 @@ VectorX dense_frequencies(Model& model, int skipped) {
   const VectorX root = model.body().mass.transpose().replicate(3, 1).reshaped().cwiseSqrt();
   const VectorX inverse = root.cwiseInverse();
   const Eigen::MatrixXd scaled = inverse.asDiagonal() * stiffness * inverse.asDiagonal();
-  const VectorX values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues();
+  const VectorX values = symmetric_eigenvalues(scaled);
   return values.tail(size - skipped).cwiseSqrt() / (2 * M_PI);
 }
 

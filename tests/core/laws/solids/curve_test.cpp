@@ -1,10 +1,10 @@
 #include "core/laws/solids/curve.h"
 
-#include <Eigen/SVD>
 #include <catch2/catch.hpp>
 #include <random>
 
 #include "core/laws/solids/fibre.h"
+#include "elastin/core/base/dense.h"
 #include "elastin/core/shapes/simplices.h"
 
 using namespace elastin;
@@ -133,8 +133,10 @@ TEST_CASE("curve: straight, it is Hooke's law in the frame that turns with the c
   std::mt19937_64 generator(4);
   for (int trial = 0; trial < 50; ++trial) {
     const Matrix3 F = turn() * (Matrix3::Identity() + 0.3 * random_matrix(generator));
-    const Eigen::JacobiSVD<Matrix3> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const Matrix3 R = svd.matrixU() * svd.matrixV().transpose(), strain = R.transpose() * F - Matrix3::Identity();
+    const SymmetricEigen3 squares = symmetric_eigen3(F.transpose() * F);  // R = F (FᵀF)^-½
+    const Matrix3 inverse =
+        squares.vectors * squares.values.cwiseSqrt().cwiseInverse().asDiagonal() * squares.vectors.transpose();
+    const Matrix3 R = F * inverse, strain = R.transpose() * F - Matrix3::Identity();
     const Matrix3 P = R * (lambda * strain.trace() * Matrix3::Identity() + 2 * mu * strain);
     CHECK((nominal_stress<CurveSolid>(k, F) - P).norm() < 1e-10 * P.norm());
   }
