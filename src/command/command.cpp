@@ -5,9 +5,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
+#include <new>
 #include <string_view>
 
 #include "elastin/contact/overlaps.h"
@@ -248,7 +251,13 @@ int run_command(int argc, const char* const* argv, const Catalog& catalog) {
       fmt::print(stderr, "{}: {}\n", name, unknown);
       return 2;
     }
-    return run_chosen(commands, options, catalog);
+    const int code = run_chosen(commands, options, catalog);
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
+    fmt::print(stderr, "{}: standard output could not be written: {}\n", name, std::strerror(errno));
+    return 2;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "{}: there is not enough memory for this body\n", name);
+    return 2;
   } catch (const InputError& error) {
     fmt::print(stderr, "{}: {}\n", name, error.what());
     return 2;

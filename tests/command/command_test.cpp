@@ -207,6 +207,14 @@ TEST_CASE("the option --json - gives JSON and nothing else", "[command]") {
   CHECK(json["runs"][7]["zero_energy_modes"] == 12);
 }
 
+TEST_CASE("output that cannot be written is an error", "[command]") {
+  for (const std::string& arguments : {std::string("list"), "run '" + kTension + "table1-a.yaml' --json -"}) {
+    const Said said = say("--version; (" ELASTIN_COMMAND " " + arguments + " > /dev/full)");
+    CHECK(said.code == 2);
+    CHECK_THAT(said.err, Catch::Contains("standard output could not be written"));
+  }
+}
+
 TEST_CASE("the option --json FILE and --quiet print nothing", "[command]") {
   const TemporaryFolder folder;
   const std::string cube = folder.write("cube.yaml", kCube), file = folder.path("runs.json");

@@ -98,6 +98,7 @@ StaticResponse static_response(Model& model, const Positions& at, const Position
   result.newton_iterations = 1;
   result.linear_iterations = linear.iterations;
   const double size = ordered_norm(rhs);
+  result.scale = size + supported;
   result.residual = size > 0 ? linear.residual * size / (size + supported) : 0;
   result.unstable = linear.negative_modes > 0 || linear.status == LinearStatus::negative_mode;
   // An indefinite stiffness still has its one answer, which a factorisation finds and iterations do not.

@@ -15,6 +15,8 @@ class DrivenRig final : public StaticRig {
       held_.model.supports[i].displacement = driven_.displacement(i, factor);
   }
 
+  double longest_step() const override { return driven_.longest_step(); }
+
   void set_load_rate(double rate) override {
     for (std::size_t i = 0; i < driven_.fixed_.size(); ++i)
       held_.model.supports[i].velocity = rate * driven_.displacement_slope(i, held_.factor);

@@ -35,6 +35,8 @@ class Driven : public StaticProtocol {
   virtual Vector3 displacement(std::size_t index, double factor) const = 0;
   /// Change of that displacement with the factor [m]. As it stands: of straight displacements.
   virtual Vector3 displacement_slope(std::size_t index, double /*factor*/) const { return displacement(index, 1); }
+  /// As StaticRig::longest_step.
+  virtual double longest_step() const { return 1; }
   /// The first of the fixed molecules that a release frees, and with it all after it; none: nothing can be released.
   virtual std::optional<std::size_t> first_released() const { return std::nullopt; }
 

@@ -5,12 +5,18 @@
 #include <cstdio>
 #include <utility>
 
+#include "elastin/core/base/text.h"
 #include "elastin/core/forces/tension.h"
 #include "lab/experiment/contact_measures.h"
 #include "lab/experiment/load_path.h"
 
 namespace elastin::lab {
 namespace {
+
+void warn_once(const std::string& warning, Run& run) {
+  if (std::find(run.warnings.begin(), run.warnings.end(), warning) == run.warnings.end())
+    run.warnings.push_back(warning);
+}
 
 /// Adds what one solve cost and said to the run; returns whether it converged.
 bool note_solve(const StaticResult& solved, const std::string& where, Run& run) {
@@ -22,14 +28,30 @@ bool note_solve(const StaticResult& solved, const std::string& where, Run& run) 
   run.residual = solved.residual;
   const std::string unstable = "the equilibrium is not stable: directions of negative stiffness";
   run.unstable |= solved.unstable;
-  if (solved.unstable && (run.warnings.empty() || run.warnings.back() != unstable)) run.warnings.push_back(unstable);
+  if (solved.unstable) warn_once(unstable, run);
   const std::string left = "left an equilibrium that was no minimum for one of less energy (buckling, snapping)";
-  if (solved.left_saddle && std::find(run.warnings.begin(), run.warnings.end(), left) == run.warnings.end())
-    run.warnings.push_back(left);
+  if (solved.left_saddle) warn_once(left, run);
   if (solved.outcome == Outcome::converged) return true;
   run.outcome = solved.outcome;
   run.cause = solved.cause + where;
   return false;
+}
+
+/// Converged means balanced: what loads and reactions leave over is no part of them worth naming.
+void check_balance(const StaticResult& solved, const Measures& measures, double tolerance, const std::string& where,
+                   Run& run) {
+  const double force = measures.get("force"), balance = measures.get("reaction_balance");
+  const double left = std::isfinite(force) && solved.scale > 0 ? balance * std::abs(force) / solved.scale : balance;
+  if (left > 1e-3) {
+    run.outcome = Outcome::limit_reached;
+    run.cause = "the reactions do not balance the loads: they leave " + number(left, 2) + " of them" + where;
+  } else if (left > 1e-6) {
+    warn_once("the reactions balance the loads to " + number(left, 2) + " only", run);
+  }
+  if (solved.residual > std::max(1e-8, 10 * tolerance))
+    warn_once("the unbalanced force is " + number(solved.residual, 2) + " of the load, above the tolerance of " +
+                  number(tolerance, 2) + ": rounding allows no less",
+              run);
 }
 
 double total_energy(const Model& model, const State& state) {
@@ -130,6 +152,8 @@ void solve_load_curve(Model& model, const StaticProtocol& experiment, StaticRig&
     }
     run.bisected_load_steps = path.halvings();
     if (!note_solve(solved, which.empty() ? "" : " (" + which + ")", run)) return;
+    check_balance(solved, measures, options.statics.tolerance, which.empty() ? "" : " (" + which + ")", run);
+    if (run.outcome != Outcome::converged) return;
     if (measures.get("elongation") < 0 && measures.get("strain") <= -1) {
       run.outcome = Outcome::inverted;
       run.cause =

@@ -1,5 +1,6 @@
 #include "lab/experiment/load_path.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -10,6 +11,9 @@ namespace {
 
 /// Of a load that is found by solving again.
 constexpr int kCorrections = 10;
+
+/// Newton iterations after which a load step is halved: most steps take fewer than ten.
+constexpr int kPatience = 25;
 
 void add_cost(StaticResult& result, const StaticResult& cost) {
   result.newton_iterations += cost.newton_iterations;
@@ -41,22 +45,36 @@ State LoadPath::start_of(double factor) const {
   return std::isfinite(gain) && !(loaded && gain > 0) ? next : state_;
 }
 
-StaticResult LoadPath::advance(double factor) { return advance(factor, (factor - factor_) / 64); }
+StaticResult LoadPath::advance(double factor) {
+  const double way = factor - factor_;
+  const int parts = options_.linear ? 1 : static_cast<int>(std::ceil(way / rig_.longest_step() - 1e-9));
+  StaticResult solved;
+  for (int part = parts; part > 0 && solved.outcome == Outcome::converged; --part) {
+    const StaticResult before = solved;
+    solved = advance(part == 1 ? factor : factor_ + (factor - factor_) / part, way / parts / 64);
+    add_cost(solved, before);
+  }
+  return solved;
+}
 
 StaticResult LoadPath::advance(double factor, double smallest) {
   if (contact::Contact* contact = contact_of(model_)) contact->set_moment(factor);
   rig_.set_load(factor);
   State next = start_of(factor);
+  // A step that can be halved is not worth many iterations.
+  StaticOptions options = options_;
+  const bool can_be_halved = !options_.linear && (factor - factor_) / 2 >= smallest;
+  if (can_be_halved) options.newton_limit = std::min(options.newton_limit, kPatience);
   const bool went_on = next.positions != state_.positions;
-  StaticResult solved = solve_static(model_, next, options_);
+  StaticResult solved = solve_static(model_, next, options);
   if (solved.outcome == Outcome::diverged && went_on) {  // where the way bends sharply, its end may lead nowhere
     next = state_;
-    const StaticResult before = std::exchange(solved, solve_static(model_, next, options_));
+    const StaticResult before = std::exchange(solved, solve_static(model_, next, options));
     add_cost(solved, before);
   }
   for (int correction = 0; correction < kCorrections; ++correction) {
     if (solved.outcome != Outcome::converged || !rig_.adjust(next)) break;
-    StaticResult again = solve_static(model_, next, options_);
+    StaticResult again = solve_static(model_, next, options);
     add_cost(again, solved);
     solved = std::move(again);
   }
@@ -68,11 +86,12 @@ StaticResult LoadPath::advance(double factor, double smallest) {
     factor_ = factor;
     return solved;
   }
-  const double half = (factor - factor_) / 2;
-  const bool shorter_helps = solved.outcome == Outcome::inverted || solved.outcome == Outcome::diverged;
-  if (!shorter_helps || options_.linear || half < smallest) return solved;
+  const bool shorter_helps =
+      solved.outcome == Outcome::inverted || solved.outcome == Outcome::diverged ||
+      (solved.outcome == Outcome::limit_reached && solved.newton_iterations >= options.newton_limit);
+  if (!shorter_helps || !can_be_halved) return solved;
   ++halvings_;
-  StaticResult first = advance(factor_ + half, smallest);
+  StaticResult first = advance((factor_ + factor) / 2, smallest);
   add_cost(first, solved);
   if (first.outcome != Outcome::converged) return first;
   StaticResult second = advance(factor, smallest);

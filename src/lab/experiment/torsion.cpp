@@ -1,6 +1,7 @@
 #include "lab/experiment/torsion.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "lab/experiment/driven.h"
 #include "lab/experiment/faces.h"
@@ -76,6 +77,11 @@ class Torsion final : public Driven {
     const Vector3 arm = body_.rest.col(fixed_[index].molecule) - middle_;
     const double angle = setup_.straight ? 0 : factor * setup_.angle;
     return setup_.angle * setup_.axis.cross(Eigen::AngleAxisd(angle, setup_.axis) * arm);
+  }
+
+  double longest_step() const override {
+    constexpr double quarter = std::numbers::pi / 2;
+    return setup_.straight || std::abs(setup_.angle) <= quarter ? 1 : quarter / std::abs(setup_.angle);
   }
 
   /// Angle [rad] by which the end has turned in the mean.

@@ -41,6 +41,7 @@ struct StaticResult {
   int linear_iterations = 0;
   int cut_steps = 0;         ///< steps that were shortened because they would have inverted a cell
   double residual = 0;       ///< unbalanced force over the size of loads and reactions
+  double scale = 0;          ///< that size [N], a Euclidean norm
   bool left_saddle = false;  ///< went down from an equilibrium that was no minimum
   bool unstable = false;     ///< the equilibrium found has a direction of negative stiffness: it is not a minimum
   Positions reactions;       ///< what holds each support in its held directions [N], shape 3 × supports

@@ -82,6 +82,9 @@ class StaticRig : public Rig {
   /// Moves the positions at rest to where the search for the first equilibrium begins, under the load set last: rest is
   /// no place to begin where stiffness is missing there.
   virtual void shape_start(Positions& /*positions*/) const {}
+  /// The largest part of the load (0 … 1) that one step may add: a turn beyond it would be taken for a shorter one the
+  /// other way round.
+  virtual double longest_step() const { return 1; }
   /// Tells the supports how fast the load moves them: its factor changes by `rate` a second. After set_load.
   virtual void set_load_rate(double /*rate*/) {}
   /// Takes the load off a body that is to move on its own: forces end, a driven end is free. Nothing happens where
