@@ -6,11 +6,10 @@
 #include <chrono>
 
 #include "elastin/core/base/error.h"
-#include "lab/experiment/specimen.h"
+#include "elastin/mesh/voronoi.h"
 #include "python/bind.h"
 
 namespace elastin::python {
-using namespace lab;
 namespace {
 
 constexpr std::chrono::milliseconds kBetweenSignals{50};
@@ -24,9 +23,7 @@ std::shared_ptr<Moving> make_simulation(const Body& body, const py::object& stra
       simulation_options(catalog, scheme, safety, max_substeps, std::move(scheme_parameters), std::move(parameters));
   const Strategy chosen = strategy_from(strategy, catalog);
   const py::gil_scoped_release others_run;
-  Body own = body;
-  prepare(own, chosen, material);
-  return std::make_shared<Moving>(Simulation(std::move(own), chosen, material, options));
+  return std::make_shared<Moving>(Simulation(body, chosen, material, options));
 }
 
 /// Steps until one fails, an observer raises or Ctrl-C comes.
@@ -248,6 +245,7 @@ SimulationOptions simulation_options(const Catalog& catalog, const std::string& 
   options.safety = safety;
   options.max_substeps = max_substeps;
   options.parameters = std::move(parameters);
+  options.make_voronoi = mesh::voronoi_cells;
   return options;
 }
 

@@ -24,7 +24,7 @@ Run direct_run(const std::string& path, const std::string& strategy) {
   const Catalog catalog = built_in_catalog();
   const auto scene = load_scene(path, catalog);
   const StrategyChoice choice = choose_strategy(*scene, catalog, strategy);
-  prepare(scene->specimen.body, choice.strategy, scene->specimen.material);
+  prepare(scene->specimen, choice.strategy);
   RunOptions options;
   options.statics = scene->statics;
   options.time = scene->time;
