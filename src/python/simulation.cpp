@@ -259,7 +259,10 @@ void add_simulation(py::module_& module) {
            py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8, py::arg("max_substeps") = 1000,
            py::arg("scheme_parameters") = ParameterValues{}, py::arg("parameters") = ParameterValues{},
            py::arg("catalog") = py::none(),
-           "strategy: a name ('lattice', 'lattice+volume') or a Strategy; scheme: one of steppers(), and "
+           "strategy: a name ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule to "
+           "the material by the body's homogenised stiffness, as the experiment `material` of a scene does; the body "
+           "is of tetrahedra, or a box. What strategy and material need of the body is added: pairs of molecules for "
+           "bending_rigidity, sides of cells, Voronoi cells. scheme: one of steppers(), and "
            "scheme_parameters its own by name: {'newton_iterations': 1}. Explicit schemes part a step so that each "
            "part is at most `safety` of the "
            "body's stable step; a step that would take more than max_substeps is not taken. "
