@@ -1,8 +1,4 @@
-#ifdef ELASTIN_C_LAB
-#include "lab/experiment/specimen.h"
-#endif
 #include "c/handles.h"
-#include "elastin/core/forces/bending.h"
 #include "elastin/core/simulation/saved_state.h"
 
 namespace elastin::c {
@@ -36,25 +32,13 @@ void write(const Vector3& vector, double numbers[3], const char* name) {
   for (int axis = 0; axis < 3; ++axis) numbers[axis] = vector[axis];
 }
 
-/// Bending acts between molecules across a side: those are sides of cells too.
-void prepare_bending(Body& body) {
-  const std::string why = unsuited_for_bending(body);
-  if (!why.empty()) throw InputError("bending_rigidity: " + why);
-  add_cell_sides(body, bending_pairs(body));
-}
-
 std::unique_ptr<elastin_simulation> simulate(const elastin_body& body, const char* name,
                                              const elastin_material* material, const elastin_options* options) {
   const Strategy strategy = strategy_of(name);
   const Material made_of = material_of(material);
   std::unique_ptr<CallbackRunner> runner;
   SimulationOptions chosen = options_of(options, runner);
-  Body copy = body.body;
-  if (made_of.bending_rigidity > 0) prepare_bending(copy);
-#ifdef ELASTIN_C_LAB
-  lab::prepare(copy, strategy, made_of);
-#endif
-  Simulation simulation(std::move(copy), strategy, made_of, std::move(chosen));
+  Simulation simulation(body.body, strategy, made_of, std::move(chosen));
   return std::make_unique<elastin_simulation>(elastin_simulation{std::move(runner), std::move(simulation)});
 }
 

@@ -1,6 +1,7 @@
-#include <string_view>
-
 #include "c/handles.h"
+#ifdef ELASTIN_C_LAB
+#include "elastin/mesh/voronoi.h"
+#endif
 
 namespace elastin::c {
 namespace {
@@ -29,17 +30,7 @@ const Catalog& catalog() {
   return built_in;
 }
 
-Strategy strategy_of(const char* name) {
-  const std::string_view volume = "+volume", wrinkling = "+wrinkling";
-  std::string base = &given(name, "strategy");
-  if (base.ends_with(volume)) return with_volume(strategy_of(base.substr(0, base.size() - volume.size()).c_str()));
-  if (base.ends_with(wrinkling))
-    return with_wrinkling(strategy_of(base.substr(0, base.size() - wrinkling.size()).c_str()));
-  const Strategy& found = catalog().find(base);
-  if (found.kind == StrategyKind::wrapper)
-    throw InputError("'" + base + "' changes another strategy; write for example lattice+volume");
-  return found;
-}
+Strategy strategy_of(const char* name) { return catalog().find(&given(name, "strategy")); }
 
 Material material_of(const elastin_material* given) {
   const elastin_material values = checked_copy(given, "elastin_material");
@@ -53,6 +44,9 @@ Material material_of(const elastin_material* given) {
 
 SimulationOptions options_of(const elastin_options* given, std::unique_ptr<CallbackRunner>& runner) {
   SimulationOptions options;
+#ifdef ELASTIN_C_LAB
+  options.make_voronoi = mesh::voronoi_cells;
+#endif
   if (!given) return options;
   const elastin_options values = checked_copy(given, "elastin_options");
   if (values.scheme) options.integrator.scheme = catalog().steppers.find(values.scheme);

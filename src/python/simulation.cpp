@@ -6,11 +6,10 @@
 #include <chrono>
 
 #include "elastin/core/base/error.h"
-#include "lab/experiment/specimen.h"
+#include "elastin/mesh/voronoi.h"
 #include "python/bind.h"
 
 namespace elastin::python {
-using namespace lab;
 namespace {
 
 constexpr std::chrono::milliseconds kBetweenSignals{50};
@@ -24,9 +23,7 @@ std::shared_ptr<Moving> make_simulation(const Body& body, const py::object& stra
       simulation_options(catalog, scheme, safety, max_substeps, std::move(scheme_parameters), std::move(parameters));
   const Strategy chosen = strategy_from(strategy, catalog);
   const py::gil_scoped_release others_run;
-  Body own = body;
-  prepare(own, chosen, material);
-  return std::make_shared<Moving>(Simulation(std::move(own), chosen, material, options));
+  return std::make_shared<Moving>(Simulation(body, chosen, material, options));
 }
 
 /// Steps until one fails, an observer raises or Ctrl-C comes.
@@ -248,6 +245,7 @@ SimulationOptions simulation_options(const Catalog& catalog, const std::string& 
   options.safety = safety;
   options.max_substeps = max_substeps;
   options.parameters = std::move(parameters);
+  options.make_voronoi = mesh::voronoi_cells;
   return options;
 }
 
@@ -261,7 +259,10 @@ void add_simulation(py::module_& module) {
            py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8, py::arg("max_substeps") = 1000,
            py::arg("scheme_parameters") = ParameterValues{}, py::arg("parameters") = ParameterValues{},
            py::arg("catalog") = py::none(),
-           "strategy: a name ('lattice', 'lattice+volume') or a Strategy; scheme: one of steppers(), and "
+           "strategy: a name ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule to "
+           "the material by the body's homogenised stiffness, as the experiment `material` of a scene does; the body "
+           "is of tetrahedra, or a box. What strategy and material need of the body is added: pairs of molecules for "
+           "bending_rigidity, sides of cells, Voronoi cells. scheme: one of steppers(), and "
            "scheme_parameters its own by name: {'newton_iterations': 1}. Explicit schemes part a step so that each "
            "part is at most `safety` of the "
            "body's stable step; a step that would take more than max_substeps is not taken. "

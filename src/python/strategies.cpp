@@ -3,11 +3,11 @@
 #include <limits>
 
 #include "elastin/core/base/error.h"
-#include "lab/experiment/specimen.h"
+#include "elastin/core/simulation/prepare.h"
+#include "elastin/mesh/voronoi.h"
 #include "python/bind.h"
 
 namespace elastin::python {
-using namespace lab;
 namespace {
 
 ParameterInfo make_parameter(const std::string& name, double fallback, double low, double high,
@@ -51,10 +51,10 @@ VectorX constants_of(const Strategy& strategy, const Body& body, const Material&
                      const ParameterValues& parameters) {
   if (!strategy.constants)
     throw InputError("'" + strategy.name + "' is a " + name_of(strategy.kind) + ": only a spring rule has constants");
-  const std::string why = strategy.unsuited(body);
-  if (!why.empty()) throw InputError("strategy '" + strategy.name + "' cannot run on this body: " + why);
   Body prepared = body;
-  prepare(prepared, strategy, material);
+  prepare(prepared, strategy, {material}, mesh::voronoi_cells);
+  const std::string why = strategy.unsuited(prepared);
+  if (!why.empty()) throw InputError("strategy '" + strategy.name + "' cannot run on this body: " + why);
   return strategy.constants(prepared, material, parameters);
 }
 
@@ -73,10 +73,7 @@ Strategy strategy_from(const py::handle& given, const Catalog& catalog) {
   if (!py::isinstance<py::str>(given))
     throw InputError("strategy: is a " + std::string(Py_TYPE(given.ptr())->tp_name) +
                      "; allowed: a name or a Strategy");
-  const StrategyChoice choice = choose_strategy(catalog, given.cast<std::string>());
-  if (choice.calibrated)
-    throw InputError("'" + choice.label + "' is calibrated in an experiment: take Laboratory.simulation() of a scene");
-  return choice.strategy;
+  return catalog.find(given.cast<std::string>());
 }
 
 template <class Row>

@@ -4,10 +4,12 @@
 #include <cstdio>
 #include <cstring>
 
+#include "elastin/core/shapes/arrays.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/simulation/simulation.h"
 #ifdef ELASTIN_C_LAB
 #include "elastin/lab/study/laboratory.h"
+#include "elastin/mesh/voronoi.h"
 #endif
 
 using namespace elastin;
@@ -62,6 +64,30 @@ void twin_step(twin_run* run) {
   std::copy_n(tissue.tensions().data(), run->tension_count, run->tensions);
   Eigen::Map<Vector3>(run->reaction) = tissue.reaction(4);
   Eigen::Map<Vector3>(run->coupling_force) = tissue.coupling_force(coupling);
+}
+
+void twin_prepared(const char* strategy, int sheet, double* forces) {
+  Body body = lattice();
+  Material soft = material();
+  soft.poissons_ratio = 0.4;
+  soft.thickness = 1e-3;
+  if (sheet) {
+    BodyArrays arrays;
+    arrays.positions.resize(3, 4);
+    arrays.positions << 0, 1e-2, 0, 1e-2, 0, 0, 1e-2, 1e-2, 0, 0, 0, 0;
+    arrays.triangles = {{0, 1, 2}, {1, 3, 2}};
+    arrays.thickness = 1e-3;
+    body = make_body(arrays);
+    soft.bending_rigidity = 1e-4;
+  }
+  SimulationOptions options;
+#ifdef ELASTIN_C_LAB
+  options.make_voronoi = mesh::voronoi_cells;
+#endif
+  Simulation tissue(std::move(body), built_in_catalog().find(strategy), soft, std::move(options));
+  tissue.host_forces()(2, tissue.body().size() - 1) = 1e-4;
+  for (int step = 0; step < 2; ++step) tissue.step(1e-4);
+  copy(tissue.forces(), forces);
 }
 
 void twin_message(int number, char* message, size_t capacity) {

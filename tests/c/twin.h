@@ -16,6 +16,11 @@ typedef struct twin_run {
 } twin_run;
 void twin_step(twin_run* run);
 
+/* Forces [N] after two steps of the lattice, or of a sheet of two triangles with bending stiffness, with a strategy;
+ * Poisson's ratio 0.4, the last molecule pulled along z. */
+enum { kTwinStrategies = 5 };
+void twin_prepared(const char* strategy, int sheet, double* forces);
+
 /* What the C++ face says, with the number: 0 a strategy that is not known, 1 a body that the strategy cannot run on, 2
  * a scene that is not there, 3 a scene with a key that is not known. */
 void twin_message(int number, char* message, size_t capacity);

@@ -6,8 +6,8 @@
 
 #include "blocks.h"
 #include "calculix_job.h"
+#include "core/model/faces.h"
 #include "elastin/core/parallel/threads.h"
-#include "lab/experiment/faces.h"
 #include "measure.h"
 
 namespace bench {

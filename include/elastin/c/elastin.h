@@ -106,7 +106,8 @@ typedef struct elastin_material {
 } elastin_material;
 
 /* Strategies by number from 0 to *count - 1: how connections get their stiffness. A name takes the endings "+volume"
- * and "+wrinkling" where the strategy can. Any of the outputs may be null. */
+ * and "+wrinkling" where the strategy can, and a rule's the beginning "calibrated:", which fits it to the material by
+ * the body's homogenised stiffness: a body of tetrahedra, or a box. Any of the outputs may be null. */
 ELASTIN_API elastin_status elastin_strategy_count(size_t* count);
 ELASTIN_API elastin_status elastin_strategy(size_t number, const char** name, const char** summary,
                                             size_t* parameter_count);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "core/geometry/point_buckets.h"
 #include "elastin/core/base/error.h"
@@ -92,7 +93,9 @@ void add_cell_sides(Body& body, const std::vector<std::array<int, 2>>& sides) {
   std::vector<std::array<int, 2>> known, added;
   for (int c = 0; c < connections.proper(); ++c) known.push_back(ascending(connections.ends[c]));
   for (const auto& side : sides) added.push_back(ascending(side));
-  added.insert(added.end(), connections.ends.begin() + connections.proper(), connections.ends.end());
+  const std::vector<std::array<int, 2>> sides_before(connections.ends.begin() + connections.proper(),
+                                                     connections.ends.end());
+  added.insert(added.end(), sides_before.begin(), sides_before.end());
   std::sort(known.begin(), known.end());
   std::erase_if(added, [&](const auto& pair) { return std::binary_search(known.begin(), known.end(), pair); });
   const Connections tail = with_present_lengths(body.rest, std::move(added));
@@ -101,6 +104,15 @@ void add_cell_sides(Body& body, const std::vector<std::array<int, 2>>& sides) {
   connections.ends.resize(proper), connections.rest_length.resize(proper);
   connections.ends.insert(connections.ends.end(), tail.ends.begin(), tail.ends.end());
   connections.rest_length.insert(connections.rest_length.end(), tail.rest_length.begin(), tail.rest_length.end());
+  if (VectorX& stiffness = body.connection_stiffness; stiffness.size()) {  // a new side is as stiff as the material
+    const VectorX before = std::exchange(stiffness, VectorX::Ones(static_cast<Eigen::Index>(proper) + tail.size()));
+    stiffness.head(static_cast<Eigen::Index>(proper)) = before.head(static_cast<Eigen::Index>(proper));
+    for (std::size_t old = 0; old < sides_before.size(); ++old) {
+      const auto at = std::lower_bound(tail.ends.begin(), tail.ends.end(), ascending(sides_before[old]));
+      stiffness[static_cast<Eigen::Index>(proper) + (at - tail.ends.begin())] =
+          before[static_cast<Eigen::Index>(proper + old)];
+    }
+  }
   connections.cell_sides = tail.size();
 }
 

@@ -1,5 +1,6 @@
 #include "elastin/core/simulation/catalog.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -104,8 +105,12 @@ Strategy with_volume(const Strategy& strategy) {
     };
   result.make = [strategy, springs, modulus = result.volume_modulus](const Body& body, const Material& material,
                                                                      const ParameterValues& values) {
-    auto shape = springs ? strategy.make(body, shear_material(material), values)
-                         : strategy.make_without_volume(body, material, values);
+    std::unique_ptr<Elasticity> shape;
+    if (strategy.constants)  // softer or stiffer springs, on the material's own curve
+      shape = make_springs(body, strategy.constants(body, shear_material(material), values), material);
+    else
+      shape = springs ? strategy.make(body, shear_material(material), values)
+                      : strategy.make_without_volume(body, material, values);
     return make_sum(std::move(shape), make_volume(body, modulus(material)));
   };
   return result;
@@ -171,9 +176,25 @@ void Catalog::add(Strategy strategy) {
   strategies_.push_back(std::move(strategy));
 }
 
-const Strategy& Catalog::find(const std::string& name) const {
+Strategy Catalog::find(const std::string& name) const {
+  const std::string prefix = "calibrated:", volume = "+volume", wrinkling = "+wrinkling";
   for (const Strategy& strategy : strategies_)
-    if (strategy.name == name) return strategy;
+    if (strategy.name == name && strategy.kind != StrategyKind::wrapper) return strategy;
+  if (name == "calibrated") return find(prefix + "standard");
+  if (name.starts_with(prefix)) return calibrated(find(name.substr(prefix.size())));
+  if (name.ends_with(volume)) return with_volume(find(name.substr(0, name.size() - volume.size())));
+  if (name.ends_with(wrinkling)) return with_wrinkling(find(name.substr(0, name.size() - wrinkling.size())));
+  if (const auto plus = name.find('+'); plus != std::string::npos) {
+    const std::string ending = name.substr(plus);
+    throw InputError("'" + name + "': unknown ending '" + ending + "'" + suggestion(ending, {volume, wrinkling}));
+  }
+  if (const auto colon = name.find(':'); colon != std::string::npos) {
+    const std::string beginning = name.substr(0, colon + 1);
+    throw InputError("'" + name + "': unknown beginning '" + beginning + "'" + suggestion(beginning, {prefix}));
+  }
+  if (std::any_of(strategies_.begin(), strategies_.end(), [&](const Strategy& other) { return other.name == name; }))
+    throw InputError("'" + name + "' goes with a " +
+                     (name == "wrinkling" ? "membrane law: hencky_membrane+" : "rule: lattice+") + name);
   throw InputError("unknown strategy '" + name + "'" + suggestion(name, names()));
 }
 

@@ -40,7 +40,6 @@ StepResult refused(std::string cause) { return {Outcome::limit_reached, std::mov
 
 Simulation::Impl::Impl(Body a_body, SimulationOptions some_options)
     : body(std::move(a_body)), options(std::move(some_options)), integrator(make_integrator(options.integrator)) {
-  check(body, options);
   shown = work = state_at_rest(body);
 }
 
@@ -117,16 +116,20 @@ std::string Simulation::Impl::odd_input() const {
   return "";
 }
 
-Simulation::Simulation(Body body, const Strategy& any, const Material& material, SimulationOptions options)
-    : impl_(std::make_unique<Impl>(std::move(body), std::move(options))) {
-  const Body& own = impl_->body;
-  for (const Part& part : own.parts)
+Simulation::Simulation(Body body, const Strategy& any, const Material& material, SimulationOptions options) {
+  check(body, options);
+  for (const Part& part : body.parts)
     if (part.material != 0 && !any.by_parts)
       throw InputError("the body's part '" + part.name + "' has a material of its own: make the strategy by in_parts");
-  const Strategy strategy = in_parts(any, own, {material});
+  const Strategy strategy = in_parts(any, body, {material});
   if (!strategy.make) throw InputError("'" + strategy.name + "' changes other strategies and is none by itself");
+  prepare(body, any, {material}, options.make_voronoi);
+  impl_ = std::make_unique<Impl>(std::move(body), std::move(options));
+  const Body& own = impl_->body;
   std::string why = strategy.unsuited(own);
   if (why.empty() && !strategy.by_parts) why = fibres_unsuited(strategy, own, material);
+  if (!why.empty() && lacks_voronoi(own, any, {material}))
+    why += " (SimulationOptions::make_voronoi makes Voronoi cells)";
   if (!why.empty()) throw InputError("'" + strategy.name + "' cannot run on this body: " + why);
   impl_->material = material;
   impl_->model.add(strategy.make(own, material, impl_->options.parameters));
@@ -134,8 +137,9 @@ Simulation::Simulation(Body body, const Strategy& any, const Material& material,
   fix_rigid_parts(impl_->model);
 }
 
-Simulation::Simulation(Body body, const MakeElasticity& make, SimulationOptions options)
-    : impl_(std::make_unique<Impl>(std::move(body), std::move(options))) {
+Simulation::Simulation(Body body, const MakeElasticity& make, SimulationOptions options) {
+  check(body, options);
+  impl_ = std::make_unique<Impl>(std::move(body), std::move(options));
   auto elasticity = make(impl_->body);
   if (!elasticity) throw InputError("the function that makes the elasticity returned none");
   impl_->model.add(std::move(elasticity));

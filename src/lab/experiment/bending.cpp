@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/model/faces.h"
 #include "elastin/core/base/error.h"
-#include "lab/experiment/faces.h"
 
 namespace elastin::lab {
 namespace {

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <optional>
 
+#include "core/simulation/volume_fit.h"
 #include "elastin/core/forces/volume.h"
 #include "lab/experiment/curve_fit.h"
 #include "lab/experiment/load_curve.h"
-#include "lab/experiment/volume_fit.h"
 
 namespace elastin::lab {
 namespace {

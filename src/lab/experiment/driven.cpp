@@ -1,5 +1,7 @@
 #include "lab/experiment/driven.h"
 
+#include "elastin/core/solve/homogenisation.h"
+
 namespace elastin::lab {
 
 class DrivenRig final : public StaticRig {
@@ -46,11 +48,9 @@ void Driven::fix_fully(const std::vector<int>& molecules) {
 }
 
 Matrix3 Driven::virial(const Positions& pull, const Positions& positions) const {
-  const Vector3 middle = positions.rowwise().mean();  // smaller arms, less rounding; the forces' sum is zero
-  Matrix3 sum = Matrix3::Zero();
-  for (std::size_t i = 0; i < fixed_.size(); ++i)
-    sum += pull.col(static_cast<Eigen::Index>(i)) * (positions.col(fixed_[i].molecule) - middle).transpose();
-  return sum;
+  std::vector<int> molecules;
+  for (const Fixed& fixed : fixed_) molecules.push_back(fixed.molecule);
+  return elastin::virial(pull, molecules, positions);
 }
 
 void Driven::add_state(const Model& model, const State& state, const StaticResult& solved, double scale,

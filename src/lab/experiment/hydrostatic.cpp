@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "core/model/faces.h"
 #include "lab/experiment/driven.h"
-#include "lab/experiment/faces.h"
 #include "lab/experiment/moduli.h"
 
 namespace elastin::lab {
@@ -19,7 +19,7 @@ class Hydrostatic final : public Driven {
       volume_ = surface.volume;
       return;
     }
-    const Box box = find_box(body, axes, setup.grip_depth);
+    const BoxSides box = find_box(body, axes, setup.grip_depth);
     volume_ = box.size.prod();
     std::vector<Matrix3> free(static_cast<std::size_t>(body.size()), Matrix3::Identity());
     for (std::size_t side = 0; side < 6; ++side)

@@ -8,7 +8,7 @@
 
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
-#include "elastin/core/forces/bending.h"
+#include "elastin/core/simulation/parts.h"
 #include "lab/experiment/load_path.h"
 #include "lab/experiment/specimen.h"
 
@@ -34,8 +34,7 @@ class Curves {
     material.youngs_modulus = material.curve->modulus(0);
     Model model(specimen_.body);
     model.add(choice_.strategy.make(specimen_.body, material, choice_.values));
-    if (material.bending_rigidity > 0)
-      model.add(make_bending(specimen_.body, material.bending_rigidity, material.poissons_ratio));
+    add_companions(model, choice_.strategy, material);
     for (const auto& add_load : specimen_.loads) add_load(model);
     const auto rig = experiment_.static_rig(model);
     auto values = from_last(model, *rig);

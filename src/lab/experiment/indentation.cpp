@@ -4,10 +4,10 @@
 #include <limits>
 
 #include "contact/search.h"
+#include "core/model/faces.h"
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "lab/experiment/contact_measures.h"
-#include "lab/experiment/faces.h"
 #include "lab/experiment/symmetry.h"
 
 namespace elastin::lab {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 #include "lab/experiment/contact_measures.h"
-#include "lab/experiment/faces.h"
 
 namespace elastin::lab {
 namespace {

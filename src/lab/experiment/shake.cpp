@@ -1,8 +1,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/model/faces.h"
 #include "elastin/core/base/error.h"
-#include "lab/experiment/faces.h"
 #include "lab/experiment/motion.h"
 #include "lab/experiment/time_history_fits.h"
 

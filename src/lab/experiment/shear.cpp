@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "lab/experiment/driven.h"
-#include "lab/experiment/faces.h"
 #include "lab/experiment/moduli.h"
 
 namespace elastin::lab {

@@ -14,6 +14,7 @@
 #include "elastin/core/shapes/surfaces.h"
 #include "elastin/core/simulation/fibres.h"
 #include "elastin/core/simulation/parts.h"
+#include "elastin/core/simulation/prepare.h"
 #include "elastin/core/solve/modes.h"
 #include "elastin/lab/experiment/protocol.h"
 #include "elastin/mesh/voronoi.h"
@@ -67,9 +68,9 @@ void count_modes(const Model& model, Run& run) {
                            "; the load is solved in the range of the stiffness");
 }
 
-bool needs_voronoi(const Body& body, const Strategy& strategy, const Material& material) {
-  if (strategy.by_parts) return strategy.needs_voronoi(body);
-  return !body.voronoi && (strategy.needs_voronoi(body) || fibres_need_voronoi(strategy, body, material));
+/// Of the whole body, or of its parts.
+std::vector<Material> materials_of(const Specimen& specimen) {
+  return specimen.materials.empty() ? std::vector{specimen.material} : specimen.materials;
 }
 
 /// The choice as it works on the specimen's body.
@@ -170,27 +171,19 @@ std::optional<HeldModel> make_model(const Specimen& specimen, const Protocol& ex
   return held;
 }
 
-void prepare(Body& body, const Strategy& strategy, const Material& material) {
-  if (!body.parts.empty()) {
-    for (Part& part : body.parts) {
-      if (part.rigid || part.voronoi) continue;
-      const Body alone = part_alone(body, part).body;
-      if (strategy.by_parts || needs_voronoi(alone, strategy, material)) part.voronoi = mesh::voronoi_cells(alone);
-    }
-    return;
-  }
-  if (needs_voronoi(body, strategy, material)) body.voronoi = mesh::voronoi_cells(body);
+void prepare(Specimen& specimen, const Strategy& strategy) {
+  elastin::prepare(specimen.body, strategy, materials_of(specimen), mesh::voronoi_cells);
 }
 
 Run run_strategy(const Specimen& specimen, const Protocol& experiment, const StrategyChoice& any,
                  const RunOptions& options) {
   const Stopwatch build;
   const StrategyChoice choice = on_body(any, specimen);
-  if (needs_voronoi(specimen.body, choice.strategy, specimen.material)) {
+  if (lacks_voronoi(specimen.body, any.strategy, materials_of(specimen))) {
     Specimen prepared = specimen;
-    prepare(prepared.body, choice.strategy, specimen.material);
+    prepare(prepared, any.strategy);
     const double seconds = build.seconds();
-    Run run = run_strategy(prepared, experiment, choice, options);
+    Run run = run_strategy(prepared, experiment, any, options);
     run.build_seconds += seconds;
     return run;
   }

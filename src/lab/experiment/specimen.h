@@ -6,8 +6,9 @@
 
 namespace elastin::lab {
 
-/// Gives the body what the strategy needs of it and it has not yet: its Voronoi cells. In the body's present pose.
-void prepare(Body& body, const Strategy& strategy, const Material& material);
+/// Prepares the specimen's body for a strategy and its materials (see elastin::prepare), with the Voronoi cells of
+/// elastin::mesh.
+void prepare(Specimen& specimen, const Strategy& strategy);
 
 /// Whether the strategy needs the triangles or tetrahedra of a body that it suits.
 bool needs_cells(const Strategy& strategy, const Body& body);

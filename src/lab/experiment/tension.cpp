@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
-#include "lab/experiment/faces.h"
 
 namespace elastin::lab {
 namespace {

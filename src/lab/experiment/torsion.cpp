@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/model/faces.h"
 #include "lab/experiment/driven.h"
-#include "lab/experiment/faces.h"
 #include "lab/experiment/moduli.h"
 
 namespace elastin::lab {

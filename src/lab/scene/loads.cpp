@@ -2,8 +2,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/model/faces.h"
 #include "elastin/core/base/error.h"
-#include "lab/experiment/faces.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {

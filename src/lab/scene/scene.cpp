@@ -6,9 +6,9 @@
 #include <new>
 #include <stdexcept>
 
-#include "elastin/core/forces/bending.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/shapes/shapes.h"
+#include "elastin/core/simulation/prepare.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
@@ -124,11 +124,8 @@ void read_whole_body(Reader& reader, Scene& scene) {
   if (ties) ties->fail("joins several `bodies`; the scene has one");
   specimen.body = read_body(reader.at("body"), specimen.material, remarks);
   check_material(reader.at("material"), specimen.material, specimen.body);
-  if (specimen.material.bending_rigidity > 0) {
-    const std::string why = unsuited_for_bending(specimen.body);
-    if (!why.empty()) reader.at("material").at("bending").fail(why);
-    add_cell_sides(specimen.body, bending_pairs(specimen.body));
-  }
+  if (specimen.material.bending_rigidity > 0)
+    reader.at("material").at("bending").located([&] { prepare_bending(specimen.body, specimen.material); });
   if (!reader.has("contact")) warn_of_pieces(specimen.body, "the body", scene.warnings);
 }
 

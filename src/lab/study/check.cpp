@@ -205,7 +205,7 @@ void add_built(std::string& out, Scene& scene) {
 }  // namespace
 
 CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<contact::Overlap>& overlaps) {
-  for (const Strategy& strategy : catalog.strategies()) prepare(scene.specimen.body, strategy, scene.specimen.material);
+  for (const Strategy& strategy : catalog.strategies()) prepare(scene.specimen, strategy);
   const Body& body = scene.specimen.body;
   CheckReport report;
   report.text = scene.name + (scene.title == scene.name ? "" : "  " + scene.title) + "\n";

@@ -145,7 +145,7 @@ Record Comparison::failed_run(const ScenePlan& plan, const RunKey& run_key, cons
 
 Record Comparison::run_one(const ScenePlan& plan, Scene& scene, const StrategyChoice& choice, const RunKey& run_key) {
   const auto start = Clock::now();
-  prepare(scene.specimen.body, choice.strategy, scene.specimen.material);
+  prepare(scene.specimen, choice.strategy);
   const double prepared = seconds_since(start);
   Run run = run_strategy(scene.specimen, *scene.experiment, choice, options_of(plan, scene, choice));
   run.build_seconds += prepared;  // once a body: the first strategy that needs it pays

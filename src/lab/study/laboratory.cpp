@@ -134,7 +134,7 @@ std::vector<Stated> Laboratory::expectations() const {
 LaboratoryResult Laboratory::run(const std::string& strategy, const RunWatch& watch) {
   Scene& scene = *impl_->scene;
   const StrategyChoice choice = choose(scene, impl_->catalog, strategy);
-  prepare(scene.specimen.body, choice.strategy, scene.specimen.material);
+  prepare(scene.specimen, choice.strategy);
   RunOptions options;
   options.statics = scene.statics;
   options.time = scene.time;
@@ -148,7 +148,7 @@ Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions
   const std::shared_ptr<Scene> scene = impl_->scene;
   StrategyChoice choice = choose(*scene, impl_->catalog, strategy);
   if (!options.parameters.empty()) choice.values = std::exchange(options.parameters, {});
-  prepare(scene->specimen.body, choice.strategy, scene->specimen.material);
+  prepare(scene->specimen, choice.strategy);
   Run run;
   RunOptions of_run;
   of_run.statics = scene->statics;

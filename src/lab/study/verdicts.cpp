@@ -30,7 +30,7 @@ const std::vector<Choice>& choices() {
 }
 
 Record run_case(Scene& scene, const StrategyChoice& choice, const VerifyOptions& options, const std::string& doing) {
-  prepare(scene.specimen.body, choice.strategy, scene.specimen.material);
+  prepare(scene.specimen, choice.strategy);
   RunOptions run_options;
   run_options.statics = scene.statics;
   run_options.time = scene.time;

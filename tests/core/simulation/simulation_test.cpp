@@ -255,8 +255,8 @@ TEST_CASE("simulation: wrong use is refused before anything changes") {
   const Catalog catalog = built_in_catalog();
   CHECK_THAT(refusal([&] { Simulation(tissue_block(), catalog.find("lattice"), kTissue); }),
              Contains("'lattice' cannot run on this body: "));
-  CHECK_THAT(refusal([&] { Simulation(tissue_block(), catalog.find("calibrated"), kTissue); }),
-             Contains("changes other strategies"));
+  CHECK_THAT(refusal([&] { Simulation(tissue_block(), catalog.find("volume"), kTissue); }),
+             Contains("goes with a rule: lattice+volume"));
   CHECK_THAT(refusal([&] { Simulation(tissue_cube(3), catalog.find("lattice"), kTissue, {.safety = 0}); }),
              Contains("safety 0"));
   CHECK_THAT(refusal([&] { Simulation(Body{}, catalog.find("lattice"), kTissue); }), Contains("no molecules"));

@@ -27,11 +27,9 @@ inline Simulation simulation_of(Body body, Scheme scheme = "symplectic_euler", c
                                 SimulationOptions options = {}) {
   const Catalog catalog = built_in_catalog();
   options.integrator.scheme = scheme;
-  const bool volume = strategy.ends_with("+volume");
-  const Strategy& found = catalog.find(volume ? strategy.substr(0, strategy.find('+')) : strategy);
   Material material = kTissue;
-  if (volume) material.poissons_ratio = 0.45;
-  return Simulation(std::move(body), volume ? with_volume(found) : found, material, std::move(options));
+  if (strategy.ends_with("+volume")) material.poissons_ratio = 0.45;
+  return Simulation(std::move(body), catalog.find(strategy), material, std::move(options));
 }
 
 inline const std::vector<Scheme> kSchemes{built_in_steppers().begin(), built_in_steppers().end()};

@@ -33,7 +33,7 @@ Run run_of(const std::string& text, RunOptions options = {}, const std::vector<s
   const auto scene = load_scene(folder.write("scene.yaml", "title: A scene\n" + text), kCatalog, overrides);
   options.time = scene->time;
   options.statics = scene->statics;
-  prepare(scene->specimen.body, scene->stiffness.strategy, scene->specimen.material);
+  prepare(scene->specimen, scene->stiffness.strategy);
   return run_strategy(scene->specimen, *scene->experiment, scene->stiffness, options);
 }
 

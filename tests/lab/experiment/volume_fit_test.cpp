@@ -1,4 +1,4 @@
-#include "lab/experiment/volume_fit.h"
+#include "core/simulation/volume_fit.h"
 
 #include <array>
 #include <catch2/catch.hpp>

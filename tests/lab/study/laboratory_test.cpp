@@ -24,7 +24,7 @@ Run direct_run(const std::string& path, const std::string& strategy) {
   const Catalog catalog = built_in_catalog();
   const auto scene = load_scene(path, catalog);
   const StrategyChoice choice = choose_strategy(*scene, catalog, strategy);
-  prepare(scene->specimen.body, choice.strategy, scene->specimen.material);
+  prepare(scene->specimen, choice.strategy);
   RunOptions options;
   options.statics = scene->statics;
   options.time = scene->time;
@@ -226,4 +226,22 @@ TEST_CASE("A body is made as scenes describe one", "[laboratory]") {
   CHECK_THROWS_WITH(make_body("lattice: {kind: cubik, molecules: [3, 3, 3], spacing: 1}", material, warnings),
                     StartsWith("body:1:17: ") && Contains("did you mean 'cubic'"));
   CHECK_THROWS_WITH(make_body("disc: {radius: 1, rings: 2}", material, warnings), Contains("thickness"));
+}
+
+TEST_CASE("laboratory: a simulation without a scene calibrates as the experiment `material` does") {
+  const Catalog catalog = built_in_catalog();
+  for (const auto& [name, strategy] : {std::pair{"cube-stiffness", "calibrated:standard"},
+                                       {"cube-stiffness", "calibrated:angles"},
+                                       {"cube-stiffness", "calibrated:statistical+volume"},
+                                       {"filled-ball", "calibrated:patch"}}) {
+    INFO(name << ", " << strategy);
+    const std::string path = kScenes + "material/" + name + ".yaml";
+    const Run run = direct_run(path, strategy);
+    REQUIRE(run.outcome == Outcome::converged);
+    const auto scene = load_scene(path, catalog);
+    prepare(scene->specimen, catalog.find(strategy));
+    const VectorX constants = catalog.find(strategy).constants(scene->specimen.body, scene->specimen.material, {});
+    CHECK((constants - run.constants).norm() < 1e-12 * run.constants.norm());
+    CHECK(std::abs(run.calibration_factor - 1) > 1e-3);  // or there was nothing to find
+  }
 }

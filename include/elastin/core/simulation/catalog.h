@@ -47,6 +47,7 @@ struct Strategy : Descriptor {
   /// With a volume term (see with_volume): its modulus κ [Pa]. Else empty. Throws InputError unless 0 ≤ ν ≤ 0.4999.
   std::function<double(const Material&)> volume_modulus;
   bool by_parts = false;  ///< whether it works on each part of a body by itself, fibres included; see in_parts
+  std::shared_ptr<const Strategy> calibrates;  ///< the rule that it fits to the material (see calibrated); else null
 };
 
 /// A strategy with a volume term (see make_volume), named "NAME+volume": any Poisson's ratio from 0 to 0.4999, without
@@ -59,6 +60,15 @@ Strategy with_volume(const Strategy& strategy);
 /// A membrane law that bears no compression, named "NAME+wrinkling": where it would be pressed it wrinkles, see
 /// TensionField. Throws InputError for a strategy that cannot.
 Strategy with_wrinkling(const Strategy& strategy);
+
+/// A spring rule fitted to the material on each body, named "calibrated:RULE": its constants times E / E of the body;
+/// with a volume term both, to E and ν, ν to 0.001 where it can be reached. E and ν of the body are the means over all
+/// directions of its homogenised stiffness, six linear solves under small strains of its surface (see homogenise), as
+/// the experiment `material` of a scene measures them; a scene calibrates in its own experiment instead.
+/// Its make and constants throw InputError on a body that is neither of tetrahedra nor a box along the axes, or is a
+/// mechanism; bodies of several parts and bodies with regions are unsuited. Throws InputError for what is no spring
+/// rule, or is calibrated already.
+Strategy calibrated(const Strategy& rule);
 
 /// A spring rule that a program makes as it runs, as Catalog::add makes one of a type: `constants` [N/m], one a
 /// connection of the body that it is shown (Connections::proper), with a value for each of the parameters; regions that
@@ -227,8 +237,10 @@ class Catalog {
   void add(Strategy strategy);
 
   const std::vector<Strategy>& strategies() const { return strategies_; }
-  /// Throws InputError with the nearest name and the list of what there is.
-  const Strategy& find(const std::string& name) const;
+  /// "NAME", "NAME+volume" (see with_volume), "NAME+wrinkling" (see with_wrinkling) or "calibrated:RULE" (see
+  /// calibrated; "calibrated" alone is calibrated:standard), also together: "calibrated:patch+volume". Throws
+  /// InputError with the nearest name and the list of what there is, or as these do.
+  Strategy find(const std::string& name) const;
   std::vector<std::string> names() const;
 
   /// What scenes may name besides: to begin with what comes with Elastin.

@@ -8,6 +8,7 @@
 #include "elastin/core/model/material.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
+#include "elastin/core/simulation/prepare.h"
 #include "elastin/core/solve/integrator.h"
 
 namespace elastin {
@@ -28,6 +29,9 @@ struct SimulationOptions {
   /// says. Bitwise identical with any.
   TaskRunner* runner = nullptr;
   int threads = 0;
+  /// Makes Voronoi cells where the strategy or the material's fibres need them: mesh::voronoi_cells. Empty: the body
+  /// has them, or such strategies are refused.
+  MakeVoronoi make_voronoi = {};
 };
 
 /// A spring of length 0 and a damper between a molecule and a position.
@@ -68,9 +72,9 @@ struct SimulationState {
 /// destroyed, and step() says that it is empty; nothing else may be asked of it.
 class Simulation {
  public:
-  /// The strategy at work on the body, with what the material and the body bring besides: fibres, bending, cables,
-  /// ties, bone. Throws InputError where it cannot run there or a parameter is out of range. A body of several
-  /// materials wants a strategy made by in_parts.
+  /// The strategy at work on the body, once it is prepared for it (see prepare), with what the material and the body
+  /// bring besides: fibres, bending, cables, ties, bone. Throws InputError where it cannot run there or a parameter is
+  /// out of range. A body of several materials wants a strategy made by in_parts.
   Simulation(Body body, const Strategy& strategy, const Material& material, SimulationOptions options = {});
   /// An elastic law that the host makes itself from the body, which stays where it is.
   using MakeElasticity = std::function<std::unique_ptr<Elasticity>(const Body&)>;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "elastin/core/base/units.h"
+#include "elastin/core/solve/homogenisation.h"
 
 namespace elastin::lab {
 
@@ -27,9 +28,6 @@ struct MeasureInfo {
 const std::vector<MeasureInfo>& measure_list();
 /// Throws InputError with the nearest name.
 const MeasureInfo& find_measure(const std::string& name);
-
-/// Elastic stiffness, Voigt's order xx yy zz yz xz xy with engineering shear strains [Pa].
-using Stiffness6 = Eigen::Matrix<double, 6, 6>;
 
 /// Measures of one state, in the order in which they were taken; SI units. Only finite ones are kept.
 class Measures {

@@ -1,4 +1,4 @@
-#include "lab/experiment/volume_fit.h"
+#include "core/simulation/volume_fit.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 #include "elastin/core/base/types.h"
 
-namespace elastin::lab {
+namespace elastin {
 namespace {
 
 struct Sampled {
@@ -60,4 +60,4 @@ std::optional<VolumeFit> fit_volume(const Material& material, const MeasureModul
   }
 }
 
-}  // namespace elastin::lab
+}  // namespace elastin

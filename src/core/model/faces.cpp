@@ -1,4 +1,4 @@
-#include "lab/experiment/faces.h"
+#include "core/model/faces.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include "core/geometry/boundary.h"
 #include "elastin/core/base/error.h"
 
-namespace elastin::lab {
+namespace elastin {
 namespace {
 
 /// A third of the area, seen along `direction`, of each boundary triangle whose three corners are in the face.
@@ -77,9 +77,9 @@ Vector3 middle_of(const Face& face, const Positions& positions) {
   return middle;
 }
 
-Box find_box(const Body& body, const Matrix3& axes, double depth) {
+BoxSides find_box(const Body& body, const Matrix3& axes, double depth) {
   const Positions along = axes.transpose() * body.rest;
-  Box box;
+  BoxSides box;
   box.size = along.rowwise().maxCoeff() - along.rowwise().minCoeff();
   for (int side = 0; side < 6; ++side) {
     const int axis = side / 2;
@@ -102,7 +102,7 @@ Surface find_surface(const Body& body, const Matrix3& axes, double depth) {
     for (const auto& cell : body.tetrahedra) surface.volume += signed_volume(body.rest, cell);
   } else {
     if (!body.triangles.empty()) throw InputError("a membrane of triangles is no solid");
-    const Box box = find_box(body, axes, depth);
+    const BoxSides box = find_box(body, axes, depth);
     surface.volume = box.size.prod();
     for (const Face& side : box.sides)
       for (const int molecule : side.molecules) outside[static_cast<std::size_t>(molecule)] = 1;
@@ -112,4 +112,4 @@ Surface find_surface(const Body& body, const Matrix3& axes, double depth) {
   return surface;
 }
 
-}  // namespace elastin::lab
+}  // namespace elastin

@@ -5,7 +5,7 @@
 
 #include "elastin/core/model/material.h"
 
-namespace elastin::lab {
+namespace elastin {
 
 /// Springs and volume term with which a body measures E and ν of a material.
 struct VolumeFit {
@@ -23,4 +23,4 @@ using MeasureModuli = std::function<std::optional<std::pair<double, double>>(dou
 /// 1/(κ + q) from ½ for κ → ∞, else one that three solves tell. Returns nothing if a solve fails or measures no E > 0.
 std::optional<VolumeFit> fit_volume(const Material& material, const MeasureModuli& measure, int most_solves = 4);
 
-}  // namespace elastin::lab
+}  // namespace elastin

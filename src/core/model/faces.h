@@ -2,10 +2,10 @@
 #include <array>
 #include <vector>
 
+#include "core/geometry/tributary.h"
 #include "elastin/core/model/body.h"
-#include "lab/experiment/tributary.h"
 
-namespace elastin::lab {
+namespace elastin {
 
 /// Two directions that span the plane across an axis, as columns.
 Eigen::Matrix<double, 3, 2> across(const Vector3& axis);
@@ -27,14 +27,14 @@ Face end_face(const Body& body, const Vector3& direction, double depth);
 Vector3 middle_of(const Face& face, const Positions& positions);
 
 /// A solid body in the form of a box.
-struct Box {
+struct BoxSides {
   std::array<Face, 6> sides;  ///< along −a, +a, −b, +b, −c, +c, the columns of the axes
   Vector3 size;               ///< along the axes [m]
 };
 
 /// The sides of a box along `axes` (orthonormal columns), each as end_face gives it. Throws InputError if the body is
 /// no box: if the molecules of a side span less than half of it.
-Box find_box(const Body& body, const Matrix3& axes, double depth);
+BoxSides find_box(const Body& body, const Matrix3& axes, double depth);
 
 /// What bounds a solid body.
 struct Surface {
@@ -46,4 +46,4 @@ struct Surface {
 /// InputError if the body is neither, or if a depth is given where cells say what the surface is.
 Surface find_surface(const Body& body, const Matrix3& axes, double depth);
 
-}  // namespace elastin::lab
+}  // namespace elastin

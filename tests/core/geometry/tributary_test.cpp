@@ -1,10 +1,9 @@
-#include "lab/experiment/tributary.h"
+#include "core/geometry/tributary.h"
 
 #include <catch2/catch.hpp>
 #include <random>
 
 using namespace elastin;
-using namespace elastin::lab;
 
 TEST_CASE("tributary areas of a square grid: quarters at corners, halves at edges", "[tributary]") {
   Points2 points(2, 16);

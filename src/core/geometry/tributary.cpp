@@ -1,10 +1,10 @@
-#include "lab/experiment/tributary.h"
+#include "core/geometry/tributary.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-namespace elastin::lab {
+namespace elastin {
 namespace {
 
 using Point = Eigen::Vector2d;
@@ -144,4 +144,4 @@ std::vector<double> tributary_areas(const Points2& points, const Points2& polygo
   return areas;
 }
 
-}  // namespace elastin::lab
+}  // namespace elastin

@@ -2,7 +2,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace elastin::lab {
+namespace elastin {
 
 using Points2 = Eigen::Matrix2Xd;  ///< one column a point
 
@@ -20,4 +20,4 @@ double polygon_second_moment(const Points2& polygon);
 /// to the polygon's area. Points must be distinct. Cost O(n log n) for points of even density.
 std::vector<double> tributary_areas(const Points2& points, const Points2& polygon);
 
-}  // namespace elastin::lab
+}  // namespace elastin
