@@ -169,10 +169,10 @@ std::string non_finite_text(const Body& body, const VectorX& constants) {
 }  // namespace
 
 std::string calibration_unsuited(const Protocol& experiment, const Material& material) {
-  if (const StaticProtocol* at_rest = experiment.calibration(); at_rest && calibrated_measure(*at_rest, material))
-    return "";
+  const StaticProtocol* at_rest = experiment.calibration();
+  if (at_rest && calibrated_measure(*at_rest, material)) return "";
   return "the experiment " + experiment.name() + " measures on this body no modulus to calibrate to" +
-         (experiment.apparent() ? ": " + experiment.no_reference() : "");
+         (at_rest && at_rest->apparent() ? ": it is apparent" : "");
 }
 
 std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Protocol& experiment,

@@ -114,7 +114,7 @@ TEST_CASE("cubes and triangles have a section too; a bare graph has its hull's",
   waist.cubes.clear();
   CHECK(along_z(waist).prism());
   for (int molecule = 0; molecule < waist.size(); ++molecule)
-    if (std::abs(waist.rest(2, molecule) - 0.006) < 0.0025) waist.rest(0, molecule) *= 0.5;
+    if (std::abs(waist.rest(2, molecule) - 0.006) < 0.0035) waist.rest(0, molecule) *= 0.5;
   CHECK_FALSE(along_z(waist).prism());
 }
 
@@ -146,7 +146,7 @@ TEST_CASE("the modulus of a body that is no prism is apparent, and nothing is ca
   CHECK(std::isnan(experiment->main_measures(specimen.material, {}).front().prescribed));
   const Run run = run_strategy(specimen, *experiment, choose_strategy(kCatalog, "calibrated:van_gelder"), {});
   CHECK_FALSE(run.suited);
-  CHECK_THAT(run.cause, Contains("no modulus to calibrate to") && Contains("no prism"));
+  CHECK_THAT(run.cause, Contains("no modulus to calibrate to: it is apparent"));
   TensionSetup stated = pull(1e-6);
   stated.cross_section = 1.5e-4;
   CHECK_FALSE(make_tension(specimen.body, stated)->apparent());
@@ -172,7 +172,9 @@ TEST_CASE("a beam that is hollow has an apparent modulus", "[section][bending]")
   setup.axis = Vector3::UnitZ();
   setup.direction = Vector3::UnitX();
   setup.force = 1e-6;
-  const Body hollow = hollow_bar(), whole = tetrahedral_block(BlockKind::kuhn, {3, 3, 6}, {0.003, 0.003, 0.006});
+  const Body hollow = hollow_bar();
+  Body whole = tetrahedral_block(BlockKind::kuhn, {3, 3, 6}, {0.003, 0.003, 0.006});
+  set_matter(whole, 0.0005, 1000, 0, 0);
   CHECK(make_bending(hollow, setup, {})->apparent());
   CHECK_FALSE(make_bending(hollow, setup, {})->no_reference().empty());
   CHECK_FALSE(make_bending(whole, setup, {})->apparent());
