@@ -94,8 +94,8 @@ TEST_CASE("clamped and tapered specimens recommend nothing by the material's E",
              Contains("recommended: standard: E ") && Contains("to the reference"));
   const std::vector<Record> tapered =
       records_of("kind: compression, displacement: 1 um", "standard, van_gelder, neo_hookean", "",
-                 "{molecules: [[0, 0, 0], [0.01, 0, 0], [0, 0.01, 0], [0, 0, 0.01], [0.01, 0, 0.01], [0, 0.03, 0.01]], "
-                 "cells: delaunay, radius: 5 mm}");
+                 "{molecules: [[0 cm, 0 cm, 0 cm], [1 cm, 0 cm, 0 cm], [0 cm, 1 cm, 0 cm], [0 cm, 0 cm, 1 cm], "
+                 "[1 cm, 0 cm, 1 cm], [0 cm, 3 cm, 1 cm]], cells: delaunay, radius: 5 mm}");
   REQUIRE(tapered[0].apparent);
   CHECK(std::isnan(tapered[0].error("effective_modulus")));
   const std::string said = comparison_text(tapered, false);
