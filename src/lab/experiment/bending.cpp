@@ -3,15 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "core/model/faces.h"
 #include "elastin/core/base/error.h"
+#include "lab/experiment/section.h"
 
 namespace elastin::lab {
 namespace {
 
 /// Beyond this part of the length the linear beam is off by more than half a hundredth.
 constexpr double kSmallDeflection = 0.1;
+
+/// Least relative difference of the body's section from its hull's that tells a tube from a coarse round bar.
+constexpr double kSameSection = 0.05;
 
 class Bending final : public StaticProtocol {
  public:
@@ -33,7 +38,22 @@ class Bending final : public StaticProtocol {
   int load_steps() const override { return setup_.load_steps; }
 
   std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
-    return {{"effective_modulus", material.youngs_modulus}, {"tip_deflection"}, {"tip_shortening"}};
+    const double target = apparent_ ? std::numeric_limits<double>::quiet_NaN() : material.youngs_modulus;
+    return {{"effective_modulus", target}, {"tip_deflection"}, {"tip_shortening"}};
+  }
+
+  bool apparent() const override { return apparent_; }
+  std::string no_reference() const override {
+    return apparent_
+               ? "the beam's section is not its convex hull all along the axis, so its modulus is apparent; compare "
+                 "with the solid itself (neo_hookean, refined)"
+               : "";
+  }
+  std::vector<std::string> notes() const override {
+    if (!apparent_) return {};
+    return {
+        "effective_modulus is apparent: its formula takes the convex hull for the section, and the body is hollow, "
+        "notched or tapered"};
   }
 
   std::string remark(const Measures& measures) const override {
@@ -68,6 +88,9 @@ class Bending final : public StaticProtocol {
     const Points2 section = convex_hull(plane.transpose() * body_.rest);
     const double area = polygon_area(section), moment = polygon_second_moment(section);
     if (!(area > 0 && moment > 0)) throw InputError("the body's molecules span no cross-section that could bend");
+    const VectorX height = body_.rest.transpose() * setup_.axis;
+    const Section solid = find_section(body_, setup_.axis, height.minCoeff(), height.maxCoeff(), 0);
+    apparent_ = !solid.prism() || std::abs(solid.area / area - 1) > kSameSection;
     for (int molecule = 0; molecule < body_.size(); ++molecule) {
       const double x = std::max(0., setup_.axis.dot(body_.rest.col(molecule)) - root_height);
       const double force = setup_.direction.dot(full_forces_.col(molecule));
@@ -82,6 +105,7 @@ class Bending final : public StaticProtocol {
   std::vector<int> tip_;  // molecules whose mean is the tip's middle
   Positions full_forces_;
   double length_ = 0, deflection_times_modulus_ = 0;
+  bool apparent_ = false;
 };
 
 class BendingRig final : public StaticRig {

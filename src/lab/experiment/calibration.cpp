@@ -1,8 +1,10 @@
 #include "lab/experiment/calibration.h"
 
 #include <cmath>
+#include <cstdio>
 #include <optional>
 
+#include "core/laws/springs/uniform.h"
 #include "core/simulation/volume_fit.h"
 #include "elastin/core/forces/volume.h"
 #include "lab/experiment/curve_fit.h"
@@ -17,10 +19,12 @@ Material without_fibres(const Material& material) {
   return matrix;
 }
 
-/// The measure to which a rule is calibrated: the first that the material prescribes a value for.
+/// The measure to which a rule is calibrated: the first modulus that the material prescribes a value for. A ratio does
+/// not change with the springs' scale.
 std::optional<MainMeasure> calibrated_measure(const StaticProtocol& experiment, const Material& material) {
   for (const MainMeasure& measure : experiment.main_measures(without_fibres(material), {}))
-    if (std::isfinite(measure.prescribed)) return measure;
+    if (std::isfinite(measure.prescribed) && find_measure(std::string(measure.name)).unit != dimension::none)
+      return measure;
   return std::nullopt;
 }
 
@@ -75,8 +79,19 @@ std::unique_ptr<Elasticity> assembled(const Specimen& specimen, const StrategyCh
   return make_sum(std::move(springs), make_volume(specimen.body, volume_modulus));
 }
 
-void scale(Run& run, double factor, double volume_modulus) {
+/// Beyond this factor a rule is not corrected but replaced.
+constexpr double kMostScaled = 2;
+
+/// `uniform` has no constants of its own that could be far off.
+void scale(Run& run, const StrategyChoice& choice, double factor, double volume_modulus) {
   run.calibration_factor = factor;
+  if ((factor > kMostScaled || factor < 1 / kMostScaled) && choice.strategy.name != Uniform::name) {
+    char text[120];
+    std::snprintf(text, sizeof text,
+                  "calibration multiplies the spring constants by %.4g; the rule alone is that far off on this body",
+                  factor);
+    run.warnings.emplace_back(text);
+  }
   run.constants *= factor;
   run.volume_modulus = volume_modulus;
 }
@@ -90,7 +105,7 @@ void scale_to_modulus(const Specimen& specimen, const StaticProtocol& experiment
   const MainMeasure target = *calibrated_measure(experiment, specimen.material);
   const double factor = measures ? target.prescribed / measures->get(target.name) : 0;
   if (!(factor > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
-  scale(run, factor, factor * run.volume_modulus);
+  scale(run, choice, factor, factor * run.volume_modulus);
 }
 
 /// Fits the run's constants and volume term to E and ν.
@@ -103,7 +118,7 @@ void fit_springs_and_volume(const Specimen& specimen, const StaticProtocol& expe
   });
   if (!run.suited) return;
   if (!fit) return fail_calibration(run, "the linear solves measure no positive E, or no Poisson's ratio");
-  scale(run, fit->spring_factor, fit->volume_modulus);
+  scale(run, choice, fit->spring_factor, fit->volume_modulus);
   if (std::abs(fit->poissons_ratio - specimen.material.poissons_ratio) > 0.002)
     run.warnings.push_back("calibration reaches no nearer Poisson's ratio than " + std::to_string(fit->poissons_ratio));
 }
@@ -154,9 +169,10 @@ std::string non_finite_text(const Body& body, const VectorX& constants) {
 }  // namespace
 
 std::string calibration_unsuited(const Protocol& experiment, const Material& material) {
-  if (const StaticProtocol* at_rest = experiment.calibration(); at_rest && calibrated_measure(*at_rest, material))
-    return "";
-  return "the experiment " + experiment.name() + " measures on this body no modulus to calibrate to";
+  const StaticProtocol* at_rest = experiment.calibration();
+  if (at_rest && calibrated_measure(*at_rest, material)) return "";
+  return "the experiment " + experiment.name() + " measures on this body no modulus to calibrate to" +
+         (at_rest && at_rest->apparent() ? ": it is apparent" : "");
 }
 
 std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Protocol& experiment,

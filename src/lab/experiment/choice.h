@@ -13,6 +13,7 @@ struct StrategyChoice {
   Strategy strategy;  ///< the rule or law itself, with its volume term if any; for calibrated:RULE the rule
   bool calibrated = false;
   ParameterValues values;
+  int order = 0;  ///< among all_strategies, the simplest first: the catalog's, then with an ending, then calibrated
 };
 
 /// Reads "NAME" or "calibrated:RULE" ("calibrated" alone is calibrated:standard), either with "+volume" or "+wrinkling"
@@ -26,7 +27,9 @@ StrategyChoice with_volume(StrategyChoice choice);
 /// The same choice without compression, "+wrinkling" added to its label. Throws InputError if it cannot.
 StrategyChoice with_wrinkling(StrategyChoice choice);
 
-/// Every strategy of the catalog, and every spring rule calibrated too.
-std::vector<StrategyChoice> all_strategies(const Catalog& catalog);
+/// Every strategy of the catalog, every spring rule calibrated too, and both with "+volume" where the body has the
+/// cells and each of the materials the Poisson's ratio that this takes; ascending in `order`.
+std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Body& body,
+                                           const std::vector<Material>& materials);
 
 }  // namespace elastin::lab

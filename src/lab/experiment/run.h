@@ -41,6 +41,7 @@ struct Snapshot {
 /// What came of one strategy on one specimen. Everything in SI units.
 struct Run {
   std::string strategy;
+  int order = 0;  ///< of the strategy, see StrategyChoice::order
   std::string solver;
   std::string solver_reason;  ///< why that one; empty where there was no choice
   Outcome outcome = Outcome::converged;

@@ -117,6 +117,11 @@ std::optional<Identification> identification_of(const Protocol& experiment) {
   return experiment.at_rest() ? experiment.at_rest()->identification() : std::nullopt;
 }
 
+std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Specimen& specimen) {
+  return all_strategies(catalog, specimen.body,
+                        specimen.materials.empty() ? std::vector{specimen.material} : specimen.materials);
+}
+
 bool needs_cells(const Strategy& strategy, const Body& body) {
   if (body.triangles.empty() && body.tetrahedra.empty()) return false;
   const Body bare = without_cells(body);
@@ -189,6 +194,7 @@ Run run_strategy(const Specimen& specimen, const Protocol& experiment, const Str
   }
   Run run;
   run.strategy = choice.label;
+  run.order = choice.order;
   if (options.progress) options.progress("building");
   run.cause = unsuited(specimen, experiment, choice);
   if (!run.cause.empty()) {

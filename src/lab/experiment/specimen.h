@@ -13,6 +13,9 @@ void prepare(Specimen& specimen, const Strategy& strategy);
 /// Whether the strategy needs the triangles or tetrahedra of a body that it suits.
 bool needs_cells(const Strategy& strategy, const Body& body);
 
+/// Every strategy that there is for this specimen: all_strategies for its body and each of its materials.
+std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Specimen& specimen);
+
 /// The material that an experiment is there to find, if any.
 std::optional<Identification> identification_of(const Protocol& experiment);
 

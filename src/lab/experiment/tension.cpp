@@ -3,11 +3,13 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
+#include "lab/experiment/section.h"
 
 namespace elastin::lab {
 namespace {
@@ -26,10 +28,9 @@ class Tension final : public StaticProtocol {
     share_ = setup.sharing == LoadSharing::area ? std::move(loaded.share) : VectorX(equal(loaded_.size()));
     fixed_share_ = equal(fixed_.size());
     const Points2 seen = plane_.transpose() * body.rest;
-    area_ = setup.cross_section > 0 ? setup.cross_section : polygon_area(convex_hull(seen));
-    if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
     choose_corner(seen);
     choose_gauge(height_.minCoeff());
+    choose_section();
     choose_middle((height_.minCoeff() + height_.maxCoeff()) / 2);
     for (const Part& part : body.parts)
       if (setup.force && part.rigid && meets(part, loaded_))
@@ -41,12 +42,38 @@ class Tension final : public StaticProtocol {
   std::optional<Vector3> axis() const override { return setup_.axis; }
   int load_steps() const override { return setup_.load_steps; }
   ResponseMeasures response_measures() const override { return {"elongation", setup_.displacement ? "force" : ""}; }
+  bool apparent() const override { return section_ && !section_->prism(); }
+
+  std::string no_reference() const override {
+    if (apparent())
+      return "the body is no prism along the axis, so its modulus is apparent; state cross_section, or compare with " +
+             solid();
+    if (clamps_reach_gauge()) return "the grips clamp, so no specimen shows the material's E; compare with " + solid();
+    return "";
+  }
+
+  std::vector<std::string> notes() const override {
+    std::vector<std::string> notes;
+    if (!section_) return notes;
+    if (section_->of_hull)
+      notes.push_back("cross-section of " + area_text() +
+                      ": the convex hull of the molecules seen along the axis; the "
+                      "body has no cells that tell its volume");
+    if (apparent()) {
+      char percent[16];
+      std::snprintf(percent, sizeof percent, "%.0f %%", 100 * section_->variation);
+      notes.push_back("effective_modulus is apparent: the section varies by " + std::string(percent) +
+                      " along the axis about its mean of " + area_text());
+    }
+    return notes;
+  }
 
   std::vector<MainMeasure> main_measures(const Material& material, const Measures& measured) const override {
     UniaxialResponse target = uniaxial_response(material, setup_.axis);
     const double strain = measured.get("strain");
     if (std::isfinite(strain) && strain != 0)  // the secant of a curve
       if (const auto stress = uniaxial_stress(material, setup_.axis, strain)) target.youngs_modulus = *stress / strain;
+    if (apparent()) target.youngs_modulus = std::numeric_limits<double>::quiet_NaN();
     std::vector<MainMeasure> measures{
         {"effective_modulus", target.youngs_modulus}, {"poissons_ratio", target.poissons_ratio}, {"elongation"}};
     if (material.curve || material.fibre) measures.push_back({"curve_error"});
@@ -83,6 +110,39 @@ class Tension final : public StaticProtocol {
       }
       if (crossings_[plane].empty()) throw InputError("gauge: no connection crosses the plane");
     }
+  }
+
+  /// The scene's own, or that of the body, between the gauge planes if there are any.
+  void choose_section() {
+    area_ = setup_.cross_section;
+    if (area_ == 0) {
+      const double low = height_.minCoeff(), high = height_.maxCoeff();
+      section_ = setup_.gauge ? find_section(body_, setup_.axis, low + (*setup_.gauge)[0],
+                                             std::min(high, low + (*setup_.gauge)[1]), setup_.thickness)
+                              : find_section(body_, setup_.axis, low, high, setup_.thickness);
+      area_ = section_->area;
+    }
+    if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
+  }
+
+  /// Clamps disturb what lies within one width of them [Saint-Venant]; a gauge beyond that shows the material.
+  bool clamps_reach_gauge() const {
+    const bool below = setup_.fixed_grip == Grip::clamped, above = setup_.loaded_grip == Grip::clamped;
+    if (!setup_.gauge) return below || above;
+    const double length = height_.maxCoeff() - height_.minCoeff(), width = std::sqrt(area_);
+    return (below && (*setup_.gauge)[0] < width) || (above && length - (*setup_.gauge)[1] < width);
+  }
+
+  /// What solves the same problem.
+  std::string solid() const {
+    return body_.tetrahedra.empty() && !body_.triangles.empty() ? "a membrane law, refined"
+                                                                : "the solid itself (neo_hookean, refined)";
+  }
+
+  std::string area_text() const {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g mm2", 1e6 * area_);
+    return text;
   }
 
   /// Molecules within one mean connection of mid height (between the gauge planes, if any): theirs is the lateral
@@ -182,7 +242,8 @@ class Tension final : public StaticProtocol {
   std::vector<int> fixed_, loaded_, middle_;
   VectorX share_, fixed_share_;  // of the load, sum 1
   double area_ = 0, gauge_length_ = 0;
-  Eigen::Index corner_ = 0;  // index into loaded_
+  std::optional<Section> section_;  // where the scene states none
+  Eigen::Index corner_ = 0;         // index into loaded_
   std::array<std::vector<std::pair<int, double>>, 2> crossings_;
 };
 

@@ -18,7 +18,9 @@ struct TensionSetup {
   Grip fixed_grip = Grip::sliding, loaded_grip = Grip::sliding;
   LoadSharing sharing = LoadSharing::area;
   Reading reading = Reading::mean;
-  double cross_section = 0;                    ///< A [m²]; 0 = the hull of all molecules seen along the axis
+  /// A [m²]; 0 = volume over length of the body's cells, between the gauge planes if there are any; see find_section
+  double cross_section = 0;
+  double thickness = 0;                        ///< [m] of the body's triangles; 0 = they have no volume
   double gauge_length = 0;                     ///< l₀ [m]; 0 = distance between the ends' molecules
   std::optional<std::array<double, 2>> gauge;  ///< planes [m] from the fixed end between which elongation is read
   double grip_depth = 0;  ///< [m]: molecules this close to an end belong to it; 0 = those in the end plane

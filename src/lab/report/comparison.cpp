@@ -13,6 +13,8 @@ namespace {
 struct MeasureColumns {
   const MeasureInfo& info;
   bool value, error, reference;
+  bool apparent;  ///< of the body's shape as well, not of the material alone
+  std::string label() const { return (apparent ? "apparent " : "") + info.label(); }
 };
 
 std::vector<MeasureColumns> columns_of(const std::vector<Record>& records) {
@@ -25,17 +27,18 @@ std::vector<MeasureColumns> columns_of(const std::vector<Record>& records) {
     if (!failed && !any([&](const Record& r) { return std::isfinite(r.run.measures.get(info.name)); })) continue;
     const bool error = std::isfinite(prescribed) && info.unit != dimension::none;
     const bool reference = any([&](const Record& r) { return std::isfinite(r.error(to_reference)); });
-    columns.push_back({info, columns.empty() || !error || reference, error, reference});
+    const bool apparent = name == "effective_modulus" && any([](const Record& r) { return r.apparent; });
+    columns.push_back({info, columns.empty() || !error || reference, error, reference, apparent});
   }
   return columns;
 }
 
 std::vector<std::string> comparison_head(const std::vector<MeasureColumns>& columns) {
   std::vector<std::string> head{"strategy"};
-  for (const auto& [info, value, error, reference] : columns) {
-    if (value) head.push_back(info.label() + (error ? " measured" : ""));
-    if (error) head.push_back("error of " + info.label());
-    if (reference) head.push_back("to reference");
+  for (const MeasureColumns& column : columns) {
+    if (column.value) head.push_back(column.label() + (column.error ? " measured" : ""));
+    if (column.error) head.push_back("error of " + column.label());
+    if (column.reference) head.push_back("to reference");
   }
   for (const char* name : {"iterations", "build", "solve", ""}) head.push_back(name);
   return head;
@@ -44,7 +47,7 @@ std::vector<std::string> comparison_head(const std::vector<MeasureColumns>& colu
 std::vector<TableCell> comparison_row(const Record& record, const std::vector<MeasureColumns>& columns, bool best) {
   const Run& run = record.run;
   std::vector<TableCell> row{{run.strategy, best ? Tone::bold : run.suited ? Tone::plain : Tone::faint}};
-  for (const auto& [info, value, with_error, reference] : columns) {
+  for (const auto& [info, value, with_error, reference, apparent] : columns) {
     const std::string shown = row.size() > 1 || solved(record) ? value_text(run.measures.get(info.name), info) : "—";
     if (value) row.push_back(number_cell(shown, run.measures.get(info.name)));
     const double error = record.error(info.name);
@@ -93,13 +96,18 @@ std::string notes_of(const Record& record) {
 bool can_rank(const std::vector<Record>& records) {
   if (records.empty()) return false;
   const std::vector<MeasureColumns> columns = columns_of(records);
-  return std::any_of(columns.begin(), columns.end(), [](const MeasureColumns& c) { return c.error || c.reference; });
+  return std::any_of(columns.begin(), columns.end(),
+                     [](const MeasureColumns& c) { return c.error || c.reference || c.apparent; });
 }
 
 Table comparison_table(const std::vector<Record>& records, const Ranking& ranking) {
   const std::vector<MeasureColumns> columns = columns_of(records);
   Table table(comparison_head(columns));
-  for (const Record& record : records) table.add(comparison_row(record, columns, &record == ranking.best));
+  const auto best = [&](const Record& record) {
+    return &record == ranking.best ||
+           std::find(ranking.tied.begin(), ranking.tied.end(), &record) != ranking.tied.end();
+  };
+  for (const Record& record : records) table.add(comparison_row(record, columns, best(record)));
   return table;
 }
 
@@ -139,6 +147,7 @@ Table verdicts_table(const std::vector<Record>& records) {
 
 std::string advice_text(const Ranking& ranking, bool colours) {
   const Record* best = ranking.best;
+  if (!ranking.no_reference.empty()) return "\n  no reference: " + ranking.no_reference + "\n";
   if (!best) return "\n  no recommendation: each strategy failed or has a warning\n";
   std::string found, goal;
   for (const std::string& name : ranking.measures) {
@@ -158,10 +167,13 @@ std::string advice_text(const Ranking& ranking, bool colours) {
               : modulus             ? percent(best->error(name))
                                     : value_text(value, info));
   }
+  std::string tied;
+  for (const Record* record : ranking.tied) tied += (tied.empty() ? " (tied with " : ", ") + record->run.strategy;
+  if (!tied.empty()) tied += ")";
   return fmt::format(
-      "\n  {} {}: {} (target: {}), {}\n",
+      "\n  {} {}{}: {} (target: {}), {}\n",
       ranking.error(*best) <= kNear ? "recommended:" : "no strategy is near " + goal + "; the nearest is",
-      painted(best->run.strategy, Tone::bold, colours), found, best->prescribed,
+      painted(best->run.strategy, Tone::bold, colours), tied, found, best->prescribed,
       readable_seconds(best->run.build_seconds + best->run.solve_seconds));
 }
 

@@ -325,6 +325,8 @@ void study_fields(Io& io, AnyRecord& record) {
   io.object("seconds", [&](auto& inner) { inner.derived(!record.repeats.empty(), "median", record.median_seconds()); });
   auto& run = record.run;
   io.field_if(!run.remark.empty(), "remark", run.remark);
+  io.field_if(record.apparent, "apparent", record.apparent);
+  io.field_if(!record.no_reference.empty(), "no_reference", record.no_reference);
   io.field_if(run.unstable, "unstable", run.unstable);
   io.field_if(run.restarted_from_rest, "untangled", run.restarted_from_rest);
   io.field_if(run.uses_cells, "uses_cells", run.uses_cells);
@@ -372,6 +374,7 @@ void record_fields(Io& io, AnyRecord& record) {
           [&](auto& inner, auto& point) { curve_fields(inner, point, run.time.has_value()); });
   io.list(true, "expectations", record.verdicts, [](auto& inner, auto& verdict) { verdict_fields(inner, verdict); });
   io.kept("path", record.path);
+  io.kept("order", run.order);
   io.kept("obstacles", record.obstacles);
   io.kept("run_warnings", run.warnings);
   io.kept_object("neighbours", [&](auto& inner) {

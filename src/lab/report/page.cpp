@@ -118,7 +118,8 @@ std::string head_html(const Scenery& scene) {
     out += chip(fmt::format("reference: {} {} ({})", find_measure(reference.measure).label(),
                             readable(reference.value, find_measure(reference.measure)), reference.source));
   out += "</ul>\n";
-  if (!scene.study && scene.records.size() > 1 && can_rank(scene.records))
+  const bool advised = !scene.study && scene.records.size() > 1 && can_rank(scene.records);
+  if (advised || !scene.ranking.no_reference.empty())
     out += fmt::format("<p class=\"advice{}\">{}</p>\n", scene.ranking.best ? "" : " none",
                        escaped(advice_text(scene.ranking, false)));
   return out;
@@ -264,7 +265,8 @@ std::string page_text(const PageMatter& matter) {
   out += fmt::format(
       "</main>\n<footer><p>{}</p><p><code>{}</code></p><p>Times: build and solve of each strategy, its body given; the "
       "least of all repeats. The best is near enough (0.1 %, or the least there is), with nothing to warn of, "
-      "and then the fastest.</p><p>Bodies are drawn by three.js (MIT licence).</p></footer>\n",
+      "and then the fastest; where the measures do not tell strategies apart, the simplest.</p><p>Bodies are drawn by "
+      "three.js (MIT licence).</p></footer>\n",
       escaped(matter.machine), escaped(matter.command));
   out += packed_html("id=\"three\"", base64(k_three.data(), k_three.size()));
   for (const char* script : {k_body_js, k_colours_js, k_marks_js, k_viewer_js, k_stage_js, k_page_js})

@@ -28,6 +28,32 @@ double second_error(const Record& record, const Ranking& ranking) {
   return sum;
 }
 
+/// Differences of errors below this say nothing.
+double carried(const Record& a, const Record& b, const Ranking& ranking) {
+  constexpr double kLeast = 1e-5, kMost = 1e-3;
+  double uncertainty = std::max({kLeast, a.run.residual, b.run.residual});
+  for (const Reference& reference : a.references)
+    if (ranking.by_reference &&
+        std::find(ranking.measures.begin(), ranking.measures.end(), reference.measure) != ranking.measures.end())
+      uncertainty = std::max(uncertainty, reference.uncertainty);
+  return std::min(uncertainty, kMost);
+}
+
+/// All that are tied with the best; of them the simplest becomes the best.
+void find_ties(const std::vector<const Record*>& candidates, Ranking& ranking) {
+  const Record& best = *ranking.best;
+  const double error = ranking.error(best), second = second_error(best, ranking);
+  std::vector<const Record*> tied;
+  for (const Record* record : candidates)
+    if (second_error(*record, ranking) == second &&
+        std::abs(ranking.error(*record) - error) <= carried(*record, best, ranking))
+      tied.push_back(record);
+  std::stable_sort(tied.begin(), tied.end(),
+                   [](const Record* a, const Record* b) { return a->run.order < b->run.order; });
+  ranking.best = tied.front();
+  ranking.tied.assign(tied.begin() + 1, tied.end());
+}
+
 }  // namespace
 
 bool solved(const Record& record) { return record.run.suited && record.run.outcome == Outcome::converged; }
@@ -46,6 +72,9 @@ Ranking rank_strategies(const std::vector<Record>& records) {
   ranking.measures = measures_with(records, "_to_reference");
   ranking.by_reference = !ranking.measures.empty();
   if (!ranking.by_reference) {
+    for (const Record& record : records)
+      if (ranking.no_reference.empty()) ranking.no_reference = record.no_reference;
+    if (!ranking.no_reference.empty()) return ranking;
     ranking.measures = measures_with(records, "");
     if (ranking.measures.size() > 1) ranking.measures.resize(1);
   }
@@ -57,9 +86,13 @@ Ranking rank_strategies(const std::vector<Record>& records) {
   const auto order = [&](const Record& record) {
     return std::tuple{second_error(record, ranking), record.run.build_seconds + record.run.solve_seconds};
   };
+  std::vector<const Record*> candidates;
   for (const Record& record : records)
-    if (fit(record) && ranking.error(record) <= std::max(1e-3, least) && std::isfinite(ranking.error(record)))
+    if (fit(record) && ranking.error(record) <= std::max(1e-3, least) && std::isfinite(ranking.error(record))) {
+      candidates.push_back(&record);
       if (!ranking.best || order(record) < order(*ranking.best)) ranking.best = &record;
+    }
+  if (ranking.best) find_ties(candidates, ranking);
   return ranking;
 }
 

@@ -15,7 +15,10 @@ struct Ranking {
   /// with a value of the material, which is met only where the grips do not disturb. Empty: nothing to go by.
   std::vector<std::string> measures;
   bool by_reference = false;
-  const Record* best = nullptr;  ///< points into the records; null if each one failed or has a warning
+  /// Why nothing ranks them, in words: the specimen does not show the material's values, and no reference is given.
+  std::string no_reference;
+  const Record* best = nullptr;     ///< points into the records; null if each one failed or has a warning
+  std::vector<const Record*> tied;  ///< others that the measures do not tell from the best
 
   /// Name of a measure's error that counts.
   std::string error_name(const std::string& measure) const { return measure + (by_reference ? "_to_reference" : ""); }
@@ -24,7 +27,8 @@ struct Ranking {
 };
 
 /// The best is near enough (0.1 %, or the least there is), with nothing to warn of; of those the nearest in what else
-/// the material prescribes; then the fastest.
+/// the material prescribes; then the fastest. Where errors differ by less than the measures carry (1e-5, the solver's
+/// residual, the reference's uncertainty) time does not count: they are tied, and the simplest strategy is the best.
 Ranking rank_strategies(const std::vector<Record>& records);
 
 }  // namespace elastin::lab

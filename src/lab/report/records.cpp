@@ -149,6 +149,9 @@ Record make_record(const Scene& scene, Run run) {
     for (const contact::Obstacle& obstacle : scene.specimen.contact->obstacles)
       record.obstacles.push_back(obstacle.name);
   record.notes = scene.notes;
+  for (std::string& note : scene.experiment->notes()) record.notes.push_back(std::move(note));
+  record.apparent = scene.experiment->apparent();
+  record.no_reference = scene.experiment->no_reference();
   record.warnings = scene.warnings;
   record.warnings.insert(record.warnings.end(), run.warnings.begin(), run.warnings.end());
   if (!run.remark.empty()) record.warnings.push_back(run.remark);

@@ -126,6 +126,9 @@ std::string comparison_text(const std::vector<Record>& records, bool colours) {
   const Table verdicts = verdicts_table(records);
   if (!verdicts.empty()) out += "\n" + verdicts.text(colours);
   if (records.size() > 1 && can_rank(records)) out += advice_text(ranking, colours);
+  if (records.front().apparent)
+    for (const std::string& note : records.front().notes)
+      out += "  " + painted("note: " + note, Tone::faint, colours) + "\n";
   for (const Record& record : records) {
     const Run& run = record.run;
     if (!run.remark.empty())
@@ -170,10 +173,11 @@ std::string run_text(const Record& record, bool colours) {
     const std::string off = !std::isfinite(error)          ? ""
                             : info.unit == dimension::none ? fmt::format("{:+.4f}", error)
                                                            : percent(error);
-    table.add({{name},
-               {value_text(value, info, 6), Tone::plain, true},
-               {off, tone_of_error(error), true},
-               {std::string(info.text), Tone::faint}});
+    table.add(
+        {{name},
+         {value_text(value, info, 6), Tone::plain, true},
+         {off, tone_of_error(error), true},
+         {(record.apparent && name == "effective_modulus" ? "apparent: " : "") + std::string(info.text), Tone::faint}});
   }
   if (!table.empty()) out += "\n" + table.text(colours);
   if (run.measures.stiffness_matrix) out += stiffness_text(*run.measures.stiffness_matrix, colours);

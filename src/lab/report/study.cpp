@@ -116,16 +116,11 @@ std::string refer_to_own(std::vector<Record>& records, const std::string& strate
   return trouble;
 }
 
-TimeTo time_to(const std::vector<std::pair<double, double>>& times_and_errors, double error) {
-  for (std::size_t i = 0; i < times_and_errors.size(); ++i) {
-    const auto& [time, here] = times_and_errors[i];
-    if (!(here <= error)) continue;
-    if (i == 0) return {time, true};
-    const auto& [time_before, before] = times_and_errors[i - 1];
-    const double part = std::log(before / error) / std::log(before / std::max(here, 1e-12 * error));
-    return {time_before * std::pow(time / time_before, part), false};
-  }
-  return {std::nan(""), false};
+double time_to(const std::vector<std::pair<double, double>>& times_and_errors, double error) {
+  double fastest = std::nan("");
+  for (const auto& [time, here] : times_and_errors)
+    if (here <= error && !(time >= fastest)) fastest = time;
+  return fastest;
 }
 
 Table study_table(const std::vector<Record>& records, const Ranking& ranking) {
@@ -166,14 +161,14 @@ Table study_table(const std::vector<Record>& records, const Ranking& ranking) {
 
 namespace {
 
-/// A curve's way to the goals; a peer's if it is another program's.
+/// How long a curve's runs take to the goals; a peer's if it is another program's.
 struct TimesToGoals {
   std::string name;
   bool peer;
-  TimeTo goals[2];
+  double goals[2];  // [s]; NaN where no run is that good
 };
 
-double order_of(const TimeTo& time) { return std::isfinite(time.seconds) ? time.seconds : INFINITY; }
+double order_of(double seconds) { return std::isfinite(seconds) ? seconds : INFINITY; }
 
 TimesToGoals times_of(const std::string& name, bool peer, const std::vector<std::pair<double, double>>& points) {
   return {name, peer, {time_to(points, kGoals[0]), time_to(points, kGoals[1])}};
@@ -184,10 +179,7 @@ std::vector<TimesToGoals> times_of_peers(const std::vector<Peer>& peers, const s
   for (const Peer& peer : peers)
     if (peer.scene.empty() || peer.scene == scene) points[peer.name].emplace_back(peer.seconds, peer.error);
   std::vector<TimesToGoals> candidates;
-  for (auto& [name, own] : points) {
-    std::sort(own.begin(), own.end());
-    candidates.push_back(times_of(name, true, own));
-  }
+  for (const auto& [name, own] : points) candidates.push_back(times_of(name, true, own));
   return candidates;
 }
 
@@ -220,11 +212,9 @@ Table time_to_table(const std::vector<Record>& records, const Ranking& ranking, 
   for (const TimesToGoals& times : candidates) {
     std::vector<TableCell> cells{{times.name}};
     for (int goal = 0; goal < 2; ++goal) {
-      const TimeTo& time = times.goals[goal];
-      const double ratio = order_of(time) / best[goal];
-      cells.push_back(number_cell(
-          std::isfinite(time.seconds) ? (time.at_most ? "≤ " : "") + readable_seconds(time.seconds) : "not reached",
-          order_of(time)));
+      const double seconds = times.goals[goal], ratio = order_of(seconds) / best[goal];
+      cells.push_back(
+          number_cell(std::isfinite(seconds) ? readable_seconds(seconds) : "not reached", order_of(seconds)));
       const bool both = std::isfinite(ratio) && std::isfinite(best[goal]);
       if (beside) cells.push_back(number_cell(both ? fmt::format("× {:.3g}", ratio) : "", ratio));
     }
@@ -244,6 +234,7 @@ std::string study_text(const std::vector<Record>& records, bool colours, const s
                    Tone::faint, colours);
   out += "\n" + study_table(records, ranking).text(colours);
   if (!ranking.measures.empty()) out += "\n" + time_to_table(records, ranking, peers).text(colours);
+  if (!ranking.no_reference.empty()) out += advice_text(ranking, colours);
   return out + "\n";
 }
 

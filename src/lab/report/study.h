@@ -37,13 +37,9 @@ Extrapolation extrapolate(const std::vector<std::pair<double, double>>& spacings
 /// returns what went wrong, or "".
 std::string refer_to_own(std::vector<Record>& records, const std::string& strategy);
 
-/// The time [s] at which a curve of (time, error) first falls below an error, on straight lines between its points in
-/// logarithms. NaN if it never does.
-struct TimeTo {
-  double seconds = 0;
-  bool at_most = false;  ///< its first point is below already
-};
-TimeTo time_to(const std::vector<std::pair<double, double>>& times_and_errors, double error);
+/// The time [s] of the fastest of the runs (time, error) that has at most this error; NaN if none has. Nothing is drawn
+/// between two runs.
+double time_to(const std::vector<std::pair<double, double>>& times_and_errors, double error);
 
 /// A row a run: what was changed, what came out, its error and times.
 Table study_table(const std::vector<Record>& records, const Ranking& ranking);

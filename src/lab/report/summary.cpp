@@ -55,12 +55,12 @@ bool within_goal(const Record& record) { return distance_from_goal(record) <= 1;
 
 const Record* best_of(const std::vector<const Record*>& runs, const std::function<bool(const Run&)>& counts) {
   const auto rank = [](const Record& record) {
-    return std::tuple{std::round(100 * distance_from_goal(record)), whole_seconds(record.run)};
+    return std::pair{std::round(1000 * distance_from_goal(record)), record.run.order};
   };
   const Record* best = nullptr;
   for (const Record* record : runs)
-    if (sound(*record) && counts(record->run) && std::isfinite(distance_from_goal(*record)) &&
-        (!best || rank(*record) < rank(*best)))
+    if (sound(*record) && record->no_reference.empty() && counts(record->run) &&
+        std::isfinite(distance_from_goal(*record)) && (!best || rank(*record) < rank(*best)))
       best = record;
   return best;
 }
@@ -92,7 +92,7 @@ StrategySummary summary_of(const std::vector<const Record*>& runs, const std::ve
     summary.mechanisms += record->run.zero_energy_modes > 0;
     summary.uses_cells |= record->run.uses_cells;
     if (!solved(*record)) continue;
-    good.push_back(record);
+    if (record->no_reference.empty()) good.push_back(record);
     const auto standard = std::find_if(all.begin(), all.end(), [&](const Record& other) {
       return other.path == record->path && other.run.strategy == "standard" && solved(other);
     });
@@ -157,7 +157,11 @@ std::string strategies_text(const Summary& summary, bool colours) {
 }
 
 /// Name and errors of the strategy to take: three cells.
-void add_best(const Record* best, std::vector<TableCell>& row) {
+void add_best(const Record* best, bool shows_material, std::vector<TableCell>& row) {
+  if (!shows_material) {
+    row.insert(row.end(), {{"no reference", Tone::faint}, {""}, {""}});
+    return;
+  }
   const double modulus = best ? best->error("effective_modulus") : std::nan("");
   const double ratio = best ? best->error("poissons_ratio") : std::nan("");
   row.push_back({best ? best->run.strategy : "none that is stable", best ? Tone::bold : Tone::bad});
@@ -175,7 +179,7 @@ std::string bodies_text(const Summary& summary, bool colours) {
                "1 %, 0.01", "best springs", "error of E", "nu - target", "1 %, 0.01"});
   int judged_bodies = 0, met = 0, met_by_springs = 0;
   for (const BodySummary& body : summary.bodies) {
-    const bool enough = body.neighbours.mean >= kEnoughNeighbours;
+    const bool enough = body.shows_material && body.neighbours.mean >= kEnoughNeighbours;
     judged_bodies += enough;
     met += enough && body.best && within_goal(*body.best);
     met_by_springs += enough && body.best_springs && within_goal(*body.best_springs);
@@ -184,10 +188,11 @@ std::string bodies_text(const Summary& summary, bool colours) {
                                {std::to_string(body.molecules), Tone::plain, true},
                                {fmt::format("{:.1f}", body.neighbours.mean), tone, true},
                                {std::to_string(body.neighbours.least), tone, true}};
-    add_best(body.best, row);
-    row.push_back(goal_cell(body.best, enough));
-    add_best(body.best_springs, row);
-    row.push_back(goal_cell(body.best_springs, enough));
+    const TableCell none{""};
+    add_best(body.best, body.shows_material, row);
+    row.push_back(body.shows_material ? goal_cell(body.best, enough) : none);
+    add_best(body.best_springs, body.shows_material, row);
+    row.push_back(body.shows_material ? goal_cell(body.best_springs, enough) : none);
     table.add(std::move(row));
   }
   return table.text(colours) + fmt::format(
@@ -248,7 +253,7 @@ Summary summarise(const std::vector<Record>& records) {
     summary.strategies.push_back(summary_of(runs, records));
   for (const auto& runs : grouped(records, [](const Record& record) { return record.path; })) {
     const Record& first = *runs.front();
-    summary.bodies.push_back({first.scene, first.molecules, first.neighbours,
+    summary.bodies.push_back({first.scene, first.molecules, first.neighbours, first.no_reference.empty(),
                               best_of(runs, [](const Run& run) { return !run.uses_cells; }),
                               best_of(runs, [](const Run& run) { return run.constants.size() > 0; })});
     for (StrategySummary& row : summary.strategies)

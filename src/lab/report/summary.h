@@ -30,6 +30,7 @@ struct BodySummary {
   std::string scene;
   int molecules = 0;
   Neighbours neighbours;
+  bool shows_material = true;  ///< false: the specimen does not show the material's values, and ranks nothing
   const Record *best = nullptr, *best_springs = nullptr;
 };
 
@@ -42,7 +43,7 @@ struct Summary {
 inline constexpr double kModulusGoal = 0.01, kRatioGoal = 0.01;
 
 /// All runs of a comparison by strategy and by body. The best cell-free strategy has the least of max(|error of E| / 1
-/// %, |difference of ν| / 0.01), to a hundredth; of equals the fastest. Points into `records`.
+/// %, |difference of ν| / 0.01), to a thousandth; of equals the simplest. Points into `records`.
 Summary summarise(const std::vector<Record>& records);
 
 /// The summary as two tables, then what failed.

@@ -79,6 +79,7 @@ std::unique_ptr<Protocol> read_tension(Reader reader, const ExperimentContext& c
   }
   setup.grip_depth = read_depth(reader);
   setup.load_steps = read_steps(reader);
+  setup.thickness = context.material.thickness;
   reader.finish();
   if (force && displacement) displacement->fail("there is a force already; give one of them");
   if (!force && !displacement) reader.fail("give a force or a displacement");

@@ -68,21 +68,26 @@ Reference read_reference(Reader reader) {
 }
 
 std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const StrategyChoice& stiffness,
-                                            const Catalog& catalog) {
+                                            const Catalog& catalog, const Specimen& specimen) {
   if (!reader) return {stiffness};
-  if (reader->is_text() && reader->text() == "all") return all_strategies(catalog);
+  if (reader->is_text() && reader->text() == "all") return all_strategies(catalog, specimen);
   if (reader->is_text()) reader->fail("write a list of strategies, or all");
   std::vector<StrategyChoice> strategies;
+  std::optional<std::size_t> all;  // where in the list it stands
   for (const Reader& item : reader->items()) {
-    if (item.is_text() && item.text() == "all") {  // all that the list does not name before
-      for (StrategyChoice& choice : all_strategies(catalog))
-        if (!find_strategy(strategies, choice.label)) strategies.push_back(std::move(choice));
+    if (item.is_text() && item.text() == "all") {
+      all = all.value_or(strategies.size());
       continue;
     }
     StrategyChoice choice = read_strategy(item, catalog);
     if (find_strategy(strategies, choice.label))
       item.fail("'" + choice.label + "' is in the list already; give this one a label of its own");
     strategies.push_back(std::move(choice));
+  }
+  if (all) {
+    std::vector<StrategyChoice> others = all_strategies(catalog, specimen);
+    std::erase_if(others, [&](const StrategyChoice& other) { return find_strategy(strategies, other.label); });
+    strategies.insert(strategies.begin() + static_cast<std::ptrdiff_t>(*all), others.begin(), others.end());
   }
   if (strategies.empty()) reader->fail("names no strategy; write a list of them, or all");
   return strategies;
@@ -152,7 +157,7 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
   turn_fibres(scene->specimen, rotation);
   scene->stiffness = read_strategy(reader.at("stiffness"), catalog);
-  scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog);
+  scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog, scene->specimen);
   const Reader experiment = reader.at("experiment");
   if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver, catalog.linear_solvers);
   ExperimentContext context{scene->specimen.body, scene->specimen.material, rotation, scene->statics, experiments};

@@ -91,7 +91,7 @@ std::string Comparison::finished_text(const Record& record) const {
   if (!solved(record)) return text + outcome_text(record.run);
   for (const MainMeasure& measure : record.main_measures) {
     const double error = record.error(measure.name);
-    if (std::isfinite(error))
+    if (std::isfinite(error) && find_measure(std::string(measure.name)).unit != dimension::none)
       return text + find_measure(std::string(measure.name)).label() + " " + percent(error) + ", " +
              readable_seconds(record.least_seconds());
   }
@@ -259,8 +259,9 @@ void Comparison::refer_to_own_values() {
   for (const ScenePlan& plan : plans_) {
     std::vector<Record> records = records_of(plan.name);
     if (!plan.varied() || records.empty()) continue;
-    const bool told = rank_strategies(records).measures.empty();
-    if (plan.own_reference.empty() && !told) continue;
+    const Ranking ranking = rank_strategies(records);
+    const bool untold = ranking.measures.empty() && ranking.no_reference.empty();
+    if (plan.own_reference.empty() && !untold) continue;
     const std::string strategy = plan.own_reference.empty() ? plan.strategies.front() : plan.own_reference;
     const std::string trouble = refer_to_own(records, strategy);
     if (!trouble.empty()) records.front().warnings.push_back(trouble);

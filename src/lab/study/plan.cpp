@@ -55,7 +55,7 @@ std::vector<StrategyChoice> chosen_strategies(const Request& request, const Cata
   for (std::string label; std::getline(names, label, ',');) {
     label = trimmed(label);
     if (label == "all")
-      for (StrategyChoice& choice : all_strategies(catalog))
+      for (StrategyChoice& choice : all_strategies(catalog, scene.specimen))
         if (!find_strategy(choices, choice.label)) choices.push_back(std::move(choice));
     if (label == "all" || find_strategy(choices, label)) continue;
     try {

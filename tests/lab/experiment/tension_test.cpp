@@ -148,7 +148,7 @@ TEST_CASE("calibrated: every rule measures E on every body", "[tension]") {
   set_matter(packing.body, 0.0015, 1000, 0, 8e-6);
   specimens.push_back(std::move(packing));
   for (std::size_t i = 0; i < specimens.size(); ++i)
-    for (const StrategyChoice& choice : all_strategies(kCatalog)) {
+    for (const StrategyChoice& choice : all_strategies(kCatalog, specimens[i])) {
       if (!choice.calibrated || !choice.strategy.unsuited(specimens[i].body).empty()) continue;
       INFO("specimen " << i << " " << choice.label);
       TensionSetup setup;

@@ -1,6 +1,7 @@
 // What the tables and files say of experiments that are not tension.
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "lab/report/files.h"
@@ -16,16 +17,18 @@ using Json = nlohmann::json;
 
 namespace {
 
+const std::string kLatticeBody =
+    "{lattice: {kind: cubic, molecules: [4, 4, 4], spacing: 1 cm, connections: [axis, face]}}";
+
 std::vector<Record> records_of(const std::string& experiment, const std::string& strategies,
-                               const std::string& more = "") {
+                               const std::string& more = "", const std::string& body = kLatticeBody) {
   const TemporaryFolder folder;
   const Catalog catalog = built_in_catalog();
   const auto scene = load_scene(
-      folder.write("block.yaml",
-                   "title: A block\n"
-                   "body: {lattice: {kind: cubic, molecules: [4, 4, 4], spacing: 1 cm, connections: [axis, face]}}\n"
-                   "material: {youngs_modulus: 10 kPa}\nstiffness: lattice\nstrategies: [" +
-                       strategies + "]\nexperiment: {" + experiment + "}\n" + more),
+      folder.write("block.yaml", "title: A block\nbody: " + body +
+                                     "\n"
+                                     "material: {youngs_modulus: 10 kPa}\nstiffness: lattice\nstrategies: [" +
+                                     strategies + "]\nexperiment: {" + experiment + "}\n" + more),
       catalog);
   std::vector<Record> records;
   for (const StrategyChoice& choice : scene->strategies)
@@ -74,6 +77,60 @@ TEST_CASE("strategies are ranked by the reference where the scene names one", "[
   CHECK(rank_strategies(two).best == &two[0]);
   two[0].run.outcome = Outcome::diverged;
   CHECK(rank_strategies(two).best == nullptr);
+}
+
+TEST_CASE("clamped and tapered specimens recommend nothing by the material's E", "[texts]") {
+  const std::string clamped = "kind: tension, displacement: 1 um, fixed_grip: clamped";
+  const std::vector<Record> records = records_of(clamped, "standard, lattice");
+  CHECK(rank_strategies(records).best == nullptr);
+  const std::string text = comparison_text(records, false);
+  CHECK_THAT(text, Contains("no reference: the grips clamp, so no specimen shows the material's E") &&
+                       !Contains("recommended"));
+  const double solid = records[0].run.measures.get("effective_modulus");
+  CHECK_THAT(comparison_text(records_of(clamped, "standard, lattice",
+                                        "reference: [{measure: effective_modulus, value: " + std::to_string(solid) +
+                                            " Pa, source: me}]\n"),
+                             false),
+             Contains("recommended: standard: E ") && Contains("to the reference"));
+  const std::vector<Record> tapered =
+      records_of("kind: compression, displacement: 1 um", "standard, van_gelder, neo_hookean", "",
+                 "{molecules: [[0 cm, 0 cm, 0 cm], [1 cm, 0 cm, 0 cm], [0 cm, 1 cm, 0 cm], [0 cm, 0 cm, 1 cm], "
+                 "[1 cm, 0 cm, 1 cm], [0 cm, 3 cm, 1 cm]], cells: delaunay, radius: 5 mm}");
+  REQUIRE(tapered[0].apparent);
+  CHECK(std::isnan(tapered[0].error("effective_modulus")));
+  const std::string said = comparison_text(tapered, false);
+  CHECK_THAT(said, Contains("apparent E") && !Contains("error of E") &&
+                       Contains("no reference: the body is no prism") &&
+                       Contains("note: effective_modulus is apparent: the section varies by "));
+  CHECK_THAT(run_text(tapered[0], false), Contains("effective_modulus is apparent") && Contains("apparent: "));
+  CHECK(Json::parse(json_text(tapered))["runs"][0]["apparent"] == true);
+  CHECK_FALSE(Json::parse(json_text(records))["runs"][0].contains("apparent"));
+}
+
+TEST_CASE("strategies that the measures do not tell apart are tied, the simplest first", "[texts]") {
+  std::vector<Record> records = records_of("kind: tension, force: 1 uN", "patch, lattice, calibrated");
+  double error = 1e-6, seconds = 1;  // patch is the fastest
+  for (Record& record : records) {
+    record.run.warnings.clear();
+    record.run.build_seconds = 0;
+    record.run.solve_seconds = seconds++;
+    record.errors = {{"effective_modulus", error *= -1}, {"poissons_ratio", record.run.order > 1000 ? 0.1 : 0}};
+  }
+  const Ranking ranking = rank_strategies(records);
+  CHECK(ranking.best == &records[1]);
+  CHECK(ranking.tied == std::vector<const Record*>{&records[0]});  // calibrated:standard has another Poisson's ratio
+  CHECK_THAT(comparison_text(records, false), Contains("recommended: lattice (tied with patch): E +0.0001 %"));
+  // An error of 0.05 % is near enough, and is no tie: the fastest.
+  records[0].errors.front().second = 5e-4;
+  CHECK(rank_strategies(records).best == &records[0]);
+  CHECK(rank_strategies(records).tied.empty());
+  // A reference that is known to 0.1 % does not tell them apart.
+  for (Record& record : records) {
+    record.references = {{"effective_modulus", 1e4, "elsewhere", 1e-3}};
+    record.errors.emplace_back("effective_modulus_to_reference", record.errors.front().second);
+  }
+  CHECK(rank_strategies(records).best == &records[1]);
+  CHECK(rank_strategies(records).tied == std::vector<const Record*>{&records[0]});
 }
 
 TEST_CASE("the stiffness matrix stands on the page and in the JSON", "[texts][files]") {

@@ -97,10 +97,18 @@ TEST_CASE("the best strategy without cells is nearest to the goals for E and for
   CHECK(row_of(summary, "law").best_on == 0);
   all[1].run.zero_energy_modes = 1;
   CHECK(summarise(all).bodies[0].best == &all[0]);  // a mechanism is not to be taken
-  // Equal to a hundredth of the goal: the faster one.
-  all.push_back(record("a", "faster", 0.99999, 0.05, 1));
+  // Equal to a thousandth of the goal: the simpler one, however slow.
+  all.push_back(record("a", "simpler", 0.999999, 0.05, 100));
+  for (Record& one : all) one.run.order = 1 - (one.run.strategy == "simpler");
   summary = summarise(all);
   CHECK(summary.bodies[0].best == &all.back());
+  // A specimen that does not show the material ranks nothing.
+  for (Record& one : all)
+    if (one.scene == "a") one.no_reference = "the grips clamp";
+  summary = summarise(all);
+  CHECK((!summary.bodies[0].best && !summary.bodies[0].best_springs && !summary.bodies[0].shows_material));
+  CHECK(row_of(summary, "standard").modulus.worst_scene == "c");
+  CHECK_THAT(summary_text(all, false), Contains("no reference") && Contains("of the 2 bodies"));
 }
 
 TEST_CASE("the summary in words: rows, goals, what failed", "[summary]") {

@@ -4,9 +4,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "elastin/core/shapes/shapes.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;
@@ -541,9 +543,32 @@ TEST_CASE("all in a list of strategies stands for those that the list does not n
   const TemporaryFolder folder;
   const auto scene =
       load(folder.write("all.yaml", replaced(kScene, "[standard, {", "[{strategy: uniform, constant: 2 N/m}, all, {")));
-  CHECK(scene->strategies.size() == all_strategies(built_in_catalog()).size() + 1);  // and halved
+  CHECK(scene->strategies.size() == all_strategies(built_in_catalog(), scene->specimen).size() + 1);  // and halved
   CHECK(scene->strategies.front().values.at("constant") == 2);
   CHECK(scene->strategies.back().label == "halved");
+  const auto has = [](const Scene& a_scene, const std::string& label) {
+    return find_strategy(a_scene.strategies, label) != nullptr;
+  };
+  // A volume term stands among them where the body has the cells and the material the Poisson's ratio.
+  const std::string all = "strategies: [standard+volume, all, \"calibrated:patch+volume\"]";
+  const auto cells = load(folder.write("cells.yaml",
+                                       "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [1, 1, 1]}}\n"
+                                       "material: {youngs_modulus: 1}\nstiffness: standard\n" +
+                                           all + "\nexperiment: {kind: tension, force: 1}\n"));
+  for (const char* label : {"patch+volume", "neo_hookean+volume", "calibrated:van_gelder+volume"})
+    CHECK(has(*cells, label));
+  CHECK_FALSE(has(*cells, "st_venant_kirchhoff+volume"));
+  CHECK(cells->strategies.front().label == "standard+volume");
+  CHECK(cells->strategies.back().label == "calibrated:patch+volume");
+  std::set<std::string> labels;
+  for (const StrategyChoice& choice : cells->strategies) CHECK(labels.insert(choice.label).second);
+  Material auxetic;
+  auxetic.poissons_ratio = -0.2;
+  const auto negative = all_strategies(built_in_catalog(), cells->specimen.body, {auxetic});
+  CHECK_FALSE(find_strategy(negative, "patch+volume"));
+  const auto graph = all_strategies(built_in_catalog(), body_centred_lattice({2, 2, 2}, 1, false), {Material{}});
+  CHECK_FALSE(find_strategy(graph, "standard+volume"));
+  for (std::size_t i = 1; i < negative.size(); ++i) CHECK(negative[i - 1].order < negative[i].order);
 }
 
 TEST_CASE("a mesh file that is missing or broken is named with the place that names it", "[scene]") {

@@ -138,6 +138,12 @@ class Protocol {
   virtual std::vector<MainMeasure> main_measures(const Material& material, const Measures& measured) const = 0;
   /// What limits the meaning of these measures, in words; "" if nothing does. No fault of the strategy.
   virtual std::string remark(const Measures& /*measures*/) const { return ""; }
+  /// Whether `effective_modulus` is apparent: it depends on the body's shape, not on its material alone.
+  virtual bool apparent() const { return false; }
+  /// Why no strategy can be ranked by the material's own values, in words; "" if it can. No fault of the strategy.
+  virtual std::string no_reference() const { return ""; }
+  /// How it measures, where that is not what everyone expects, a sentence each.
+  virtual std::vector<std::string> notes() const { return {}; }
 };
 
 /// An experiment at rest: one equilibrium a load step.
