@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "lab/experiment/faces.h"
+#include "core/model/faces.h"
 
 namespace elastin::lab {
 namespace {
