@@ -33,14 +33,14 @@ namespace {
 constexpr const char* kExamples = R"(
 Examples:
   {0} compare scenes/tension/cube-1000.yaml                 every stiffness strategy of the scene, side by side
-  {0} compare scenes/tension/*.yaml --strategies all        all that the catalog has, on every scene
+  {0} compare scenes/tension/*.yaml --strategies all        every strategy of the catalog, on every scene
   {0} compare scenes/zoo/*.yaml --summary                   what each strategy is worth over all bodies
   {0} compare scenes/material/cantilever.yaml --out out     also a page: error against time, the body in 3D, tables
   {0} compare scenes/tension/cube-1000.yaml --vary 'solver.linear_solver=[pcg, direct]' --repeats 5
   {0} run scenes/tension/dogbone.yaml --out out             one strategy, all measures; files for ParaView in out/
   {0} run scenes/tension/cube-27-face.yaml --set stiffness=lattice --set material.youngs_modulus='10 kPa'
   {0} run scenes/tension/cube-1000.yaml --json - | jq .runs[0].measures
-  {0} check scenes/tension/table1-b.yaml                    what the body is, and its zero-energy modes
+  {0} check scenes/tension/table1-b.yaml                    counts of the body, and its zero-energy modes
   {0} verify scenes/hard/*.yaml --choices                   hard cases compared with their known results
   {0} list                                                  strategies and their parameters
 
@@ -50,7 +50,7 @@ Exit codes: 0 all expectations hold; 1 an expectation or a run failed; 2 wrong u
 struct Options : Request {
   std::string resume_from, x_column, y_column;
   int threads = 0;
-  bool others = false, markdown = false;
+  bool others = false, markdown = false, keys = false;
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -58,7 +58,7 @@ volatile std::sig_atomic_t interrupted = 0;
 /// The first interrupt ends a run in time after its frame and a comparison after its run, with everything written; the
 /// second ends the command.
 void note_interrupt(int) {
-  constexpr std::string_view said = "\n  ends after this run or frame; once more: at once\n";
+  constexpr std::string_view said = "\n  stopping after this run or frame; Ctrl-C again stops at once\n";
   if (write(STDERR_FILENO, said.data(), said.size()) < 0) interrupted = 1;  // nobody to tell
   interrupted = 1;
   std::signal(SIGINT, SIG_DFL);
@@ -68,7 +68,7 @@ void note_interrupt(int) {
 int verify_scenes(const Options& options, const Catalog& catalog) {
   Progress progress(progress_of(options));
   for (const std::string& path : options.scenes)
-    load_scene(path, catalog, options.overrides);  // a slip is said at once
+    load_scene(path, catalog, options.overrides);  // errors in scenes come before the first run
   write_tables(options, {});
   VerifyOptions verify{options.overrides, options.others, !options.out.empty()};
   verify.progress = [&](const std::string& doing) { progress.set(doing); };
@@ -94,7 +94,7 @@ int run_all(Options& options, const Catalog& catalog, bool compare) {
   options.interrupted = [] { return interrupted != 0; };
   if (!options.resume_from.empty()) {
     if (!options.out.empty() && options.out != options.resume_from)
-      throw InputError("--resume: goes on in its own folder; leave --out away");
+      throw InputError("--resume continues in its own folder; leave out --out");
     options.out = options.resume_from;
     options.resume = true;
   }
@@ -120,8 +120,11 @@ int check_scenes(const Options& options, const Catalog& catalog) {
   return sound ? 0 : 1;
 }
 
-int list_catalog(const Catalog& catalog) {
-  fmt::print("{}", catalog_text(catalog, built_in_experiments(), colours_on(STDOUT_FILENO)));
+int list_catalog(const Options& options, const Catalog& catalog) {
+  if (options.keys)
+    fmt::print("{}", key_reference(catalog, built_in_experiments()));
+  else
+    fmt::print("{}", catalog_text(catalog, built_in_experiments(), colours_on(STDOUT_FILENO)));
   return 0;
 }
 
@@ -134,16 +137,15 @@ void add_scene_options(CLI::App& command, Options& options) {
       ->allow_extra_args(false);
   command
       .add_option("--threads", options.threads,
-                  "Threads for large bodies; 0 = one a core. Results are bitwise identical for any number")
+                  "Threads for large bodies; 0 = one for each core. Results are bitwise identical for any number")
       ->check(CLI::Range(0, 4096));
   command.add_flag("--quiet", options.quiet, "Print nothing but errors");
 }
 
 void add_file_options(CLI::App& command, Options& options) {
   command.add_option("--out", options.out, "Folder for CSV, JSON, curves and ParaView files");
-  command.add_option("--restart", options.restart,
-                     "Go on with a run in time from a .restart file that --out has got from it");
-  command.add_flag("--live", options.live, "No more frames a second than time.frame_rate says");
+  command.add_option("--restart", options.restart, "Continue a run in time from a .restart file that --out wrote");
+  command.add_flag("--live", options.live, "Show at most time.frame_rate frames a second");
   command.add_option("--json", options.json, "JSON file; - for standard output, and nothing else there");
 }
 
@@ -151,23 +153,22 @@ void add_study_options(CLI::App& command, Options& options) {
   command.add_flag("--summary", options.summary, "Print only the summary over all scenes: by strategy, by body");
   command
       .add_option("--vary", options.vary,
-                  "Change a key from run to run: KEY.PATH=[VALUE, …], or {KEY: […], KEY: […]} of keys that go "
+                  "Change a key from run to run: KEY.PATH=[VALUE, …], or {KEY: […], KEY: […]} for keys that change "
                   "together. May be repeated: every combination runs")
       ->take_all()
       ->allow_extra_args(false);
-  command.add_option("--repeats", options.repeats, "Run everything so often, in turn; the fastest counts")
+  command.add_option("--repeats", options.repeats, "Run everything this often, in turn; the fastest run counts")
       ->check(CLI::Range(1, 1000));
-  command.add_option("--resume", options.resume_from,
-                     "Go on in this folder that --out has filled: finished runs are not repeated");
+  command.add_option("--resume", options.resume_from, "Continue in a folder of --out: finished runs are not repeated");
   command.add_option("--peers", options.peers,
-                     "CSV of other programs' rows for the page: method, minimum_s, error, scene");
+                     "CSV of other programs' runs for the page: method, minimum_s, error, scene");
 }
 
 void add_run_options(CLI::App& command, Options& options) {
   add_scene_options(command, options);
   add_file_options(command, options);
   command.add_option("--strategies", options.strategies,
-                     "Comma-separated names, all among them; instead of the scene's own");
+                     "Strategies instead of the scene's own, separated by commas; all stands for every one");
 }
 
 /// "unknown option '--thread'; did you mean …", of the first command or option that there is not; "" if there are all.
@@ -200,7 +201,7 @@ struct Commands {
         compare(
             app.add_subcommand("compare", "Run a scene with many strategies; print measured modulus, error and cost")),
         verify(app.add_subcommand("verify", "Compare scenes with the results that they expect; print verdicts")),
-        check(app.add_subcommand("check", "Say what a scene's body is: counts, separate pieces, zero-energy modes")),
+        check(app.add_subcommand("check", "Print counts, pieces and zero-energy modes of a scene's body")),
         list(app.add_subcommand("list", "List strategies, their parameters, and measures")),
         plot(app.add_subcommand("plot", "Draw two columns of a CSV file against each other: SVG")) {
     app.set_version_flag("--version", std::string("elastin ") + ELASTIN_VERSION);
@@ -211,13 +212,16 @@ struct Commands {
     add_scene_options(*verify, options);
     add_file_options(*verify, options);
     verify->add_flag("--choices", options.others,
-                     "Also what explicit and implicit steps, small displacements and plain springs make of each case");
-    verify->add_flag("--markdown", options.markdown, "The table as Markdown, with titles");
+                     "Also run each case with explicit steps, implicit steps, small displacements, plain springs");
+    verify->add_flag("--markdown", options.markdown, "Print the table as Markdown, with titles");
     add_scene_options(*check, options);
+    list->add_flag("--keys", options.keys, "List every key of a scene instead, as Markdown");
     plot->add_option("files", options.scenes, "CSV files: curves, time histories, runs, rows of benchmarks")
         ->required();
-    plot->add_option("--x", options.x_column, "Column along, for example strain; default: what the file is about");
-    plot->add_option("--y", options.y_column, "Column up, for example stress; default: what the file is about");
+    plot->add_option("--x", options.x_column,
+                     "Column of the horizontal axis, for example strain; default: the main one of the file");
+    plot->add_option("--y", options.y_column,
+                     "Column of the vertical axis, for example stress; default: the main one of the file");
     const std::string examples = fmt::format(kExamples, name);
     for (CLI::App* command : {&app, run, compare, verify, check, list, plot}) command->footer(examples);
   }
@@ -227,7 +231,7 @@ int run_chosen(const Commands& commands, Options& options, const Catalog& catalo
   openmp::use_openmp();
   set_screen_width(terminal_width(STDOUT_FILENO));
   set_threads(options.threads);
-  if (*commands.list) return list_catalog(catalog);
+  if (*commands.list) return list_catalog(options, catalog);
   if (*commands.verify) return verify_scenes(options, catalog);
   if (*commands.check) return check_scenes(options, catalog);
   if (*commands.plot) return plot_columns(options);

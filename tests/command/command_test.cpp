@@ -273,7 +273,7 @@ TEST_CASE("check names zero-energy modes and how many", "[command]") {
   CHECK_THAT(stiff.out, Contains("zero-energy modes     0\n") && !Contains("mechanism:"));
 }
 
-TEST_CASE("check says which molecules are loose and what hangs apart", "[command]") {
+TEST_CASE("check names isolated molecules and separate pieces", "[command]") {
   const TemporaryFolder folder;
   const std::string scene = folder.write("apart.yaml", R"(body:
   molecules: [[0, 0, 0], [1 cm, 0, 0], [0, 1 cm, 0], [0, 0, 1 cm], [5 cm, 0, 0], [5 cm, 0, 1 cm], [8 cm, 0, 1 cm]]

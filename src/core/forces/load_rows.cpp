@@ -71,7 +71,7 @@ LoadKind gravity() {
   LoadKind load{{"gravity",
                  "weight: F = m g",
                  "",
-                 {vector("acceleration", dimension::acceleration, "g, by which everything would fall")}}};
+                 {vector("acceleration", dimension::acceleration, "acceleration g of free fall")}}};
   load.add = [](Model& model, const LoadValues& values, const Material*) {
     model.add(make_gravity(model.body(), values.vectors.at("acceleration")));
   };
@@ -80,9 +80,9 @@ LoadKind gravity() {
 
 LoadKind point() {
   LoadKind load{{"point", "the same dead force on each of some molecules", "", {}}};
-  load.parameters = {
-      {"molecules", dimension::none, 0, kUnlimited, kNone, "on which it acts", false, ValueKind::molecules, true},
-      vector("force", dimension::force, "on each of them")};
+  load.parameters = {{"molecules", dimension::none, 0, kUnlimited, kNone, "molecules on which the force acts", false,
+                      ValueKind::molecules, true},
+                     vector("force", dimension::force, "force on each of them")};
   load.add = [](Model& model, const LoadValues& values, const Material*) {
     const std::vector<int>& molecules = values.molecules.at("molecules");
     model.add(std::make_unique<PointLoads>(
@@ -92,8 +92,9 @@ LoadKind point() {
 }
 
 LoadKind pressure() {
-  LoadKind load{{"pressure", "along the present normals of all triangles, on their present area", "", {}}};
-  load.parameters = {required("pressure", dimension::pressure, "over that on the other side; may be negative")};
+  LoadKind load{{"pressure", "pressure on all triangles, along their present normals", "", {}}};
+  load.parameters = {
+      required("pressure", dimension::pressure, "pressure over that on the other side; may be negative")};
   load.parameters.front().low = -kUnlimited;
   load.check = [](const Body& body, const LoadValues& values) {
     make_pressure(body, constant_pressure(values.numbers.at("pressure")));
@@ -107,10 +108,10 @@ LoadKind pressure() {
 LoadKind gas() {
   LoadKind load{{"gas", "a closed amount of gas within a closed surface of triangles: p V^exponent stays", "", {}}};
   load.parameters = {
-      optional("amount", dimension::energy, "absolute pressure times volume, n R T; or start_pressure"),
-      optional("start_pressure", dimension::pressure, "absolute, in the volume at rest; or amount"),
+      optional("amount", dimension::energy, "absolute pressure times volume, n R T; this or start_pressure"),
+      optional("start_pressure", dimension::pressure, "absolute pressure in the volume at rest; this or amount"),
       {"exponent", dimension::none, 1, 2, 1, "1: constant temperature; 1.4: air without exchange of heat"},
-      amount("ambient", dimension::pressure, "outside", 101325)};
+      amount("ambient", dimension::pressure, "absolute pressure outside", 101325)};
   load.check = [](const Body& body, const LoadValues& values) {
     if (values.has("amount") == values.has("start_pressure"))
       throw InputError("give one of amount (absolute pressure times volume, n R T) and start_pressure (absolute)");
@@ -126,11 +127,13 @@ LoadKind gas() {
 }
 
 LoadKind floor_plane() {
-  LoadKind load{{"floor", "a plane that molecules, as spheres, do not pass without resistance; no friction", "", {}}};
-  load.parameters = {vector("point", dimension::length, "on the plane"), direction("normal", "towards the free side"),
-                     optional("stiffness", dimension::stiffness,
-                              "of each molecule that is pressed in; without: E times the mean molecule's diameter"),
-                     amount("damping", dimension::damping, "of each molecule that is pressed in", 0)};
+  LoadKind load{
+      {"floor", "a smooth plane that resists the molecules pressed into it, as spheres; no friction", "", {}}};
+  load.parameters = {
+      vector("point", dimension::length, "a point of the plane"), direction("normal", "normal towards the free side"),
+      optional("stiffness", dimension::stiffness,
+               "stiffness for each molecule pressed in; without it E times the mean molecule's diameter"),
+      amount("damping", dimension::damping, "damping for each molecule pressed in", 0)};
   load.add = [](Model& model, const LoadValues& values, const Material* material) {
     if (!values.has("stiffness") && !material)
       throw InputError("floor.stiffness is missing: nothing says what the body is made of");
@@ -147,14 +150,16 @@ LoadKind floor_plane() {
 LoadKind air() {
   const Air defaults;
   LoadKind load{{"air", "quadratic drag on each triangle by its own relative wind", "[Hoerner 1965]", {}}};
-  ParameterInfo wind = vector("wind", dimension::velocity, "velocity of the air far away; without: none");
+  ParameterInfo wind = vector("wind", dimension::velocity, "velocity of the air far away; still air without it");
   wind.required = false;
-  load.parameters = {
-      amount("density", dimension::density, "of the air", defaults.density),
-      amount("drag_coefficient", dimension::none, "of the flow across", defaults.drag_coefficient),
-      amount("skin_coefficient", dimension::none, "of the flow along", defaults.skin_coefficient),
-      amount("pressure_coefficient", dimension::none, "of air that a canopy has caught", defaults.pressure_coefficient),
-      wind};
+  load.parameters = {amount("density", dimension::density, "density of the air", defaults.density),
+                     amount("drag_coefficient", dimension::none, "coefficient of the flow across a triangle",
+                            defaults.drag_coefficient),
+                     amount("skin_coefficient", dimension::none, "coefficient of the flow along a triangle",
+                            defaults.skin_coefficient),
+                     amount("pressure_coefficient", dimension::none, "coefficient of the air that a canopy has caught",
+                            defaults.pressure_coefficient),
+                     wind};
   load.check = [](const Body& body, const LoadValues&) {
     if (body.triangles.empty())
       throw InputError(
@@ -171,7 +176,7 @@ LoadKind stokes_drag() {
   LoadKind load{{"stokes_drag",
                  "ambient viscous friction F = -6 pi viscosity r V",
                  "[M03]",
-                 {required("viscosity", dimension::viscosity, "of the medium")}}};
+                 {required("viscosity", dimension::viscosity, "viscosity of the medium")}}};
   load.add = [](Model& model, const LoadValues& values, const Material*) {
     model.add(make_stokes_drag(model.body(), values.numbers.at("viscosity")));
   };
@@ -183,8 +188,8 @@ LoadKind quadratic_drag() {
   LoadKind load{{"quadratic_drag",
                  "ambient friction F = -1/2 density drag_coefficient pi r^2 |V| V",
                  "[M03, reading]",
-                 {required("density", dimension::density, "of the medium"),
-                  required("drag_coefficient", dimension::none, "of a molecule; 0.47 of a sphere")}}};
+                 {required("density", dimension::density, "density of the medium"),
+                  required("drag_coefficient", dimension::none, "drag coefficient of a molecule; 0.47 of a sphere")}}};
   load.add = [](Model& model, const LoadValues& values, const Material*) {
     model.add(make_quadratic_drag(model.body(), values.numbers.at("density"), values.numbers.at("drag_coefficient")));
   };
@@ -208,8 +213,8 @@ LoadKind cell_damping() {
   LoadKind load{{"cell_damping",
                  "stress of each tetrahedron's strain rate",
                  "[L03]",
-                 {required("bulk", dimension::viscosity, "phi of tr(rate)"),
-                  required("shear", dimension::viscosity, "psi: twice it times the rate")}}};
+                 {required("bulk", dimension::viscosity, "bulk viscosity phi of the stress phi tr(rate) I"),
+                  required("shear", dimension::viscosity, "shear viscosity psi of the stress 2 psi rate")}}};
   load.check = [](const Body& body, const LoadValues&) {
     if (body.tetrahedra.empty()) throw InputError("needs a body with tetrahedra; `damping` works on connections");
   };
@@ -224,8 +229,8 @@ LoadKind rayleigh() {
   LoadKind load{{"rayleigh",
                  "F = -(mass M + stiffness K) V, K of the body at rest; a turning body is not damped by K",
                  "[Rayleigh 1877]",
-                 {amount("mass", kRate, "alpha; this, stiffness, or both", kNone),
-                  amount("stiffness", dimension::time, "beta; this, mass, or both", kNone)}}};
+                 {amount("mass", kRate, "rate alpha of the term M; this, stiffness or both", kNone),
+                  amount("stiffness", dimension::time, "time beta of the term K; this, mass or both", kNone)}}};
   load.check = [](const Body&, const LoadValues& values) {
     if (!values.has("mass") && !values.has("stiffness"))
       throw InputError("give mass (a rate), stiffness (a time), or both");

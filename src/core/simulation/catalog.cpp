@@ -57,7 +57,8 @@ Catalog built_in_catalog() {
   add_wrapper("volume",
               "any spring rule or neo_hookean on a solid, with a volume term: nu from 0 to 0.4999: RULE+volume",
               "Bonet & Burton 1998, averaged nodal volumes");
-  add_wrapper("wrinkling", "a membrane law that bears no compression: LAW+wrinkling", "[Pipkin 1986] relaxed energy");
+  add_wrapper("wrinkling", "a membrane law without compressive stress (tension field): LAW+wrinkling",
+              "[Pipkin 1986] relaxed energy");
   return catalog;
 }
 

@@ -151,7 +151,7 @@ ParameterInfo newton_iterations() {
           0,
           1000,
           0,
-          "Newton iterations a step; 0: until it converges; 1: what is left over goes into the next step",
+          "Newton iterations in each step; 0: until it converges; 1: the residual is carried into the next step",
           false,
           ValueKind::whole};
 }

@@ -30,6 +30,7 @@ void read_one(Reader item, Specimen& specimen, Remarks remarks) {
   part.name = name.text();
   if (part.name.empty()) name.fail("give the body a name that ties and experiments can say");
   auto own = item.find("material");
+  if (own) own->set_section("material");
   Material material = own ? read_material(*own, &specimen.material) : specimen.material;
   if (auto rigid = item.find("rigid")) part.rigid = rigid->choice<bool>({{"true", true}, {"false", false}});
   for (const char* key : {"at", "turn"}) item.has(key);
@@ -65,7 +66,7 @@ void read_tie(Reader item, Specimen& specimen, Remarks remarks) {
   };
   add(report.joined, "joined to one");
   add(report.fixed, "fixed to bone");
-  add(report.tied, fmt::format("held on the other's surface, moved there by up to {:.3g} mm", 1e3 * report.furthest));
+  add(report.tied, fmt::format("fixed to the other's surface, moved there by up to {:.3g} mm", 1e3 * report.furthest));
   remarks.notes.push_back(fmt::format("{} and {} are tied: of the molecules {}", one, other, how));
 }
 
@@ -78,6 +79,22 @@ void read_bodies(const Reader& list, std::optional<Reader> ties, Specimen& speci
   for (const Reader& item : items) read_one(item, specimen, remarks);
   if (ties)
     for (const Reader& item : ties->items()) read_tie(item, specimen, remarks);
+}
+
+std::vector<KeySection> bodies_keys() {
+  return {{"bodies",
+           "Bodies",
+           "Each item of `bodies` has the keys of a [body](#body), and these:",
+           {{"name", "text", "", "", "needed", "what ties, experiments and `--set` call the body"},
+            {"material", "map", "", "", "the scene's", "what differs from the scene's [material](#material)"},
+            {"rigid", "`true`, `false`", "", "", "`false`", "whether the body never deforms"},
+            {"turn", "rotation", "", "", "none", "rotation about the origin, before `at`"},
+            {"at", "vector", "m", "", "0", "displacement of the whole body to its position"}}},
+          {"ties",
+           "",
+           "Each item of `ties` joins the molecules of one body to the surface of another:",
+           {{"between", "two names", "", "", "needed", "the bodies that are joined"},
+            {"within", "quantity", "m", "> 0", "needed", "largest distance that is tied"}}}};
 }
 
 }  // namespace elastin::lab

@@ -10,7 +10,7 @@
 namespace elastin::lab {
 namespace {
 
-/// Three counts along the axes, of cells that hold `per_cell` molecules each.
+/// Three counts along the axes, of cells with `per_cell` molecules each.
 std::array<int, 3> read_counts(const Reader& reader, double per_cell) {
   const auto counts = reader.wholes(1);
   reader.check_size(per_cell * counts[0] * counts[1] * counts[2]);
@@ -61,7 +61,8 @@ Body read_packing(Reader reader) {
   const Vector3 size = reader.at("size").vector(dimension::length, kPositive);
   const double distance = reader.at("distance").quantity(dimension::length, kPositive);
   const double molecules = (size.array() / distance + 1).prod();
-  if (!(molecules < 5e6)) reader.fail("the size holds too many molecules at this distance: at most 5e6 are taken");
+  if (!(molecules < 5e6))
+    reader.fail("a box of this size has too many molecules at this distance: at most 5e6 are allowed");
   reader.check_size(molecules);
   const int seed = reader.has("seed") ? reader.at("seed").whole(0) : 1;
   const auto reach = read_reach(reader.find("connections"));
@@ -90,11 +91,11 @@ Body read_mesh(Reader reader) {
 }
 
 /// triangles: [[0, 1, 2], …] of a body given by its molecules.
-Cells<3> read_triangles(const Reader& reader, int last) {
+Cells<3> read_triangles(const Reader& reader, int count) {
   Cells<3> triangles;
   for (const Reader& item : reader.items()) {
     const auto corners = item.items(3);
-    triangles.push_back({corners[0].whole(0, last), corners[1].whole(0, last), corners[2].whole(0, last)});
+    triangles.push_back({corners[0].molecule(count), corners[1].molecule(count), corners[2].molecule(count)});
     const auto& [a, b, c] = triangles.back();
     if (a == b || b == c || c == a) item.fail("a triangle needs three different molecules");
   }
@@ -107,29 +108,30 @@ Body read_list(const Reader& molecules, std::optional<Reader> connections, std::
   if (positions.empty()) molecules.fail("a body needs at least one molecule");
   std::vector<std::array<int, 2>> pairs;
   const auto reach = read_reach(connections);
-  const int last = static_cast<int>(positions.size()) - 1;
+  const int count = static_cast<int>(positions.size());
   if (connections && !reach)
     for (const Reader& item : connections->items()) {
       const auto ends = item.items(2);
-      pairs.push_back({ends[0].whole(0, last), ends[1].whole(0, last)});
+      pairs.push_back({ends[0].molecule(count), ends[1].molecule(count)});
       if (pairs.back()[0] == pairs.back()[1]) item.fail("a connection needs two different molecules");
     }
   Body body = listed_body(positions, pairs);
   if (reach) body.connections = connections_within(body.rest, *reach);
   if (!triangles) return body;
   if (connections) triangles->fail("the sides of the triangles are the connections; leave `connections` out");
-  body.triangles = read_triangles(*triangles, last);
+  body.triangles = read_triangles(*triangles, count);
   body.connections = connections_of_cells(body.rest, body.triangles, {});
   return body;
 }
 
+const std::vector<std::string> kShapes{"lattice", "packing", "tetrahedra", "sphere", "sphere_octant", "disc",
+                                       "sheet",   "canopy",  "mesh",       "fill",   "molecules"};
+
 /// `volumes` of the molecules [m³] are set where the shape knows them, and left alone where it does not.
 Body read_shape(Reader& reader, VectorX& volumes, Remarks remarks) {
-  const std::vector<std::string> shapes{"lattice", "packing", "tetrahedra", "sphere", "sphere_octant", "disc",
-                                        "sheet",   "canopy",  "mesh",       "fill",   "molecules"};
   std::optional<Reader> shape;
   std::string name;
-  for (const std::string& key : shapes)
+  for (const std::string& key : kShapes)
     if (auto found = reader.find(key)) {
       if (shape) found->fail("the body has a shape already: " + shape->path());
       shape = found;
@@ -140,7 +142,7 @@ Body read_shape(Reader& reader, VectorX& volumes, Remarks remarks) {
       reader.has(key);
     reader.finish();
     std::string known;
-    for (const std::string& key : shapes) known += (known.empty() ? "" : key == shapes.back() ? " or " : ", ") + key;
+    for (const std::string& key : kShapes) known += (known.empty() ? "" : key == kShapes.back() ? " or " : ", ") + key;
     reader.fail("needs a shape: " + known);
   }
   if (name == "lattice") return read_lattice(*shape);
@@ -151,8 +153,8 @@ Body read_shape(Reader& reader, VectorX& volumes, Remarks remarks) {
     for (const char* key : {"jitter", "grade", "cells", "connections"})
       if (auto other = reader.find(key))
         other->fail(key == std::string("cells") || key == std::string("connections")
-                        ? "a filled body takes this inside `fill`"
-                        : "a filled body takes this not: it would leave its surface");
+                        ? "of a filled body this key stands inside `fill`"
+                        : "a filled body cannot have this: it would leave its surface");
     return read_fill(*shape, volumes, remarks);
   }
   if (name != "molecules") return read_surface(name, *shape);
@@ -229,6 +231,7 @@ mesh::Mesh read_mesh_file(Reader& reader) {
 }
 
 Body read_body(Reader reader, const Material& material, Remarks remarks) {
+  reader.set_section("body");
   VectorX volumes;
   Body body = reader.located([&] { return read_shape(reader, volumes, remarks); });
   if (auto jitter = reader.find("jitter")) {
@@ -246,12 +249,80 @@ Body read_body(Reader reader, const Material& material, Remarks remarks) {
       radius ? std::optional(radius->quantity(dimension::length, kPositive)) : std::nullopt;
   reader.located([&] { set_matter(body, material.density, material.thickness, given); });
   if (volumes.size()) body.mass = material.density * volumes;
-  if (regions && (material.curve || material.fibre))
-    regions->fail("a body with regions takes a material without curve or fibre");
+  if (regions && (material.curve || material.fibre)) regions->fail("regions need a material without curve or fibre");
   if (regions)
     for (const Reader& item : regions->items()) read_region(item, body);
   if (lines) read_lines(*lines, body);
   return body;
+}
+
+std::vector<KeySection> body_keys() {
+  const SceneKey seed{"seed", "whole", "", "≥ 0", "1", "seed of the random numbers"};
+  const SceneKey within{
+      "connections.within", "quantity", "m", "> 0", "none", "joins all molecules that are at most so far apart"};
+  return {
+      {"body",
+       "Body",
+       "A body has one shape, " + words_text(kShapes) + ", with the keys of its own table, and these keys beside it:",
+       {{"radius", "quantity", "m", "> 0", "half the shortest connection", "radius of each molecule"},
+        {"jitter.amount", "number", "", "0 … 0.5", "needed",
+         "random displacement of each molecule over the shortest connection; end faces stay plane"},
+        {"jitter.seed", "whole", "", "≥ 0", "1", "seed of the random numbers"},
+        {"grade", "map, or list of maps", "", "", "none", "lets the spacing grow along an axis"},
+        {"grade.axis", "`x`, `y`, `z`", "", "", "needed", "the axis"},
+        {"grade.ratio", "number", "", "0.01 … 100", "needed", "spacing at the far end over that at the near end"},
+        {"cells", "`delaunay`", "", "", "none", "tetrahedra between the molecules, which fill the convex hull"},
+        {"regions", "list of maps", "", "", "none", "boxes of other stiffness or mass; not with `curve` or `fibre`"},
+        {"regions.from", "vector", "m", "", "needed", "lowest corner of the box"},
+        {"regions.to", "vector", "m", "", "needed", "highest corner of the box"},
+        {"regions.stiffness", "number", "", "1e-12 … 1e+12", "1", "factor of the material's stiffness"},
+        {"regions.mass", "number", "", "1e-12 … 1e+12", "1", "factor of the material's mass"},
+        {"lines", "map", "", "", "none", "a load that hangs on cables from a body of triangles"},
+        {"lines.from", "`ends`, `rim`", "", "", "`ends`", "the molecules from which the cables hang"},
+        {"lines.to", "vector", "m", "", "needed", "position of the load"},
+        {"lines.stiffness", "quantity", "N", "> 0", "needed", "axial stiffness EA of each cable"},
+        {"lines.mass", "quantity", "kg", "> 0", "needed", "mass of the load"},
+        {"lines.radius", "quantity", "m", "> 0", "the largest molecule's", "radius of the load"}}},
+      {"body.lattice",
+       "",
+       "Shape `lattice`:",
+       {{"kind", "`cubic`, `body_centred`, `face_centred`", "", "", "needed", "where the molecules of a cube are"},
+        {"molecules", "three wholes", "", "≥ 1", "needed for `cubic`", "molecules along x, y, z"},
+        {"cells", "three wholes", "", "≥ 1", "needed for the others", "cubes along x, y, z"},
+        {"spacing", "quantity, or vector", "m", "> 0", "needed", "side of a cube; three values stretch the lattice"},
+        {"connections", "list of `axis`, `face`, `space`; or `nearest`, `second`; or map", "", "",
+         "`[axis]`, `nearest`",
+         "of `cubic`: along axes, face diagonals, space diagonals; of the others: nearest neighbours, or second ones "
+         "too"},
+        within}},
+      {"body.packing",
+       "",
+       "Shape `packing`, a random close packing:",
+       {{"size", "vector", "m", "> 0", "needed", "sides of the box"},
+        {"distance", "quantity", "m", "> 0", "needed", "least distance of two molecules"},
+        seed,
+        {"connections.within", "quantity", "m", "> 0", "1.5 `distance`", "reach of the connections"}}},
+      {"body.tetrahedra",
+       "",
+       "Shape `tetrahedra`, a block:",
+       {{"kind", "`kuhn`, `alternating`, `body_centred`", "", "", "needed", "6, 5 or 12 tetrahedra in each cube"},
+        {"cubes", "three wholes", "", "≥ 1", "needed", "cubes along x, y, z"},
+        {"size", "vector", "m", "> 0", "needed", "sides of the block, from the origin"}}},
+      {"body.mesh",
+       "",
+       "Shape `mesh`, tetrahedra or triangles from a file:",
+       {{"file", "file beside the scene", "", "", "needed",
+         "`.msh` 2.2 and 4.1, `.vtk`, `.vtu`, `.stl`, `.obj`, `.ply`"},
+        {"length_unit", kLengthUnits, "", "", "needed", "unit of the file's coordinates"}}},
+      {"body",
+       "",
+       "Shape `molecules`, positions one by one; its other keys stand beside it:",
+       {{"molecules", "list of vectors", "m", "", "needed", "positions"},
+        {"connections", "list of pairs of molecules, or map", "", "0 … last molecule", "none",
+         "pairs of molecules, counted from 0"},
+        within,
+        {"triangles", "list of triples of molecules", "", "0 … last molecule", "none",
+         "corners of triangles, whose sides are the connections"}}}};
 }
 
 }  // namespace elastin::lab

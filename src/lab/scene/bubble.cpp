@@ -10,7 +10,12 @@
 namespace elastin::lab {
 namespace {
 
-constexpr Range kAboveBefore(double before) { return {before, kPositive.high, true}; }
+/// The next of ascending pressures [Pa].
+double next_pressure(const Reader& reader, double before) {
+  const double pressure = reader.quantity(dimension::pressure, kPositive);
+  if (!(pressure > before)) reader.fail("'" + reader.text() + "' is not above the pressure before it");
+  return pressure;
+}
 
 /// A text file beside the scene: a line a point, "5000 Pa, 17 mm"; lines that begin with a letter or # say nothing.
 void read_table(const Reader& reader, BubbleSetup& setup) {
@@ -44,7 +49,7 @@ void read_table(const Reader& reader, BubbleSetup& setup) {
     setup.pressures.push_back(before = read(line.substr(0, comma), dimension::pressure, before));
     setup.heights.push_back(read(line.substr(comma + 1), dimension::length, 0));
   }
-  if (setup.pressures.empty()) reader.fail("'" + reader.text() + "' holds no point");
+  if (setup.pressures.empty()) reader.fail("'" + reader.text() + "' has no point");
 }
 
 /// measured: [[5000 Pa, 17 mm], …] or the name of a file
@@ -53,7 +58,7 @@ void read_measured(const Reader& reader, BubbleSetup& setup) {
   double before = 0;
   for (const Reader& item : reader.items()) {
     const auto pair = item.items(2);
-    before = pair[0].quantity(dimension::pressure, kAboveBefore(before));
+    before = next_pressure(pair[0], before);
     setup.pressures.push_back(before);
     setup.heights.push_back(pair[1].quantity(dimension::length, kPositive));
   }
@@ -72,8 +77,7 @@ void read_pressures(Reader& reader, BubbleSetup& setup) {
   }
   if (steps) steps->fail("a list of pressures has a load step for each");
   double before = 0;
-  for (const Reader& item : pressure.items())
-    setup.pressures.push_back(before = item.quantity(dimension::pressure, kAboveBefore(before)));
+  for (const Reader& item : pressure.items()) setup.pressures.push_back(before = next_pressure(item, before));
   if (setup.pressures.empty()) pressure.fail("names no pressure");
 }
 
@@ -92,21 +96,26 @@ std::unique_ptr<Protocol> read_bubble(Reader reader, const ExperimentContext& co
                 std::to_string(*setup.identify_degree + 1) + " measured points");
   }
   reader.finish();
-  if (context.statics.linear) reader.fail("a flat membrane bears no pressure with small displacements");
+  if (context.statics.linear) reader.fail("a flat membrane cannot resist pressure under small displacements");
   return reader.located([&] { return make_bubble(context.body, setup, context.material); });
 }
 
 }  // namespace
 
 std::vector<ExperimentInfo> bubble_experiments() {
-  return {{.name = "bubble",
-           .summary = "a flat disc, clamped at its rim, is blown up: height, stretch and stress at the pole",
-           .source = "[TP], eqs 18-25",
-           .keys = {{"pressure", "Pa | [Pa, ...]", "the last one, or one a load step, ascending"},
-                    {"load_steps", "number", "equal steps to a single pressure; 1 without it"},
-                    {"measured", "[[Pa, m], ...] | file", "pressures and the heights measured at them"},
-                    {"identify", "map", "{degree, up_to}: finds the material's secant modulus from the heights"}},
-           .read = read_bubble}};
+  return {
+      {.name = "bubble",
+       .summary = "a flat disc, fixed at its rim, is inflated from one side: height, stretch and stress at the pole",
+       .source = "[TP], eqs 18-25",
+       .keys = {{"pressure", "quantity, or list", "Pa", "> 0", "this, or `measured`",
+                 "the pressure that `load_steps` reach, or one pressure for each step, ascending"},
+                kStepsKey,
+                {"measured", "list of pairs, or file beside the scene", "Pa, m", "> 0", "this, or `pressure`",
+                 "`[pressure, height]`, ascending; a file has one pair in each line, with units"},
+                {"identify.degree", "whole", "", "0 … 6", "2",
+                 "finds the secant modulus E(ε) from the measured heights: degree of the polynomial"},
+                {"identify.up_to", "number", "", "> 0", "1.5 × the cap's strain", "strain up to which it counts"}},
+       .read = read_bubble}};
 }
 
 }  // namespace elastin::lab

@@ -203,8 +203,52 @@ void check_motions(const SceneContact& contact, bool timed) {
         "{ramp: {duration: 1 s}}");
   if (!timed && !contact.by_time.empty())
     contact.by_time.front().fail(
-        "an experiment at rest knows no time: write motion: {by: [x, y, z]}, which goes with "
+        "an experiment at rest has no time: write motion: {by: [x, y, z]}, which goes with "
         "the load");
+}
+
+std::vector<KeySection> contact_keys() {
+  const auto quantity = [](const char* name, const char* text) {
+    return SceneKey{name, "quantity", "m", "> 0", "needed", text};
+  };
+  const std::string axis = "axis of the shape";
+  return {
+      {"contact",
+       "Contact",
+       "",
+       {{"surface", "`triangles`, `spheres`", "", "", "`triangles` with cells, else `spheres`",
+         "what meets others: the surface of the cells, or the molecules"},
+        {"stiffness", "number, or quantity", "Pa/m", "> 0", "10", "a number is times E over a molecule's diameter"},
+        {"friction", "number", "", "≥ 0", "0", "coefficient of Coulomb friction; sticking contact does not creep"},
+        {"restitution", "number", "", "0.01 … 1", "1", "coefficient of restitution of two molecules that meet alone"},
+        {"penetration", "quantity", "m", "> 0", "what the penalty leaves",
+         "largest depth, by multipliers; at rest and in implicit steps"},
+        {"self", "`true`, `false`", "", "", "`false`", "whether contact of a piece with itself counts"},
+        {"obstacles", "list of maps", "", "", "none", "rigid bodies, each with one shape"}}},
+      {"contact.obstacles",
+       "",
+       "Each item of `obstacles` has one shape, and the keys after the shapes:",
+       {{"plane.point", "vector", "m", "", "needed", "a point of the plane"},
+        {"plane.normal", "direction", "", "", "needed", "normal towards the free side"},
+        {"box.size", "vector", "m", "> 0", "needed", "sides of the box about its middle"},
+        quantity("sphere.radius", "radius of the sphere"),
+        quantity("cylinder.radius", "radius of the cylinder"),
+        quantity("cylinder.length", "length of the cylinder about its middle"),
+        {"cylinder.axis", "direction", "", "", "`z`", axis},
+        quantity("capsule.radius", "radius of the capsule"),
+        quantity("capsule.length", "length of its straight part"),
+        {"capsule.axis", "direction", "", "", "`z`", axis},
+        {"convex.points", "list of vectors", "m", "", "needed", "four points or more that do not lie in one plane"},
+        {"mesh.file", "file beside the scene", "", "", "needed", "a closed surface of triangles"},
+        {"mesh.length_unit", kLengthUnits, "", "", "needed", "unit of the file's coordinates"},
+        {"name", "text", "", "", "the shape, numbered", "name of the obstacle"},
+        {"at", "vector", "m", "", "0", "position; not of a plane"},
+        {"turn", "rotation", "", "", "none", "orientation; not of a plane"},
+        {"friction", "number", "", "≥ 0", "the contact's", "coefficient of friction of this obstacle"},
+        {"motion.by", "vector", "m", "", "needed", "displacement under the whole load; in time with `in_time`"},
+        {"motion.in_time", "time function", "", "", "needed in time", "factor of the displacement"},
+        {"velocity", "vector", "m/s", "", "0", "steady velocity in time; not with `motion`"},
+        {"spin", "vector", "1/s", "", "0", "steady rotation in time; not with `motion`"}}}};
 }
 
 }  // namespace elastin::lab

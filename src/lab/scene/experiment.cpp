@@ -48,9 +48,8 @@ double read_amount(const Reader& value, const Dimension& dimension, const Range&
 /// The same of an angle [rad].
 double read_angle(const Reader& value, const Range& range = {}) { return not_zero(value, value.angle(range)); }
 
-std::unique_ptr<Protocol> read_tension(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Protocol> read_bar(Reader reader, const ExperimentContext& context, bool compression) {
   TensionSetup setup;
-  const bool compression = reader.at("kind").choice<bool>({{"tension", false}, {"compression", true}});
   setup.axis = read_axis(reader, setup.axis, context);
   const auto force = reader.find("force"), displacement = reader.find("displacement");
   const auto load = [&](const Reader& value, const Dimension& dimension) {
@@ -84,6 +83,14 @@ std::unique_ptr<Protocol> read_tension(Reader reader, const ExperimentContext& c
   if (force && displacement) displacement->fail("there is a force already; give one of them");
   if (!force && !displacement) reader.fail("give a force or a displacement");
   return reader.located([&] { return make_tension(context.body, setup); });
+}
+
+std::unique_ptr<Protocol> read_tension(Reader& reader, const ExperimentContext& context) {
+  return read_bar(reader, context, false);
+}
+
+std::unique_ptr<Protocol> read_compression(Reader& reader, const ExperimentContext& context) {
+  return read_bar(reader, context, true);
 }
 
 std::unique_ptr<Protocol> read_shear(Reader reader, const ExperimentContext& context) {
@@ -169,20 +176,30 @@ std::unique_ptr<Protocol> read_inflation(Reader reader, const ExperimentContext&
   return reader.located([&] { return make_inflation(context.body, setup, context.material); });
 }
 
-const ExperimentKey kSectionKey{"cross_section", "m^2", "without it the hull of all molecules seen along the axis"};
+const SceneKey kSectionKey{
+    "cross_section",
+    "quantity",
+    "m^2",
+    "> 0",
+    "volume over length of the cells, between the planes of `gauge` if there are any; without cells the "
+    "hull of the molecules along the axis",
+    "section A that carries the load"};
 
-/// Of tension and compression, whose `load` pulls or presses.
-std::vector<ExperimentKey> tension_keys(const std::string& load) {
-  return {{"axis", "direction", "along which the bar lies; z without it"},
-          {"force", "N", load + "; it or a displacement is given"},
-          {"displacement", "m", load + "; it or a force is given"},
-          {"fixed_grip", "clamped | sliding", "whether the fixed end may slide sideways; sliding without it"},
-          {"loaded_grip", "clamped | sliding", "whether the loaded end may slide sideways; sliding without it"},
-          {"load_sharing", "area | molecules", "how the loaded end's molecules share a force; by area without it"},
-          {"reading", "mean | corner", "where the elongation is read on the loaded end; its mean without it"},
+/// Of tension and compression, whose load pulls or presses.
+std::vector<SceneKey> tension_keys() {
+  const std::string grip = "whether the end is also fixed sideways";
+  return {{"axis", "direction", "", "", "`z`", "axis of the bar, from the fixed end to the loaded one"},
+          {"force", "quantity", "N", "", "needed, or `displacement`", "force on the loaded end; not 0"},
+          {"displacement", "quantity", "m", "", "needed, or `force`", "displacement of the loaded end; not 0"},
+          {"fixed_grip", "`clamped`, `sliding`", "", "", "`sliding`", grip},
+          {"loaded_grip", "`clamped`, `sliding`", "", "", "`sliding`", grip},
+          {"load_sharing", "`area`, `molecules`", "", "", "`area`",
+           "how the molecules of the loaded end share a force: by tributary areas, or equally"},
+          {"reading", "`mean`, `corner`", "", "", "`mean`", "elongation of the loaded end, or of one corner molecule"},
           kSectionKey,
-          {"gauge_length", "m", "to which the strain refers; without it the distance between the ends"},
-          {"gauge", "[m, m]", "planes from the fixed end between which the elongation is read"},
+          {"gauge_length", "quantity", "m", "> 0", "between the end layers", "length l₀ to which the strain refers"},
+          {"gauge", "two quantities", "m", "≥ 0, > 0", "none",
+           "planes, measured from the fixed end, between which an extensometer reads"},
           kDepthKey,
           kStepsKey};
 }
@@ -190,66 +207,69 @@ std::vector<ExperimentKey> tension_keys(const std::string& load) {
 }  // namespace
 
 std::vector<ExperimentInfo> static_experiments() {
-  const ExperimentKey axis{"axis", "direction", "along which the body lies; z without it"};
+  const SceneKey axis{"axis", "direction", "", "", "`z`", "axis of the body, from the fixed end to the loaded one"};
   return {
       {.name = "tension",
-       .summary = "a bar is pulled along its axis: effective modulus, Poisson's ratio, stress-strain curve",
+       .summary = "a bar is pulled along its axis: effective modulus, Poisson's ratio, stress–strain curve",
        .source = "",
-       .keys = tension_keys("on the loaded end, positive pulls"),
+       .keys = tension_keys(),
        .read = read_tension},
       {.name = "compression",
-       .summary = "a bar is pressed along its axis, measured as in tension",
+       .summary = "a bar is pressed along its axis and measured as in tension",
        .source = "",
-       .keys = tension_keys("on the loaded end, positive presses"),
-       .read = read_tension},
+       .keys = tension_keys(),
+       .read = read_compression},
       {.name = "shear",
        .summary = "planes across the axis slide along a direction, at constant height: shear modulus",
        .source = "",
        .keys = {axis,
-                {"direction", "direction", "in which the planes slide, across the axis"},
-                {"displacement", "m", "of the loaded end; it, strain or angle is given"},
-                {"strain", "", "displacement over height"},
-                {"angle", "angle", "of shear, below a right angle"},
-                {"sides", "free | affine", "whether the whole surface follows the simple shear; free without it"},
+                {"direction", "direction", "", "", "needed", "direction of the displacement, perpendicular to `axis`"},
+                {"displacement", "quantity", "m", "", "one of three needed", "displacement of the loaded end; not 0"},
+                {"strain", "number", "", "", "one of three needed", "displacement over height; not 0"},
+                {"angle", "angle", "", "−1.57 … 1.57", "one of three needed", "angle of shear; not 0"},
+                {"sides", "`free`, `affine`", "", "", "`free`",
+                 "whether two rigid plates carry the shear, or the whole surface follows it"},
                 kSectionKey,
                 kDepthKey,
                 kStepsKey},
        .read = read_shear},
       {.name = "torsion",
-       .summary = "one end of a clamped bar is turned about its axis: torque, shear modulus of a rectangle",
+       .summary =
+           "one end of a clamped bar is turned about its axis at constant height: torque, shear modulus of a rectangle",
        .source = "Timoshenko & Goodier 1970, section 109",
-       .keys = {axis, {"angle", "angle", "by which the end is turned"}, kDepthKey, kStepsKey},
+       .keys = {axis, {"angle", "angle", "", "", "needed", "rotation of the turned end; not 0"}, kDepthKey, kStepsKey},
        .read = read_torsion},
       {.name = "hydrostatic",
        .summary = "equal strain along all directions: bulk modulus",
        .source = "",
-       .keys = {{"strain", "", "of each side, above -1; negative compresses"},
-                {"sides", "sliding | affine",
-                 "whether smooth walls or the whole surface carry the strain; sliding without it"},
+       .keys = {{"strain", "number", "", "> −1 … 100", "needed", "strain of each side; negative compresses; not 0"},
+                {"sides", "`sliding`, `affine`", "", "", "`sliding`",
+                 "whether six smooth walls carry the strain, or the whole surface follows it"},
                 kDepthKey,
                 kStepsKey},
        .read = read_hydrostatic},
       {.name = "bending",
        .summary = "a cantilever bends under its own weight or a force on its tip: effective modulus, deflection",
        .source = "Timoshenko 1921, Cowper 1966",
-       .keys = {{"axis", "direction", "from the root to the tip; x without it"},
-                {"direction", "direction", "of the load, across the axis"},
-                {"gravity", "m/s^2", "acceleration that gives the weight; it, a force or both are given"},
-                {"force", "N", "on the tip"},
+       .keys = {{"axis", "direction", "", "", "`x`", "from the clamped root to the tip"},
+                {"direction", "direction", "", "", "needed", "direction of the load, perpendicular to `axis`"},
+                {"gravity", "quantity", "m/s^2", "", "this, `force` or both",
+                 "acceleration that gives the weight; not 0"},
+                {"force", "quantity", "N", "", "this, `gravity` or both", "force on the tip; not 0"},
                 kDepthKey,
                 kStepsKey},
        .read = read_bending},
       {.name = "inflation",
-       .summary = "a closed membrane is blown up by pressure, volume control or gas: radius, wall stress",
+       .summary = "a closed membrane is inflated by pressure, by volume or by gas: radius, wall stress",
        .source = "",
-       .keys = {{"pressure", "Pa", "over that outside; it, volume_ratio or gas is given"},
-                {"volume_ratio", "", "enclosed volume over that at rest"},
-                {"gas", "map", "{amount or start_pressure, exponent, ambient}: gas that is let in"},
-                {"symmetry", "[direction, ...]", "normals of planes of symmetry through the origin"},
+       .keys = {{"pressure", "quantity", "Pa", "", "one of three needed", "pressure inside over that outside; not 0"},
+                {"volume_ratio", "number", "", "> 0", "one of three needed", "enclosed volume over that at rest"},
+                {"gas", "map", "", "", "one of three needed", "gas that is let in; its keys stand below"},
+                kSymmetryKey,
                 kStepsKey},
        .read = read_inflation},
       {.name = "material",
-       .summary = "six small strains of the surface: the body's 6 x 6 stiffness matrix and its isotropic means",
+       .summary = "six small strains of the surface: the body's 6 × 6 stiffness matrix and its isotropic means",
        .source = "",
        .keys = {kDepthKey},
        .read = read_homogenisation},

@@ -5,6 +5,7 @@
 
 #include "elastin/core/base/error.h"
 #include "lab/scene/experiments.h"
+#include "lab/scene/keys.h"
 
 namespace elastin::lab {
 namespace {
@@ -23,10 +24,9 @@ std::unique_ptr<Protocol> make_from_parameters(Reader& reader, const ExperimentI
 
 }  // namespace
 
-std::vector<ExperimentKey> keys_of(const ExperimentInfo& info) {
-  std::vector<ExperimentKey> keys = info.keys;
-  for (const ParameterInfo& parameter : info.parameters)
-    keys.push_back({parameter.name, si_unit(parameter.unit), parameter.text});
+std::vector<SceneKey> keys_of(const ExperimentInfo& info) {
+  std::vector<SceneKey> keys = info.keys;
+  for (const ParameterInfo& parameter : info.parameters) keys.push_back(key_of(parameter));
   return keys;
 }
 
@@ -54,8 +54,10 @@ ExperimentCatalog built_in_experiments() {
 }
 
 std::unique_ptr<Protocol> read_experiment(Reader reader, const ExperimentContext& context) {
+  reader.set_section("experiment");
   const Reader kind = reader.at("kind");
   const ExperimentInfo info = kind.located([&] { return context.experiments.find(kind.text()); });
+  reader.set_section("experiment." + info.name);
   return info.read ? info.read(reader, context) : make_from_parameters(reader, info, context);
 }
 

@@ -9,9 +9,13 @@
 namespace elastin::lab {
 
 /// Keys that many experiments have.
-inline const ExperimentKey kDepthKey{"grip_depth", "m",
-                                     "molecules this close to an end belong to it; without it those in the end plane"};
-inline const ExperimentKey kStepsKey{"load_steps", "number", "equal steps in which the load grows; 1 without it"};
+inline const SceneKey kDepthKey{"grip_depth", "quantity",      "m",
+                                "> 0",        "the end plane", "molecules that are so near to an end belong to it"};
+inline const SceneKey kStepsKey{"load_steps", "whole", "", "1 … 100000", "1", "equal steps in which the load grows"};
+inline const SceneKey kSymmetryKey{
+    "symmetry", "list of directions",
+    "",         "",
+    "none",     "normals of planes through the origin that cut the body, each perpendicular to the others"};
 
 /// Rows of the table, each list beside the functions that read them.
 std::vector<ExperimentInfo> static_experiments();

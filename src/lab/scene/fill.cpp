@@ -59,7 +59,7 @@ Body read_fill(Reader reader, VectorX& volumes, Remarks remarks) {
     pairs->finish();
   }
   reader.finish();
-  if (!mesh.tetrahedra.empty()) file.fail("holds tetrahedra: it is a body already, `mesh`; a surface is of triangles");
+  if (!mesh.tetrahedra.empty()) file.fail("contains tetrahedra: use the shape `mesh`; a surface consists of triangles");
   const std::string wrong = contact::check_surface(mesh.points, mesh.triangles);
   if (!wrong.empty()) file.fail("'" + file.text() + "' encloses no volume that could be filled: " + wrong);
 
@@ -78,6 +78,22 @@ Body read_fill(Reader reader, VectorX& volumes, Remarks remarks) {
     body.voronoi.emplace().problem = "needs the surface of its molecules: leave the filled body its cells";
   }
   return body;
+}
+
+std::vector<KeySection> fill_keys() {
+  return {{"body.fill",
+           "",
+           "Shape `fill`, the inside of a closed surface:",
+           {{"file", "file beside the scene", "", "", "needed", "a surface of triangles: `.stl`, `.obj`, `.ply` …"},
+            {"length_unit", kLengthUnits, "", "", "needed", "unit of the file's coordinates"},
+            {"spacing", "quantity", "m", "> 0", "needed", "distance of neighbouring molecules"},
+            {"packing", "`lattice`, `blue_noise`", "", "", "`lattice`", "regular or random positions inside"},
+            {"seed", "whole", "", "≥ 0", "1", "seed of the random numbers"},
+            {"boundary", "`follow`, `none`", "", "", "`follow`",
+             "whether molecules lie on the surface and along its sharp edges"},
+            {"cells", "`delaunay`, `none`", "", "", "`delaunay`", "tetrahedra inside the surface"},
+            {"connections.within", "quantity", "m", "> 0", "sides of the cells",
+             "reach of connections between molecules that see each other inside"}}}};
 }
 
 }  // namespace elastin::lab

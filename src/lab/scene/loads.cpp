@@ -13,9 +13,10 @@ namespace {
 LoadKind face() {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   LoadKind load{{"face", "a dead traction on the end of a body, in proportion to the molecules' shares of it", "", {}}};
-  load.parameters = {{"side", dimension::none, -1, 1, NAN, "which end", false, ValueKind::direction, true},
-                     {"traction", dimension::pressure, -infinity, infinity, NAN, "force over area at rest", false,
-                      ValueKind::vector, true}};
+  load.parameters = {
+      {"side", dimension::none, -1, 1, NAN, "outward normal of the end", false, ValueKind::direction, true},
+      {"traction", dimension::pressure, -infinity, infinity, NAN, "force over area at rest", false, ValueKind::vector,
+       true}};
   load.check = [](const Body& body, const LoadValues& values) {
     if (!(end_face(body, values.vectors.at("side"), 0).area > 0))
       throw InputError("the molecules on this side span no area");
@@ -37,19 +38,24 @@ void read_value(const Reader& reader, const ParameterInfo& info, const Body& bod
     values.vectors[info.name] = rotation * reader.vector(info.unit, {info.low, info.high, info.above_low});
   } else if (info.kind == ValueKind::molecules) {
     std::vector<int>& molecules = values.molecules[info.name];
-    for (const Reader& item : reader.items()) molecules.push_back(item.whole(0, body.size() - 1));
+    for (const Reader& item : reader.items()) molecules.push_back(item.molecule(body.size()));
   } else {
     values.numbers[info.name] = read_parameter(reader, info);
   }
 }
 
+/// The value that may stand for the whole map: of a load that needs one alone. Else null.
+const ParameterInfo* single_value(const LoadKind& load) {
+  const auto needed = [](const ParameterInfo& info) { return info.required; };
+  if (std::count_if(load.parameters.begin(), load.parameters.end(), needed) != 1) return nullptr;
+  return &*std::find_if(load.parameters.begin(), load.parameters.end(), needed);
+}
+
 /// A map of values; or, of a load that needs one value alone, that value.
 LoadValues read_values(Reader reader, const LoadKind& load, const Body& body, const Matrix3& rotation) {
   LoadValues values;
-  const auto needed = [](const ParameterInfo& info) { return info.required; };
-  const auto first = std::find_if(load.parameters.begin(), load.parameters.end(), needed);
-  if (!reader.is_map() && std::count_if(load.parameters.begin(), load.parameters.end(), needed) == 1) {
-    read_value(reader, *first, body, rotation, values);
+  if (const ParameterInfo* single = single_value(load); single && !reader.is_map()) {
+    read_value(reader, *single, body, rotation, values);
     return values;
   }
   for (const ParameterInfo& info : load.parameters) {
@@ -71,6 +77,7 @@ void vary_loads(Model& model, const std::function<void(Model&)>& add, const Time
 
 TimeFunction read_time_function(Reader reader) {
   if (!reader.is_map()) reader.fail("write {ramp: …}, {step: …}, {sine: …} or {table: [[time, factor], …]}");
+  reader.set_section("time_function");
   const auto ramp = reader.find("ramp"), step = reader.find("step"), sine = reader.find("sine"),
              table = reader.find("table");
   reader.finish();
@@ -131,6 +138,35 @@ SceneLoad read_load(Reader reader, const elastin::Table<LoadKind>& loads, const 
   const TimeFunction function = read_time_function(*in_time);
   if (!acts_at_rest) in_time->fail("damping and drag do not change in time");
   return {[add, function](Model& model) { vary_loads(model, add, function); }, true, true};
+}
+
+std::vector<KeySection> load_keys(const Catalog& catalog) {
+  std::vector<SceneKey> keys;
+  for (const auto& load : scene_loads(catalog)) {
+    SceneKey own{load->name, "map", "", "", "none", load->summary};
+    const ParameterInfo* single = single_value(*load);
+    if (single) {  // it may stand for the map
+      own = key_of(*single);
+      own.name = load->name;
+      own.type += ", or map";
+      own.fallback = "none";
+      own.text = load->summary;
+    }
+    keys.push_back(std::move(own));
+    for (const ParameterInfo& info : load->parameters) keys.push_back(key_of(info, load->name + "."));
+  }
+  keys.push_back({"in_time", "time function", "", "", "constant",
+                  "factor of this load; not of damping and drag, and not in experiments at rest"});
+  return {{"loads", "Loads", "Each item of `loads` is one load, with `in_time` if it changes:", std::move(keys)},
+          {"time_function",
+           "Functions of time",
+           "A *time function* is a map of one of these:",
+           {{"ramp.duration", "quantity", "s", "> 0", "needed", "from 0 to 1 in this time"},
+            {"step.at", "quantity", "s", "≥ 0", "needed", "0 before this time, 1 from then on"},
+            {"sine.frequency", "quantity", "1/s", "> 0", "needed", "mean + sin(2π frequency t + phase)"},
+            {"sine.phase", "number", "", "", "0", "phase [rad]"},
+            {"sine.mean", "number", "", "", "0", "mean value"},
+            {"table", "list of pairs", "s", "", "none", "`[time, factor]`, times ascending"}}}};
 }
 
 }  // namespace elastin::lab

@@ -22,6 +22,7 @@ StressStrain read_points(const Reader& reader) {
 
 /// {points: …} | {toe_strain, toe_modulus, modulus} | {tension, compression, smoothing}
 StressStrain read_curve(Reader reader) {
+  reader.set_section("material.curve");
   if (!reader.is_map())
     reader.fail(
         "write {points: [[strain, stress], ...]}, {toe_strain, toe_modulus, modulus} or {tension, compression}");
@@ -93,6 +94,7 @@ double read_bending_rigidity(const Reader& reader, const Material& material) {
 }  // namespace
 
 Material read_material(Reader reader, const Material* base) {
+  reader.set_section("material");
   Material material = base ? *base : Material{};
   const bool own_law = reader.has("youngs_modulus") || reader.has("curve") || reader.has("secant_modulus");
   if (own_law) material.curve.reset();
@@ -122,11 +124,45 @@ Material read_material(Reader reader, const Material* base) {
 }
 
 void check_material(Reader reader, const Material& material, const Body& body) {
+  reader.set_section("material");
   const bool membrane = !body.triangles.empty();
   if (membrane && material.thickness == 0) reader.fail("key 'thickness' is missing: a body of triangles is a membrane");
   if (material.poissons_ratio > 0.4999 && (!membrane || !body.tetrahedra.empty()))
     (reader.has("poissons_ratio") ? reader.at("poissons_ratio") : reader)
         .fail("is out of range: above 0.4999 only membranes, bodies of triangles, are incompressible");
+}
+
+std::vector<KeySection> material_keys() {
+  return {
+      {"material",
+       "Material",
+       "",
+       {{"youngs_modulus", "quantity", "Pa", "> 0", "needed, or a curve", "Young's modulus E"},
+        {"poissons_ratio", "number", "", "−0.99 … 0.5", "0.25",
+         "Poisson's ratio ν: up to 0.4999 of solids, 0.5 of membranes, 0 … 0.4999 with `+volume`"},
+        {"density", "quantity", "kg/m^3", "> 0", "1000", "mass over volume ρ"},
+        {"thickness", "quantity", "m", "> 0", "needed for triangles", "thickness of a membrane at rest"},
+        {"bending", "`plate`, or quantity", "J", "> 0", "none",
+         "bending stiffness of a sheet: E t³ / 12 (1 − ν²), or a value in N m; of a scene of one body"},
+        {"curve", "map", "", "", "none", "nominal stress–strain curve in uniaxial stress; replaces `youngs_modulus`"},
+        {"curve.points", "list of pairs", "Pa", "", "none", "`[strain, stress]`, ascending, through the origin"},
+        {"curve.toe_strain", "number", "", "> 0", "none", "end of the toe region, beyond which the curve is straight"},
+        {"curve.toe_modulus", "quantity", "Pa", "> 0", "needed with `toe_strain`", "slope at strain 0"},
+        {"curve.modulus", "quantity", "Pa", "> 0", "needed with `toe_strain`", "slope beyond the toe region"},
+        {"curve.tension", "quantity", "Pa", "> 0", "none", "modulus in tension, of a curve with two moduli"},
+        {"curve.compression", "quantity", "Pa", "> 0", "needed with `tension`", "modulus in compression"},
+        {"curve.smoothing", "number", "", "1e-09 … 1", "1e-4", "strain over which these two are joined"},
+        {"secant_modulus", "map", "", "", "none",
+         "E(ε), secant modulus over nominal strain; replaces `youngs_modulus`"},
+        {"secant_modulus.polynomial", "list of quantities", "Pa", "", "this, or `points`", "c₀, c₁ … of c₀ + c₁ ε + …"},
+        {"secant_modulus.up_to", "number", "", "> 0", "needed with `polynomial`",
+         "strain up to which the polynomial counts"},
+        {"secant_modulus.points", "list of pairs", "Pa", "≥ 0, > 0", "this, or `polynomial`", "`[strain, E]`"},
+        {"fibre.direction", "direction", "", "", "needed", "direction of the fibres at rest"},
+        {"fibre.youngs_modulus", "quantity", "Pa", "> 0", "needed, or `curve`",
+         "modulus of the fibres; their stress adds to that of the matrix"},
+        {"fibre.curve", "map", "", "", "none", "stress–strain curve of the fibres, as `curve` above"},
+        {"fibre.compression", "`true`, `false`", "", "", "`true`", "whether the fibres resist compression"}}}};
 }
 
 }  // namespace elastin::lab

@@ -1,5 +1,7 @@
 #include "lab/scene/parts.h"
 
+#include <algorithm>
+
 namespace elastin::lab {
 
 double read_length(Reader& reader, const char* key) { return reader.at(key).quantity(dimension::length, kPositive); }
@@ -11,6 +13,7 @@ double read_parameter(const Reader& reader, const ParameterInfo& info) {
 
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
   if (reader.is_text()) return reader.located([&] { return choose_strategy(catalog, reader.text()); });
+  reader.set_section("stiffness");
   const Reader name = reader.at("strategy");
   StrategyChoice choice = name.located([&] { return choose_strategy(catalog, name.text()); });
   for (const ParameterInfo& info : choice.strategy.parameters)
@@ -19,7 +22,7 @@ StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
     const bool springs = choice.strategy.kind != StrategyKind::cell_law;
     const auto words = springs ? std::vector<std::pair<std::string, bool>>{{"true", true}, {"false", false}}
                                : std::vector<std::pair<std::string, bool>>{{"averaged", true}, {"cells", false}};
-    if (choice.strategy.volume_modulus) volume->fail("'" + choice.label + "' says it already");
+    if (choice.strategy.volume_modulus) volume->fail("'" + choice.label + "' has a volume term already");
     if (volume->choice(words)) choice = volume->located([&] { return with_volume(std::move(choice)); });
   }
   if (auto wrinkling = reader.find("wrinkling");
@@ -45,6 +48,7 @@ Vector3 read_direction(const Reader& reader) {
 }
 
 Matrix3 read_rotation(Reader reader) {
+  reader.set_section("rotation");
   const Vector3 axis = read_direction(reader.at("axis"));
   const double angle = reader.at("angle").angle();
   reader.finish();
@@ -65,6 +69,45 @@ StaticOptions read_solver(Reader reader, const elastin::Table<LinearSolverKind>&
   if (auto value = reader.find("newton_limit")) options.newton_limit = value->whole(1, 100000);
   reader.finish();
   return options;
+}
+
+std::vector<KeySection> strategy_keys(const Catalog& catalog) {
+  std::vector<SceneKey> keys{
+      {"strategy", "word", "", "", "needed", "name of the strategy; `elastin list` prints all"},
+      {"volume", "`true`, `false`, or `averaged`, `cells`", "", "", "`false`, `cells`",
+       "`true`: a spring rule with a volume term; `averaged`: `neo_hookean` with its volume change averaged around "
+       "molecules; both as `+volume`"},
+      {"wrinkling", "`drop`, `keep`", "", "", "`keep`",
+       "`drop`: a membrane law without compressive stress, as `+wrinkling`"},
+      {"label", "text", "", "", "the name", "name in tables"}};
+  for (const Strategy& strategy : catalog.strategies())
+    for (const ParameterInfo& info : strategy.parameters) {
+      const auto same =
+          std::find_if(keys.begin(), keys.end(), [&](const SceneKey& key) { return key.name == info.name; });
+      if (same != keys.end()) {  // one parameter of several strategies
+        same->text.insert(same->text.find(": "), ", `" + strategy.name + "`");
+        continue;
+      }
+      keys.push_back(key_of(info));
+      keys.back().text = "of `" + strategy.name + "`: " + info.text;
+    }
+  return {{"stiffness", "Stiffness",
+           "A word is a strategy's name: `lattice`, `\"calibrated:patch+volume\"`, `hencky_membrane+wrinkling`. A map "
+           "has the name and parameters:",
+           std::move(keys)}};
+}
+
+std::vector<KeySection> solver_keys(const Catalog& catalog) {
+  return {{"solver",
+           "Solver",
+           "",
+           {{"displacements", "`large`, `small`", "", "", "`large`", "`small`: one linear solve about rest"},
+            {"linear_solver", words_text(catalog.linear_solvers.names()), "", "", "`automatic`",
+             "method for the linear equations; `elastin list` describes each"},
+            {"method", "`newton`, `explicit`, `implicit`", "", "", "`newton`",
+             "how an equilibrium is found: by Newton's method, or by time steps until the body rests"},
+            {"tolerance", "number", "", "1e-14 … 0.1", "1e-10", "unbalanced force over loads and reactions"},
+            {"newton_limit", "whole", "", "1 … 100000", "200", "iterations in one solve"}}}};
 }
 
 }  // namespace elastin::lab

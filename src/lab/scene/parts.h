@@ -6,17 +6,18 @@
 #include "lab/experiment/inflation.h"
 #include "lab/experiment/specimen.h"
 #include "lab/scene/experiments.h"
+#include "lab/scene/keys.h"
 #include "lab/scene/reader.h"
 #include "lab/scene/study.h"
 
 namespace elastin::lab {
 
-/// The parts of a scene, each from its own key. All throw InputError with place and key.
+/// The parts of a scene, each from its own key. All throw InputError with position and key.
 /// What it leaves out is that of `base`, if there is one.
 Material read_material(Reader reader, const Material* base = nullptr);
-/// Throws where a membrane has no thickness, or a solid no volume to give way: above ν = 0.4999.
+/// Throws where a membrane has no thickness, or a solid is incompressible: above ν = 0.4999.
 void check_material(Reader reader, const Material& material, const Body& body);
-/// What reading a body leaves to be said.
+/// Warnings and notes from reading a body.
 struct Remarks {
   std::vector<std::string>&warnings, &notes;
 };
@@ -61,10 +62,28 @@ SceneLoad read_load(Reader reader, const elastin::Table<LoadKind>& loads, const 
 /// {ramp: {duration: 1 s}}, {step: {at: 1 s}}, {sine: …} or {table: [[0 s, 0], …]}.
 TimeFunction read_time_function(Reader reader);
 TimeOptions read_time(Reader reader, const elastin::Table<Stepper>& steppers);
-/// How the run begins: velocities and places that are not those of rest.
+/// How the run begins: velocities and positions other than those at rest.
 std::function<void(State&)> read_initial(Reader reader, const Body& body, const Matrix3& rotation, bool timed);
 GasSetup read_gas(Reader reader);
 Matrix3 read_rotation(Reader reader);
+
+inline constexpr const char* kLengthUnits = "`m`, `cm`, `mm`, `um`, `nm`";
+/// The keys that these functions read, for the key reference.
+std::vector<KeySection> scene_keys();
+std::vector<KeySection> expectation_keys();
+std::vector<KeySection> body_keys();
+std::vector<KeySection> surface_keys();
+std::vector<KeySection> fill_keys();
+std::vector<KeySection> bodies_keys();
+std::vector<KeySection> material_keys();
+std::vector<KeySection> strategy_keys(const Catalog& catalog);
+std::vector<KeySection> solver_keys(const Catalog& catalog);
+std::vector<KeySection> gas_keys();
+std::vector<KeySection> time_keys(const Catalog& catalog);
+std::vector<KeySection> load_keys(const Catalog& catalog);
+std::vector<KeySection> initial_keys();
+std::vector<KeySection> contact_keys();
+std::vector<KeySection> study_keys();
 
 /// "x", "-y" or a list of three numbers.
 Vector3 read_direction(const Reader& reader);

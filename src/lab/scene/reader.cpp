@@ -115,7 +115,7 @@ struct RenamedKey {
 };
 constexpr RenamedKey kRenamedKeys[] = {
     {"way", "method"},    // of the solver
-    {"hold", "fixture"},  // of experiments in time: how the body is held and loaded
+    {"hold", "fixture"},  // of experiments in time: how the body is fixed and loaded
     {"hold", "fix"},      // of a press: the parts that stay
 };
 
@@ -165,7 +165,8 @@ YAML::Node load_document(const std::string& path, const std::string& text) {
   return document;
 }
 
-std::string range_text(const Range& range, const Dimension& dimension) {
+/// "at least 0 m and at most 1 m"
+std::string allowed_text(const Range& range, const Dimension& dimension) {
   const std::string unit = si_unit(dimension).empty() ? "" : " " + si_unit(dimension);
   const auto number = [](double value) {
     char buffer[32];
@@ -177,6 +178,9 @@ std::string range_text(const Range& range, const Dimension& dimension) {
   if (std::isfinite(range.high)) text += (text.empty() ? "at most " : " and at most ") + number(range.high) + unit;
   return text;
 }
+
+/// "experiment.force"
+std::string below(const std::string& path, const std::string& key) { return path.empty() ? key : path + "." + key; }
 
 }  // namespace
 
@@ -204,6 +208,7 @@ bool Reader::has(const std::string& key) { return find(key).has_value(); }
 std::optional<Reader> Reader::find(const std::string& key) {
   if (!node_.IsMap()) fail("expected a map of keys, found " + kind_of(node_));
   requested_->keys.push_back(key);
+  if (file_->uses && section_) (*file_->uses)[below(*section_, key)];
   refuse_old_name(key);
   return value_of(key, key);
 }
@@ -224,7 +229,8 @@ void Reader::refuse_old_name(const std::string& key) const {
 std::optional<Reader> Reader::value_of(const std::string& given, const std::string& key) const {
   for (const auto& entry : node_)
     if (entry.first.Scalar() == given) {
-      Reader found(file_, entry.second, path_.empty() ? key : path_ + "." + key, location_of(entry.first));
+      Reader found(file_, entry.second, below(path_, key), location_of(entry.first));
+      found.section_ = section_ ? std::optional(below(*section_, key)) : std::nullopt;
       if (entry.second.IsNull()) found.fail("has no value");
       return found;
     }
@@ -265,11 +271,23 @@ std::vector<std::string> Reader::keys() const {
   return keys;
 }
 
+std::vector<std::pair<std::string, Reader>> Reader::entries() const {
+  std::vector<std::pair<std::string, Reader>> entries;
+  for (const std::string& key : keys()) {
+    entries.emplace_back(key, *value_of(key, key));
+    entries.back().second.section_.reset();
+  }
+  return entries;
+}
+
 std::vector<Reader> Reader::items() const {
   if (!node_.IsSequence()) fail("expected a list, found " + kind_of(node_));
   std::vector<Reader> items;
-  for (const auto& item : node_)
+  if (KeyUse* noted = use()) noted->kinds.insert("list");
+  for (const auto& item : node_) {
     items.emplace_back(file_, item, path_ + "[" + std::to_string(items.size()) + "]", location());
+    items.back().section_ = section_;
+  }
   return items;
 }
 
@@ -293,15 +311,35 @@ std::string Reader::line() const {
 void Reader::check_size(double molecules) const {
   if (molecules <= file_->most_molecules) return;
   char text[100];
-  std::snprintf(text, sizeof text, "that is %.3g molecules; at most %g are taken", molecules, file_->most_molecules);
+  std::snprintf(text, sizeof text, "that is %.3g molecules; at most %g are allowed", molecules, file_->most_molecules);
   fail(text);
 }
 
+KeyUse* Reader::use() const { return file_->uses && section_ ? &(*file_->uses)[*section_] : nullptr; }
+
+void Reader::note_use(const std::string& kind, const Dimension& unit, const Range& range) const {
+  KeyUse* noted = use();
+  if (!noted) return;
+  noted->kinds.insert(kind);
+  if (const std::string name = si_unit(unit); !name.empty()) noted->units.insert(name);
+  const std::string text = lab::range_text(range.low, range.high, range.open_low);
+  if (!text.empty()) noted->ranges.insert(text);
+}
+
+void Reader::note_words(const std::vector<std::string>& words) const {
+  if (KeyUse* noted = use()) noted->words.insert(words.begin(), words.end());
+}
+
 double Reader::quantity(const Dimension& dimension, const Range& range) const {
+  note_use(dimension == dimension::none ? "number" : "quantity", dimension, range);
+  return number(dimension, range);
+}
+
+double Reader::number(const Dimension& dimension, const Range& range) const {
   const std::string given = text();
   const Quantity quantity = located([&] { return parse_quantity(given, dimension); });
   if (quantity.value < range.low || quantity.value > range.high || (range.open_low && quantity.value == range.low))
-    fail("'" + given + "' is out of range: must be " + range_text(range, dimension));
+    fail("'" + given + "' is out of range: must be " + allowed_text(range, dimension));
   if (dimension == dimension::none || is_override()) return quantity.value;
   if (quantity.has_unit)
     note_unit();
@@ -311,8 +349,9 @@ double Reader::quantity(const Dimension& dimension, const Range& range) const {
 }
 
 double Reader::angle(const Range& range) const {
+  note_use("angle", dimension::none, range);
   const std::string given = text();
-  const double value = quantity(dimension::none, range);
+  const double value = number(dimension::none, range);
   if (given.ends_with('%')) fail("'" + given + "' is a ratio, no angle; write for example 30 deg, 0.5 rad");
   const bool has_unit = parse_quantity(given, dimension::none).has_unit;
   if (!has_unit && value != 0 && !is_override()) note_plain(given, "30 deg, 0.5 rad");
@@ -338,11 +377,23 @@ void Reader::check_units_agree() const {
   const auto& first_plain = file_->first_plain;
   if (first_unit && first_plain)
     throw InputError(first_plain->first, first_plain->second +
-                                             " (plain SI numbers are taken only where no value has a unit, and " +
+                                             " (plain SI numbers are allowed only where no value has a unit, and " +
                                              first_unit->text() + " has one)");
 }
 
 int Reader::whole(int low, int high) const {
+  constexpr double unlimited = std::numeric_limits<double>::infinity();
+  const bool bounded = high < std::numeric_limits<int>::max();
+  note_use("whole", dimension::none, {static_cast<double>(low), bounded ? high : unlimited});
+  return whole_number(low, high);
+}
+
+int Reader::molecule(int count) const {
+  if (KeyUse* noted = use()) noted->kinds.insert("molecule"), noted->ranges.insert("0 … last molecule");
+  return whole_number(0, count - 1);
+}
+
+int Reader::whole_number(int low, int high) const {
   const std::string given = text();
   int value = 0;
   const auto [end, problem] = std::from_chars(given.data(), given.data() + given.size(), value);
@@ -354,6 +405,7 @@ int Reader::whole(int low, int high) const {
 
 Vector3 Reader::vector(const Dimension& dimension, const Range& range) const {
   const auto list = items(3);
+  if (KeyUse* noted = use()) noted->kinds.insert("vector");
   return {list[0].quantity(dimension, range), list[1].quantity(dimension, range), list[2].quantity(dimension, range)};
 }
 
@@ -374,7 +426,8 @@ std::string missing_file(const std::string& path) {
   return "no such file" + (near.empty() ? "" : "; did you mean '" + near + "'?");
 }
 
-Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules) {
+Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules,
+                       KeyUses* uses) {
   const SourceLocation location{path};
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) throw InputError(location, missing_file(path));
@@ -382,14 +435,14 @@ Reader open_scene_file(const std::string& path, const std::vector<std::string>& 
   std::ifstream stream(path);
   if (!stream) throw InputError(location, std::string("cannot read the scene: ") + std::strerror(errno));
   const std::string text((std::istreambuf_iterator<char>(stream)), {});
-  return open_scene_text(path, text, overrides, most_molecules);
+  return open_scene_text(path, text, overrides, most_molecules, uses);
 }
 
 Reader open_scene_text(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
-                       double most_molecules) {
+                       double most_molecules, KeyUses* uses) {
   const YAML::Node root = load_document(name, text);
   for (const std::string& assignment : overrides) put_override(root, assignment);
-  return {std::make_shared<SceneFile>(SceneFile{name, {}, {}, most_molecules}), root, ""};
+  return {std::make_shared<SceneFile>(SceneFile{name, {}, {}, most_molecules, uses}), root, ""};
 }
 
 }  // namespace elastin::lab

@@ -12,6 +12,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/types.h"
 #include "elastin/core/base/units.h"
+#include "lab/scene/keys.h"
 
 namespace elastin::lab {
 
@@ -22,6 +23,7 @@ struct SceneFile {
   /// First one written as a plain number, and the message that it is if units are used.
   std::optional<std::pair<SourceLocation, std::string>> first_plain;
   double most_molecules = std::numeric_limits<double>::infinity();  ///< that a body may have
+  KeyUses* uses = nullptr;  ///< where readers note what they ask for; null: nowhere
 };
 
 struct Range {
@@ -31,8 +33,8 @@ struct Range {
 inline constexpr Range kPositive{0, std::numeric_limits<double>::infinity(), true};
 inline constexpr Range kNotNegative{0, std::numeric_limits<double>::infinity(), false};
 
-/// One value of a scene with its path of keys and its place in the file. Maps remember which keys were asked for, so
-/// that finish() can name the ones that nobody knows.
+/// One value of a scene with its path of keys and its position in the file. Maps note which keys were asked for, so
+/// that finish() can name the ones that no reader knows.
 class Reader {
  public:
   Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path,
@@ -44,12 +46,17 @@ class Reader {
   Reader at(const std::string& key);
   /// Throws InputError where the map has the key under a name that it had in older scenes.
   std::optional<Reader> find(const std::string& key);
+  /// The section of the key reference that lists this map's keys: of maps that stand under several keys, or whose keys
+  /// depend on their kind. Without it the section is the path of keys.
+  void set_section(const std::string& section) { section_ = section; }
   /// Throws InputError on the first key that was never asked for, with the nearest one that was.
   void finish() const;
 
   bool is_map() const { return node_.IsMap(); }
   bool is_text() const { return node_.IsScalar(); }
   std::vector<std::string> keys() const;
+  /// All keys with their values, of a map whose keys are free.
+  std::vector<std::pair<std::string, Reader>> entries() const;
   std::vector<Reader> items() const;
   std::vector<Reader> items(std::size_t count) const;
 
@@ -62,6 +69,8 @@ class Reader {
   /// both radians and "30 deg".
   double angle(const Range& range = {}) const;
   int whole(int low, int high = std::numeric_limits<int>::max()) const;
+  /// The number of a molecule of a body that has so many.
+  int molecule(int count) const;
   Vector3 vector(const Dimension& dimension, const Range& range = {}) const;
   std::array<int, 3> wholes(int low) const;
   /// A word out of a fixed set.
@@ -69,19 +78,19 @@ class Reader {
   Value choice(const std::vector<std::pair<std::string, Value>>& choices) const {
     const std::string word = text();
     std::vector<std::string> names;
-    for (const auto& [name, value] : choices) {
+    for (const auto& [name, value] : choices) names.push_back(name);
+    note_words(names);
+    for (const auto& [name, value] : choices)
       if (name == word) return value;
-      names.push_back(name);
-    }
     fail("'" + word + "' is not known here" + suggestion(word, names));
   }
 
-  /// Fails where a body would have more molecules than are taken, before anybody allocates for them.
+  /// Fails where a body would have more molecules than are allowed, before memory is allocated for them.
   void check_size(double molecules) const;
   double most_molecules() const { return file_->most_molecules; }
-  /// Throws InputError with this value's place and key.
+  /// Throws InputError with this value's position and key.
   [[noreturn]] void fail(const std::string& message) const;
-  /// Runs build() and puts this value's place and key before an error that has none.
+  /// Runs build() and puts this value's position and key before an error that has none.
   template <class Build>
   auto located(Build&& build) const {
     try {
@@ -107,10 +116,18 @@ class Reader {
   bool is_override() const;
   void note_unit() const;
   void note_plain(const std::string& given, const std::string& examples) const;
+  /// Notes how this value is read, for the key reference.
+  KeyUse* use() const;
+  void note_use(const std::string& kind, const Dimension& unit, const Range& range) const;
+  void note_words(const std::vector<std::string>& words) const;
+  double number(const Dimension& dimension, const Range& range) const;
+  int whole_number(int low, int high) const;
   void check_units_agree() const;
   std::shared_ptr<SceneFile> file_;
   YAML::Node node_;
   std::string path_;  ///< "experiment.force"
+  std::optional<std::string> section_ =
+      "";  ///< "experiment.tension.force": in the key reference; none where keys are free
   std::optional<SourceLocation> key_location_;
   std::shared_ptr<Requested> requested_ = std::make_shared<Requested>();
 };
@@ -119,9 +136,10 @@ class Reader {
 std::string missing_file(const std::string& path);
 
 /// Reads a YAML file and puts `key.path=value` overrides in. Throws InputError: file:line:column.
-Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules);
-/// The same of a text at hand; `name` stands for the file in messages.
+Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules,
+                       KeyUses* uses = nullptr);
+/// The same for a text; `name` stands for the file in messages.
 Reader open_scene_text(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
-                       double most_molecules);
+                       double most_molecules, KeyUses* uses = nullptr);
 
 }  // namespace elastin::lab

@@ -24,7 +24,7 @@ Expectation read_stop(Reader& reader, Expectation expectation) {
   expectation.outcome = outcome.text();
   const Reader cause = reader.at("cause");
   expectation.cause = cause.text();
-  if (expectation.cause.empty()) cause.fail("name the cause: words that the run must say");
+  if (expectation.cause.empty()) cause.fail("name the cause: words that the cause of the run must contain");
   reader.finish();
   return expectation;
 }
@@ -93,7 +93,7 @@ std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const 
   return strategies;
 }
 
-/// A strategy's volume term takes not every Poisson's ratio that a material may have.
+/// A strategy's volume term does not allow every Poisson's ratio that a material may have.
 void check_volume_range(Reader material, const Specimen& specimen, const std::vector<StrategyChoice>& strategies) {
   std::vector<Material> materials = specimen.materials;
   if (materials.empty()) materials.push_back(specimen.material);
@@ -107,7 +107,7 @@ void warn_of_pieces(const Body& body, const std::string& name, std::vector<std::
   const BodyFindings findings = inspect(body);
   if (findings.pieces <= 1) return;
   const auto isolated = findings.isolated_molecules.size();
-  warnings.push_back(name + " hangs apart: " + std::to_string(findings.pieces) + " pieces" +
+  warnings.push_back(name + " is not connected: " + std::to_string(findings.pieces) + " pieces" +
                      (isolated == 0   ? ""
                       : isolated == 1 ? ", one of them an isolated molecule"
                                       : ", " + std::to_string(isolated) + " of them isolated molecules") +
@@ -122,7 +122,7 @@ void read_whole_body(Reader& reader, Scene& scene) {
   if (auto several = reader.find("bodies")) {
     if (auto one = reader.find("body")) one->fail("there are `bodies` already; put it into that list, with a name");
     read_bodies(*several, ties, specimen, remarks);
-    for (const Part& part : specimen.body.parts)  // bone holds together without connections
+    for (const Part& part : specimen.body.parts)  // a rigid body needs no connections
       if (!part.rigid) warn_of_pieces(part_alone(specimen.body, part).body, "body '" + part.name + "'", scene.warnings);
     return;
   }
@@ -144,9 +144,9 @@ void turn_fibres(Specimen& specimen, const Matrix3& rotation) {
 
 std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalog,
                                   const std::vector<std::string>& overrides, double most_molecules,
-                                  const ExperimentCatalog& experiments) {
+                                  const ExperimentCatalog& experiments, KeyUses* uses) {
   const auto start = std::chrono::steady_clock::now();
-  Reader reader = open_scene_file(path, overrides, most_molecules);
+  Reader reader = open_scene_file(path, overrides, most_molecules, uses);
   auto scene = std::make_unique<Scene>();
   scene->path = path;
   scene->name = std::filesystem::path(path).stem().string();
@@ -175,7 +175,7 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   }
   const auto time = reader.find("time");
   if (time && !timed)
-    time->fail("a " + scene->experiment->name() + " experiment is at rest and takes no time; those that do are " +
+    time->fail("a " + scene->experiment->name() + " experiment is at rest and needs no time; those that do are " +
                timed_experiment_names(experiments));
   if (!time && timed)
     experiment.fail("a " + scene->experiment->name() + " experiment runs through time: key 'time' is missing, " +
@@ -186,7 +186,7 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   if (auto loads = reader.find("loads"))
     for (const Reader& item : loads->items()) {
       SceneLoad load = read_load(item, scene_loads(catalog), scene->specimen.body, scene->specimen.material, rotation);
-      if (load.changes_in_time && !timed) item.fail("an experiment at rest knows no time: in_time means nothing here");
+      if (load.changes_in_time && !timed) item.fail("an experiment at rest has no time: in_time has no meaning here");
       if (!load.acts_at_rest && !timed)
         scene->warnings.push_back(item.path() +
                                   ": acts on moving bodies only; it changes nothing in a static experiment");
@@ -221,17 +221,71 @@ StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const
 
 std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,
                                   const std::vector<std::string>& overrides, double most_molecules,
-                                  const ExperimentCatalog& experiments) {
+                                  const ExperimentCatalog& experiments, KeyUses* uses) {
   const auto too_large = [&] {
     return InputError(SourceLocation{path}, "the scene does not fit into this machine's memory");
   };
   try {
-    return read_scene(path, catalog, overrides, most_molecules, experiments);
+    return read_scene(path, catalog, overrides, most_molecules, experiments, uses);
   } catch (const std::bad_alloc&) {
     throw too_large();
   } catch (const std::length_error&) {
     throw too_large();
   }
+}
+
+std::vector<KeySection> scene_keys() {
+  return {{"",
+           "Scene",
+           "",
+           {{"title", "text", "", "", "the file's name", "heading of tables and pages"},
+            {"body", "map", "", "", "needed, or `bodies`", "[the body](#body)"},
+            {"bodies", "list of maps", "", "", "none", "[several bodies](#bodies)"},
+            {"ties", "list of maps", "", "", "none", "[joints between bodies](#bodies)"},
+            {"material", "map", "", "", "needed", "[the material](#material)"},
+            {"stiffness", "word, or map", "", "", "needed", "[the strategy](#stiffness) of `run`"},
+            {"strategies", "list, or `all`", "", "", "`stiffness`",
+             "the strategies of `compare`; `all` in the list adds those not named before it, with `+volume` where "
+             "the body's cells and Poisson's ratio allow it"},
+            {"experiment", "map", "", "", "needed", "[the experiment](#experiment)"},
+            {"time", "map", "", "", "needed in time", "[duration, steps and frames](#time) of an experiment in time"},
+            {"loads", "list of maps", "", "", "none", "[loads](#loads) besides the experiment's"},
+            {"initial", "map", "", "", "rest", "[where the search or the run begins](#initial-state)"},
+            {"rotate", "rotation", "", "", "none", "turns the whole scene"},
+            {"contact", "map", "", "", "none", "[contact](#contact)"},
+            {"solver", "map", "", "", "Newton's method", "[the solver](#solver) of equilibria"},
+            {"reference", "list of maps", "", "", "none",
+             "[values from elsewhere](#reference) that errors are computed against"},
+            {"expect", "list of maps", "", "", "none", "[what must come out](#expectations); exit code 1 if one fails"},
+            {"study", "map", "", "", "none", "[what `compare` varies](#study)"}}},
+          {"rotation",
+           "",
+           "A *rotation*:",
+           {{"axis", "direction", "", "", "needed", "axis of the rotation"},
+            {"angle", "angle", "", "", "needed", "angle of the rotation, right-handed"}}}};
+}
+
+std::vector<KeySection> expectation_keys() {
+  return {{"reference",
+           "Reference",
+           "Each item of `reference`:",
+           {{"measure", "word", "", "", "needed", "name of a measure; `elastin list` prints all"},
+            {"value", "quantity", "the measure's", "", "needed", "what the measure is"},
+            {"source", "text", "", "", "needed", "where the value comes from"},
+            {"uncertainty", "number", "", "> 0", "none", "relative uncertainty of the value"}}},
+          {"expect",
+           "Expectations",
+           "Each item of `expect` names a measure with its value, or the outcome with which a run must stop:",
+           {{"strategy", "word", "", "", "every one", "name or label of the strategy that it is about"},
+            {"source", "text", "", "", "needed", "where the value comes from"},
+            {"measure", "word", "", "", "needed, or `outcome`", "name of a measure; `elastin list` prints all"},
+            {"value", "quantity", "the measure's", "", "needed with `measure`", "what the measure must be"},
+            {"tolerance", "number", "", "> 0", "this, `absolute` or both", "relative difference that is allowed"},
+            {"absolute", "quantity", "the measure's", "> 0", "0", "difference that is allowed besides `tolerance`"},
+            {"not_reproduced", "text", "", "", "judged", "why the value is printed but not judged"},
+            {"outcome", "`unsuited`, `limit_reached`, `inverted`, `diverged`, `mechanism`", "", "",
+             "needed, or `measure`", "how the run must stop"},
+            {"cause", "text", "", "", "needed with `outcome`", "words that the cause must contain"}}}};
 }
 
 }  // namespace elastin::lab

@@ -5,15 +5,16 @@
 
 #include "elastin/lab/scene/experiment_catalog.h"
 #include "lab/experiment/specimen.h"
+#include "lab/scene/keys.h"
 #include "lab/scene/study.h"
 
 namespace elastin::lab {
 
-/// What a published or independent source says a measure is, or how a run must end.
+/// The value of a measure from a published or independent source, or how a run must stop.
 struct Expectation {
   std::string strategy;  ///< the strategy it is about; empty = every one
   std::string measure;   ///< empty where an outcome is expected
-  std::string outcome;   ///< "inverted" …: the run must stop so, with `cause` in what it says; empty = it converges
+  std::string outcome;   ///< "inverted" …: the run must stop so, with `cause` in its cause; empty = it converges
   std::string cause;
   double value = 0;                   ///< SI
   double relative = 0, absolute = 0;  ///< tolerance: |difference| ≤ absolute + relative |value|
@@ -26,7 +27,7 @@ struct Reference {
   std::string measure;
   double value = 0;
   std::string source;
-  double uncertainty = 0;  ///< relative; 0 = not said
+  double uncertainty = 0;  ///< relative; 0 = not stated
 };
 
 /// One scene file, read, checked and built.
@@ -40,13 +41,13 @@ struct Scene {
   std::optional<TimeOptions> time;  ///< of a timed experiment, and only of one
   std::vector<Expectation> expectations;
   std::vector<Reference> references;
-  Study study;                        ///< what `compare` changes from row to row; empty where the scene has none
+  Study study;                        ///< what `compare` changes from run to run; empty where the scene has none
   std::vector<std::string> warnings;  ///< of the scene as a whole
   std::vector<std::string> notes;     ///< what was made of it that its author may want to know
   double build_seconds = 0;           ///< body and experiment
 };
 
-/// More molecules than this is a slip of the pen, not a scene.
+/// More molecules than this are an error of the scene.
 inline constexpr double kMostMolecules = 5e7;
 
 /// The one with this label, or nullptr.
@@ -57,10 +58,11 @@ const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, 
 StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const std::string& label);
 
 /// Reads a scene and builds its body and experiment. `overrides` are key.path=value. Throws InputError, of a body with
-/// more molecules than these too.
+/// more molecules than these too. `uses`, if given, gets every key that its readers ask for.
 std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,
                                   const std::vector<std::string>& overrides = {},
                                   double most_molecules = kMostMolecules,
-                                  const ExperimentCatalog& experiments = built_in_experiments());
+                                  const ExperimentCatalog& experiments = built_in_experiments(),
+                                  KeyUses* uses = nullptr);
 
 }  // namespace elastin::lab

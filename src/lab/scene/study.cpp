@@ -10,10 +10,9 @@ namespace elastin::lab {
 namespace {
 
 /// Keys of one axis go through their values side by side: so each has as many.
-StudyAxis axis_of(Reader reader) {
+StudyAxis axis_of(const Reader& reader) {
   StudyAxis axis;
-  for (const std::string& key : reader.keys()) {
-    const Reader values = reader.at(key);
+  for (const auto& [key, values] : reader.entries()) {
     const std::vector<Reader> items = values.items();
     if (items.empty()) values.fail("names no value; write a list of them");
     if (axis.values.empty()) axis.values.resize(items.size());
@@ -27,13 +26,13 @@ StudyAxis axis_of(Reader reader) {
   return axis;
 }
 
-/// Throws before anybody allocates for more rows than anyone compares.
+/// Throws before more runs are allocated than anyone compares.
 void check_runs(const std::vector<StudyAxis>& axes) {
   constexpr double most = 1e5;
   double rows = 1;
   for (const StudyAxis& axis : axes) rows *= static_cast<double>(axis.values.size());
   char text[80];
-  std::snprintf(text, sizeof text, "that is %.3g combinations; at most %g are taken", rows, most);
+  std::snprintf(text, sizeof text, "that is %.3g combinations; at most %g are allowed", rows, most);
   if (rows > most) throw InputError(text);
 }
 
@@ -87,6 +86,18 @@ std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const
     all = std::move(longer);
   }
   return all;
+}
+
+std::vector<KeySection> study_keys() {
+  return {{"study",
+           "Study",
+           "",
+           {{"vary", "list of maps", "", "", "none",
+             "`KEY.PATH: [value, …]`; keys of one item change together, items multiply to at most 1e5 combinations"},
+            {"repeats", "whole", "", "1 … 1000", "1", "how often everything runs, in turn"},
+            {"threads", "list of wholes", "", "1 … 4096", "the command's", "repeats everything on so many threads"},
+            {"own_reference", "word", "", "", "none",
+             "a strategy whose own values under refinement are extrapolated to the reference"}}}};
 }
 
 }  // namespace elastin::lab

@@ -56,7 +56,7 @@ void read_step(Reader reader, TimeOptions& options) {
   }
 }
 
-/// The experiment at rest that says how a timed one holds and loads its body.
+/// The experiment at rest that says how a timed one fixes and loads its body.
 std::unique_ptr<const StaticProtocol> read_fixture(const Reader& reader, const ExperimentContext& context) {
   std::unique_ptr<const Protocol> fixture = read_experiment(reader, context);
   const StaticProtocol* at_rest = fixture->at_rest();
@@ -112,7 +112,7 @@ std::unique_ptr<Protocol> read_drop(Reader reader, const ExperimentContext& cont
   if (speed) setup.speed = speed->quantity(dimension::velocity, kNotNegative);
   if (context.contact) {
     for (const auto& own : {height, stiffness, damping})
-      if (own) own->fail("is of a floor that drop brings along; this scene has contact, and obstacles of its own");
+      if (own) own->fail("belongs to the floor of `drop`; this scene has contact and obstacles of its own");
     setup.contact = *context.contact;
   }
   setup.stiffness = stiffness ? stiffness->quantity(dimension::stiffness, kPositive)
@@ -163,67 +163,74 @@ std::vector<ExperimentInfo> timed_experiments() {
   const auto motion = [](MotionKind kind) {
     return [kind](Reader& reader, const ExperimentContext& context) { return read_motion(reader, kind, context); };
   };
-  const ExperimentKey fixture{"fixture", "experiment", "one at rest, which says how the body is held and loaded"};
+  const auto fixture = [](const char* fallback, const char* text) {
+    return SceneKey{"fixture", "experiment at rest", "", "", fallback, text};
+  };
+  const SceneKey down{"direction", "direction", "", "", "`-z`", "direction of the fall"};
+  const SceneKey speed{"speed", "quantity", "m/s", "≥ 0", "0", "speed along `direction` at time 0"};
   return {
       {.name = "motion",
-       .summary = "a body, free or held and loaded by a fixture, is watched as it moves",
+       .summary = "a body, free or fixed and loaded by a fixture, is observed as it moves",
        .source = "",
        .in_time = true,
-       .keys = {{"fixture", "experiment", fixture.text + "; without it the body is free"},
-                {"in_time", "map", "how the fixture's load changes: {ramp: ...}, {step: ...}, {sine: ...} or a table"}},
+       .keys = {fixture("free body", "how the body is fixed and loaded"),
+                {"in_time", "time function", "", "", "constant", "factor of the fixture's load"}},
        .read = motion(MotionKind::motion)},
       {.name = "release",
        .summary = "a loaded body is released, or loaded at once: free vibration, its frequency and damping",
        .source = "",
        .in_time = true,
-       .keys = {fixture, {"load", "removed | applied", "what happens to the load at time 0; removed without it"}},
+       .keys = {fixture("needed", "how the body is fixed, and loaded before it is released"),
+                {"load", "`removed`, `applied`", "", "", "`removed`",
+                 "whether the load is taken away at time 0, or put on at once"}},
        .read = motion(MotionKind::release)},
       {.name = "creep",
-       .summary = "a load is put on and stays: how the displacement grows, retardation time",
+       .summary = "a force is applied and stays: displacement over time, retardation time",
        .source = "",
        .in_time = true,
-       .keys = {fixture},
+       .keys = {fixture("needed", "how the body is fixed, with the force that stays")},
        .read = motion(MotionKind::creep)},
       {.name = "relaxation",
-       .summary = "a displacement grows and is held: how the force falls, relaxation time",
+       .summary = "a displacement grows and stays: force over time, relaxation time",
        .source = "",
        .in_time = true,
-       .keys = {fixture, {"ramp", "s", "in which the displacement grows"}},
+       .keys = {fixture("needed", "how the body is fixed, with the displacement that stays"),
+                {"ramp", "quantity", "s", "> 0", "needed", "time in which the displacement grows"}},
        .read = motion(MotionKind::relaxation)},
       {.name = "shake",
-       .summary = "the clamped end of a body is moved to and fro: amplitude ratio and phase of the far end",
+       .summary = "the clamped end of a body oscillates: amplitude ratio and phase of the far end",
        .source = "",
        .in_time = true,
-       .keys = {{"axis", "direction", "from the clamped end to the far one; x without it"},
-                {"direction", "direction", "of the shaking; along the axis without it"},
-                {"amplitude", "m", "of the clamped end"},
-                {"frequency", "Hz", "of the shaking"},
+       .keys = {{"axis", "direction", "", "", "`x`", "from the clamped end to the far one"},
+                {"direction", "direction", "", "", "`axis`", "direction of the oscillation"},
+                {"amplitude", "quantity", "m", "> 0", "needed", "amplitude of the clamped end"},
+                {"frequency", "quantity", "1/s", "> 0", "needed", "frequency of the oscillation"},
                 kDepthKey},
        .read = read_shake},
       {.name = "drop",
        .summary = "a free body falls on a floor, or on the scene's obstacles: restitution, duration of contact",
        .source = "",
        .in_time = true,
-       .keys = {{"direction", "direction", "down; -z without it"},
-                {"gravity", "m/s^2", "none without it"},
-                {"height", "m", "of the lowest sphere above its own floor at time 0"},
-                {"speed", "m/s", "down, at time 0"},
-                {"stiffness", "N/m", "of its own floor, a molecule; E times the diameter without it"},
-                {"damping", "N s/m", "of its own floor, a molecule; none without it"}},
+       .keys = {down,
+                {"gravity", "quantity", "m/s^2", "≥ 0", "0", "acceleration of the fall"},
+                {"height", "quantity", "m", "≥ 0", "0",
+                 "height of the lowest sphere above the floor; not with `contact`"},
+                speed,
+                {"stiffness", "quantity", "N/m", "> 0", "E × mean diameter",
+                 "stiffness of the floor for each molecule; not with `contact`"},
+                {"damping", "quantity", "N s/m", "≥ 0", "0", "damping of the floor; not with `contact`"}},
        .read = read_drop},
       {.name = "parachute",
-       .summary = "a canopy with a load on lines falls through air: how it opens, largest line force",
+       .summary = "a canopy with a load on `lines` falls through air: how it opens, largest force in a line",
        .source = "",
        .in_time = true,
-       .keys = {{"direction", "direction", "down; -z without it"},
-                {"gravity", "m/s^2", "9.81 m/s2 without it"},
-                {"speed", "m/s", "down, at time 0"}},
+       .keys = {down, {"gravity", "quantity", "m/s^2", "≥ 0", "9.81", "acceleration of the fall"}, speed},
        .read = read_parachute},
       {.name = "vibration",
-       .summary = "natural frequencies of a body, free or held by a fixture; takes no time",
+       .summary = "natural frequencies of a body, free or fixed by a fixture; at rest",
        .source = "",
-       .keys = {{"fixture", "experiment", fixture.text + "; without it the body is free"},
-                {"count", "number", "of frequencies, 1 to 10; 6 without it"}},
+       .keys = {fixture("free body", "how the body is fixed"),
+                {"count", "whole", "", "1 … 10", "6", "number of frequencies"}},
        .read = read_vibration},
   };
 }
@@ -240,7 +247,7 @@ std::function<void(State&)> read_initial(Reader reader, const Body& body, const 
     for (Reader item : value->items()) {
       const Vector3 speed = rotation * item.at("velocity").vector(dimension::velocity);
       for (const Reader& molecule : item.at("molecules").items())
-        thrown.emplace_back(molecule.whole(0, body.size() - 1), speed);
+        thrown.emplace_back(molecule.molecule(body.size()), speed);
       item.finish();
     }
   if (auto value = reader.find("spin")) spin = rotation * value->vector({0, 0, -1});
@@ -257,7 +264,7 @@ std::function<void(State&)> read_initial(Reader reader, const Body& body, const 
   }
   if (auto value = reader.find("move")) {
     Reader map = *value;
-    for (const Reader& item : map.at("molecules").items()) molecules.push_back(item.whole(0, body.size() - 1));
+    for (const Reader& item : map.at("molecules").items()) molecules.push_back(item.molecule(body.size()));
     move = rotation * map.at("by").vector(dimension::length);
     map.finish();
   }
@@ -273,6 +280,55 @@ std::function<void(State&)> read_initial(Reader reader, const Body& body, const 
       state.velocities.col(i) += velocity + spin.cross(Vector3(state.positions.col(i) - middle));
     for (const auto& [molecule, speed] : thrown) state.velocities.col(molecule) += speed;
   };
+}
+
+std::vector<KeySection> time_keys(const Catalog& catalog) {
+  std::vector<SceneKey> keys{
+      {"duration", "quantity", "s", "> 0", "needed", "time that the run covers"},
+      {"integrator", "word, or map", "", "", "`velocity_verlet` for springs, `newmark` for cells",
+       words_text(catalog.steppers.names())},
+      {"integrator.scheme", "word", "", "", "needed in the map", "name of the integrator"}};
+  for (const auto& stepper : catalog.steppers)
+    for (const ParameterInfo& info : stepper->parameters) {
+      const std::string name = "integrator." + info.name, of = "of `" + stepper->name + "`";
+      const auto same = std::find_if(keys.begin(), keys.end(), [&](const SceneKey& key) { return key.name == name; });
+      if (same != keys.end()) {  // one parameter of several integrators
+        same->text.insert(same->text.find(": "), ", `" + stepper->name + "`");
+        continue;
+      }
+      keys.push_back(key_of(info, "integrator."));
+      keys.back().text = of + ": " + info.text;
+    }
+  const std::vector<SceneKey> rest{
+      {"step", "quantity, `automatic`, or map", "s", "> 0", "`automatic`",
+       "explicit: 0.8 of the longest stable step, checked as the body stiffens; implicit: by error"},
+      {"step.error", "number", "", "> 0", "1e-4", "error of a step in position, over the body's size"},
+      {"step.smallest", "quantity", "s", "> 0", "none", "shortest step by error"},
+      {"step.largest", "quantity", "s", "> 0", "none", "longest step by error, not below `smallest`"},
+      {"frames", "whole", "", "1 … 1000000", "100", "points of the time history and snapshots, at equal times"},
+      {"frame_rate", "quantity", "1/s", "> 0", "250", "most frames a second with `--live`"},
+      {"checkpoint", "whole", "", "1 … 1000000", "none", "frames between restart files; Ctrl-C leaves one too"}};
+  keys.insert(keys.end(), rest.begin(), rest.end());
+  return {{"time", "Time", "", std::move(keys)}};
+}
+
+std::vector<KeySection> initial_keys() {
+  return {
+      {"initial",
+       "Initial state",
+       "Velocities are of experiments in time only.",
+       {{"velocity", "vector", "m/s", "", "0", "velocity of the body"},
+        {"spin", "vector", "1/s", "", "0", "rotation of the body about its middle"},
+        {"throw", "list of maps", "", "", "none", "velocities of some molecules"},
+        {"throw.molecules", "list of molecules", "", "0 … last molecule", "needed", "which molecules"},
+        {"throw.velocity", "vector", "m/s", "", "needed", "their velocity"},
+        {"stretch", "vector", "", "", "1",
+         "factors along x, y, z about the middle; 0 flattens, negative values mirror"},
+        {"turn", "rotation", "", "", "none", "rotation about the middle"},
+        {"scatter.amount", "quantity", "m", "> 0", "needed", "random displacement of each molecule in each direction"},
+        {"scatter.seed", "whole", "", "≥ 0", "1", "seed of the random numbers"},
+        {"move.molecules", "list of molecules", "", "0 … last molecule", "needed", "which molecules are displaced"},
+        {"move.by", "vector", "m", "", "needed", "their displacement"}}}};
 }
 
 }  // namespace elastin::lab

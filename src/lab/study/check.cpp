@@ -117,7 +117,7 @@ bool add_parts(std::string& out, const Specimen& specimen) {
   return sound;
 }
 
-/// Spheres that run into each other at rest: no fault of a model that has no contact, but the user should know.
+/// Spheres that overlap at rest: no fault of a model that has no contact, but the user should know.
 void add_overlaps(std::string& out, const std::vector<contact::Overlap>& overlaps) {
   if (overlaps.empty()) return;
   double deepest = 0;
@@ -145,7 +145,7 @@ void add_modes(std::string& out, Scene& scene) {
            fmt::format("mechanism: {}{} in {}{}", report.counted ? "" : "at least ",
                        counted(report.zero_energy_modes, "zero-energy mode"),
                        counted(static_cast<int>(report.modes.size()), "group"),
-                       report.counted ? "" : " (too large a part to count)"));
+                       report.counted ? "" : " (the body is too large to count them)"));
   constexpr std::size_t shown = 24;
   for (std::size_t i = 0; i < std::min(shown, report.modes.size()); ++i) add_line(out, "", report.modes[i].text);
   if (report.modes.size() > shown)
@@ -183,14 +183,14 @@ void add_steps_in_time(std::string& out, Scene& scene) {
   }
 }
 
-/// What each strategy of the scene has made for it, beside the body as it is: nothing that it does not need.
+/// What each strategy of the scene builds beside the body.
 void add_built(std::string& out, Scene& scene) {
   std::map<std::string, std::vector<std::string>> built;
   const Body& body = scene.specimen.body;
   for (const StrategyChoice& choice : scene.strategies) {
     const Strategy& strategy = choice.strategy;
     if (!unsuited(scene.specimen, *scene.experiment, choice).empty()) continue;
-    std::string what = strategy.constants            ? "a constant a connection"
+    std::string what = strategy.constants            ? "one constant for each connection"
                        : needs_cells(strategy, body) ? "the constants of each cell"
                                                      : "force densities from positions alone";
     if (strategy.needs_voronoi(body)) what += ", Voronoi cells";
@@ -245,22 +245,27 @@ CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<
 
 namespace {
 
-/// "0 … 1", or what stands behind the name where it is no number.
-std::string range_of(const ParameterInfo& info) {
-  if (info.kind != ValueKind::number && info.kind != ValueKind::whole) return name_of(info.kind);
-  return fmt::format("{}{:g} … {:g}", info.above_low ? "> " : "", info.low, info.high);
+/// Without the marks of Markdown.
+std::string plain(std::string text) {
+  std::erase(text, '`');
+  return text;
+}
+
+/// Type, unit, range, default and meaning of a key below its owner's name.
+void add_key(const std::string& owner, const SceneKey& key, Table& keys) {
+  keys.add({{owner + "." + key.name},
+            {plain(key.type)},
+            {key.unit},
+            {key.range},
+            {plain(key.fallback)},
+            {plain(key.text), Tone::faint}});
 }
 
 void add_parameters(const Descriptor& row, Table& parameters) {
-  for (const ParameterInfo& info : row.parameters)
-    parameters.add({{row.name + "." + info.name},
-                    {si_unit(info.unit)},
-                    {range_of(info)},
-                    {std::isnan(info.fallback) ? "" : fmt::format("{:g}", info.fallback), Tone::plain, true},
-                    {info.text, Tone::faint}});
+  for (const ParameterInfo& info : row.parameters) add_key(row.name, key_of(info), parameters);
 }
 
-Table parameter_table() { return Table({"parameter", "unit", "range", "default", "meaning"}); }
+Table parameter_table() { return Table({"parameter", "type", "unit", "range", "default", "meaning"}); }
 
 /// A table of rows with their parameters.
 template <class Rows>
@@ -291,11 +296,10 @@ std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experi
   out += rows_text("Integrators (time.integrator)", catalog.steppers, colours);
   out += rows_text("Linear solvers (solver.linear_solver)", catalog.linear_solvers, colours);
   out += rows_text("Loads (loads)", scene_loads(catalog), colours);
-  Table kinds({"experiment", "in time", "what it does", "source"}), keys({"key", "type", "meaning"});
+  Table kinds({"experiment", "in time", "what it does", "source"}), keys = parameter_table();
   for (const ExperimentInfo& info : experiments.experiments()) {
     kinds.add({{info.name, Tone::good}, {info.in_time ? "yes" : ""}, {info.summary}, {info.source, Tone::faint}});
-    for (const ExperimentKey& key : keys_of(info))
-      keys.add({{info.name + "." + key.name}, {key.type}, {key.text, Tone::faint}});
+    for (const SceneKey& key : keys_of(info)) add_key(info.name, key, keys);
   }
   out += "\n" + painted("Experiments", Tone::bold, colours) + "\n" + kinds.text(colours) + "\n" +
          painted("Their keys", Tone::bold, colours) + "\n" + keys.text(colours);

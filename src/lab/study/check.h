@@ -7,7 +7,7 @@
 
 namespace elastin::lab {
 
-/// What `elastin check` says of a scene.
+/// The output of `elastin check` for a scene.
 struct CheckReport {
   std::string text;
   bool sound = true;  ///< false: isolated molecules, several pieces, connections without length, flat cells
@@ -17,7 +17,7 @@ struct CheckReport {
 /// can run on the body. `overlaps` are those of the body at rest.
 CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<contact::Overlap>& overlaps);
 
-/// What `elastin list` says.
+/// The output of `elastin list`.
 std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experiments, bool colours);
 
 }  // namespace elastin::lab

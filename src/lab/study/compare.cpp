@@ -40,7 +40,7 @@ std::string restart_text_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// A comparison under way.
+/// A comparison in progress.
 class Comparison {
  public:
   Comparison(const Request& request, const Catalog& catalog)
@@ -60,7 +60,9 @@ class Comparison {
   Record failed_run(const ScenePlan& plan, const RunKey& run_key, const std::string& why) const;
   void finish_run(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene,
                   const RunKey& run_key);
-  RunSource source_of(const ScenePlan& plan) const { return {plan.name, key_of({plan.text}), request_.overrides}; }
+  RunSource source_of(const ScenePlan& plan) const {
+    return {plan.name, key_of(std::vector{plan.text}), request_.overrides};
+  }
   void open_journal();
   std::string text_of(const ScenePlan& plan, const RunKey& run_key) const;
   RunOptions options_of(const ScenePlan& plan, const Scene& scene, const StrategyChoice& choice);
@@ -83,7 +85,7 @@ class Comparison {
   bool good_ = true, stopped_ = false;
 };
 
-/// "  3 of 18  cube, lattice: E +0.02 %, 12.0 ms": what there is to say of a run before its table stands.
+/// "  3 of 18  cube, lattice: E +0.02 %, 12.0 ms": a run in one line, before its table is printed.
 std::string Comparison::finished_text(const Record& record) const {
   std::string text = fmt::format("  {} of {}  {}, {}", done_, rows_, record.scene, record.run.strategy);
   if (const std::string variant = variant_text(record); !variant.empty()) text += ", " + variant;
@@ -283,10 +285,10 @@ bool Comparison::run() {
   plans_ = plan_of(request_, catalog_);
   progress_.pause();
   if (!request_.restart.empty() && (plans_.size() != 1 || plans_[0].runs() != 1 || !plans_[0].scene->time))
-    throw InputError("--restart: goes on with one strategy of one scene that runs in time");
+    throw InputError("--restart continues one strategy of one scene that runs in time");
   if (!request_.peers.empty()) peers_ = load_peers(request_.peers);
   if (!request_.out.empty() && request_.compare) open_journal();
-  if (!request_.resume) write_tables(request_, {});  // a folder that cannot be written to is said before the work
+  if (!request_.resume) write_tables(request_, {});  // an unwritable folder is an error before the first run
   int passes = 0;
   for (const ScenePlan& plan : plans_) {
     rows_ += plan.runs() * static_cast<std::size_t>(plan.repeats);
@@ -320,7 +322,7 @@ bool Comparison::run() {
     fmt::print("  files in {}/: {}runs.csv, runs.json{}\n", request_.out, request_.compare ? "report.html, " : "",
                all_varied ? "" : ", curves, and .pvd for ParaView");
   if (stopped_ && !request_.out.empty() && done_ < rows_ && request_.to_screen())
-    fmt::print("  stopped after {} of {} runs; --resume {} goes on\n", done_, rows_, request_.out);
+    fmt::print("  stopped after {} of {} runs; --resume {} continues\n", done_, rows_, request_.out);
   return good_;
 }
 

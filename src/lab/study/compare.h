@@ -4,7 +4,7 @@
 
 namespace elastin::lab {
 
-/// How the progress of a request is told: not at all with --quiet, else as standard error can show it.
+/// How the progress of a request is shown: not at all with --quiet, else as standard error can show it.
 Progress::Show progress_of(const Request& request);
 
 /// Runs every chosen strategy on every scene, in every combination that a study asks for. Of `compare` prints one table

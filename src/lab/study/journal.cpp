@@ -53,11 +53,11 @@ std::string mismatch(const RunSource& there, const std::vector<RunSource>& wante
     names += (names.empty() ? "'" : ", '") + source.scene + "'";
     if (source.scene != there.scene) continue;
     if (source.content != there.content)
-      return fmt::format("holds runs of another version of the scene '{}': its file has changed since", there.scene);
-    return fmt::format("holds runs of the scene '{}' with {}; this command has {}", there.scene,
+      return fmt::format("contains runs of another version of the scene '{}': its file has changed since", there.scene);
+    return fmt::format("contains runs of the scene '{}' with {}; this command has {}", there.scene,
                        overrides_text(there.overrides), overrides_text(source.overrides));
   }
-  return fmt::format("holds runs of the scene '{}'; this command is about {}", there.scene, names);
+  return fmt::format("contains runs of the scene '{}'; this command is about {}", there.scene, names);
 }
 
 std::unordered_map<std::string, Record> read_finished(const std::string& folder,
@@ -71,10 +71,11 @@ std::unordered_map<std::string, Record> read_finished(const std::string& folder,
     try {
       entry = entry_of(line);
     } catch (const std::exception& error) {
-      throw InputError(SourceLocation{path, number}, std::string("no run of a comparison: ") + error.what());
+      throw InputError(SourceLocation{path, number},
+                       std::string("this line is not a run of a comparison: ") + error.what());
     }
     if (const std::string why = mismatch(entry.source, sources); !why.empty())
-      throw InputError("--resume: " + folder + " " + why + ". Start in a folder of its own with --out");
+      throw InputError("--resume: " + folder + " " + why + ". Use another folder with --out");
     finished.insert_or_assign(entry.key, std::move(entry.record));
   }
   return finished;

@@ -73,7 +73,7 @@ std::vector<ScenePlan> plan_of(const Request& request, const Catalog& catalog) {
     plans.push_back(plan_scene(request, catalog, path));
     for (std::size_t i = 0; i + 1 < plans.size() && !request.out.empty(); ++i)
       if (plans[i].name == plans.back().name)
-        throw InputError("--out: " + plans[i].path + " and " + path + " have one name: so would their files");
+        throw InputError("--out: " + plans[i].path + " and " + path + " have the same name, and so would their files");
   }
   return plans;
 }

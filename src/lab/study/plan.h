@@ -11,7 +11,7 @@ namespace elastin::lab {
 /// All rows of one scene: its combinations × threads × strategies, each `repeats` times.
 struct ScenePlan {
   std::string path, text;        ///< the scene's file
-  std::unique_ptr<Scene> scene;  ///< as it stands; let go after its first rows where a study changes it
+  std::unique_ptr<Scene> scene;  ///< as it stands; released after its first runs where a study changes it
   std::vector<std::vector<std::pair<std::string, std::string>>> combinations;
   std::vector<int> threads;  ///< 0 = as the command says
   std::vector<std::string> strategies;

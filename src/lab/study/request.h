@@ -15,13 +15,13 @@ struct Request {
   std::string command;  ///< as it was typed, for the page
   int repeats = 0;      ///< 0 = as the scene says
   bool compare = false, resume = false, quiet = false, summary = false, live = false;
-  std::function<bool()> interrupted = {};  ///< asked after each row
+  std::function<bool()> interrupted = {};  ///< called after each run
   bool to_screen() const { return !quiet && json != "-"; }
 };
 
-/// Writes runs.csv and runs.json, or the file asked for, of what there is.
+/// Writes runs.csv and runs.json, or the file of --json, of all runs so far.
 void write_tables(const Request& request, const std::vector<Record>& records);
-/// Curve and states of one run, if there are; lets go of the states.
+/// Curve and states of one run, if there are any; releases the states.
 void write_run(const Request& request, const Scene& scene, Record& record);
 
 /// Writes the page and its plots, with the peers that were asked for.

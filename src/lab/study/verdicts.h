@@ -7,12 +7,12 @@
 
 namespace elastin::lab {
 
-/// A case that a strategy or a solver may fail on: one scene with one strategy, held against what the scene says must
-/// come of it, and what other choices make of the same.
+/// A case that a strategy or a solver may fail on: one scene with one strategy, compared with what the scene expects;
+/// and the same with other choices.
 struct Case {
   Record own;
-  std::string trouble;              ///< what is wrong beside: a resumed run that ends in other bits; empty = nothing
-  std::vector<std::string> others;  ///< verdicts in words, one a name of other_choices(); empty = not asked for
+  std::string trouble;              ///< another fault: a resumed run that differs; empty = none
+  std::vector<std::string> others;  ///< verdicts in words, one for each name of other_choices(); empty = not requested
 };
 
 /// Explicit steps, implicit steps, small displacements, plain springs: the columns beside a case's own.
@@ -35,8 +35,8 @@ enum class CaseResult { passed, failed, not_judged };
 CaseResult result_of(const Case& a_case);
 inline bool passed(const Case& a_case) { return result_of(a_case) == CaseResult::passed; }
 
-/// A row a case: verdict, error against the known answer, time; then how many passed. `markdown`: the table alone, for
-/// a page.
+/// One line for each case: verdict, error against the known result, time; then how many passed. `markdown`: the table
+/// alone, for a page.
 std::string verdicts_text(const std::vector<Case>& cases, bool colours, bool markdown);
 
 }  // namespace elastin::lab

@@ -157,7 +157,7 @@ TEST_CASE("slips in contact are named with their place", "[scene][contact]") {
        "at least four points that do not lie in one plane"},
       {"{obstacles: [{mesh: {file: no.stl, length_unit: mm}}]}",
        "contact.obstacles[0].mesh.file: 'no.stl': no such file"},
-      {"{obstacles: [{sphere: {radius: 1 mm}, velocity: [0, 0, 1 m/s]}]}", "an experiment at rest knows no time"},
+      {"{obstacles: [{sphere: {radius: 1 mm}, velocity: [0, 0, 1 m/s]}]}", "an experiment at rest has no time"},
       {"{obstacles: [{sphere: {radius: 1 mm}, motion: {by: [0, 0, 1 mm]}, velocity: [0, 0, 1 m/s]}]}",
        "there is a motion already"}};
   for (const auto& [contact, says] : cases) {

@@ -134,9 +134,9 @@ TEST_CASE("every experiment of the table names the keys that its scenes may writ
     INFO(info.name);
     CHECK_FALSE(info.summary.empty());
     std::set<std::string> keys{"kind"};
-    for (const ExperimentKey& key : keys_of(info)) {
+    for (const SceneKey& key : keys_of(info)) {
       CHECK_FALSE(key.text.empty());
-      CHECK(keys.insert(key.name).second);
+      keys.insert(key.name.substr(0, key.name.find('.')));
     }
     CHECK(keys == allowed_keys(info.name));
   }

@@ -103,7 +103,7 @@ TEST_CASE("errors are against the material's own modulus", "[scene]") {
 
 TEST_CASE("a plane angle has its unit where other values have one", "[scene]") {
   check_refusal("kind: torsion, angle: @30", "experiment.angle: '30' has no unit; write for example 30 deg, 0.5 rad",
-                "plain SI numbers are taken only where no value has a unit");
+                "plain SI numbers are allowed only where no value has a unit");
   check_refusal("kind: shear, direction: x, angle: @0.1", "experiment.angle: '0.1' has no unit", "30 deg");
   check_refusal("kind: torsion, angle: @30 %", "experiment.angle: '30 %' is a ratio, no angle", "30 deg");
   const TemporaryFolder folder;

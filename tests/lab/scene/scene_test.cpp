@@ -347,7 +347,7 @@ TEST_CASE("a value that cannot be is named with what can", "[scene]") {
        {"neo_hookean"}},
       {"stiffness: standard",
        "stiffness: {strategy: standard+volume, volume: @true}",
-       "stiffness.volume: 'standard+volume' says it already",
+       "stiffness.volume: 'standard+volume' has a volume term already",
        {}},
       {"stiffness: standard",
        "stiffness: @standard+volum",
@@ -514,7 +514,7 @@ TEST_CASE("keys that are missing or do not go together are named", "[scene]") {
        {}},
       {kLattice,
        "packing: @{size: [1 m, 1 m, 1 m], distance: 0.1 mm}",
-       "body.packing: the size holds too many molecules",
+       "body.packing: a box of this size has too many molecules",
        {}},
       {kGravity, "@" + kGravity + "\n    damping: 1 N s/m", "loads[0]: a load is one of gravity, point", {"an item"}},
       {kGravity, "@{}", "loads[0]: a load is one of gravity, point, ", {}},
@@ -633,7 +633,7 @@ TEST_CASE("what is too large is refused before anybody makes room for it", "[sce
            {"{sphere: {radius: 1 m, divisions: 4000}}",
             "body.sphere.divisions: that is 1.6e+08 molecules; at most 5e+07"},
            {"{canopy: {width: 1 mm, span: 1e6 m, squares: 10}}", "body.canopy.squares: that is 1e+11 molecules"},
-           {"{packing: {size: [1 m, 1 m, 1 um], distance: 0.1 mm}}", "body.packing: the size holds too many molecules"},
+           {"{packing: {size: [1 m, 1 m, 1 um], distance: 0.1 mm}}", "body.packing: a box of this size has too many molecules"},
            {"{lattice: {kind: cubic, molecules: [20, 20, 20], spacing: 1 mm, connections: {within: 1 m}}}",
             "body: the reach is too wide: that is more than 4000000 connections between 8000 molecules"}}) {
     INFO(body);
@@ -650,9 +650,9 @@ TEST_CASE("what is too large is refused before anybody makes room for it", "[sce
   CHECK_THAT(refusal(folder.write("bomb.yaml", bomb)),
              Contains("too many values; do aliases stand in what aliases name?"));
   CHECK_THROWS_WITH(load_scene(folder.write("right.yaml", kScene), built_in_catalog(), {}, 10),
-                    Contains("molecules; at most 10 are taken"));
+                    Contains("molecules; at most 10 are allowed"));
   const StudyAxis wide{std::vector<std::vector<std::pair<std::string, std::string>>>(1000)};
-  CHECK_THROWS_WITH(combinations({wide, wide}), Contains("that is 1e+06 combinations; at most 100000 are taken"));
+  CHECK_THROWS_WITH(combinations({wide, wide}), Contains("that is 1e+06 combinations; at most 100000 are allowed"));
 }
 
 TEST_CASE("a scene may be in plain SI numbers throughout, but not in both", "[scene]") {

@@ -46,7 +46,7 @@ void check_refusal(const std::string& experiment, const std::string& rest, int l
 }  // namespace
 
 TEST_CASE("time and the experiments that take it go together", "[scene][time]") {
-  check_refusal("kind: tension, force: 1 mN", kTime, 6, "time: a tension experiment is at rest and takes no time");
+  check_refusal("kind: tension, force: 1 mN", kTime, 6, "time: a tension experiment is at rest and needs no time");
   check_refusal(kMotion, "", 5, "experiment: a motion experiment runs through time: key 'time' is missing");
   check_refusal("kind: vibration", kTime, 6, "a vibration experiment is at rest");
   check_refusal("kind: relase, " + kFixture, kTime, 5, "did you mean 'release'?");
@@ -82,7 +82,7 @@ TEST_CASE("slips in functions of time, starts and loads", "[scene][time]") {
     return kTime + "\nloads: [{gravity: [0, 0, -1 m/s2], in_time: " + function + "}]";
   };
   check_refusal("kind: tension, force: 1 mN", "loads: [{gravity: [0, 0, -1 m/s2], in_time: {step: {at: 1 s}}}]", 6,
-                "an experiment at rest knows no time");
+                "an experiment at rest has no time");
   check_refusal(kMotion, in_time("ramp"), 7, "in_time: write {ramp: …}");
   check_refusal(kMotion, in_time("{rampe: {duration: 1 s}}"), 7, "did you mean 'ramp'?");
   check_refusal(kMotion, in_time("{ramp: {duration: 0 s}}"), 7, "above 0 s");

@@ -92,7 +92,7 @@ TEST_CASE("the option --resume refuses a folder whose runs come from elsewhere, 
   const auto refused = [&](const std::string& arguments, const std::string& message) {
     INFO(arguments);
     CHECK(shell(folder, compare + arguments) == 2);
-    CHECK_THAT(text_of_file(folder.path("err")), Contains("elastin: --resume: o holds runs of " + message));
+    CHECK_THAT(text_of_file(folder.path("err")), Contains("elastin: --resume: o contains runs of " + message));
     CHECK(text_of_file(folder.path("o/runs.jsonl")) == runs);
     CHECK(text_of_file(folder.path("o/runs.csv")) == csv);
     CHECK(text_of_file(folder.path("o/cube-lattice-curve.csv")) == curve);

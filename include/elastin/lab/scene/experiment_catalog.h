@@ -24,11 +24,15 @@ struct ExperimentContext {
   contact::ContactOptions* contact = nullptr;
 };
 
-/// A key that scenes may write in an experiment, for lists and documents.
-struct ExperimentKey {
-  std::string name;
-  std::string type;  ///< "m", "N", "direction", "clamped | sliding": a unit, a form, or the words to choose from
-  std::string text;
+/// A key that scenes may write, for lists and documents.
+struct SceneKey {
+  std::string name;      ///< with those of the maps inside: "force", "identify.degree"
+  std::string type;      ///< "quantity", "direction", "list of vectors", or the words to choose from: "`a`, `b`"
+  std::string unit;      ///< SI; empty = none
+  std::string range;     ///< "> 0", "0 … 0.5"; empty = any value
+  std::string fallback;  ///< "needed", "none", or what counts where the key is missing
+  std::string text;      ///< what it is
+  bool operator==(const SceneKey&) const = default;
 };
 
 /// One kind of experiment. A host's own has parameters and `make`; one whose keys are more than numbers has `keys` and
@@ -39,12 +43,12 @@ struct ExperimentInfo {
   std::vector<ParameterInfo> parameters = {};
   /// From the parameters' values, all there, in SI units. Throws InputError if the body does not suit.
   std::function<std::unique_ptr<Protocol>(const ExperimentContext&, const ParameterValues&)> make = {};
-  std::vector<ExperimentKey> keys = {};  ///< beside `kind`
+  std::vector<SceneKey> keys = {};  ///< beside `kind`
   std::function<std::unique_ptr<Protocol>(Reader&, const ExperimentContext&)> read = {};
 };
 
 /// The keys of an experiment beside `kind`, those of its parameters too.
-std::vector<ExperimentKey> keys_of(const ExperimentInfo& info);
+std::vector<SceneKey> keys_of(const ExperimentInfo& info);
 
 /// All kinds of experiments that scenes may name.
 class ExperimentCatalog {

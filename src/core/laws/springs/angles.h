@@ -19,7 +19,7 @@ struct Angles {
   static constexpr std::string_view source = "[M03] eq. 16 (eq. 17 is lost: a reading)";
   double exponent = 1;
   static constexpr std::array parameters{Parameter<Angles>{"exponent", &Angles::exponent, dimension::none, -4, 4,
-                                                           "p of (l_i/l0)^p; 1 is the paper's derivation"}};
+                                                           "exponent p of (l_i/l0)^p; 1 is the paper's derivation"}};
 
   VectorX constants(const Body& body, const Material& material) const { return constants(body, material, body.rest); }
 

@@ -12,7 +12,7 @@ struct Divided {
   static constexpr std::string_view source = "[M03] §4";
   double divisor = 3.75;
   static constexpr std::array parameters{
-      Parameter<Divided>{"divisor", &Divided::divisor, dimension::none, 1e-6, 1e6, "C of k = E A / (L C)"}};
+      Parameter<Divided>{"divisor", &Divided::divisor, dimension::none, 1e-6, 1e6, "divisor C of k = E A / (L C)"}};
 
   VectorX constants(const Body& body, const Material& material) const {
     return Standard{}.constants(body, material) / divisor;

@@ -12,9 +12,9 @@ struct Uniform {
   static constexpr std::string_view summary = "one spring constant for all connections, given by the scene";
   static constexpr std::string_view source = "user";
   double constant = 1;
-  static constexpr std::array parameters{Parameter<Uniform>{"constant", &Uniform::constant, dimension::stiffness, -1e12,
-                                                            1e12,
-                                                            "k of every connection; negative is allowed and said"}};
+  static constexpr std::array parameters{
+      Parameter<Uniform>{"constant", &Uniform::constant, dimension::stiffness, -1e12, 1e12,
+                         "spring constant k of every connection; negative values are reported"}};
 
   VectorX constants(const Body& body, const Material&) const {
     return VectorX::Constant(body.connections.size(), constant);

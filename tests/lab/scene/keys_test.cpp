@@ -1,0 +1,142 @@
+// The key reference says what the readers do: every key that they ask for while scenes are read, and no other.
+
+#include "lab/scene/keys.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "lab/scene/scene.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string kScenes = std::string(ELASTIN_SOURCE_DIR) + "/scenes";
+
+const std::string kSolid = "material: {youngs_modulus: 1000}\nstiffness: neo_hookean\n",
+                  kMembrane = "material: {youngs_modulus: 1000, thickness: 0.1}\nstiffness: hencky_membrane\n",
+                  kBlock = "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [1, 1, 2]}}\n" + kSolid,
+                  kFree = "experiment: {kind: motion}\ntime: {duration: 1}\n";
+
+/// Scenes with the keys that no scene of the tree has.
+const std::vector<std::string> kRest{
+    kBlock + kFree +
+        "loads: [{gravity: {acceleration: [0, 0, -9.81]}}, {damping: {coefficient: 1}}, {stokes_drag: {viscosity: 1}},"
+        " {floor: {point: [0, 0, -1], normal: z}}, {cell_damping: {bulk: 1, shear: 1}}, {rayleigh: {mass: 1}},"
+        " {quadratic_drag: {density: 1, drag_coefficient: 1}}, {point: {molecules: [0], force: [0, 0, 1]}},"
+        " {face: {side: z, traction: [0, 0, 1]}, in_time: {sine: {frequency: 1}}}]\n",
+    kBlock +
+        "experiment: {kind: motion, fixture: {kind: tension, force: 1}, in_time: {step: {at: 0.5}}}\n"
+        "time: {duration: 1, integrator: {scheme: newmark}, step: {error: 0.001}}\n"
+        "contact: {obstacles: [{sphere: {radius: 1}, at: [0, 0, -9]}, {cylinder: {radius: 1, length: 1}, at: [0, 0, "
+        "-19]},"
+        " {capsule: {radius: 1, length: 1}, at: [0, 0, -29]}, {mesh: {file: " +
+        kScenes +
+        "/material/ball.stl,"
+        " length_unit: mm}, at: [0, 0, -39]}]}\n",
+    "body: {lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 1, connections: {within: 1.5}}}\n"
+    "material: {youngs_modulus: 1000}\nstiffness: {strategy: lattice}\nstrategies: [{strategy: angles}]\n" +
+        kFree,
+    "body: {molecules: [[0, 0, 0], [0, 0, 1]], connections: {within: 1.5}}\n"
+    "material: {youngs_modulus: 1000}\nstiffness: standard\n" +
+        kFree,
+    "body: {sheet: {size: [1, 1], squares: [2, 2]}}\n" + kMembrane + kFree + "loads: [{pressure: {pressure: 1}}]\n",
+    "body: {sphere: {radius: 1, divisions: 2}}\n" + kMembrane +
+        "experiment: {kind: inflation, gas: {amount: 1e6}}\nloads: [{gas: {amount: 1e6}}]\n",
+};
+
+std::string path_of(const std::string& section, const std::string& key) {
+  return section.empty() ? key : section + "." + key;
+}
+
+/// Keys by path. A key may stand in two tables of one section.
+std::map<std::string, SceneKey> listed_keys() {
+  std::map<std::string, SceneKey> listed;
+  for (const KeySection& section : key_sections(built_in_catalog(), built_in_experiments()))
+    for (const SceneKey& key : section.keys) listed[path_of(section.path, key.name)] = key;
+  return listed;
+}
+
+KeyUses uses_of_scenes() {
+  KeyUses uses;
+  for (const auto& entry : fs::recursive_directory_iterator(kScenes))
+    if (entry.path().extension() == ".yaml")
+      load_scene(entry.path().string(), built_in_catalog(), {}, kMostMolecules, built_in_experiments(), &uses);
+  return uses;
+}
+
+bool has_word(const std::string& text, const std::string& word) { return text.find(word) != std::string::npos; }
+
+/// What the reference says wrongly of a key that was read so; "" = nothing.
+std::string fault_of(const SceneKey& key, const KeyUse& use) {
+  const bool direction = has_word(key.type, "direction"), any = key.unit == "the measure's";
+  const bool many = use.kinds.contains("list"), numbers = has_word(key.type, "vector") || has_word(key.type, "pairs");
+  for (const std::string& kind : use.kinds) {
+    const bool list = kind == "list" && (numbers || has_word(key.type, "list") || has_word(key.type, "two") ||
+                                         has_word(key.type, "three"));
+    const bool inside = many && numbers && (kind == "quantity" || kind == "number");  // of a vector or pair
+    const std::string stem = kind == "quantity" ? "quantit" : kind;
+    if (!direction && !any && !list && !inside && !has_word(key.type, stem)) return "is read as " + kind;
+  }
+  for (const std::string& unit : use.units)
+    if (!any && !has_word(", " + key.unit + ",", ", " + unit + ",")) return "has the unit " + unit;
+  for (const std::string& range : use.ranges)
+    if (!has_word(", " + key.range + ",", ", " + range + ",")) return "has the range " + range;
+  if (!key.range.empty() && !use.kinds.empty() && use.ranges.empty()) return "has no range";
+  for (const std::string& word : use.words)
+    if (!direction && !has_word(key.type, "`" + word + "`")) return "may be " + word;
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("the key reference lists what readers ask for, with unit, range and words", "[scene][keys]") {
+  KeyUses uses = uses_of_scenes();
+  const TemporaryFolder folder;
+  for (const std::string& text : kRest)
+    load_scene(folder.write("rest.yaml", text), built_in_catalog(), {}, kMostMolecules, built_in_experiments(), &uses);
+  const std::map<std::string, SceneKey> listed = listed_keys();
+  for (const auto& [path, use] : uses) {
+    INFO(path);
+    const auto found = listed.find(path);
+    const auto inside = listed.lower_bound(path + ".");
+    const bool known = found != listed.end() || (inside != listed.end() && inside->first.starts_with(path + "."));
+    CHECK(known);  // a key that readers ask for is in the reference, itself or by the keys of its map
+    if (found != listed.end()) CHECK(fault_of(found->second, use) == "");
+  }
+  for (const auto& [path, key] : listed) {
+    INFO(path);
+    CHECK(uses.contains(path));
+    CHECK_FALSE(key.text.empty());
+    CHECK_FALSE(key.fallback.empty());
+    CHECK_FALSE(key.type.empty());
+  }
+}
+
+TEST_CASE("a key that the reference leaves out or tells wrongly is found", "[scene][keys]") {
+  const SceneKey key{"force", "quantity", "N", "> 0", "needed", "on the end"};
+  CHECK(fault_of(key, {{"quantity"}, {"N"}, {"> 0"}, {}}) == "");
+  CHECK(fault_of(key, {{"whole"}, {}, {"> 0"}, {}}) == "is read as whole");
+  CHECK(fault_of(key, {{"quantity"}, {"m"}, {"> 0"}, {}}) == "has the unit m");
+  CHECK(fault_of(key, {{"quantity"}, {"N"}, {"≥ 0"}, {}}) == "has the range ≥ 0");
+  CHECK(fault_of(key, {{"quantity"}, {"N"}, {}, {}}) == "has no range");
+  CHECK(fault_of({"sides", "`free`", "", "", "`free`", "…"}, {{}, {}, {}, {"free", "affine"}}) == "may be affine");
+}
+
+TEST_CASE("ranges of keys are written as one reads them", "[scene][keys]") {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  CHECK(range_text(-infinity, infinity, false) == "");
+  CHECK(range_text(0, infinity, true) == "> 0");
+  CHECK(range_text(0, infinity, false) == "≥ 0");
+  CHECK(range_text(-0.99, 0.5, false) == "−0.99 … 0.5");
+  CHECK(range_text(0, 1, true) == "> 0 … 1");
+}

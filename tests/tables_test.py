@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+"""Tables of the documents are what the command `elastin` says.
+
+  tables_test.py ROOT ELASTIN             fails where the key reference or a table is not what the command says
+  tables_test.py ROOT ELASTIN --write     puts them into the documents
+
+In a document a line <!-- table: COMMAND --> names the command, and <!-- table: end --> ends its table; the key reference
+stands between <!-- keys: begin --> and <!-- keys: end -->. Of the hard cases the test leaves out the times, and the columns
+of --choices, which take minutes; --write makes them all.
+"""
+import glob
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+
+PAPER = "elastin compare scenes/tension/table1-*.yaml scenes/tension/table2.yaml"
+HARD = "elastin verify scenes/hard/*.yaml --choices --markdown"
+NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]\d+)?")
+
+
+def output(elastin, command):
+    """What a command of the documents prints. Exit code 1 is a verdict, not a failure of the command."""
+    words = [file for word in shlex.split(command)[1:]
+             for file in (sorted(glob.glob(word)) if "*" in word else [word])]
+    ran = subprocess.run([elastin] + words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False)
+    if ran.returncode not in (0, 1):
+        sys.exit(f"`{command}` ends with exit code {ran.returncode}")
+    return ran.stdout.decode()
+
+
+def percent(part):
+    text = f"{100 * part:+.2f}" if abs(part) < 0.01 else f"{100 * part:+.0f}"
+    return ("0.00" if float(text) == 0 else text.replace("-", "−")) + " %"
+
+
+def paper_cell(run, unit, digits):
+    """"published → measured (difference)" """
+    wanted = next(one for one in run["expectations"] if one["measure"] == "effective_modulus")
+    text = f"{wanted['expected'] / unit:.{digits}f} → {wanted['measured'] / unit:.{digits}f}"
+    return text + f" ({percent(wanted['difference'])})"
+
+
+def paper_table(elastin):
+    """Published and measured moduli, from the expectations of the scenes."""
+    runs = json.loads(output(elastin, PAPER + " --json -"))["runs"]
+    cells = {}
+    for run in runs:
+        table2 = run["scene"] == "table2"
+        cell = paper_cell(run, 1e3 if table2 else 1, 3 if table2 else 2)
+        divided = run["strategy"] == "divided"
+        cells.setdefault(run["scene"], {})["angles_update" if divided else run["strategy"]] = \
+            "(k/3.75) " * divided + cell
+    columns = ["standard", "statistical", "angles", "angles_update"]
+    lines = ["| scene | standard | statistical | angles | angles (update) |", "|---|---|---|---|---|"]
+    for scene, row in cells.items():
+        name = "Table 2" if scene == "table2" else scene[-1]
+        lines.append("| " + " | ".join([name] + [row[column] for column in columns]) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def same_text(one, other):
+    """Whether two cells say the same: equal words, and numbers that are as near as two machines' are."""
+    if NUMBER.sub("#", one) != NUMBER.sub("#", other):
+        return False
+    pairs = zip(NUMBER.findall(one), NUMBER.findall(other))
+    return all(abs(a - b) <= 2e-4 + 0.02 * max(abs(a), abs(b))
+               for a, b in ((float(x.replace("−", "-")), float(y.replace("−", "-"))) for x, y in pairs))
+
+
+def same_cases(written, made):
+    """Whether two tables of cases agree in case, strategy, verdict and error or cause."""
+    rows, wanted = ([line.split(" | ")[:4] for line in text.splitlines()] for text in (written, made))
+    return len(rows) == len(wanted) and all(len(a) == len(b) and all(map(same_text, a, b)) for a, b in zip(rows, wanted))
+
+
+def block(text, begin, end):
+    """Where the text between two lines begins and ends."""
+    start = text.find(begin + "\n")
+    stop = text.find(end + "\n", start)
+    if start < 0 or stop < 0:
+        sys.exit(f"no document has the lines {begin} and {end}")
+    return start + len(begin) + 1, stop
+
+
+def main(root, elastin, write):
+    os.chdir(root)
+    checks = [("scenes/README.md", "<!-- keys: begin -->", "<!-- keys: end -->",
+               lambda: output(elastin, "elastin list --keys"), lambda old, new: old == new),
+              ("tests/README.md", f"<!-- table: {PAPER} -->", "<!-- table: end -->",
+               lambda: paper_table(elastin), lambda old, new: old == new),
+              ("tests/README.md", f"<!-- table: {HARD} -->", "<!-- table: end -->",
+               lambda: output(elastin, HARD if write else HARD.replace(" --choices", "")), same_cases)]
+    stale = []
+    for document, begin, end, make, same in checks:
+        with open(document, encoding="utf-8") as stream:
+            text = stream.read()
+        start, stop = block(text, begin, end)
+        made = make()
+        if write:
+            with open(document, "w", encoding="utf-8") as stream:
+                stream.write(text[:start] + made + text[stop:])
+        elif not same(text[start:stop], made):
+            line = text.count("\n", 0, start)
+            stale.append(f"{document}:{line}: is not what the command says; tests/tables_test.py --write mends it")
+            for old, new in zip(text[start:stop].splitlines(), made.splitlines()):
+                if old != new and not same(old, new):
+                    stale.append(f"  - {old}\n  + {new}")
+                    break
+    print("\n".join(stale) if stale else f"{len(checks)} tables are what the command says")
+    return 1 if stale else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], os.path.abspath(sys.argv[2]), "--write" in sys.argv[3:]))
