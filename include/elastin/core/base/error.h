@@ -16,13 +16,13 @@ struct SourceLocation {
 };
 
 /// Wrong use or wrong input. The message names the key, what was given, what is allowed and the nearest name;
-/// with a place it starts with file:line:column. The command ends with exit code 2.
+/// with a source location it starts with file:line:column. The command ends with exit code 2.
 class InputError : public std::runtime_error {
  public:
   explicit InputError(const std::string& message) : std::runtime_error(message) {}
   InputError(const SourceLocation& location, const std::string& message)
       : std::runtime_error(location.text() + ": " + message), has_location_(true) {}
-  /// Whether the message already starts with a place, so that nobody puts a second one in front.
+  /// Whether the message already starts with a source location, so that no second one is put in front.
   bool has_location() const { return has_location_; }
 
  private:

@@ -14,12 +14,12 @@ namespace elastin {
 
 class Graph;
 
-/// Room for what a force pass computes on the way. It belongs to the caller and only grows: passes over one model
+/// Memory for intermediate results of a force pass. It belongs to the caller and only grows: passes over one model
 /// allocate nothing after the first.
 class Workspace {
  public:
   enum Use { slots, cells, groups, changes };
-  /// Room for so many numbers; they are what was left there.
+  /// Memory for `size` numbers, with whatever was left there.
   Eigen::Map<VectorX> buffer(Use use, Eigen::Index size) { return grown(numbers_[use], size); }
   /// The same for each part of a parallel pass.
   void reserve_ranges(int ranges) {
@@ -83,12 +83,12 @@ class Elasticity {
   /// of the body. Bitwise identical on any number of threads.
   virtual void add_forces(const Positions& positions, const Graph& graph, Positions& forces,
                           Workspace& workspace) const;
-  /// The same told apart: laws of triangles add each triangle's own share [N/m] to a column of `of_triangles`, order 01
+  /// The same, separated: laws of triangles add each triangle's own share [N/m] to a column of `of_triangles`, order 01
   /// 02 12, a column for each triangle of the body that they were made for; all others add to the connections.
   virtual void add_triangle_force_densities(const Positions& positions, Eigen::Ref<Eigen::Matrix3Xd> of_triangles,
                                             VectorX& of_connections, Workspace& workspace) const;
 
-  /// Remembers the slopes ∂q/∂s [N/m³] at these positions for the three calls below.
+  /// Stores the slopes ∂q/∂s [N/m³] at these positions for the three calls below.
   virtual void linearise(const Positions& positions) = 0;
   /// Adds the slope of each connection with respect to its own s.
   virtual void add_own_slopes(VectorX& slopes) const = 0;
@@ -104,9 +104,9 @@ class Elasticity {
   /// [N/m], without what the force densities and own slopes give. A law has either this or visit_cells.
   using BlockVisitor = std::function<void(int a, int b, const Matrix3& block)>;
   virtual void visit_blocks(const BlockVisitor&) const {}
-  /// Of couplings too wide for dense slopes, what a coarser picture of the body can use: calls visit(g, factor) for
+  /// Of couplings too wide for dense slopes, what a coarser grid over the body can use: calls visit(g, factor) for
   /// parts factor · (Σ g_a·x_a)² / 2 of the energy, g a list of molecules and vectors whose sum is zero. False where
-  /// visit_blocks has more to say than that.
+  /// visit_blocks has more terms than these.
   using GradientVisitor = std::function<void(std::span<const std::pair<int, Vector3>> gradient, double factor)>;
   virtual bool visit_gradients(const GradientVisitor&) const { return true; }
   /// Calls visit(a, part) for parts of the diagonal ones of those blocks.

@@ -14,7 +14,7 @@ struct Floor {
   double damping = 0;                 ///< of each molecule that is pressed in [N s/m]
 };
 
-/// What a floor gives each molecule that is pressed in where nothing else is said: E times the mean molecule's
+/// Default stiffness of a floor for each molecule pressed in: E times the mean molecule's
 /// diameter, as a cube of that size has [N/m].
 double default_floor_stiffness(const Body& body, const Material& material);
 

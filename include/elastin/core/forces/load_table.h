@@ -22,10 +22,10 @@ struct LoadValues {
 /// A row of the table of loads: what acts on a body from outside, or damps it from inside, by the one name that scenes,
 /// C and Python give.
 struct LoadKind : Descriptor {
-  /// Puts it on a model, from values that are complete and in range. `material` is the body's, null where nobody knows
-  /// it. Throws InputError where the body does not suit.
+  /// Puts it on a model, from values that are complete and in range. `material` is the body's, null where it is
+  /// not known. Throws InputError where the body does not suit.
   std::function<void(Model& model, const LoadValues& values, const Material* material)> add = {};
-  /// Throws InputError where the body or the values together do not suit: what can be said before a run.
+  /// Throws InputError where the body or the values together do not suit: what can be checked before a run.
   std::function<void(const Body& body, const LoadValues& values)> check = [](const Body&, const LoadValues&) {};
   /// False of drag and damping, which a body that does not move cannot feel.
   std::function<bool(const LoadValues& values)> acts_at_rest = [](const LoadValues&) { return true; };

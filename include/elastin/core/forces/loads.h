@@ -35,7 +35,7 @@ class Load {
   virtual std::vector<WideTerm> wide_terms(const State&) const { return {}; }
   /// Whether what it does to a body that does not move comes from energy().
   virtual bool has_energy() const { return true; }
-  /// Whether energy() at one place stays the same over time: else what the load does is work from outside.
+  /// Whether energy() at one position stays the same over time; if not, the load does external work.
   virtual bool steady() const { return true; }
   /// Whether the load acts on a body that does not move. Drag does not.
   virtual bool acts_at_rest() const { return true; }
@@ -49,14 +49,14 @@ class Load {
   /// Whether the blocks of visit_blocks make a symmetric matrix.
   virtual bool symmetric() const { return true; }
 
-  /// What it remembers from step to step, as it is at the beginning: blocks with names of their own. Empty: nothing.
+  /// Its history from step to step, as it is at the beginning: blocks with names of their own. Empty: none.
   virtual std::vector<HistoryBlock> history() const { return {}; }
   /// Called with each state that was reached, at the end of a step: here State::history and State::contact_history
   /// change.
   virtual void commit_step(State&) const {}
-  /// Changes the memory so that the next equilibrium is nearer to what was asked for. True: that takes another solve.
+  /// Changes the history so that the next equilibrium is nearer to the prescribed one. True: another solve is needed.
   virtual bool update_multipliers(State&) const { return false; }
-  /// The largest part (0 … 1] of the straight way from one state to another on which nothing is passed through unseen.
+  /// The largest fraction (0 … 1] of the straight path between two states on which no contact is missed.
   virtual double max_step_fraction(const State& /*from*/, const State& /*to*/) const { return 1; }
   /// A bound on the square of the frequency [1/s²] that a stiffness gives which may set in within the next `ahead` [s].
   virtual double square_frequency(const State&, double /*ahead*/) const { return 0; }

@@ -12,13 +12,13 @@
 
 namespace elastin {
 
-/// A molecule that is held: free to move only within the range of a projector, and moved by `displacement` [m] in the
-/// directions that are held.
+/// A fixed molecule: free to move only within the range of a projector, and moved by `displacement` [m] in the fixed
+/// directions.
 struct Support {
   int molecule = 0;
-  Matrix3 free = Matrix3::Zero();          ///< projector on the free directions; zero = held in all
-  Vector3 displacement = Vector3::Zero();  ///< from rest; only its held part counts
-  Vector3 velocity = Vector3::Zero();      ///< [m/s] in the held directions, of a support that moves in time
+  Matrix3 free = Matrix3::Zero();          ///< projector on the free directions; zero = fixed in all
+  Vector3 displacement = Vector3::Zero();  ///< from rest; only its fixed components count
+  Vector3 velocity = Vector3::Zero();      ///< [m/s] in the fixed directions, of a support that moves in time
 };
 
 /// A body with everything that acts on it. The body must outlive the model.
@@ -63,7 +63,7 @@ class Model {
   Positions elastic_forces(const Positions& positions) const;
   /// Whether the loads' tangents are symmetric.
   bool symmetric() const;
-  /// What the loads remember, as it is at the beginning; in order of name.
+  /// The history of the loads at the beginning; in order of name.
   const std::vector<HistoryBlock>& history() const { return history_; }
   /// Gives a state that begins the blocks of history(), unless it has them: blocks of other names or sizes go.
   void declare_history(State& state) const;

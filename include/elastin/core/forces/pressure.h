@@ -25,8 +25,8 @@ PressureLaw constant_pressure(double pressure);
 /// [Pa], both ≥ 0. A volume that is not above zero has infinite pressure.
 PressureLaw enclosed_gas(double amount, double exponent, double ambient);
 
-/// Volume control: p = pressure + stiffness (volume − V) holds the volume [m³] within (p − pressure)/stiffness, however
-/// the pressure must rise or fall for that: the way past a pressure limit. Solved again with `pressure` = the p found,
+/// Volume control: p = pressure + stiffness (volume − V) keeps the volume [m³] within (p − pressure)/stiffness, however
+/// the pressure must rise or fall for that: it leads past a pressure limit. Solved again with `pressure` = the p found,
 /// the volume is met ever closer, and p is the multiplier of that constraint. [augmented Lagrangian; Hestenes 1969]
 PressureLaw controlled_volume(double volume, double stiffness, double pressure);
 

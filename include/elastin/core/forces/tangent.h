@@ -24,7 +24,7 @@ class Tangent {
   /// The same anew, without an allocation.
   void linearise_at(const State& state, const Weights& weights);
 
-  /// Room for what apply computes on the way; it belongs to the caller and only grows.
+  /// Memory for intermediate results of apply; it belongs to the caller and only grows.
   struct ApplyWorkspace {
     VectorX squared_lengths, force_densities;
     Positions rates, change;

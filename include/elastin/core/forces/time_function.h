@@ -4,7 +4,7 @@
 
 namespace elastin {
 
-/// A number that changes over time: what a load or a way is multiplied with. At a jump or a kink it has the value and
+/// A number that changes over time: the factor of a load or a displacement. At a jump or a kink it has the value and
 /// the rate that follow.
 class TimeFunction {
  public:

@@ -51,7 +51,7 @@ using LinearMethod = Choice<LinearSolverKind, built_in_linear_solvers>;
 /// molecules, and those after it, allocate nothing.
 std::unique_ptr<LinearSolver> make_pcg();
 
-/// The same with a coarse picture of the body besides (solve/multigrid): for large and slender bodies.
+/// The same with a hierarchy of coarser grids over the body (solve/multigrid): for large and slender bodies.
 std::unique_ptr<LinearSolver> make_multigrid();
 
 /// Stabilised bi-conjugate gradients with the same preconditioner, for a stiffness that is not symmetric; as to memory,
@@ -64,7 +64,7 @@ std::unique_ptr<LinearSolver> make_direct();
 /// Motions of all molecules in all directions, of size 1 and without a pattern that a body could have; always the same.
 Positions scattered_directions(int molecules);
 
-/// Takes out the held part of each supported molecule's column.
+/// Removes the fixed components of each supported molecule's column.
 void keep_free(const std::vector<Support>& supports, Positions& vectors);
 
 /// ‖v‖ with the same bits on any number of threads.

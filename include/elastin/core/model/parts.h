@@ -35,13 +35,13 @@ Body without_cells(const Body& body);
 struct TieReport {
   int joined = 0;       ///< were one already and are now one molecule
   int fixed = 0;        ///< fixed to a rigid part
-  int tied = 0;         ///< to a place on a triangle
+  int tied = 0;         ///< to a position on a triangle
   double furthest = 0;  ///< by which one of these was moved there [m]
 };
 
 /// Ties two parts of a body where they are no more than `within` [m] apart:
 ///   * where one part is rigid, the molecules of the other that are near become its own too (Part::shared);
-///   * molecules that lie in one place (to 1e-4 of the longest connection at them) become one molecule, shared by both:
+///   * molecules at the same position (to 1e-4 of the longest connection at them) become one molecule, shared by both:
 ///     the tie is exact, and adds nothing to what is solved;
 ///   * the other molecules on the surface of the part that has more there are moved onto the surface of the other one,
 ///     free of stress, and tied to it there (Body::ties), with `stiffness` [Pa] times the root of the surface [m²] that

@@ -9,8 +9,8 @@
 
 namespace elastin {
 
-/// What contact remembers of a place on the body that touches: where on the target it sticks, and how hard it was held
-/// back beyond its penalty. Sorted by (sample, target).
+/// The history of one contact point of the body: where on the target it sticks, and the multiplier beyond its penalty.
+/// Sorted by (sample, target).
 struct ContactHistory {
   int sample = 0, target = 0;
   /// The anchor: offset + Σ weight · molecule of the target; on an obstacle (count 0) the offset is in its own frame.
@@ -21,7 +21,7 @@ struct ContactHistory {
   double multiplier = 0;             ///< [N]
 };
 
-/// What a law or a load remembers from one accepted step to the next, under a name of its own: so many numbers.
+/// The history of a law or a load from one accepted step to the next: numbers under a name of its own.
 struct HistoryBlock {
   std::string name;
   std::vector<double> values;
@@ -38,7 +38,7 @@ struct State {
   std::vector<ContactHistory> contact_history = {};  ///< empty without contact
   std::vector<HistoryBlock> history = {};            ///< as Model::declare_history has made it; in order of name
 
-  /// The block of this name, or null where nobody has declared it.
+  /// The block of this name, or null where none is declared.
   const HistoryBlock* find_history(const std::string& name) const {
     const auto found =
         std::find_if(history.begin(), history.end(), [&](const HistoryBlock& block) { return block.name == name; });
@@ -47,7 +47,7 @@ struct State {
   HistoryBlock* find_history(const std::string& name) {
     return const_cast<HistoryBlock*>(std::as_const(*this).find_history(name));
   }
-  /// Takes the time and all that is remembered from another state, without an allocation once it has had as much.
+  /// Copies the time and the history of another state; allocates only where it has less memory than that needs.
   void carry_over(const State& from) {
     time = from.time;
     contact_history = from.contact_history;

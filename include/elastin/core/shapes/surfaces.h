@@ -6,7 +6,7 @@
 
 namespace elastin {
 
-/// Bodies of triangles. They come out with places, connections and triangles, all turned the same way: the normal (x1 −
+/// Bodies of triangles. They have positions, connections and triangles, all oriented alike: the normal (x1 −
 /// x0) × (x2 − x0) points outwards, or along +z; radius and mass are set by set_matter or by the caller.
 
 /// How a sphere is covered with triangles: each side of a regular solid in `divisions` parts, pushed out radially.
@@ -45,8 +45,8 @@ enum class HungFrom {
 };
 
 /// Hangs a load of `mass` [kg] at `position` [m] by cables of EA = `stiffness` [N] to each of these molecules, as long
-/// as the way there. The load is the body's last molecule. Masses and radii must be set. Throws InputError where a
-/// molecule lies at that place.
+/// as the distance. The load is the body's last molecule. Masses and radii must be set. Throws InputError where a
+/// molecule lies at that position.
 void hang_load(Body& body, HungFrom from, const Vector3& position, double stiffness, double mass, double radius);
 
 /// ½ (x1 − x0) × (x2 − x0) [m²].

@@ -100,25 +100,25 @@ class Simulation {
 
   const Positions& positions() const noexcept;   ///< [m], 3 × n
   const Positions& velocities() const noexcept;  ///< [m/s], 3 × n
-  /// All forces of the state reached [N], 3 × n; what holds a held molecule is minus its part in the held directions.
-  /// One pass over the body at the first call after a step; who does not ask does not pay.
+  /// All forces of the state reached [N], 3 × n; the reaction of a fixed molecule is minus its components in the fixed
+  /// directions. One pass over the body at the first call after a step; none without a call.
   const Positions& forces() const noexcept;
   /// Force of each connection with its damping [N], pulling is positive; as forces.
   const VectorX& tensions() const noexcept;
 
-  /// The host's own forces [N], 3 × n: act from the next step on until they are changed. The first call makes room.
+  /// The host's own forces [N], 3 × n: act from the next step on until they are changed. The first call allocates.
   Positions& host_forces() noexcept;
 
-  /// Holds a molecule at its present place in all directions, or in those that `free` (a projector) leaves; again: with
-  /// the new ones. Throws InputError on a number that is no molecule, or a matrix that is no projector.
+  /// Fixes a molecule at its present position in all directions, or in those that `free` (a projector) leaves; again:
+  /// with the new ones. Throws InputError on a number that is no molecule, or a matrix that is no projector.
   void fix(int molecule, const Matrix3& free = Matrix3::Zero());
-  /// Lets a molecule go, whoever held it; nothing happens where nothing does. Throws InputError as hold.
+  /// Releases a molecule, whatever fixed it; nothing happens to one that is free. Throws InputError as fix.
   void release(int molecule);
-  /// Where a held molecule is to be at the end of the next step [m], in its held directions: it goes there at one
-  /// speed, and stays. Throws InputError if it is not held or the place is not finite.
+  /// Prescribes the position [m] of a fixed molecule at the end of the next step, in its fixed directions: it goes
+  /// there at constant speed, and stays. Throws InputError if it is not fixed or the position is not finite.
   void move_to(int molecule, const Vector3& position);
-  /// Force by which the support of a held molecule acts on it [N], without what its own inertia takes; zero where
-  /// nothing holds it. As forces.
+  /// Force by which the support of a fixed molecule acts on it [N], without what its own inertia takes; zero where
+  /// nothing fixes it. As forces.
   Vector3 reaction(int molecule) const noexcept;
 
   /// A spring of length 0 and a damper between a molecule and a position [m]: a tool, a mouse. stiffness > 0 [N/m],

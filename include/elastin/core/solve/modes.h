@@ -23,9 +23,9 @@ struct ModeReport {
 };
 
 /// Counts zero-energy modes exactly, as (free directions) − rank, in three steps, each exact: rigid motions of the
-/// whole body are held by pins that they alone feel; directions that connections to held ones make known are taken out,
-/// over and over (O(n), which settles most bodies); what is left falls into independent groups whose rank is found by
-/// eigenvalues (below 1e-9 of the largest is zero). `stiff[c]` says which connections count; empty = all.
+/// whole body are fixed by pins that act on them alone; directions that connections to fixed ones determine are
+/// removed, over and over (O(n), which settles most bodies); what is left falls into independent groups whose rank is
+/// found by eigenvalues (below 1e-9 of the largest is zero). `stiff[c]` says which connections count; empty = all.
 /// Assumes no negative constants: those can make modes that this does not see.
 ModeReport find_zero_energy_modes(const Body& body, const std::vector<Support>& supports,
                                   const std::vector<char>& stiff = {});

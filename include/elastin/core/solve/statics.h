@@ -26,8 +26,8 @@ struct StaticOptions {
   LinearMethod method = "automatic";
   double tolerance = 1e-10;  ///< largest unbalanced force over the size of loads and reactions, both as Euclidean norms
   int newton_limit = 200;
-  /// Whether an equilibrium is asked if it is a minimum, by one more linear solve; if it is none (a straight column
-  /// beyond its buckling load), the body goes down from it. For what has an energy; large displacements.
+  /// Whether one more linear solve tests that an equilibrium is a minimum; if it is none (a straight column
+  /// beyond its buckling load), the body leaves it towards lower energy. For loads with an energy; large displacements.
   bool probe = false;
 };
 
@@ -44,7 +44,7 @@ struct StaticResult {
   double scale = 0;          ///< that size [N], a Euclidean norm
   bool left_saddle = false;  ///< went down from an equilibrium that was no minimum
   bool unstable = false;     ///< the equilibrium found has a direction of negative stiffness: it is not a minimum
-  Positions reactions;       ///< what holds each support in its held directions [N], shape 3 × supports
+  Positions reactions;       ///< force that fixes each support in its fixed directions [N], shape 3 × supports
 };
 
 /// Finds the equilibrium of the loads, supports and elastic forces. Starts from `state.positions`, which must be
