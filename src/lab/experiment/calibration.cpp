@@ -85,7 +85,7 @@ constexpr double kMostScaled = 2;
 /// `uniform` has no constants of its own that could be far off.
 void scale(Run& run, const StrategyChoice& choice, double factor, double volume_modulus) {
   run.calibration_factor = factor;
-  if ((factor > kMostScaled || factor < 1 / kMostScaled) && choice.strategy.name != Uniform::name) {
+  if ((factor > kMostScaled || factor < 1 / kMostScaled) && !choice.strategy.name.starts_with(Uniform::name)) {
     char text[120];
     std::snprintf(text, sizeof text,
                   "calibration multiplies the spring constants by %.4g; the rule alone is that far off on this body",
