@@ -6,6 +6,7 @@
 #include "elastin/core/base/error.h"
 #include "lab/experiment/driven.h"
 #include "lab/experiment/moduli.h"
+#include "lab/experiment/section.h"
 
 namespace elastin::lab {
 namespace {
@@ -15,8 +16,11 @@ class Shear final : public Driven {
   Shear(const Body& body, const ShearSetup& setup, const Matrix3& axes)
       : Driven(body, setup.load_steps), setup_(setup), rise_(body.rest.transpose() * setup.axis) {
     rise_.array() -= rise_.minCoeff();
-    area_ = setup.cross_section > 0 ? setup.cross_section
-                                    : polygon_area(convex_hull(across(setup.axis).transpose() * body.rest));
+    area_ = setup.cross_section;
+    if (area_ == 0) {
+      const VectorX height = body.rest.transpose() * setup.axis;
+      area_ = find_section(body, setup.axis, height.minCoeff(), height.maxCoeff(), 0).area;
+    }
     if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
     if (setup.sides == Sides::affine)
       follow_shear(axes);

@@ -11,7 +11,7 @@ struct ShearSetup {
   double displacement = 0;                                        ///< [m] of the loaded end; 0 = by strain
   double strain = 0;  ///< way over height, tan of the angle; used where there is no displacement
   Sides sides = Sides::free;
-  double cross_section = 0;  ///< [m²]; 0 = the hull of all molecules seen along the axis
+  double cross_section = 0;  ///< [m²]; 0 = that of the cells, see find_section
   double grip_depth = 0;     ///< [m]: molecules this close to an end (free sides) or a side (affine) belong to it
   int load_steps = 1;
 };

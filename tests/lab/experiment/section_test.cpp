@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lab/experiment/bending.h"
+#include "lab/experiment/shear.h"
 #include "lab/experiment/specimen.h"
 #include "lab/experiment/tension.h"
 #include "support/bodies.h"
@@ -178,6 +179,23 @@ TEST_CASE("a beam that is hollow has an apparent modulus", "[section][bending]")
   CHECK(make_bending(hollow, setup, {})->apparent());
   CHECK_FALSE(make_bending(hollow, setup, {})->no_reference().empty());
   CHECK_FALSE(make_bending(whole, setup, {})->apparent());
+}
+
+TEST_CASE("plates shear a tube by the section of its cells", "[section][shear]") {
+  Specimen specimen;
+  specimen.body = hollow_bar();
+  specimen.material.youngs_modulus = 1e4;
+  ShearSetup setup;
+  setup.direction = Vector3::UnitX();
+  setup.strain = 1e-6;
+  const auto modulus = [&] {
+    const auto experiment = make_shear(specimen.body, setup, Matrix3::Identity());
+    return run_strategy(specimen, *experiment, choose_strategy(kCatalog, "neo_hookean"), {})
+        .measures.get("shear_modulus");
+  };
+  const double own = modulus();
+  setup.cross_section = 8e-6;
+  CHECK(modulus() == Approx(own).epsilon(1e-9));
 }
 
 TEST_CASE("a factor of calibration beyond 2 is a warning that names it", "[calibration]") {
