@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <new>
 #include <string_view>
+#include <system_error>
 
 #include "elastin/contact/overlaps.h"
 #include "elastin/core/base/error.h"
@@ -258,6 +259,9 @@ int run_command(int argc, const char* const* argv, const Catalog& catalog) {
     const int code = run_chosen(commands, options, catalog);
     if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
     fmt::print(stderr, "{}: standard output could not be written: {}\n", name, std::strerror(errno));
+    return 2;
+  } catch (const std::system_error& error) {  // of a print
+    fmt::print(stderr, "{}: standard output could not be written: {}\n", name, error.code().message());
     return 2;
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "{}: there is not enough memory for this body\n", name);

@@ -8,17 +8,10 @@
 namespace elastin {
 namespace {
 
-/// Mean diagonal entry of a molecule's own block [N/m], by size; of one that nothing holds that of the body.
-double own_stiffness(const Tangent& tangent, int molecule, double scale) {
-  const double own = std::abs(tangent.diagonal(molecule).trace()) / 3;
-  return own > 0 ? own : scale;
-}
-
 /// K⁻¹ of a factorised sparse part A and the wide parts: K = A + G C Gᵀ, K⁻¹ = A⁻¹ − Z S⁻¹ Zᵀ, Z = A⁻¹ G, S = C⁻¹ +
 /// Gᵀ Z. [Woodbury 1950]
 class Factor {
  public:
-  /// @param shift on each free direction, in shares of its molecule's own stiffness.
   Factor(const Tangent& tangent, const std::vector<Support>& supports, double shift, double scale)
       : sparse_(sparse_stiffness(tangent, supports, shift, scale)) {
     if (!sparse_.usable()) return;
@@ -72,8 +65,7 @@ class Direct final : public LinearSolver {
     if (size == 0) return result;
     // A tiny shift lets the factorisation pass zero-energy modes; refinement with the true K takes its effect away
     // again.
-    const double scale = stiffness_scale(tangent);
-    constexpr double shift = 1e-9;
+    const double scale = stiffness_scale(tangent), shift = 1e-9 * scale;
     const Factor factor(tangent, supports, shift, scale);
     if (!factor.usable()) {
       result.status = LinearStatus::zero_mode;
@@ -99,35 +91,13 @@ class Direct final : public LinearSolver {
       r = left;
       now = then;
     }
-    // Where the softest directions are hardly stiffer than the shift, refinement crawls; conjugate gradients take one
-    // step for each of them. A direction without stiffness they meet as one that the shift alone resists.
-    bool is_mode = false;
-    Positions direction = Positions::Zero(3, n);
-    double before = 0;
-    for (; now > tolerance * size && !is_mode && result.negative_modes == 0 && result.iterations < 2 * limit;
-         ++result.iterations) {
-      const VectorX softened = factor.solve(Eigen::Map<const VectorX>(r.data(), r.size()));
-      Positions z = Eigen::Map<const Positions>(softened.data(), 3, n);
-      keep_free(supports, z);
-      const double product = ordered_sum(n, [&](int i) { return r.col(i).dot(z.col(i)); });
-      direction = z + (before > 0 ? product / before : 0) * direction;
-      before = product;
-      tangent.apply(direction, kx);
-      keep_free(supports, kx);
-      const double work = ordered_sum(n, [&](int i) { return direction.col(i).dot(kx.col(i)); });
-      const double own =
-          ordered_sum(n, [&](int i) { return own_stiffness(tangent, i, scale) * direction.col(i).squaredNorm(); });
-      is_mode = !(work > 1e-3 * shift * own);
-      if (is_mode) break;
-      x += product / work * direction;
-      r -= product / work * kx;
-      now = ordered_norm(r);
-    }
     result.residual = now / size;
-    if (result.residual > tolerance) {
-      const bool negative = result.negative_modes > 0 && result.residual > std::max(tolerance, 1e-6);
-      result.status = is_mode || negative ? LinearStatus::zero_mode : LinearStatus::limit_reached;
-      if (result.status == LinearStatus::zero_mode) x += r / scale;
+    if (result.residual > std::max(tolerance, 1e-6)) {
+      // A right-hand side in the range of K would have got there: what is left works on directions without stiffness.
+      result.status = LinearStatus::zero_mode;
+      x += r / scale;
+    } else if (result.residual > tolerance) {
+      result.status = LinearStatus::limit_reached;
     }
     if (result.negative_modes > 0 && result.status == LinearStatus::solved) result.status = LinearStatus::negative_mode;
     return result;
@@ -162,8 +132,7 @@ Eigen::SparseMatrix<double> sparse_stiffness(const Tangent& tangent, const std::
   });
   for (int molecule = 0; molecule < n; ++molecule) {
     const Matrix3 free = support_of[molecule] ? support_of[molecule]->free : Matrix3::Identity();
-    add(molecule, molecule,
-        shift * own_stiffness(tangent, molecule, scale) * free + scale * (Matrix3::Identity() - free));
+    add(molecule, molecule, shift * free + scale * (Matrix3::Identity() - free));
   }
   Eigen::SparseMatrix<double> matrix(3 * n, 3 * n);
   matrix.setFromTriplets(entries.begin(), entries.end());

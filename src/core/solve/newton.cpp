@@ -7,7 +7,6 @@
 #include "core/linear/linear_choice.h"
 #include "core/parallel/parallel.h"
 #include "core/solve/steppers.h"
-#include "elastin/core/base/text.h"
 
 namespace elastin {
 namespace {
@@ -18,9 +17,6 @@ constexpr int kDirectLimit = 2500;
 /// Newton iterations in which a body that was stable at the start is followed down past negative modes before saddles
 /// are tried: nearly incompressible ones pass through pressures that are not there at the end.
 constexpr int kDownhillSteps = 25;
-
-/// An equilibrium is none where more of the load than this is lost in rounding.
-constexpr double kMostRounding = 1e-3;
 
 /// Saddles that one solve goes down from.
 constexpr int kSaddles = 3;
@@ -173,13 +169,6 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     result.scale = now.forces.scale;
     result.residual = now.forces.scale > 0 ? now.forces.norm / now.forces.scale : 0;
     const double goal = std::max(options.tolerance * now.forces.scale, 2 * floor);
-    if (now.forces.norm <= goal && result.residual > std::max(options.tolerance, kMostRounding)) {
-      result.outcome = Outcome::limit_reached;
-      result.cause =
-          "rounding of the positions alone makes forces of " + number(2 * floor / now.forces.scale, 2) +
-          " of the load: the body lies too far from the origin for its size, or too stiff and too soft parts meet";
-      break;
-    }
     if (now.forces.norm <= goal) {
       const bool probe = options.probe && !kinematics && problem.with_energy && saddles < kSaddles;
       if (!probe || !may_buckle(model.body(), now.state.positions)) break;

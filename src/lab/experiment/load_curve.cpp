@@ -37,12 +37,18 @@ bool note_solve(const StaticResult& solved, const std::string& where, Run& run) 
   return false;
 }
 
-/// Converged means balanced: what loads and reactions leave over is no part of them worth naming.
-void check_balance(const StaticResult& solved, const Measures& measures, double tolerance, const std::string& where,
-                   Run& run) {
+/// Converged means balanced: what loads and reactions leave over is no part of them worth naming, under the `whole`
+/// load at least.
+void check_balance(const StaticResult& solved, const Measures& measures, double tolerance, bool whole,
+                   const std::string& where, Run& run) {
   const double force = measures.get("force"), balance = measures.get("reaction_balance");
   const double left = std::isfinite(force) && solved.scale > 0 ? balance * std::abs(force) / solved.scale : balance;
-  if (left > 1e-3) {
+  if (whole && solved.residual > 1e-3) {
+    run.outcome = Outcome::limit_reached;
+    run.cause = "the unbalanced force is " + number(solved.residual, 2) +
+                " of the load, and rounding of the positions allows no less: too stiff and too soft parts meet, or the "
+                "body lies too far from the origin for its size";
+  } else if (left > 1e-3) {
     run.outcome = Outcome::limit_reached;
     run.cause = "the reactions do not balance the loads: they leave " + number(left, 2) + " of them" + where;
   } else if (left > 1e-6) {
@@ -152,7 +158,8 @@ void solve_load_curve(Model& model, const StaticProtocol& experiment, StaticRig&
     }
     run.bisected_load_steps = path.halvings();
     if (!note_solve(solved, which.empty() ? "" : " (" + which + ")", run)) return;
-    check_balance(solved, measures, options.statics.tolerance, which.empty() ? "" : " (" + which + ")", run);
+    check_balance(solved, measures, options.statics.tolerance, step == steps, which.empty() ? "" : " (" + which + ")",
+                  run);
     if (run.outcome != Outcome::converged) return;
     if (measures.get("elongation") < 0 && measures.get("strain") <= -1) {
       run.outcome = Outcome::inverted;
