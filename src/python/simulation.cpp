@@ -259,7 +259,8 @@ void add_simulation(py::module_& module) {
            py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8, py::arg("max_substeps") = 1000,
            py::arg("scheme_parameters") = ParameterValues{}, py::arg("parameters") = ParameterValues{},
            py::arg("catalog") = py::none(),
-           "strategy: a name ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule to "
+           "strategy: a name ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule "
+           "to "
            "the material by the body's homogenised stiffness, as the experiment `material` of a scene does; the body "
            "is of tetrahedra, or a box. What strategy and material need of the body is added: pairs of molecules for "
            "bending_rigidity, sides of cells, Voronoi cells. scheme: one of steppers(), and "

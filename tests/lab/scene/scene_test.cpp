@@ -633,7 +633,8 @@ TEST_CASE("what is too large is refused before anybody makes room for it", "[sce
            {"{sphere: {radius: 1 m, divisions: 4000}}",
             "body.sphere.divisions: that is 1.6e+08 molecules; at most 5e+07"},
            {"{canopy: {width: 1 mm, span: 1e6 m, squares: 10}}", "body.canopy.squares: that is 1e+11 molecules"},
-           {"{packing: {size: [1 m, 1 m, 1 um], distance: 0.1 mm}}", "body.packing: a box of this size has too many molecules"},
+           {"{packing: {size: [1 m, 1 m, 1 um], distance: 0.1 mm}}",
+            "body.packing: a box of this size has too many molecules"},
            {"{lattice: {kind: cubic, molecules: [20, 20, 20], spacing: 1 mm, connections: {within: 1 m}}}",
             "body: the reach is too wide: that is more than 4000000 connections between 8000 molecules"}}) {
     INFO(body);
