@@ -7,10 +7,10 @@
 #include <stdexcept>
 
 #include "elastin/core/simulation/catalog.h"
-#include "lab/experiment/bending.h"
-#include "lab/experiment/shear.h"
-#include "lab/experiment/tension.h"
-#include "lab/experiment/torsion.h"
+#include "lab/protocol/bending.h"
+#include "lab/protocol/shear.h"
+#include "lab/protocol/tension.h"
+#include "lab/protocol/torsion.h"
 
 namespace bench {
 

@@ -7,7 +7,7 @@
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/shapes/surfaces.h"
-#include "lab/experiment/inflation.h"
+#include "lab/protocol/inflation.h"
 #include "lab/experiment/specimen.h"
 #include "measure.h"
 

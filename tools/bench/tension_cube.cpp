@@ -7,7 +7,7 @@
 #include "core/linear/sparse_stiffness.h"
 #include "elastin/core/linear/linear_solver.h"
 #include "elastin/core/simulation/catalog.h"
-#include "lab/experiment/tension.h"
+#include "lab/protocol/tension.h"
 #include "measure.h"
 
 namespace bench {

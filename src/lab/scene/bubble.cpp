@@ -1,4 +1,4 @@
-#include "lab/experiment/bubble.h"
+#include "lab/protocol/bubble.h"
 
 #include <cctype>
 #include <filesystem>

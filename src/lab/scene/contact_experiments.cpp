@@ -2,9 +2,9 @@
 #include <cmath>
 
 #include "elastin/core/model/parts.h"
-#include "lab/experiment/indentation.h"
-#include "lab/experiment/press.h"
-#include "lab/experiment/sliding.h"
+#include "lab/protocol/indentation.h"
+#include "lab/protocol/press.h"
+#include "lab/protocol/sliding.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {

@@ -1,12 +1,12 @@
 #include <cmath>
 
-#include "lab/experiment/bending.h"
-#include "lab/experiment/homogenisation.h"
-#include "lab/experiment/hydrostatic.h"
-#include "lab/experiment/inflation.h"
-#include "lab/experiment/shear.h"
-#include "lab/experiment/tension.h"
-#include "lab/experiment/torsion.h"
+#include "lab/protocol/bending.h"
+#include "lab/protocol/homogenisation.h"
+#include "lab/protocol/hydrostatic.h"
+#include "lab/protocol/inflation.h"
+#include "lab/protocol/shear.h"
+#include "lab/protocol/tension.h"
+#include "lab/protocol/torsion.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {

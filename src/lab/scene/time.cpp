@@ -5,7 +5,7 @@
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/floor.h"
-#include "lab/experiment/motion.h"
+#include "lab/protocol/motion.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {

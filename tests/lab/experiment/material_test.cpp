@@ -6,7 +6,7 @@
 
 #include "lab/experiment/curve_fit.h"
 #include "lab/experiment/specimen.h"
-#include "lab/experiment/tension.h"
+#include "lab/protocol/tension.h"
 #include "lab/report/records.h"
 #include "support/bodies.h"
 

@@ -3,10 +3,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "lab/experiment/bending.h"
-#include "lab/experiment/shear.h"
 #include "lab/experiment/specimen.h"
-#include "lab/experiment/tension.h"
+#include "lab/protocol/bending.h"
+#include "lab/protocol/shear.h"
+#include "lab/protocol/tension.h"
 #include "support/bodies.h"
 
 using namespace elastin;

@@ -6,7 +6,7 @@
 
 #include "elastin/core/base/error.h"
 #include "lab/experiment/specimen.h"
-#include "lab/experiment/tension.h"
+#include "lab/protocol/tension.h"
 #include "lab/scene/scene.h"
 #include "support/bodies.h"
 

@@ -8,7 +8,7 @@
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/solve/statics.h"
 #include "lab/experiment/specimen.h"
-#include "lab/experiment/tension.h"
+#include "lab/protocol/tension.h"
 #include "support/bodies.h"
 
 using namespace elastin;

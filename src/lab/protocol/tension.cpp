@@ -1,0 +1,359 @@
+#include "lab/protocol/tension.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "core/model/faces.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/model/parts.h"
+#include "lab/experiment/section.h"
+
+namespace elastin::lab {
+namespace {
+
+class Tension final : public StaticProtocol {
+ public:
+  Tension(const Body& body, const TensionSetup& setup) : body_(body), setup_(setup), plane_(across(setup.axis)) {
+    setup_.axis.normalize();
+    height_ = body.rest.transpose() * setup_.axis;
+    Face loaded = end_face(body, setup_.axis, setup.grip_depth);
+    loaded_ = std::move(loaded.molecules);
+    fixed_ = end_face(body, -setup_.axis, setup.grip_depth).molecules;
+    const auto equal = [](std::size_t count) {
+      return VectorX::Constant(static_cast<Eigen::Index>(count), 1. / static_cast<double>(count));
+    };
+    share_ = setup.sharing == LoadSharing::area ? std::move(loaded.share) : VectorX(equal(loaded_.size()));
+    fixed_share_ = equal(fixed_.size());
+    const Points2 seen = plane_.transpose() * body.rest;
+    choose_corner(seen);
+    choose_gauge(height_.minCoeff());
+    choose_section();
+    choose_middle((height_.minCoeff() + height_.maxCoeff()) / 2);
+    for (const Part& part : body.parts)
+      if (setup.force && part.rigid && meets(part, loaded_))
+        throw InputError("body '" + part.name + "' at the loaded end is rigid: give a displacement instead of a force");
+  }
+
+  std::string name() const override { return "tension"; }
+  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  std::optional<Vector3> axis() const override { return setup_.axis; }
+  int load_steps() const override { return setup_.load_steps; }
+  ResponseMeasures response_measures() const override { return {"elongation", setup_.displacement ? "force" : ""}; }
+  bool apparent() const override { return section_ && !section_->prism(); }
+
+  std::string no_reference() const override {
+    if (apparent())
+      return "the body is no prism along the axis, so its modulus is apparent; state cross_section, or compare with " +
+             solid();
+    if (clamps_reach_gauge()) return "the grips clamp, so no specimen shows the material's E; compare with " + solid();
+    return "";
+  }
+
+  std::vector<std::string> notes() const override {
+    std::vector<std::string> notes;
+    if (!section_) return notes;
+    if (section_->of_hull)
+      notes.push_back("cross-section of " + area_text() +
+                      ": the convex hull of the molecules seen along the axis; the "
+                      "body has no cells that tell its volume");
+    if (apparent()) {
+      char percent[16];
+      std::snprintf(percent, sizeof percent, "%.0f %%", 100 * section_->variation);
+      notes.push_back("effective_modulus is apparent: the section varies by " + std::string(percent) +
+                      " along the axis about its mean of " + area_text());
+    }
+    return notes;
+  }
+
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& measured) const override {
+    UniaxialResponse target = uniaxial_response(material, setup_.axis);
+    const double strain = measured.get("strain");
+    if (std::isfinite(strain) && strain != 0)  // the secant of a curve
+      if (const auto stress = uniaxial_stress(material, setup_.axis, strain)) target.youngs_modulus = *stress / strain;
+    if (apparent()) target.youngs_modulus = std::numeric_limits<double>::quiet_NaN();
+    std::vector<MainMeasure> measures{
+        {"effective_modulus", target.youngs_modulus}, {"poissons_ratio", target.poissons_ratio}, {"elongation"}};
+    if (material.curve || material.fibre) measures.push_back({"curve_error"});
+    return measures;
+  }
+
+ private:
+  friend class TensionRig;
+  /// The corner is the loaded molecule furthest from the layer's middle; of equals, the first.
+  void choose_corner(const Points2& seen) {
+    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+    for (const int molecule : loaded_) middle += seen.col(molecule) / static_cast<double>(loaded_.size());
+    double furthest = -1;
+    for (std::size_t i = 0; i < loaded_.size(); ++i) {
+      const double distance = (seen.col(loaded_[i]) - middle).norm();
+      if (distance > furthest * (1 + 1e-9)) furthest = distance, corner_ = static_cast<Eigen::Index>(i);
+    }
+  }
+
+  void choose_gauge(double low) {
+    const double whole = mean_height(loaded_, share_) - mean_height(fixed_, fixed_share_);
+    gauge_length_ = setup_.gauge_length > 0 ? setup_.gauge_length : whole;
+    if (!setup_.gauge) return;
+    const auto& [first, second] = *setup_.gauge;
+    if (!(first >= 0 && second > first && low + second <= height_.maxCoeff() * (1 + 1e-9)))
+      throw InputError("gauge: the planes must lie between the ends of the body, the first below the second");
+    if (setup_.gauge_length == 0) gauge_length_ = second - first;
+    for (const int plane : {0, 1}) {
+      const double at = low + (*setup_.gauge)[static_cast<std::size_t>(plane)];
+      for (int c = 0; c < body_.connections.proper(); ++c) {
+        const auto& [a, b] = body_.connections.ends[c];
+        const double part = (at - height_[a]) / (height_[b] - height_[a]);
+        if (part >= -1e-9 && part <= 1 + 1e-9) crossings_[plane].push_back({c, part});
+      }
+      if (crossings_[plane].empty()) throw InputError("gauge: no connection crosses the plane");
+    }
+  }
+
+  /// The scene's own, or that of the body, between the gauge planes if there are any.
+  void choose_section() {
+    area_ = setup_.cross_section;
+    if (area_ == 0) {
+      const double low = height_.minCoeff(), high = height_.maxCoeff();
+      section_ = setup_.gauge ? find_section(body_, setup_.axis, low + (*setup_.gauge)[0],
+                                             std::min(high, low + (*setup_.gauge)[1]), setup_.thickness)
+                              : find_section(body_, setup_.axis, low, high, setup_.thickness);
+      area_ = section_->area;
+    }
+    if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
+  }
+
+  /// Clamps disturb what lies within one width of them [Saint-Venant]; a gauge beyond that shows the material.
+  bool clamps_reach_gauge() const {
+    const bool below = setup_.fixed_grip == Grip::clamped, above = setup_.loaded_grip == Grip::clamped;
+    if (!setup_.gauge) return below || above;
+    const double length = height_.maxCoeff() - height_.minCoeff(), width = std::sqrt(area_);
+    return (below && (*setup_.gauge)[0] < width) || (above && length - (*setup_.gauge)[1] < width);
+  }
+
+  /// What solves the same problem.
+  std::string solid() const {
+    return body_.tetrahedra.empty() && !body_.triangles.empty() ? "a membrane law, refined"
+                                                                : "the solid itself (neo_hookean, refined)";
+  }
+
+  std::string area_text() const {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g mm2", 1e6 * area_);
+    return text;
+  }
+
+  /// Molecules within one mean connection of mid height (between the gauge planes, if any): theirs is the lateral
+  /// strain.
+  void choose_middle(double middle) {
+    if (setup_.gauge) middle = height_.minCoeff() + ((*setup_.gauge)[0] + (*setup_.gauge)[1]) / 2;
+    double shortest = std::numeric_limits<double>::infinity(), mean = 0;
+    for (int c = 0; c < body_.connections.proper(); ++c) {
+      const double length = body_.connections.rest_length[c];
+      shortest = std::min(shortest, length);
+      mean += length / body_.connections.proper();
+    }
+    const double reach = (body_.cubes.empty() ? mean : shortest) * (1 + 1e-6);
+    for (int molecule = 0; molecule < body_.size(); ++molecule)
+      if (std::abs(height_[molecule] - middle) <= reach) middle_.push_back(molecule);
+  }
+
+  double mean_height(const std::vector<int>& molecules, const VectorX& weights) const {
+    double mean = 0;
+    for (std::size_t i = 0; i < molecules.size(); ++i)
+      mean += weights[static_cast<Eigen::Index>(i)] * height_[molecules[i]];
+    return mean;
+  }
+
+  double mean_along(const std::vector<int>& molecules, const VectorX& weights, const Positions& motion) const {
+    double mean = 0;
+    for (std::size_t i = 0; i < molecules.size(); ++i)
+      mean += weights[static_cast<Eigen::Index>(i)] * setup_.axis.dot(motion.col(molecules[i]));
+    return mean;
+  }
+
+  /// Mean motion along the axis where connections cross a gauge plane, linear between their ends.
+  double plane_motion(int plane, const Positions& motion) const {
+    double sum = 0;
+    for (const auto& [c, part] : crossings_[plane]) {
+      const auto& [a, b] = body_.connections.ends[c];
+      sum += setup_.axis.dot((1 - part) * motion.col(a) + part * motion.col(b));
+    }
+    return sum / static_cast<double>(crossings_[plane].size());
+  }
+
+  double read_elongation(const Positions& motion) const {
+    if (setup_.gauge) return plane_motion(1, motion) - plane_motion(0, motion);
+    const double start = mean_along(fixed_, fixed_share_, motion);
+    if (setup_.reading == Reading::corner)
+      return setup_.axis.dot(motion.col(loaded_[static_cast<std::size_t>(corner_)])) - start;
+    return mean_along(loaded_, share_, motion) - start;
+  }
+
+  /// Mean in-plane stretch less 1 of the molecules at mid height, of the linear motion fitted to them; NaN if they do
+  /// not span the plane. Neither the directions that span it nor, with large displacements, a turn about the axis,
+  /// which sliding grips leave free, change it: with F = I + gradient, the stretches add up to √((F_xx + F_yy)² + (F_xy
+  /// − F_yx)²).
+  double lateral_strain(const Positions& motion, bool small) const {
+    const auto count = static_cast<Eigen::Index>(middle_.size());
+    Eigen::MatrixX3d positions(count, 3);
+    Eigen::MatrixX2d moves(count, 2);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const int molecule = middle_[static_cast<std::size_t>(i)];
+      positions.row(i) << (plane_.transpose() * body_.rest.col(molecule)).transpose(), 1;
+      moves.row(i) = (plane_.transpose() * motion.col(molecule)).transpose();
+    }
+    if (count < 3) return std::numeric_limits<double>::quiet_NaN();
+    const Eigen::RowVector2d middle = positions.leftCols<2>().colwise().mean();
+    positions.leftCols<2>().rowwise() -= middle;
+    const Eigen::Matrix2d spread = positions.leftCols<2>().transpose() * positions.leftCols<2>();
+    if (!(spread.determinant() > 1e-12 * std::pow(spread.trace(), 2))) return std::numeric_limits<double>::quiet_NaN();
+    const Eigen::Matrix2d gradient = spread.inverse() * positions.leftCols<2>().transpose() * moves;
+    const double sum = gradient.trace(), turn = small ? 0 : gradient(0, 1) - gradient(1, 0);
+    return (sum * (4 + sum) + turn * turn) / (2 * (std::hypot(2 + sum, turn) + 2));
+  }
+
+  static bool meets(const Part& part, const std::vector<int>& molecules) {
+    return std::any_of(molecules.begin(), molecules.end(),
+                       [&](int m) { return m >= part.first && m < part.first + part.count; });
+  }
+
+  /// Bone at an end is held, or moved, as a whole.
+  void add_supports(Model& model, const std::vector<int>& end, const Matrix3& free) const {
+    std::vector<int> rigid;
+    for (const Part& part : body_.parts)
+      if (part.rigid && meets(part, end)) {
+        const std::vector<int> all = molecules_of(part);
+        rigid.insert(rigid.end(), all.begin(), all.end());
+      }
+    std::sort(rigid.begin(), rigid.end());
+    rigid.erase(std::unique(rigid.begin(), rigid.end()), rigid.end());
+    for (const int molecule : end)
+      if (!std::binary_search(rigid.begin(), rigid.end(), molecule)) model.supports.push_back({molecule, free});
+    for (const int molecule : rigid) model.supports.push_back({molecule});
+  }
+
+  const Body& body_;
+  TensionSetup setup_;
+  Eigen::Matrix<double, 3, 2> plane_;
+  VectorX height_;  // of each molecule along the axis
+  std::vector<int> fixed_, loaded_, middle_;
+  VectorX share_, fixed_share_;  // of the load, sum 1
+  double area_ = 0, gauge_length_ = 0;
+  std::optional<Section> section_;  // where the scene states none
+  Eigen::Index corner_ = 0;         // index into loaded_
+  std::array<std::vector<std::pair<int, double>>, 2> crossings_;
+};
+
+class TensionRig final : public StaticRig {
+ public:
+  TensionRig(const Tension& protocol, Model& model)
+      : protocol_(protocol), setup_(protocol.setup_), body_(protocol.body_), model_(model) {
+    const Matrix3 along = setup_.axis * setup_.axis.transpose(), nothing = Matrix3::Zero();
+    const Matrix3 sideways = Matrix3::Identity() - along;
+    protocol_.add_supports(model, protocol_.fixed_, setup_.fixed_grip == Grip::clamped ? nothing : sideways);
+    first_loaded_support_ = model.supports.size();
+    if (setup_.displacement || setup_.loaded_grip == Grip::clamped)
+      protocol_.add_supports(
+          model, protocol_.loaded_,
+          (setup_.displacement ? nothing : along) + (setup_.loaded_grip == Grip::clamped ? nothing : sideways));
+    end_of_loaded_supports_ = model.supports.size();
+    if (setup_.force) {
+      auto load = std::make_unique<PointLoads>(body_, protocol_.loaded_,
+                                               *setup_.force * setup_.axis * protocol_.share_.transpose());
+      load_ = load.get();
+      model.add(std::move(load));
+    }
+  }
+
+  void set_load(double factor) override {
+    if (load_) load_->set_factor(factor);
+    factor_ = factor;
+    if (setup_.displacement)
+      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
+        model_.supports[i].displacement = factor * *setup_.displacement * setup_.axis;
+  }
+
+  void set_load_rate(double rate) override {
+    if (setup_.displacement)
+      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
+        model_.supports[i].velocity = rate * *setup_.displacement * setup_.axis;
+  }
+
+  void release() override {
+    set_load(0);
+    if (setup_.displacement)
+      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
+        model_.supports[i].free = Matrix3::Identity();
+  }
+
+  Measures measure(const Start& start, const State& state, const StaticOptions&, StaticResult& solved) const override {
+    Measures measures;
+    const Positions motion = state.positions - start.positions;
+    const double force = setup_.force ? factor_ * *setup_.force : loaded_reaction(solved.reactions - start.reactions);
+    const double elongation = protocol_.read_elongation(motion), strain = elongation / protocol_.gauge_length_,
+                 stress = force / protocol_.area_;
+    const double lateral = protocol_.lateral_strain(motion, solved.linear);
+    measures.set("effective_modulus", stress / strain);
+    measures.set("elongation", elongation);
+    measures.set("poissons_ratio", -lateral / strain);
+    measures.set("force", force);
+    measures.set("stress", stress);
+    measures.set("strain", strain);
+    measures.set("lateral_strain", lateral);
+    if (model_.has_energy() && !solved.linear) measures.set("energy", model_.elastic_energy(state.positions));
+    const Positions loads = model_.load_forces(state);
+    measures.set("reaction_balance",
+                 (loads.rowwise().sum() + solved.reactions.rowwise().sum()).norm() / std::abs(force));
+    return measures;
+  }
+
+  void measure_end(const State& state, const StaticOptions& options, Measures& measures,
+                   int& iterations) const override {
+    Positions load = Positions::Zero(3, body_.size()), displacement = load;
+    for (std::size_t i = 0; i < protocol_.loaded_.size(); ++i) {
+      if (setup_.force) load.col(protocol_.loaded_[i]) = protocol_.share_[static_cast<Eigen::Index>(i)] * setup_.axis;
+      if (setup_.displacement) displacement.col(protocol_.loaded_[i]) = protocol_.gauge_length_ * setup_.axis;
+    }
+    const StaticResponse response = static_response(model_, state.positions, load, displacement, options);
+    iterations += response.result.linear_iterations;
+    if (response.result.outcome != Outcome::converged) return;
+    const double force = setup_.force ? 1 : loaded_reaction(response.result.reactions);
+    measures.set("tangent_modulus",
+                 force / protocol_.area_ / (protocol_.read_elongation(response.motion) / protocol_.gauge_length_));
+  }
+
+ private:
+  /// Force along the axis with which the loaded supports pull [N].
+  double loaded_reaction(const Positions& reactions) const {
+    double sum = 0;
+    for (Eigen::Index i = static_cast<Eigen::Index>(first_loaded_support_);
+         i < static_cast<Eigen::Index>(end_of_loaded_supports_); ++i)
+      sum += setup_.axis.dot(reactions.col(i));
+    return sum;
+  }
+
+  const Tension& protocol_;
+  const TensionSetup& setup_;
+  const Body& body_;
+  Model& model_;
+  double factor_ = 1;
+  PointLoads* load_ = nullptr;  // owned by the model
+  std::size_t first_loaded_support_ = 0, end_of_loaded_supports_ = 0;
+};
+
+std::unique_ptr<StaticRig> Tension::static_rig(Model& model) const {
+  return std::make_unique<TensionRig>(*this, model);
+}
+
+}  // namespace
+
+std::unique_ptr<StaticProtocol> make_tension(const Body& body, const TensionSetup& setup) {
+  if (body.size() < 2)
+    throw InputError("tension needs at least 2 molecules; the body has " + std::to_string(body.size()));
+  return std::make_unique<Tension>(body, setup);
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,65 @@
+#include "elastin/core/solve/vibrations.h"
+#include "lab/protocol/motion.h"
+
+namespace elastin::lab {
+namespace {
+
+class Vibration final : public StaticProtocol {
+ public:
+  Vibration(std::unique_ptr<const StaticProtocol> fixture, int count) : fixture_(std::move(fixture)), count_(count) {}
+
+  std::string name() const override { return "vibration"; }
+  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  const StaticProtocol* calibration() const override { return fixture_.get(); }
+
+  std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {
+    return {{"frequency_1"}, {"frequency_2"}, {"frequency_3"}, {"frequency_4"}};
+  }
+
+ private:
+  friend class VibrationRig;
+  std::unique_ptr<const StaticProtocol> fixture_;
+  int count_;
+};
+
+class VibrationRig final : public StaticRig {
+ public:
+  /// The fixture's own load stays away: what it holds is held.
+  VibrationRig(const Vibration& protocol, Model& model) : protocol_(protocol), model_(model) {
+    if (!protocol_.fixture_) return;
+    fixture_ = protocol_.fixture_->static_rig(model);
+    fixture_->set_load(0);
+  }
+
+  void set_load(double) override {}
+
+  Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
+    const Vibrations found = find_vibrations(model_, state, protocol_.count_);
+    solved.linear_iterations += found.iterations;
+    solved.residual = 0;  // of a state without loads it would be that of rounding
+    solved.outcome = found.outcome;
+    solved.cause = found.cause;
+    Measures measures;
+    measures.set("rigid_motions", found.rigid_motions);
+    for (Eigen::Index k = 0; k < found.frequencies.size(); ++k)
+      measures.set("frequency_" + std::to_string(k + 1), found.frequencies[k]);
+    return measures;
+  }
+
+ private:
+  const Vibration& protocol_;
+  Model& model_;
+  std::unique_ptr<StaticRig> fixture_;  // null: the body is free
+};
+
+std::unique_ptr<StaticRig> Vibration::static_rig(Model& model) const {
+  return std::make_unique<VibrationRig>(*this, model);
+}
+
+}  // namespace
+
+std::unique_ptr<StaticProtocol> make_vibration(const Body&, std::unique_ptr<const StaticProtocol> fixture, int count) {
+  return std::make_unique<Vibration>(std::move(fixture), count);
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,86 @@
+#include "lab/protocol/indentation.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "lab/experiment/specimen.h"
+#include "lab/scene/scene.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+
+namespace {
+
+const Catalog kCatalog = built_in_catalog();
+const char* const kWhole = "tetrahedra: {kind: body_centred, cubes: [8, 8, 4], size: [40 mm, 40 mm, 20 mm]}";
+const char* const kQuarter = "tetrahedra: {kind: body_centred, cubes: [4, 4, 4], size: [20 mm, 20 mm, 20 mm]}";
+
+Run run_of(const std::string& body, const std::string& experiment, const std::string& contact = "friction: 0",
+           const std::string& more = "") {
+  const TemporaryFolder folder;
+  const auto scene = load_scene(folder.write("scene.yaml", "body: {" + body +
+                                                               "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: "
+                                                               "0.3}\nstiffness: neo_hookean\nexperiment: {kind: "
+                                                               "indentation, " +
+                                                               experiment + "}\ncontact: {" + contact + "}\n" + more),
+                                kCatalog);
+  Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+  INFO(run.cause);
+  REQUIRE(run.outcome == Outcome::converged);
+  CHECK(run.measures.get("reaction_balance") < 1e-7);
+  return run;
+}
+
+}  // namespace
+
+TEST_CASE("a quarter of a block resists as the whole one does", "[indentation]") {
+  for (const std::string indenter : {"sphere: {radius: 15 mm}", "flat: {radius: 9 mm}"}) {
+    const std::string experiment = "indenter: {" + indenter + "}, depth: 2 mm";
+    const Measures whole = run_of(kWhole, experiment).measures;
+    const Measures quarter = run_of(kQuarter, experiment + ", symmetry: [x, y], at: [0, 0, 0]").measures;
+    // The whole block's cells are no mirror images across the planes.
+    for (const char* name : {"force", "indentation_modulus"})
+      CHECK(quarter.get(name) == Approx(whole.get(name)).epsilon(0.02));
+    for (const char* name : {"contact_area", "energy"})
+      CHECK(quarter.get(name) == Approx(whole.get(name)).epsilon(0.15));
+    CHECK(whole.get("mean_pressure") == Approx(whole.get("force") / whole.get("contact_area")));
+    CHECK(whole.get("force") > 0);
+  }
+}
+
+TEST_CASE("an indenter goes as deep as its force asks for", "[indentation]") {
+  const Run deep = run_of(kQuarter, "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm, symmetry: [x, y]");
+  const std::string force = std::to_string(deep.measures.get("force"));
+  const Run pressed =
+      run_of(kQuarter, "indenter: {sphere: {radius: 15 mm}}, force: " + force + " N, symmetry: [x, y], load_steps: 3");
+  CHECK(pressed.measures.get("depth") == Approx(2e-3).epsilon(1e-4));
+  CHECK(pressed.curve[0].measures.get("force") == Approx(deep.measures.get("force") / 3).epsilon(1e-5));
+  CHECK(pressed.remark == "");
+}
+
+TEST_CASE("an obstacle of the scene serves as indenter, and all of it turns with the scene", "[indentation]") {
+  const std::string tool = "obstacles: [{name: tool, sphere: {radius: 15 mm}, at: [20 mm, 20 mm, 35 mm]}]";
+  const double own = run_of(kWhole, "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm").measures.get("force");
+  CHECK(run_of(kWhole, "indenter: tool, depth: 2 mm", tool).measures.get("force") == Approx(own).epsilon(1e-6));
+  CHECK(run_of(kWhole, "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm", "friction: 0",
+               "rotate: {axis: [1, -2, 0.5], angle: 50 deg}\n")
+            .measures.get("force") == Approx(own).epsilon(1e-6));
+}
+
+TEST_CASE("a sphere on a block converges to the force that finite elements give", "[indentation]") {
+  // The block of scenes/contact/indentation-sphere.yaml, coarser.
+  double last = 1;
+  for (const int cubes : {4, 6, 8}) {
+    const std::string n = std::to_string(cubes);
+    const auto scene = load_scene(std::string(ELASTIN_SOURCE_DIR) + "/scenes/contact/indentation-sphere.yaml", kCatalog,
+                                  {"body.tetrahedra.cubes=[" + n + ", " + n + ", " + n + "]"});
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {});
+    REQUIRE(run.outcome == Outcome::converged);
+    const double error = std::abs(run.measures.get("force") / 71.1 - 1);
+    INFO(cubes << " cubes: " << error);
+    CHECK(error < last);
+    last = error;
+  }
+  CHECK(last < 0.16);
+}

@@ -1,0 +1,82 @@
+#include "lab/protocol/press.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "lab/experiment/contact_measures.h"
+#include "lab/experiment/specimen.h"
+#include "lab/scene/scene.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+
+namespace {
+
+const Catalog kCatalog = built_in_catalog();
+
+Run run_of(const std::string& bodies, const std::string& experiment) {
+  const TemporaryFolder folder;
+  const auto scene = load_scene(
+      folder.write("scene.yaml", "bodies: [" + bodies +
+                                     "]\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: "
+                                     "neo_hookean\nexperiment: {kind: press, " +
+                                     experiment + "}\ncontact: {stiffness: 1000}\n"),
+      kCatalog);
+  Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+  INFO(run.cause);
+  REQUIRE(run.outcome == Outcome::converged);
+  return run;
+}
+
+const char* const kBelow = "{name: below, tetrahedra: {kind: kuhn, cubes: [3, 3, 2], size: [20 mm, 20 mm, 10 mm]}}";
+const char* const kAbove =
+    "{name: above, at: [0, 0, 10 mm], tetrahedra: {kind: body_centred, cubes: [2, 2, 1], size: [20 mm, 20 mm, 10 mm]}}";
+const char* const kBone =
+    "{name: bone, rigid: true, at: [0, 0, 10 mm], tetrahedra: {kind: kuhn, cubes: [2, 2, 1], size: "
+    "[20 mm, 20 mm, 10 mm]}}";
+
+}  // namespace
+
+TEST_CASE("two blocks that do not match pass a pressure on", "[press]") {
+  const Run run = run_of(kBelow + std::string(", ") + kAbove, "displacement: 0.2 mm, grip: sliding");
+  // One bar of 20 mm at a stretch of 0.99, neo-Hookean.
+  CHECK(run.measures.get("force") == Approx(0.04028966).epsilon(1e-3));
+  CHECK(run.measures.get("contact_force") == Approx(run.measures.get("force")).epsilon(1e-6));
+  CHECK(run.measures.get("contact_area") == Approx(4e-4).epsilon(1e-6));
+  CHECK(run.measures.get("pressure_spread") < 0.01);
+}
+
+TEST_CASE("two blocks are pressed with a force", "[press]") {
+  const std::string blocks = kBelow + std::string(", ") + kAbove;
+  const Run run = run_of(blocks, "displacement: 0.2 mm");
+  const std::string force = std::to_string(run.measures.get("force"));
+  const Run by_force = run_of(blocks, "force: " + force + " N, load_steps: 2");
+  CHECK(by_force.measures.get("depth") == Approx(0.2e-3).epsilon(1e-4));
+  CHECK(by_force.curve[0].measures.get("contact_force") == Approx(run.measures.get("force") / 2).epsilon(1e-5));
+  CHECK(by_force.remark == "");
+}
+
+TEST_CASE("a rigid part is pressed by its name", "[press]") {
+  const Run run = run_of(kBelow + std::string(", ") + kBone, "displacement: 0.1 mm, move: bone");
+  // The lower block alone at a stretch of 0.99: clamped below, so above that of a free bar, below that of one whose
+  // width is kept, which is 1.346 times as stiff with a Poisson's ratio of 0.3.
+  CHECK(run.measures.get("force") > 0.04029);
+  CHECK(run.measures.get("force") < 0.054);
+  CHECK(run.measures.get("contact_force") == Approx(run.measures.get("force")).epsilon(1e-6));
+  CHECK_THROWS_WITH(run_of(kBelow + std::string(", ") + kBone, "displacement: 0.1 mm"),
+                    Catch::Matchers::Contains("'bone' is rigid and only its end would be moved: say move: bone"));
+}
+
+TEST_CASE("force control follows a stiffening resistance", "[press]") {
+  ForceControl control(8, 0.1);
+  const auto resistance = [](double displacement) {
+    return displacement < 0.5 ? 0 : 4 * std::pow(displacement - 0.5, 2);
+  };  // 8 N at 0.5 + √2
+  for (const double part : {0.25, 0.5, 1.}) {
+    control.aim(part);
+    int solves = 1;
+    while (control.adjust(resistance(control.displacement()))) REQUIRE(++solves <= 12);
+    CHECK(resistance(control.displacement()) == Approx(8 * part).epsilon(1e-6));
+  }
+}
