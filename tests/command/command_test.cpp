@@ -137,6 +137,15 @@ TEST_CASE("exit code 1: an expectation or the run failed", "[command]") {
   CHECK_THAT(stopped.out, Contains("lattice: limit reached: no equilibrium within 1 Newton iteration"));
 }
 
+TEST_CASE("what rounding alone makes of the load is no equilibrium", "[command]") {
+  // Beside an end 10¹² times as stiff, forces are known no better than the load is large: the body did not move at all.
+  const TemporaryFolder folder;
+  const std::string contrast = text_of_file(ELASTIN_SOURCE_DIR "/scenes/hard/contrast.yaml");
+  const Said said = say("run " + folder.write("contrast.yaml", replaced(contrast, "1e6", "1e12")));
+  CHECK(said.code == 1);
+  CHECK_THAT(said.out, Catch::Contains("limit reached: the unbalanced force is") && Catch::Contains("rounding"));
+}
+
 TEST_CASE("run says how many steps were cut, and which cells are inverted at rest", "[command]") {
   const TemporaryFolder folder;
   const std::string block = folder.write("block.yaml", R"(body:
