@@ -52,7 +52,8 @@ void RigidMotions::remove_from(const Positions& positions, Positions& motions) c
           ordered_sum(n, [&](int a) { return motion(own, positions.col(a)).dot(motion(other, positions.col(a))); });
     }
   }
-  const Six whole = free_ * (inverse(products) * parts);
+  // Of molecules on a line the turn about it moves none: it is no motion to take out.
+  const Six whole = free_ * (symmetric_pseudoinverse(products) * parts);
   parallel_for(n, [&](int a) { motions.col(a) -= motion(whole, positions.col(a)); });
 }
 

@@ -109,6 +109,10 @@ StaticResponse static_response(Model& model, const Positions& at, const Position
                    : negative ? "the stiffness has directions of negative stiffness"
                               : "the linear solver ran out of iterations";
   }
+  if (!motion.allFinite()) {
+    result.outcome = Outcome::diverged;
+    result.cause = "the displacements are too large for numbers";
+  }
   add_prescribed_displacement(motion);
   tangent.apply(motion, rhs);
   rhs -= load_change;

@@ -41,7 +41,7 @@ TEST_CASE("a hanging chain stretches as its weight says", "[statics]") {
   // Connection i carries the weight of the n − i molecules below it.
   const int n = 30;
   const double k = 200, g = 9.81;
-  for (const char* method : {"pcg", "direct", "automatic"})
+  for (const char* method : {"pcg", "direct", "multigrid", "automatic"})
     for (const bool linear : {true, false}) {
       Chain chain(n, k);
       chain.model->add(make_gravity(chain.body, {g, 0, 0}));
