@@ -172,7 +172,8 @@ std::string calibration_unsuited(const Protocol& experiment, const Material& mat
   const StaticProtocol* at_rest = experiment.calibration();
   if (at_rest && calibrated_measure(*at_rest, material)) return "";
   return "the experiment " + experiment.name() + " measures on this body no modulus to calibrate to" +
-         (at_rest && at_rest->apparent() ? ": it is apparent" : "");
+         (at_rest && at_rest->apparent() ? ": its modulus is apparent, of the body's shape as well as of the material"
+                                         : "");
 }
 
 std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Protocol& experiment,

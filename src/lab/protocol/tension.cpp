@@ -45,9 +45,7 @@ class Tension final : public StaticProtocol {
   bool apparent() const override { return section_ && !section_->prism(); }
 
   std::string no_reference() const override {
-    if (apparent())
-      return "the body is no prism along the axis, so its modulus is apparent; state cross_section, or compare with " +
-             solid();
+    if (apparent()) return "the body is no prism along the axis, so its modulus is apparent; compare with " + solid();
     if (clamps_reach_gauge()) return "the grips clamp, so no specimen shows the material's E; compare with " + solid();
     return "";
   }
@@ -55,15 +53,15 @@ class Tension final : public StaticProtocol {
   std::vector<std::string> notes() const override {
     std::vector<std::string> notes;
     if (!section_) return notes;
-    if (section_->of_hull)
-      notes.push_back("cross-section of " + area_text() +
+    if (section_->of_hull && setup_.cross_section == 0)
+      notes.push_back("cross-section of " + area_text(area_) +
                       ": the convex hull of the molecules seen along the axis; the "
                       "body has no cells that tell its volume");
     if (apparent()) {
       char percent[16];
       std::snprintf(percent, sizeof percent, "%.0f %%", 100 * section_->variation);
       notes.push_back("effective_modulus is apparent: the section varies by " + std::string(percent) +
-                      " along the axis about its mean of " + area_text());
+                      " along the axis about its mean of " + area_text(section_->area));
     }
     return notes;
   }
@@ -112,16 +110,15 @@ class Tension final : public StaticProtocol {
     }
   }
 
-  /// The scene's own, or that of the body, between the gauge planes if there are any.
+  /// The scene's own area, or that of the body, between the gauge planes if there are any. An area that is stated makes
+  /// no prism of a body whose cells say that it is none.
   void choose_section() {
-    area_ = setup_.cross_section;
-    if (area_ == 0) {
-      const double low = height_.minCoeff(), high = height_.maxCoeff();
-      section_ = setup_.gauge ? find_section(body_, setup_.axis, low + (*setup_.gauge)[0],
-                                             std::min(high, low + (*setup_.gauge)[1]), setup_.thickness)
-                              : find_section(body_, setup_.axis, low, high, setup_.thickness);
-      area_ = section_->area;
-    }
+    const double low = height_.minCoeff(), high = height_.maxCoeff();
+    section_ = setup_.gauge ? find_section(body_, setup_.axis, low + (*setup_.gauge)[0],
+                                           std::min(high, low + (*setup_.gauge)[1]), setup_.thickness)
+                            : find_section(body_, setup_.axis, low, high, setup_.thickness);
+    area_ = setup_.cross_section > 0 ? setup_.cross_section : section_->area;
+    if (setup_.cross_section > 0 && section_->of_hull) section_.reset();
     if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
   }
 
@@ -139,9 +136,9 @@ class Tension final : public StaticProtocol {
                                                                 : "the solid itself (neo_hookean, refined)";
   }
 
-  std::string area_text() const {
+  static std::string area_text(double area) {
     char text[32];
-    std::snprintf(text, sizeof text, "%.4g mm2", 1e6 * area_);
+    std::snprintf(text, sizeof text, "%.4g mm2", 1e6 * area);
     return text;
   }
 
@@ -242,7 +239,7 @@ class Tension final : public StaticProtocol {
   std::vector<int> fixed_, loaded_, middle_;
   VectorX share_, fixed_share_;  // of the load, sum 1
   double area_ = 0, gauge_length_ = 0;
-  std::optional<Section> section_;  // where the scene states none
+  std::optional<Section> section_;  // none where the scene states it and the body has no cells to tell
   Eigen::Index corner_ = 0;         // index into loaded_
   std::array<std::vector<std::pair<int, double>>, 2> crossings_;
 };
