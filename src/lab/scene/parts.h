@@ -74,6 +74,7 @@ std::vector<KeySection> expectation_keys();
 std::vector<KeySection> body_keys();
 std::vector<KeySection> surface_keys();
 std::vector<KeySection> fill_keys();
+SceneKey order_key();
 std::vector<KeySection> bodies_keys();
 std::vector<KeySection> material_keys();
 std::vector<KeySection> strategy_keys(const Catalog& catalog);
