@@ -9,32 +9,36 @@ namespace {
 
 // The MSH file format, versions 2.2 and 4.1: Gmsh reference manual, chapter "File formats". The names say what Gmsh
 // counts.
+constexpr int kTetrahedron10[] = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
+constexpr int kHexahedron20[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15};
+constexpr int kHexahedron27[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  11, 13, 9,  16, 18,
+                                 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26};
 constexpr CellType gmsh_cell_types[] = {
-    {1, CellKind::line, 2, "line"},
-    {2, CellKind::triangle, 3, "triangle"},
-    {3, CellKind::refused, 4, "quadrangle"},
-    {4, CellKind::tetrahedron, 4, "tetrahedron"},
-    {5, CellKind::refused, 8, "hexahedron"},
-    {6, CellKind::refused, 6, "prism"},
-    {7, CellKind::refused, 5, "pyramid"},
-    {8, CellKind::line, 3, "quadratic line"},
-    {9, CellKind::refused, 6, "quadratic triangle with 6 points"},
-    {10, CellKind::refused, 9, "quadratic quadrangle with 9 points"},
-    {11, CellKind::refused, 10, "quadratic tetrahedron with 10 points"},
-    {12, CellKind::refused, 27, "quadratic hexahedron with 27 points"},
-    {13, CellKind::refused, 18, "quadratic prism with 18 points"},
-    {14, CellKind::refused, 14, "quadratic pyramid with 14 points"},
-    {15, CellKind::point, 1, "point"},
-    {16, CellKind::refused, 8, "quadratic quadrangle with 8 points"},
-    {17, CellKind::refused, 20, "quadratic hexahedron with 20 points"},
-    {18, CellKind::refused, 15, "quadratic prism with 15 points"},
-    {19, CellKind::refused, 13, "quadratic pyramid with 13 points"},
-    {20, CellKind::refused, 9, "cubic triangle with 9 points"},
-    {21, CellKind::refused, 10, "cubic triangle with 10 points"},
-    {26, CellKind::line, 4, "cubic line"},
-    {27, CellKind::line, 5, "quartic line"},
-    {28, CellKind::line, 6, "quintic line"},
-    {29, CellKind::refused, 20, "cubic tetrahedron with 20 points"},
+    {1, CellUse::line, 2, "line"},
+    {2, CellUse::triangle, 3, "triangle"},
+    {3, CellUse::refused, 4, "quadrangle"},
+    {4, CellUse::tetrahedron, 4, "tetrahedron"},
+    {5, CellUse::cell, 8, "hexahedron", "hexahedron8"},
+    {6, CellUse::cell, 6, "prism", "prism6"},
+    {7, CellUse::refused, 5, "pyramid"},
+    {8, CellUse::line, 3, "quadratic line"},
+    {9, CellUse::cell, 6, "quadratic triangle with 6 points", "triangle6"},
+    {10, CellUse::refused, 9, "quadratic quadrangle with 9 points"},
+    {11, CellUse::cell, 10, "quadratic tetrahedron with 10 points", "tetrahedron10", kTetrahedron10},
+    {12, CellUse::cell, 27, "quadratic hexahedron with 27 points", "hexahedron27", kHexahedron27},
+    {13, CellUse::refused, 18, "quadratic prism with 18 points"},
+    {14, CellUse::refused, 14, "quadratic pyramid with 14 points"},
+    {15, CellUse::point, 1, "point"},
+    {16, CellUse::refused, 8, "quadratic quadrangle with 8 points"},
+    {17, CellUse::cell, 20, "quadratic hexahedron with 20 points", "hexahedron20", kHexahedron20},
+    {18, CellUse::refused, 15, "quadratic prism with 15 points"},
+    {19, CellUse::refused, 13, "quadratic pyramid with 13 points"},
+    {20, CellUse::refused, 9, "cubic triangle with 9 points"},
+    {21, CellUse::refused, 10, "cubic triangle with 10 points"},
+    {26, CellUse::line, 4, "cubic line"},
+    {27, CellUse::line, 5, "quartic line"},
+    {28, CellUse::line, 6, "quintic line"},
+    {29, CellUse::refused, 20, "cubic tetrahedron with 20 points"},
 };
 
 struct Format {
@@ -169,16 +173,16 @@ void read_cell(Cursor& in, std::size_t at, long long name, long long code, Numbe
                MeshBuilder& mesh) {
   const CellType& type = find_cell_type(gmsh_cell_types, code);
   const auto cell = [&] { return "cell " + std::to_string(name); };
-  if (type.kind == CellKind::refused) in.fail(at, cell() + refusal(type, code));
-  std::array<int, 4> corners{};
+  if (type.use == CellUse::refused) in.fail(at, cell() + refusal(type, code));
+  std::array<int, 27> corners{};
   for (int corner = 0; corner < type.points; ++corner) {
     const std::size_t corner_at = in.next_at();
     const long long tag = in.integer("a point of a cell", width);
     const int point = tags.find(tag);
     if (point < 0) in.fail(corner_at, cell() + " uses point " + std::to_string(tag) + ", which $Nodes does not have");
-    if (corner < 4) corners[static_cast<std::size_t>(corner)] = point;
+    corners[static_cast<std::size_t>(corner)] = point;
   }
-  const std::string problem = mesh.add_cell(type.kind, corners);
+  const std::string problem = mesh.add_cell(type, {corners.data(), static_cast<std::size_t>(type.points)});
   if (!problem.empty()) in.fail(at, cell() + problem);
 }
 

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
+#include <limits>
 #include <utility>
 
 #include "elastin/core/base/error.h"
@@ -45,17 +47,26 @@ void renumber(const std::vector<int>& new_number, std::vector<std::array<int, co
     for (int& corner : cell) corner = new_number[static_cast<std::size_t>(corner)];
 }
 
+template <std::size_t corners>
+void add_as_block(const char* name, const std::vector<std::array<int, corners>>& cells,
+                  std::vector<CellBlock>& blocks) {
+  if (cells.empty()) return;
+  CellBlock block{&cell_kind(name), {}, {}};
+  for (const auto& cell : cells) block.nodes.insert(block.nodes.end(), cell.begin(), cell.end());
+  blocks.push_back(std::move(block));
+}
+
 }  // namespace
 
 const CellType& find_cell_type(std::span<const CellType> types, long long code) {
-  static const CellType unknown{-1, CellKind::refused, 0, "cell of unknown type"};
+  static const CellType unknown{-1, CellUse::refused, 0, "cell of unknown type"};
   const auto found = std::find_if(types.begin(), types.end(), [&](const CellType& type) { return type.code == code; });
   return found == types.end() ? unknown : *found;
 }
 
 std::string refusal(const CellType& type, long long code) {
   return std::string(" is a ") + type.name + " (type " + std::to_string(code) +
-         "); only linear tetrahedra and triangles are used: mesh with linear tetrahedra, e.g. gmsh -3 -order 1";
+         "); allowed: triangles of 3 and 6 points, tetrahedra of 4 and 10, prisms of 6, hexahedra of 8, 20 and 27";
 }
 
 int MeshBuilder::point_at(const Vector3& position) {
@@ -65,22 +76,64 @@ int MeshBuilder::point_at(const Vector3& position) {
   return found->second;
 }
 
-std::string MeshBuilder::add_cell(CellKind kind, std::array<int, 4> corners) {
-  switch (kind) {
-    case CellKind::tetrahedron:
-      return add_tetrahedron(corners);
-    case CellKind::triangle:
-      return add_triangle({corners[0], corners[1], corners[2]});
-    case CellKind::line:
+std::string MeshBuilder::add_cell(const CellType& type, std::span<const int> points) {
+  switch (type.use) {
+    case CellUse::tetrahedron:
+      return add_tetrahedron({points[0], points[1], points[2], points[3]});
+    case CellUse::triangle:
+      return add_triangle({points[0], points[1], points[2]});
+    case CellUse::cell:
+      return add_block_cell(type, points);
+    case CellUse::line:
       ++lines_;
       return "";
-    case CellKind::point:
+    case CellUse::point:
       ++single_points_;
       return "";
-    case CellKind::refused:
+    case CellUse::refused:
       break;
   }
   return " is not used";
+}
+
+/// The numbers of a cell's nodes when it is seen in a mirror: ξ and η change places.
+std::vector<std::size_t> mirrored(const CellKind& kind) {
+  std::vector<std::size_t> order;
+  for (int a = 0; a < kind.nodes; ++a) {
+    VectorX place = kind.reference.col(a);
+    std::swap(place[0], place[1]);
+    for (int b = 0; b < kind.nodes; ++b)
+      if ((kind.reference.col(b) - place).norm() < 1e-9) order.push_back(static_cast<std::size_t>(b));
+  }
+  return order;
+}
+
+std::string MeshBuilder::add_block_cell(const CellType& type, std::span<const int> points) {
+  const CellKind& kind = cell_kind(type.shape);
+  std::vector<int> nodes(points.begin(), points.end());
+  for (std::size_t a = 0; a < type.order.size(); ++a) nodes[a] = points[static_cast<std::size_t>(type.order[a])];
+  Eigen::MatrixXd x(3, kind.nodes);
+  for (int a = 0; a < kind.nodes; ++a) x.col(a) = points_[static_cast<std::size_t>(nodes[static_cast<std::size_t>(a)])];
+  double longest = 0, least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const auto& [a, b] : kind.edges) longest = std::max(longest, (x.col(a) - x.col(b)).norm());
+  for (const auto& slopes : kind.slopes) {
+    const Eigen::MatrixXd edges = x * slopes.transpose();
+    const Vector3 first = edges.col(0), second = edges.col(1), normal = first.cross(second);
+    const double measure = kind.dimensions == 2 ? normal.norm() : normal.dot(Vector3(edges.col(2)));
+    least = std::min(least, measure), most = std::max(most, measure);
+  }
+  if (most < 0) {
+    std::vector<int> turned;
+    for (const std::size_t a : mirrored(kind)) turned.push_back(nodes[a]);
+    nodes = std::move(turned);
+    std::swap(least = -least, most = -most);
+  }
+  auto block = std::find_if(blocks_.begin(), blocks_.end(), [&](const CellBlock& own) { return own.kind == &kind; });
+  if (block == blocks_.end()) block = blocks_.insert(block, CellBlock{&kind, {}, {}});
+  block->nodes.insert(block->nodes.end(), nodes.begin(), nodes.end());
+  if (least > flat * std::pow(longest, kind.dimensions)) return "";
+  return std::string(" is a flat or folded ") + std::string(kind.name) +
+         ": it has no volume at one of the points where it is integrated; remove it, or mesh again";
 }
 
 std::string MeshBuilder::add_triangle(const std::array<int, 3>& corners) {
@@ -111,27 +164,50 @@ std::string MeshBuilder::add_tetrahedron(std::array<int, 4> corners) {
 }
 
 Mesh MeshBuilder::finish(const std::string& path) const {
-  if (tetrahedra_.empty() && triangles_.empty())
-    throw InputError(SourceLocation{path, 0, 0},
-                     "no tetrahedra and no triangles; mesh with linear tetrahedra, e.g. gmsh -3 -order 1");
+  if (tetrahedra_.empty() && triangles_.empty() && blocks_.empty())
+    throw InputError(SourceLocation{path, 0, 0}, "no tetrahedra and no triangles; mesh with them, e.g. gmsh -3");
   Mesh mesh;
-  mesh.tetrahedra = tetrahedra_;
-  if (tetrahedra_.empty()) mesh.triangles = triangles_;
+  const auto of = [](int dimensions) {
+    return [dimensions](const CellBlock& block) { return block.kind->dimensions == dimensions; };
+  };
+  const bool solid = !tetrahedra_.empty() || std::any_of(blocks_.begin(), blocks_.end(), of(3));
+  std::copy_if(blocks_.begin(), blocks_.end(), std::back_inserter(mesh.blocks), of(solid ? 3 : 2));
+  if (solid)
+    mesh.tetrahedra = tetrahedra_;
+  else
+    mesh.triangles = triangles_;
+  if (!mesh.blocks.empty()) {  // then they have all cells
+    add_as_block("tetrahedron4", mesh.tetrahedra, mesh.blocks);
+    add_as_block("triangle3", mesh.triangles, mesh.blocks);
+    mesh.tetrahedra.clear(), mesh.triangles.clear();
+  }
 
   std::vector<int> new_number(points_.size(), -1);
   mark_used(mesh.tetrahedra, new_number);
   mark_used(mesh.triangles, new_number);
+  for (const CellBlock& block : mesh.blocks)
+    for (const int node : block.nodes) new_number[static_cast<std::size_t>(node)] = 0;
   int used = 0;
   for (int& molecule : new_number)
     if (molecule == 0) molecule = used++;
   renumber(new_number, mesh.tetrahedra);
   renumber(new_number, mesh.triangles);
+  for (CellBlock& block : mesh.blocks)
+    for (int& node : block.nodes) node = new_number[static_cast<std::size_t>(node)];
   mesh.points.resize(3, used);
   for (std::size_t point = 0; point < points_.size(); ++point)
     if (new_number[point] >= 0) mesh.points.col(new_number[point]) = points_[point];
 
   const std::size_t unused = points_.size() - static_cast<std::size_t>(used);
-  const std::size_t faces = tetrahedra_.empty() ? 0 : triangles_.size();
+  std::size_t faces = solid ? triangles_.size() : 0;
+  for (const CellBlock& block : blocks_)
+    if (solid && block.kind->dimensions == 2) faces += static_cast<std::size_t>(block.size());
+  if (!mesh.blocks.empty()) {
+    Body simplices;
+    simplices.rest = mesh.points, simplices.blocks = mesh.blocks;
+    set_simplices(simplices);
+    mesh.triangles = std::move(simplices.triangles), mesh.tetrahedra = std::move(simplices.tetrahedra);
+  }
   std::vector<std::string> parts;
   if (lines_ > 0) parts.push_back(counted(lines_, "line"));
   if (single_points_ > 0) parts.push_back(counted(single_points_, "point"));
@@ -147,9 +223,9 @@ namespace {
 using Reader = void (*)(Cursor, MeshBuilder&);
 
 std::pair<std::string, Reader> reader_for(const std::string& path) {
-  static constexpr std::pair<const char*, Reader> readers[] = {{".msh", read_gmsh}, {".vtk", read_vtk},
-                                                               {".vtu", read_vtu},  {".ply", read_ply},
-                                                               {".obj", nullptr},   {".stl", nullptr}};
+  static constexpr std::pair<const char*, Reader> readers[] = {
+      {".msh", read_gmsh}, {".vtk", read_vtk}, {".vtu", read_vtu}, {".inp", read_inp},
+      {".ply", read_ply},  {".obj", nullptr},  {".stl", nullptr}};
   const std::string name = path.substr(path.find_last_of('/') + 1);
   std::string ending = name.find('.') == std::string::npos ? "" : name.substr(name.rfind('.'));
   for (char& letter : ending) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));

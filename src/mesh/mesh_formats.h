@@ -10,20 +10,23 @@
 
 namespace elastin::mesh::format {
 
-enum class CellKind { point, line, triangle, tetrahedron, refused };
+/// What a kind of cell is good for; `cell` is one of the table of shapes (CellKind).
+enum class CellUse { point, line, triangle, tetrahedron, cell, refused };
 
 /// A kind of cell by the number that a file format gives it.
 struct CellType {
   int code;
-  CellKind kind;
+  CellUse use;
   int points;  ///< 0 = any number
   const char* name;
+  const char* shape = "";           ///< its name in the table of shapes
+  std::span<const int> order = {};  ///< where the file has each of the shape's nodes; empty = in the same order
 };
 
 /// Where `types` has the code; a refused type with the name "cell of unknown type" otherwise.
 const CellType& find_cell_type(std::span<const CellType> types, long long code);
 
-/// " is a …: mesh with linear tetrahedra …", for cells that Elastin does not use.
+/// " is a …; allowed: …", for cells that Elastin does not use.
 std::string refusal(const CellType& type, long long code);
 
 /// Collects points and cells, and makes the mesh of them.
@@ -33,20 +36,22 @@ class MeshBuilder {
   void add_point(const Vector3& point) { points_.push_back(point); }
   /// The point that this one took first at the same position, in single precision; adds it if there is none.
   int point_at(const Vector3& position);
-  /// Takes a cell that is not refused, its corners less than point_count() where the kind has them. Returns what is
+  /// Takes a cell that is not refused, its points less than point_count() and in the file's order. Returns what is
   /// wrong with it (" is a flat triangle: …"), or "".
-  std::string add_cell(CellKind kind, std::array<int, 4> corners);
+  std::string add_cell(const CellType& type, std::span<const int> points);
+  std::string add_triangle(const std::array<int, 3>& corners);
   /// Leaves out what is not used. Throws InputError where there are neither tetrahedra nor triangles.
   Mesh finish(const std::string& path) const;
 
  private:
-  std::string add_triangle(const std::array<int, 3>& corners);
   std::string add_tetrahedron(std::array<int, 4> corners);
+  std::string add_block_cell(const CellType& type, std::span<const int> points);
 
   std::vector<Vector3> points_;
   std::map<std::array<float, 3>, int> positions_;  ///< of point_at
   Cells<3> triangles_;
   Cells<4> tetrahedra_;
+  std::vector<CellBlock> blocks_;
   std::size_t lines_ = 0;
   std::size_t single_points_ = 0;
 };
@@ -65,6 +70,9 @@ void add_range(const Integers& offsets, std::size_t number, std::size_t size, st
 
 /// Adds the cells, whose corners count from the mesh's point `first_point` on.
 void add_vtk_cells(const VtkCells& cells, int first_point, MeshBuilder& mesh);
+
+/// Abaqus: *NODE and *ELEMENT of its input files.
+void read_inp(Cursor in, MeshBuilder& mesh);
 
 void read_gmsh(Cursor in, MeshBuilder& mesh);
 void read_vtk(Cursor in, MeshBuilder& mesh);

@@ -147,7 +147,7 @@ void read_face(Cursor& in, std::size_t number, const Property& corners, const st
     corner.push_back(points[static_cast<std::size_t>(vertex)]);
   }
   for (std::size_t i = 2; i < size; ++i) {
-    const std::string problem = mesh.add_cell(CellKind::triangle, {corner[0], corner[i - 1], corner[i], 0});
+    const std::string problem = mesh.add_triangle({corner[0], corner[i - 1], corner[i]});
     if (!problem.empty()) in.fail(at, "face " + std::to_string(number) + problem);
   }
 }

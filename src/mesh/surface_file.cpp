@@ -31,10 +31,10 @@ void read_surface(const File& file, const std::string& ending, MeshBuilder& mesh
       const aiFace& corners = piece.mFaces[face];
       std::array<int, 4> cell{};
       for (unsigned i = 0; i < corners.mNumIndices && i < 3; ++i) cell[i] = point[corners.mIndices[i]];
-      const CellKind kind = corners.mNumIndices == 3   ? CellKind::triangle
-                            : corners.mNumIndices == 2 ? CellKind::line
-                                                       : CellKind::point;
-      const std::string wrong = mesh.add_cell(kind, cell);
+      const CellUse use = corners.mNumIndices == 3   ? CellUse::triangle
+                          : corners.mNumIndices == 2 ? CellUse::line
+                                                     : CellUse::point;
+      const std::string wrong = mesh.add_cell({0, use, 0, ""}, cell);
       if (!wrong.empty()) refuse("face " + std::to_string(number) + wrong);
     }
   }

@@ -9,39 +9,39 @@ namespace {
 
 // The cell types of VTK: vtkCellType.h.
 constexpr CellType cell_types[] = {
-    {0, CellKind::point, 0, "empty cell"},
-    {1, CellKind::point, 0, "point"},
-    {2, CellKind::point, 0, "set of points"},
-    {3, CellKind::line, 0, "line"},
-    {4, CellKind::line, 0, "polyline"},
-    {5, CellKind::triangle, 3, "triangle"},
-    {6, CellKind::refused, 0, "triangle strip"},
-    {7, CellKind::refused, 0, "polygon"},
-    {8, CellKind::refused, 4, "pixel"},
-    {9, CellKind::refused, 4, "quadrangle"},
-    {10, CellKind::tetrahedron, 4, "tetrahedron"},
-    {11, CellKind::refused, 8, "voxel"},
-    {12, CellKind::refused, 8, "hexahedron"},
-    {13, CellKind::refused, 6, "prism"},
-    {14, CellKind::refused, 5, "pyramid"},
-    {21, CellKind::line, 0, "quadratic line"},
-    {22, CellKind::refused, 6, "quadratic triangle with 6 points"},
-    {23, CellKind::refused, 8, "quadratic quadrangle with 8 points"},
-    {24, CellKind::refused, 10, "quadratic tetrahedron with 10 points"},
-    {25, CellKind::refused, 20, "quadratic hexahedron with 20 points"},
-    {26, CellKind::refused, 15, "quadratic prism with 15 points"},
-    {27, CellKind::refused, 13, "quadratic pyramid with 13 points"},
-    {28, CellKind::refused, 9, "quadratic quadrangle with 9 points"},
-    {29, CellKind::refused, 27, "quadratic hexahedron with 27 points"},
-    {34, CellKind::refused, 7, "quadratic triangle with 7 points"},
-    {35, CellKind::line, 0, "cubic line"},
-    {42, CellKind::refused, 0, "polyhedron"},
-    {68, CellKind::line, 0, "Lagrange line"},
-    {69, CellKind::refused, 0, "Lagrange triangle"},
-    {71, CellKind::refused, 0, "Lagrange tetrahedron"},
-    {75, CellKind::line, 0, "Bezier line"},
-    {76, CellKind::refused, 0, "Bezier triangle"},
-    {78, CellKind::refused, 0, "Bezier tetrahedron"},
+    {0, CellUse::point, 0, "empty cell"},
+    {1, CellUse::point, 0, "point"},
+    {2, CellUse::point, 0, "set of points"},
+    {3, CellUse::line, 0, "line"},
+    {4, CellUse::line, 0, "polyline"},
+    {5, CellUse::triangle, 3, "triangle"},
+    {6, CellUse::refused, 0, "triangle strip"},
+    {7, CellUse::refused, 0, "polygon"},
+    {8, CellUse::refused, 4, "pixel"},
+    {9, CellUse::refused, 4, "quadrangle"},
+    {10, CellUse::tetrahedron, 4, "tetrahedron"},
+    {11, CellUse::refused, 8, "voxel"},
+    {12, CellUse::cell, 8, "hexahedron", "hexahedron8"},
+    {13, CellUse::cell, 6, "prism", "prism6"},
+    {14, CellUse::refused, 5, "pyramid"},
+    {21, CellUse::line, 0, "quadratic line"},
+    {22, CellUse::cell, 6, "quadratic triangle with 6 points", "triangle6"},
+    {23, CellUse::refused, 8, "quadratic quadrangle with 8 points"},
+    {24, CellUse::cell, 10, "quadratic tetrahedron with 10 points", "tetrahedron10"},
+    {25, CellUse::cell, 20, "quadratic hexahedron with 20 points", "hexahedron20"},
+    {26, CellUse::refused, 15, "quadratic prism with 15 points"},
+    {27, CellUse::refused, 13, "quadratic pyramid with 13 points"},
+    {28, CellUse::refused, 9, "quadratic quadrangle with 9 points"},
+    {29, CellUse::cell, 27, "quadratic hexahedron with 27 points", "hexahedron27"},
+    {34, CellUse::refused, 7, "quadratic triangle with 7 points"},
+    {35, CellUse::line, 0, "cubic line"},
+    {42, CellUse::refused, 0, "polyhedron"},
+    {68, CellUse::line, 0, "Lagrange line"},
+    {69, CellUse::refused, 0, "Lagrange triangle"},
+    {71, CellUse::refused, 0, "Lagrange tetrahedron"},
+    {75, CellUse::line, 0, "Bezier line"},
+    {76, CellUse::refused, 0, "Bezier triangle"},
+    {78, CellUse::refused, 0, "Bezier tetrahedron"},
 };
 
 /// The types of numbers in legacy files; vtkIdType is written as int. [vtkDataReader::ReadArray]
@@ -93,7 +93,8 @@ class LegacyReader {
   Cursor in_;
   MeshBuilder& mesh_;
   bool binary_ = false;
-  bool offsets_ = false;  // of format 5.1
+  bool offsets_ = false;   // of format 5.1
+  bool polygons_ = false;  // a surface: POLYGONS without CELL_TYPES
   bool have_points_ = false;
   std::optional<Integers> corners_, types_;
   std::vector<std::size_t> first_, count_;
@@ -115,8 +116,9 @@ void LegacyReader::read_header() {
     in_.fail(in_.at() - encoding.size(), "expected ASCII or BINARY, found " + quoted(encoding));
   in_.expect("DATASET");
   const std::string kind = upper(in_.word("UNSTRUCTURED_GRID"));
-  if (kind != "UNSTRUCTURED_GRID")
-    in_.fail(in_.at() - kind.size(), "expected UNSTRUCTURED_GRID, found " + quoted(kind) +
+  polygons_ = kind == "POLYDATA";
+  if (!polygons_ && kind != "UNSTRUCTURED_GRID")
+    in_.fail(in_.at() - kind.size(), "expected UNSTRUCTURED_GRID or POLYDATA, found " + quoted(kind) +
                                          "; save the mesh as an unstructured grid of tetrahedra or triangles");
 }
 
@@ -225,16 +227,22 @@ void LegacyReader::once(bool there, const std::string& section, std::size_t at) 
 
 /// False where the cells' and points' own data begin, which nobody needs.
 bool LegacyReader::read_section() {
-  const std::string name = upper(in_.word(!have_points_ ? "POINTS" : !corners_ ? "CELLS" : "CELL_TYPES"));
+  const char* cells = polygons_ ? "POLYGONS" : "CELLS";
+  const std::string name = upper(in_.word(!have_points_ ? "POINTS" : !corners_ ? cells : "CELL_TYPES"));
   const std::size_t at = in_.at() - name.size();
   if (name == "CELL_DATA" || name == "POINT_DATA") return false;
   if (name == "POINTS") {
     once(have_points_, name, at);
     read_points();
-  } else if (name == "CELLS") {
+  } else if (name == cells) {
     once(corners_.has_value(), name, at);
+    const Cursor before = in_;
     read_cells();
-  } else if (name == "CELL_TYPES") {
+    if (polygons_) {
+      types_ = Integers{before, int32, {}};
+      for (const std::size_t count : count_) types_->values.push_back(count == 3 ? 5 : 7);
+    }
+  } else if (name == "CELL_TYPES" && !polygons_) {
     once(types_.has_value(), name, at);
     read_cell_types();
   } else if (name == "FIELD") {
@@ -243,7 +251,8 @@ bool LegacyReader::read_section() {
     in_.line();
     while (in_.left() > 0 && !in_.line().empty()) continue;
   } else {
-    in_.fail(at, "expected POINTS, CELLS, CELL_TYPES, FIELD or METADATA; found " + quoted(name));
+    in_.fail(at, std::string("expected POINTS, ") + (polygons_ ? "POLYGONS" : "CELLS, CELL_TYPES") +
+                     ", FIELD or METADATA; found " + quoted(name));
   }
   in_.begin_text();
   return true;
@@ -255,7 +264,7 @@ void LegacyReader::read() {
   if (!have_points_ || !corners_ || !types_)
     in_.fail(in_.at(), std::string("expected ") +
                            (!have_points_ ? "POINTS"
-                            : !corners_   ? "CELLS"
+                            : !corners_   ? (polygons_ ? "POLYGONS" : "CELLS")
                                           : "CELL_TYPES") +
                            " before this");
   add_vtk_cells({std::move(*corners_), std::move(first_), std::move(count_), std::move(*types_)}, 0, mesh_);
@@ -283,19 +292,19 @@ void add_vtk_cells(const VtkCells& cells, int first_point, MeshBuilder& mesh) {
     const auto name = [&] { return "cell " + std::to_string(cell) + " (counted from 0)"; };
     const long long code = cells.types.values[cell];
     const CellType& type = find_cell_type(cell_types, code);
-    if (type.kind == CellKind::refused) cells.types.fail(cell, name() + refusal(type, code));
+    if (type.use == CellUse::refused) cells.types.fail(cell, name() + refusal(type, code));
     const std::size_t first = cells.first[cell];
     if (type.points > 0 && cells.count[cell] != static_cast<std::size_t>(type.points))
       cells.corners.fail(first, name() + " is a " + type.name + " of " + std::to_string(cells.count[cell]) + " points");
-    std::array<int, 4> corners{};
+    std::vector<int> corners;
     for (std::size_t corner = 0; corner < cells.count[cell]; ++corner) {
       const long long point = cells.corners.values[first + corner];
       if (point < 0 || point >= points)
         cells.corners.fail(first + corner, name() + " uses point " + std::to_string(point) + ", but there are " +
                                                std::to_string(points) + " points, counted from 0");
-      if (corner < 4) corners[corner] = first_point + static_cast<int>(point);
+      corners.push_back(first_point + static_cast<int>(point));
     }
-    const std::string problem = mesh.add_cell(type.kind, corners);
+    const std::string problem = mesh.add_cell(type, corners);
     if (!problem.empty()) cells.corners.fail(first, name() + problem);
   }
 }

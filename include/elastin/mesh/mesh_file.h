@@ -10,16 +10,19 @@ struct Mesh {
   Positions points;     ///< in the file's own length unit; points that no kept cell uses are left out
   Cells<3> triangles;   ///< of the file; kept only where the file has no tetrahedra (else they are its boundary faces)
   Cells<4> tetrahedra;  ///< re-ordered to positive volume where the file has the mirrored order
+  /// All cells, where the file has others than tetrahedra or triangles of first order; then `triangles` and
+  /// `tetrahedra` are the simplices that their nodes make, as in Body.
+  std::vector<CellBlock> blocks;
   std::string comment;  ///< what was left out, e.g. "12 lines, 3 points and 4 unused points left out"; empty if nothing
 };
 
 /// Reads Gmsh .msh (2.2 and 4.1, ASCII and binary), legacy VTK .vtk (unstructured grid, ASCII and binary) and VTK XML
 /// .vtu (ASCII, base64 and raw appended, plain and zlib-compressed), and surfaces of triangles from .ply (ASCII and
 /// binary), .obj and .stl (corners at the same position are one point, in single precision; errors of the last two name
-/// the face), chosen by the file's ending. Linear tetrahedra and triangles are used; quadratic ones (and hexahedra,
-/// prisms, pyramids) are refused by name; points, lines ignored. Throws InputError with file:line:column and what was
-/// expected: missing file, unknown ending or version, a truncated section, an index that names no point, a coordinate
-/// that is not finite, no triangle and no tetrahedron, a flat cell.
+/// the face), and Abaqus .inp (*NODE, *ELEMENT), chosen by the file's ending. Cells of the table of shapes are used;
+/// others (pyramids, quadrangles, prisms of second order) are refused by name; points, lines ignored. Throws InputError
+/// with file:line:column and what was expected: missing file, unknown ending or version, a truncated section, an index
+/// that names no point, a coordinate that is not finite, no triangle and no tetrahedron, a flat cell.
 Mesh load_mesh(const std::string& path);
 
 }  // namespace elastin::mesh

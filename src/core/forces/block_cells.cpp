@@ -8,6 +8,7 @@
 
 #include "core/base/rows.h"
 #include "core/model/block_geometry.h"
+#include "core/model/incidence.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/dense.h"
 
@@ -128,6 +129,42 @@ class BlockCells final : public Elasticity {
       }
       return sum;
     });
+  }
+
+  void show(const Positions& positions, VectorX& force_densities, const StateVisitor& visit) const override {
+    const std::vector<int> connections = connections_of_some_pairs(body_.connections, block_.nodes, kind_.nodes);
+    for (int cell = 0; cell < block_.size(); ++cell) {
+      Strains now;
+      set_strains(positions, cell, now);
+      std::array<Square, kMostPoints> S;
+      laws_->stresses(cell, span(now.A), span(S));
+      std::array<double, kMostPoints> p;
+      set_pressures(cell, now, p);
+      CellState state;
+      double rest_size = 0, size = 0;
+      for (int g = 0; g < points_; ++g) {
+        const auto at = static_cast<std::size_t>(g);
+        const double weight = rest(cell, g).weight;
+        const Square C = Square::Identity() + now.A[at];
+        if constexpr (d == 3)
+          if (!volume_.empty()) S[at] += p[at] * std::max(0., 1 + now.swelling[at]) * C.inverse();
+        const Gradient E = frame(cell, g);
+        state.strain += weight / 2 * E * now.A[at] * E.transpose();
+        state.stress += weight * now.F[at] * S[at] * now.F[at].transpose();
+        rest_size += weight, size += weight * std::sqrt(std::max(0., C.determinant()));
+        const Eigen::Matrix<double, d, Eigen::Dynamic> B = rest_gradients(cell, g);
+        const Eigen::Matrix<double, d, Eigen::Dynamic> SB = S[at] * B;
+        std::size_t pair =
+            static_cast<std::size_t>(cell) * static_cast<std::size_t>(kind_.nodes * (kind_.nodes - 1) / 2);
+        for (int a = 0; a < kind_.nodes; ++a)
+          for (int b = a + 1; b < kind_.nodes; ++b, ++pair)
+            if (connections[pair] >= 0) force_densities[connections[pair]] -= weight * B.col(a).dot(SB.col(b));
+      }
+      state.strain /= rest_size;
+      if (size > 0) state.stress /= size;
+      if (!state.stress.allFinite()) state.stress.setZero();
+      visit(block_, cell, state);
+    }
   }
 
   void linearise(const Positions& positions) override {

@@ -95,10 +95,13 @@ double Model::load_energy(const State& state) const {
   return energy;
 }
 
-VectorX Model::force_densities(const Positions& positions) const {
+VectorX Model::force_densities(const Positions& positions, const Elasticity::StateVisitor& visit) const {
   VectorX force_densities = VectorX::Zero(body_->connections.size());
   Workspace workspace;
-  for (const auto& term : elasticity_) term->add_force_densities(positions, force_densities, workspace);
+  for (const auto& term : elasticity_) {
+    term->add_force_densities(positions, force_densities, workspace);
+    if (term->at_nodes()) term->show(positions, force_densities, visit);
+  }
   return force_densities;
 }
 

@@ -57,6 +57,9 @@ class Sum final : public Elasticity {
     for (const auto& term : terms_) sum += term->internal_force(positions);
     return sum;
   }
+  void show(const Positions& positions, VectorX& force_densities, const StateVisitor& visit) const override {
+    for (const auto& term : terms_) term->show(positions, force_densities, visit);
+  }
   void visit_points(const PointVisitor& visit) const override {
     for (const auto& term : terms_) term->visit_points(visit);
   }

@@ -28,6 +28,17 @@ void set_simplices(Body& body) {
   body.connections = connections_of_cells(body.rest, body.triangles, body.tetrahedra);
 }
 
+std::size_t cells_in_blocks(const Body& body) {
+  std::size_t count = 0;
+  for (const CellBlock& block : body.blocks) count += static_cast<std::size_t>(block.size());
+  return count;
+}
+
+std::size_t count_cells(const Body& body) {
+  return cells_in_blocks(body) + (has_blocks(body, 2) ? 0 : body.triangles.size()) +
+         (has_blocks(body, 3) ? 0 : body.tetrahedra.size());
+}
+
 std::size_t solid_cells(const Body& body) {
   if (!has_blocks(body, 3)) return body.tetrahedra.size();
   std::size_t count = 0;

@@ -23,7 +23,7 @@ Rows connections_of_molecules(int molecules, const Connections& connections) {
   return rows;
 }
 
-std::vector<int> connections_of_pairs(const Connections& connections, std::span<const int> nodes, int of_each) {
+std::vector<int> connections_of_some_pairs(const Connections& connections, std::span<const int> nodes, int of_each) {
   std::unordered_map<std::uint64_t, int> index;
   index.reserve(connections.ends.size());
   for (int c = 0; c < connections.size(); ++c) index[pair_key(connections.ends[c][0], connections.ends[c][1])] = c;
@@ -34,13 +34,23 @@ std::vector<int> connections_of_pairs(const Connections& connections, std::span<
     for (std::size_t i = 0; i < cell.size(); ++i)
       for (std::size_t j = i + 1; j < cell.size(); ++j) {
         const auto found = index.find(pair_key(cell[i], cell[j]));
-        if (found == index.end())
-          throw InputError("cell " + std::to_string(first / cell.size()) + " has no connection between molecules " +
-                           std::to_string(cell[i]) + " and " + std::to_string(cell[j]));
-        result.push_back(found->second);
+        result.push_back(found == index.end() ? -1 : found->second);
       }
   }
   return result;
+}
+
+std::vector<int> connections_of_pairs(const Connections& connections, std::span<const int> nodes, int of_each) {
+  std::vector<int> result = connections_of_some_pairs(connections, nodes, of_each);
+  const auto none = std::find(result.begin(), result.end(), -1);
+  if (none == result.end()) return result;
+  const auto pairs = static_cast<std::ptrdiff_t>(of_each) * (of_each - 1) / 2, cell = (none - result.begin()) / pairs;
+  std::ptrdiff_t pair = (none - result.begin()) % pairs;
+  int i = 0;
+  for (; pair >= of_each - 1 - i; ++i) pair -= of_each - 1 - i;
+  const auto node = [&](std::ptrdiff_t number) { return nodes[static_cast<std::size_t>(cell * of_each + number)]; };
+  throw InputError("cell " + std::to_string(cell) + " has no connection between molecules " + std::to_string(node(i)) +
+                   " and " + std::to_string(node(i + 1 + pair)));
 }
 
 template <int corners>

@@ -64,7 +64,9 @@ std::pair<double, int> bound_of(const Tangent& tangent) {
 void name_culprit(Model& model, const State& state, const Positions& mode, StableStep& found) {
   const Connections& connections = model.body().connections;
   VectorX squared_length_changes(connections.size()), slopes = VectorX::Zero(connections.size());
-  const VectorX force_densities = model.force_densities(state.positions);
+  VectorX force_densities = VectorX::Zero(connections.size());
+  Workspace workspace;
+  for (const auto& term : model.elasticity()) term->add_force_densities(state.positions, force_densities, workspace);
   VectorX share(connections.size());
   for (const auto& term : model.elasticity()) term->add_own_slopes(slopes);
   for (int c = 0; c < connections.size(); ++c) {
@@ -88,6 +90,22 @@ void name_culprit(Model& model, const State& state, const Positions& mode, Stabl
         if (std::abs(energy) > most) most = std::abs(energy), found.cell = cell, found.connection = -1;
       }
     });
+}
+
+/// In bodies of blocks: the cell whose nodes the mode moves most against each other.
+void name_block_cell(const Body& body, const Positions& mode, StableStep& found) {
+  double most = 0;
+  int number = 0;
+  for (const CellBlock& block : body.blocks)
+    for (int cell = 0; cell < block.size(); ++cell, ++number) {
+      double sum = 0;
+      for (const auto& [a, b] : block.kind->edges) {
+        const auto nodes = block.cell(cell);
+        sum +=
+            (mode.col(nodes[static_cast<std::size_t>(a)]) - mode.col(nodes[static_cast<std::size_t>(b)])).squaredNorm();
+      }
+      if (sum > most) most = sum, found.cell = number, found.connection = -1;
+    }
 }
 
 }  // namespace
@@ -127,7 +145,12 @@ StableStep find_stable_step(Model& model, const State& state) {
   const auto [bound, molecule] = bound_of(stiffness);
   found.bound = std::sqrt(bound);
   found.molecule = molecule;
-  name_culprit(model, state, fastest, found);
+  const bool at_nodes = std::any_of(model.elasticity().begin(), model.elasticity().end(),
+                                    [](const auto& term) { return term->at_nodes(); });
+  if (at_nodes)
+    name_block_cell(body, fastest, found);
+  else
+    name_culprit(model, state, fastest, found);
   return found;
 }
 

@@ -38,7 +38,18 @@ void note_contact(const contact::ContactReport& report, double copies, Measures&
 }
 
 Snapshot snapshot_of(const Model& model, const State& state, double at, int number) {
-  Snapshot shot{at, state.positions, model.force_densities(state.positions), number};
+  Snapshot shot{at, state.positions, {}, number};
+  const Body& body = model.body();
+  shot.force_densities =
+      model.force_densities(state.positions, [&](const CellBlock& block, int cell, const CellState& own) {
+        shot.block_states.resize(cells_in_blocks(body));
+        std::size_t first = 0;
+        for (const CellBlock* other = body.blocks.data(); other != &block; ++other)
+          first += static_cast<std::size_t>(other->size());
+        CellState& sum = shot.block_states[first + static_cast<std::size_t>(cell)];  // fibres add theirs
+        sum.strain = own.strain, sum.stress += own.stress;
+      });
+  if (!shot.block_states.empty()) shot.elastic_forces = model.elastic_forces(state.positions);
   if (const contact::Contact* contact = contact_of(model)) {
     contact::ContactReport report = contact->report(state);
     shot.contact_forces = std::move(report.forces);

@@ -36,6 +36,8 @@ struct Snapshot {
   Positions contact_forces = {};              ///< [N]; empty without contact
   VectorX contact_pressure = {};              ///< [Pa]
   std::vector<contact::Pose> obstacles = {};  ///< where they were
+  std::vector<CellState> block_states = {};   ///< of the cells of the body's blocks, one after the other
+  Positions elastic_forces = {};              ///< [N]; only where the body has blocks
 };
 
 /// What came of one strategy on one specimen. Everything in SI units.

@@ -1,15 +1,9 @@
 #pragma once
 #include <vector>
 
-#include "elastin/core/model/body.h"
+#include "elastin/core/forces/elasticity.h"
 
 namespace elastin::lab {
-
-/// What one cell of a body feels in one state. Zero where the cell is flat, at rest or now.
-struct CellState {
-  Matrix3 strain = Matrix3::Zero();  ///< Green–Lagrange E = (Fᵀ F − I) / 2; of a triangle, in the plane of its rest
-  Matrix3 stress = Matrix3::Zero();  ///< Cauchy's [Pa]; of a triangle, force over width [N/m]
-};
 
 /// The state of each triangle, then of each tetrahedron. The stress is the virial of the force densities q [N/m] of the
 /// cell's sides, whatever law they come from:

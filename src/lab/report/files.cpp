@@ -65,7 +65,16 @@ std::string history_csv_text(const std::vector<CurvePoint>& rows) {
   return out;
 }
 
-/// Connections as lines, then triangles, then tetrahedra: VTK's types 3, 5 and 10.
+/// The cells of a body in a file, after its connections: triangles, tetrahedra; or, of those dimensions that have
+/// blocks, the blocks' cells.
+struct FileCells {
+  std::size_t triangles, tetrahedra;  ///< that are written
+  explicit FileCells(const Body& body)
+      : triangles(has_blocks(body, 2) ? 0 : body.triangles.size()),
+        tetrahedra(has_blocks(body, 3) ? 0 : body.tetrahedra.size()) {}
+};
+
+/// Connections as lines, then triangles, tetrahedra and the cells of blocks by VTK's types.
 void add_cells(VtuArrays& arrays, std::string& out, const Body& body) {
   std::vector<int> corners, ends, types;
   const auto add = [&](const auto& cells, int type) {
@@ -76,8 +85,11 @@ void add_cells(VtuArrays& arrays, std::string& out, const Body& body) {
     }
   };
   add(body.connections.ends, 3);
-  add(body.triangles, 5);
-  add(body.tetrahedra, 10);
+  const FileCells written(body);
+  if (written.triangles) add(body.triangles, 5);
+  if (written.tetrahedra) add(body.tetrahedra, 10);
+  for (const CellBlock& block : body.blocks)
+    for (int cell = 0; cell < block.size(); ++cell) add(std::array{block.cell(cell)}, block.kind->vtk);
   const auto list = [&](const char* name, const char* type, const std::vector<int>& values) {
     arrays.add(name, type, 1, static_cast<int>(values.size()),
                [&](int i, int) { return values[static_cast<std::size_t>(i)]; });
@@ -87,6 +99,33 @@ void add_cells(VtuArrays& arrays, std::string& out, const Body& body) {
   list("offsets", "Int32", ends);
   list("types", "UInt8", types);
   out += "</Cells>\n";
+}
+
+/// Dimensions of each of these cells.
+std::vector<int> file_dimensions(const Body& body) {
+  const FileCells written(body);
+  std::vector<int> dimensions(written.triangles, 2);
+  dimensions.resize(written.triangles + written.tetrahedra, 3);
+  for (const CellBlock& block : body.blocks)
+    dimensions.resize(dimensions.size() + static_cast<std::size_t>(block.size()), block.kind->dimensions);
+  return dimensions;
+}
+
+/// States of each of them.
+std::vector<CellState> file_states(const Body& body, const Snapshot& shot) {
+  if (body.blocks.empty()) return cell_states(body, shot.positions, shot.force_densities);
+  std::vector<CellState> states;
+  const FileCells written(body);
+  if (written.triangles || written.tetrahedra) {
+    Body simplices = body;
+    if (!written.triangles) simplices.triangles.clear();
+    if (!written.tetrahedra) simplices.tetrahedra.clear();
+    states = cell_states(simplices, shot.positions, shot.force_densities);
+  }
+  std::vector<CellState> of_blocks = shot.block_states;
+  of_blocks.resize(cells_in_blocks(body));  // spring rules have none
+  states.insert(states.end(), of_blocks.begin(), of_blocks.end());
+  return states;
 }
 
 }  // namespace
@@ -160,14 +199,17 @@ std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& cons
   const Positions& positions = shot.positions;
   VectorX length(m);
   Positions force = Positions::Zero(3, n);
+  const bool has_forces = shot.elastic_forces.size() > 0;
+  if (has_forces) force = shot.elastic_forces;
   for (int c = 0; c < m; ++c) {
     const Vector3 d = positions.col(ends[c][1]) - positions.col(ends[c][0]);
     length[c] = d.norm();
+    if (has_forces) continue;
     force.col(ends[c][0]) += shot.force_densities[c] * d;
     force.col(ends[c][1]) -= shot.force_densities[c] * d;
   }
-  const int triangles = static_cast<int>(body.triangles.size());
-  const int cells = m + triangles + static_cast<int>(body.tetrahedra.size());
+  const std::vector<CellState> states = file_states(body, shot);
+  const int cells = m + static_cast<int>(states.size());
   std::string out = vtu_head(n, cells) + "<Points>\n";
   VtuArrays arrays(out);
   arrays.add("positions", "Float64", 3, n, [&](int i, int k) { return positions(k, i); });
@@ -181,7 +223,6 @@ std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& cons
     arrays.add("contact_force", "Float64", 3, n, [&](int i, int k) { return shot.contact_forces(k, i); });
   }
   out += "</PointData>\n<CellData Scalars=\"strain\">\n";
-  const std::vector<CellState> states = cell_states(body, positions, shot.force_densities);
   const auto state = [&](int cell) -> const CellState& { return states[static_cast<std::size_t>(cell - m)]; };
   const auto of_connection = [&](const char* name, const auto& value) {
     arrays.add(name, "Float64", 1, cells, [&](int cell, int) { return cell < m ? value(cell) : 0; });
@@ -194,16 +235,23 @@ std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& cons
   of_connection("force_density", [&](int c) { return shot.force_densities[c]; });
   if (constants.size()) of_connection("constant", [&](int c) { return constants[c]; });
   if (!states.empty()) {
-    const auto tensor = [&](const char* name, int from, int to, Matrix3 CellState::*value) {
-      arrays.add(name, "Float64", 9, cells,
-                 [&](int cell, int k) { return cell >= from && cell < to ? (state(cell).*value)(k / 3, k % 3) : 0; });
+    const std::vector<int> dimensions = file_dimensions(body);
+    const auto has = [&](int wanted) {
+      return std::find(dimensions.begin(), dimensions.end(), wanted) != dimensions.end();
     };
-    tensor("green_strain", m, cells, &CellState::strain);
-    if (triangles) tensor("membrane_stress", m, m + triangles, &CellState::stress);
-    if (m + triangles < cells) {
-      tensor("stress", m + triangles, cells, &CellState::stress);
+    const auto is = [&](int cell, int wanted) {
+      return cell >= m && (wanted == 0 || dimensions[static_cast<std::size_t>(cell - m)] == wanted);
+    };
+    const auto tensor = [&](const char* name, int wanted, Matrix3 CellState::*value) {
+      arrays.add(name, "Float64", 9, cells,
+                 [&](int cell, int k) { return is(cell, wanted) ? (state(cell).*value)(k / 3, k % 3) : 0; });
+    };
+    tensor("green_strain", 0, &CellState::strain);
+    if (has(2)) tensor("membrane_stress", 2, &CellState::stress);
+    if (has(3)) {
+      tensor("stress", 3, &CellState::stress);
       arrays.add("von_mises", "Float64", 1, cells,
-                 [&](int cell, int) { return cell >= m + triangles ? von_mises(state(cell)) : 0; });
+                 [&](int cell, int) { return is(cell, 3) ? von_mises(state(cell)) : 0; });
     }
   }
   out += "</CellData>\n";

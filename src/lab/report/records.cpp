@@ -124,7 +124,7 @@ Record make_record(const Scene& scene, Run run) {
   record.molecules = body.size();
   record.connections = body.connections.proper();
   record.cell_sides = body.connections.cell_sides;
-  record.cells = static_cast<int>(body.tetrahedra.size() + body.triangles.size());
+  record.cells = static_cast<int>(count_cells(body));
   record.threads = threads();
   record.neighbours = neighbours_inside(body);
   record.prescribed = prescribed_text(scene);

@@ -94,6 +94,7 @@ Body read_mesh(Reader reader, Order& order) {
   body.rest = std::move(mesh.points);
   body.triangles = std::move(mesh.triangles);
   body.tetrahedra = std::move(mesh.tetrahedra);
+  body.blocks = std::move(mesh.blocks);
   body.connections = connections_of_cells(body.rest, body.triangles, body.tetrahedra);
   return body;
 }
@@ -337,9 +338,9 @@ std::vector<KeySection> body_keys() {
         order}},
       {"body.mesh",
        "",
-       "Shape `mesh`, tetrahedra or triangles from a file:",
+       "Shape `mesh`, cells from a file: triangles, tetrahedra, prisms, hexahedra, of first or second order:",
        {{"file", "file beside the scene", "", "", "needed",
-         "`.msh` 2.2 and 4.1, `.vtk`, `.vtu`, `.stl`, `.obj`, `.ply`"},
+         "`.msh` 2.2 and 4.1, `.vtk`, `.vtu`, `.inp`, `.stl`, `.obj`, `.ply`"},
         {"length_unit", kLengthUnits, "", "", "needed", "unit of the file's coordinates"},
         order}},
       {"body",

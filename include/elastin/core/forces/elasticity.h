@@ -57,6 +57,12 @@ struct CellSlopes {
   const double* slopes_of(int cell) const { return slopes + static_cast<std::ptrdiff_t>(cell) * sides * sides; }
 };
 
+/// What one cell of a body feels in one state: means over it. Zero where the cell is flat, at rest or now.
+struct CellState {
+  Matrix3 strain = Matrix3::Zero();  ///< Green–Lagrange E = (Fᵀ F − I) / 2; of a membrane, in the plane of its rest
+  Matrix3 stress = Matrix3::Zero();  ///< Cauchy's [Pa]; of a membrane, force over width [N/m]
+};
+
 /// A stiffness strategy at work on one body. Everything elastic is one number per connection, its force density q
 /// [N/m]: the force on molecule a is Σ_b q_ab (x_b − x_a). [Schek 1974]
 ///
@@ -95,6 +101,12 @@ class Elasticity {
   virtual void add_stiffness(const Positions& /*motion*/, Positions& /*result*/, Workspace&) const {}
   /// Sum of the sizes of the forces within the body [N] of what is at nodes: what rounding is judged by.
   virtual double internal_force(const Positions& /*positions*/) const { return 0; }
+
+  /// What is at nodes, for pictures: adds the force density q_ab = −Σ_g w_g B_aᵀ S_g B_b [N/m] of those pairs of a
+  /// cell's nodes that are connections (other pairs have theirs too), and calls visit(block, cell, state) for all
+  /// cells.
+  using StateVisitor = std::function<void(const CellBlock& block, int cell, const CellState& state)>;
+  virtual void show(const Positions& /*positions*/, VectorX& /*force_densities*/, const StateVisitor&) const {}
 
   /// Stores the slopes ∂q/∂s [N/m³] at these positions for the calls below.
   virtual void linearise(const Positions& positions) = 0;

@@ -57,8 +57,11 @@ class Model {
   double elastic_energy(const Positions& positions) const;
   /// Potential energy of the loads [J].
   double load_energy(const State& state) const;
-  /// Force density of each connection [N/m].
-  VectorX force_densities(const Positions& positions) const;
+  /// Force density of each connection [N/m]; of cells whose forces are found at their nodes those of the pairs that are
+  /// connections, and visit(block, cell, state) for each of them (see Elasticity::show).
+  VectorX force_densities(
+      const Positions& positions,
+      const Elasticity::StateVisitor& visit = [](const CellBlock&, int, const CellState&) {}) const;
   /// Elastic force on each molecule [N].
   Positions elastic_forces(const Positions& positions) const;
   /// Whether the loads' tangents are symmetric.

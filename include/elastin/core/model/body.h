@@ -148,6 +148,12 @@ bool has_blocks(const Body& body, int dimensions);
 /// sides. Cells that share a face are cut alike there.
 void set_simplices(Body& body);
 
+/// Cells of all blocks.
+std::size_t cells_in_blocks(const Body& body);
+
+/// Cells of the body: those of its blocks, and triangles and tetrahedra of a dimension that has no blocks.
+std::size_t count_cells(const Body& body);
+
 /// Cells of three dimensions: those of the blocks, counted through, or the tetrahedra.
 std::size_t solid_cells(const Body& body);
 
