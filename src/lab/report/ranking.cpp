@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "lab/report/table.h"
+
 namespace elastin::lab {
 namespace {
 
@@ -14,6 +16,29 @@ std::vector<std::string> measures_with(const std::vector<Record>& records, const
                     [&, error = std::string(name) + end](const Record& r) { return std::isfinite(r.error(error)); }))
       names.emplace_back(name);
   return names;
+}
+
+/// Whether a reference ranks strategies: it is certain; of the computed ones those of ratios are only shown, which a
+/// small value makes relatively large errors of.
+bool ranks(const Reference& reference) {
+  return reference.certain() && (!reference.computed || find_measure(reference.measure).unit != dimension::none);
+}
+
+/// Leaves out measures whose reference ranks nothing.
+void keep_ranked(const Record& record, std::vector<std::string>& names) {
+  std::erase_if(names, [&](const std::string& name) {
+    return std::none_of(record.references.begin(), record.references.end(),
+                        [&](const Reference& reference) { return reference.measure == name && ranks(reference); });
+  });
+}
+
+/// "the computed reference of E is uncertain by 12 %"; "" where there is none that is uncertain.
+std::string uncertain_text(const Record& record) {
+  for (const Reference& reference : record.references)
+    if (!reference.certain())
+      return "the " + std::string(reference.computed ? "computed " : "") + "reference of " +
+             find_measure(reference.measure).label() + " is uncertain by " + percent(reference.uncertainty).substr(1);
+  return "";
 }
 
 /// Poisson's ratio and its like, in thousandths.
@@ -70,16 +95,25 @@ double Ranking::error(const Record& record) const {
 Ranking rank_strategies(const std::vector<Record>& records) {
   Ranking ranking;
   ranking.measures = measures_with(records, "_to_reference");
+  const auto with_references =
+      std::find_if(records.begin(), records.end(), [](const Record& record) { return !record.references.empty(); });
+  if (with_references != records.end()) keep_ranked(*with_references, ranking.measures);
   ranking.by_reference = !ranking.measures.empty();
   if (!ranking.by_reference) {
     for (const Record& record : records)
       if (ranking.no_reference.empty()) ranking.no_reference = record.no_reference;
-    if (!ranking.no_reference.empty()) return ranking;
+    if (!ranking.no_reference.empty()) {
+      const std::string uncertain = with_references == records.end() ? "" : uncertain_text(*with_references);
+      if (!uncertain.empty()) ranking.no_reference += "; " + uncertain;
+      return ranking;
+    }
     ranking.measures = measures_with(records, "");
     if (ranking.measures.size() > 1) ranking.measures.resize(1);
   }
   if (ranking.measures.empty()) return ranking;
-  const auto fit = [](const Record& record) { return solved(record) && record.run.warnings.empty(); };
+  const auto fit = [](const Record& record) {
+    return solved(record) && record.run.warnings.empty() && !record.run.calibrated_to_reference;
+  };
   double least = INFINITY;
   for (const Record& record : records)
     if (fit(record)) least = std::min(least, ranking.error(record));

@@ -11,8 +11,9 @@ bool solved(const Record& record);
 
 /// Which strategy of a comparison to take.
 struct Ranking {
-  /// What counts: every main measure with a reference, which solves the same problem; where there is none, the first
-  /// with a value of the material, which is met only where the grips do not disturb. Empty: nothing to go by.
+  /// What counts: every main measure with a certain reference, which solves the same problem (of the computed ones
+  /// those that are no ratios); where there is none, the first with a value of the material, which is met only where
+  /// the grips do not disturb. Empty: nothing to go by.
   std::vector<std::string> measures;
   bool by_reference = false;
   /// Why nothing ranks them, in words: the specimen does not show the material's values, and no reference is given.
@@ -29,6 +30,7 @@ struct Ranking {
 /// The best is near enough (0.1 %, or the least there is), with nothing to warn of; of those the nearest in what else
 /// the material prescribes; then the fastest. Where errors differ by less than the measures carry (1e-5, the solver's
 /// residual, the reference's uncertainty) time does not count: they are tied, and the simplest strategy is the best.
+/// What was calibrated to the reference meets it by construction and is never the best.
 Ranking rank_strategies(const std::vector<Record>& records);
 
 }  // namespace elastin::lab
