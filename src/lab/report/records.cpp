@@ -153,7 +153,7 @@ Record make_record(const Scene& scene, Run run) {
   record.apparent = scene.experiment->apparent();
   record.no_reference = scene.experiment->no_reference();
   if (!record.no_reference.empty() && !scene.no_computed_reference.empty())
-    record.no_reference += "; none was computed: " + scene.no_computed_reference;
+    record.no_reference += "; no reference was computed: " + scene.no_computed_reference;
   record.warnings = scene.warnings;
   record.warnings.insert(record.warnings.end(), run.warnings.begin(), run.warnings.end());
   if (!run.remark.empty()) record.warnings.push_back(run.remark);

@@ -110,20 +110,22 @@ Extrapolation extrapolate(const std::vector<std::pair<double, double>>& spacings
 }
 
 Extrapolation limit_of(const std::vector<std::pair<double, double>>& spacings_and_values) {
-  constexpr double unchanged = 1e-7;
+  constexpr double unchanged = 1e-7, least_part = 0.1;
   auto rows = spacings_and_values;
   std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   if (rows.size() < 2) throw InputError("a limit takes two spacings or more");
   const double finest = rows[0].second, change = finest - rows[1].second, none = std::nan("");
   if (std::abs(change) <= unchanged * std::abs(finest)) return {finest, unchanged * std::abs(finest), none};
-  if (rows.size() == 2) {
-    const auto limit = [&](double order) {
-      return finest + change / (std::pow(rows[1].first / rows[0].first, order) - 1);
-    };
-    return {(limit(1) + limit(2)) / 2, std::abs(limit(1) - limit(2)) / 2, none};
-  }
+  const auto limit = [&](double order) {
+    return finest + change / (std::pow(rows[1].first / rows[0].first, order) - 1);
+  };
+  if (rows.size() == 2) return {(limit(1) + limit(2)) / 2, std::abs(limit(1) - limit(2)) / 2, none};
   try {
-    return extrapolate(rows);
+    Extrapolation found = extrapolate(rows);
+    const double between = std::max(std::abs(found.value - limit(1)), std::abs(found.value - limit(2)));
+    if (found.order >= 1 && found.order <= 2) found.uncertainty = std::min(found.uncertainty, between);
+    found.uncertainty = std::max(found.uncertainty, least_part * std::abs(found.value - finest));
+    return found;
   } catch (const InputError&) {
     const double before = rows[1].second - rows[2].second;
     return {finest, std::max({std::abs(change), std::abs(before), std::abs(change + before)}), none};

@@ -38,9 +38,12 @@ struct Extrapolation {
 };
 Extrapolation extrapolate(const std::vector<std::pair<double, double>>& spacings_and_values);
 
-/// The same for any two values or more. Values that do not change, to 1e-7, are the limit. Those that fall into no line
-/// have no order (NaN): of two the limit is between what the orders 1 and 2 lead to, its uncertainty half of that; of
-/// more it is the last value, its uncertainty the largest difference between the last three.
+/// The same for any two values or more of cells of first order, whose order is between 1 (at singular edges) and 2:
+/// where the order shown is there too, the limit is no further away than the orders 1 and 2 make it. Two extrapolations
+/// that agree by chance do not make it more certain than a tenth of the last correction. Values that do not change, to
+/// 1e-7, are the limit. Those that fall into no line have no order (NaN): of two the limit is in the middle of what the
+/// orders 1 and 2 lead to, its uncertainty half of the way; of more it is the last value, its uncertainty the largest
+/// difference between the last three.
 Extrapolation limit_of(const std::vector<std::pair<double, double>>& spacings_and_values);
 
 /// Gives all records of a scene the strategy's own extrapolated values as references, of each main measure that it has;

@@ -96,10 +96,13 @@ std::string Comparison::finished_text(const Record& record) const {
   text += ": ";
   if (!solved(record)) return text + outcome_text(record.run);
   for (const MainMeasure& measure : record.main_measures) {
-    const double error = record.error(measure.name);
-    if (std::isfinite(error) && find_measure(std::string(measure.name)).unit != dimension::none)
-      return text + find_measure(std::string(measure.name)).label() + " " + percent(error) + ", " +
-             readable_seconds(record.least_seconds());
+    const std::string name(measure.name);
+    if (find_measure(name).unit == dimension::none) continue;
+    const double to_reference = record.error(name + "_to_reference");
+    const double error = std::isfinite(to_reference) ? to_reference : record.error(name);
+    if (std::isfinite(error))
+      return text + find_measure(name).label() + " " + percent(error) +
+             (std::isfinite(to_reference) ? " to the reference, " : ", ") + readable_seconds(record.least_seconds());
   }
   return text + readable_seconds(record.least_seconds());
 }

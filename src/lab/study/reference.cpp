@@ -193,6 +193,9 @@ std::vector<Reference> limits_of(const Scene& scene, const std::vector<Level>& l
     const Extrapolation found = limit_of(rows);
     const double uncertainty = found.uncertainty / std::abs(found.value);
     if (!std::isfinite(uncertainty)) continue;
+    // A ratio that is next to nothing has no relative error worth telling.
+    const bool ratio = find_measure(name).unit == dimension::none;
+    if (ratio && (uncertainty > kMostUncertain || std::abs(found.value) < 1e-3)) continue;
     references.push_back({name, found.value,
                           fmt::format("computed: {} on {} to {} {}{}", strategy, levels.front().cells,
                                       levels.back().cells, kind_of_cells(scene.specimen.body),
@@ -202,13 +205,17 @@ std::vector<Reference> limits_of(const Scene& scene, const std::vector<Level>& l
   return references;
 }
 
-/// Whether all measures that rank strategies are known well enough.
-bool known(const std::vector<Reference>& references, double uncertainty) {
+/// Whether all measures that rank strategies are known well enough: by three bodies, for two show no order, unless they
+/// hardly differ.
+bool known(const std::vector<Reference>& references, const std::vector<Level>& levels, double uncertainty) {
   bool any = false;
   for (const Reference& reference : references) {
     if (find_measure(reference.measure).unit == dimension::none) continue;
     any = true;
     if (reference.uncertainty > uncertainty) return false;
+    const double change =
+        levels.back().measures.get(reference.measure) - levels[levels.size() - 2].measures.get(reference.measure);
+    if (levels.size() < 3 && std::abs(change) > uncertainty * std::abs(reference.value)) return false;
   }
   return any;
 }
@@ -294,7 +301,7 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
       break;
     }
     result.references = limits_of(*scene, levels_, law_);
-    if (known(result.references, scene_.computed.uncertainty)) break;
+    if (known(result.references, levels_, scene_.computed.uncertainty)) break;
     if (const std::string why = limit(); !why.empty()) {
       result.trouble = why + " (computed.most_cells, computed.seconds)";
       break;
