@@ -18,17 +18,11 @@ std::vector<std::string> measures_with(const std::vector<Record>& records, const
   return names;
 }
 
-/// Whether a reference ranks strategies: it is certain; of the computed ones those of ratios are only shown, which a
-/// small value makes relatively large errors of.
-bool ranks(const Reference& reference) {
-  return reference.certain() && (!reference.computed || find_measure(reference.measure).unit != dimension::none);
-}
-
 /// Leaves out measures whose reference ranks nothing.
 void keep_ranked(const Record& record, std::vector<std::string>& names) {
   std::erase_if(names, [&](const std::string& name) {
     return std::none_of(record.references.begin(), record.references.end(),
-                        [&](const Reference& reference) { return reference.measure == name && ranks(reference); });
+                        [&](const Reference& reference) { return reference.measure == name && reference.certain(); });
   });
 }
 
@@ -81,12 +75,26 @@ void find_ties(const std::vector<const Record*>& candidates, Ranking& ranking) {
 
 }  // namespace
 
+namespace {
+
+/// Of a ratio with a computed reference the difference counts, as against the material's own.
+double weight(const Record& record, const std::string& measure) {
+  for (const Reference& reference : record.references)
+    if (reference.measure == measure && reference.computed && find_measure(measure).unit == dimension::none)
+      return std::min(1., std::abs(reference.value));
+  return 1;
+}
+
+}  // namespace
+
 bool solved(const Record& record) { return record.run.suited && record.run.outcome == Outcome::converged; }
+
+bool has_own_error(const Record& record) { return solved(record) && !record.run.calibrated_to_reference; }
 
 double Ranking::error(const Record& record) const {
   double largest = 0;
   for (const std::string& measure : measures) {
-    const double error = std::abs(record.error(error_name(measure)));
+    const double error = std::abs(record.error(error_name(measure))) * (by_reference ? weight(record, measure) : 1);
     largest = std::max(largest, std::isfinite(error) ? error : INFINITY);
   }
   return largest;
@@ -111,9 +119,7 @@ Ranking rank_strategies(const std::vector<Record>& records) {
     if (ranking.measures.size() > 1) ranking.measures.resize(1);
   }
   if (ranking.measures.empty()) return ranking;
-  const auto fit = [](const Record& record) {
-    return solved(record) && record.run.warnings.empty() && !record.run.calibrated_to_reference;
-  };
+  const auto fit = [](const Record& record) { return has_own_error(record) && record.run.warnings.empty(); };
   double least = INFINITY;
   for (const Record& record : records)
     if (fit(record)) least = std::min(least, ranking.error(record));

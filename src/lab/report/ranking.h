@@ -9,11 +9,14 @@ namespace elastin::lab {
 /// Whether the run came to its end.
 bool solved(const Record& record);
 
+/// Whether its error says something: it came to its end, and was not calibrated to the very value that it is compared
+/// with.
+bool has_own_error(const Record& record);
+
 /// Which strategy of a comparison to take.
 struct Ranking {
-  /// What counts: every main measure with a certain reference, which solves the same problem (of the computed ones
-  /// those that are no ratios); where there is none, the first with a value of the material, which is met only where
-  /// the grips do not disturb. Empty: nothing to go by.
+  /// What counts: every main measure with a certain reference, which solves the same problem; where there is none, the
+  /// first with a value of the material, which is met only where the grips do not disturb. Empty: nothing to go by.
   std::vector<std::string> measures;
   bool by_reference = false;
   /// Why nothing ranks them, in words: the specimen does not show the material's values, and no reference is given.
@@ -23,7 +26,8 @@ struct Ranking {
 
   /// Name of a measure's error that counts.
   std::string error_name(const std::string& measure) const { return measure + (by_reference ? "_to_reference" : ""); }
-  /// The largest of the errors that count, as a size; infinite if one is missing.
+  /// The largest of the errors that count, as a size; infinite if one is missing. Of ratios that have a computed
+  /// reference the difference counts.
   double error(const Record& record) const;
 };
 

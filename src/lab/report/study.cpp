@@ -233,7 +233,7 @@ Table time_to_table(const std::vector<Record>& records, const Ranking& ranking, 
   for (const StudyCurve& curve : curves_of(records)) {
     std::vector<std::pair<double, double>> points;
     for (const Record* record : curve.rows)
-      if (solved(*record)) points.emplace_back(record->least_seconds(), ranking.error(*record));
+      if (has_own_error(*record)) points.emplace_back(record->least_seconds(), ranking.error(*record));
     candidates.push_back(times_of(curve.name, false, points));
   }
   std::stable_sort(candidates.begin(), candidates.end(), [&](const TimesToGoals& a, const TimesToGoals& b) {
