@@ -85,8 +85,8 @@ std::string problem_key(const Scene& scene, const Body& domain, const std::strin
   const auto moments = moments_of_cells(domain);
   const double length = std::cbrt(std::abs(moments[0]));
   std::string shape = fmt::format("{:.7e}", moments[0]);
-  for (std::size_t i = 1; i < moments.size(); ++i)
-    shape += fmt::format(" {:.6f}", moments[i] / moments[0] / std::pow(length, i < 4 ? 1 : 2) + 0.0);
+  for (std::size_t i = 1; i < moments.size(); ++i)  // to a millionth of the size
+    shape += fmt::format(" {}", std::llround(1e6 * moments[i] / moments[0] / std::pow(length, i < 4 ? 1 : 2)));
   const ComputedReference& how = scene.computed;
   return key_of(std::vector{std::to_string(kVersion), scene.problem, shape, std::string(kind_of_cells(domain)),
                             strategy, fmt::format("{} {} {}", how.uncertainty, how.most_cells, how.seconds)});
