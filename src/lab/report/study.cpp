@@ -56,10 +56,14 @@ std::string reference_text(const Reference& reference) {
 
 std::string references_text(const std::vector<Record>& records, bool colours) {
   std::string out;
+  std::vector<Reference> shown;
   for (const Record& record : records)
     for (const Reference& reference : record.references) {
-      const std::string line = "  reference: " + reference_text(reference) + "\n";
-      if (out.find(line) == std::string::npos) out += line;
+      Reference same = reference;
+      same.read_back = false;
+      if (std::find(shown.begin(), shown.end(), same) != shown.end()) continue;
+      shown.push_back(same);
+      out += "  reference: " + reference_text(reference) + "\n";
     }
   return out.empty() ? out : painted(out, Tone::faint, colours);
 }
