@@ -43,6 +43,7 @@
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/core/shapes/cell_shape.h"
 #include "elastin/core/shapes/cell_shapes.h"
+#include "elastin/core/shapes/refinement.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/shapes/simplices.h"
 #include "elastin/core/shapes/surfaces.h"

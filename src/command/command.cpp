@@ -170,6 +170,10 @@ void add_run_options(CLI::App& command, Options& options) {
   add_file_options(command, options);
   command.add_option("--strategies", options.strategies,
                      "Strategies instead of the scene's own, separated by commas; all stands for every one");
+  command
+      .add_option("--reference", options.reference,
+                  "computed: compute the references of every scene that has a domain; none: of no scene")
+      ->check(CLI::IsMember({"computed", "none"}));
 }
 
 /// "unknown option '--thread'; did you mean …", of the first command or option that there is not; "" if there are all.

@@ -9,6 +9,7 @@
 #include "elastin/core/forces/volume.h"
 #include "lab/experiment/curve_fit.h"
 #include "lab/experiment/load_curve.h"
+#include "lab/experiment/specimen.h"
 
 namespace elastin::lab {
 namespace {
@@ -26,6 +27,19 @@ std::optional<MainMeasure> calibrated_measure(const StaticProtocol& experiment, 
     if (std::isfinite(measure.prescribed) && find_measure(std::string(measure.name)).unit != dimension::none)
       return measure;
   return std::nullopt;
+}
+
+/// The computed reference to which a rule is calibrated where the material's modulus shows on no body of this shape:
+/// of the first main measure that has one and grows with the springs, a modulus or a force.
+const Reference* calibrated_reference(const StaticProtocol& experiment, const Specimen& specimen) {
+  for (const MainMeasure& measure : experiment.main_measures(without_fibres(specimen.material), {}))
+    for (const Reference& reference : specimen.references) {
+      const Dimension& unit = find_measure(reference.measure).unit;
+      if (reference.measure == measure.name && reference.certain() &&
+          (unit == dimension::pressure || unit == dimension::force))
+        return &reference;
+    }
+  return nullptr;
 }
 
 void fail_calibration(Run& run, const std::string& cause) {
@@ -123,6 +137,41 @@ void fit_springs_and_volume(const Specimen& specimen, const StaticProtocol& expe
     run.warnings.push_back("calibration reaches no nearer Poisson's ratio than " + std::to_string(fit->poissons_ratio));
 }
 
+/// Scales the run's stiffness until the body measures what the solid itself does under the whole load: at once where
+/// the load is a displacement, for then all forces are in proportion to the springs.
+void scale_to_reference(const Specimen& specimen, const StaticProtocol& experiment, const StrategyChoice& choice,
+                        const RunOptions& options, Run& run) {
+  constexpr int most_runs = 12;
+  constexpr double near = 1e-6;
+  const Reference& target = *calibrated_reference(experiment, specimen);
+  RunOptions quiet;
+  quiet.statics = options.statics;
+  double factor = 1, off = INFINITY;
+  for (int trial = 0; trial < most_runs && std::abs(off) > near; ++trial) {
+    if (options.progress) options.progress("calibrating to the computed reference");
+    Model model(specimen.body);
+    Run scaled = run;
+    scaled.constants *= factor;
+    model.add(assembled(specimen, choice, scaled, factor * run.volume_modulus, specimen.material.curve));
+    const auto rig = add_surroundings(model, specimen, experiment, choice);
+    Run found;
+    solve_load_curve(model, experiment, *rig->at_rest(), specimen.material, quiet, found, specimen.start);
+    run.linear_iterations += found.linear_iterations;
+    const double measured = found.measures.get(target.measure);
+    if (found.outcome != Outcome::converged || !(measured / target.value > 0)) {
+      run.outcome = found.outcome == Outcome::converged ? Outcome::diverged : found.outcome;
+      run.cause = "calibration to the computed reference: " +
+                  (found.cause.empty() ? "the springs measure no positive " + target.measure : found.cause);
+      return;
+    }
+    off = measured / target.value - 1;
+    if (std::abs(off) > near) factor /= 1 + off;
+  }
+  if (std::abs(off) > 1e-3) return fail_calibration(run, "no factor of the springs reaches the computed reference");
+  run.calibrated_to_reference = true;
+  scale(run, choice, factor, factor * run.volume_modulus);
+}
+
 /// Whether an experiment measures both E and ν of a material.
 bool measures_both(const StaticProtocol& experiment, const Material& material) {
   int found = 0;
@@ -168,11 +217,13 @@ std::string non_finite_text(const Body& body, const VectorX& constants) {
 
 }  // namespace
 
-std::string calibration_unsuited(const Protocol& experiment, const Material& material) {
+std::string calibration_unsuited(const Protocol& experiment, const Specimen& specimen) {
   const StaticProtocol* at_rest = experiment.calibration();
-  if (at_rest && calibrated_measure(*at_rest, material)) return "";
+  if (at_rest && (calibrated_measure(*at_rest, specimen.material) || calibrated_reference(*at_rest, specimen)))
+    return "";
   return "the experiment " + experiment.name() + " measures on this body no modulus to calibrate to" +
-         (at_rest && at_rest->apparent() ? ": its modulus is apparent, of the body's shape as well as of the material"
+         (at_rest && at_rest->apparent() ? ": its modulus is apparent, of the body's shape as well as of the material, "
+                                           "and there is no computed reference"
                                          : "");
 }
 
@@ -184,7 +235,10 @@ std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Protocol& 
   if (choice.calibrated) {
     const StaticProtocol& at_rest = *experiment.calibration();
     const bool both = with_volume && measures_both(at_rest, specimen.material);
-    (both ? fit_springs_and_volume : scale_to_modulus)(specimen, at_rest, choice, options.statics, run);
+    if (!calibrated_measure(at_rest, specimen.material))
+      scale_to_reference(specimen, at_rest, choice, options, run);
+    else
+      (both ? fit_springs_and_volume : scale_to_modulus)(specimen, at_rest, choice, options.statics, run);
   }
   if (!run.constants.allFinite()) {
     run.outcome = Outcome::diverged;
@@ -192,7 +246,8 @@ std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Protocol& 
   }
   if (!run.suited || run.outcome != Outcome::converged) return nullptr;
   std::optional<StressStrain> curve = specimen.material.curve;
-  if (curve && choice.calibrated && !options.statics.linear && experiment.calibration()->axis())
+  if (curve && choice.calibrated && !run.calibrated_to_reference && !options.statics.linear &&
+      experiment.calibration()->axis())
     curve = fitted_curve(specimen, *experiment.calibration(), choice, options, run);
   return assembled(specimen, choice, run, run.volume_modulus, curve);
 }

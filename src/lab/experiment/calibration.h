@@ -8,7 +8,7 @@
 namespace elastin::lab {
 
 /// Why a rule cannot be calibrated in this experiment, or "".
-std::string calibration_unsuited(const Protocol& experiment, const Material& material);
+std::string calibration_unsuited(const Protocol& experiment, const Specimen& specimen);
 
 /// The springs of a rule, with their volume term if any, without the material's fibres. A choice that is `calibrated`
 /// is fitted to the material by solves of the experiment alone, without the scene's other loads and without fibres:
@@ -16,6 +16,8 @@ std::string calibration_unsuited(const Protocol& experiment, const Material& mat
 ///     ways which are curved are straight too);
 ///   * with a volume term, and where the experiment measures both E and ν, constants and term to both, by two linear
 ///     solves and at most two more;
+///   * where the material prescribes no such modulus (a body that is no prism), constants and term by one factor with
+///     which the body measures the specimen's computed reference under the whole load;
 ///   * where the material has a stress–strain curve, then the springs' own curve to it (see curve_fit.h).
 /// Sets the run's constants and what calibration found. Null if a solve fails: the run says why.
 std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Protocol& experiment,

@@ -17,6 +17,23 @@ namespace elastin::lab {
 /// How a run is said to have ended whose strategy cannot run on its body; beside the names of the outcomes.
 inline constexpr const char* kUnsuited = "unsuited";
 
+/// Beyond this relative uncertainty a reference ranks nothing.
+inline constexpr double kMostUncertain = 0.05;
+
+/// A value of the same boundary-value problem to measure errors against: from elsewhere, or the limit of the solid
+/// itself under refinement.
+struct Reference {
+  std::string measure;
+  double value = 0;
+  std::string source;
+  double uncertainty = 0;  ///< relative; 0 = not stated
+  bool computed = false;   ///< the solid itself, refined and extrapolated
+  double seconds = 0;      ///< that computing it took, when it was
+  bool read_back = false;  ///< from the file of an earlier comparison
+  bool certain() const { return uncertainty <= kMostUncertain; }
+  bool operator==(const Reference&) const = default;
+};
+
 /// What does not change from strategy to strategy.
 struct Specimen {
   Body body;
@@ -25,6 +42,7 @@ struct Specimen {
   std::function<void(State&)> start = {};               ///< changes the state in which a run begins; may be empty
   std::vector<Material> materials = {};                 ///< of the body's parts, by Part::material; empty without parts
   std::optional<contact::ContactOptions> contact = {};  ///< none: no contact object is built
+  std::vector<Reference> references = {};               ///< computed ones: what the solid itself measures on this body
 };
 
 /// A state to be looked at.
@@ -53,6 +71,7 @@ struct Run {
   std::vector<Snapshot> snapshots;       ///< of the start and of each point, or the last of them, if asked for
   VectorX constants;                     ///< spring constants [N/m]; empty for laws without
   double calibration_factor = 1;         ///< what calibration has multiplied the rule's constants with
+  bool calibrated_to_reference = false;  ///< not to the material: it meets the computed reference by construction
   double volume_modulus = 0;             ///< κ of the springs' volume term [Pa]; 0 without
   std::optional<Identified> identified;  ///< the material that the experiment was there to find
   double build_seconds = 0, solve_seconds = 0;

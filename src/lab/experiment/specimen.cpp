@@ -137,7 +137,7 @@ std::string unsuited(const Specimen& specimen, const Protocol& experiment, const
     reason = fibres_unsuited(choice.strategy, specimen.body, specimen.material);
   if (reason.empty() && choice.calibrated && specimen.body.connection_stiffness.size())
     reason = "a body with regions has no one modulus to calibrate to";
-  if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen.material);
+  if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen);
   if (reason.empty() && identification_of(experiment)) reason = identification_unsuited(choice);
   return reason;
 }

@@ -8,8 +8,8 @@
 namespace elastin::lab {
 namespace {
 
-/// Columns of one main measure: its value, its error against the material's own where there is one (a ratio's shows in
-/// the value; of the second and third modulus it says enough), and against a reference.
+/// Columns of one main measure: its value, its error against a reference, and against the material's own value where
+/// there is one (a ratio's shows in the value; of the second and third modulus it says enough).
 struct MeasureColumns {
   const MeasureInfo& info;
   bool value, error, reference;
@@ -37,8 +37,9 @@ std::vector<std::string> comparison_head(const std::vector<MeasureColumns>& colu
   std::vector<std::string> head{"strategy"};
   for (const MeasureColumns& column : columns) {
     if (column.value) head.push_back(column.label() + (column.error ? " measured" : ""));
-    if (column.error) head.push_back("error of " + column.label());
-    if (column.reference) head.push_back("to reference");
+    if (column.reference) head.push_back(column.label() + " to reference");
+    if (column.error)
+      head.push_back(column.reference ? "to the material's " + column.label() : "error of " + column.label());
   }
   for (const char* name : {"iterations", "build", "solve", ""}) head.push_back(name);
   return head;
@@ -50,11 +51,10 @@ std::vector<TableCell> comparison_row(const Record& record, const std::vector<Me
   for (const auto& [info, value, with_error, reference, apparent] : columns) {
     const std::string shown = row.size() > 1 || solved(record) ? value_text(run.measures.get(info.name), info) : "—";
     if (value) row.push_back(number_cell(shown, run.measures.get(info.name)));
-    const double error = record.error(info.name);
-    if (with_error) row.push_back(number_cell(percent(error), std::abs(error), tone_of_error(error)));
-    if (!reference) continue;
-    const double off = record.error(std::string(info.name) + "_to_reference");
-    row.push_back(number_cell(percent(off), std::abs(off)));
+    const double error = record.error(info.name), off = record.error(std::string(info.name) + "_to_reference");
+    if (reference) row.push_back(number_cell(percent(off), std::abs(off), tone_of_error(off)));
+    if (with_error)
+      row.push_back(number_cell(percent(error), std::abs(error), reference ? Tone::faint : tone_of_error(error)));
   }
   row.push_back(number_cell(run.suited ? fmt::format("{} / {}", run.newton_iterations, run.linear_iterations) : "",
                             run.linear_iterations));
@@ -85,6 +85,9 @@ std::string outcome_text(const Run& run) {
 std::string notes_of(const Record& record) {
   const Run& run = record.run;
   std::string notes = solved(record) ? "" : outcome_text(run) + ": " + run.cause;
+  if (run.calibrated_to_reference)
+    notes +=
+        fmt::format("{}calibrated to the reference by × {:.4g}", notes.empty() ? "" : "; ", run.calibration_factor);
   for (const std::string& warning : run.warnings) {
     std::string first = warning.substr(0, warning.find_first_of(";("));
     first.erase(first.find_last_not_of(' ') + 1);

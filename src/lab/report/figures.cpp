@@ -123,7 +123,7 @@ Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, cons
                       curve.rows.size() > 1 ? PlotSeries::Kind::marked_line : PlotSeries::Kind::marks,
                       {}};
     for (const Record* record : curve.rows)
-      if (solved(*record) && std::isfinite(ranking.error(*record)))
+      if (has_own_error(*record) && std::isfinite(ranking.error(*record)))
         series.points.push_back(point_of(record->least_seconds(), ranking.error(*record), curve.name,
                                          ", " + counted(record->molecules, "molecule")));
     if (!series.points.empty()) plot.series.push_back(std::move(series));

@@ -1,5 +1,6 @@
 #include "lab/report/json.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -319,6 +320,8 @@ void study_fields(Io& io, AnyRecord& record) {
     inner.field("value", reference.value);
     inner.field("uncertainty", reference.uncertainty);
     inner.field("source", reference.source);
+    inner.field_if(reference.computed, "computed", reference.computed);
+    inner.field_if(reference.computed, "seconds", reference.seconds);
   });
   io.field_if(!record.variant.empty(), "variant", record.variant);
   io.field_if(!record.repeats.empty(), "repeats", record.repeats);
@@ -365,6 +368,7 @@ void record_fields(Io& io, AnyRecord& record) {
   study_fields(io, record);
   stiffness_field(io, run.measures.stiffness_matrix);
   io.field_if(run.calibration_factor != 1, "calibration_factor", run.calibration_factor);
+  io.field_if(run.calibrated_to_reference, "calibrated_to_reference", run.calibrated_to_reference);
   io.field_if(run.volume_modulus != 0, "volume_modulus", run.volume_modulus);
   io.optional("identified", run.identified, [](auto& inner, auto& found) { identified_fields(inner, found); });
   io.optional("time", run.time, [](auto& inner, auto& time) { time_fields(inner, time); });
@@ -391,12 +395,30 @@ Json object_of(const Record& record, bool whole) {
   return object;
 }
 
+/// Each reference of each scene once.
+Json references_of(const std::vector<Record>& records) {
+  Json all = Json::array();
+  for (const Record& record : records)
+    for (const Reference& reference : record.references) {
+      Json one{{"scene", record.scene},
+               {"measure", reference.measure},
+               {"value", written(reference.value)},
+               {"uncertainty", reference.uncertainty},
+               {"source", reference.source},
+               {"seconds", reference.seconds}};
+      if (std::find(all.begin(), all.end(), one) == all.end()) all.push_back(std::move(one));
+    }
+  return all;
+}
+
 }  // namespace
 
 std::string json_text(const std::vector<Record>& records) {
   Json runs = Json::array();
   for (const Record& record : records) runs.push_back(object_of(record, false));
-  return Json{{"runs", runs}}.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return Json{{"runs", runs}, {"references", references_of(records)}}.dump(1, ' ', false,
+                                                                           Json::error_handler_t::replace) +
+         "\n";
 }
 
 std::string json_line(const Record& record) {

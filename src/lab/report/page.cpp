@@ -114,9 +114,7 @@ std::string head_html(const Scenery& scene) {
   }
   out += chip("target: " + first.prescribed) + chip(counted(first.threads, "thread"));
   out += chip(first.repeats.size() > 1 ? fmt::format("least of {} repeats", first.repeats.size()) : "one run each");
-  for (const Reference& reference : first.references)
-    out += chip(fmt::format("reference: {} {} ({})", find_measure(reference.measure).label(),
-                            readable(reference.value, find_measure(reference.measure)), reference.source));
+  for (const Reference& reference : first.references) out += chip("reference: " + reference_text(reference));
   out += "</ul>\n";
   const bool advised = !scene.study && scene.records.size() > 1 && can_rank(scene.records);
   if (advised || !scene.ranking.no_reference.empty())

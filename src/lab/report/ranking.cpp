@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "lab/report/table.h"
+
 namespace elastin::lab {
 namespace {
 
@@ -14,6 +16,23 @@ std::vector<std::string> measures_with(const std::vector<Record>& records, const
                     [&, error = std::string(name) + end](const Record& r) { return std::isfinite(r.error(error)); }))
       names.emplace_back(name);
   return names;
+}
+
+/// Leaves out measures whose reference ranks nothing.
+void keep_ranked(const Record& record, std::vector<std::string>& names) {
+  std::erase_if(names, [&](const std::string& name) {
+    return std::none_of(record.references.begin(), record.references.end(),
+                        [&](const Reference& reference) { return reference.measure == name && reference.certain(); });
+  });
+}
+
+/// "the computed reference of E is uncertain by 12 %"; "" where there is none that is uncertain.
+std::string uncertain_text(const Record& record) {
+  for (const Reference& reference : record.references)
+    if (!reference.certain())
+      return "the " + std::string(reference.computed ? "computed " : "") + "reference of " +
+             find_measure(reference.measure).label() + " is uncertain by " + percent(reference.uncertainty).substr(1);
+  return "";
 }
 
 /// Poisson's ratio and its like, in thousandths.
@@ -56,12 +75,26 @@ void find_ties(const std::vector<const Record*>& candidates, Ranking& ranking) {
 
 }  // namespace
 
+namespace {
+
+/// Of a ratio with a computed reference the difference counts, as against the material's own.
+double weight(const Record& record, const std::string& measure) {
+  for (const Reference& reference : record.references)
+    if (reference.measure == measure && reference.computed && find_measure(measure).unit == dimension::none)
+      return std::min(1., std::abs(reference.value));
+  return 1;
+}
+
+}  // namespace
+
 bool solved(const Record& record) { return record.run.suited && record.run.outcome == Outcome::converged; }
+
+bool has_own_error(const Record& record) { return solved(record) && !record.run.calibrated_to_reference; }
 
 double Ranking::error(const Record& record) const {
   double largest = 0;
   for (const std::string& measure : measures) {
-    const double error = std::abs(record.error(error_name(measure)));
+    const double error = std::abs(record.error(error_name(measure))) * (by_reference ? weight(record, measure) : 1);
     largest = std::max(largest, std::isfinite(error) ? error : INFINITY);
   }
   return largest;
@@ -70,16 +103,23 @@ double Ranking::error(const Record& record) const {
 Ranking rank_strategies(const std::vector<Record>& records) {
   Ranking ranking;
   ranking.measures = measures_with(records, "_to_reference");
+  const auto with_references =
+      std::find_if(records.begin(), records.end(), [](const Record& record) { return !record.references.empty(); });
+  if (with_references != records.end()) keep_ranked(*with_references, ranking.measures);
   ranking.by_reference = !ranking.measures.empty();
   if (!ranking.by_reference) {
     for (const Record& record : records)
       if (ranking.no_reference.empty()) ranking.no_reference = record.no_reference;
-    if (!ranking.no_reference.empty()) return ranking;
+    if (!ranking.no_reference.empty()) {
+      const std::string uncertain = with_references == records.end() ? "" : uncertain_text(*with_references);
+      if (!uncertain.empty()) ranking.no_reference += "; " + uncertain;
+      return ranking;
+    }
     ranking.measures = measures_with(records, "");
     if (ranking.measures.size() > 1) ranking.measures.resize(1);
   }
   if (ranking.measures.empty()) return ranking;
-  const auto fit = [](const Record& record) { return solved(record) && record.run.warnings.empty(); };
+  const auto fit = [](const Record& record) { return has_own_error(record) && record.run.warnings.empty(); };
   double least = INFINITY;
   for (const Record& record : records)
     if (fit(record)) least = std::min(least, ranking.error(record));

@@ -152,13 +152,24 @@ Record make_record(const Scene& scene, Run run) {
   for (std::string& note : scene.experiment->notes()) record.notes.push_back(std::move(note));
   record.apparent = scene.experiment->apparent();
   record.no_reference = scene.experiment->no_reference();
+  if (!record.no_reference.empty() && !scene.no_computed_reference.empty())
+    record.no_reference += "; no reference was computed: " + scene.no_computed_reference;
   record.warnings = scene.warnings;
   record.warnings.insert(record.warnings.end(), run.warnings.begin(), run.warnings.end());
   if (!run.remark.empty()) record.warnings.push_back(run.remark);
   record.run = std::move(run);
   record.spacing = relative_spacing(body);
-  set_references(record, scene.references);
+  set_references(record, references_of(scene));
   return record;
+}
+
+std::vector<Reference> references_of(const Scene& scene) {
+  std::vector<Reference> references = scene.references;
+  for (const Reference& computed : scene.specimen.references)
+    if (std::none_of(references.begin(), references.end(),
+                     [&](const Reference& known) { return known.measure == computed.measure; }))
+      references.push_back(computed);
+  return references;
 }
 
 double relative_spacing(const Body& body) {

@@ -46,7 +46,7 @@ struct Record {
   std::vector<std::string> warnings;   ///< of the scene and of the run
   std::vector<std::string> notes;      ///< of the scene
   std::vector<std::string> obstacles;  ///< of its contact, by name
-  std::vector<Reference> references;   ///< of the scene, or found by the study itself
+  std::vector<Reference> references;   ///< stated by the scene, computed, or found by the study itself
   /// What a study changes from row to row: "body.lattice.molecules" = "[5, 5, 5]"; empty where nothing is.
   std::vector<std::pair<std::string, std::string>> variant;
   bool apparent = false;     ///< `effective_modulus` depends on the body's shape: no error against the material's E
@@ -67,6 +67,9 @@ struct Record {
 };
 
 Record make_record(const Scene& scene, Run run);
+
+/// Those that the scene states, and the computed ones of other measures.
+std::vector<Reference> references_of(const Scene& scene);
 
 /// What falls as 1/n where each side of a body is cut into n times as many parts: cells^(−1/3) of tetrahedra or cubes,
 /// triangles^(−1/2), molecules^(−1/3) of a body without cells.

@@ -5,6 +5,7 @@
 
 #include "lab/report/comparison.h"
 #include "lab/report/ranking.h"
+#include "lab/report/study.h"
 #include "lab/report/table.h"
 
 namespace elastin::lab {
@@ -122,7 +123,8 @@ std::string identified_text(const Identified& found) {
 std::string comparison_text(const std::vector<Record>& records, bool colours) {
   if (records.empty()) return "";
   const Ranking ranking = rank_strategies(records);
-  std::string out = head_text(records.front(), colours) + "\n" + comparison_table(records, ranking).text(colours);
+  std::string out = head_text(records.front(), colours) + references_text(records, colours) + "\n" +
+                    comparison_table(records, ranking).text(colours);
   const Table verdicts = verdicts_table(records);
   if (!verdicts.empty()) out += "\n" + verdicts.text(colours);
   if (records.size() > 1 && can_rank(records)) out += advice_text(ranking, colours);
@@ -155,7 +157,8 @@ std::string run_text(const Record& record, bool colours) {
   if (run.contact) out += contact_text(*run.contact, record.obstacles);
   if (run.cut_steps) out += fmt::format("  {} cut: a cell would have inverted\n", counted(run.cut_steps, "step"));
   if (run.calibration_factor != 1)
-    out += fmt::format("  calibrated: spring constants times {:.6g}\n", run.calibration_factor);
+    out += fmt::format("  calibrated{}: spring constants times {:.6g}\n",
+                       run.calibrated_to_reference ? " to the computed reference" : "", run.calibration_factor);
   if (run.volume_modulus != 0)
     out += fmt::format("  volume term: {}\n", readable(run.volume_modulus, dimension::pressure, 6));
   if (run.identified) out += "  " + identified_text(*run.identified) + "\n";
@@ -166,18 +169,26 @@ std::string run_text(const Record& record, bool colours) {
   for (const std::string& warning : run.warnings)
     out += "  " + painted("warning: " + warning, Tone::poor, colours) + "\n";
   if (!run.remark.empty()) out += "  " + painted("remark: " + run.remark, Tone::poor, colours) + "\n";
-  Table table({"measure", "value", "error", ""});
+  out += references_text({record}, colours);
+  std::vector<std::string> head{"measure", "value", "error"};
+  if (!record.references.empty()) head.push_back("to reference");
+  head.emplace_back();
+  Table table(head);
   for (const auto& [name, value] : run.measures.all()) {
     const MeasureInfo& info = find_measure(name);
     const double error = record.error(name);
     const std::string off = !std::isfinite(error)          ? ""
                             : info.unit == dimension::none ? fmt::format("{:+.4f}", error)
                                                            : percent(error);
-    table.add(
-        {{name},
-         {value_text(value, info, 6), Tone::plain, true},
-         {off, tone_of_error(error), true},
-         {(record.apparent && name == "effective_modulus" ? "apparent: " : "") + std::string(info.text), Tone::faint}});
+    std::vector<TableCell> row{
+        {name}, {value_text(value, info, 6), Tone::plain, true}, {off, tone_of_error(error), true}};
+    if (!record.references.empty()) {
+      const double to_reference = record.error(name + "_to_reference");
+      row.push_back({percent(to_reference), tone_of_error(to_reference), true});
+    }
+    row.push_back(
+        {(record.apparent && name == "effective_modulus" ? "apparent: " : "") + std::string(info.text), Tone::faint});
+    table.add(std::move(row));
   }
   if (!table.empty()) out += "\n" + table.text(colours);
   if (run.measures.stiffness_matrix) out += stiffness_text(*run.measures.stiffness_matrix, colours);

@@ -46,6 +46,28 @@ std::string variant_text(const Record& record) {
   return text;
 }
 
+std::string reference_text(const Reference& reference) {
+  std::string text = reference.measure + " " + readable(reference.value, find_measure(reference.measure), 6);
+  if (reference.computed) text += fmt::format(" ± {:.2g} %", 100 * reference.uncertainty);
+  text += ", " + reference.source;
+  if (!reference.computed) return text;
+  return text + (reference.read_back ? "; read back, computed in " : "; in ") + readable_seconds(reference.seconds);
+}
+
+std::string references_text(const std::vector<Record>& records, bool colours) {
+  std::string out;
+  std::vector<Reference> shown;
+  for (const Record& record : records)
+    for (const Reference& reference : record.references) {
+      Reference same = reference;
+      same.read_back = false;
+      if (std::find(shown.begin(), shown.end(), same) != shown.end()) continue;
+      shown.push_back(same);
+      out += "  reference: " + reference_text(reference) + "\n";
+    }
+  return out.empty() ? out : painted(out, Tone::faint, colours);
+}
+
 std::vector<StudyCurve> curves_of(const std::vector<Record>& records) {
   std::set<int> threads;
   for (const Record& record : records) threads.insert(record.threads);
@@ -89,6 +111,29 @@ Extrapolation extrapolate(const std::vector<std::pair<double, double>>& spacings
   if (std::isfinite(before.order))
     found.uncertainty = std::min(found.uncertainty, std::abs(found.value - before.value));
   return found;
+}
+
+Extrapolation limit_of(const std::vector<std::pair<double, double>>& spacings_and_values) {
+  constexpr double unchanged = 1e-7, least_part = 0.1;
+  auto rows = spacings_and_values;
+  std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  if (rows.size() < 2) throw InputError("a limit takes two spacings or more");
+  const double finest = rows[0].second, change = finest - rows[1].second, none = std::nan("");
+  if (std::abs(change) <= unchanged * std::abs(finest)) return {finest, unchanged * std::abs(finest), none};
+  const auto limit = [&](double order) {
+    return finest + change / (std::pow(rows[1].first / rows[0].first, order) - 1);
+  };
+  if (rows.size() == 2) return {(limit(1) + limit(2)) / 2, std::abs(limit(1) - limit(2)) / 2, none};
+  try {
+    Extrapolation found = extrapolate(rows);
+    const double between = std::max(std::abs(found.value - limit(1)), std::abs(found.value - limit(2)));
+    if (found.order >= 1 && found.order <= 2) found.uncertainty = std::min(found.uncertainty, between);
+    found.uncertainty = std::max(found.uncertainty, least_part * std::abs(found.value - finest));
+    return found;
+  } catch (const InputError&) {
+    const double before = rows[1].second - rows[2].second;
+    return {finest, std::max({std::abs(change), std::abs(before), std::abs(change + before)}), none};
+  }
 }
 
 std::string refer_to_own(std::vector<Record>& records, const std::string& strategy) {
@@ -192,7 +237,7 @@ Table time_to_table(const std::vector<Record>& records, const Ranking& ranking, 
   for (const StudyCurve& curve : curves_of(records)) {
     std::vector<std::pair<double, double>> points;
     for (const Record* record : curve.rows)
-      if (solved(*record)) points.emplace_back(record->least_seconds(), ranking.error(*record));
+      if (has_own_error(*record)) points.emplace_back(record->least_seconds(), ranking.error(*record));
     candidates.push_back(times_of(curve.name, false, points));
   }
   std::stable_sort(candidates.begin(), candidates.end(), [&](const TimesToGoals& a, const TimesToGoals& b) {
@@ -228,10 +273,7 @@ std::string study_text(const std::vector<Record>& records, bool colours, const s
   const Ranking ranking = rank_strategies(records);
   std::string out = painted(records.front().scene, Tone::bold, colours) + "  " + records.front().title + "\n  " +
                     painted("target: " + records.front().prescribed, Tone::faint, colours) + "\n";
-  for (const Reference& reference : records.front().references)
-    out += painted(fmt::format("  reference: {} {}, {}\n", reference.measure,
-                               readable(reference.value, find_measure(reference.measure), 6), reference.source),
-                   Tone::faint, colours);
+  out += references_text(records, colours);
   out += "\n" + study_table(records, ranking).text(colours);
   if (!ranking.measures.empty()) out += "\n" + time_to_table(records, ranking, peers).text(colours);
   if (!ranking.no_reference.empty()) out += advice_text(ranking, colours);

@@ -23,6 +23,11 @@ std::vector<StudyCurve> curves_of(const std::vector<Record>& records);
 /// What a row has under the keys that the study changes: "[5, 5, 5], pcg".
 std::string variant_text(const Record& record);
 
+/// "effective_modulus 1.17567 MPa ± 0.03 %, computed: …, in 24 s": a reference in one line.
+std::string reference_text(const Reference& reference);
+/// A line for each reference that some record has.
+std::string references_text(const std::vector<Record>& records, bool colours);
+
 /// The value that a measure tends to as the spacing falls, by Richardson extrapolation of the three finest rows with
 /// the order that they show: v(h) = v₀ + c hᵖ. Its uncertainty is 1.25 |v₀ − v(finest)|, the grid convergence index, or
 /// if that is less and there are four rows, how far v₀ lies from that of the three before.
@@ -32,6 +37,14 @@ struct Extrapolation {
   double value = 0, uncertainty = 0, order = 0;
 };
 Extrapolation extrapolate(const std::vector<std::pair<double, double>>& spacings_and_values);
+
+/// The same for any two values or more of cells of first order, whose order is between 1 (at singular edges) and 2:
+/// where the order shown is there too, the limit is no further away than the orders 1 and 2 make it. Two extrapolations
+/// that agree by chance do not make it more certain than a tenth of the last correction. Values that do not change, to
+/// 1e-7, are the limit. Those that fall into no line have no order (NaN): of two the limit is in the middle of what the
+/// orders 1 and 2 lead to, its uncertainty half of the way; of more it is the last value, its uncertainty the largest
+/// difference between the last three.
+Extrapolation limit_of(const std::vector<std::pair<double, double>>& spacings_and_values);
 
 /// Gives all records of a scene the strategy's own extrapolated values as references, of each main measure that it has;
 /// returns what went wrong, or "".

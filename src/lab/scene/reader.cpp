@@ -308,6 +308,26 @@ std::string Reader::line() const {
   return emitter.c_str();
 }
 
+std::string Reader::content() const {
+  std::string text = line();
+  const std::filesystem::path folder = std::filesystem::path(file_->path).parent_path();
+  const std::function<void(const YAML::Node&)> add_files = [&](const YAML::Node& node) {
+    if (!node.IsMap() && !node.IsSequence()) return;
+    for (const auto& entry : node) {
+      if (node.IsSequence()) {
+        add_files(entry);
+        continue;
+      }
+      add_files(entry.second);
+      if (entry.first.Scalar() != "file" || !entry.second.IsScalar()) continue;
+      std::ifstream stream(folder / entry.second.Scalar(), std::ios::binary);
+      text += "\n" + std::string(std::istreambuf_iterator<char>(stream), {});
+    }
+  };
+  add_files(node_);
+  return text;
+}
+
 void Reader::check_size(double molecules) const {
   if (molecules <= file_->most_molecules) return;
   char text[100];

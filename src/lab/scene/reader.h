@@ -63,6 +63,8 @@ class Reader {
   std::string text() const;
   /// The value as one line of YAML, whatever it is: what --set can put elsewhere.
   std::string line() const;
+  /// The same with the bytes of the files behind it that are named under `file`: equal texts mean the same thing.
+  std::string content() const;
   /// In SI units. Throws if it has no unit where other values of the file have one, or the other way round.
   double quantity(const Dimension& dimension, const Range& range = {}) const;
   /// A plane angle [rad]. It has a unit where other values of the file have one; a scene of plain numbers may write

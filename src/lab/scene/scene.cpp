@@ -67,6 +67,39 @@ Reference read_reference(Reader reader) {
   return reference;
 }
 
+/// computed, none, {computed: {…}}, one stated value, or a list of stated values and `computed`.
+void read_references(const Reader& reader, const Catalog& catalog, Scene& scene) {
+  using When = ComputedReference::When;
+  const auto read_item = [&](Reader item) {
+    if (item.is_text()) {
+      scene.computed.when = item.choice<When>({{"computed", When::always}, {"none", When::never}});
+      return;
+    }
+    const auto computed = item.find("computed");
+    if (!computed) {
+      scene.references.push_back(read_reference(item));
+      return;
+    }
+    scene.computed.when = When::always;
+    Reader keys = *computed;
+    if (auto value = keys.find("uncertainty"))
+      scene.computed.uncertainty = value->quantity(dimension::none, {1e-6, 0.05, false});
+    if (auto value = keys.find("most_cells")) scene.computed.most_cells = value->whole(1, 100000000);
+    if (auto value = keys.find("seconds")) scene.computed.seconds = value->quantity(dimension::time, kPositive);
+    if (auto value = keys.find("strategy")) {
+      scene.computed.strategy = value->text();
+      value->located([&] { return choose_strategy(catalog, scene.computed.strategy); });
+    }
+    keys.finish();
+    item.finish();
+  };
+  if (reader.is_text() || reader.is_map()) return read_item(reader);
+  for (const Reader& item : reader.items()) {
+    if (item.is_text() && item.text() == "none") item.fail("stands alone: reference: none");
+    read_item(item);
+  }
+}
+
 std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const StrategyChoice& stiffness,
                                             const Catalog& catalog, const Specimen& specimen) {
   if (!reader) return {stiffness};
@@ -114,8 +147,19 @@ void warn_of_pieces(const Body& body, const std::string& name, std::vector<std::
                      "; `elastin check` names them");
 }
 
+using BodyChange = std::function<void(Body&, const Material&)>;
+
+/// What makes the scene's problem, but for its body.
+std::string problem_text(Reader& reader, const Scene& scene) {
+  std::string text = scene.statics.linear ? "small" : "large";
+  for (const char* key : {"material", "experiment", "loads", "rotate", "contact", "initial"})
+    if (const auto value = reader.find(key)) text += std::string("\n") + key + ": " + value->content();
+  if (scene.specimen.body.cell_stiffness.size()) text += "\nbody: " + reader.at("body").content();
+  return text;
+}
+
 /// body: {…}, or bodies: [{…}, …] with ties: […]
-void read_whole_body(Reader& reader, Scene& scene) {
+void read_whole_body(Reader& reader, Scene& scene, const BodyChange& change) {
   Specimen& specimen = scene.specimen;
   const Remarks remarks{scene.warnings, scene.notes};
   auto ties = reader.find("ties");
@@ -128,6 +172,9 @@ void read_whole_body(Reader& reader, Scene& scene) {
   }
   if (ties) ties->fail("joins several `bodies`; the scene has one");
   specimen.body = read_body(reader.at("body"), specimen.material, remarks);
+  scene.bare_graph =
+      reader.at("body").has("molecules") && specimen.body.tetrahedra.empty() && specimen.body.triangles.empty();
+  if (change) change(specimen.body, specimen.material);
   check_material(reader.at("material"), specimen.material, specimen.body);
   if (specimen.material.bending_rigidity > 0)
     reader.at("material").at("bending").located([&] { prepare_bending(specimen.body, specimen.material); });
@@ -144,7 +191,7 @@ void turn_fibres(Specimen& specimen, const Matrix3& rotation) {
 
 std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalog,
                                   const std::vector<std::string>& overrides, double most_molecules,
-                                  const ExperimentCatalog& experiments, KeyUses* uses) {
+                                  const ExperimentCatalog& experiments, KeyUses* uses, const BodyChange& change = {}) {
   const auto start = std::chrono::steady_clock::now();
   Reader reader = open_scene_file(path, overrides, most_molecules, uses);
   auto scene = std::make_unique<Scene>();
@@ -152,7 +199,7 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   scene->name = std::filesystem::path(path).stem().string();
   scene->title = reader.has("title") ? reader.at("title").text() : scene->name;
   scene->specimen.material = read_material(reader.at("material"));
-  read_whole_body(reader, *scene);
+  read_whole_body(reader, *scene, change);
   const Matrix3 rotation = reader.has("rotate") ? read_rotation(reader.at("rotate")) : Matrix3(Matrix3::Identity());
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
   turn_fibres(scene->specimen, rotation);
@@ -197,8 +244,8 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   check_volume_range(reader.at("material"), scene->specimen, known);
   if (auto expect = reader.find("expect"))
     for (const Reader& item : expect->items()) scene->expectations.push_back(read_expectation(item, known, catalog));
-  if (auto references = reader.find("reference"))
-    for (const Reader& item : references->items()) scene->references.push_back(read_reference(item));
+  if (auto references = reader.find("reference")) read_references(*references, catalog, *scene);
+  scene->problem = problem_text(reader, *scene);
   if (auto study = reader.find("study")) scene->study = read_study(*study, known);
   reader.finish();
   scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -219,19 +266,35 @@ StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const
   return known ? *known : choose_strategy(catalog, label);
 }
 
-std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,
-                                  const std::vector<std::string>& overrides, double most_molecules,
-                                  const ExperimentCatalog& experiments, KeyUses* uses) {
+namespace {
+
+std::unique_ptr<Scene> read_scene_or_say(const std::string& path, const Catalog& catalog,
+                                         const std::vector<std::string>& overrides, double most_molecules,
+                                         const ExperimentCatalog& experiments, KeyUses* uses,
+                                         const BodyChange& change) {
   const auto too_large = [&] {
     return InputError(SourceLocation{path}, "the scene does not fit into this machine's memory");
   };
   try {
-    return read_scene(path, catalog, overrides, most_molecules, experiments, uses);
+    return read_scene(path, catalog, overrides, most_molecules, experiments, uses, change);
   } catch (const std::bad_alloc&) {
     throw too_large();
   } catch (const std::length_error&) {
     throw too_large();
   }
+}
+
+}  // namespace
+
+std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,
+                                  const std::vector<std::string>& overrides, double most_molecules,
+                                  const ExperimentCatalog& experiments, KeyUses* uses) {
+  return read_scene_or_say(path, catalog, overrides, most_molecules, experiments, uses, {});
+}
+
+std::unique_ptr<Scene> load_scene_on(const std::string& path, const Catalog& catalog,
+                                     const std::vector<std::string>& overrides, const BodyChange& change) {
+  return read_scene_or_say(path, catalog, overrides, kMostMolecules, built_in_experiments(), nullptr, change);
 }
 
 std::vector<KeySection> scene_keys() {
@@ -254,8 +317,9 @@ std::vector<KeySection> scene_keys() {
             {"rotate", "rotation", "", "", "none", "turns the whole scene"},
             {"contact", "map", "", "", "none", "[contact](#contact)"},
             {"solver", "map", "", "", "Newton's method", "[the solver](#solver) of equilibria"},
-            {"reference", "list of maps", "", "", "none",
-             "[values from elsewhere](#reference) that errors are computed against"},
+            {"reference", "list of maps, `computed`, or `none`", "", "",
+             "`computed` where nothing shows the material's values",
+             "[values](#reference) that errors are computed against: from elsewhere, or the solid's own limit"},
             {"expect", "list of maps", "", "", "none", "[what must come out](#expectations); exit code 1 if one fails"},
             {"study", "map", "", "", "none", "[what `compare` varies](#study)"}}},
           {"rotation",
@@ -266,26 +330,37 @@ std::vector<KeySection> scene_keys() {
 }
 
 std::vector<KeySection> expectation_keys() {
-  return {{"reference",
-           "Reference",
-           "Each item of `reference`:",
-           {{"measure", "word", "", "", "needed", "name of a measure; `elastin list` prints all"},
-            {"value", "quantity", "the measure's", "", "needed", "what the measure is"},
-            {"source", "text", "", "", "needed", "where the value comes from"},
-            {"uncertainty", "number", "", "> 0", "none", "relative uncertainty of the value"}}},
-          {"expect",
-           "Expectations",
-           "Each item of `expect` names a measure with its value, or the outcome with which a run must stop:",
-           {{"strategy", "word", "", "", "every one", "name or label of the strategy that it is about"},
-            {"source", "text", "", "", "needed", "where the value comes from"},
-            {"measure", "word", "", "", "needed, or `outcome`", "name of a measure; `elastin list` prints all"},
-            {"value", "quantity", "the measure's", "", "needed with `measure`", "what the measure must be"},
-            {"tolerance", "number", "", "> 0", "this, `absolute` or both", "relative difference that is allowed"},
-            {"absolute", "quantity", "the measure's", "> 0", "0", "difference that is allowed besides `tolerance`"},
-            {"not_reproduced", "text", "", "", "judged", "why the value is printed but not judged"},
-            {"outcome", "`unsuited`, `limit_reached`, `inverted`, `diverged`, `mechanism`", "", "",
-             "needed, or `measure`", "how the run must stop"},
-            {"cause", "text", "", "", "needed with `outcome`", "words that the cause must contain"}}}};
+  return {
+      {"reference",
+       "Reference",
+       "`reference` is `none`, `computed`, one map, or a list of maps and `computed`. An item states a value, or has "
+       "the key "
+       "`computed` alone. A stated value counts before a computed one. Without the key the reference is computed where "
+       "the grips clamp or the body is no prism:",
+       {{"measure", "word", "", "", "needed", "name of a measure; `elastin list` prints all"},
+        {"value", "quantity", "the measure's", "", "needed", "what the measure is"},
+        {"source", "text", "", "", "needed", "where the value comes from"},
+        {"uncertainty", "number", "", "> 0", "none", "relative uncertainty of the value; beyond 5 % it ranks nothing"},
+        {"computed.uncertainty", "number", "", "1e-06 … 0.05", "0.001",
+         "the body's cells are refined until the main measures are known to this"},
+        {"computed.most_cells", "whole", "", "1 … 100000000", "1000000", "no body of more cells is solved"},
+        {"computed.seconds", "quantity", "s", "> 0", "300", "no body is solved that would probably take longer"},
+        {"computed.strategy", "word", "", "", "the material's own law",
+         "the law that is refined; by default `neo_hookean` or `curve`, with `+volume` where ν > 0.4, of membranes "
+         "`neo_hookean_membrane` or `curve_membrane`"}}},
+      {"expect",
+       "Expectations",
+       "Each item of `expect` names a measure with its value, or the outcome with which a run must stop:",
+       {{"strategy", "word", "", "", "every one", "name or label of the strategy that it is about"},
+        {"source", "text", "", "", "needed", "where the value comes from"},
+        {"measure", "word", "", "", "needed, or `outcome`", "name of a measure; `elastin list` prints all"},
+        {"value", "quantity", "the measure's", "", "needed with `measure`", "what the measure must be"},
+        {"tolerance", "number", "", "> 0", "this, `absolute` or both", "relative difference that is allowed"},
+        {"absolute", "quantity", "the measure's", "> 0", "0", "difference that is allowed besides `tolerance`"},
+        {"not_reproduced", "text", "", "", "judged", "why the value is printed but not judged"},
+        {"outcome", "`unsuited`, `limit_reached`, `inverted`, `diverged`, `mechanism`", "", "", "needed, or `measure`",
+         "how the run must stop"},
+        {"cause", "text", "", "", "needed with `outcome`", "words that the cause must contain"}}}};
 }
 
 }  // namespace elastin::lab

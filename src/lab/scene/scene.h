@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,12 +23,18 @@ struct Expectation {
   std::string not_reproduced;  ///< why it is printed but not judged; empty = judged
 };
 
-/// A value of the same boundary-value problem from elsewhere, to measure errors against.
-struct Reference {
-  std::string measure;
-  double value = 0;
-  std::string source;
-  double uncertainty = 0;  ///< relative; 0 = not stated
+/// Whether the converged solution of the scene's own problem is computed as its reference, and how.
+struct ComputedReference {
+  enum class When {
+    by_default,  ///< where no strategy should show the material's values, and the scene states no reference
+    always,
+    never
+  };
+  When when = When::by_default;
+  double uncertainty = 1e-3;  ///< relative: it is refined until the main measures are known to this
+  int most_cells = 1000000;   ///< no body of more cells is solved
+  double seconds = 300;       ///< no body is solved that would probably take longer
+  std::string strategy;       ///< the law; empty = the material's own
 };
 
 /// One scene file, read, checked and built.
@@ -40,7 +47,11 @@ struct Scene {
   StaticOptions statics;
   std::optional<TimeOptions> time;  ///< of a timed experiment, and only of one
   std::vector<Expectation> expectations;
-  std::vector<Reference> references;
+  std::vector<Reference> references;  ///< stated ones
+  ComputedReference computed;
+  std::string no_computed_reference;  ///< why it was not computed where it should have been; empty else
+  std::string problem;                ///< all but the body and the strategies, as text: equal ones are the same problem
+  bool bare_graph = false;            ///< the body is a list of molecules without cells: nothing says what it fills
   Study study;                        ///< what `compare` changes from run to run; empty where the scene has none
   std::vector<std::string> warnings;  ///< of the scene as a whole
   std::vector<std::string> notes;     ///< what was made of it that its author may want to know
@@ -64,5 +75,11 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
                                   double most_molecules = kMostMolecules,
                                   const ExperimentCatalog& experiments = built_in_experiments(),
                                   KeyUses* uses = nullptr);
+
+/// The same scene on another body: `change` gets the one that the scene describes, before the scene is turned, with its
+/// material.
+std::unique_ptr<Scene> load_scene_on(const std::string& path, const Catalog& catalog,
+                                     const std::vector<std::string>& overrides,
+                                     const std::function<void(Body&, const Material&)>& change);
 
 }  // namespace elastin::lab

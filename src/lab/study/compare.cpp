@@ -27,6 +27,7 @@
 #include "lab/report/view.h"
 #include "lab/study/journal.h"
 #include "lab/study/plan.h"
+#include "lab/study/reference.h"
 
 namespace elastin::lab {
 namespace {
@@ -44,7 +45,7 @@ std::string restart_text_of(const std::string& path) {
 class Comparison {
  public:
   Comparison(const Request& request, const Catalog& catalog)
-      : request_(request), catalog_(catalog), progress_(progress_of(request)) {}
+      : request_(request), catalog_(catalog), progress_(progress_of(request)), store_(request.out) {}
 
   bool run();
 
@@ -63,6 +64,8 @@ class Comparison {
   RunSource source_of(const ScenePlan& plan) const {
     return {plan.name, key_of(std::vector{plan.text}), request_.overrides};
   }
+  void add_references(const ScenePlan& plan, const std::vector<std::pair<std::string, std::string>>& combination,
+                      const std::vector<StrategyChoice>& choices, Scene& scene);
   void open_journal();
   std::string text_of(const ScenePlan& plan, const RunKey& run_key) const;
   RunOptions options_of(const ScenePlan& plan, const Scene& scene, const StrategyChoice& choice);
@@ -74,6 +77,7 @@ class Comparison {
   const Request& request_;
   const Catalog& catalog_;
   Progress progress_;
+  ReferenceStore store_;
   std::vector<ScenePlan> plans_;
   std::optional<Journal> journal_;
   std::vector<Record> records_;
@@ -92,10 +96,13 @@ std::string Comparison::finished_text(const Record& record) const {
   text += ": ";
   if (!solved(record)) return text + outcome_text(record.run);
   for (const MainMeasure& measure : record.main_measures) {
-    const double error = record.error(measure.name);
-    if (std::isfinite(error) && find_measure(std::string(measure.name)).unit != dimension::none)
-      return text + find_measure(std::string(measure.name)).label() + " " + percent(error) + ", " +
-             readable_seconds(record.least_seconds());
+    const std::string name(measure.name);
+    if (find_measure(name).unit == dimension::none) continue;
+    const double to_reference = record.error(name + "_to_reference");
+    const double error = std::isfinite(to_reference) ? to_reference : record.error(name);
+    if (std::isfinite(error))
+      return text + find_measure(name).label() + " " + percent(error) +
+             (std::isfinite(to_reference) ? " to the reference, " : ", ") + readable_seconds(record.least_seconds());
   }
   return text + readable_seconds(record.least_seconds());
 }
@@ -129,6 +136,29 @@ std::string Comparison::text_of(const ScenePlan& plan, const RunKey& run_key) co
                                  this_machine().flags};
   for (const std::string& override : overrides_of(request_, *run_key.combination)) parts.push_back(override);
   return key_of(parts);
+}
+
+/// Gives the scene its computed references. `run`, which ranks nothing, computes them only where the scene or the
+/// command asks for it, or where there is nothing else to calibrate to.
+void Comparison::add_references(const ScenePlan& plan,
+                                const std::vector<std::pair<std::string, std::string>>& combination,
+                                const std::vector<StrategyChoice>& choices, Scene& scene) {
+  if (!wants_computed_references(scene, request_.reference) || !plan.own_reference.empty()) return;
+  const bool calibrates = scene.experiment->apparent() &&
+                          std::any_of(choices.begin(), choices.end(), [](const auto& c) { return c.calibrated; });
+  const bool asked =
+      request_.reference == "computed" || scene.computed.when == ComputedReference::When::always || calibrates;
+  if (!request_.compare && !asked) return;
+  ComputedReferences found = compute_references(
+      scene, catalog_, overrides_of(request_, combination), store_,
+      [this, name = scene.name + ": "](const std::string& doing) {
+        progress_.set_count({rows_, done_, run_, seconds_});
+        progress_.set(name + doing);
+      },
+      request_.interrupted);
+  progress_.pause();
+  scene.specimen.references = std::move(found.references);
+  scene.no_computed_reference = std::move(found.trouble);
 }
 
 Record Comparison::failed_run(const ScenePlan& plan, const RunKey& run_key, const std::string& why) const {
@@ -168,6 +198,7 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
     try {
       if (!scene) scene = load_scene(plan.path, catalog_, overrides_of(request_, combination));
       choices = chosen_strategies(request_, catalog_, *scene);
+      add_references(plan, combination, choices, *scene);
     } catch (const std::exception& error) {
       trouble = error.what();
     }

@@ -46,6 +46,29 @@ TEST_CASE("a value is extrapolated with the order that it shows", "[study]") {
   CHECK_THROWS_WITH(extrapolate({{1, 1}, {0.5, 2}, {0.25, 1}}), Contains("do not converge"));
 }
 
+TEST_CASE("a limit of few or unruly values knows how little it knows", "[study]") {
+  // v = 3 + 0.5 h^1.4: the order is between those of a singular rim and of smooth strain, and so is the limit.
+  const auto value = [](double h) { return 3 + 0.5 * std::pow(h, 1.4); };
+  const Extrapolation two = limit_of({{1, value(1)}, {0.5, value(0.5)}});
+  CHECK(std::isnan(two.order));
+  CHECK(std::abs(two.value - 3) <= two.uncertainty);
+  // From v(½) the orders 1 and 2 lead to v + d and v + d/3.
+  CHECK(two.uncertainty == Approx((value(1) - value(0.5)) / 3));
+  const Extrapolation three = limit_of({{1, value(1)}, {0.5, value(0.5)}, {0.25, value(0.25)}});
+  CHECK(three.value == Approx(3).epsilon(1e-12));
+  CHECK(three.uncertainty == Approx(value(0.5) - value(0.25) - (value(0.25) - 3)));
+  CHECK(three.uncertainty < extrapolate({{1, value(1)}, {0.5, value(0.5)}, {0.25, value(0.25)}}).uncertainty);
+  // Four that agree to rounding are no more certain than a tenth of the last correction.
+  const Extrapolation four = limit_of({{1, value(1)}, {0.5, value(0.5)}, {0.25, value(0.25)}, {0.125, value(0.125)}});
+  CHECK(four.uncertainty == Approx(0.1 * (value(0.125) - 3)));
+  const Extrapolation unruly = limit_of({{1, 3.2}, {0.5, 3.0}, {0.25, 3.1}});
+  CHECK((unruly.value == 3.1 && std::isnan(unruly.order)));
+  CHECK(unruly.uncertainty == Approx(0.2));
+  const Extrapolation same = limit_of({{1, 3}, {0.5, 3 + 1e-9}});
+  CHECK((same.value == Approx(3).epsilon(1e-8) && same.uncertainty < 1e-6));
+  CHECK_THROWS_WITH(limit_of({{1, 3}}), Contains("two spacings"));
+}
+
 TEST_CASE("the time to an error is that of the fastest run that has no more", "[study]") {
   // A finer body that was solved faster counts, and a run that failed to come nearer does not hide it.
   const std::vector<std::pair<double, double>> curve{{10, 0.1}, {1000, 0.001}, {700, 0.0005}, {2000, 0.02}};

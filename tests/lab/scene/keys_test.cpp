@@ -52,6 +52,9 @@ const std::vector<std::string> kRest{
     "body: {molecules: [[0, 0, 0], [0, 0, 1]], connections: {within: 1.5}}\n"
     "material: {youngs_modulus: 1000}\nstiffness: standard\n" +
         kFree,
+    kBlock +
+        "experiment: {kind: tension, force: 1}\nreference: {computed: {uncertainty: 0.01, most_cells: 1000, seconds: 9,"
+        " strategy: neo_hookean}}\n",
     "body: {sheet: {size: [1, 1], squares: [2, 2]}}\n" + kMembrane + kFree + "loads: [{pressure: {pressure: 1}}]\n",
     "body: {sphere: {radius: 1, divisions: 2}}\n" + kMembrane +
         "experiment: {kind: inflation, gas: {amount: 1e6}}\nloads: [{gas: {amount: 1e6}}]\n",

@@ -1,0 +1,401 @@
+#include "lab/study/reference.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "core/solve/newton.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/shapes/arrays.h"
+#include "elastin/core/shapes/refinement.h"
+#include "elastin/hull/delaunay.h"
+#include "lab/report/files.h"
+#include "lab/report/ranking.h"
+#include "lab/report/study.h"
+#include "lab/study/journal.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Another way to compute a reference takes another number, so that older files are not read back.
+constexpr int kVersion = 1;
+/// Of the unbalanced force: far below any uncertainty that a scene may ask for.
+constexpr double kTolerance = 1e-7;
+/// From here on cells of first order need averaged volumes, or they lock.
+constexpr double kLocking = 0.4;
+/// How much longer a body takes with twice as many cells along each side.
+constexpr double kGrowth = 10;
+
+/// Measures from when it was made.
+class Timer {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+std::size_t cells_of(const Body& body) {
+  return body.tetrahedra.empty() ? body.triangles.size() : body.tetrahedra.size();
+}
+
+const char* kind_of_cells(const Body& body) { return body.tetrahedra.empty() ? "triangles" : "tetrahedra"; }
+
+/// Why a scene has no converged solution that could be computed, or "".
+std::string unsuited(const Scene& scene) {
+  const Body& body = scene.specimen.body;
+  if (!scene.experiment->at_rest()) return "a run in time has no equilibrium to refine";
+  if (identification_of(*scene.experiment)) return "the experiment is there to find the material";
+  if (!body.parts.empty()) return "several bodies cannot be refined";
+  if (!body.cables.empty()) return "a body with cables cannot be refined";
+  if (scene.bare_graph)
+    return "a list of molecules and connections does not say what it fills (`cells: delaunay` in the body does)";
+  if (body.tetrahedra.empty() && body.triangles.empty() && body.connection_stiffness.size())
+    return "regions need a body of cells";
+  return "";
+}
+
+/// The body with cells, if it has none.
+Body domain_of(const Body& body, const Material& material) {
+  if (!body.tetrahedra.empty() || !body.triangles.empty()) return body;
+  Body domain;
+  if (!body.cubes.empty()) {
+    domain = with_tetrahedra_in_cubes(body);
+  } else {
+    domain.rest = body.rest;
+    domain.tetrahedra = hull::delaunay_tetrahedra(body.rest);
+    domain.connections = connections_of_cells(domain.rest, {}, domain.tetrahedra);
+  }
+  set_matter(domain, material.density, material.thickness, body.radius.mean());
+  domain.mass *= body.mass.sum() / domain.mass.sum();
+  return domain;
+}
+
+/// What the references of two scenes have in common if they are the same: the problem, what its body fills, and how
+/// well it is to be solved.
+std::string problem_key(const Scene& scene, const Body& domain, const std::string& strategy) {
+  const auto moments = moments_of_cells(domain);
+  const double length = std::cbrt(std::abs(moments[0]));
+  std::string shape = fmt::format("{:.7e}", moments[0]);
+  for (std::size_t i = 1; i < moments.size(); ++i)  // to a millionth of the size
+    shape += fmt::format(" {}", std::llround(1e6 * moments[i] / moments[0] / std::pow(length, i < 4 ? 1 : 2)));
+  const ComputedReference& how = scene.computed;
+  return key_of(std::vector{std::to_string(kVersion), scene.problem, shape, std::string(kind_of_cells(domain)),
+                            strategy, fmt::format("{} {} {}", how.uncertainty, how.most_cells, how.seconds)});
+}
+
+/// The material's own law.
+std::string own_law(const Scene& scene, const Catalog& catalog, const Body& domain) {
+  if (!scene.computed.strategy.empty()) return scene.computed.strategy;
+  const Material& material = scene.specimen.material;
+  const std::string law = material.curve ? "curve" : "neo_hookean";
+  if (domain.tetrahedra.empty()) return law + "_membrane";
+  const auto suits = [&](const std::string& label) {
+    try {
+      const StrategyChoice choice = choose_strategy(catalog, label);
+      if (choice.strategy.volume_modulus) choice.strategy.volume_modulus(material);
+      return choice.strategy.unsuited(domain).empty();
+    } catch (const InputError&) {
+      return false;
+    }
+  };
+  return material.poissons_ratio > kLocking && suits(law + "+volume") ? law + "+volume" : law;
+}
+
+/// One body of the sequence, solved.
+struct Level {
+  double spacing = 1;
+  std::size_t cells = 0;
+  Measures measures;
+  Positions positions;  ///< where it came to rest; empty where that is no use to the next one
+  std::string trouble;
+  double seconds = 0;
+};
+
+/// Solves for the whole load at once from where a coarser body stands; false where that leads nowhere.
+bool solve_from(const Positions& guess, const Scene& scene, const StrategyChoice& choice, const RunOptions& options,
+                Level& level) {
+  const Specimen& specimen = scene.specimen;
+  if (specimen.contact || specimen.start || !specimen.loads.empty() || options.statics.linear) return false;
+  Run run;
+  const std::optional<HeldModel> held = make_model(specimen, *scene.experiment, choice, options, run);
+  if (!held) return false;
+  Model& model = *held->model;
+  StaticRig& rig = *held->rig->at_rest();
+  State state = state_at_rest(specimen.body);
+  rig.set_load(0);
+  if (!model.load_forces(state).isZero(0)) return false;
+  const Start start{state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
+  rig.set_load(1);
+  state.positions = guess;
+  apply_supports(model, state.positions);
+  StaticResult solved = solve_static(model, state, options.statics);
+  for (int correction = 0; correction < 10 && solved.outcome == Outcome::converged && rig.adjust(state); ++correction)
+    solved = solve_static(model, state, options.statics);
+  if (solved.outcome != Outcome::converged) return false;
+  level.measures = rig.measure(start, state, options.statics, solved);
+  level.positions = std::move(state.positions);
+  return true;
+}
+
+Level solve_level(Scene& scene, const StrategyChoice& choice, const Positions& guess, double spacing) {
+  const Timer timer;
+  Level level;
+  level.spacing = spacing;
+  level.cells = cells_of(scene.specimen.body);
+  prepare(scene.specimen, choice.strategy);
+  RunOptions options;
+  options.statics = scene.statics;
+  options.statics.tolerance = std::max(options.statics.tolerance, kTolerance);
+  options.keep_snapshots = options.last_snapshot = true;
+  if (guess.cols() != scene.specimen.body.size() || !solve_from(guess, scene, choice, options, level)) {
+    Run run = run_strategy(scene.specimen, *scene.experiment, choice, options);
+    if (!run.suited || run.outcome != Outcome::converged) level.trouble = run.cause;
+    level.measures = run.measures;
+    if (!run.snapshots.empty()) level.positions = std::move(run.snapshots.back().positions);
+  }
+  level.seconds = timer.seconds();
+  return level;
+}
+
+/// Measures of the sequence that can have a limit: all finite; not those that the load prescribes, which never change,
+/// unless nothing does.
+std::vector<std::string> measures_of(const Scene& scene, const std::vector<Level>& levels) {
+  std::vector<std::string> finite, changing;
+  for (const MainMeasure& measure : scene.experiment->main_measures(scene.specimen.material, levels.back().measures)) {
+    const std::string name(measure.name);
+    if (name == "curve_error" ||
+        !std::all_of(levels.begin(), levels.end(), [&](const Level& l) { return std::isfinite(l.measures.get(name)); }))
+      continue;
+    finite.push_back(name);
+    const double first = levels.front().measures.get(name);
+    if (std::any_of(levels.begin(), levels.end(),
+                    [&](const Level& l) { return std::abs(l.measures.get(name) - first) > 1e-12 * std::abs(first); }))
+      changing.push_back(name);
+  }
+  return changing.empty() ? finite : changing;
+}
+
+std::vector<Reference> limits_of(const Scene& scene, const std::vector<Level>& levels, const std::string& strategy) {
+  if (levels.size() < 2) return {};
+  std::vector<Reference> references;
+  for (const std::string& name : measures_of(scene, levels)) {
+    std::vector<std::pair<double, double>> rows;
+    for (const Level& level : levels) rows.emplace_back(level.spacing, level.measures.get(name));
+    const Extrapolation found = limit_of(rows);
+    const double uncertainty = found.uncertainty / std::abs(found.value);
+    if (!std::isfinite(uncertainty)) continue;
+    // A ratio that is next to nothing has no relative error worth telling.
+    const bool ratio = find_measure(name).unit == dimension::none;
+    if (ratio && (uncertainty > kMostUncertain || std::abs(found.value) < 1e-3)) continue;
+    references.push_back({name, found.value,
+                          fmt::format("computed: {} on {} to {} {}{}", strategy, levels.front().cells,
+                                      levels.back().cells, kind_of_cells(scene.specimen.body),
+                                      std::isfinite(found.order) ? fmt::format(", order {:.2f}", found.order) : ""),
+                          uncertainty, true});
+  }
+  return references;
+}
+
+/// Whether all measures that rank strategies are known well enough: by three bodies, for two show no order, unless they
+/// hardly differ.
+bool known(const std::vector<Reference>& references, const std::vector<Level>& levels, double uncertainty) {
+  bool any = false;
+  for (const Reference& reference : references) {
+    if (find_measure(reference.measure).unit == dimension::none) continue;
+    any = true;
+    if (reference.uncertainty > uncertainty) return false;
+    const double change =
+        levels.back().measures.get(reference.measure) - levels[levels.size() - 2].measures.get(reference.measure);
+    if (levels.size() < 3 && std::abs(change) > uncertainty * std::abs(reference.value)) return false;
+  }
+  return any;
+}
+
+/// The sequence of bodies of one scene.
+class Sequence {
+ public:
+  Sequence(const Scene& scene, const Catalog& catalog, const std::vector<std::string>& overrides)
+      : scene_(scene), catalog_(catalog), overrides_(overrides) {
+    // A fill without cells of its own is carved as one with them.
+    for (const char* change : {"", "body.fill.cells=delaunay"}) {
+      if (*change != 0) overrides_.emplace_back(change);
+      first_ = load_scene_on(scene.path, catalog_, overrides_, [&](Body& body, const Material& material) {
+        filled_ = body.voronoi && body.tetrahedra.empty();
+        if (!filled_) body_ = body = domain_of(body, material);
+      });
+      if (!filled_) break;
+    }
+    law_ = own_law(scene, catalog, body_);
+  }
+  const Body& domain() const { return body_; }
+  const std::string& law() const { return law_; }
+
+  ComputedReferences solve(const std::function<void(const std::string&)>& progress, const std::function<bool()>& stop);
+
+ private:
+  std::unique_ptr<Scene> scene_on_body();
+  /// Why there is no finer body to solve, or "".
+  std::string limit() const;
+  void refine();
+
+  const Scene& scene_;
+  const Catalog& catalog_;
+  std::vector<std::string> overrides_;
+  std::unique_ptr<Scene> first_;
+  Body body_;  // as the scene describes it: not turned
+  bool filled_ = false;
+  std::string law_;
+  Positions guess_;
+  std::vector<Level> levels_;
+};
+
+std::unique_ptr<Scene> Sequence::scene_on_body() {
+  if (first_) return std::move(first_);
+  return load_scene_on(scene_.path, catalog_, overrides_, [&](Body& body, const Material&) { body = body_; });
+}
+
+std::string Sequence::limit() const {
+  const std::size_t children = body_.tetrahedra.empty() ? 4 : 8;
+  if (static_cast<double>(cells_of(body_)) * children > scene_.computed.most_cells)
+    return fmt::format("at most {} cells", scene_.computed.most_cells);
+  if (levels_.back().seconds * kGrowth > scene_.computed.seconds)
+    return "at most " + readable_seconds(scene_.computed.seconds);
+  return "";
+}
+
+void Sequence::refine() {
+  Refinement finer = refined(body_);
+  guess_ = Positions();
+  if (const Positions& found = levels_.back().positions; found.cols() == body_.size()) {
+    guess_.resize(3, finer.body.size());
+    guess_.leftCols(body_.size()) = found;
+    for (std::size_t i = 0; i < finer.between.size(); ++i)
+      guess_.col(body_.size() + static_cast<Eigen::Index>(i)) =
+          (found.col(finer.between[i][0]) + found.col(finer.between[i][1])) / 2;
+  }
+  body_ = std::move(finer.body);
+}
+
+ComputedReferences Sequence::solve(const std::function<void(const std::string&)>& progress,
+                                   const std::function<bool()>& stop) {
+  const Timer timer;
+  const StrategyChoice choice = choose_strategy(catalog_, law_);
+  ComputedReferences result;
+  for (double spacing = 1;; spacing /= 2) {
+    if (progress) progress(fmt::format("reference, {} on {} {}", law_, cells_of(body_), kind_of_cells(body_)));
+    const auto scene = scene_on_body();
+    levels_.push_back(solve_level(*scene, choice, guess_, spacing));
+    if (!levels_.back().trouble.empty()) {
+      result.trouble =
+          fmt::format("{} on {} {}: {}", law_, levels_.back().cells, kind_of_cells(body_), levels_.back().trouble);
+      levels_.pop_back();
+      break;
+    }
+    result.references = limits_of(*scene, levels_, law_);
+    if (known(result.references, levels_, scene_.computed.uncertainty)) break;
+    if (const std::string why = limit(); !why.empty()) {
+      result.trouble = why + " (computed.most_cells, computed.seconds)";
+      break;
+    }
+    if (stop && stop()) {
+      result.trouble = "interrupted";
+      break;
+    }
+    refine();
+  }
+  if (!result.references.empty()) result.trouble.clear();
+  for (Reference& reference : result.references) reference.seconds = timer.seconds();
+  return result;
+}
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const ComputedReferences& found) {
+  Json list = Json::array();
+  for (const Reference& reference : found.references)
+    list.push_back({{"measure", reference.measure},
+                    {"value", reference.value},
+                    {"uncertainty", reference.uncertainty},
+                    {"source", reference.source},
+                    {"seconds", reference.seconds}});
+  return {{"trouble", found.trouble}, {"references", list}};
+}
+
+ComputedReferences references_of_json(const Json& json) {
+  ComputedReferences found;
+  found.trouble = json.at("trouble");
+  for (const Json& one : json.at("references"))
+    found.references.push_back(
+        {one.at("measure"), one.at("value"), one.at("source"), one.at("uncertainty"), true, one.at("seconds")});
+  return found;
+}
+
+}  // namespace
+
+ReferenceStore::ReferenceStore(const std::string& folder) {
+  if (folder.empty()) return;
+  path_ = folder + "/references.json";
+  std::ifstream stream(path_, std::ios::binary);
+  if (!stream) return;
+  try {
+    const Json json = Json::parse(std::string(std::istreambuf_iterator<char>(stream), {}));
+    if (json.at("version") != kVersion) return;
+    for (const auto& [key, found] : json.at("problems").items()) known_[key] = references_of_json(found);
+  } catch (const Json::exception&) {
+    known_.clear();
+  }
+}
+
+const ComputedReferences* ReferenceStore::find(const std::string& key) const {
+  const auto found = known_.find(key);
+  return found == known_.end() ? nullptr : &found->second;
+}
+
+void ReferenceStore::add(const std::string& key, ComputedReferences found) {
+  known_[key] = std::move(found);
+  if (path_.empty()) return;
+  Json problems = Json::object();
+  for (const auto& [known, references] : known_) problems[known] = json_of(references);
+  std::error_code ignored;
+  std::filesystem::create_directories(std::filesystem::path(path_).parent_path(), ignored);
+  write_whole(path_, Json{{"version", kVersion}, {"problems", problems}}.dump(1) + "\n");
+}
+
+bool wants_computed_references(const Scene& scene, const std::string& option) {
+  using When = ComputedReference::When;
+  if (option == "none" || (option.empty() && scene.computed.when == When::never)) return false;
+  if (option == "computed" || scene.computed.when == When::always) return true;
+  return scene.references.empty() && !scene.experiment->no_reference().empty();
+}
+
+ComputedReferences compute_references(const Scene& scene, const Catalog& catalog,
+                                      const std::vector<std::string>& overrides, ReferenceStore& store,
+                                      const std::function<void(const std::string&)>& progress,
+                                      const std::function<bool()>& stop) {
+  if (std::string why = unsuited(scene); !why.empty()) return {{}, std::move(why)};
+  try {
+    Sequence sequence(scene, catalog, overrides);
+    const std::string key = problem_key(scene, sequence.domain(), sequence.law());
+    if (const ComputedReferences* known = store.find(key)) {
+      ComputedReferences found = *known;
+      for (Reference& reference : found.references) reference.read_back = true;
+      return found;
+    }
+    ComputedReferences found = sequence.solve(progress, stop);
+    if (found.trouble != "interrupted") store.add(key, found);
+    return found;
+  } catch (const InputError& error) {
+    return {{}, error.what()};
+  }
+}
+
+}  // namespace elastin::lab
