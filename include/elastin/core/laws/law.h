@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "elastin/core/laws/parameters.h"
+#include "elastin/core/laws/volumetric.h"
 #include "elastin/core/model/body.h"
 #include "elastin/core/model/material.h"
 #include "elastin/core/shapes/cell_shape.h"
@@ -63,6 +64,13 @@ concept HasEnergyDensity = requires(const Point& law, const Tensor<dimensions>& 
 template <class Law>
 concept SolidLaw = StiffnessLaw<Law> && requires(const Law& law, const Material& material) {
   { law.solid(material) } -> PointLaw<3>;
+};
+/// A law of solids that can be split, W = W_shape(C) + U(J): split(material) is {shape, volume}, as SplitPoint, and
+/// together they are solid(material).
+template <class Law>
+concept SplitLaw = SolidLaw<Law> && requires(const Law& law, const Material& material) {
+  requires PointLaw<decltype(law.split(material).shape), 3>;
+  { law.split(material).volume } -> std::convertible_to<Volumetric>;
 };
 /// A law of membranes: membrane(material) is it at work in plane stress, in cells of any shape of two dimensions. In
 /// the catalog it is NAME_membrane, with `membrane_summary` and `membrane_source` if the law has them. If it is an

@@ -81,6 +81,11 @@ struct NeoHookean {
     const auto [lambda, mu] = lame<3>(material);
     return {volume_apart ? 0 : lambda, mu};
   }
+  /// W = {μ/2 (tr C − 3) − μ ln J} + {λ/2 (J − 1)²}. Throws InputError unless −1 < ν < ½.
+  SplitPoint<Solid> split(const Material& material) const {
+    const auto [lambda, mu] = lame<3>(material);
+    return {{0, mu}, {Volumetric::Form::quadratic, volume_apart ? 0 : lambda}};
+  }
   /// Throws InputError unless 0 ≤ ν ≤ ½.
   IsotropicMembrane<NeoHookeanDensity> membrane(const Material& material) const { return {material}; }
 };
