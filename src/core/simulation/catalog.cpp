@@ -7,8 +7,12 @@
 #include "core/laws/membranes/hencky_membrane.h"
 #include "core/laws/membranes/two_parameter.h"
 #include "core/laws/solids/curve.h"
+#include "core/laws/solids/mooney_rivlin.h"
 #include "core/laws/solids/neo_hookean.h"
+#include "core/laws/solids/neo_hookean_log.h"
+#include "core/laws/solids/ogden.h"
 #include "core/laws/solids/st_venant_kirchhoff.h"
+#include "core/laws/solids/yeoh.h"
 #include "core/laws/springs/angles.h"
 #include "core/laws/springs/angles_update.h"
 #include "core/laws/springs/divided.h"
@@ -44,6 +48,10 @@ Catalog built_in_catalog() {
   catalog.add<Curve>();
   catalog.add<Hencky>();
   catalog.add<TwoParameter>();
+  catalog.add<NeoHookeanLog>();
+  catalog.add<MooneyRivlin>();
+  catalog.add<Yeoh>();
+  catalog.add<Ogden>();
   const auto add_wrapper = [&](const char* name, const char* summary, const char* source) {
     Strategy wrapper;
     wrapper.name = name;
