@@ -12,9 +12,13 @@ namespace {
 
 constexpr const char* kBulkModulus = "bulk_modulus";
 constexpr const char* kVolumetric = "volumetric";
-const std::vector<std::pair<std::string, Volumetric::Form>> kForms{{"logarithmic", Volumetric::Form::logarithmic},
-                                                                   {"mixed", Volumetric::Form::mixed},
-                                                                   {"quadratic", Volumetric::Form::quadratic}};
+struct NamedForm {
+  const char* name;
+  Volumetric::Form form;
+};
+constexpr NamedForm kForms[] = {{"logarithmic", Volumetric::Form::logarithmic},
+                                {"mixed", Volumetric::Form::mixed},
+                                {"quadratic", Volumetric::Form::quadratic}};
 
 const ParameterInfo* find(const std::vector<ParameterInfo>& infos, const std::string& name) {
   const auto found = std::find_if(infos.begin(), infos.end(), [&](const auto& info) { return info.name == name; });
@@ -153,9 +157,11 @@ std::string ConstantsOf::word(const std::string& name) const {
 }
 
 Volumetric ConstantsOf::volume() const {
-  const std::string form = word(kVolumetric);
-  const auto found = std::find_if(kForms.begin(), kForms.end(), [&](const auto& named) { return named.first == form; });
-  return {found == kForms.end() ? kForms.front().second : found->second, modulus(kBulkModulus)};
+  const std::string chosen = word(kVolumetric);
+  Volumetric result{kForms[0].form, modulus(kBulkModulus)};
+  for (const NamedForm& form : kForms)
+    if (form.name == chosen) result.form = form.form;
+  return result;
 }
 
 void add_bulk_modulus(MaterialLaw& row, Volumetric::Form usual) {

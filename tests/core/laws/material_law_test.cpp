@@ -25,14 +25,6 @@ Material material_with(const LawConstants& constants) {
   return with_law(*kCatalog.material_laws.find(constants.law), constants, material_of(5e3, 0.3));
 }
 
-using Components = Eigen::Matrix<double, 6, 1>;
-
-Components components(const Matrix3& tensor) {
-  Components result;
-  result << tensor(0, 0), tensor(1, 1), tensor(2, 2), tensor(0, 1), tensor(0, 2), tensor(1, 2);
-  return result;
-}
-
 /// C − I of random states: any; nearly rest; two or three equal stretches, exactly or up to 1e-9 … 1e-3, in any axes.
 Matrix3 random_strain(Random& random, int trial) {
   const Matrix3 turn = random.rotation();
