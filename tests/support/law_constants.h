@@ -24,6 +24,28 @@ inline std::map<std::string, LawConstants> law_constants(double factor = 1) {
        .numbers = bulk,
        .words = {{"volumetric", "mixed"}},
        .terms = {{f * 4e3, 1.3}, {f * 8, 5}, {f * -60, -2}}});
+  add({.law = "veronda_westmann", .numbers = with_bulk({{"c1", f * 1.4e3}, {"c2", 2.5}})});
+  add({.law = "arruda_boyce", .numbers = with_bulk({{"mu", f * 3e3}, {"N", 4}})});
+  add({.law = "transversely_isotropic",
+       .numbers = with_bulk(
+           {{"c1", f * 1.2e3}, {"c2", f * 3e2}, {"c3", f * 9e2}, {"c4", 12}, {"c5", f * 4e4}, {"lambda_max", 1.12}}),
+       .directions = {{"direction", Vector3(2, -1, 2) / 3}}});
+  add({.law = "holzapfel_gasser_ogden",
+       .numbers = with_bulk({{"c", f * 3e3}, {"k1", f * 5e3}, {"k2", 0.8}, {"kappa", 0.1}, {"angle", 0.7}}),
+       .directions = {{"direction", Vector3(1, 2, 2) / 3}, {"across", Vector3(2, 1, -2) / 3}},
+       .words = {{"volumetric", "quadratic"}}});
+  add({.law = "fung_orthotropic",
+       .numbers = with_bulk({{"c", f * 4e3},
+                             {"E1", f * 9e3},
+                             {"E2", f * 6e3},
+                             {"E3", f * 1.2e4},
+                             {"G12", f * 2.5e3},
+                             {"G23", f * 3e3},
+                             {"G31", f * 4e3},
+                             {"nu12", 0.3},
+                             {"nu23", 0.2},
+                             {"nu31", 0.4}}),
+       .directions = {{"axis_1", Vector3(2, -1, 2) / 3}, {"axis_2", Vector3(-1, 2, 2) / 3}}});
   return all;
 }
 

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "elastin/core/base/error.h"
 #include "elastin/core/base/table.h"
 #include "elastin/core/laws/any_law.h"
 #include "elastin/core/model/material.h"
@@ -48,6 +49,7 @@ class ConstantsOf {
   /// @param material with constants of `law`; it must outlive this.
   ConstantsOf(const Material& material, std::string_view law);
 
+  bool has(const std::string& number) const { return constants_->numbers.contains(number); }
   double number(const std::string& name) const;
   /// In Pa, times the material's E over that of the constants.
   double modulus(const std::string& name) const { return scale_ * number(name); }
