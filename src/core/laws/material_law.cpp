@@ -6,6 +6,7 @@
 
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/laws/homogeneous.h"
 
 namespace elastin {
 namespace {
@@ -115,12 +116,19 @@ Material with_law(const MaterialLaw& row, LawConstants constants, Material mater
   material.curve.reset();
   material.law = std::move(constants);
   if (row.from_moduli) {
+    if (!(material.youngs_modulus > 0)) throw InputError(row.name + " needs youngs_modulus");
     row.shape(material);
   } else {
     material.youngs_modulus = 0;
     set_moduli(row, material);
   }
   material.law->youngs_modulus = material.youngs_modulus;
+  material.law->uniaxial_stress = [row](const Material& own, const Vector3& direction,
+                                        double strain) -> std::optional<double> {
+    const auto state =
+        homogeneous_state(row, own, HomogeneousTest::uniaxial, strain, rotation_between(Vector3::UnitX(), direction));
+    return state ? std::optional(state->stress) : std::nullopt;
+  };
   return material;
 }
 

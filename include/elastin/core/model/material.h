@@ -41,9 +41,9 @@ struct UniaxialResponse {
 /// S⁰ − E_f (S⁰:aa)(aa:S⁰)/(1 + E_f/E) [Sherman & Morrison 1950]: E + E_f along the fibres.
 UniaxialResponse uniaxial_response(const Material& material, const Vector3& direction);
 
-/// Nominal stress [Pa] in uniaxial stress along a unit direction at a nominal strain of any size: the curve, and the
-/// fibres' beside it. None where the fibres lie askew (their strain then depends on the matrix's), or where there is
-/// neither a curve nor fibres.
+/// Nominal stress [Pa] in uniaxial stress along a unit direction at a nominal strain of any size: the curve or what the
+/// law's constants say, and the fibres' beside it. None where the fibres lie askew (their strain then depends on the
+/// matrix's), or where there is neither a curve nor a law nor fibres.
 std::optional<double> uniaxial_stress(const Material& material, const Vector3& direction, double strain);
 
 }  // namespace elastin
