@@ -13,7 +13,7 @@ struct ArrudaBoyce : NearlyIncompressible<ArrudaBoyce> {
   static constexpr std::string_view summary =
       "rubber of chains that become straight (eight-chain model), nearly incompressible";
   static constexpr std::string_view source = "[Arruda & Boyce 1993]";
-  static constexpr std::string_view membrane_summary = "the same, triangles: incompressible, no stress across";
+  static constexpr std::string_view membrane_summary = "rubber of chains, triangles: incompressible, no stress across";
 
   struct Density {
     double mu, links;  ///< [Pa], 1

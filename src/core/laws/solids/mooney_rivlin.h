@@ -11,7 +11,8 @@ struct MooneyRivlin : NearlyIncompressible<MooneyRivlin> {
   static constexpr std::string_view summary =
       "rubber and soft tissue by both invariants of shape, nearly incompressible";
   static constexpr std::string_view source = "[Mooney 1940; Rivlin 1948]";
-  static constexpr std::string_view membrane_summary = "the same, triangles: incompressible, no stress across";
+  static constexpr std::string_view membrane_summary =
+      "rubber by both invariants, triangles: incompressible, no stress across";
 
   struct Density {
     double c1, c2;  ///< [Pa]

@@ -21,7 +21,8 @@ struct Ogden : NearlyIncompressible<Ogden> {
   static constexpr std::string_view summary =
       "rubber and soft tissue by powers of the stretches, nearly incompressible";
   static constexpr std::string_view source = "[Ogden 1972]";
-  static constexpr std::string_view membrane_summary = "the same, triangles: incompressible, no stress across";
+  static constexpr std::string_view membrane_summary =
+      "rubber by powers of the stretches, triangles: incompressible, no stress across";
 
   static constexpr int kMost = 6;
   using Terms = OgdenTerms;

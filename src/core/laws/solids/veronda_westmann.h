@@ -12,7 +12,7 @@ struct VerondaWestmann : NearlyIncompressible<VerondaWestmann> {
   static constexpr std::string_view name = "veronda_westmann";
   static constexpr std::string_view summary = "skin that stiffens exponentially, nearly incompressible";
   static constexpr std::string_view source = "[Veronda & Westmann 1970]";
-  static constexpr std::string_view membrane_summary = "the same, triangles: incompressible, no stress across";
+  static constexpr std::string_view membrane_summary = "skin, triangles: incompressible, no stress across";
 
   struct Density {
     double c1, c2;  ///< [Pa], 1

@@ -13,7 +13,8 @@ struct Yeoh : NearlyIncompressible<Yeoh> {
   static constexpr std::string_view summary =
       "rubber that stiffens: a polynomial in the first invariant, nearly incompressible";
   static constexpr std::string_view source = "[Yeoh 1993]";
-  static constexpr std::string_view membrane_summary = "the same, triangles: incompressible, no stress across";
+  static constexpr std::string_view membrane_summary =
+      "rubber that stiffens, triangles: incompressible, no stress across";
 
   static constexpr int kMost = 6;
 
