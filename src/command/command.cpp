@@ -23,6 +23,7 @@
 #include "lab/report/material_plot.h"
 #include "lab/report/progress.h"
 #include "lab/report/screen.h"
+#include "lab/report/table.h"
 #include "lab/scene/scene.h"
 #include "lab/study/check.h"
 #include "lab/study/compare.h"
@@ -115,8 +116,9 @@ int plot_materials(const Options& options, const Catalog& catalog) {
     for (const Material& material : materials) {
       if (!material.law) continue;
       any = true;
-      const std::string title = fmt::format("{}: {}, E = {:.4g} Pa and nu = {:.4g} at rest", scene->name,
-                                            material.law->law, material.youngs_modulus, material.poissons_ratio);
+      const std::string title =
+          fmt::format("{}: {}, E = {} and nu = {:.4g} at rest", scene->name, material.law->law,
+                      readable(material.youngs_modulus, dimension::pressure), material.poissons_ratio);
       const auto law = catalog.material_laws.find(material.law->law);
       fmt::print("{}", svg_text(material_plot(title, *law, material, options.stretch), 760, true));
     }

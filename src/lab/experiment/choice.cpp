@@ -24,13 +24,6 @@ std::optional<StrategyChoice> applicable_with_volume(const StrategyChoice& choic
   }
 }
 
-/// Whether a law that has constants of its own finds them in one of the materials.
-bool has_constants(const Strategy& strategy, const std::vector<Material>& materials) {
-  return strategy.law.empty() || std::any_of(materials.begin(), materials.end(), [&](const Material& material) {
-           return material.law && material.law->law == strategy.law;
-         });
-}
-
 }  // namespace
 
 StrategyChoice with_volume(StrategyChoice choice) {
@@ -57,6 +50,12 @@ StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label)
             order = place + (calibrated ? kCalibrated : 0) + (label.find('+') != std::string::npos ? kWithEnding : 0);
   if (calibrated) return {label, *found.calibrates, true, {}, order};
   return {label, std::move(found), false, {}, order};
+}
+
+bool has_constants(const Strategy& strategy, const std::vector<Material>& materials) {
+  return strategy.law.empty() || std::any_of(materials.begin(), materials.end(), [&](const Material& material) {
+           return material.law && material.law->law == strategy.law;
+         });
 }
 
 std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Body& body,

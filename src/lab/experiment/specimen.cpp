@@ -68,11 +68,6 @@ void count_modes(const Model& model, Run& run) {
                            "; the load is solved in the range of the stiffness");
 }
 
-/// Of the whole body, or of its parts.
-std::vector<Material> materials_of(const Specimen& specimen) {
-  return specimen.materials.empty() ? std::vector{specimen.material} : specimen.materials;
-}
-
 /// The choice as it works on the specimen's body.
 StrategyChoice on_body(StrategyChoice choice, const Specimen& specimen) {
   choice.strategy = in_parts(choice.strategy, specimen.body, specimen.materials);
@@ -117,9 +112,12 @@ std::optional<Identification> identification_of(const Protocol& experiment) {
   return experiment.at_rest() ? experiment.at_rest()->identification() : std::nullopt;
 }
 
+std::vector<Material> materials_of(const Specimen& specimen) {
+  return specimen.materials.empty() ? std::vector{specimen.material} : specimen.materials;
+}
+
 std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Specimen& specimen) {
-  return all_strategies(catalog, specimen.body,
-                        specimen.materials.empty() ? std::vector{specimen.material} : specimen.materials);
+  return all_strategies(catalog, specimen.body, materials_of(specimen));
 }
 
 bool needs_cells(const Strategy& strategy, const Body& body) {
