@@ -2,6 +2,8 @@
 #include <random>
 
 #include "elastin/core/model/material.h"
+#include "elastin/core/shapes/arrays.h"
+#include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/shapes.h"
 
 namespace elastin::testing {
@@ -19,6 +21,33 @@ inline Body jittered_block() {
   Body body = tetrahedral_block(BlockKind::kuhn, {3, 2, 2}, {0.03, 0.02, 0.02});
   add_jitter(body, 0.0015, 12);
   set_matter(body, 0.003, 1000, 0, 0);
+  return body;
+}
+
+/// A box of cells of `kind`, hexahedra parted into two prisms each if these are asked for; every corner is moved by up
+/// to `jitter` times the cells' width, and if `curved` the nodes between them too; on the box's faces within these.
+inline Body cell_box(const CellKind& kind, const std::array<int, 3>& cells, const Vector3& size, double jitter,
+                     bool curved = false) {
+  const double width = (size.array() / Eigen::Array3d(cells[0], cells[1], cells[2])).minCoeff();
+  Body corners;
+  if (kind.corners == 4) {
+    corners = tetrahedral_block(BlockKind::body_centred, cells, size);
+  } else {
+    corners = cubic_lattice({cells[0] + 1, cells[1] + 1, cells[2] + 1}, 1, {true, false, false});
+    stretch(corners, Vector3(size[0] / cells[0], size[1] / cells[1], size[2] / cells[2]));
+  }
+  if (jitter > 0 && !curved) add_jitter(corners, jitter * width, 5);
+  Body body = kind.corners == 6 ? with_order(corners, 1) : with_cells(corners, kind);
+  if (kind.corners == 6) {
+    CellBlock prisms{&kind, {}, {}};
+    for (int cell = 0; cell < body.blocks[0].size(); ++cell)
+      for (const std::size_t corner : {0, 1, 2, 4, 5, 6, 0, 2, 3, 4, 6, 7})
+        prisms.nodes.push_back(body.blocks[0].cell(cell)[corner]);
+    body.blocks = {prisms};
+    set_simplices(body);
+  }
+  if (curved) add_jitter(body, jitter * width, 5);
+  set_matter(body, width / 4, 1000, 0, 0);
   return body;
 }
 
@@ -52,6 +81,17 @@ inline Positions deformed(const Body& body, double amount, unsigned seed = 1) {
   for (int i = 0; i < positions.size(); ++i)
     positions.data()[i] += amount * (2 * static_cast<double>(generator() >> 11) * 0x1p-53 - 1);
   return positions;
+}
+
+/// A curved sheet of triangles with nodes in the middle of their sides.
+inline Body quadratic_sheet(double thickness) {
+  Body body = with_order(sheet(thickness), 2);
+  std::mt19937_64 generator(17);
+  for (int i = 0; i < body.rest.size(); ++i)
+    body.rest.data()[i] += 0.0004 * (2 * static_cast<double>(generator() >> 11) * 0x1p-53 - 1);
+  set_present_lengths(body);
+  set_matter(body, 0.003, 1000, thickness, 0);
+  return body;
 }
 
 inline Positions random_motion(const Body& body, unsigned seed) {

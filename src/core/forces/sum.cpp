@@ -46,6 +46,20 @@ class Sum final : public Elasticity {
                   Workspace& workspace) const override {
     for (const auto& term : terms_) term->add_forces(positions, graph, forces, workspace);
   }
+  bool at_nodes() const override {
+    return !all([](const Elasticity& term) { return !term.at_nodes(); });
+  }
+  void add_stiffness(const Positions& motion, Positions& result, Workspace& workspace) const override {
+    for (const auto& term : terms_) term->add_stiffness(motion, result, workspace);
+  }
+  double internal_force(const Positions& positions) const override {
+    double sum = 0;
+    for (const auto& term : terms_) sum += term->internal_force(positions);
+    return sum;
+  }
+  void visit_points(const PointVisitor& visit) const override {
+    for (const auto& term : terms_) term->visit_points(visit);
+  }
   void linearise(const Positions& positions) override {
     for (const auto& term : terms_) term->linearise(positions);
   }

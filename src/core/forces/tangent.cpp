@@ -49,6 +49,8 @@ void Tangent::apply(const Positions& motion, Positions& result, ApplyWorkspace& 
   else
     result.setZero();
   apply_links(motion, result, workspace);
+  for (const auto& term : model_.elasticity())
+    if (term->at_nodes()) term->add_stiffness(motion, result, workspace.force_pass);
   if (!loads_change_) return;
   workspace.rates = weights_.velocity * motion;
   workspace.change.setZero(3, motion.cols());

@@ -4,6 +4,7 @@
 
 #include "core/laws/solids/st_venant_kirchhoff.h"
 #include "core/parallel/parallel.h"
+#include "elastin/core/base/error.h"
 #include "elastin/core/forces/cells.h"
 
 namespace elastin {
@@ -35,6 +36,10 @@ class ConnectionDamping final : public Viscosity {
 class RestDamping final : public Viscosity {
  public:
   RestDamping(const Body& body, std::unique_ptr<Elasticity> law, double time) : law_(std::move(law)), time_(time) {
+    if (law_->at_nodes())
+      throw InputError(
+          "this damping works on springs, tetrahedra and triangles of first order; use damping of "
+          "connections or of mass on other cells");
     law_->linearise(body.rest);
     slopes_ = VectorX::Zero(body.connections.size());
     law_->add_own_slopes(slopes_);

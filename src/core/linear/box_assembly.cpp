@@ -150,6 +150,27 @@ class Assembly {
     add_box(location.box, change.transpose() * slope * change);
   }
 
+  /// What a law stores at a quadrature point: ½ Hᵀ stiffness H of the gradient H in the frame's axes.
+  void add_point(const Vector3& place, const Eigen::Ref<const Eigen::Matrix3Xd>& frame,
+                 const Eigen::Ref<const Eigen::MatrixXd>& stiffness) {
+    const BoxGrid::Location location = grid_.locate(place);
+    if (location.box < 0) return;
+    const Eigen::Index axes = frame.cols();
+    std::array<Corners, 3> along;
+    for (Eigen::Index p = 0; p < axes; ++p)
+      along[static_cast<std::size_t>(p)] = slopes_along(location.at, grid_.along(frame.col(p)).cast<float>());
+    Eigen::Matrix<float, 3 * kCorners, 3 * kCorners> box = Eigen::Matrix<float, 3 * kCorners, 3 * kCorners>::Zero();
+    for (Eigen::Index p = 0; p < axes; ++p)
+      for (Eigen::Index q = 0; q < axes; ++q) {
+        const Eigen::Matrix3f part = stiffness.block<3, 3>(3 * p, 3 * q).cast<float>();
+        for (int i = 0; i < kCorners; ++i)
+          for (int j = 0; j < kCorners; ++j)
+            box.block<3, 3>(3 * i, 3 * j) +=
+                (along[static_cast<std::size_t>(p)][i] * along[static_cast<std::size_t>(q)][j]) * part;
+      }
+    add_box(location.box, box);
+  }
+
   /// factor · (Σ g·x)² / 2
   void add_gradient(std::span<const std::pair<int, Vector3>> gradient, double factor) {
     Vector3 middle = Vector3::Zero();
@@ -290,6 +311,8 @@ GridLevel assemble_level(const Tangent& tangent, const std::vector<Support>& sup
       grid.use(grid.outline_box(middle));
     }
   });
+  for (const auto& term : tangent.model().elasticity())
+    term->visit_points([&](const Vector3& place, const auto&, const auto&) { grid.use(grid.outline_box(place)); });
   grid.number();
 
   GridLevel grid_level;
@@ -310,6 +333,10 @@ GridLevel assemble_level(const Tangent& tangent, const std::vector<Support>& sup
   for (const auto& term : tangent.model().elasticity())
     term->visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double factor) {
       assembly.add_gradient(gradient, factor);
+    });
+  for (const auto& term : tangent.model().elasticity())
+    term->visit_points([&](const auto& place, const auto& frame, const auto& stiffness) {
+      assembly.add_point(place, frame, stiffness);
     });
   assembly.stabilise();
   add_at_molecules(tangent, supports, assembly);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/geometry/point_buckets.h"
+#include "core/model/block_geometry.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 
@@ -156,6 +157,12 @@ void set_region(Body& body, const Vector3& low, const Vector3& high, double stif
     set_those_inside(body.triangles, body.cell_stiffness);
   else
     set_those_inside(body.tetrahedra, body.cell_stiffness);
+  for (CellBlock& block : body.blocks) {
+    std::vector<std::vector<int>> cells;
+    for (int cell = 0; cell < block.size(); ++cell)
+      cells.emplace_back(block.cell(cell).begin(), block.cell(cell).end());
+    set_those_inside(cells, block.stiffness);
+  }
   for (int molecule = 0; molecule < body.size(); ++molecule)
     if (inside(body.rest.col(molecule))) body.mass[molecule] *= mass;
 }
@@ -168,6 +175,7 @@ double signed_volume(const Positions& positions, const std::array<int, 4>& tetra
 }
 
 std::vector<int> flat_or_inverted_cells(const Body& body, const Positions& positions) {
+  if (has_blocks(body, 3)) return flat_or_inverted_in_blocks(body, positions);
   std::vector<int> cells;
   for (std::size_t cell = 0; cell < body.tetrahedra.size(); ++cell) {
     const auto& corners = body.tetrahedra[cell];

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/geometry/boundary.h"
+#include "core/model/block_geometry.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin {
@@ -58,10 +59,11 @@ Face end_face(const Body& body, const Vector3& direction, double depth) {
   face.share = VectorX::Constant(count, 1. / static_cast<double>(count));
   if (!(face.area > 0)) return face;
   if (!body.tetrahedra.empty()) {
-    const VectorX thirds = triangle_thirds(body, face.molecules, direction);
-    if (thirds.sum() > 0) {
-      face.area = thirds.sum();
-      face.share = thirds / face.area;
+    const VectorX parts = has_blocks(body, 3) ? face_shares(body, face.molecules, direction)
+                                              : triangle_thirds(body, face.molecules, direction);
+    if (parts.sum() > 0) {
+      face.area = parts.sum();
+      face.share = parts / face.area;
       return face;
     }
   }

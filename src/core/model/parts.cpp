@@ -71,6 +71,11 @@ void append_stiffness(Body& whole, const Body& body) {
   whole.cell_stiffness = std::move(factors);
 }
 
+std::vector<CellBlock> blocks_of(const Body& whole, const Part& part) {
+  const auto first = whole.blocks.begin() + part.blocks.first;
+  return {first, first + part.blocks.count};
+}
+
 }  // namespace
 
 void add_part(Body& whole, const Body& body, Part what) {
@@ -87,6 +92,11 @@ void add_part(Body& whole, const Body& body, Part what) {
   what.triangles = append(whole.triangles, body.triangles, shift);
   what.tetrahedra = append(whole.tetrahedra, body.tetrahedra, shift);
   what.cubes = append(whole.cubes, body.cubes, shift);
+  what.blocks = {static_cast<int>(whole.blocks.size()), static_cast<int>(body.blocks.size())};
+  for (CellBlock block : body.blocks) {
+    for (int& node : block.nodes) node += shift;
+    whole.blocks.push_back(std::move(block));
+  }
   whole.grid.reset(), whole.voronoi.reset();
   what.voronoi = body.voronoi, what.shared.clear();
   whole.parts.push_back(std::move(what));
@@ -135,6 +145,9 @@ PartAlone part_alone(const Body& whole, const Part& part) {
   take(body.triangles, whole.triangles, part.triangles);
   take(body.tetrahedra, whole.tetrahedra, part.tetrahedra);
   take(body.cubes, whole.cubes, part.cubes);
+  body.blocks = blocks_of(whole, part);
+  for (CellBlock& block : body.blocks)
+    for (int& node : block.nodes) node = own[static_cast<std::size_t>(node)];
   if (whole.connection_stiffness.size()) body.connection_stiffness = whole.connection_stiffness(result.connections);
   if (whole.cell_stiffness.size()) {
     const CellRange& range = whole.tetrahedra.empty() ? part.triangles : part.tetrahedra;
@@ -151,6 +164,7 @@ Body with_cells_of(const Body& whole, const Part& part) {
                                                      cells.begin() + range.first + range.count);
   };
   keep(body.triangles, part.triangles), keep(body.tetrahedra, part.tetrahedra), keep(body.cubes, part.cubes);
+  body.blocks = blocks_of(whole, part);
   if (whole.cell_stiffness.size()) {
     const CellRange& range = whole.tetrahedra.empty() ? part.triangles : part.tetrahedra;
     body.cell_stiffness = whole.cell_stiffness.segment(range.first, range.count).eval();
@@ -161,8 +175,8 @@ Body with_cells_of(const Body& whole, const Part& part) {
 
 Body without_cells(const Body& whole) {
   Body body = whole;
-  body.triangles.clear(), body.tetrahedra.clear();
-  for (Part& part : body.parts) part.triangles = part.tetrahedra = {};
+  body.triangles.clear(), body.tetrahedra.clear(), body.blocks.clear();
+  for (Part& part : body.parts) part.triangles = part.tetrahedra = part.blocks = {};
   return body;
 }
 

@@ -104,6 +104,10 @@ void rotate(Body& body, const Matrix3& rotation) { body.rest = (rotation * body.
 void set_matter(Body& body, double radius, double density, double thickness, double volume) {
   body.radius = VectorX::Constant(body.size(), radius);
   const bool has_cells = !body.triangles.empty() || !body.tetrahedra.empty();
+  if (!body.blocks.empty()) {
+    body.mass = density * lumped_volumes(body, thickness);
+    return;
+  }
   body.mass = has_cells ? lumped_mass(body.rest, body.triangles, body.tetrahedra, density, thickness)
                         : VectorX::Constant(body.size(), density * volume / body.size());
 }

@@ -112,7 +112,8 @@ Strategy with_volume(const Strategy& strategy) {
   result.volume_modulus = [springs](const Material& material) { return volume_modulus(material, springs); };
   result.unsuited = [strategy](const Body& body) {
     const std::string why = strategy.unsuited(body);
-    return why.empty() ? unsuited_for_volumes(body) : why;
+    if (!why.empty()) return why;
+    return has_blocks(body, 3) && strategy.make_mixed ? "" : unsuited_for_volumes(body);
   };
   if (strategy.constants)
     result.constants = [strategy](const Body& body, const Material& material, const ParameterValues& values) {
@@ -124,6 +125,7 @@ Strategy with_volume(const Strategy& strategy) {
     };
   result.make = [strategy, springs, modulus = result.volume_modulus](const Body& body, const Material& material,
                                                                      const ParameterValues& values) {
+    if (has_blocks(body, 3) && strategy.make_mixed) return strategy.make_mixed(body, material, values);
     std::unique_ptr<Elasticity> shape;
     if (strategy.constants)  // softer or stiffer springs, on the material's own curve
       shape = make_springs(body, strategy.constants(body, shear_material(material), values), material);

@@ -186,7 +186,7 @@ class Explicit final : public Integrator {
 
 std::string inverted_text(const Body& body, const Positions& positions) {
   const std::vector<int> cells = flat_or_inverted_cells(body, positions);
-  return cells.empty() ? "a cell is flat or inverted" : flat_or_inverted_text(cells, body.tetrahedra.size());
+  return cells.empty() ? "a cell is flat or inverted" : flat_or_inverted_text(cells, solid_cells(body));
 }
 
 void move_with_supports(const std::vector<Support>& supports, Positions& velocities) {

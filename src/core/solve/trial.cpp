@@ -68,7 +68,9 @@ double noise_of(const Model& model, const Trial& trial, TrialWorkspace& workspac
   const double pull = ordered_sum(connections, [&](int c) {
     return std::abs(workspace.force_densities[c]) * (positions.col(ends[c][1]) - positions.col(ends[c][0])).norm();
   });
-  const double all = pull + std::sqrt(static_cast<double>(positions.cols())) * trial.forces.scale;
+  double within = pull;
+  for (const auto& term : model.elasticity()) within += term->internal_force(positions);
+  const double all = within + std::sqrt(static_cast<double>(positions.cols())) * trial.forces.scale;
   return 4 * std::numeric_limits<double>::epsilon() * positions.cwiseAbs().maxCoeff() * all;
 }
 

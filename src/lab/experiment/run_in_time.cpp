@@ -253,7 +253,7 @@ void run_in_time(Model& model, const TimedProtocol& experiment, TimedRig& rig, c
   if (!model.admissible(state.positions)) {
     run.outcome = Outcome::inverted;
     run.cause =
-        flat_or_inverted_text(flat_or_inverted_cells(model.body(), state.positions), model.body().tetrahedra.size()) +
+        flat_or_inverted_text(flat_or_inverted_cells(model.body(), state.positions), solid_cells(model.body())) +
         " at time 0";
     return;
   }

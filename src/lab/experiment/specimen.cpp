@@ -205,7 +205,7 @@ Run run_strategy(const Specimen& specimen, const Protocol& experiment, const Str
     const std::vector<int> cells = flat_or_inverted_cells(specimen.body, specimen.body.rest);
     if (!cells.empty()) {
       run.outcome = Outcome::inverted;
-      run.cause = flat_or_inverted_text(cells, specimen.body.tetrahedra.size()) + " at rest";
+      run.cause = flat_or_inverted_text(cells, solid_cells(specimen.body)) + " at rest";
       return run;
     }
     const std::vector<int> triangles = flat_triangles(specimen.body, specimen.body.rest);

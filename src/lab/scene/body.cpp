@@ -1,6 +1,7 @@
 #include <filesystem>
 
 #include "elastin/core/shapes/arrays.h"
+#include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/shapes/surfaces.h"
 #include "elastin/hull/delaunay.h"
@@ -32,7 +33,11 @@ std::optional<double> read_reach(std::optional<Reader> connections) {
   return reach;
 }
 
-Body read_lattice(Reader reader) {
+/// The order that a body's cells are to have: chosen once all its molecules are where they belong.
+using Order = std::optional<Reader>;
+
+Body read_lattice(Reader reader, Order& order) {
+  order = reader.find("order");
   enum class Kind { cubic, body_centred, face_centred };
   const Kind kind = reader.at("kind").choice<Kind>(
       {{"cubic", Kind::cubic}, {"body_centred", Kind::body_centred}, {"face_centred", Kind::face_centred}});
@@ -40,6 +45,7 @@ Body read_lattice(Reader reader) {
   const bool equal = spacings.is_text();
   const double spacing = equal ? spacings.quantity(dimension::length, kPositive) : 1;
   const auto connections = reader.find("connections");
+  if (order && connections) connections->fail("the sides of its cells are the connections; leave `connections` out");
   const std::optional<double> reach = read_reach(connections);
   Body body;
   if (kind == Kind::cubic) {
@@ -70,7 +76,8 @@ Body read_packing(Reader reader) {
   return random_packing(size, distance, reach.value_or(1.5 * distance), static_cast<std::uint64_t>(seed));
 }
 
-Body read_tetrahedra(Reader reader) {
+Body read_tetrahedra(Reader reader, Order& order) {
+  order = reader.find("order");
   const BlockKind kind = reader.at("kind").choice<BlockKind>(
       {{"kuhn", BlockKind::kuhn}, {"alternating", BlockKind::alternating}, {"body_centred", BlockKind::body_centred}});
   const auto cubes = read_counts(reader.at("cubes"), 2);
@@ -79,7 +86,8 @@ Body read_tetrahedra(Reader reader) {
   return tetrahedral_block(kind, cubes, size);
 }
 
-Body read_mesh(Reader reader) {
+Body read_mesh(Reader reader, Order& order) {
+  order = reader.find("order");
   mesh::Mesh mesh = read_mesh_file(reader);
   reader.finish();
   Body body;
@@ -128,7 +136,7 @@ const std::vector<std::string> kShapes{"lattice", "packing", "tetrahedra", "sphe
                                        "sheet",   "canopy",  "mesh",       "fill",   "molecules"};
 
 /// `volumes` of the molecules [m³] are set where the shape knows them, and left alone where it does not.
-Body read_shape(Reader& reader, VectorX& volumes, Remarks remarks) {
+Body read_shape(Reader& reader, VectorX& volumes, Order& order, Remarks remarks) {
   std::optional<Reader> shape;
   std::string name;
   for (const std::string& key : kShapes)
@@ -145,16 +153,17 @@ Body read_shape(Reader& reader, VectorX& volumes, Remarks remarks) {
     for (const std::string& key : kShapes) known += (known.empty() ? "" : key == kShapes.back() ? " or " : ", ") + key;
     reader.fail("needs a shape: " + known);
   }
-  if (name == "lattice") return read_lattice(*shape);
+  if (name == "lattice") return read_lattice(*shape, order);
   if (name == "packing") return read_packing(*shape);
-  if (name == "tetrahedra") return read_tetrahedra(*shape);
-  if (name == "mesh") return read_mesh(*shape);
+  if (name == "tetrahedra") return read_tetrahedra(*shape, order);
+  if (name == "mesh") return read_mesh(*shape, order);
   if (name == "fill") {
     for (const char* key : {"jitter", "grade", "cells", "connections"})
       if (auto other = reader.find(key))
         other->fail(key == std::string("cells") || key == std::string("connections")
                         ? "of a filled body this key stands inside `fill`"
                         : "a filled body cannot have this: it would leave its surface");
+    order = shape->find("order");
     return read_fill(*shape, volumes, remarks);
   }
   if (name != "molecules") return read_surface(name, *shape);
@@ -182,6 +191,14 @@ void read_cells(const Reader& reader, Body& body, std::vector<std::string>& warn
   if (flat > 0)
     warnings.push_back(reader.path() + ": " + std::to_string(flat) + " of " + std::to_string(body.tetrahedra.size()) +
                        " tetrahedra are nearly flat (below 1e-4 of the cube of their longest side)");
+}
+
+/// Cells of first order are what bodies of tetrahedra and triangles have anyway.
+void choose_order(const Reader& reader, Body& body, VectorX& volumes) {
+  const int order = reader.choice<int>({{"1", 1}, {"2", 2}});
+  if (order == 1 && body.blocks.empty() && body.cubes.empty()) return;
+  body = reader.located([&] { return with_order(body, order); });
+  volumes.resize(0);
 }
 
 /// {from: [x, y, z], to: [x, y, z], stiffness: 1e6, mass: 10}
@@ -233,7 +250,8 @@ mesh::Mesh read_mesh_file(Reader& reader) {
 Body read_body(Reader reader, const Material& material, Remarks remarks) {
   reader.set_section("body");
   VectorX volumes;
-  Body body = reader.located([&] { return read_shape(reader, volumes, remarks); });
+  Order order;
+  Body body = reader.located([&] { return read_shape(reader, volumes, order, remarks); });
   if (auto jitter = reader.find("jitter")) {
     const double amount = jitter->at("amount").quantity(dimension::none, {0, 0.5, false});
     const int seed = jitter->has("seed") ? jitter->at("seed").whole(0) : 1;
@@ -243,6 +261,7 @@ Body read_body(Reader reader, const Material& material, Remarks remarks) {
   if (auto grading = reader.find("grade"))
     for (const Reader& along : grading->is_map() ? std::vector{*grading} : grading->items()) read_grade(along, body);
   if (auto cells = reader.find("cells")) read_cells(*cells, body, remarks.warnings);
+  if (order) choose_order(*order, body, volumes);
   const auto radius = reader.find("radius"), regions = reader.find("regions"), lines = reader.find("lines");
   reader.finish();
   const std::optional<double> given =
@@ -256,8 +275,13 @@ Body read_body(Reader reader, const Material& material, Remarks remarks) {
   return body;
 }
 
+SceneKey order_key() {
+  return {"order", "`1`, `2`", "", "", "`1`", "order of the cells: 2 puts a molecule in the middle of each edge"};
+}
+
 std::vector<KeySection> body_keys() {
   const SceneKey seed{"seed", "whole", "", "≥ 0", "1", "seed of the random numbers"};
+  const SceneKey order = order_key();
   const SceneKey within{
       "connections.within", "quantity", "m", "> 0", "none", "joins all molecules that are at most so far apart"};
   return {
@@ -294,7 +318,9 @@ std::vector<KeySection> body_keys() {
          "`[axis]`, `nearest`",
          "of `cubic`: along axes, face diagonals, space diagonals; of the others: nearest neighbours, or second ones "
          "too"},
-        within}},
+        within,
+        {"order", "`1`, `2`", "", "", "no cells",
+         "of `cubic`: fills each box with a hexahedron, of 8 or of 27 molecules"}}},
       {"body.packing",
        "",
        "Shape `packing`, a random close packing:",
@@ -307,13 +333,15 @@ std::vector<KeySection> body_keys() {
        "Shape `tetrahedra`, a block:",
        {{"kind", "`kuhn`, `alternating`, `body_centred`", "", "", "needed", "6, 5 or 12 tetrahedra in each cube"},
         {"cubes", "three wholes", "", "≥ 1", "needed", "cubes along x, y, z"},
-        {"size", "vector", "m", "> 0", "needed", "sides of the block, from the origin"}}},
+        {"size", "vector", "m", "> 0", "needed", "sides of the block, from the origin"},
+        order}},
       {"body.mesh",
        "",
        "Shape `mesh`, tetrahedra or triangles from a file:",
        {{"file", "file beside the scene", "", "", "needed",
          "`.msh` 2.2 and 4.1, `.vtk`, `.vtu`, `.stl`, `.obj`, `.ply`"},
-        {"length_unit", kLengthUnits, "", "", "needed", "unit of the file's coordinates"}}},
+        {"length_unit", kLengthUnits, "", "", "needed", "unit of the file's coordinates"},
+        order}},
       {"body",
        "",
        "Shape `molecules`, positions one by one; its other keys stand beside it:",

@@ -93,7 +93,8 @@ std::vector<KeySection> fill_keys() {
              "whether molecules lie on the surface and along its sharp edges"},
             {"cells", "`delaunay`, `none`", "", "", "`delaunay`", "tetrahedra inside the surface"},
             {"connections.within", "quantity", "m", "> 0", "sides of the cells",
-             "reach of connections between molecules that see each other inside"}}}};
+             "reach of connections between molecules that see each other inside"},
+            order_key()}}};
 }
 
 }  // namespace elastin::lab

@@ -75,6 +75,7 @@ std::vector<KeySection> expectation_keys();
 std::vector<KeySection> body_keys();
 std::vector<KeySection> surface_keys();
 std::vector<KeySection> fill_keys();
+SceneKey order_key();
 std::vector<KeySection> bodies_keys();
 std::vector<KeySection> material_keys(const Catalog& catalog);
 std::vector<KeySection> strategy_keys(const Catalog& catalog);

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "elastin/core/forces/block_cells.h"
 #include "elastin/core/forces/elasticity.h"
 #include "elastin/core/laws/cell_kernel.h"
 #include "elastin/core/model/material.h"
@@ -95,10 +96,10 @@ void add_shares(const CellGraph& graph, const Share& share, VectorX& values, Wor
 }
 }  // namespace detail
 
-/// The cells of one shape: where their nodes are, their sides, what they make of slopes once a law has given them.
+/// The simplices of one shape: where their nodes are, their sides, what they make of slopes once a law has given them.
 /// Nothing here knows a law.
 template <CellShape Shape>
-class CellBlock : public Elasticity {
+class SimplexCells : public Elasticity {
  public:
   bool admissible(const Positions& positions) const override {
     return detail::sum_over_cells(graph_.cells(), [&](int cell) { return is_inverted(positions, cell) ? 1. : 0.; }) ==
@@ -127,7 +128,7 @@ class CellBlock : public Elasticity {
   using SquaredLengths = CellVector<nodes>;
   using Slope = Eigen::Matrix<double, sides, sides, Eigen::RowMajor>;
 
-  explicit CellBlock(const Body& body) : body_(body), graph_(body.connections, Shape::in(body)) {}
+  explicit SimplexCells(const Body& body) : body_(body), graph_(body.connections, Shape::in(body)) {}
 
   NodePositions<nodes> positions_of(const Positions& positions, int cell) const {
     const auto& at = Shape::in(body_)[static_cast<std::size_t>(cell)];
@@ -160,9 +161,9 @@ class CellBlock : public Elasticity {
 /// The one driver of every cell law. It owns the loops over the cells of one shape, what is written where and by whom;
 /// the kernel (see CellKernel) is the law on one cell.
 template <LengthKernel Kernel>
-class CellElasticity final : public CellBlock<typename Kernel::Shape> {
+class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
   using Shape = typename Kernel::Shape;
-  using Block = CellBlock<Shape>;
+  using Block = SimplexCells<Shape>;
   using Block::graph_, Block::squared_lengths, Block::sides;
   using typename Block::SquaredLengths;
 
@@ -224,6 +225,9 @@ class CellElasticity final : public CellBlock<typename Kernel::Shape> {
 /// it.
 template <int dimensions, class Law>
 std::unique_ptr<Elasticity> make_cells(const Body& body, const Material& material, const Law& law) {
+  if (has_blocks(body, dimensions))
+    return make_blocks<dimensions>(body, material,
+                                   [&](const Material& own) { return detail::at_work<dimensions>(law, own); });
   std::vector<std::unique_ptr<Elasticity>> blocks;
   ShapesOf<dimensions>::for_each([&]<class Shape>() {
     using Kernel = CellKernel<Law, Shape>;

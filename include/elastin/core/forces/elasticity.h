@@ -88,7 +88,15 @@ class Elasticity {
   virtual void add_triangle_force_densities(const Positions& positions, Eigen::Ref<Eigen::Matrix3Xd> of_triangles,
                                             VectorX& of_connections, Workspace& workspace) const;
 
-  /// Stores the slopes ∂q/∂s [N/m³] at these positions for the three calls below.
+  /// Whether its forces are found at the nodes of cells, without force densities: then it adds none, has no slopes, and
+  /// its stiffness is that of add_stiffness.
+  virtual bool at_nodes() const { return false; }
+  /// Adds K motion [N] of what is at nodes, with what linearise() stored.
+  virtual void add_stiffness(const Positions& /*motion*/, Positions& /*result*/, Workspace&) const {}
+  /// Sum of the sizes of the forces within the body [N] of what is at nodes: what rounding is judged by.
+  virtual double internal_force(const Positions& /*positions*/) const { return 0; }
+
+  /// Stores the slopes ∂q/∂s [N/m³] at these positions for the calls below.
   virtual void linearise(const Positions& positions) = 0;
   /// Adds the slope of each connection with respect to its own s.
   virtual void add_own_slopes(VectorX& slopes) const = 0;
@@ -101,7 +109,8 @@ class Elasticity {
   using CellVisitor = std::function<void(const CellSlopes& cells)>;
   virtual void visit_cells(const CellVisitor&) const {}
   /// For couplings too wide for dense slopes: calls visit(a, b, part) for parts of the 3×3 blocks of the stiffness
-  /// [N/m], without what the force densities and own slopes give. A law has either this or visit_cells.
+  /// [N/m], without what the force densities and own slopes give. A law has either this or visit_cells; one at nodes
+  /// has all its stiffness here.
   using BlockVisitor = std::function<void(int a, int b, const Matrix3& block)>;
   virtual void visit_blocks(const BlockVisitor&) const {}
   /// Of couplings too wide for dense slopes, what a coarser grid over the body can use: calls visit(g, factor) for
@@ -109,6 +118,11 @@ class Elasticity {
   /// visit_blocks has more terms than these.
   using GradientVisitor = std::function<void(std::span<const std::pair<int, Vector3>> gradient, double factor)>;
   virtual bool visit_gradients(const GradientVisitor&) const { return true; }
+  /// Of what is at nodes, the same: calls visit(place, frame, stiffness) for the quadrature points, at rest. A motion
+  /// whose gradient there is H in the frame's axes, column after column, has the energy ½ Hᵀ stiffness H.
+  using PointVisitor = std::function<void(const Vector3& place, const Eigen::Ref<const Eigen::Matrix3Xd>& frame,
+                                          const Eigen::Ref<const Eigen::MatrixXd>& stiffness)>;
+  virtual void visit_points(const PointVisitor&) const {}
   /// Calls visit(a, part) for parts of the diagonal ones of those blocks.
   using DiagonalVisitor = std::function<void(int a, const Matrix3& block)>;
   virtual void visit_diagonal(const DiagonalVisitor&) const {}

@@ -1,9 +1,11 @@
 #pragma once
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "elastin/core/geometry/cell_kind.h"
 #include "elastin/core/geometry/cells.h"
 
 namespace elastin {
@@ -40,6 +42,18 @@ struct CellRange {
   int first = 0, count = 0;
 };
 
+/// Cells of one shape out of the table of shapes, each by the numbers of its nodes.
+struct CellBlock {
+  const CellKind* kind = nullptr;
+  std::vector<int> nodes;  ///< of all cells, kind->nodes each
+  VectorX stiffness;       ///< how many times as stiff as the material each cell is; empty = all alike
+  int size() const { return static_cast<int>(nodes.size()) / kind->nodes; }
+  std::span<const int> cell(int number) const {
+    const auto of_each = static_cast<std::size_t>(kind->nodes);
+    return {nodes.data() + static_cast<std::size_t>(number) * of_each, of_each};
+  }
+};
+
 /// A named part of a body that was put together from several; see elastin/model/parts.h.
 struct Part {
   std::string name;
@@ -50,6 +64,7 @@ struct Part {
   bool rigid = false;  ///< bone: its molecules, the shared ones too, never move against each other
   int material = 0;    ///< number in the list of materials that belongs to the body
   CellRange triangles, tetrahedra, cubes;
+  CellRange blocks;                     ///< of Body::blocks; every block belongs to one part
   std::optional<VoronoiCells> voronoi;  ///< of the part alone; as Body::voronoi
 };
 
@@ -70,6 +85,10 @@ struct Body {
   Cells<3> triangles;
   std::vector<Cable> cables;  ///< beside what the strategy does with its connections
   Cells<4> tetrahedra;        ///< positively oriented: (x1−x0)·((x2−x0)×(x3−x0)) > 0
+  /// Cells of all other shapes, and of second order. Where a body has any, all its cells of that dimension are among
+  /// them; laws of cells work on them, and `tetrahedra` (`triangles`) are the simplices that their nodes make, for what
+  /// works on corners: spring rules, surfaces, pictures. See set_simplices.
+  std::vector<CellBlock> blocks;
   /// The cubes of a simple cubic lattice, each by its eight molecules; only such lattices have them.
   Cells<8> cubes;
   /// Molecules along x, y, z where they are numbered as a grid, x + nx (y + ny z), wherever they lie. Passes over
@@ -116,10 +135,25 @@ VectorX lumped_mass(const Positions& positions, const Cells<3>& triangles, const
 /// side.
 double signed_volume(const Positions& positions, const std::array<int, 4>& tetrahedron);
 
-/// Tetrahedra that are flat or inverted at these positions: their volume is not above 1e-12 L³ of their longest side L.
+/// Which of solid_cells are flat or inverted at these positions: the volume is not above 1e-12 L³ of their longest side
+/// L, in a block at one of their quadrature points.
 std::vector<int> flat_or_inverted_cells(const Body& body, const Positions& positions);
 /// "cell 3 is flat or inverted", "cells 3, 7 are …": the first ten by number, how many others, and of how many.
 std::string flat_or_inverted_text(const std::vector<int>& cells, std::size_t of);
+
+/// Whether laws of solids (3) or of membranes (2) work on blocks of the body.
+bool has_blocks(const Body& body, int dimensions);
+
+/// Sets `tetrahedra` and `triangles` to the simplices that the nodes of the blocks make, and the connections to their
+/// sides. Cells that share a face are cut alike there.
+void set_simplices(Body& body);
+
+/// Cells of three dimensions: those of the blocks, counted through, or the tetrahedra.
+std::size_t solid_cells(const Body& body);
+
+/// Volumes [m³] (areas [m²] times `thickness` [m]) of the molecules, positive on every shape: each cell's by the share
+/// of ∫ N_a² of its nodes.                                                     [Hinton, Rock & Zienkiewicz 1976]
+VectorX lumped_volumes(const Body& body, double thickness);
 
 /// What is wrong or odd with a body as a graph of its connections proper, in words a user can act on.
 struct BodyFindings {

@@ -47,6 +47,8 @@ struct Strategy : Descriptor {
   Make make;
   /// Cell laws that can leave λ/2 (J − 1)² to a volume term: the law without it.
   Make make_without_volume;
+  /// Laws of solids that can be split: on blocks, with the volume kept by pressures of the whole cell.
+  Make make_mixed;
   /// Membrane laws whose compression can be dropped: the law without it.
   Make make_without_compression;
   /// With a volume term (see with_volume): its modulus κ [Pa]. Else empty. Throws InputError unless 0 ≤ ν ≤ 0.4999.
@@ -222,6 +224,10 @@ Strategy solid_strategy() {
     strategy.make_without_volume = made_by<Law>(strategy, [](const Body& body, const Material& material, Law law) {
       law.volume_apart = true;
       return make_cells<3>(body, material, law);
+    });
+  if constexpr (SplitLaw<Law>)
+    strategy.make_mixed = made_by<Law>(strategy, [](const Body& body, const Material& material, const Law& law) {
+      return make_blocks<3, true>(body, material, [&](const Material& own) { return law.split(own); });
     });
   return strategy;
 }

@@ -1,0 +1,585 @@
+#include "elastin/core/forces/block_cells.h"
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/base/rows.h"
+#include "core/model/block_geometry.h"
+#include "core/parallel/parallel.h"
+#include "elastin/core/base/dense.h"
+
+namespace elastin {
+namespace {
+
+constexpr int kMostNodes = 27, kMostPoints = 27, kMostPressures = 4;
+using NodeVectors = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMostNodes>;
+/// A symmetric tensor's independent components, order 11 22 33 12 13 23, or 11 22 12.
+template <int d>
+using Components = Eigen::Matrix<double, d*(d + 1) / 2, 1>;
+
+template <int d>
+constexpr auto components() {
+  if constexpr (d == 3)
+    return std::array<std::array<int, 2>, 6>{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
+  else
+    return std::array<std::array<int, 2>, 3>{{{0, 0}, {1, 1}, {0, 1}}};
+}
+
+/// The cofactors of F: ∂ det F/∂F.
+Matrix3 cofactors(const Matrix3& F) {
+  Matrix3 result;
+  result << F.col(1).cross(F.col(2)), F.col(2).cross(F.col(0)), F.col(0).cross(F.col(1));
+  return result;
+}
+
+/// det(I + H) − 1, without cancellation near H = 0.
+double swelling_of(const Matrix3& H) {
+  const double trace = H.trace(), minors = (trace * trace - (H * H).trace()) / 2;
+  return trace + minors + H.determinant();
+}
+
+template <int d>
+class BlockCells final : public Elasticity {
+  using Gradient = Eigen::Matrix<double, 3, d>;  ///< F, δF, F S
+  using Square = Eigen::Matrix<double, d, d>;
+  using Moduli = TangentModuli<d>;
+  /// The change of C's components, those off the diagonal twice, for each of the 3 d components of δF.
+  using Changes = Eigen::Matrix<double, d*(d + 1) / 2, 3 * d>;
+
+ public:
+  BlockCells(const Body& body, const CellBlock& block, std::shared_ptr<const PointLaws<d>> laws,
+             std::vector<Volumetric> volume)
+      : body_(body),
+        block_(block),
+        kind_(*block.kind),
+        points_(static_cast<int>(kind_.slopes.size())),
+        laws_(std::move(laws)),
+        volume_(std::move(volume)),
+        slots_(rows_by_target(body.size(), block.nodes)) {
+    set_rest();
+    if (!volume_.empty()) set_pressure_functions();
+  }
+
+  std::unique_ptr<Elasticity> clone() const override { return std::make_unique<BlockCells>(*this); }
+  bool has_energy() const override { return laws_->has_energy(); }
+  bool at_nodes() const override { return true; }
+
+  bool admissible(const Positions& positions) const override {
+    if (d == 2) return true;
+    return ordered_sum(block_.size(), [&](int cell) { return is_inverted(positions, cell) ? 1. : 0.; }) == 0;
+  }
+
+  double energy(const Positions& positions) const override {
+    if (!has_energy()) return 0;
+    return ordered_sum(block_.size(), [&](int cell) -> double {
+      Strains now;
+      set_strains(positions, cell, now);
+      if (d == 3 && now.inverted) return std::numeric_limits<double>::infinity();
+      std::array<double, kMostPoints> weights;
+      for (int g = 0; g < points_; ++g) weights[static_cast<std::size_t>(g)] = rest(cell, g).weight;
+      double sum = laws_->energy(cell, span(now.A), {weights.data(), static_cast<std::size_t>(points_)});
+      if constexpr (d == 3)
+        if (!volume_.empty()) {
+          const Pressures theta = projected_swelling(cell, now);
+          for (int g = 0; g < points_; ++g) sum += rest(cell, g).weight * volume_of(cell).energy(at_point(theta, g));
+        }
+      return sum;
+    });
+  }
+
+  void add_force_densities(const Positions&, VectorX&, Workspace&) const override {}
+
+  void add_forces(const Positions& positions, const Graph&, Positions& forces, Workspace& workspace) const override {
+    add_cells(forces, workspace, [&](int cell, NodeVectors& own) {
+      Strains now;
+      set_strains(positions, cell, now);
+      std::array<Square, kMostPoints> S;
+      laws_->stresses(cell, span(now.A), span(S));
+      std::array<double, kMostPoints> p;
+      set_pressures(cell, now, p);
+      for (int g = 0; g < points_; ++g) {
+        const auto at = static_cast<std::size_t>(g);
+        Gradient P = now.F[at] * S[at];
+        if constexpr (d == 3)
+          if (!volume_.empty()) P += p[at] * cofactors(now.F[at]);
+        spread(cell, g, -rest(cell, g).weight * P, own);
+      }
+    });
+  }
+
+  double internal_force(const Positions& positions) const override {
+    return ordered_sum(block_.size(), [&](int cell) {
+      Strains now;
+      set_strains(positions, cell, now);
+      std::array<Square, kMostPoints> S;
+      laws_->stresses(cell, span(now.A), span(S));
+      std::array<double, kMostPoints> p;
+      set_pressures(cell, now, p);
+      double sum = 0;
+      for (int g = 0; g < points_; ++g) {
+        const auto at = static_cast<std::size_t>(g);
+        double stress = (now.F[at] * S[at]).norm();
+        if constexpr (d == 3)
+          if (!volume_.empty()) stress += std::abs(p[at]);
+        sum += rest(cell, g).weight * stress * rest(cell, g).inverse.norm();
+      }
+      return sum;
+    });
+  }
+
+  void linearise(const Positions& positions) override {
+    now_.resize(static_cast<std::size_t>(block_.size() * points_));
+    if (!volume_.empty()) stiffness_of_pressures_.resize(static_cast<std::size_t>(block_.size()));
+    parallel_for(
+        block_.size(),
+        [&](int cell) {
+          Strains now;
+          set_strains(positions, cell, now);
+          std::array<Square, kMostPoints> S;
+          std::array<Moduli, kMostPoints> D;
+          laws_->stresses(cell, span(now.A), span(S));
+          laws_->tangents(cell, span(now.A), {D.data(), static_cast<std::size_t>(points_)});
+          std::array<double, kMostPoints> p;
+          set_pressures(cell, now, p);
+          for (int g = 0; g < points_; ++g) {
+            const auto at = static_cast<std::size_t>(g);
+            if constexpr (d == 3)
+              if (!volume_.empty()) add_pressure(p[at], now.A[at], S[at], D[at]);
+            const double weight = rest(cell, g).weight;
+            now_[static_cast<std::size_t>(cell * points_ + g)] = {now.F[at], weight * S[at], weight * D[at]};
+          }
+          if constexpr (d == 3)
+            if (!volume_.empty()) set_stiffness_of_pressures(cell, now);
+        },
+        kCellThreshold);
+  }
+  void add_own_slopes(VectorX&) const override {}
+
+  void add_stiffness(const Positions& motion, Positions& result, Workspace& workspace) const override {
+    add_cells(result, workspace, [&](int cell, NodeVectors& own) {
+      const NodeVectors moved = gathered(motion, cell);
+      std::array<Gradient, kMostPoints> change, P;
+      for (int g = 0; g < points_; ++g) {
+        const auto at = static_cast<std::size_t>(g);
+        change[at] = gradient(cell, g, moved);
+        const Now& now = this->now(cell, g);
+        Components<d> of_C;
+        const Square half = now.F.transpose() * change[at];
+        constexpr auto order = components<d>();
+        for (int k = 0; k < of_C.size(); ++k) {
+          const auto [i, j] = order[static_cast<std::size_t>(k)];
+          of_C[k] = (half(i, j) + half(j, i)) * (i == j ? 1 : 2);
+        }
+        const Components<d> of_S = now.D * of_C;
+        Square dS;
+        for (int k = 0; k < of_S.size(); ++k) {
+          const auto [i, j] = order[static_cast<std::size_t>(k)];
+          dS(i, j) = dS(j, i) = of_S[k];
+        }
+        P[at].noalias() = change[at] * now.S;
+        P[at].noalias() += now.F * dS;
+      }
+      if constexpr (d == 3)
+        if (!volume_.empty()) {
+          Pressures swelling = Pressures::Zero();
+          for (int g = 0; g < points_; ++g)
+            swelling += rest(cell, g).weight *
+                        cofactors(now(cell, g).F).cwiseProduct(change[static_cast<std::size_t>(g)]).sum() *
+                        functions_[static_cast<std::size_t>(g)];
+          const Pressures p = stiffness_of_pressures_[static_cast<std::size_t>(cell)] * swelling;
+          for (int g = 0; g < points_; ++g)
+            P[static_cast<std::size_t>(g)] += rest(cell, g).weight * at_point(p, g) * cofactors(now(cell, g).F);
+        }
+      for (int g = 0; g < points_; ++g) spread(cell, g, P[static_cast<std::size_t>(g)], own);
+    });
+  }
+
+  void visit_blocks(const BlockVisitor& visit) const override {
+    const int n = kind_.nodes;
+    Eigen::MatrixXd K(3 * n, 3 * n), V, DV, gradients;
+    for (int cell = 0; cell < block_.size(); ++cell) {
+      K.setZero();
+      for (int g = 0; g < points_; ++g) {
+        const Now& now = this->now(cell, g);
+        const Eigen::Matrix<double, d, Eigen::Dynamic> B = rest_gradients(cell, g);
+        V.resize(Components<d>::RowsAtCompileTime, 3 * n);
+        for (int a = 0; a < n; ++a) V.middleCols(3 * a, 3) = changes_of(now.F, B.col(a));
+        DV = now.D * V;
+        K.noalias() += 0.5 * (V.transpose() * DV);
+        const Eigen::MatrixXd stress = B.transpose() * now.S * B;
+        for (int a = 0; a < n; ++a)
+          for (int b = 0; b < n; ++b) K.block<3, 3>(3 * a, 3 * b).diagonal().array() += stress(a, b);
+      }
+      if constexpr (d == 3)
+        if (!volume_.empty()) {
+          const Eigen::MatrixXd G = pressure_gradients(cell);
+          const int m = kind_.pressures;
+          K.noalias() +=
+              G * stiffness_of_pressures_[static_cast<std::size_t>(cell)].topLeftCorner(m, m) * G.transpose();
+        }
+      const auto nodes = block_.cell(cell);
+      for (int a = 0; a < n; ++a)
+        for (int b = 0; b < n; ++b)
+          visit(nodes[static_cast<std::size_t>(a)], nodes[static_cast<std::size_t>(b)],
+                K.template block<3, 3>(3 * a, 3 * b));
+    }
+  }
+
+  void visit_diagonal(const DiagonalVisitor& visit) const override {
+    for (int cell = 0; cell < block_.size(); ++cell) {
+      const auto nodes = block_.cell(cell);
+      Eigen::MatrixXd G, Q;
+      if constexpr (d == 3)
+        if (!volume_.empty()) {
+          const int m = kind_.pressures;
+          G = pressure_gradients(cell);
+          Q = stiffness_of_pressures_[static_cast<std::size_t>(cell)].topLeftCorner(m, m);
+        }
+      std::array<Matrix3, kMostNodes> own;
+      own.fill(Matrix3::Zero());
+      for (int g = 0; g < points_; ++g) {
+        const Now& now = this->now(cell, g);
+        const Square to_rest = rest(cell, g).inverse.transpose();
+        for (int a = 0; a < kind_.nodes; ++a) {
+          const Eigen::Matrix<double, d, 1> B = to_rest * reference_slope(g, a);
+          const Eigen::Matrix<double, Components<d>::RowsAtCompileTime, 3> V = changes_of(now.F, B);
+          Matrix3& block = own[static_cast<std::size_t>(a)];
+          block.noalias() += 0.5 * (V.transpose() * (now.D * V));
+          block.diagonal().array() += B.dot(now.S * B);
+        }
+      }
+      for (int a = 0; a < kind_.nodes; ++a) {
+        if (G.size())
+          own[static_cast<std::size_t>(a)] += G.middleRows(3 * a, 3) * Q * G.middleRows(3 * a, 3).transpose();
+        visit(nodes[static_cast<std::size_t>(a)], own[static_cast<std::size_t>(a)]);
+      }
+    }
+  }
+
+  /// The pressures' part; the rest is in visit_points.
+  bool visit_gradients(const GradientVisitor& visit) const override {
+    if constexpr (d == 3) {
+      std::vector<std::pair<int, Vector3>> gradient;
+      for (int cell = 0; cell < (volume_.empty() ? 0 : block_.size()); ++cell) {
+        const int m = kind_.pressures;
+        const Eigen::MatrixXd G = pressure_gradients(cell);
+        const SymmetricEigen eigen =
+            symmetric_eigen(stiffness_of_pressures_[static_cast<std::size_t>(cell)].topLeftCorner(m, m));
+        for (int k = 0; k < m; ++k) {
+          if (!(eigen.values[k] > 0)) continue;
+          const VectorX along = G * eigen.vectors.col(k);
+          gradient.clear();
+          const auto nodes = block_.cell(cell);
+          for (int a = 0; a < kind_.nodes; ++a)
+            gradient.emplace_back(nodes[static_cast<std::size_t>(a)], along.template segment<3>(3 * a));
+          visit(gradient, eigen.values[k]);
+        }
+      }
+    }
+    return true;
+  }
+
+  void visit_points(const PointVisitor& visit) const override {
+    Eigen::MatrixXd stiffness(3 * d, 3 * d);
+    for (int cell = 0; cell < block_.size(); ++cell) {
+      const NodeVectors own = gathered(body_.rest, cell);
+      for (int g = 0; g < points_; ++g) {
+        const Now& now = this->now(cell, g);
+        Changes V;
+        for (int p = 0; p < d; ++p) V.template middleCols<3>(3 * p) = changes_of(now.F, Square::Identity().col(p));
+        stiffness.noalias() = 0.5 * (V.transpose() * (now.D * V));
+        for (int p = 0; p < d; ++p)
+          for (int q = 0; q < d; ++q) stiffness.block<3, 3>(3 * p, 3 * q).diagonal().array() += now.S(p, q);
+        visit(own * kind_.values.col(g), frame(cell, g), stiffness);
+      }
+    }
+  }
+
+ private:
+  /// A pass over cells costs so much a cell that few are worth another thread.
+  static constexpr int kCellThreshold = 200;
+  using Pressures = Eigen::Matrix<double, kMostPressures, 1>;
+  using PressureMatrix = Eigen::Matrix<double, kMostPressures, kMostPressures>;
+
+  struct Rest {
+    Square inverse;  ///< of ∂X/∂ξ, in the frame of the point
+    double weight;   ///< w_g [m³], [m²]
+  };
+  struct Now {
+    Gradient F;
+    Square S;  ///< times the weight, pressure included
+    Moduli D;
+  };
+  struct Strains {
+    std::array<Gradient, kMostPoints> F;
+    std::array<Square, kMostPoints> A;
+    std::array<double, kMostPoints> swelling;  ///< det F − 1, of solids
+    bool inverted = false;
+  };
+
+  template <class T>
+  std::span<const T> span(const std::array<T, kMostPoints>& all) const {
+    return {all.data(), static_cast<std::size_t>(points_)};
+  }
+  template <class T>
+  std::span<T> span(std::array<T, kMostPoints>& all) const {
+    return {all.data(), static_cast<std::size_t>(points_)};
+  }
+
+  const Rest& rest(int cell, int g) const { return rest_[static_cast<std::size_t>(cell * points_ + g)]; }
+  const Now& now(int cell, int g) const { return now_[static_cast<std::size_t>(cell * points_ + g)]; }
+  const Volumetric& volume_of(int cell) const {
+    return volume_[volume_.size() == 1 ? 0 : static_cast<std::size_t>(cell)];
+  }
+
+  /// The frame of a point at rest, orthonormal: space itself in a solid, else first along ∂X/∂ξ₁, second in the cell.
+  Gradient frame(int cell, int g) const {
+    if constexpr (d == 3)
+      return Matrix3::Identity();
+    else
+      return frames_[static_cast<std::size_t>(cell * points_ + g)];
+  }
+
+  void set_rest() {
+    rest_.reserve(static_cast<std::size_t>(block_.size() * points_));
+    for (int cell = 0; cell < block_.size(); ++cell) {
+      const NodeVectors own = gathered(body_.rest, cell);
+      for (int g = 0; g < points_; ++g) {
+        const Gradient edges = own * kind_.slopes[static_cast<std::size_t>(g)].transpose();
+        Square in_frame;
+        if constexpr (d == 3) {
+          in_frame = edges;
+        } else {
+          const Vector3 first = edges.col(0).normalized(),
+                        normal = Vector3(edges.col(0)).cross(Vector3(edges.col(1))).normalized();
+          Gradient axes;
+          axes << first, normal.cross(first);
+          frames_.push_back(axes);
+          in_frame = axes.transpose() * edges;
+        }
+        rest_.push_back({in_frame.inverse(), kind_.weights[g] * std::abs(in_frame.determinant())});
+      }
+    }
+  }
+
+  NodeVectors gathered(const Positions& values, int cell) const {
+    NodeVectors own(3, kind_.nodes);
+    const int* nodes = block_.cell(cell).data();
+    for (int a = 0; a < kind_.nodes; ++a) own.col(a) = values.col(nodes[a]);
+    return own;
+  }
+
+  Eigen::Matrix<double, d, 1> reference_slope(int g, int a) const {
+    return kind_.slopes[static_cast<std::size_t>(g)].col(a);
+  }
+  Eigen::Matrix<double, d, Eigen::Dynamic> rest_gradients(int cell, int g) const {
+    return rest(cell, g).inverse.transpose() * kind_.slopes[static_cast<std::size_t>(g)];
+  }
+
+  /// Σ v_a ⊗ B_a. By hand: matrices of unknown size have no fast product so small.
+  Gradient gradient(int cell, int g, const NodeVectors& values) const {
+    const double* slopes = kind_.slopes[static_cast<std::size_t>(g)].data();
+    const double* v = values.data();
+    Gradient sum = Gradient::Zero();
+    for (int a = 0; a < kind_.nodes; ++a, v += 3, slopes += d)
+      for (int i = 0; i < d; ++i)
+        for (int k = 0; k < 3; ++k) sum(k, i) += v[k] * slopes[i];
+    return sum * rest(cell, g).inverse;
+  }
+  /// own.col(a) += P B_a.
+  void spread(int cell, int g, const Gradient& P, NodeVectors& own) const {
+    const Gradient of_reference = P * rest(cell, g).inverse.transpose();
+    const double* slopes = kind_.slopes[static_cast<std::size_t>(g)].data();
+    double* v = own.data();
+    for (int a = 0; a < kind_.nodes; ++a, v += 3, slopes += d)
+      for (int i = 0; i < d; ++i)
+        for (int k = 0; k < 3; ++k) v[k] += of_reference(k, i) * slopes[i];
+  }
+
+  void set_strains(const Positions& positions, int cell, Strains& now) const {
+    NodeVectors displacement(3, kind_.nodes);
+    const int* nodes = block_.cell(cell).data();
+    for (int a = 0; a < kind_.nodes; ++a) displacement.col(a) = positions.col(nodes[a]) - body_.rest.col(nodes[a]);
+    now.inverted = false;
+    for (int g = 0; g < points_; ++g) {
+      const auto at = static_cast<std::size_t>(g);
+      const Gradient H = gradient(cell, g, displacement), E = frame(cell, g);
+      now.F[at] = E + H;
+      const Square linear = E.transpose() * H;
+      now.A[at] = linear + linear.transpose() + H.transpose() * H;
+      if constexpr (d == 3) {
+        now.swelling[at] = swelling_of(H);
+        now.inverted |= !(1 + now.swelling[at] > 0);
+      }
+    }
+  }
+  bool is_inverted(const Positions& positions, int cell) const {
+    Strains now;
+    set_strains(positions, cell, now);
+    return now.inverted;
+  }
+
+  /// δC for δF = e_i ⊗ B, a column for each i.
+  static Eigen::Matrix<double, Components<d>::RowsAtCompileTime, 3> changes_of(const Gradient& F,
+                                                                               const Eigen::Matrix<double, d, 1>& B) {
+    Eigen::Matrix<double, Components<d>::RowsAtCompileTime, 3> V;
+    constexpr auto order = components<d>();
+    for (int k = 0; k < V.rows(); ++k) {
+      const auto [p, q] = order[static_cast<std::size_t>(k)];
+      for (int i = 0; i < 3; ++i) V(k, i) = (F(i, p) * B[q] + F(i, q) * B[p]) * (p == q ? 1 : 2);
+    }
+    return V;
+  }
+
+  // ------------------------------------------------------------------------------------- pressures of the whole cell
+
+  /// φ at each point, and M⁻¹ of each cell, M = ∫ φ φᵀ.
+  void set_pressure_functions() {
+    functions_.assign(static_cast<std::size_t>(points_), Pressures::Zero());
+    for (int g = 0; g < points_; ++g) {
+      Pressures& own = functions_[static_cast<std::size_t>(g)];
+      own[0] = 1;
+      for (int k = 1; k < kind_.pressures; ++k) own[k] = kind_.points(k - 1, g);
+    }
+    const int m = kind_.pressures;
+    for (int cell = 0; cell < block_.size(); ++cell) {
+      PressureMatrix M = PressureMatrix::Zero();
+      for (int g = 0; g < points_; ++g) {
+        const Pressures& own = functions_[static_cast<std::size_t>(g)];
+        M += rest(cell, g).weight * own * own.transpose();
+      }
+      PressureMatrix inverted = PressureMatrix::Zero();
+      inverted.topLeftCorner(m, m) = inverse(M.topLeftCorner(m, m));
+      inverse_mass_.push_back(inverted);
+    }
+  }
+  double at_point(const Pressures& values, int g) const { return functions_[static_cast<std::size_t>(g)].dot(values); }
+  /// M⁻¹ ∫ φ v.
+  template <class Value>
+  Pressures projected(int cell, Value value) const {
+    Pressures sum = Pressures::Zero();
+    for (int g = 0; g < points_; ++g) sum += rest(cell, g).weight * value(g) * functions_[static_cast<std::size_t>(g)];
+    return inverse_mass_[static_cast<std::size_t>(cell)] * sum;
+  }
+  /// θ − 1.
+  Pressures projected_swelling(int cell, const Strains& now) const {
+    return projected(cell, [&](int g) { return now.swelling[static_cast<std::size_t>(g)]; });
+  }
+  /// p at the points: the projection of U′(θ) [Pa].
+  void set_pressures(int cell, const Strains& now, std::array<double, kMostPoints>& p) const {
+    if (volume_.empty()) return;
+    const Pressures theta = projected_swelling(cell, now);
+    const Pressures own = projected(cell, [&](int g) { return volume_of(cell).slope(at_point(theta, g)); });
+    for (int g = 0; g < points_; ++g) p[static_cast<std::size_t>(g)] = at_point(own, g);
+  }
+  /// S += p J C⁻¹ and D += ½ p J (G_ij G_kl − G_ik G_jl − G_il G_jk), G = C⁻¹.
+  static void add_pressure(double p, const Matrix3& A, Matrix3& S, TangentModuli<3>& D) {
+    const Dilatation now(A);
+    const Matrix3& G = now.inverse;
+    const double pJ = p * now.J();
+    S += pJ * G;
+    constexpr auto order = components<3>();
+    for (int row = 0; row < 6; ++row)
+      for (int column = 0; column < 6; ++column) {
+        const auto [i, j] = order[static_cast<std::size_t>(row)];
+        const auto [k, l] = order[static_cast<std::size_t>(column)];
+        D(row, column) += pJ / 2 * (G(i, j) * G(k, l) - G(i, k) * G(j, l) - G(i, l) * G(j, k));
+      }
+  }
+  /// Q in δp = Q ∫ φ δJ: M⁻¹ ∫ U″ φ φᵀ M⁻¹.
+  void set_stiffness_of_pressures(int cell, const Strains& now) {
+    const Pressures theta = projected_swelling(cell, now);
+    PressureMatrix sum = PressureMatrix::Zero();
+    for (int g = 0; g < points_; ++g) {
+      const Pressures& own = functions_[static_cast<std::size_t>(g)];
+      sum += rest(cell, g).weight * volume_of(cell).curvature(at_point(theta, g)) * own * own.transpose();
+    }
+    const PressureMatrix& M = inverse_mass_[static_cast<std::size_t>(cell)];
+    stiffness_of_pressures_[static_cast<std::size_t>(cell)] = M * sum * M;
+  }
+  /// ∂(∫ φ_k J)/∂x, 3 n × m.
+  Eigen::MatrixXd pressure_gradients(int cell) const {
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(3 * kind_.nodes, kind_.pressures);
+    if constexpr (d == 3)
+      for (int g = 0; g < points_; ++g) {
+        const Matrix3 to_node = rest(cell, g).weight * cofactors(now(cell, g).F) * rest(cell, g).inverse.transpose();
+        for (int a = 0; a < kind_.nodes; ++a) {
+          const Vector3 own = to_node * reference_slope(g, a);
+          for (int k = 0; k < kind_.pressures; ++k)
+            G.block<3, 1>(3 * a, k) += functions_[static_cast<std::size_t>(g)][k] * own;
+        }
+      }
+    return G;
+  }
+
+  // ------------------------------------------------------------------------------------------------------------------
+
+  /// Adds work(cell, own) of each cell to its nodes. Each molecule meets its cells in ascending order, whoever adds.
+  template <class Work>
+  void add_cells(Positions& values, Workspace& workspace, Work&& work) const {
+    const int n = kind_.nodes;
+    if (threads() == 1 || block_.size() < kCellThreshold) {
+      NodeVectors own(3, n);
+      for (int cell = 0; cell < block_.size(); ++cell) {
+        own.setZero();
+        work(cell, own);
+        const int* nodes = block_.cell(cell).data();
+        for (int a = 0; a < n; ++a) values.col(nodes[a]) += own.col(a);
+      }
+      return;
+    }
+    auto all = workspace.buffer(Workspace::slots, static_cast<Eigen::Index>(block_.nodes.size()) * 3);
+    parallel_for(
+        block_.size(),
+        [&](int cell) {
+          NodeVectors own = NodeVectors::Zero(3, n);
+          work(cell, own);
+          std::copy_n(own.data(), 3 * n, all.data() + static_cast<std::ptrdiff_t>(cell) * 3 * n);
+        },
+        1);
+    parallel_for(
+        body_.size(),
+        [&](int molecule) {
+          for (const int slot : slots_[molecule])
+            values.col(molecule) += Eigen::Map<const Vector3>(all.data() + static_cast<std::ptrdiff_t>(slot) * 3);
+        },
+        kMoleculeThreshold);
+  }
+
+  const Body& body_;
+  const CellBlock& block_;
+  const CellKind& kind_;
+  int points_;
+  std::shared_ptr<const PointLaws<d>> laws_;
+  std::vector<Volumetric> volume_;  ///< empty: the laws' own
+  Rows slots_;                      ///< of each molecule among the nodes of all cells
+  std::vector<Rest> rest_;
+  std::vector<Gradient> frames_;  ///< of membranes
+  std::vector<Pressures> functions_;
+  std::vector<PressureMatrix> inverse_mass_;
+  // At the positions of linearise().
+  std::vector<Now> now_;
+  std::vector<PressureMatrix> stiffness_of_pressures_;
+};
+
+}  // namespace
+
+template <int dimensions>
+std::unique_ptr<Elasticity> make_block_cells(const Body& body, const CellBlock& block,
+                                             std::shared_ptr<const PointLaws<dimensions>> laws) {
+  return std::make_unique<BlockCells<dimensions>>(body, block, std::move(laws), std::vector<Volumetric>{});
+}
+template std::unique_ptr<Elasticity> make_block_cells<2>(const Body&, const CellBlock&,
+                                                         std::shared_ptr<const PointLaws<2>>);
+template std::unique_ptr<Elasticity> make_block_cells<3>(const Body&, const CellBlock&,
+                                                         std::shared_ptr<const PointLaws<3>>);
+
+std::unique_ptr<Elasticity> make_block_cells(const Body& body, const CellBlock& block,
+                                             std::shared_ptr<const PointLaws<3>> laws, std::vector<Volumetric> volume) {
+  return std::make_unique<BlockCells<3>>(body, block, std::move(laws), std::move(volume));
+}
+
+}  // namespace elastin
