@@ -23,6 +23,54 @@ ParameterValues values_of(const elastin_value* values, std::size_t count, const 
   return found;
 }
 
+/// "mu" and 2 of "mu_2"; 0 where the name does not end so.
+std::pair<std::string, std::size_t> term_of(const std::string& name) {
+  const std::size_t at = name.rfind('_');
+  if (at == std::string::npos || at + 1 == name.size()) return {name, 0};
+  std::size_t number = 0;
+  for (std::size_t i = at + 1; i < name.size(); ++i) {
+    if (name[i] < '0' || name[i] > '9' || number > 1000) return {name, 0};
+    number = 10 * number + static_cast<std::size_t>(name[i] - '0');
+  }
+  return {name.substr(0, at), number};
+}
+
+/// Whether the value is one of a term, of a direction or a word, and stands in the constants now.
+bool put_constant(const MaterialLaw& row, const std::string& name, double value, LawConstants& constants) {
+  const auto [column_name, term] = term_of(name);
+  for (std::size_t column = 0; column < row.columns.size(); ++column)
+    if (term > 0 && row.columns[column].name == column_name) {
+      if (constants.terms.size() < term) constants.terms.resize(term, std::vector<double>(row.columns.size(), 0));
+      constants.terms[term - 1][column] = value;
+      return true;
+    }
+  for (const ParameterInfo& info : row.parameters)
+    for (int axis = 0; axis < 3; ++axis)
+      if (info.kind == ValueKind::direction && name == info.name + "_" + "xyz"[axis]) {
+        constants.directions.try_emplace(info.name, Vector3::Zero()).first->second[axis] = value;
+        return true;
+      }
+  for (const WordInfo& info : row.words)
+    for (const std::string& word : info.words)
+      if (name == info.name + "_" + word) {
+        if (value != 0) constants.words[info.name] = word;
+        return true;
+      }
+  return false;
+}
+
+void set_law(const elastin_law* given_law, Material& material) {
+  const elastin_law law = checked_copy(given_law, "elastin_law");
+  const auto row = catalog().material_laws.find(&c::given(law.name, "the law's name"));
+  if (!row->from_moduli && (material.youngs_modulus != 0 || material.poissons_ratio != 0))
+    throw InputError("youngs_modulus and poissons_ratio follow from the constants of " + row->name + "; leave them 0");
+  LawConstants constants{.law = row->name};
+  for (const auto& [name, value] : values_of(law.constants, law.constant_count, "constants"))
+    if (!put_constant(*row, name, value, constants)) constants.numbers[name] = value;
+  for (auto& [name, direction] : constants.directions) direction.normalize();
+  material = with_law(*row, std::move(constants), std::move(material));
+}
+
 }  // namespace
 
 const Catalog& catalog() {
@@ -35,10 +83,13 @@ Strategy strategy_of(const char* name) { return catalog().find(&given(name, "str
 Material material_of(const elastin_material* given) {
   const elastin_material values = checked_copy(given, "elastin_material");
   Material material;
-  material.youngs_modulus = within(values.youngs_modulus, kLeast, kMost, "youngs_modulus");
+  const bool law = values.law != nullptr;  // E may follow from it
+  material.youngs_modulus =
+      within(values.youngs_modulus, law && values.youngs_modulus == 0 ? 0 : kLeast, kMost, "youngs_modulus");
   material.poissons_ratio = within(values.poissons_ratio, -0.99, 0.5, "poissons_ratio");
   material.thickness = within(values.thickness, 0, kMost, "thickness");
   material.bending_rigidity = within(values.bending_rigidity, 0, kMost, "bending_rigidity");
+  if (law) set_law(values.law, material);
   return material;
 }
 

@@ -26,7 +26,8 @@ const std::map<std::string, Rows>& tables() {
     return std::map<std::string, Rows>{{"strategies", strategies},
                                        {"steppers", rows_of(catalog().steppers)},
                                        {"linear_solvers", rows_of(catalog().linear_solvers)},
-                                       {"loads", rows_of(catalog().loads)}};
+                                       {"loads", rows_of(catalog().loads)},
+                                       {"material_laws", rows_of(catalog().material_laws)}};
   }();
   return all;
 }

@@ -20,8 +20,10 @@
 #include "elastin/openmp/openmp.h"
 #include "lab/report/csv_plot.h"
 #include "lab/report/json.h"
+#include "lab/report/material_plot.h"
 #include "lab/report/progress.h"
 #include "lab/report/screen.h"
+#include "lab/report/table.h"
 #include "lab/scene/scene.h"
 #include "lab/study/check.h"
 #include "lab/study/compare.h"
@@ -51,6 +53,7 @@ Exit codes: 0 all expectations hold; 1 an expectation or a run failed; 2 wrong u
 struct Options : Request {
   std::string resume_from, x_column, y_column;
   int threads = 0;
+  double stretch = 1.5;
   bool others = false, markdown = false, keys = false;
 };
 
@@ -101,6 +104,29 @@ int run_all(Options& options, const Catalog& catalog, bool compare) {
   }
   std::signal(SIGINT, note_interrupt);
   return run_scenes(options, catalog) ? 0 : 1;
+}
+
+/// The curves of each material of these scenes that has a law.
+int plot_materials(const Options& options, const Catalog& catalog) {
+  for (std::size_t i = 1; i < options.scenes.size(); ++i) {
+    const auto scene = load_scene(options.scenes[i], catalog, options.overrides);
+    std::vector<Material> materials = scene->specimen.materials;
+    if (materials.empty()) materials.push_back(scene->specimen.material);
+    bool any = false;
+    for (const Material& material : materials) {
+      if (!material.law) continue;
+      any = true;
+      const std::string title =
+          fmt::format("{}: {}, E = {} and nu = {:.4g} at rest", scene->name, material.law->law,
+                      readable(material.youngs_modulus, dimension::pressure), material.poissons_ratio);
+      const auto law = catalog.material_laws.find(material.law->law);
+      fmt::print("{}", svg_text(material_plot(title, *law, material, options.stretch), 760, true));
+    }
+    if (!any)
+      throw InputError(options.scenes[i] + ": no material has a `law`; its curve is its E, or what it states itself");
+  }
+  if (options.scenes.size() < 2) throw InputError("plot material: name a scene");
+  return 0;
 }
 
 int plot_columns(const Options& options) {
@@ -208,7 +234,7 @@ struct Commands {
         verify(app.add_subcommand("verify", "Compare scenes with the results that they expect; print verdicts")),
         check(app.add_subcommand("check", "Print counts, pieces and zero-energy modes of a scene's body")),
         list(app.add_subcommand("list", "List strategies, their parameters, and measures")),
-        plot(app.add_subcommand("plot", "Draw two columns of a CSV file against each other: SVG")) {
+        plot(app.add_subcommand("plot", "Draw two columns of a CSV file, or the curves of a scene's material: SVG")) {
     app.set_version_flag("--version", std::string("elastin ") + ELASTIN_VERSION);
     app.require_subcommand(1);
     add_run_options(*run, options);
@@ -221,12 +247,17 @@ struct Commands {
     verify->add_flag("--markdown", options.markdown, "Print the table as Markdown, with titles");
     add_scene_options(*check, options);
     list->add_flag("--keys", options.keys, "List every key of a scene instead, as Markdown");
-    plot->add_option("files", options.scenes, "CSV files: curves, time histories, runs, rows of benchmarks")
+    plot->add_option("files", options.scenes,
+                     "CSV files: curves, time histories, runs, rows of benchmarks; or the word material, and scenes")
         ->required();
     plot->add_option("--x", options.x_column,
                      "Column of the horizontal axis, for example strain; default: the main one of the file");
     plot->add_option("--y", options.y_column,
                      "Column of the vertical axis, for example stress; default: the main one of the file");
+    plot->add_option("--stretch", options.stretch, "plot material: the largest stretch; the least is its inverse")
+        ->check(CLI::Range(1.001, 100.))
+        ->capture_default_str();
+    plot->add_option("--set", options.overrides, "plot material: key=value, another value in the scenes");
     const std::string examples = fmt::format(kExamples, name);
     for (CLI::App* command : {&app, run, compare, verify, check, list, plot}) command->footer(examples);
   }
@@ -239,7 +270,8 @@ int run_chosen(const Commands& commands, Options& options, const Catalog& catalo
   if (*commands.list) return list_catalog(options, catalog);
   if (*commands.verify) return verify_scenes(options, catalog);
   if (*commands.check) return check_scenes(options, catalog);
-  if (*commands.plot) return plot_columns(options);
+  if (*commands.plot)
+    return options.scenes.front() == "material" ? plot_materials(options, catalog) : plot_columns(options);
   return run_all(options, catalog, static_cast<bool>(*commands.compare));
 }
 

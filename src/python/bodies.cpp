@@ -1,5 +1,6 @@
 #include <pybind11/eigen.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -105,10 +106,40 @@ double positive(const char* name, double value, const char* unit) {
   throw InputError(text);
 }
 
+/// {"law": "ogden", "terms": [[mu, alpha], …], "bulk_modulus": …}, as a scene's material, SI.
+Material with_given_law(const py::dict& given, const Material& material) {
+  static const Catalog catalog = built_in_catalog();
+  if (!given.contains("law")) throw InputError("law: the dict needs a 'law', its name");
+  const auto row = catalog.material_laws.find(py::cast<std::string>(given["law"]));
+  LawConstants constants{.law = row->name};
+  for (const auto& [key, value] : given) {
+    const std::string name = py::cast<std::string>(key);
+    const auto info = std::find_if(row->parameters.begin(), row->parameters.end(),
+                                   [&](const ParameterInfo& parameter) { return parameter.name == name; });
+    if (name == "law") continue;
+    if (name == "terms") {
+      for (const py::handle& term : value)
+        constants.terms.push_back(py::isinstance<py::sequence>(term) ? py::cast<std::vector<double>>(term)
+                                                                     : std::vector{py::cast<double>(term)});
+    } else if (info != row->parameters.end() && info->kind == ValueKind::direction) {
+      const auto direction = py::cast<Vector3>(value);
+      positive(name.c_str(), direction.norm(), "");
+      constants.directions[name] = direction.normalized();
+    } else if (py::isinstance<py::str>(value)) {
+      constants.words[name] = py::cast<std::string>(value);
+    } else {
+      constants.numbers[name] = py::cast<double>(value);
+    }
+  }
+  return with_law(*row, std::move(constants), material);
+}
+
 Material material_from(std::optional<double> youngs_modulus, double poissons_ratio, double density, double thickness,
                        double bending_rigidity, const std::optional<std::vector<std::pair<double, double>>>& curve,
-                       const std::optional<Vector3>& fibre_direction, std::optional<double> fibre_modulus) {
+                       const std::optional<Vector3>& fibre_direction, std::optional<double> fibre_modulus,
+                       const std::optional<py::dict>& law) {
   Material material;
+  if (law && curve) throw InputError("law: there is a curve already; give one of them");
   if (curve) {
     std::vector<StressStrain::Point> points;
     for (const auto& [strain, stress] : *curve) points.push_back({strain, stress});
@@ -116,9 +147,15 @@ Material material_from(std::optional<double> youngs_modulus, double poissons_rat
     if (youngs_modulus) throw InputError("youngs_modulus: there is a curve already; give one of them");
     youngs_modulus = material.curve->modulus(0);
   }
-  if (!youngs_modulus) throw InputError("give youngs_modulus [Pa], or a curve");
-  material.youngs_modulus = positive("youngs_modulus", *youngs_modulus, " Pa");
+  if (!youngs_modulus && !law) throw InputError("give youngs_modulus [Pa], a curve or a law");
+  if (youngs_modulus) material.youngs_modulus = positive("youngs_modulus", *youngs_modulus, " Pa");
   material.poissons_ratio = in_range("poissons_ratio", poissons_ratio, -0.99, 0.5, "");
+  if (law) {
+    const Material derived = with_given_law(*law, material);
+    if (youngs_modulus && derived.youngs_modulus != *youngs_modulus)
+      throw InputError("youngs_modulus: it follows from the constants of the law; leave it out");
+    material = derived;
+  }
   material.density = positive("density", density, " kg/m^3");
   material.thickness = in_range("thickness", thickness, 0, 1e30, " m");
   material.bending_rigidity = in_range("bending_rigidity", bending_rigidity, 0, 1e30, " N m");
@@ -145,15 +182,21 @@ void add_material(py::module_& module) {
       .def(py::init(&material_from), py::arg("youngs_modulus") = py::none(), py::arg("poissons_ratio") = 0.25,
            py::arg("density") = 1000., py::kw_only(), py::arg("thickness") = 0., py::arg("bending_rigidity") = 0.,
            py::arg("curve") = py::none(), py::arg("fibre_direction") = py::none(),
-           py::arg("fibre_modulus") = py::none(),
+           py::arg("fibre_modulus") = py::none(), py::arg("law") = py::none(),
            "youngs_modulus [Pa] > 0 or `curve`, pairs (strain, stress [Pa]) in uniaxial stress; poissons_ratio from "
            "-0.99 to 0.5; density [kg/m^3]; of sheets their thickness [m] and bending_rigidity [N m]; of fibres their "
-           "direction and modulus [Pa].")
-      .def_readonly("youngs_modulus", &Material::youngs_modulus, "E [Pa]; of a curve its slope at no strain.")
+           "direction and modulus [Pa]; law: a dict of the law's name and its constants as scenes have them, {'law': "
+           "'ogden', "
+           "'terms': [[6.3e5, 1.3]], 'bulk_modulus': 1e9}, and youngs_modulus and poissons_ratio follow.")
+      .def_readonly("youngs_modulus", &Material::youngs_modulus,
+                    "E [Pa]; of a curve its slope at no strain, of a law at rest.")
       .def_readonly("poissons_ratio", &Material::poissons_ratio, "Poisson's ratio.")
       .def_readonly("density", &Material::density, "[kg/m^3]")
       .def_readonly("thickness", &Material::thickness, "[m], of a membrane.")
       .def_readonly("bending_rigidity", &Material::bending_rigidity, "[N m]; 0 = no bending stiffness.")
+      .def_property_readonly(
+          "law", [](const Material& m) { return m.law ? std::optional(m.law->law) : std::nullopt; },
+          "Name of the law whose constants it has, or None.")
       .def("__repr__", &material_text);
 }
 

@@ -113,6 +113,8 @@ void add_strategies(py::module_& module) {
       "What scenes name under solver.linear_solver.");
   module.def(
       "loads", [] { return rows_of(built_in_loads()); }, "What Simulation.add_load takes, and scenes under loads.");
+  module.def(
+      "material_laws", [] { return rows_of(built_in_catalog().material_laws); }, "What Material takes as its law.");
   py::class_<Strategy>(module, "Strategy", "One way to give a body's connections their stiffness.")
       .def(py::init(&make_strategy), py::arg("name"), py::arg("constants"), py::kw_only(), py::arg("summary") = "",
            py::arg("source") = "", py::arg("parameters") = std::vector<ParameterInfo>{},

@@ -20,7 +20,7 @@ static int failures = 0;
 #define OK(call) CHECK((call) == ELASTIN_OK)
 #define REFUSED(call, words) CHECK((call) == ELASTIN_WRONG_INPUT && strstr(elastin_message(), words))
 
-static const elastin_material kSoft = {sizeof(elastin_material), 5000, 0.25, 0, 0};
+static const elastin_material kSoft = {sizeof(elastin_material), 5000, 0.25, 0, 0, NULL};
 
 static elastin_body* lattice(void) {
   const int counts[3] = {3, 3, 4};
@@ -52,7 +52,9 @@ static void layout(void) {
   CHECK(offsetof(elastin_arrays, triangle_count) == 80 && offsetof(elastin_arrays, tetrahedron_count) == 88);
   CHECK(offsetof(elastin_arrays, density) == 96 && offsetof(elastin_arrays, thickness) == 104);
   CHECK(sizeof(elastin_counts) == 40 && offsetof(elastin_counts, tetrahedra) == 32);
-  CHECK(sizeof(elastin_material) == 40 && offsetof(elastin_material, bending_rigidity) == 32);
+  CHECK(sizeof(elastin_material) == 48 && offsetof(elastin_material, bending_rigidity) == 32);
+  CHECK(offsetof(elastin_material, law) == 40);
+  CHECK(sizeof(elastin_law) == 32 && offsetof(elastin_law, constants) == 16);
   CHECK(sizeof(elastin_parameter) == 72 && offsetof(elastin_parameter, fallback) == 48);
   CHECK(sizeof(elastin_value) == 16 && offsetof(elastin_value, value) == 8);
   CHECK(sizeof(elastin_options) == 96 && offsetof(elastin_options, scheme) == 8);
@@ -62,6 +64,31 @@ static void layout(void) {
   CHECK(offsetof(elastin_options, run_context) == 64 && offsetof(elastin_options, run_width) == 72);
   CHECK(offsetof(elastin_options, scheme_parameters) == 80 && offsetof(elastin_options, scheme_parameter_count) == 88);
   CHECK(sizeof(elastin_step_result) == 24 && offsetof(elastin_step_result, linear_iterations) == 20);
+}
+
+/* A block under tension by a law and by its springs; and what is refused. */
+static void laws(void) {
+  const int counts[3] = {3, 3, 4};
+  const double spacing[3] = {1e-3, 1e-3, 1e-3};
+  const elastin_value values[] = {{"mu_1", 2e3},   {"alpha_1", 1.5},      {"mu_2", -100},
+                                  {"alpha_2", -2}, {"bulk_modulus", 1e5}, {"volumetric_mixed", 1}},
+                      misspelt[] = {{"alfa_1", 1}};
+  elastin_law law = {sizeof law, "ogden", values, 6};
+  elastin_material material = {sizeof material, 0, 0, 0, 0, &law};
+  elastin_body* body = NULL;
+  elastin_simulation* simulation = NULL;
+  OK(elastin_lattice(counts, spacing, ELASTIN_AXIS | ELASTIN_FACE, 1000, &body));
+  OK(elastin_simulate(body, "lattice", &material, NULL, &simulation)); /* springs with the law's E at rest */
+  elastin_simulation_free(simulation);
+  REFUSED(elastin_simulate(body, "ogden", &material, NULL, &simulation), "needs tetrahedra");
+  material.youngs_modulus = 1;
+  REFUSED(elastin_simulate(body, "lattice", &material, NULL, &simulation), "follow from the constants");
+  material.youngs_modulus = 0;
+  law.constants = misspelt, law.constant_count = 1;
+  REFUSED(elastin_simulate(body, "lattice", &material, NULL, &simulation), "alfa_1");
+  law.name = "odgen";
+  REFUSED(elastin_simulate(body, "lattice", &material, NULL, &simulation), "did you mean 'ogden'");
+  elastin_body_free(body);
 }
 
 static void strategies(void) {
@@ -264,7 +291,7 @@ static void preparing(void) {
   static const int triangles[6] = {0, 1, 2, 1, 3, 2};
   static double twin[3 * 36];
   elastin_arrays given = {sizeof given, sheet, NULL, NULL, NULL, NULL, triangles, NULL, 4, 0, 2, 0, 1000, 1e-3};
-  elastin_material material = {sizeof material, 5000, 0.4, 1e-3, 0};
+  elastin_material material = {sizeof material, 5000, 0.4, 1e-3, 0, NULL};
   int number, at;
   for (number = 0; number < kTwinStrategies; ++number) {
     const char* name = names[number] ? names[number] : "st_venant_kirchhoff_membrane";
@@ -442,6 +469,7 @@ static void scenes(void) {
 int main(void) {
   layout();
   strategies();
+  laws();
   bodies();
   stepping();
   refusals();

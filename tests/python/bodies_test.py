@@ -92,6 +92,26 @@ class Materials(unittest.TestCase):
         with self.assertRaisesRegex(elastin.InputError, "point 1: the stress must be greater"):
             elastin.Material(curve=[(0, 0), (0.1, -100)])
 
+    def test_law(self):
+        rubber = elastin.Material(law={"law": "ogden", "convention": "febio", "bulk_modulus": 1e9,
+                                       "terms": [(6e5, 1.3), (4e4, -2)]})
+        mu = (6e5 + 4e4) / 2  # half the sum of c
+        self.assertAlmostEqual(rubber.youngs_modulus / (9e9 * mu / (3e9 + mu)), 1, 12)
+        self.assertEqual(rubber.law, "ogden")
+        self.assertEqual(elastin.Material(law={"law": "yeoh", "terms": [100, 5]}).poissons_ratio, 0.5)
+        self.assertIn("ogden", [row.name for row in elastin.material_laws()])
+        fibres = {"law": "transversely_isotropic", "c1": 1e3, "c4": 40, "c5": 1e5, "lambda_max": 1.06,
+                  "direction": [0, 0, 2]}
+        self.assertAlmostEqual(elastin.Material(law=fibres).youngs_modulus, 6e3, 6)
+        for law, said in (({"law": "odgen"}, "did you mean 'ogden'"), ({"terms": []}, "needs a 'law'"),
+                          ({"law": "mooney_rivlin", "c_1": 1}, "did you mean 'c1'"),
+                          ({"law": "mooney_rivlin", "c1": -1}, "unstable at rest"),
+                          ({"law": "neo_hookean_log"}, "needs youngs_modulus")):
+            with self.assertRaisesRegex(elastin.InputError, said):
+                elastin.Material(law=law)
+        with self.assertRaisesRegex(elastin.InputError, "it follows from the constants"):
+            elastin.Material(1e3, law={"law": "yeoh", "terms": [100]})
+
 
 class OwnStrategies(unittest.TestCase):
     def setUp(self):

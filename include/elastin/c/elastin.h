@@ -97,12 +97,29 @@ ELASTIN_API elastin_status elastin_body_connections(const elastin_body* body, co
 ELASTIN_API elastin_status elastin_body_triangles(const elastin_body* body, const int** molecules, size_t* count);
 
 /* ---- materials and strategies ---- */
+/* A value by name. */
+typedef struct elastin_value {
+  const char* name;
+  double value;
+} elastin_value;
+
+/* The constants of a law, SI: a row of the table "material_laws" and its values by name. A direction's numbers go by
+ * NAME_x, NAME_y, NAME_z; those of the terms, counted from 1, by their columns: mu_1, alpha_1, mu_2 … of ogden, c_1 …
+ * of yeoh; a word is a name with the value 1: volumetric_mixed, convention_abaqus. */
+typedef struct elastin_law {
+  size_t size; /* sizeof(elastin_law) */
+  const char* name;
+  const elastin_value* constants;
+  size_t constant_count;
+} elastin_law;
+
 typedef struct elastin_material {
   size_t size;             /* sizeof(elastin_material) */
-  double youngs_modulus;   /* E [Pa] > 0 */
-  double poissons_ratio;   /* from -0.99 to 0.5 */
+  double youngs_modulus;   /* E [Pa] > 0; 0 where it follows from a law */
+  double poissons_ratio;   /* from -0.99 to 0.5; 0 where it follows from a law */
   double thickness;        /* t [m] of a membrane */
   double bending_rigidity; /* D [N m] of a sheet; 0 = no bending stiffness */
+  const elastin_law* law;  /* null: none */
 } elastin_material;
 
 /* Strategies by number from 0 to *count - 1: how connections get their stiffness. A name takes the endings "+volume"
@@ -121,18 +138,12 @@ typedef struct elastin_parameter {
 ELASTIN_API elastin_status elastin_strategy_parameter(size_t strategy, size_t number, elastin_parameter* parameter);
 
 /* All that has names, row by row: table is "strategies", "steppers" (of elastin_options.scheme), "linear_solvers" (of
- * scenes) or "loads" (of elastin_add). */
+ * scenes), "loads" (of elastin_add) or "material_laws" (of elastin_law). */
 ELASTIN_API elastin_status elastin_row_count(const char* table, size_t* count);
 ELASTIN_API elastin_status elastin_row(const char* table, size_t number, const char** name, const char** summary,
                                        size_t* parameter_count);
 ELASTIN_API elastin_status elastin_row_parameter(const char* table, size_t row, size_t number,
                                                  elastin_parameter* parameter);
-
-/* A value by name. */
-typedef struct elastin_value {
-  const char* name;
-  double value;
-} elastin_value;
 
 /* ---- simulations ---- */
 typedef struct elastin_simulation elastin_simulation;

@@ -4,6 +4,12 @@
 
 namespace elastin {
 
+void rotate(Material& material, const Matrix3& rotation) {
+  if (material.fibre) material.fibre->direction = rotation * material.fibre->direction;
+  if (material.law)
+    for (auto& [name, direction] : material.law->directions) direction = rotation * direction;
+}
+
 UniaxialResponse uniaxial_response(const Material& material, const Vector3& direction) {
   const double E = material.youngs_modulus, nu = material.poissons_ratio;
   if (!material.fibre) return {E, nu};
@@ -15,11 +21,14 @@ UniaxialResponse uniaxial_response(const Material& material, const Vector3& dire
 }
 
 std::optional<double> uniaxial_stress(const Material& material, const Vector3& direction, double strain) {
-  if (!material.curve && !material.fibre) return std::nullopt;
-  const double matrix = material.curve ? material.curve->stress(strain) : material.youngs_modulus * strain;
-  if (!material.fibre) return matrix;
+  const bool law = material.law && material.law->uniaxial_stress;
+  if (!material.curve && !material.fibre && !law) return std::nullopt;
+  const std::optional<double> matrix = law              ? material.law->uniaxial_stress(material, direction, strain)
+                                       : material.curve ? material.curve->stress(strain)
+                                                        : material.youngs_modulus * strain;
+  if (!material.fibre || !matrix) return matrix;
   if (std::abs(direction.dot(material.fibre->direction)) < 1 - 1e-9) return std::nullopt;
-  return matrix + material.fibre->curve.stress(strain);
+  return *matrix + material.fibre->curve.stress(strain);
 }
 
 }  // namespace elastin

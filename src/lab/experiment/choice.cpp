@@ -52,6 +52,12 @@ StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label)
   return {label, std::move(found), false, {}, order};
 }
 
+bool has_constants(const Strategy& strategy, const std::vector<Material>& materials) {
+  return strategy.law.empty() || std::any_of(materials.begin(), materials.end(), [&](const Material& material) {
+           return material.law && material.law->law == strategy.law;
+         });
+}
+
 std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Body& body,
                                            const std::vector<Material>& materials) {
   std::vector<StrategyChoice> choices;
@@ -60,7 +66,7 @@ std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Body& b
     if (auto with = applicable_with_volume(choices.back(), body, materials)) choices.push_back(std::move(*with));
   };
   for (const Strategy& strategy : catalog.strategies())
-    if (strategy.kind != StrategyKind::wrapper) add(strategy.name);
+    if (strategy.kind != StrategyKind::wrapper && has_constants(strategy, materials)) add(strategy.name);
   for (const Strategy& strategy : catalog.strategies())
     if (strategy.kind == StrategyKind::spring_rule && !strategy.calibrates) add("calibrated:" + strategy.name);
   std::stable_sort(choices.begin(), choices.end(),

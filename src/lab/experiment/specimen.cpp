@@ -68,11 +68,6 @@ void count_modes(const Model& model, Run& run) {
                            "; the load is solved in the range of the stiffness");
 }
 
-/// Of the whole body, or of its parts.
-std::vector<Material> materials_of(const Specimen& specimen) {
-  return specimen.materials.empty() ? std::vector{specimen.material} : specimen.materials;
-}
-
 /// The choice as it works on the specimen's body.
 StrategyChoice on_body(StrategyChoice choice, const Specimen& specimen) {
   choice.strategy = in_parts(choice.strategy, specimen.body, specimen.materials);
@@ -117,9 +112,12 @@ std::optional<Identification> identification_of(const Protocol& experiment) {
   return experiment.at_rest() ? experiment.at_rest()->identification() : std::nullopt;
 }
 
+std::vector<Material> materials_of(const Specimen& specimen) {
+  return specimen.materials.empty() ? std::vector{specimen.material} : specimen.materials;
+}
+
 std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Specimen& specimen) {
-  return all_strategies(catalog, specimen.body,
-                        specimen.materials.empty() ? std::vector{specimen.material} : specimen.materials);
+  return all_strategies(catalog, specimen.body, materials_of(specimen));
 }
 
 bool needs_cells(const Strategy& strategy, const Body& body) {
@@ -134,7 +132,7 @@ std::string unsuited(const Specimen& specimen, const Protocol& experiment, const
   std::string reason = choice.strategy.unsuited(specimen.body);
   if (reason.empty() && choice.calibrated) reason = calibration_of_parts_unsuited(specimen);
   if (reason.empty() && !choice.strategy.by_parts)
-    reason = fibres_unsuited(choice.strategy, specimen.body, specimen.material);
+    reason = material_unsuited(choice.strategy, specimen.body, specimen.material);
   if (reason.empty() && choice.calibrated && specimen.body.connection_stiffness.size())
     reason = "a body with regions has no one modulus to calibrate to";
   if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen);

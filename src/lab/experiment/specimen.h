@@ -13,6 +13,9 @@ void prepare(Specimen& specimen, const Strategy& strategy);
 /// Whether the strategy needs the triangles or tetrahedra of a body that it suits.
 bool needs_cells(const Strategy& strategy, const Body& body);
 
+/// Of the whole body, or of its parts.
+std::vector<Material> materials_of(const Specimen& specimen);
+
 /// Every strategy that there is for this specimen: all_strategies for its body and each of its materials.
 std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Specimen& specimen);
 

@@ -74,7 +74,7 @@ class Tension final : public StaticProtocol {
     if (apparent()) target.youngs_modulus = std::numeric_limits<double>::quiet_NaN();
     std::vector<MainMeasure> measures{
         {"effective_modulus", target.youngs_modulus}, {"poissons_ratio", target.poissons_ratio}, {"elongation"}};
-    if (material.curve || material.fibre) measures.push_back({"curve_error"});
+    if (material.curve || material.fibre || material.law) measures.push_back({"curve_error"});
     return measures;
   }
 

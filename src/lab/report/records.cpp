@@ -17,6 +17,12 @@ double angle_to_fibres(const Scene& scene) {
   return std::acos(std::min(1., cosine)) * 180 / 3.14159265358979323846;
 }
 
+/// ", stress-strain curve"; " at rest of ogden"
+std::string law_text(const Material& material) {
+  if (material.law) return " at rest of " + material.law->law;
+  return material.curve ? ", stress-strain curve" : "";
+}
+
 /// "skin: E = 5 kPa, nu = 0.3; bone: rigid"
 std::string prescribed_of_parts(const Specimen& specimen) {
   std::string text;
@@ -25,8 +31,7 @@ std::string prescribed_of_parts(const Specimen& specimen) {
     text += fmt::format("{}{}: ", text.empty() ? "" : "; ", part.name);
     text += part.rigid ? "rigid"
                        : fmt::format("E = {}, nu = {:g}{}{}", readable(material.youngs_modulus, dimension::pressure),
-                                     material.poissons_ratio, material.curve ? ", stress-strain curve" : "",
-                                     material.fibre ? ", fibres" : "");
+                                     material.poissons_ratio, law_text(material), material.fibre ? ", fibres" : "");
   }
   return text;
 }
@@ -36,7 +41,7 @@ std::string prescribed_text(const Scene& scene) {
   const Material& material = scene.specimen.material;
   std::string text =
       fmt::format("E = {}, nu = {:g}", readable(material.youngs_modulus, dimension::pressure), material.poissons_ratio);
-  if (material.curve) text += ", stress-strain curve";
+  text += law_text(material);
   if (material.fibre)
     text +=
         fmt::format(", fibres of {}{}", readable(material.fibre->curve.modulus(0), dimension::pressure),

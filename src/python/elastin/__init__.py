@@ -22,12 +22,12 @@ if "OMP_WAIT_POLICY" not in _os.environ:
     _os.environ.setdefault("GOMP_SPINCOUNT", "3000")
 
 from ._elastin import (Body, Catalog, InputError, Material, Parameter, Result, Row, Simulation, SimulationState,
-                       StaticResult, StepResult, Strategy, __version__, linear_solvers, loads, measures, set_threads,
-                       steppers, threads)
+                       StaticResult, StepResult, Strategy, __version__, linear_solvers, loads, material_laws, measures,
+                       set_threads, steppers, threads)
 from ._bodies import body, lattice, read_mesh
 from ._laboratory import Comparison, Laboratory, Sweep, compare, run, strategies, sweep
 
 __all__ = ["Body", "Catalog", "Comparison", "InputError", "Laboratory", "Material", "Parameter", "Result", "Row",
            "Simulation", "SimulationState", "StaticResult", "StepResult", "Strategy", "Sweep", "body", "compare",
-           "lattice", "linear_solvers", "loads", "measures", "read_mesh", "run", "set_threads", "steppers",
-           "strategies", "sweep", "threads"]
+           "lattice", "linear_solvers", "loads", "material_laws", "measures", "read_mesh", "run", "set_threads",
+           "steppers", "strategies", "sweep", "threads"]

@@ -27,8 +27,29 @@ const std::string kSolid = "material: {youngs_modulus: 1000}\nstiffness: neo_hoo
                   kBlock = "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [1, 1, 2]}}\n" + kSolid,
                   kFree = "experiment: {kind: motion}\ntime: {duration: 1}\n";
 
+/// A block with a law of such constants.
+std::string block_of(const std::string& law, const std::string& constants) {
+  return "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [1, 1, 2]}}\nmaterial: {law: " + law + ", " +
+         constants + "}\nstiffness: " + law + "\n" + kFree;
+}
+const std::string kBulk = ", bulk_modulus: 1e5, volumetric: quadratic";
+
 /// Scenes with the keys that no scene of the tree has.
 const std::vector<std::string> kRest{
+    block_of("neo_hookean_log", "youngs_modulus: 1000"),
+    block_of("mooney_rivlin", "c1: 100, c2: 10" + kBulk),
+    block_of("yeoh", "terms: [100, 10]" + kBulk),
+    block_of("ogden", "terms: [[100, 2]], convention: febio" + kBulk),
+    block_of("arruda_boyce", "mu: 100, N: 8" + kBulk),
+    block_of("veronda_westmann", "c1: 100, c2: 2" + kBulk),
+    block_of("fung_orthotropic",
+             "c: 100, E1: 9, E2: 8, E3: 7, G12: 3, G23: 2, G31: 1, nu12: 0.1, nu23: 0.2, nu31: 0.3,"
+             " axis_1: x, axis_2: y" +
+                 kBulk),
+    block_of("transversely_isotropic",
+             "c1: 100, c2: 10, c3: 1, c4: 20, c5: 1000, lambda_max: 1.1, direction: x" + kBulk),
+    block_of("holzapfel_gasser_ogden",
+             "c: 100, k1: 10, k2: 2, kappa: 0.1, angle: 0.5, direction: x, across: y" + kBulk),
     kBlock + kFree +
         "loads: [{gravity: {acceleration: [0, 0, -9.81]}}, {damping: {coefficient: 1}}, {stokes_drag: {viscosity: 1}},"
         " {floor: {point: [0, 0, -1], normal: z}}, {cell_damping: {bulk: 1, shear: 1}}, {rayleigh: {mass: 1}},"

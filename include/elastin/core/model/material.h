@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "elastin/core/base/types.h"
+#include "elastin/core/model/law_constants.h"
 #include "elastin/core/model/stress_strain.h"
 
 namespace elastin {
@@ -23,7 +24,12 @@ struct Material {
   double bending_rigidity = 0;
   std::optional<StressStrain> curve = {};  ///< of the material in uniaxial stress, without its fibres; none = straight
   std::optional<Fibre> fibre = {};
+  /// Of one law; E and ν above are then those that the law has at rest, and other strategies take these (see with_law).
+  std::optional<LawConstants> law = {};
 };
+
+/// Turns what has a direction at rest: fibres, and a law's.
+void rotate(Material& material, const Matrix3& rotation);
 
 /// What uniaxial stress along a unit direction measures at small strain.
 struct UniaxialResponse {
@@ -35,9 +41,9 @@ struct UniaxialResponse {
 /// S⁰ − E_f (S⁰:aa)(aa:S⁰)/(1 + E_f/E) [Sherman & Morrison 1950]: E + E_f along the fibres.
 UniaxialResponse uniaxial_response(const Material& material, const Vector3& direction);
 
-/// Nominal stress [Pa] in uniaxial stress along a unit direction at a nominal strain of any size: the curve, and the
-/// fibres' beside it. None where the fibres lie askew (their strain then depends on the matrix's), or where there is
-/// neither a curve nor fibres.
+/// Nominal stress [Pa] in uniaxial stress along a unit direction at a nominal strain of any size: the curve or what the
+/// law's constants say, and the fibres' beside it. None where the fibres lie askew (their strain then depends on the
+/// matrix's), or where there is neither a curve nor a law nor fibres.
 std::optional<double> uniaxial_stress(const Material& material, const Vector3& direction, double strain);
 
 }  // namespace elastin
