@@ -4,6 +4,7 @@
 #include "elastin/core/forces/model.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/parallel/threads.h"
+#include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/simulation/catalog.h"
 #include "measure.h"
@@ -37,6 +38,20 @@ Body make_sheet() {
   sheet.connections = connections_of_cells(sheet.rest, sheet.triangles, {});
   elastin::set_matter(sheet, kCubeLength / kSquares / 2, kMaterial.density, 1e-3, 0);
   return sheet;
+}
+
+/// Some 20 000 molecules of the cube in cells of one shape.
+Body make_block_of(const CellKind& kind) {
+  const int side = kind.order == 2 ? 13 : 26;
+  Body block;
+  if (kind.corners == 4) {
+    block = tetrahedral_block(BlockKind::kuhn, {side, side, side}, Vector3::Constant(kCubeLength));
+  } else {
+    block = cubic_lattice({side + 1, side + 1, side + 1}, kCubeLength / side, {true, false, false});
+  }
+  block = with_cells(block, kind);
+  elastin::set_matter(block, kCubeLength / side / 4, kMaterial.density, 0, 0);
+  return block;
 }
 
 Material membrane() {
@@ -84,7 +99,8 @@ std::vector<Figures> time_law(const Body& body, Model& model, const Settings& se
     figures.minimum = sample.minimum / kPasses;
     figures.median = sample.median / kPasses;
     figures.each = figures.minimum / figures.springs;
-    const auto cells = static_cast<double>(body.tetrahedra.size() + body.triangles.size());
+    const auto cells = static_cast<double>(count_cells(body));
+    figures.molecules = body.size();
     if (cells > 0) figures.cells = cells, figures.each_cell = figures.minimum / cells;
     found.push_back(figures);
   }
@@ -147,7 +163,7 @@ std::vector<Row> run_laws(const Settings& settings) {
   const Body block = make_block(), sheet = make_sheet();
   const Catalog catalog = built_in_catalog();
   for (const Strategy& strategy : catalog.strategies()) {
-    if (strategy.kind != StrategyKind::cell_law) continue;
+    if (strategy.kind != StrategyKind::cell_law || !strategy.unsuited_material(kMaterial).empty()) continue;
     const bool solid = strategy.unsuited(block).empty();
     say("laws, " + strategy.name);
     const auto found = in_child([&] {
@@ -157,6 +173,20 @@ std::vector<Row> run_laws(const Settings& settings) {
       return time_law(body, model, settings);
     });
     add_rows(strategy.name, found, settings, solid ? "tetrahedra" : "triangles", rows);
+  }
+  for (const CellKind& kind : cell_kinds()) {
+    if (kind.dimensions != 3 || kind.name == "tetrahedron4" || kind.name == "prism6") continue;
+    say("laws, " + std::string(kind.name));
+    for (const char* name : {"neo_hookean", "neo_hookean+volume"}) {
+      const auto found = in_child([&] {
+        const Body body = make_block_of(kind);
+        Model model(body);
+        model.add(catalog.find(name).make(body, kMaterial, {}));
+        return time_law(body, model, settings);
+      });
+      add_rows(std::string(name) + ", " + std::string(kind.name), found, settings, std::string(kind.plural).c_str(),
+               rows);
+    }
   }
   return rows;
 }

@@ -5,12 +5,10 @@
 #include <string>
 #include <utility>
 
+#include "core/shapes/block_orders.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin {
-namespace {
-
-/// The cells of a body as blocks, of first order where it has no blocks.
 std::vector<CellBlock> blocks_of(const Body& body) {
   if (!body.blocks.empty()) return body.blocks;
   std::vector<CellBlock> blocks;
@@ -29,13 +27,14 @@ std::vector<CellBlock> blocks_of(const Body& body) {
   return blocks;
 }
 
-/// The first-order kind with the same corners.
-const CellKind& first_order(const CellKind& kind) {
+const CellKind& first_order_of(const CellKind& kind) {
   for (const CellKind& other : cell_kinds())
     if (other.nodes == other.corners && other.dimensions == kind.dimensions && other.corners == kind.corners)
       return other;
   return kind;
 }
+
+namespace {
 
 /// What a change of cells does not keep.
 Body bare(const Body& body) {
@@ -46,8 +45,9 @@ Body bare(const Body& body) {
   return result;
 }
 
-/// Leaves out molecules that no cell has: those between the corners of cells that were of second order.
-void leave_out_unused(Body& body) {
+/// Leaves out molecules that no cell has: those between the corners of cells that were of second order. Says whether
+/// there were any.
+bool leave_out_unused(Body& body) {
   std::vector<int> number(static_cast<std::size_t>(body.size()), -1), kept;
   for (const CellBlock& block : body.blocks)
     for (const int node : block.nodes) number[static_cast<std::size_t>(node)] = 0;
@@ -59,6 +59,7 @@ void leave_out_unused(Body& body) {
   body.rest = body.rest(Eigen::all, kept).eval();
   for (CellBlock& block : body.blocks)
     for (int& node : block.nodes) node = number[static_cast<std::size_t>(node)];
+  return kept.size() < number.size();
 }
 
 }  // namespace
@@ -66,12 +67,13 @@ void leave_out_unused(Body& body) {
 Body with_cells(const Body& body, const CellKind& kind) {
   Body result = bare(body);
   std::vector<Vector3> added;
+  std::vector<std::vector<std::pair<int, double>>> weights_of_added;
   std::map<std::vector<int>, int> between;  // node by the corners that it lies between
   for (const CellBlock& block : blocks_of(body)) {
     if (block.kind->corners != kind.corners || block.kind->dimensions != kind.dimensions)
       throw InputError("the body has " + std::string(block.kind->plural) + ", which cannot become " +
                        std::string(kind.plural));
-    const CellKind& linear = first_order(kind);
+    const CellKind& linear = first_order_of(kind);
     CellBlock changed{&kind, {}, block.stiffness};
     changed.nodes.reserve(static_cast<std::size_t>(block.size() * kind.nodes));
     for (int cell = 0; cell < block.size(); ++cell) {
@@ -88,7 +90,12 @@ Body with_cells(const Body& body, const CellKind& kind) {
         }
         std::sort(ends.begin(), ends.end());
         const auto [at, is_new] = between.emplace(std::move(ends), body.size() + static_cast<int>(added.size()));
-        if (is_new) added.push_back(place);
+        if (is_new) {
+          added.push_back(place);
+          auto& own = weights_of_added.emplace_back();
+          for (int c = 0; c < kind.corners; ++c)
+            if (weights[c] > 1e-9) own.emplace_back(corners[static_cast<std::size_t>(c)], weights[c]);
+        }
         changed.nodes.push_back(at->second);
       }
     }
@@ -96,52 +103,27 @@ Body with_cells(const Body& body, const CellKind& kind) {
   }
   result.rest.conservativeResize(3, body.size() + static_cast<Eigen::Index>(added.size()));
   for (std::size_t i = 0; i < added.size(); ++i) result.rest.col(body.size() + static_cast<Eigen::Index>(i)) = added[i];
-  leave_out_unused(result);
+  if (leave_out_unused(result))
+    result.mass.resize(0), result.radius.resize(0);
+  else
+    carry_matter(body, weights_of_added, result);
   set_simplices(result);
   return result;
 }
 
 Body with_order(const Body& body, int order) {
   const std::vector<CellBlock> blocks = blocks_of(body);
-  const CellKind& corners = first_order(*blocks.front().kind);
+  const CellKind& corners = first_order_of(*blocks.front().kind);
   for (const CellBlock& block : blocks)
-    if (&first_order(*block.kind) != &corners)
+    if (&first_order_of(*block.kind) != &corners)
       throw InputError("the order of a body whose cells have several shapes cannot be chosen");
+  const auto has_it = [&](const CellBlock& block) { return block.kind->order == order; };
+  if (!body.blocks.empty() && std::all_of(blocks.begin(), blocks.end(), has_it)) return body;
   if (order == 1) return with_cells(body, corners);
   const std::string_view names[] = {"triangle6", "tetrahedron10", "hexahedron27"};
   for (const auto& name : names)
-    if (&first_order(cell_kind(name)) == &corners) return with_cells(body, cell_kind(name));
+    if (&first_order_of(cell_kind(name)) == &corners) return with_cells(body, cell_kind(name));
   throw InputError(std::string(corners.plural) + " have no second order here");
-}
-
-Body refined(const Body& body) {
-  const std::vector<CellBlock> blocks = blocks_of(body);
-  const bool is_fine = std::all_of(blocks.begin(), blocks.end(), [](const CellBlock& block) {
-    return block.kind->name == "tetrahedron10" || block.kind->name == "hexahedron27" || block.kind->name == "triangle6";
-  });
-  const Body fine = is_fine ? body : with_order(body, 2);
-  Body result = bare(fine);
-  for (const CellBlock& block : fine.blocks) {
-    const CellKind& linear = first_order(*block.kind);
-    CellBlock parts{&linear, {}, {}};
-    std::vector<double> stiffness;
-    for (int cell = 0; cell < block.size(); ++cell) {
-      const auto nodes = block.cell(cell);
-      std::vector<std::vector<int>> cells;
-      if (linear.corners == 8)
-        cells = hexahedra_of_27();
-      else
-        cells = simplices_of(*block.kind, nodes);
-      for (const auto& own : cells) {
-        for (const int node : own) parts.nodes.push_back(nodes[static_cast<std::size_t>(node)]);
-        if (block.stiffness.size()) stiffness.push_back(block.stiffness[cell]);
-      }
-    }
-    parts.stiffness = Eigen::Map<const VectorX>(stiffness.data(), static_cast<Eigen::Index>(stiffness.size()));
-    result.blocks.push_back(std::move(parts));
-  }
-  set_simplices(result);
-  return result;
 }
 
 }  // namespace elastin

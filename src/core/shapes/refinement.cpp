@@ -1,191 +1,220 @@
 #include "elastin/core/shapes/refinement.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
+#include "core/shapes/block_orders.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/shapes/surfaces.h"
 
 namespace elastin {
 namespace {
 
-/// The diagonals of the octahedron between the middles of a tetrahedron's sides, each with the ring of the other four.
-struct Diagonal {
-  std::array<int, 2> ends;
-  std::array<int, 4> ring;
-};
-/// Numbers of the sides in the order 01 02 03 12 13 23.
-constexpr Diagonal kDiagonals[] = {{{0, 5}, {1, 3, 4, 2}}, {{1, 4}, {0, 3, 5, 2}}, {{2, 3}, {0, 4, 5, 1}}};
+using MatrixXd = Eigen::MatrixXd;
 
 void check_refinable(const Body& body) {
-  if (body.tetrahedra.empty() && body.triangles.empty()) throw InputError("a body without cells cannot be refined");
   if (!body.parts.empty() || !body.ties.empty()) throw InputError("a body of several parts cannot be refined");
   if (!body.cables.empty()) throw InputError("a body with cables cannot be refined");
+  if (body.blocks.empty() && body.tetrahedra.empty() && body.triangles.empty())
+    throw InputError("a body without cells cannot be refined");
 }
 
-/// Numbers of the middles of sides, which are ascending.
-class Middles {
- public:
-  explicit Middles(const Body& body)
-      : first_(body.size()), sides_(connections_of_cells(body.rest, body.triangles, body.tetrahedra).ends) {}
-  int of(int a, int b) const {
-    const std::array<int, 2> side{std::min(a, b), std::max(a, b)};
-    return first_ + static_cast<int>(std::lower_bound(sides_.begin(), sides_.end(), side) - sides_.begin());
+/// The parts of a reference cell, each by its own corners, a column each.
+using Parts = std::vector<MatrixXd>;
+
+MatrixXd columns(const std::vector<VectorX>& corners) {
+  MatrixXd all(corners.front().size(), static_cast<Eigen::Index>(corners.size()));
+  for (std::size_t c = 0; c < corners.size(); ++c) all.col(static_cast<Eigen::Index>(c)) = corners[c];
+  return all;
+}
+
+/// Of boxes, prisms and triangles: what is left when all shrinks towards each corner by half; and the middle triangle.
+Parts halves(const CellKind& kind) {
+  Parts parts;
+  const MatrixXd corners = kind.reference.leftCols(kind.corners);
+  for (int c = 0; c < kind.corners; ++c) parts.push_back((corners.colwise() + VectorX(corners.col(c))) / 2);
+  const auto middle = [&](int a, int b) { return VectorX((corners.col(a) + corners.col(b)) / 2); };
+  if (kind.corners == 3) parts.push_back(columns({middle(0, 1), middle(1, 2), middle(2, 0)}));
+  if (kind.corners == 6) {
+    const MatrixXd low = columns({middle(0, 1), middle(1, 2), middle(2, 0)}),
+                   high = columns({middle(3, 4), middle(4, 5), middle(5, 3)});
+    MatrixXd lower(3, 6), upper(3, 6);
+    lower << low, (low + high) / 2;
+    upper << (low + high) / 2, high;
+    parts.push_back(lower), parts.push_back(upper);
   }
-  const std::vector<std::array<int, 2>>& sides() const { return sides_; }
-
- private:
-  int first_;
-  std::vector<std::array<int, 2>> sides_;
-};
-
-void add_oriented(const Positions& rest, std::array<int, 4> cell, Cells<4>& cells) {
-  if (signed_volume(rest, cell) < 0) std::swap(cell[2], cell[3]);
-  cells.push_back(cell);
+  return parts;
 }
 
-void cut(const std::array<int, 4>& cell, const Middles& middles, const Positions& rest, Cells<4>& cells) {
-  const auto& [a, b, c, d] = cell;
-  const std::array<int, 6> m{middles.of(a, b), middles.of(a, c), middles.of(a, d),
-                             middles.of(b, c), middles.of(b, d), middles.of(c, d)};
-  for (const auto& corner : {std::array{a, m[0], m[1], m[2]}, std::array{b, m[0], m[3], m[4]},
-                             std::array{c, m[1], m[3], m[5]}, std::array{d, m[2], m[4], m[5]}})
-    add_oriented(rest, corner, cells);
-  const Diagonal* shortest = kDiagonals;
-  const auto length = [&](const Diagonal& diagonal) {
-    return (rest.col(m[static_cast<std::size_t>(diagonal.ends[1])]) -
-            rest.col(m[static_cast<std::size_t>(diagonal.ends[0])]))
-        .norm();
-  };
-  for (const Diagonal& diagonal : kDiagonals)
-    if (length(diagonal) < length(*shortest) * (1 - 1e-9)) shortest = &diagonal;
-  const auto at = [&](int side) { return m[static_cast<std::size_t>(side)]; };
-  for (std::size_t i = 0; i < 4; ++i)
-    add_oriented(rest,
-                 {at(shortest->ends[0]), at(shortest->ends[1]), at(shortest->ring[i]), at(shortest->ring[(i + 1) % 4])},
-                 cells);
+/// Of tetrahedra: one at each corner, and the octahedron between them, cut along one of its diagonals.
+Parts halved_tetrahedron(const CellKind& kind, int diagonal) {
+  Parts parts = halves(kind);
+  const auto middle = [&](int a, int b) { return VectorX((kind.reference.col(a) + kind.reference.col(b)) / 2); };
+  // The middles of two edges that do not meet, and the ring of the other four.
+  static constexpr int ends[3][4] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 3, 1, 2}};
+  const auto& [a, b, c, d] = ends[diagonal];
+  const VectorX low = middle(a, b), high = middle(c, d);
+  const std::vector<VectorX> ring{middle(a, c), middle(c, b), middle(b, d), middle(d, a)};
+  for (std::size_t i = 0; i < 4; ++i) {
+    MatrixXd own = columns({low, high, ring[i], ring[(i + 1) % 4]});
+    const Vector3 origin = own.col(0);
+    if (Vector3(own.col(1) - origin).cross(Vector3(own.col(2) - origin)).dot(Vector3(own.col(3) - origin)) < 0)
+      own.col(2).swap(own.col(3));
+    parts.push_back(own);
+  }
+  return parts;
 }
 
-void cut(const std::array<int, 3>& cell, const Middles& middles, const Positions& /*rest*/, Cells<3>& cells) {
-  const auto& [a, b, c] = cell;
-  const int ab = middles.of(a, b), bc = middles.of(b, c), ca = middles.of(c, a);
-  for (const auto& part : {std::array{a, ab, ca}, std::array{ab, b, bc}, std::array{ca, bc, c}, std::array{ab, bc, ca}})
-    cells.push_back(part);
+int shortest_diagonal(const MatrixXd& x) {
+  const auto middle = [&](int a, int b) { return Vector3((x.col(a) + x.col(b)) / 2); };
+  const std::array<double, 3> lengths{(middle(0, 1) - middle(2, 3)).norm(), (middle(0, 2) - middle(1, 3)).norm(),
+                                      (middle(0, 3) - middle(1, 2)).norm()};
+  int shortest = 0;
+  for (int i = 1; i < 3; ++i)
+    if (lengths[static_cast<std::size_t>(i)] < lengths[static_cast<std::size_t>(shortest)] * (1 - 1e-9)) shortest = i;
+  return shortest;
 }
 
-double measure(const Positions& rest, const std::array<int, 4>& cell) { return signed_volume(rest, cell); }
-double measure(const Positions& rest, const std::array<int, 3>& cell) { return area_vector(rest, cell).norm(); }
-
-/// Lumps what the cells measure, each times the factor of the cell that it came from.
-template <std::size_t corners>
-void add_lumped(const Positions& rest, const std::vector<std::array<int, corners>>& cells, const VectorX& factors,
-                std::size_t children, VectorX& lumped) {
-  for (std::size_t cell = 0; cell < cells.size(); ++cell)
-    for (const int molecule : cells[cell])
-      lumped[molecule] += factors[static_cast<Eigen::Index>(cell / children)] * measure(rest, cells[cell]) / corners;
-}
-
-/// How much heavier than the cells' mean each cell is, from the molecules at its corners.
-template <std::size_t corners>
-VectorX weights_of(const std::vector<std::array<int, corners>>& cells, const VectorX& mass, const VectorX& lumped) {
-  VectorX weights = VectorX::Zero(static_cast<Eigen::Index>(cells.size()));
-  for (std::size_t cell = 0; cell < cells.size(); ++cell)
-    for (const int molecule : cells[cell])
-      weights[static_cast<Eigen::Index>(cell)] += mass[molecule] / lumped[molecule] / corners;
+/// N_a of the coarse cell at every node of each of its parts.
+using PartWeights = std::vector<std::vector<VectorX>>;
+PartWeights weights_of(const CellKind& kind, const Parts& parts) {
+  const CellKind& linear = first_order_of(kind);
+  PartWeights weights;
+  for (const MatrixXd& corners : parts) {
+    auto& own = weights.emplace_back();
+    for (int a = 0; a < kind.nodes; ++a)
+      own.push_back(kind.functions(corners * linear.functions(kind.reference.col(a))));
+  }
   return weights;
 }
 
-void set_masses(const Body& coarse, Body& fine) {
-  if (coarse.mass.size() == 0) return;
-  const bool solid = !coarse.tetrahedra.empty();
-  VectorX before = VectorX::Zero(coarse.size()), after = VectorX::Zero(fine.size());
-  const auto ones = [](std::size_t count) { return VectorX::Ones(static_cast<Eigen::Index>(count)); };
-  if (solid) {
-    add_lumped(coarse.rest, coarse.tetrahedra, ones(coarse.tetrahedra.size()), 1, before);
-    add_lumped(fine.rest, fine.tetrahedra, weights_of(coarse.tetrahedra, coarse.mass, before), 8, after);
-  } else {
-    add_lumped(coarse.rest, coarse.triangles, ones(coarse.triangles.size()), 1, before);
-    add_lumped(fine.rest, fine.triangles, weights_of(coarse.triangles, coarse.mass, before), 4, after);
+/// Numbers new molecules by what they lie between.
+class Molecules {
+ public:
+  explicit Molecules(int old) : old_(old) {}
+  int at(std::span<const int> nodes, const VectorX& weights) {
+    std::vector<std::pair<int, double>> between;
+    for (Eigen::Index a = 0; a < weights.size(); ++a)
+      if (std::abs(weights[a]) > 1e-9) between.emplace_back(nodes[static_cast<std::size_t>(a)], weights[a]);
+    if (between.size() == 1) return between.front().first;
+    std::sort(between.begin(), between.end());
+    std::vector<std::pair<int, long>> key;
+    for (const auto& [node, weight] : between) key.emplace_back(node, std::lround(1e6 * weight));
+    const auto [found, is_new] = numbers_.emplace(std::move(key), old_ + static_cast<int>(between_.size()));
+    if (is_new) between_.push_back(std::move(between));
+    return found->second;
   }
-  for (int molecule = 0; molecule < coarse.size(); ++molecule)  // one that belongs to no cell
-    if (!(before[molecule] > 0)) after[molecule] = coarse.mass[molecule];
-  fine.mass = after * (coarse.mass.sum() / after.sum());
+  std::vector<std::vector<std::pair<int, double>>>& between() { return between_; }
+
+ private:
+  int old_;
+  std::map<std::vector<std::pair<int, long>>, int> numbers_;
+  std::vector<std::vector<std::pair<int, double>>> between_;
+};
+
+CellBlock cut(const CellBlock& block, const Positions& rest, Molecules& molecules) {
+  const CellKind& kind = *block.kind;
+  std::vector<PartWeights> ways;
+  if (kind.corners == 4 && kind.dimensions == 3)
+    for (const int diagonal : {0, 1, 2}) ways.push_back(weights_of(kind, halved_tetrahedron(kind, diagonal)));
+  else
+    ways.push_back(weights_of(kind, halves(kind)));
+  CellBlock result{&kind, {}, {}};
+  for (int cell = 0; cell < block.size(); ++cell) {
+    const auto nodes = block.cell(cell);
+    const std::size_t way =
+        ways.size() == 1 ? 0 : static_cast<std::size_t>(shortest_diagonal(positions_of(rest, nodes)));
+    for (const auto& part : ways[way])
+      for (const VectorX& weights : part) result.nodes.push_back(molecules.at(nodes, weights));
+  }
+  if (block.stiffness.size()) {
+    const Eigen::Index parts = result.size() / block.size();
+    result.stiffness.resize(result.size());
+    for (Eigen::Index i = 0; i < result.stiffness.size(); ++i) result.stiffness[i] = block.stiffness[i / parts];
+  }
+  return result;
 }
 
-VectorX repeated(const VectorX& values, Eigen::Index times) {
-  VectorX all(values.size() * times);
-  for (Eigen::Index i = 0; i < all.size(); ++i) all[i] = values[i / times];
-  return all;
+template <std::size_t corners>
+void take_back(const CellBlock& block, std::vector<std::array<int, corners>>& cells, VectorX& stiffness) {
+  cells.clear();
+  for (int cell = 0; cell < block.size(); ++cell) {
+    auto& own = cells.emplace_back();
+    std::copy_n(block.cell(cell).begin(), corners, own.begin());
+  }
+  stiffness = block.stiffness;
+}
+
+double size_of(const Positions& rest, const std::array<int, 4>& cell) { return signed_volume(rest, cell); }
+double size_of(const Positions& rest, const std::array<int, 3>& cell) { return area_vector(rest, cell).norm(); }
+
+/// Lumped, of a body of cells [m³], [m²].
+VectorX volumes_of_molecules(const Body& body) {
+  if (!body.blocks.empty()) return lumped_volumes(body, 1);
+  if (body.tetrahedra.empty() && !body.cubes.empty()) {
+    Body hexahedra;
+    hexahedra.rest = body.rest, hexahedra.blocks = blocks_of(body);
+    return lumped_volumes(hexahedra, 1);
+  }
+  return lumped_mass(body.rest, body.tetrahedra.empty() ? body.triangles : Cells<3>{}, body.tetrahedra, 1, 1);
 }
 
 }  // namespace
 
-Refinement refined(const Body& coarse) {
-  check_refinable(coarse);
-  const Middles middles(coarse);
-  Refinement result;
-  Body& fine = result.body;
-  result.between = middles.sides();
-  const auto old = coarse.size(), added = static_cast<int>(result.between.size());
-  fine.rest.resize(3, old + added);
-  fine.rest.leftCols(old) = coarse.rest;
-  if (coarse.radius.size()) {
-    fine.radius.resize(old + added);
-    fine.radius.head(old) = coarse.radius / 2;
-  }
-  for (int side = 0; side < added; ++side) {
-    const auto& [a, b] = result.between[static_cast<std::size_t>(side)];
-    fine.rest.col(old + side) = (coarse.rest.col(a) + coarse.rest.col(b)) / 2;
-    if (coarse.radius.size()) fine.radius[old + side] = (coarse.radius[a] + coarse.radius[b]) / 4;
-  }
-  for (const auto& cell : coarse.tetrahedra) cut(cell, middles, fine.rest, fine.tetrahedra);
-  for (const auto& cell : coarse.triangles) cut(cell, middles, fine.rest, fine.triangles);
-  fine.connections = connections_of_cells(fine.rest, fine.triangles, fine.tetrahedra);
-  set_masses(coarse, fine);
-  if (coarse.cell_stiffness.size())
-    fine.cell_stiffness = repeated(coarse.cell_stiffness, coarse.tetrahedra.empty() ? 4 : 8);
-  return result;
+void carry_matter(const Body& from, const std::vector<std::vector<std::pair<int, double>>>& between, Body& to) {
+  const auto carry = [&](const VectorX& values) {
+    VectorX all(to.size());
+    all.head(from.size()) = values;
+    for (std::size_t i = 0; i < between.size(); ++i) {
+      double sum = 0, parts = 0;  // by size: shape functions may be negative, a mass may not
+      for (const auto& [molecule, weight] : between[i])
+        sum += std::abs(weight) * values[molecule], parts += std::abs(weight);
+      all[from.size() + static_cast<Eigen::Index>(i)] = sum / parts;
+    }
+    return all;
+  };
+  if (from.radius.size()) to.radius = carry(from.radius);
+  if (!from.mass.size()) return;
+  const VectorX before = volumes_of_molecules(from), after = volumes_of_molecules(to);
+  VectorX densities(from.size());
+  for (int a = 0; a < from.size(); ++a) densities[a] = before[a] > 0 ? from.mass[a] / before[a] : 0;
+  to.mass = after.cwiseProduct(carry(densities));
+  for (int a = 0; a < from.size(); ++a)  // one that belongs to no cell
+    if (!(before[a] > 0)) to.mass[a] = from.mass[a];
+  to.mass *= from.mass.sum() / to.mass.sum();
 }
 
-Body with_tetrahedra_in_cubes(const Body& lattice) {
-  if (lattice.cubes.empty()) throw InputError("the body has no cubes to put tetrahedra into");
-  constexpr std::array<std::array<int, 4>, 6> faces{
-      {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
-  struct Shared {
-    std::array<int, 4> ring;
-    int first, second = -1;
-  };
-  const auto old = lattice.size(), added = static_cast<int>(lattice.cubes.size());
-  Body body;
-  body.rest.resize(3, old + added);
-  body.rest.leftCols(old) = lattice.rest;
-  std::map<std::array<int, 4>, Shared> shared;
-  for (int c = 0; c < added; ++c) {
-    const auto& cube = lattice.cubes[static_cast<std::size_t>(c)];
-    Vector3 middle = Vector3::Zero();
-    for (const int corner : cube) middle += lattice.rest.col(corner) / 8;
-    body.rest.col(old + c) = middle;
-    for (const auto& face : faces) {
-      std::array<int, 4> ring{};
-      for (std::size_t i = 0; i < 4; ++i) ring[i] = cube[static_cast<std::size_t>(face[i])];
-      std::array<int, 4> key = ring;
-      std::sort(key.begin(), key.end());
-      const auto [at, fresh] = shared.try_emplace(key, Shared{ring, old + c});
-      if (!fresh) at->second.second = old + c;
-    }
+Refinement refined(const Body& coarse) {
+  check_refinable(coarse);
+  Molecules molecules(coarse.size());
+  Refinement result;
+  Body& fine = result.body;
+  std::vector<CellBlock> blocks;
+  for (const CellBlock& block : blocks_of(coarse)) blocks.push_back(cut(block, coarse.rest, molecules));
+  result.between = std::move(molecules.between());
+  const int old = coarse.size(), added = static_cast<int>(result.between.size());
+  fine.rest.resize(3, old + added);
+  fine.rest.leftCols(old) = coarse.rest;
+  for (int i = 0; i < added; ++i) {
+    Vector3 place = Vector3::Zero();
+    for (const auto& [molecule, weight] : result.between[static_cast<std::size_t>(i)])
+      place += weight * coarse.rest.col(molecule);
+    fine.rest.col(old + i) = place;
   }
-  for (const auto& [key, face] : shared) {
-    const auto& [ring, first, second] = face;
-    if (second < 0) {
-      add_oriented(body.rest, {first, ring[0], ring[1], ring[2]}, body.tetrahedra);
-      add_oriented(body.rest, {first, ring[0], ring[2], ring[3]}, body.tetrahedra);
-      continue;
-    }
-    for (std::size_t i = 0; i < 4; ++i)
-      add_oriented(body.rest, {first, second, ring[i], ring[(i + 1) % 4]}, body.tetrahedra);
+  if (coarse.blocks.empty()) {
+    if (blocks.front().kind->dimensions == 3)
+      take_back(blocks.front(), fine.tetrahedra, fine.cell_stiffness);
+    else
+      take_back(blocks.front(), fine.triangles, fine.cell_stiffness);
+    fine.connections = connections_of_cells(fine.rest, fine.triangles, fine.tetrahedra);
+  } else {
+    fine.blocks = std::move(blocks);
+    set_simplices(fine);
   }
-  body.connections = connections_of_cells(body.rest, {}, body.tetrahedra);
-  return body;
+  carry_matter(coarse, result.between, fine);
+  if (fine.radius.size()) fine.radius /= 2;
+  return result;
 }
 
 std::array<double, 10> moments_of_cells(const Body& body) {
@@ -203,9 +232,9 @@ std::array<double, 10> moments_of_cells(const Body& body) {
     for (int i = 0, at = 4; i < 3; ++i)
       for (int j = i; j < 3; ++j, ++at) sum[static_cast<std::size_t>(at)] += size * second(i, j);
   };
-  for (const auto& cell : body.tetrahedra) add(measure(body.rest, cell), cell);
+  for (const auto& cell : body.tetrahedra) add(size_of(body.rest, cell), cell);
   if (body.tetrahedra.empty())
-    for (const auto& cell : body.triangles) add(measure(body.rest, cell), cell);
+    for (const auto& cell : body.triangles) add(size_of(body.rest, cell), cell);
   return sum;
 }
 

@@ -103,17 +103,21 @@ Material shear_material(Material material) {
 Strategy with_volume(const Strategy& strategy) {
   const bool springs = strategy.kind == StrategyKind::spring_rule || strategy.kind == StrategyKind::updated_spring_rule;
   if (strategy.volume_modulus) throw InputError("'" + strategy.name + "' has a volume term already");
-  if (!springs && !strategy.make_without_volume)
-    throw InputError("'" + strategy.name + "': a volume term goes with a spring rule or neo_hookean");
+  if (!springs && !strategy.make_without_volume && !strategy.make_mixed)
+    throw InputError("'" + strategy.name +
+                     "': a volume term goes with a spring rule or a law of solids that has one of its own");
   Strategy result = strategy;
   result.name += "+volume";
   result.summary += "; with a volume term";
   result.make_without_volume = nullptr;
   result.volume_modulus = [springs](const Material& material) { return volume_modulus(material, springs); };
-  result.unsuited = [strategy](const Body& body) {
+  result.unsuited = [strategy, springs](const Body& body) {
     const std::string why = strategy.unsuited(body);
     if (!why.empty()) return why;
-    return has_blocks(body, 3) && strategy.make_mixed ? "" : unsuited_for_volumes(body);
+    if (has_blocks(body, 3) && strategy.make_mixed) return std::string();
+    if (!springs && !strategy.make_without_volume)
+      return std::string("needs hexahedra or cells of second order for the pressures that keep its volume");
+    return unsuited_for_volumes(body);
   };
   if (strategy.constants)
     result.constants = [strategy](const Body& body, const Material& material, const ParameterValues& values) {

@@ -15,6 +15,7 @@
 #include "core/solve/newton.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/shapes/arrays.h"
+#include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/refinement.h"
 #include "elastin/hull/delaunay.h"
 #include "lab/report/files.h"
@@ -29,7 +30,7 @@ namespace {
 constexpr int kVersion = 1;
 /// Of the unbalanced force: far below any uncertainty that a scene may ask for.
 constexpr double kTolerance = 1e-7;
-/// From here on cells of first order need averaged volumes, or they lock.
+/// From here on cells need pressures of their own, or they lock.
 constexpr double kLocking = 0.4;
 /// How much longer a body takes with twice as many cells along each side.
 constexpr double kGrowth = 10;
@@ -43,11 +44,12 @@ class Timer {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-std::size_t cells_of(const Body& body) {
-  return body.tetrahedra.empty() ? body.triangles.size() : body.tetrahedra.size();
+/// Of the body's cells, "hexahedra of 27 nodes".
+std::string kind_of_cells(const Body& body) {
+  return body.blocks.size() == 1 ? std::string(body.blocks.front().kind->plural) : "cells";
 }
 
-const char* kind_of_cells(const Body& body) { return body.tetrahedra.empty() ? "triangles" : "tetrahedra"; }
+bool is_solid(const Body& body) { return !body.tetrahedra.empty(); }
 
 /// Why a scene has no converged solution that could be computed, or "".
 std::string unsuited(const Scene& scene) {
@@ -63,20 +65,21 @@ std::string unsuited(const Scene& scene) {
   return "";
 }
 
-/// The body with cells, if it has none.
+/// The body with cells of second order: its own, those in the boxes of a lattice, or tetrahedra between its molecules.
 Body domain_of(const Body& body, const Material& material) {
-  if (!body.tetrahedra.empty() || !body.triangles.empty()) return body;
-  Body domain;
-  if (!body.cubes.empty()) {
-    domain = with_tetrahedra_in_cubes(body);
-  } else {
-    domain.rest = body.rest;
-    domain.tetrahedra = hull::delaunay_tetrahedra(body.rest);
-    domain.connections = connections_of_cells(domain.rest, {}, domain.tetrahedra);
+  const bool has_cells = !body.blocks.empty() || !body.tetrahedra.empty() || !body.triangles.empty();
+  if (has_cells || !body.cubes.empty()) {
+    const bool prisms = std::any_of(body.blocks.begin(), body.blocks.end(),
+                                    [](const CellBlock& block) { return block.kind->name == "prism6"; });
+    return prisms || body.blocks.size() > 1 ? body : with_order(body, 2);
   }
+  Body domain;
+  domain.rest = body.rest;
+  domain.tetrahedra = hull::delaunay_tetrahedra(body.rest);
+  domain.connections = connections_of_cells(domain.rest, {}, domain.tetrahedra);
   set_matter(domain, material.density, material.thickness, body.radius.mean());
   domain.mass *= body.mass.sum() / domain.mass.sum();
-  return domain;
+  return with_order(domain, 2);
 }
 
 /// What the references of two scenes have in common if they are the same: the problem, what its body fills, and how
@@ -96,8 +99,8 @@ std::string problem_key(const Scene& scene, const Body& domain, const std::strin
 std::string own_law(const Scene& scene, const Catalog& catalog, const Body& domain) {
   if (!scene.computed.strategy.empty()) return scene.computed.strategy;
   const Material& material = scene.specimen.material;
-  const std::string law = material.curve ? "curve" : "neo_hookean";
-  if (domain.tetrahedra.empty()) return law + "_membrane";
+  const std::string law = material.law ? material.law->law : material.curve ? "curve" : "neo_hookean";
+  if (!is_solid(domain)) return law + "_membrane";
   const auto suits = [&](const std::string& label) {
     try {
       const StrategyChoice choice = choose_strategy(catalog, label);
@@ -150,7 +153,7 @@ Level solve_level(Scene& scene, const StrategyChoice& choice, const Positions& g
   const Timer timer;
   Level level;
   level.spacing = spacing;
-  level.cells = cells_of(scene.specimen.body);
+  level.cells = count_cells(scene.specimen.body);
   prepare(scene.specimen, choice.strategy);
   RunOptions options;
   options.statics = scene.statics;
@@ -243,6 +246,9 @@ class Sequence {
 
  private:
   std::unique_ptr<Scene> scene_on_body();
+  /// Where one body alone is affordable: how far its cells' order moves the measures says how well they are known.
+  std::vector<Reference> limits_by_order(const Scene& scene, const StrategyChoice& choice,
+                                         const std::function<void(const std::string&)>& progress);
   /// Why there is no finer body to solve, or "".
   std::string limit() const;
   void refine();
@@ -264,23 +270,47 @@ std::unique_ptr<Scene> Sequence::scene_on_body() {
 }
 
 std::string Sequence::limit() const {
-  const std::size_t children = body_.tetrahedra.empty() ? 4 : 8;
-  if (static_cast<double>(cells_of(body_)) * children > scene_.computed.most_cells)
+  const int children = is_solid(body_) ? 8 : 4;
+  if (static_cast<double>(count_cells(body_)) * children > scene_.computed.most_cells)
     return fmt::format("at most {} cells", scene_.computed.most_cells);
   if (levels_.back().seconds * kGrowth > scene_.computed.seconds)
     return "at most " + readable_seconds(scene_.computed.seconds);
   return "";
 }
 
+std::vector<Reference> Sequence::limits_by_order(const Scene& scene, const StrategyChoice& choice,
+                                                 const std::function<void(const std::string&)>& progress) {
+  // Cells of first order are off by four times as much or more, also at singular edges.
+  constexpr double part = 1. / 3;
+  const Body second = body_;
+  body_ = with_order(second, 1);
+  set_matter(body_, scene.specimen.material.density, scene.specimen.material.thickness, second.radius.mean());
+  body_.mass *= second.mass.sum() / body_.mass.sum();
+  if (progress) progress(fmt::format("reference, {} on {} {}", law_, count_cells(body_), kind_of_cells(body_)));
+  Level coarse = solve_level(*scene_on_body(), choice, {}, 2);
+  body_ = second;
+  if (!coarse.trouble.empty()) return {};
+  const std::vector<Level> both{std::move(coarse), levels_.front()};
+  std::vector<Reference> references;
+  for (const std::string& name : measures_of(scene, both)) {
+    const double value = both[1].measures.get(name), off = both[0].measures.get(name) - value;
+    references.push_back(
+        {name, value,
+         fmt::format("computed: {} on {} {}, beside first order", law_, both[1].cells, kind_of_cells(body_)),
+         part * std::abs(off / value), true});
+  }
+  return references;
+}
+
 void Sequence::refine() {
   Refinement finer = refined(body_);
   guess_ = Positions();
   if (const Positions& found = levels_.back().positions; found.cols() == body_.size()) {
-    guess_.resize(3, finer.body.size());
+    guess_ = Positions::Zero(3, finer.body.size());
     guess_.leftCols(body_.size()) = found;
     for (std::size_t i = 0; i < finer.between.size(); ++i)
-      guess_.col(body_.size() + static_cast<Eigen::Index>(i)) =
-          (found.col(finer.between[i][0]) + found.col(finer.between[i][1])) / 2;
+      for (const auto& [molecule, weight] : finer.between[i])
+        guess_.col(body_.size() + static_cast<Eigen::Index>(i)) += weight * found.col(molecule);
   }
   body_ = std::move(finer.body);
 }
@@ -291,7 +321,7 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
   const StrategyChoice choice = choose_strategy(catalog_, law_);
   ComputedReferences result;
   for (double spacing = 1;; spacing /= 2) {
-    if (progress) progress(fmt::format("reference, {} on {} {}", law_, cells_of(body_), kind_of_cells(body_)));
+    if (progress) progress(fmt::format("reference, {} on {} {}", law_, count_cells(body_), kind_of_cells(body_)));
     const auto scene = scene_on_body();
     levels_.push_back(solve_level(*scene, choice, guess_, spacing));
     if (!levels_.back().trouble.empty()) {
@@ -303,6 +333,7 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
     result.references = limits_of(*scene, levels_, law_);
     if (known(result.references, levels_, scene_.computed.uncertainty)) break;
     if (const std::string why = limit(); !why.empty()) {
+      if (levels_.size() == 1) result.references = limits_by_order(*scene, choice, progress);
       result.trouble = why + " (computed.most_cells, computed.seconds)";
       break;
     }

@@ -5,11 +5,14 @@
 #include <cmath>
 
 #include "core/geometry/boundary.h"
+#include "core/model/block_geometry.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/shapes/arrays.h"
+#include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/shapes/surfaces.h"
+#include "support/bodies.h"
 
 using namespace elastin;
 using Catch::Matchers::Contains;
@@ -58,7 +61,8 @@ TEST_CASE("halved tetrahedra fill the same space, face to face, eight to one", "
   CHECK(inspect(fine).pieces == 1);
   CHECK(fine.rest.leftCols(coarse.size()) == coarse.rest);
   for (std::size_t i = 0; i < found.between.size(); ++i) {
-    const auto& [a, b] = found.between[i];
+    REQUIRE(found.between[i].size() == 2);
+    const auto& [a, b] = std::pair(found.between[i][0].first, found.between[i][1].first);
     CHECK((fine.rest.col(coarse.size() + static_cast<int>(i)) - (coarse.rest.col(a) + coarse.rest.col(b)) / 2).norm() <
           1e-15);
   }
@@ -114,24 +118,49 @@ TEST_CASE("halved triangles keep their sheet and how they are turned", "[refinem
   CHECK(moments_of_cells(fine)[4] == Approx(moments_of_cells(coarse)[4]).epsilon(1e-12));
 }
 
-TEST_CASE("tetrahedra in the cubes of a lattice fill its box", "[refinement]") {
-  const Body lattice = cubic_lattice({3, 4, 2}, 0.5, {});
-  const Body body = with_tetrahedra_in_cubes(lattice);
-  CHECK(body.size() == 3 * 4 * 2 + 2 * 3 * 1);
-  CHECK(body.tetrahedra.size() == 12u * 6u);
-  for (const auto& cell : body.tetrahedra) REQUIRE(signed_volume(body.rest, cell) > 0);
-  // A box of a × b × c from the origin: V, V a/2 …, V a²/3, V a b/4 …
-  const double a = 1, b = 1.5, c = 0.5, volume = a * b * c;
-  const std::array<double, 10> wanted{1,         a / 2,     b / 2,     c / 2,     a * a / 3,
-                                      a * b / 4, a * c / 4, b * b / 3, b * c / 4, c * c / 3};
-  const auto found = moments_of_cells(body);
-  for (std::size_t i = 0; i < wanted.size(); ++i) CHECK(found[i] == Approx(volume * wanted[i]).epsilon(1e-12));
-  CHECK(surface_of(body) == Approx(2 * (a * b + b * c + c * a)).epsilon(1e-12));
+TEST_CASE("cells of any shape are halved: the same space, face to face, the same field", "[refinement]") {
+  const Vector3 size(0.03, 0.02, 0.02);
+  for (const CellKind& kind : cell_kinds()) {
+    if (kind.dimensions != 3) continue;
+    INFO(kind.name);
+    const Body coarse = testing::cell_box(kind, {3, 2, 2}, size, 0.1, kind.order == 2);
+    const auto [fine, between] = refined(coarse);
+    REQUIRE(fine.blocks.size() == 1);
+    CHECK(fine.blocks[0].kind == &kind);
+    CHECK(fine.blocks[0].size() == 8 * coarse.blocks[0].size());
+    CHECK(flat_or_inverted_cells(fine, fine.rest).empty());
+    CHECK(inspect(fine).pieces == 1);
+    CHECK(fine.mass.sum() == Approx(coarse.mass.sum()).epsilon(1e-12));
+    CHECK(lumped_volumes(fine, 1).sum() == Approx(size.prod()).epsilon(kind.order == 1 ? 1e-12 : 1e-4));
+    CHECK(boundary_faces(fine).size() == 4 * boundary_faces(coarse).size());  // all inner faces meet another
+    // A field of the cells' order is interpolated exactly where the cells are straight.
+    for (std::size_t i = 0; i < between.size() && kind.order == 1; ++i) {
+      double sum = 0;
+      for (const auto& [molecule, weight] : between[i]) sum += weight * coarse.rest.col(molecule).sum();
+      CHECK(sum == Approx(fine.rest.col(coarse.size() + static_cast<int>(i)).sum()).epsilon(1e-12));
+    }
+  }
+}
+
+TEST_CASE("the order of a body's cells changes its molecules and not its matter", "[refinement]") {
+  Body lattice = cubic_lattice({3, 3, 2}, 0.01, {true, false, false});
+  set_matter(lattice, 1000, 0, 0.004);
+  const double volume = 0.02 * 0.02 * 0.01;
+  const Body first = with_order(lattice, 1), second = with_order(lattice, 2);
+  CHECK(first.blocks[0].kind->name == "hexahedron8");
+  CHECK(first.size() == 18);
+  CHECK(second.blocks[0].kind->name == "hexahedron27");
+  CHECK(second.size() == 5 * 5 * 3);
+  CHECK(moments_of_cells(second)[0] == Approx(volume));
+  CHECK(second.mass.sum() == Approx(lattice.mass.sum()));
+  CHECK(with_order(second, 2).rest == second.rest);
+  const Body back = with_order(second, 1);
+  CHECK(back.rest == first.rest);
+  CHECK_THROWS_WITH(with_order(cubic_lattice({3, 1, 1}, 1, {true, false, false}), 2), Contains("no cells"));
 }
 
 TEST_CASE("what has no cells, or more than cells, cannot be refined", "[refinement]") {
   CHECK_THROWS_WITH(refined(cubic_lattice({2, 2, 2}, 1, {})), Contains("without cells"));
-  CHECK_THROWS_WITH(with_tetrahedra_in_cubes(disc(1, 1)), Contains("no cubes"));
   Body parts, block = irregular_block();
   Part one;
   one.name = "one";

@@ -1,30 +1,28 @@
 #pragma once
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "elastin/core/model/body.h"
 
 namespace elastin {
 
-/// A body on finer cells. Its first molecules are those of the body that it came from, where they were; each of the
-/// others lies in the middle between two of them.
+/// A body on finer cells. Its first molecules are those of the body that it came from, where they were.
 struct Refinement {
   Body body;
-  std::vector<std::array<int, 2>> between;  ///< of each new molecule
+  /// Of each new molecule: the old ones and their weights (sum 1), as the shape functions of the cell that it lies in
+  /// have them. What is interpolated so from the old molecules to the new ones is the same field.
+  std::vector<std::vector<std::pair<int, double>>> between;
 };
 
-/// The same matter with every side of every cell halved: each tetrahedron becomes eight, each triangle four. Of the
-/// three ways to cut the inner octahedron of a tetrahedron the one along its shortest diagonal is taken, so that the
-/// cells stay as regular as they are. Curved surfaces stay the polyhedra that they are. Connections are the sides of
-/// the cells; radii are halved, masses are lumped from what each cell weighs, and keep their sum; factors of stiffness
-/// pass on to the cells. Throws InputError where a body has no cells, and where it has parts, ties or cables.
-///                                                                                                        [Bey 1995]
+/// The same matter with every edge of every cell halved: each tetrahedron, hexahedron and prism becomes eight of its
+/// own shape and order, each triangle four. Of the three ways to cut the inner octahedron of a tetrahedron the one
+/// along its shortest diagonal is taken, so that the cells stay as regular as they are. Surfaces stay what they are,
+/// facets or curved edges of second order. Connections are the sides of the cells; radii are halved, masses are lumped
+/// by what the matter about each molecule weighed, and keep their sum; factors of stiffness pass on to the cells.
+/// Throws InputError where a body has no cells, and where it has parts, ties or cables.                          [Bey
+/// 1995]
 Refinement refined(const Body& body);
-
-/// A lattice with tetrahedra in its cubes (Body::cubes): a molecule more in the middle of each, and four equal
-/// tetrahedra about the line between the middles of two cubes that share a face; see BlockKind::body_centred.
-/// Connections are the sides of the cells. Throws InputError where the body has no cubes.
-Body with_tetrahedra_in_cubes(const Body& body);
 
 /// Volume and its moments that tell whether two bodies of cells fill the same space: volume (or area) and, about the
 /// origin, its three first and six second moments, in SI units.
