@@ -120,13 +120,11 @@ VectorX repeated(const VectorX& values, Eigen::Index times) {
 
 }  // namespace
 
-Refinement refined(const Body& coarse) {
+Body refined(const Body& coarse) {
   check_refinable(coarse);
   const Middles middles(coarse);
-  Refinement result;
-  Body& fine = result.body;
-  result.between = middles.sides();
-  const auto old = coarse.size(), added = static_cast<int>(result.between.size());
+  Body fine;
+  const auto old = coarse.size(), added = static_cast<int>(middles.sides().size());
   fine.rest.resize(3, old + added);
   fine.rest.leftCols(old) = coarse.rest;
   if (coarse.radius.size()) {
@@ -134,17 +132,19 @@ Refinement refined(const Body& coarse) {
     fine.radius.head(old) = coarse.radius / 2;
   }
   for (int side = 0; side < added; ++side) {
-    const auto& [a, b] = result.between[static_cast<std::size_t>(side)];
+    const auto& [a, b] = middles.sides()[static_cast<std::size_t>(side)];
     fine.rest.col(old + side) = (coarse.rest.col(a) + coarse.rest.col(b)) / 2;
     if (coarse.radius.size()) fine.radius[old + side] = (coarse.radius[a] + coarse.radius[b]) / 4;
   }
   for (const auto& cell : coarse.tetrahedra) cut(cell, middles, fine.rest, fine.tetrahedra);
   for (const auto& cell : coarse.triangles) cut(cell, middles, fine.rest, fine.triangles);
   fine.connections = connections_of_cells(fine.rest, fine.triangles, fine.tetrahedra);
+  fine.between = coarse.between;
+  fine.between.insert(fine.between.end(), middles.sides().begin(), middles.sides().end());
   set_masses(coarse, fine);
   if (coarse.cell_stiffness.size())
     fine.cell_stiffness = repeated(coarse.cell_stiffness, coarse.tetrahedra.empty() ? 4 : 8);
-  return result;
+  return fine;
 }
 
 Body with_tetrahedra_in_cubes(const Body& lattice) {

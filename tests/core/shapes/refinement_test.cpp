@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/geometry/boundary.h"
+#include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/shapes/arrays.h"
@@ -46,8 +47,7 @@ Body irregular_block() {
 
 TEST_CASE("halved tetrahedra fill the same space, face to face, eight to one", "[refinement]") {
   const Body coarse = irregular_block();
-  const Refinement found = refined(coarse);
-  const Body& fine = found.body;
+  const Body fine = refined(coarse);
   CHECK(fine.tetrahedra.size() == 8 * coarse.tetrahedra.size());
   CHECK(fine.size() == coarse.size() + coarse.connections.size());  // its connections are the sides of its cells
   for (const auto& cell : fine.tetrahedra) REQUIRE(signed_volume(fine.rest, cell) > 0);
@@ -57,8 +57,8 @@ TEST_CASE("halved tetrahedra fill the same space, face to face, eight to one", "
   CHECK(surface_of(fine) == Approx(surface_of(coarse)).epsilon(1e-12));
   CHECK(inspect(fine).pieces == 1);
   CHECK(fine.rest.leftCols(coarse.size()) == coarse.rest);
-  for (std::size_t i = 0; i < found.between.size(); ++i) {
-    const auto& [a, b] = found.between[i];
+  for (std::size_t i = 0; i < fine.between.size(); ++i) {
+    const auto& [a, b] = fine.between[i];
     CHECK((fine.rest.col(coarse.size() + static_cast<int>(i)) - (coarse.rest.col(a) + coarse.rest.col(b)) / 2).norm() <
           1e-15);
   }
@@ -71,12 +71,12 @@ TEST_CASE("cells stay as regular as they are, however often they are halved", "[
   Body body = tetrahedral_block(BlockKind::body_centred, {2, 2, 2}, {1, 1, 1});
   const double first = worst_shape(body);
   for (int level = 0; level < 2; ++level) {
-    body = refined(body).body;
+    body = refined(body);
     CHECK(worst_shape(body) == Approx(first).epsilon(1e-9));
   }
   Body bent = irregular_block();
   const double before = worst_shape(bent);
-  for (int level = 0; level < 3; ++level) bent = refined(bent).body;
+  for (int level = 0; level < 3; ++level) bent = refined(bent);
   CHECK(worst_shape(bent) > 0.4 * before);
 }
 
@@ -84,7 +84,7 @@ TEST_CASE("masses keep their differences, stiffness its regions", "[refinement]"
   Body coarse = tetrahedral_block(BlockKind::kuhn, {2, 1, 1}, {2, 1, 1});
   set_matter(coarse, 1000, 0);
   set_region(coarse, {1, 0, 0}, {2, 1, 1}, 7, 3);
-  const Body fine = refined(coarse).body;
+  const Body fine = refined(coarse);
   CHECK(fine.mass.sum() == Approx(coarse.mass.sum()).epsilon(1e-12));
   for (std::size_t cell = 0; cell < fine.tetrahedra.size(); ++cell) {
     double x = 0;
@@ -103,7 +103,7 @@ TEST_CASE("masses keep their differences, stiffness its regions", "[refinement]"
 TEST_CASE("halved triangles keep their sheet and how they are turned", "[refinement]") {
   Body coarse = disc(1, 3);
   set_matter(coarse, 1000, 0.01);
-  const Body fine = refined(coarse).body;
+  const Body fine = refined(coarse);
   CHECK(fine.triangles.size() == 4 * coarse.triangles.size());
   double area = 0;
   for (const auto& triangle : fine.triangles) {
@@ -127,6 +127,20 @@ TEST_CASE("tetrahedra in the cubes of a lattice fill its box", "[refinement]") {
   const auto found = moments_of_cells(body);
   for (std::size_t i = 0; i < wanted.size(); ++i) CHECK(found[i] == Approx(volume * wanted[i]).epsilon(1e-12));
   CHECK(surface_of(body) == Approx(2 * (a * b + b * c + c * a)).epsilon(1e-12));
+}
+
+TEST_CASE("a grip holds the same matter on finer cells", "[refinement]") {
+  // 0.25 deep into cubes of 0.2: two layers of molecules, whose matter ends at 0.2 however fine the cells are.
+  Body body = tetrahedral_block(BlockKind::kuhn, {1, 1, 5}, {0.2, 0.2, 1});
+  for (int level = 0; level < 3; ++level) {
+    const Face face = end_face(body, -Vector3::UnitZ(), 0.25);
+    double depth = 0;
+    for (const int molecule : face.molecules) depth = std::max(depth, body.rest(2, molecule));
+    CHECK(depth == Approx(0.2));
+    const int across = (1 << level) + 1;
+    CHECK(static_cast<int>(face.molecules.size()) == across * across * across);
+    body = refined(body);
+  }
 }
 
 TEST_CASE("what has no cells, or more than cells, cannot be refined", "[refinement]") {

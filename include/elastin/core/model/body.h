@@ -80,6 +80,9 @@ struct Body {
   std::optional<VoronoiCells> voronoi;  ///< only where a strategy asks for them (Strategy::needs_voronoi)
   std::vector<Part> parts;              ///< in the order of their molecules; empty = the body is one whole
   std::vector<Tie> ties;                ///< between parts whose molecules do not meet
+  /// Of a refined body the two molecules between which each of the last so many lies; both have lower numbers. What
+  /// holds an end of the body holds those of them that lie between two that it holds. Empty of other bodies.
+  std::vector<std::array<int, 2>> between;
   int size() const { return static_cast<int>(rest.cols()); }
 };
 

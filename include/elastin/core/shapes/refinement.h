@@ -6,20 +6,14 @@
 
 namespace elastin {
 
-/// A body on finer cells. Its first molecules are those of the body that it came from, where they were; each of the
-/// others lies in the middle between two of them.
-struct Refinement {
-  Body body;
-  std::vector<std::array<int, 2>> between;  ///< of each new molecule
-};
-
 /// The same matter with every side of every cell halved: each tetrahedron becomes eight, each triangle four. Of the
 /// three ways to cut the inner octahedron of a tetrahedron the one along its shortest diagonal is taken, so that the
 /// cells stay as regular as they are. Curved surfaces stay the polyhedra that they are. Connections are the sides of
 /// the cells; radii are halved, masses are lumped from what each cell weighs, and keep their sum; factors of stiffness
-/// pass on to the cells. Throws InputError where a body has no cells, and where it has parts, ties or cables.
+/// pass on to the cells; Body::between says where the molecules came from, over all refinements. Throws InputError
+/// where a body has no cells, and where it has parts, ties or cables.
 ///                                                                                                        [Bey 1995]
-Refinement refined(const Body& body);
+Body refined(const Body& body);
 
 /// A lattice with tetrahedra in its cubes (Body::cubes): a molecule more in the middle of each, and four equal
 /// tetrahedra about the line between the middles of two cubes that share a face; see BlockKind::body_centred.
