@@ -30,6 +30,26 @@ VectorX triangle_thirds(const Body& body, const std::vector<int>& molecules, con
   return areas(molecules);
 }
 
+/// Molecules at or above a height. Of a refined body those at the end of the body that it came from, and what lies
+/// between them: a depth holds the same matter on cells of any size, even where the end is not plane.
+std::vector<int> molecules_above(const Body& body, const VectorX& height, double low) {
+  std::vector<char> above(static_cast<std::size_t>(body.size()));
+  const int first = body.size() - static_cast<int>(body.between.size());
+  std::vector<int> molecules;
+  for (int molecule = 0; molecule < body.size(); ++molecule) {
+    const auto at = static_cast<std::size_t>(molecule);
+    if (molecule < first) {
+      above[at] = height[molecule] >= low;
+    } else {
+      const MoleculeBetween& between = body.between[static_cast<std::size_t>(molecule - first)];
+      above[at] = std::all_of(between.begin(), between.end(),
+                              [&](const auto& other) { return above[static_cast<std::size_t>(other.first)] != 0; });
+    }
+    if (above[at]) molecules.push_back(molecule);
+  }
+  return molecules;
+}
+
 }  // namespace
 
 Eigen::Matrix<double, 3, 2> across(const Vector3& axis) {
@@ -47,8 +67,7 @@ Face end_face(const Body& body, const Vector3& direction, double depth) {
   depth = std::max(depth, 1e-6 * (high - low));
   if (!(high - low > 2 * depth)) throw InputError("the body has no length along the axis beyond its grips");
   Face face;
-  for (int molecule = 0; molecule < body.size(); ++molecule)
-    if (height[molecule] >= high - depth) face.molecules.push_back(molecule);
+  face.molecules = molecules_above(body, height, high - depth);
   const auto count = static_cast<Eigen::Index>(face.molecules.size());
   Points2 layer(2, count);
   const auto plane = across(direction);

@@ -20,7 +20,8 @@ struct Face {
 };
 
 /// The molecules furthest along `direction` (unit), and those less than `depth` [m] behind them; 0 = the end plane
-/// alone, to 1e-6 of the body's length. Throws InputError if that is the whole body.
+/// alone, to 1e-6 of the body's length. Of a refined body (Body::between) those of the body that it came from, and what
+/// lies between two of them. Throws InputError if that is the whole body.
 Face end_face(const Body& body, const Vector3& direction, double depth);
 
 /// Middle of a face: mean place of its molecules by share [m].

@@ -15,8 +15,8 @@ std::vector<CellBlock> blocks_of(const Body& body);
 const CellKind& first_order_of(const CellKind& kind);
 
 /// Sets radii and masses of a body whose first molecules are those of another, with the same cells or finer ones over
-/// the same matter: each molecule has the density that is interpolated to it, and the sum stays. `between` as
-/// Refinement has it.
-void carry_matter(const Body& from, const std::vector<std::vector<std::pair<int, double>>>& between, Body& to);
+/// the same matter: each molecule has the density that is interpolated to it, and the sum stays. `between`: the
+/// new ones.
+void carry_matter(const Body& from, const std::vector<MoleculeBetween>& between, Body& to);
 
 }  // namespace elastin

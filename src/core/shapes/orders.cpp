@@ -67,7 +67,7 @@ bool leave_out_unused(Body& body) {
 Body with_cells(const Body& body, const CellKind& kind) {
   Body result = bare(body);
   std::vector<Vector3> added;
-  std::vector<std::vector<std::pair<int, double>>> weights_of_added;
+  std::vector<MoleculeBetween> weights_of_added;
   std::map<std::vector<int>, int> between;  // node by the corners that it lies between
   for (const CellBlock& block : blocks_of(body)) {
     if (block.kind->corners != kind.corners || block.kind->dimensions != kind.dimensions)
@@ -103,10 +103,12 @@ Body with_cells(const Body& body, const CellKind& kind) {
   }
   result.rest.conservativeResize(3, body.size() + static_cast<Eigen::Index>(added.size()));
   for (std::size_t i = 0; i < added.size(); ++i) result.rest.col(body.size() + static_cast<Eigen::Index>(i)) = added[i];
-  if (leave_out_unused(result))
-    result.mass.resize(0), result.radius.resize(0);
-  else
+  if (leave_out_unused(result)) {
+    result.mass.resize(0), result.radius.resize(0), result.between.clear();
+  } else {
     carry_matter(body, weights_of_added, result);
+    result.between.insert(result.between.end(), weights_of_added.begin(), weights_of_added.end());
+  }
   set_simplices(result);
   return result;
 }

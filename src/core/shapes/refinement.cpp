@@ -94,7 +94,7 @@ class Molecules {
  public:
   explicit Molecules(int old) : old_(old) {}
   int at(std::span<const int> nodes, const VectorX& weights) {
-    std::vector<std::pair<int, double>> between;
+    MoleculeBetween between;
     for (Eigen::Index a = 0; a < weights.size(); ++a)
       if (std::abs(weights[a]) > 1e-9) between.emplace_back(nodes[static_cast<std::size_t>(a)], weights[a]);
     if (between.size() == 1) return between.front().first;
@@ -105,12 +105,12 @@ class Molecules {
     if (is_new) between_.push_back(std::move(between));
     return found->second;
   }
-  std::vector<std::vector<std::pair<int, double>>>& between() { return between_; }
+  std::vector<MoleculeBetween>& between() { return between_; }
 
  private:
   int old_;
   std::map<std::vector<std::pair<int, long>>, int> numbers_;
-  std::vector<std::vector<std::pair<int, double>>> between_;
+  std::vector<MoleculeBetween> between_;
 };
 
 CellBlock cut(const CellBlock& block, const Positions& rest, Molecules& molecules) {
@@ -162,7 +162,7 @@ VectorX volumes_of_molecules(const Body& body) {
 
 }  // namespace
 
-void carry_matter(const Body& from, const std::vector<std::vector<std::pair<int, double>>>& between, Body& to) {
+void carry_matter(const Body& from, const std::vector<MoleculeBetween>& between, Body& to) {
   const auto carry = [&](const VectorX& values) {
     VectorX all(to.size());
     all.head(from.size()) = values;
@@ -185,20 +185,19 @@ void carry_matter(const Body& from, const std::vector<std::vector<std::pair<int,
   to.mass *= from.mass.sum() / to.mass.sum();
 }
 
-Refinement refined(const Body& coarse) {
+Body refined(const Body& coarse) {
   check_refinable(coarse);
   Molecules molecules(coarse.size());
-  Refinement result;
-  Body& fine = result.body;
+  Body fine;
   std::vector<CellBlock> blocks;
   for (const CellBlock& block : blocks_of(coarse)) blocks.push_back(cut(block, coarse.rest, molecules));
-  result.between = std::move(molecules.between());
-  const int old = coarse.size(), added = static_cast<int>(result.between.size());
+  const std::vector<MoleculeBetween> between = std::move(molecules.between());
+  const int old = coarse.size(), added = static_cast<int>(between.size());
   fine.rest.resize(3, old + added);
   fine.rest.leftCols(old) = coarse.rest;
   for (int i = 0; i < added; ++i) {
     Vector3 place = Vector3::Zero();
-    for (const auto& [molecule, weight] : result.between[static_cast<std::size_t>(i)])
+    for (const auto& [molecule, weight] : between[static_cast<std::size_t>(i)])
       place += weight * coarse.rest.col(molecule);
     fine.rest.col(old + i) = place;
   }
@@ -212,9 +211,11 @@ Refinement refined(const Body& coarse) {
     fine.blocks = std::move(blocks);
     set_simplices(fine);
   }
-  carry_matter(coarse, result.between, fine);
+  carry_matter(coarse, between, fine);
   if (fine.radius.size()) fine.radius /= 2;
-  return result;
+  fine.between = coarse.between;
+  fine.between.insert(fine.between.end(), between.begin(), between.end());
+  return fine;
 }
 
 std::array<double, 10> moments_of_cells(const Body& body) {

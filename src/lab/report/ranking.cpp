@@ -18,12 +18,18 @@ std::vector<std::string> measures_with(const std::vector<Record>& records, const
   return names;
 }
 
-/// Leaves out measures whose reference ranks nothing.
+/// Leaves out measures whose reference is uncertain.
 void keep_ranked(const Record& record, std::vector<std::string>& names) {
   std::erase_if(names, [&](const std::string& name) {
-    return std::none_of(record.references.begin(), record.references.end(),
-                        [&](const Reference& reference) { return reference.measure == name && reference.certain(); });
+    return std::any_of(record.references.begin(), record.references.end(),
+                       [&](const Reference& reference) { return reference.measure == name && !reference.certain(); });
   });
+  // A ratio alone is no reason to recommend anything where the reference of what has a unit is uncertain.
+  const auto has_unit = [](const std::string& name) { return find_measure(name).unit != dimension::none; };
+  const bool left_out =
+      std::any_of(record.references.begin(), record.references.end(),
+                  [&](const Reference& reference) { return has_unit(reference.measure) && !reference.certain(); });
+  if (left_out && std::none_of(names.begin(), names.end(), has_unit)) names.clear();
 }
 
 /// "the computed reference of E is uncertain by 12 %"; "" where there is none that is uncertain.

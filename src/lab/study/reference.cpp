@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/geometry/boundary.h"
 #include "core/solve/newton.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/shapes/arrays.h"
@@ -27,13 +28,13 @@ namespace elastin::lab {
 namespace {
 
 /// Another way to compute a reference takes another number, so that older files are not read back.
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 /// Of the unbalanced force: far below any uncertainty that a scene may ask for.
 constexpr double kTolerance = 1e-7;
 /// From here on cells need pressures of their own, or they lock.
 constexpr double kLocking = 0.4;
 /// How much longer a body takes with twice as many cells along each side.
-constexpr double kGrowth = 10;
+constexpr double kGrowth = 12;
 
 /// Measures from when it was made.
 class Timer {
@@ -82,17 +83,53 @@ Body domain_of(const Body& body, const Material& material) {
   return with_order(domain, 2);
 }
 
-/// What the references of two scenes have in common if they are the same: the problem, what its body fills, and how
-/// well it is to be solved.
-std::string problem_key(const Scene& scene, const Body& domain, const std::string& strategy) {
-  const auto moments = moments_of_cells(domain);
-  const double length = std::cbrt(std::abs(moments[0]));
-  std::string shape = fmt::format("{:.7e}", moments[0]);
-  for (std::size_t i = 1; i < moments.size(); ++i)  // to a millionth of the size
-    shape += fmt::format(" {}", std::llround(1e6 * moments[i] / moments[0] / std::pow(length, i < 4 ? 1 : 2)));
+/// Size and moments to a millionth of the body's own.
+std::string moments_text(const Body& part, const Body& whole) {
+  const auto moments = moments_of_cells(part), scale = moments_of_cells(whole);
+  const double length = std::cbrt(std::abs(scale[0]));
+  std::string text;
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    const double unit = scale[0] * std::pow(length, i < 1 ? 0 : i < 4 ? 1 : 2);
+    text += fmt::format(" {}", std::llround(1e6 * moments[i] / unit));
+  }
+  return text;
+}
+
+/// The cells, and the triangles on the surface, all of whose molecules the experiment holds or loads: with a grip
+/// depth, and at ends that are not plane, they depend on the body's own cells.
+std::string held_text(const Scene& scene) {
+  const Body& body = scene.specimen.body;
+  Model model(body);
+  const auto rig = scene.experiment->rig(model);
+  std::vector<char> held(static_cast<std::size_t>(body.size()), 0);
+  for (const Support& support : model.supports) held[static_cast<std::size_t>(support.molecule)] = 1;
+  if (!scene.specimen.contact) {
+    rig->at_rest()->set_load(1);
+    const Positions forces = model.load_forces(state_at_rest(body));
+    for (int molecule = 0; molecule < body.size(); ++molecule)
+      if (!forces.col(molecule).isZero(0)) held[static_cast<std::size_t>(molecule)] = 1;
+  }
+  const auto is_free = [&](const auto& cell) {
+    return std::any_of(cell.begin(), cell.end(), [&](int m) { return held[static_cast<std::size_t>(m)] == 0; });
+  };
+  Body cells, surface;
+  cells.rest = surface.rest = body.rest;
+  cells.tetrahedra = body.tetrahedra;
+  surface.triangles = body.tetrahedra.empty() ? body.triangles : boundary_of(body.tetrahedra);
+  std::erase_if(cells.tetrahedra, is_free);
+  std::erase_if(surface.triangles, is_free);
+  return moments_text(cells, body) + "," + moments_text(surface, body);
+}
+
+/// What the references of two scenes have in common if they are the same: the problem, what its body fills, where that
+/// is held, and how well it is to be solved.
+std::string problem_key(const Scene& scene, const Scene& on_domain, const std::string& strategy) {
+  const Body& domain = on_domain.specimen.body;
   const ComputedReference& how = scene.computed;
-  return key_of(std::vector{std::to_string(kVersion), scene.problem, shape, std::string(kind_of_cells(domain)),
-                            strategy, fmt::format("{} {} {}", how.uncertainty, how.most_cells, how.seconds)});
+  return key_of(std::vector{std::to_string(kVersion), scene.problem,
+                            fmt::format("{:.6e}", moments_of_cells(domain)[0]) + moments_text(domain, domain),
+                            std::string(kind_of_cells(domain)), held_text(on_domain), strategy,
+                            fmt::format("{} {} {}", how.uncertainty, how.most_cells, how.seconds)});
 }
 
 /// The material's own law.
@@ -239,7 +276,7 @@ class Sequence {
     }
     law_ = own_law(scene, catalog, body_);
   }
-  const Body& domain() const { return body_; }
+  const Scene& first() const { return *first_; }
   const std::string& law() const { return law_; }
 
   ComputedReferences solve(const std::function<void(const std::string&)>& progress, const std::function<bool()>& stop);
@@ -303,16 +340,17 @@ std::vector<Reference> Sequence::limits_by_order(const Scene& scene, const Strat
 }
 
 void Sequence::refine() {
-  Refinement finer = refined(body_);
+  Body finer = refined(body_);
   guess_ = Positions();
   if (const Positions& found = levels_.back().positions; found.cols() == body_.size()) {
-    guess_ = Positions::Zero(3, finer.body.size());
+    guess_ = Positions::Zero(3, finer.size());
     guess_.leftCols(body_.size()) = found;
-    for (std::size_t i = 0; i < finer.between.size(); ++i)
-      for (const auto& [molecule, weight] : finer.between[i])
-        guess_.col(body_.size() + static_cast<Eigen::Index>(i)) += weight * found.col(molecule);
+    for (int molecule = body_.size(); molecule < finer.size(); ++molecule)
+      for (const auto& [from, weight] :
+           finer.between[finer.between.size() - static_cast<std::size_t>(finer.size() - molecule)])
+        guess_.col(molecule) += weight * found.col(from);
   }
-  body_ = std::move(finer.body);
+  body_ = std::move(finer);
 }
 
 ComputedReferences Sequence::solve(const std::function<void(const std::string&)>& progress,
@@ -415,7 +453,7 @@ ComputedReferences compute_references(const Scene& scene, const Catalog& catalog
   if (std::string why = unsuited(scene); !why.empty()) return {{}, std::move(why)};
   try {
     Sequence sequence(scene, catalog, overrides);
-    const std::string key = problem_key(scene, sequence.domain(), sequence.law());
+    const std::string key = problem_key(scene, sequence.first(), sequence.law());
     if (const ComputedReferences* known = store.find(key)) {
       ComputedReferences found = *known;
       for (Reference& reference : found.references) reference.read_back = true;

@@ -6,6 +6,7 @@
 
 #include "core/geometry/boundary.h"
 #include "core/model/block_geometry.h"
+#include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/shapes/arrays.h"
@@ -49,8 +50,7 @@ Body irregular_block() {
 
 TEST_CASE("halved tetrahedra fill the same space, face to face, eight to one", "[refinement]") {
   const Body coarse = irregular_block();
-  const Refinement found = refined(coarse);
-  const Body& fine = found.body;
+  const Body fine = refined(coarse);
   CHECK(fine.tetrahedra.size() == 8 * coarse.tetrahedra.size());
   CHECK(fine.size() == coarse.size() + coarse.connections.size());  // its connections are the sides of its cells
   for (const auto& cell : fine.tetrahedra) REQUIRE(signed_volume(fine.rest, cell) > 0);
@@ -60,9 +60,9 @@ TEST_CASE("halved tetrahedra fill the same space, face to face, eight to one", "
   CHECK(surface_of(fine) == Approx(surface_of(coarse)).epsilon(1e-12));
   CHECK(inspect(fine).pieces == 1);
   CHECK(fine.rest.leftCols(coarse.size()) == coarse.rest);
-  for (std::size_t i = 0; i < found.between.size(); ++i) {
-    REQUIRE(found.between[i].size() == 2);
-    const auto& [a, b] = std::pair(found.between[i][0].first, found.between[i][1].first);
+  for (std::size_t i = 0; i < fine.between.size(); ++i) {
+    REQUIRE(fine.between[i].size() == 2);
+    const auto& [a, b] = std::pair(fine.between[i][0].first, fine.between[i][1].first);
     CHECK((fine.rest.col(coarse.size() + static_cast<int>(i)) - (coarse.rest.col(a) + coarse.rest.col(b)) / 2).norm() <
           1e-15);
   }
@@ -75,12 +75,12 @@ TEST_CASE("cells stay as regular as they are, however often they are halved", "[
   Body body = tetrahedral_block(BlockKind::body_centred, {2, 2, 2}, {1, 1, 1});
   const double first = worst_shape(body);
   for (int level = 0; level < 2; ++level) {
-    body = refined(body).body;
+    body = refined(body);
     CHECK(worst_shape(body) == Approx(first).epsilon(1e-9));
   }
   Body bent = irregular_block();
   const double before = worst_shape(bent);
-  for (int level = 0; level < 3; ++level) bent = refined(bent).body;
+  for (int level = 0; level < 3; ++level) bent = refined(bent);
   CHECK(worst_shape(bent) > 0.4 * before);
 }
 
@@ -88,7 +88,7 @@ TEST_CASE("masses keep their differences, stiffness its regions", "[refinement]"
   Body coarse = tetrahedral_block(BlockKind::kuhn, {2, 1, 1}, {2, 1, 1});
   set_matter(coarse, 1000, 0);
   set_region(coarse, {1, 0, 0}, {2, 1, 1}, 7, 3);
-  const Body fine = refined(coarse).body;
+  const Body fine = refined(coarse);
   CHECK(fine.mass.sum() == Approx(coarse.mass.sum()).epsilon(1e-12));
   for (std::size_t cell = 0; cell < fine.tetrahedra.size(); ++cell) {
     double x = 0;
@@ -107,7 +107,7 @@ TEST_CASE("masses keep their differences, stiffness its regions", "[refinement]"
 TEST_CASE("halved triangles keep their sheet and how they are turned", "[refinement]") {
   Body coarse = disc(1, 3);
   set_matter(coarse, 1000, 0.01);
-  const Body fine = refined(coarse).body;
+  const Body fine = refined(coarse);
   CHECK(fine.triangles.size() == 4 * coarse.triangles.size());
   double area = 0;
   for (const auto& triangle : fine.triangles) {
@@ -124,7 +124,8 @@ TEST_CASE("cells of any shape are halved: the same space, face to face, the same
     if (kind.dimensions != 3) continue;
     INFO(kind.name);
     const Body coarse = testing::cell_box(kind, {3, 2, 2}, size, 0.1, kind.order == 2);
-    const auto [fine, between] = refined(coarse);
+    const Body fine = refined(coarse);
+    const std::vector<MoleculeBetween> between(fine.between.end() - (fine.size() - coarse.size()), fine.between.end());
     REQUIRE(fine.blocks.size() == 1);
     CHECK(fine.blocks[0].kind == &kind);
     CHECK(fine.blocks[0].size() == 8 * coarse.blocks[0].size());
@@ -157,6 +158,20 @@ TEST_CASE("the order of a body's cells changes its molecules and not its matter"
   const Body back = with_order(second, 1);
   CHECK(back.rest == first.rest);
   CHECK_THROWS_WITH(with_order(cubic_lattice({3, 1, 1}, 1, {true, false, false}), 2), Contains("no cells"));
+}
+
+TEST_CASE("a grip holds the same matter on finer cells", "[refinement]") {
+  // 0.25 deep into cubes of 0.2: two layers of molecules, whose matter ends at 0.2 however fine the cells are.
+  Body body = tetrahedral_block(BlockKind::kuhn, {1, 1, 5}, {0.2, 0.2, 1});
+  for (int level = 0; level < 3; ++level) {
+    const Face face = end_face(body, -Vector3::UnitZ(), 0.25);
+    double depth = 0;
+    for (const int molecule : face.molecules) depth = std::max(depth, body.rest(2, molecule));
+    CHECK(depth == Approx(0.2));
+    const int across = (1 << level) + 1;
+    CHECK(static_cast<int>(face.molecules.size()) == across * across * across);
+    body = refined(body);
+  }
 }
 
 TEST_CASE("what has no cells, or more than cells, cannot be refined", "[refinement]") {

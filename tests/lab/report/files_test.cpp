@@ -144,7 +144,8 @@ struct Vtu {
 
 TEST_CASE("JSON of runs has the shape that is promised", "[files]") {
   const Json json = Json::parse(json_text(run(kBar, "standard van_gelder").records));
-  REQUIRE(json.size() == 1);
+  REQUIRE(json.size() == 2);
+  CHECK(json["references"].empty());
   REQUIRE(json["runs"].size() == 2);
   for (const Json& object : json["runs"]) {
     for (const char* text : {"scene", "title", "strategy", "solver", "outcome", "cause"})

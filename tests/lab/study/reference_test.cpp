@@ -221,6 +221,12 @@ TEST_CASE("a reference that was computed is read back equal, on whatever cells t
     compute(again, {change});
     CHECK(solved > before);
   }
+  // A depth of 0.75 mm holds nothing but the end of cells of 1 mm, and 0.5 mm of cells of that size.
+  const std::string depth = "experiment.grip_depth=0.00075", finer = "body.tetrahedra.cubes=[2, 2, 6]";
+  compute(again, {depth});
+  const int before = solved;
+  compute(again, {depth, finer});
+  CHECK(solved > before);
   std::filesystem::create_directory(scene.folder.path("other"));
   scene.folder.write("other/references.json", "{\"version\": 0, \"problems\": {}}");
   CHECK(ReferenceStore(scene.folder.path("other")).find("any") == nullptr);

@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "elastin/core/geometry/cell_kind.h"
@@ -76,6 +77,9 @@ struct Tie {
   double stiffness = 0;             ///< [N/m], > 0; see elastin/forces/ties.h
 };
 
+/// Molecules of lower numbers and their weights (sum 1), as the shape functions of a cell have them where another lies.
+using MoleculeBetween = std::vector<std::pair<int, double>>;
+
 /// A piece of tissue: molecules (spheres) joined by connections, at rest. Never changes during a run.
 struct Body {
   Positions rest;  ///< places of the molecules, unstressed [m]
@@ -99,6 +103,9 @@ struct Body {
   std::optional<VoronoiCells> voronoi;  ///< only where a strategy asks for them (Strategy::needs_voronoi)
   std::vector<Part> parts;              ///< in the order of their molecules; empty = the body is one whole
   std::vector<Tie> ties;                ///< between parts whose molecules do not meet
+  /// Of a body whose cells were refined, or made of second order, what each of the last so many molecules lies between.
+  /// What holds an end of the body holds those of them that lie between others that it holds. Empty of other bodies.
+  std::vector<MoleculeBetween> between;
   int size() const { return static_cast<int>(rest.cols()); }
 };
 

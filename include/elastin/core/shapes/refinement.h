@@ -7,14 +7,6 @@
 
 namespace elastin {
 
-/// A body on finer cells. Its first molecules are those of the body that it came from, where they were.
-struct Refinement {
-  Body body;
-  /// Of each new molecule: the old ones and their weights (sum 1), as the shape functions of the cell that it lies in
-  /// have them. What is interpolated so from the old molecules to the new ones is the same field.
-  std::vector<std::vector<std::pair<int, double>>> between;
-};
-
 /// The same matter with every edge of every cell halved: each tetrahedron, hexahedron and prism becomes eight of its
 /// own shape and order, each triangle four. Of the three ways to cut the inner octahedron of a tetrahedron the one
 /// along its shortest diagonal is taken, so that the cells stay as regular as they are. Surfaces stay what they are,
@@ -22,7 +14,7 @@ struct Refinement {
 /// by what the matter about each molecule weighed, and keep their sum; factors of stiffness pass on to the cells.
 /// Throws InputError where a body has no cells, and where it has parts, ties or cables.                          [Bey
 /// 1995]
-Refinement refined(const Body& body);
+Body refined(const Body& body);
 
 /// Volume and its moments that tell whether two bodies of cells fill the same space: volume (or area) and, about the
 /// origin, its three first and six second moments, in SI units.
