@@ -23,6 +23,7 @@
 #include "elastin/core/forces/loads.h"
 #include "elastin/core/forces/model.h"
 #include "elastin/core/forces/pressure.h"
+#include "elastin/core/forces/prony.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/forces/tension.h"
 #include "elastin/core/forces/ties.h"

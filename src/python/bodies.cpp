@@ -8,6 +8,7 @@
 #include <string>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/forces/prony.h"
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/lab/study/laboratory.h"
 #include "python/bind.h"
@@ -137,7 +138,8 @@ Material with_given_law(const py::dict& given, const Material& material) {
 Material material_from(std::optional<double> youngs_modulus, double poissons_ratio, double density, double thickness,
                        double bending_rigidity, const std::optional<std::vector<std::pair<double, double>>>& curve,
                        const std::optional<Vector3>& fibre_direction, std::optional<double> fibre_modulus,
-                       const std::optional<py::dict>& law) {
+                       const std::optional<py::dict>& law,
+                       const std::optional<std::vector<std::pair<double, double>>>& relaxation, bool instantaneous) {
   Material material;
   if (law && curve) throw InputError("law: there is a curve already; give one of them");
   if (curve) {
@@ -159,6 +161,12 @@ Material material_from(std::optional<double> youngs_modulus, double poissons_rat
   material.density = positive("density", density, " kg/m^3");
   material.thickness = in_range("thickness", thickness, 0, 1e30, " m");
   material.bending_rigidity = in_range("bending_rigidity", bending_rigidity, 0, 1e30, " N m");
+  if (instantaneous && !relaxation) throw InputError("instantaneous: there is no relaxation");
+  if (relaxation) {
+    material.relaxation = Relaxation{{}, instantaneous};
+    for (const auto& [share, time] : *relaxation) material.relaxation->terms.push_back({share, time});
+    check_relaxation(*material.relaxation);
+  }
   if (fibre_direction.has_value() != fibre_modulus.has_value())
     throw InputError("fibres need both fibre_direction and fibre_modulus");
   if (fibre_direction) {
@@ -182,12 +190,15 @@ void add_material(py::module_& module) {
       .def(py::init(&material_from), py::arg("youngs_modulus") = py::none(), py::arg("poissons_ratio") = 0.25,
            py::arg("density") = 1000., py::kw_only(), py::arg("thickness") = 0., py::arg("bending_rigidity") = 0.,
            py::arg("curve") = py::none(), py::arg("fibre_direction") = py::none(),
-           py::arg("fibre_modulus") = py::none(), py::arg("law") = py::none(),
+           py::arg("fibre_modulus") = py::none(), py::arg("law") = py::none(), py::arg("relaxation") = py::none(),
+           py::arg("instantaneous") = false,
            "youngs_modulus [Pa] > 0 or `curve`, pairs (strain, stress [Pa]) in uniaxial stress; poissons_ratio from "
            "-0.99 to 0.5; density [kg/m^3]; of sheets their thickness [m] and bending_rigidity [N m]; of fibres their "
            "direction and modulus [Pa]; law: a dict of the law's name and its constants as scenes have them, {'law': "
            "'ogden', "
-           "'terms': [[6.3e5, 1.3]], 'bulk_modulus': 1e9}, and youngs_modulus and poissons_ratio follow.")
+           "'terms': [[6.3e5, 1.3]], 'bulk_modulus': 1e9}, and youngs_modulus and poissons_ratio follow; relaxation: "
+           "pairs (share, time [s]) "
+           "of strategies 'prony:NAME', of long-term moduli or of instantaneous ones.")
       .def_readonly("youngs_modulus", &Material::youngs_modulus,
                     "E [Pa]; of a curve its slope at no strain, of a law at rest.")
       .def_readonly("poissons_ratio", &Material::poissons_ratio, "Poisson's ratio.")

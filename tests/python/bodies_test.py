@@ -109,6 +109,8 @@ class Materials(unittest.TestCase):
                           ({"law": "neo_hookean_log"}, "needs youngs_modulus")):
             with self.assertRaisesRegex(elastin.InputError, said):
                 elastin.Material(law=law)
+        with self.assertRaisesRegex(elastin.InputError, "shares of the instantaneous stiffness sum to 1.2"):
+            elastin.Material(1e3, relaxation=[(0.7, 1), (0.5, 2)], instantaneous=True)
         with self.assertRaisesRegex(elastin.InputError, "it follows from the constants"):
             elastin.Material(1e3, law={"law": "yeoh", "terms": [100]})
 

@@ -1,6 +1,7 @@
 #include "elastin/core/forces/model.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/forces/graph.h"
 #include "elastin/core/base/error.h"
@@ -11,9 +12,10 @@ Model::Model(const Body& body) : body_(&body), graph_(std::make_unique<Graph>(bo
 Model::~Model() = default;
 Model::Model(Model&&) noexcept = default;
 
-void Model::add(std::unique_ptr<Load> load) {
-  std::vector<HistoryBlock> all = history_;
-  std::vector<HistoryBlock> own = load->history();
+namespace {
+
+/// Puts blocks among others, in order of name.
+void insert(std::vector<HistoryBlock> own, std::vector<HistoryBlock>& all) {
   for (HistoryBlock& block : own) {
     if (block.name.empty() || block.name.find_first_of(" \t\n") != std::string::npos)
       throw InputError("'" + block.name + "' cannot name what a load remembers: write one word");
@@ -23,8 +25,37 @@ void Model::add(std::unique_ptr<Load> load) {
       throw InputError("two loads remember something under the name '" + block.name + "'");
     all.insert(place, std::move(block));
   }
+}
+
+}  // namespace
+
+void Model::add(std::unique_ptr<Load> load) {
+  std::vector<HistoryBlock> all = history_;
+  insert(load->history(), all);
   loads_.push_back(std::move(load));
   history_ = std::move(all);
+}
+
+void Model::add(std::unique_ptr<Elasticity> elasticity) {
+  const std::string name = "law" + std::to_string(elasticity_.size());
+  insert(elasticity->history(name), history_);
+  elasticity_.push_back(std::move(elasticity));
+  law_names_.push_back(name);
+}
+
+std::vector<std::unique_ptr<Load>> Model::extract_loads() {
+  history_.clear();
+  for (std::size_t law = 0; law < elasticity_.size(); ++law)
+    insert(elasticity_[law]->history(law_names_[law]), history_);
+  return std::exchange(loads_, {});
+}
+
+void Model::begin_step(const State& from, double time) const {
+  for (std::size_t law = 0; law < elasticity_.size(); ++law) elasticity_[law]->begin_step(law_names_[law], from, time);
+}
+
+bool Model::dissipates() const {
+  return std::any_of(elasticity_.begin(), elasticity_.end(), [](const auto& term) { return term->dissipates(); });
 }
 
 void Model::declare_history(State& state) const {
@@ -48,6 +79,7 @@ bool Model::symmetric() const {
 }
 
 void Model::commit_step(State& state) const {
+  for (std::size_t law = 0; law < elasticity_.size(); ++law) elasticity_[law]->commit_step(law_names_[law], state);
   for (const auto& load : loads_) load->commit_step(state);
 }
 

@@ -63,6 +63,21 @@ class Sum final : public Elasticity {
   void visit_points(const PointVisitor& visit) const override {
     for (const auto& term : terms_) term->visit_points(visit);
   }
+  std::vector<HistoryBlock> history(const std::string& name) const override {
+    std::vector<HistoryBlock> all;
+    for (std::size_t term = 0; term < terms_.size(); ++term)
+      for (HistoryBlock& block : terms_[term]->history(name_of(name, term))) all.push_back(std::move(block));
+    return all;
+  }
+  void begin_step(const std::string& name, const State& from, double time) override {
+    for (std::size_t term = 0; term < terms_.size(); ++term) terms_[term]->begin_step(name_of(name, term), from, time);
+  }
+  void commit_step(const std::string& name, State& state) override {
+    for (std::size_t term = 0; term < terms_.size(); ++term) terms_[term]->commit_step(name_of(name, term), state);
+  }
+  bool dissipates() const override {
+    return !all([](const Elasticity& term) { return !term.dissipates(); });
+  }
   void linearise(const Positions& positions) override {
     for (const auto& term : terms_) term->linearise(positions);
   }
@@ -91,6 +106,8 @@ class Sum final : public Elasticity {
   }
 
  private:
+  static std::string name_of(const std::string& name, std::size_t term) { return name + "." + std::to_string(term); }
+
   template <class Check>
   bool all(Check check) const {
     return std::all_of(terms_.begin(), terms_.end(), [&](const auto& term) { return check(*term); });

@@ -138,6 +138,7 @@ void Simulation::restore(const SimulationState& saved) {
   if (!saved.couplings.empty()) in.ensure_couplings();
   if (saved.host_forces.cols() > 0) in.ensure_host_forces();
   in.work = in.shown = saved.state;
+  in.model.begin_step(in.work, in.work.time);
   if (in.has_host_forces && saved.host_forces.cols() > 0) in.host_forces = saved.host_forces;
   if (in.has_host_forces && saved.host_forces.cols() == 0) in.host_forces.setZero();
   in.couplings = saved.couplings;

@@ -173,6 +173,7 @@ StaticResult Simulation::settle(const StaticOptions& options) {
   const ThreadScope scope(in.options.runner, in.options.threads);
   const auto go_back = [&] {
     in.work = in.shown;
+    in.model.begin_step(in.work, in.work.time);
     in.host_supports.go_back();
   };
   in.host_supports.begin(in.shown.time, in.shown.time);

@@ -75,6 +75,7 @@ class Explicit final : public Integrator {
     next_.velocities.resize(3, n);
     next_.carry_over(state);
     next_.time = state.time + dt;
+    model.begin_step(state, next_.time);
     if (model.drive) model.drive(next_.time, model.supports);
     StepResult result;
     const double largest = verlet_ ? verlet_step(model, state, dt) : euler_step(state, dt);

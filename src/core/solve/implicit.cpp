@@ -83,6 +83,7 @@ class Implicit final : public Integrator {
   /// The state stays if it fails; the result then says why.
   void try_step(Model& model, State& state, double dt, StepResult& result) {
     if (model.drive) model.drive(state.time + dt, model.supports);
+    model.begin_step(state, state.time + dt);
     set_kinematics(state, dt);
     set_first_guess(model, state, dt);
     const StaticResult solved = solve_newton(model, next_, newton_, &kinematics_, workspace_);

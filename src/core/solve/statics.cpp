@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/solve/newton.h"
@@ -60,6 +61,7 @@ const char* name_of(Outcome outcome) {
 
 StaticResult solve_static(Model& model, State& state, const StaticOptions& options) {
   model.declare_history(state);
+  model.begin_step(state, std::numeric_limits<double>::infinity());
   if (options.linear) return solve_linear_statics(model, state, options);
   if (options.static_method != StaticMethod::newton) return relax(model, state, options);
   StaticResult moved;

@@ -47,7 +47,7 @@ class TimedRun {
         begin_(state_.positions),
         ledger_(model, state_),
         control_(model, state_, *options.time, scheme, options.statics),
-        energies_(model.has_energy()) {}
+        energies_(model.has_energy() && !model.dissipates()) {}
 
   void resume() {
     const RestartPoint point = parse_restart(options_.restart, identity_);
@@ -55,6 +55,7 @@ class TimedRun {
     if (point.frame < 0 || point.frame > options_.time->frames)
       throw InputError("the restart file is damaged: frame " + std::to_string(point.frame));
     state_ = point.state;
+    model_.begin_step(state_, state_.time);
     if (model_.drive) model_.drive(state_.time, model_.supports);
     ledger_ = Ledger(model_, state_);
     ledger_.dissipated = point.dissipated;

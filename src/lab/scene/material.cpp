@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "elastin/core/forces/prony.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
@@ -91,6 +92,24 @@ double read_bending_rigidity(const Reader& reader, const Material& material) {
          (12 * (1 - material.poissons_ratio * material.poissons_ratio));
 }
 
+/// {terms: [[0.5, 1 s], [0.2, 10 s]], moduli: long_term}
+Relaxation read_relaxation(Reader reader) {
+  Relaxation relaxation;
+  for (const Reader& item : reader.at("terms").items()) {
+    const auto pair = item.items(2);
+    relaxation.terms.push_back(
+        {pair[0].quantity(dimension::none, kPositive), pair[1].quantity(dimension::time, kPositive)});
+  }
+  if (auto moduli = reader.find("moduli"))
+    relaxation.instantaneous = moduli->choice<bool>({{"long_term", false}, {"instantaneous", true}});
+  reader.finish();
+  reader.located([&] {
+    check_relaxation(relaxation);
+    return 0;
+  });
+  return relaxation;
+}
+
 /// A law's term: a number, or a list of them.
 std::vector<double> read_term(const Reader& item, const std::vector<ParameterInfo>& columns) {
   if (columns.size() == 1) return {read_parameter(item, columns.front())};
@@ -160,6 +179,7 @@ Material read_material(Reader reader, const Table<MaterialLaw>& laws, const Mate
   if (auto value = reader.find("thickness")) material.thickness = value->quantity(dimension::length, kPositive);
   if (auto bending = reader.find("bending")) material.bending_rigidity = read_bending_rigidity(*bending, material);
   if (auto fibre = reader.find("fibre")) material.fibre = read_fibre(*fibre);
+  if (auto relaxation = reader.find("relaxation")) material.relaxation = read_relaxation(*relaxation);
   reader.finish();
   return material;
 }
@@ -231,6 +251,10 @@ std::vector<KeySection> material_keys(const Catalog& catalog) {
         {"secant_modulus.up_to", "number", "", "> 0", "needed with `polynomial`",
          "strain up to which the polynomial counts"},
         {"secant_modulus.points", "list of pairs", "Pa", "≥ 0, > 0", "this, or `polynomial`", "`[strain, E]`"},
+        {"relaxation.terms", "list of pairs", "s", "> 0", "needed",
+         "`[share, time]`: G(t) = g₀ + Σ share e^(−t/time) times the law, for `prony:` strategies"},
+        {"relaxation.moduli", "`long_term`, `instantaneous`", "", "", "`long_term`",
+         "which moduli the law has: g₀ = 1, or 1 − Σ share"},
         {"fibre.direction", "direction", "", "", "needed", "direction of the fibres at rest"},
         {"fibre.youngs_modulus", "quantity", "Pa", "> 0", "needed, or `curve`",
          "modulus of the fibres; their stress adds to that of the matrix"},

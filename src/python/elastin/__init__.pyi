@@ -41,7 +41,8 @@ class Material:
     def __init__(self, youngs_modulus: float | None = None, poissons_ratio: float = 0.25, density: float = 1000.0, *,
                  thickness: float = 0.0, bending_rigidity: float = 0.0,
                  curve: Sequence[tuple[float, float]] | None = None, fibre_direction: ArrayLike | None = None,
-                 fibre_modulus: float | None = None, law: Mapping[str, Any] | None = None) -> None: ...
+                 fibre_modulus: float | None = None, law: Mapping[str, Any] | None = None,
+                 relaxation: Sequence[tuple[float, float]] | None = None, instantaneous: bool = False) -> None: ...
     @property
     def youngs_modulus(self) -> float: ...
     @property

@@ -9,6 +9,7 @@
 #include "elastin/core/base/types.h"
 #include "elastin/core/model/body.h"
 #include "elastin/core/model/material.h"
+#include "elastin/core/model/state.h"
 
 namespace elastin {
 
@@ -32,6 +33,7 @@ class Workspace {
   VectorX force_densities;         ///< [N/m], one a connection
   VectorX squared_lengths, rates;  ///< of its length [m²], [m²/s]
   VectorX scaled;                  ///< one a connection, what one law hands on to another
+  VectorX relaxing;                ///< the same, of a law that relaxes
 
  private:
   static Eigen::Map<VectorX> grown(VectorX& numbers, Eigen::Index size) {
@@ -138,6 +140,17 @@ class Elasticity {
   /// Calls visit(a, part) for parts of the diagonal ones of those blocks.
   using DiagonalVisitor = std::function<void(int a, const Matrix3& block)>;
   virtual void visit_diagonal(const DiagonalVisitor&) const {}
+
+  /// Its history from step to step, as it is at the beginning: blocks whose names begin with `name`. Empty: none.
+  virtual std::vector<HistoryBlock> history(const std::string& /*name*/) const { return {}; }
+  /// Until the next call forces, energy and tangent are those at the end of a step from a state to a time [s];
+  /// infinite: those of a body that has had all time. Allocates nothing.
+  virtual void begin_step(const std::string& /*name*/, const State& /*from*/, double /*time*/) {}
+  /// Called with each state that was reached, at the end of a step: changes State::history, and is ready for what
+  /// follows. A state at the time of the one before counts as one that has had all time.
+  virtual void commit_step(const std::string& /*name*/, State&) {}
+  /// Whether it takes energy from a body that moves, so that energy() is not all that became of the work done.
+  virtual bool dissipates() const { return false; }
 };
 
 /// Springs: q = k (1 − L/l), energy ½ k (l − L)². `constants` [N/m], one a connection, may be negative.

@@ -29,15 +29,12 @@ class Model {
   Model(Model&&) noexcept;
 
   const Body& body() const { return *body_; }
-  void add(std::unique_ptr<Elasticity> elasticity) { elasticity_.push_back(std::move(elasticity)); }
+  void add(std::unique_ptr<Elasticity> elasticity);
   /// Throws InputError where two loads declare history under one name.
   void add(std::unique_ptr<Load> load);
   void add(std::unique_ptr<Viscosity> viscosity) { viscosity_.push_back(std::move(viscosity)); }
   /// Hands the loads over: the model then has none.
-  std::vector<std::unique_ptr<Load>> extract_loads() {
-    history_.clear();
-    return std::exchange(loads_, {});
-  }
+  std::vector<std::unique_ptr<Load>> extract_loads();
   const std::vector<std::unique_ptr<Elasticity>>& elasticity() const { return elasticity_; }
   const std::vector<std::unique_ptr<Viscosity>>& viscosity() const { return viscosity_; }
   const std::vector<std::unique_ptr<Load>>& loads() const { return loads_; }
@@ -66,7 +63,7 @@ class Model {
   Positions elastic_forces(const Positions& positions) const;
   /// Whether the loads' tangents are symmetric.
   bool symmetric() const;
-  /// The history of the loads at the beginning; in order of name.
+  /// The history of laws and loads at the beginning; in order of name.
   const std::vector<HistoryBlock>& history() const { return history_; }
   /// Gives a state that begins the blocks of history(), unless it has them: blocks of other names or sizes go.
   void declare_history(State& state) const;
@@ -74,6 +71,10 @@ class Model {
   /// square_frequency (the sum).
   void commit_step(State& state) const;
   bool update_multipliers(State& state) const;
+  /// Calls Elasticity::begin_step, see there: before forces at the end of a step to a time [s] are asked for.
+  void begin_step(const State& from, double time) const;
+  /// Whether an elastic law takes energy from a body that moves.
+  bool dissipates() const;
   double max_step_fraction(const State& from, const State& to) const;
   double square_frequency(const State& state, double ahead) const;
   /// Adds it to `forces`, without an allocation once `workspace` has served this model. Bitwise identical on any number
@@ -100,6 +101,7 @@ class Model {
   std::vector<std::unique_ptr<Viscosity>> viscosity_;
   std::vector<std::unique_ptr<Load>> loads_;
   std::vector<HistoryBlock> history_;
+  std::vector<std::string> law_names_;  ///< of the history of each elastic law
   std::unique_ptr<Graph> graph_;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <vector>
 
 #include "elastin/core/base/types.h"
 #include "elastin/core/model/law_constants.h"
@@ -14,6 +15,25 @@ struct Fibre {
   StressStrain curve;
 };
 
+/// How stress relaxes, G(t) = g₀ + Σ gᵢ e^(−t/τᵢ) times the elastic law (quasi-linear; strategies `prony:NAME`).
+struct Relaxation {
+  struct Term {
+    double share;  ///< gᵢ, > 0
+    double time;   ///< τᵢ [s], > 0
+  };
+  std::vector<Term> terms;
+  /// Whether the law has the instantaneous moduli, g₀ = 1 − Σ gᵢ; else the long-term ones, g₀ = 1.
+  bool instantaneous = false;
+
+  /// g₀
+  double long_term() const {
+    double rest = 1;
+    if (instantaneous)
+      for (const Term& term : terms) rest -= term.share;
+    return rest;
+  }
+};
+
 /// What the body should behave like. A strategy turns it into the stiffness of each connection.
 struct Material {
   double youngs_modulus = 0;     ///< E [Pa], > 0; the curve's modulus at no strain, where there is a curve
@@ -26,6 +46,7 @@ struct Material {
   std::optional<Fibre> fibre = {};
   /// Of one law; E and ν above are then those that the law has at rest, and other strategies take these (see with_law).
   std::optional<LawConstants> law = {};
+  std::optional<Relaxation> relaxation = {};
 };
 
 /// Turns what has a direction at rest: fibres, and a law's.

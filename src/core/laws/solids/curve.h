@@ -1,9 +1,11 @@
 #pragma once
 #include <algorithm>
+#include <array>
 
 #include "core/laws/membranes/curve_membrane.h"
 #include "core/laws/membranes/tension_field.h"
 #include "core/laws/solids/curve_size.h"
+#include "core/laws/solids/principal.h"
 #include "elastin/core/base/dense.h"
 #include "elastin/core/laws/cell_kernel.h"
 #include "elastin/core/laws/moduli.h"
@@ -32,7 +34,7 @@ struct Curve {
 
     Matrix3 stress(const Matrix3& A) const {
       const Present now(*this, A);
-      return now.axes * now.stress.asDiagonal() * now.axes.transpose();
+      return now.frame.stress(now.stress);
     }
 
     /// In the axes of C the diagonal of S changes with the diagonal of C, and S_ij with C_ij by
@@ -45,38 +47,26 @@ struct Curve {
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
           direct(i, j) = (H(i, j) - (i == j ? now.stress[i] : 0)) / (2 * stretch[i] * stretch[j]);
-      Eigen::Matrix<double, 6, 3> along;
-      for (int i = 0; i < 3; ++i) along.col(i) = symmetric(now.axes.col(i), now.axes.col(i));
-      TangentModuli<3> result = along * direct * along.transpose();
-      for (int i = 0; i < 3; ++i)
-        for (int j = i + 1; j < 3; ++j) {
-          const double turning = -now.pressure / (stretch[i] * stretch[j] * (stretch[i] + stretch[j]));  // dS_ij/dC_ij
-          const Eigen::Matrix<double, 6, 1> across = symmetric(now.axes.col(i), now.axes.col(j));
-          result += 2 * turning * across * across.transpose();
-        }
-      return result;
+      std::array<double, 3> turning;  // dS_ij/dC_ij
+      for (int pair = 0; pair < 3; ++pair) {
+        const auto [i, j] = kComponents[3 + pair];
+        turning[static_cast<std::size_t>(pair)] = -now.pressure / (stretch[i] * stretch[j] * (stretch[i] + stretch[j]));
+      }
+      return now.frame.tangent(direct, turning);
     }
 
     double energy(const Matrix3& A) const { return Present(*this, A).size.energy; }
 
    private:
-    /// The components of ½ (a bᵀ + b aᵀ).
-    static Eigen::Matrix<double, 6, 1> symmetric(const Vector3& a, const Vector3& b) {
-      Eigen::Matrix<double, 6, 1> result;
-      result << a[0] * b[0], a[1] * b[1], a[2] * b[2], (a[0] * b[1] + a[1] * b[0]) / 2, (a[0] * b[2] + a[2] * b[0]) / 2,
-          (a[1] * b[2] + a[2] * b[1]) / 2;
-      return result;
-    }
-
     struct Present {
-      Matrix3 axes;                    ///< of C, a column each
+      PrincipalAxes frame;             ///< of C
       Vector3 stretch, hooke, stress;  ///< λ_i ≥ 1e-7; linear stress over E; S_i [Pa]
       CurveSize size;
       double pressure;  ///< T_i = pressure + 2μ/E secant λ_i
 
       Present(const Solid& law, const Matrix3& A) {
         const SymmetricEigen3 solved = symmetric_eigen3(A);
-        axes = solved.vectors;
+        frame.axes = solved.vectors;
         const Vector3 change = solved.values.cwiseMax(1e-14 - 1);
         stretch = (1 + change.array()).sqrt();
         const Vector3 strain = change.array() / (1 + stretch.array());

@@ -1,0 +1,211 @@
+// Relaxing springs and cells against closed forms of the generalised Maxwell model.
+
+#include "elastin/core/forces/prony.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/forces/tangent.h"
+#include "elastin/core/shapes/shapes.h"
+#include "elastin/core/simulation/simulation.h"
+#include "support/bodies.h"
+
+using namespace elastin;
+using namespace elastin::testing;
+
+namespace {
+
+const Relaxation kTwoTerms{{{0.5, 0.2}, {0.3, 3}}};
+
+/// G of a relaxation at a time, and its integral: the answer to a ramp of slope 1 that ends at `end`.
+double answer_to_ramp(const Relaxation& relaxation, double time, double end) {
+  double sum = relaxation.long_term() * std::min(time, end);
+  for (const auto& [g, tau] : relaxation.terms)
+    sum += g * tau * (std::exp(-std::max(time - end, 0.) / tau) - std::exp(-time / tau));
+  return sum;
+}
+
+/// Two molecules and a spring; positions are prescribed, and steps committed as integrators do.
+struct Pair {
+  Body body;
+  std::unique_ptr<Model> model;
+  State state;
+
+  explicit Pair(const Relaxation& relaxation) : body(cubic_lattice({1, 1, 2}, 1, {true, false, false})) {
+    set_matter(body, 0.1, 1000, 0, 0);
+    model = std::make_unique<Model>(body);
+    model->add(make_prony(body, make_springs(body, VectorX::Constant(1, 100)), relaxation));
+    state = state_at_rest(body);
+    model->declare_history(state);
+    model->commit_step(state);
+  }
+  void step(double time, double length) {
+    model->begin_step(state, time);
+    state.positions(2, 1) = state.positions(2, 0) + length;
+    state.time = time;
+    model->commit_step(state);
+  }
+  /// q = k (1 − L/l) relaxed [N/m].
+  double force_density() const { return model->force_densities(state.positions)[0]; }
+};
+
+}  // namespace
+
+TEST_CASE("a relaxing spring in a ramp of its force density and after it", "[prony]") {
+  // qᵉ = 100 (1 − 1/l) = 10 t up to t = 1: linear over each step, of any length.
+  for (const bool instantaneous : {false, true}) {
+    Relaxation relaxation = kTwoTerms;
+    relaxation.instantaneous = instantaneous;
+    Pair pair(relaxation);
+    const auto length = [](double time) { return 1 / (1 - 0.1 * std::min(time, 1.)); };
+    for (const double time : {0.05, 0.3, 0.31, 0.9, 1., 1.02, 1.5, 4., 20.}) {
+      pair.step(time, length(time));
+      CHECK(pair.force_density() == Approx(10 * answer_to_ramp(relaxation, time, 1)).epsilon(1e-12));
+    }
+  }
+}
+
+TEST_CASE("where the strain is not linear in time relaxation is of order 2", "[prony]") {
+  // qᵉ = 10 sin t; exactly: the integral of G(t − s) 10 cos s.
+  const double end = 2;
+  double exact = 10 * std::sin(end);
+  for (const auto& [g, tau] : kTwoTerms.terms)
+    exact += 10 * g * tau / (1 + tau * tau) * (std::cos(end) + tau * std::sin(end) - std::exp(-end / tau));
+  std::vector<double> errors;
+  for (const int steps : {20, 40, 80}) {
+    Pair pair(kTwoTerms);
+    for (int i = 1; i <= steps; ++i) pair.step(end * i / steps, 1 / (1 - 0.1 * std::sin(end * i / steps)));
+    errors.push_back(std::abs(pair.force_density() - exact));
+  }
+  CHECK(errors[0] / errors[1] == Approx(4).epsilon(0.05));
+  CHECK(errors[1] / errors[2] == Approx(4).epsilon(0.05));
+}
+
+TEST_CASE("cyclic strain: storage and loss modulus of the generalised Maxwell model", "[prony]") {
+  for (const double omega : {0.3, 2., 20.}) {
+    double storage = 1, loss = 0;
+    for (const auto& [g, tau] : kTwoTerms.terms) {
+      const double x = omega * tau;
+      storage += g * x * x / (1 + x * x), loss += g * x / (1 + x * x);
+    }
+    Pair pair(kTwoTerms);
+    const int per_cycle = 400;
+    const int cycles = 2 + static_cast<int>(8 * 3 * omega / 6.28);  // until the start is forgotten
+    double in_phase = 0, out_of_phase = 0;
+    for (int i = 1; i <= per_cycle * cycles; ++i) {
+      const double phase = 6.283185307179586 * i / per_cycle;
+      pair.step(phase / omega, 1 / (1 - 0.1 * std::sin(phase)));
+      if (i <= per_cycle * (cycles - 1)) continue;
+      in_phase += pair.force_density() * std::sin(phase) * 2 / per_cycle / 10;
+      out_of_phase += pair.force_density() * std::cos(phase) * 2 / per_cycle / 10;
+    }
+    INFO("omega " << omega);
+    CHECK(in_phase == Approx(storage).epsilon(1e-3));
+    CHECK(out_of_phase == Approx(loss).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("a relaxing body: forces are those of its energy within a step, and so is the tangent", "[prony]") {
+  const Material material{.youngs_modulus = 2e4, .poissons_ratio = 0.3, .thickness = 0.001, .relaxation = kTwoTerms};
+  const Catalog catalog = built_in_catalog();
+  for (const char* name : {"prony:lattice", "prony:neo_hookean", "prony:st_venant_kirchhoff"}) {
+    INFO(name);
+    const Body body = std::string(name) == "prony:lattice" ? jittered_lattice() : jittered_block();
+    const Strategy strategy = catalog.find(name);
+    Model model(body);
+    model.add(strategy.make(body, material, {}));
+    State state = state_at_rest(body);
+    model.declare_history(state);
+    model.commit_step(state);
+    model.begin_step(state, 0.4);
+    state.positions = deformed(body, 1e-4), state.time = 0.4;
+    model.commit_step(state);
+    model.begin_step(state, 0.5);
+    const Positions positions = deformed(body, 2e-4), motion = random_motion(body, 21);
+    const Positions forces = model.elastic_forces(positions);
+    const double h = 1e-7;
+    const auto energy = [&](double step) { return model.elastic_energy(positions + step * motion); };
+    const double measured = (8 * (energy(h) - energy(-h)) - (energy(2 * h) - energy(-2 * h))) / (12 * h);
+    CHECK(measured == Approx(-forces.cwiseProduct(motion).sum()).epsilon(1e-6));
+    const Tangent tangent(model, State{positions, Positions::Zero(3, positions.cols())});
+    Positions predicted(3, body.size()), assembled = Positions::Zero(3, body.size());
+    tangent.apply(motion, predicted);
+    const double k = 1e-8;
+    const Positions change =
+        -(model.elastic_forces(positions + k * motion) - model.elastic_forces(positions - k * motion)) / (2 * k);
+    CHECK((predicted - change).norm() <= 1e-5 * change.norm());
+    tangent.visit_blocks([&](int a, int b, const Matrix3& part) { assembled.col(a) += part * motion.col(b); });
+    CHECK((assembled - predicted).norm() <= 1e-11 * predicted.norm());
+  }
+}
+
+TEST_CASE("springs and a solid relax alike, and statics sees what is left in the end", "[prony]") {
+  // Both bodies held at a strain: force over the elastic one is G(t), whatever the law.
+  Material material{.youngs_modulus = 2e4, .poissons_ratio = 0.25, .relaxation = kTwoTerms};
+  const Catalog catalog = built_in_catalog();
+  for (const char* name : {"lattice", "neo_hookean"}) {
+    INFO(name);
+    const Body body = std::string(name) == "lattice" ? jittered_lattice() : jittered_block();
+    Model relaxing(body), elastic(body);
+    relaxing.add(catalog.find("prony:" + std::string(name)).make(body, material, {}));
+    elastic.add(catalog.find(name).make(body, material, {}));
+    State state = state_at_rest(body);
+    relaxing.declare_history(state);
+    relaxing.commit_step(state);
+    const Positions held = deformed(body, 2e-4), full = elastic.elastic_forces(held);
+    state.positions = held;
+    for (const double time : {1e-12, 0.1, 0.5, 2., 30.}) {
+      relaxing.begin_step(state, time);
+      state.time = time;
+      double G = 1;
+      for (const auto& [g, tau] : kTwoTerms.terms) G += g * std::exp(-time / tau);
+      CHECK((relaxing.elastic_forces(held) - G * full).norm() <= 1e-9 * full.norm());
+      relaxing.commit_step(state);
+      CHECK((relaxing.elastic_forces(held) - G * full).norm() <= 1e-9 * full.norm());
+    }
+    relaxing.begin_step(state, std::numeric_limits<double>::infinity());
+    CHECK((relaxing.elastic_forces(held) - full).norm() <= 1e-13 * full.norm());
+  }
+}
+
+TEST_CASE("a relaxing oscillator steps alike with every scheme", "[prony]") {
+  // A mass on a standard linear solid: m x‴ + … = 0; here the schemes against each other and a fine one.
+  const auto after = [](const char* scheme, double dt) {
+    Body body = cubic_lattice({1, 1, 2}, 1, {true, false, false});
+    set_matter(body, 0.1, 1000, 0, 0);
+    body.mass.setConstant(1);
+    SimulationOptions options;
+    options.integrator.scheme = scheme;
+    const Catalog catalog = built_in_catalog();
+    const Material material{.youngs_modulus = 100, .relaxation = Relaxation{{{0.8, 0.1}}}};
+    Simulation simulation(std::move(body), catalog.find("prony:uniform"), material, options);
+    simulation.fix(0);
+    simulation.add_load(*built_in_loads().find("gravity"), {.vectors = {{"acceleration", Vector3(0, 0, 3)}}});
+    for (int i = 0; i < static_cast<int>(std::lround(0.5 / dt)); ++i)
+      REQUIRE(simulation.step(dt).outcome == Outcome::converged);
+    return simulation.positions()(2, 1) - 1;
+  };
+  const double fine = after("newmark", 1e-4);
+  CHECK(std::abs(fine) > 1e-4);
+  CHECK(after("velocity_verlet", 1e-4) == Approx(fine).epsilon(1e-3));
+  CHECK(after("symplectic_euler", 1e-4) == Approx(fine).epsilon(1e-2));
+  CHECK(after("backward_euler", 1e-4) == Approx(fine).epsilon(1e-2));
+}
+
+TEST_CASE("relaxation that cannot be is refused", "[prony]") {
+  const Body body = jittered_lattice();
+  const auto make = [&](const Relaxation& relaxation) {
+    return make_prony(body, make_springs(body, VectorX::Ones(body.connections.size())), relaxation);
+  };
+  CHECK_THROWS_WITH(make({}), Catch::Contains("at least one term"));
+  CHECK_THROWS_WITH(make({{{0.5, 0}}}), Catch::Contains("above 0"));
+  CHECK_THROWS_WITH(make({{{-0.5, 1}}}), Catch::Contains("above 0"));
+  CHECK_THROWS_WITH(make({{{0.5, 1}, {0.5, 2}}, true}), Catch::Contains("sum to 1"));
+  const Catalog catalog = built_in_catalog();
+  CHECK_THROWS_WITH(catalog.find("prony:prony:lattice"), Catch::Contains("relaxes already"));
+  CHECK_THROWS_WITH(catalog.find("calibrated:prony:lattice"), Catch::Contains("prony:calibrated:"));
+  CHECK_THROWS_WITH(catalog.find("pruny:lattice"), Catch::Contains("did you mean 'prony:'"));
+  CHECK_THROWS_WITH(catalog.find("prony"), Catch::Contains("prony:lattice"));
+  CHECK(catalog.find("prony:lattice").unsuited_material(Material{}) == "needs `relaxation` in the material");
+}
