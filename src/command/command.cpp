@@ -18,15 +18,15 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/openmp/openmp.h"
-#include "lab/report/csv_plot.h"
 #include "lab/report/json.h"
-#include "lab/report/material_plot.h"
 #include "lab/report/progress.h"
 #include "lab/report/screen.h"
 #include "lab/report/table.h"
 #include "lab/scene/scene.h"
 #include "lab/study/check.h"
 #include "lab/study/compare.h"
+#include "lab/study/csv_plot.h"
+#include "lab/study/material_plot.h"
 #include "lab/study/verdicts.h"
 
 namespace elastin::command {

@@ -318,27 +318,28 @@ std::vector<CellKind> all_kinds() {
   };
   const auto square_edges = std::vector<std::array<int, 2>>(hexahedron_edges().begin(), hexahedron_edges().begin() + 4);
   kinds.push_back(make_kind<SimplexFunctions<2, false>>("triangle3", "triangles", 1, 3, 1, 5, simplex_rule(2, 1),
-                                               simplex_nodes(2, false), triangle_edges()));
-  kinds.push_back(make_kind<SimplexFunctions<2, true>>("triangle6", "triangles of second order", 2, 3, 1, 22, simplex_rule(2, 2),
-                                              simplex_nodes(2, true), triangle_edges()));
-  kinds.push_back(
-      make_kind<BoxFunctions<2, 4>>("quadrilateral4", "quadrilaterals", 1, 4, 1, 9, gauss(2, 2), box_nodes(2, 4), square_edges));
+                                                        simplex_nodes(2, false), triangle_edges()));
+  kinds.push_back(make_kind<SimplexFunctions<2, true>>("triangle6", "triangles of second order", 2, 3, 1, 22,
+                                                       simplex_rule(2, 2), simplex_nodes(2, true), triangle_edges()));
+  kinds.push_back(make_kind<BoxFunctions<2, 4>>("quadrilateral4", "quadrilaterals", 1, 4, 1, 9, gauss(2, 2),
+                                                box_nodes(2, 4), square_edges));
   kinds.push_back(make_kind<BoxFunctions<2, 8>>("quadrilateral8", "quadrilaterals of 8 nodes", 2, 4, 1, 23, gauss(2, 3),
-                                       box_nodes(2, 8), square_edges));
+                                                box_nodes(2, 8), square_edges));
   kinds.push_back(make_kind<BoxFunctions<2, 9>>("quadrilateral9", "quadrilaterals of 9 nodes", 2, 4, 1, 28, gauss(2, 3),
-                                       box_nodes(2, 9), square_edges));
+                                                box_nodes(2, 9), square_edges));
   kinds.push_back(make_kind<SimplexFunctions<3, false>>("tetrahedron4", "tetrahedra", 1, 4, 1, 10, simplex_rule(3, 1),
-                                               simplex_nodes(3, false), tetrahedron_edges()));
+                                                        simplex_nodes(3, false), tetrahedron_edges()));
   kinds.push_back(make_kind<SimplexFunctions<3, true>>("tetrahedron10", "tetrahedra of second order", 2, 4, 1, 24,
-                                              simplex_rule(3, 2), simplex_nodes(3, true), tetrahedron_edges()));
+                                                       simplex_rule(3, 2), simplex_nodes(3, true),
+                                                       tetrahedron_edges()));
   kinds.push_back(make_kind<PrismFunctions>("prism6", "prisms", 1, 6, 1, 13, prism_rule(), prism_nodes(),
-                                   {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}));
-  kinds.push_back(
-      make_kind<BoxFunctions<3, 8>>("hexahedron8", "hexahedra", 1, 8, 1, 12, gauss(3, 2), box_nodes(3, 8), hexahedron_edges()));
+                                            {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}));
+  kinds.push_back(make_kind<BoxFunctions<3, 8>>("hexahedron8", "hexahedra", 1, 8, 1, 12, gauss(3, 2), box_nodes(3, 8),
+                                                hexahedron_edges()));
   kinds.push_back(make_kind<BoxFunctions<3, 20>>("hexahedron20", "hexahedra of 20 nodes", 2, 8, 1, 25, gauss(3, 3),
-                                        box_nodes(3, 20), hexahedron_edges()));
+                                                 box_nodes(3, 20), hexahedron_edges()));
   kinds.push_back(make_kind<BoxFunctions<3, 27>>("hexahedron27", "hexahedra of 27 nodes", 2, 8, 4, 29, gauss(3, 3),
-                                        box_nodes(3, 27), hexahedron_edges()));
+                                                 box_nodes(3, 27), hexahedron_edges()));
 
   const auto set_faces = [&](const char* name, Lists faces, std::vector<const char*> of) {
     CellKind& kind = *by_name(name);

@@ -65,7 +65,8 @@ void add_shape(std::string& out, const Body& body) {
   for (const CellBlock& block : body.blocks) add_line(out, std::string(block.kind->plural), digits(block.size()));
   if (!body.tetrahedra.empty() && !has_blocks(body, 3))
     add_line(out, "tetrahedra", digits(static_cast<int>(body.tetrahedra.size())));
-  if (!body.triangles.empty() && !has_blocks(body, 2)) add_line(out, "triangles", digits(static_cast<int>(body.triangles.size())));
+  if (!body.triangles.empty() && !has_blocks(body, 2))
+    add_line(out, "triangles", digits(static_cast<int>(body.triangles.size())));
 }
 
 /// Names pieces and faults; returns whether there are none.

@@ -123,7 +123,7 @@ TEST_CASE("cells of any shape are halved: the same space, face to face, the same
   for (const CellKind& kind : cell_kinds()) {
     if (kind.dimensions != 3) continue;
     INFO(kind.name);
-    const Body coarse = testing::cell_box(kind, {3, 2, 2}, size, 0.1, kind.order == 2);
+    const Body coarse = testing::cell_box(kind, {3, 2, 2}, size, 0.03, kind.order == 2);
     const Body fine = refined(coarse);
     const std::vector<MoleculeBetween> between(fine.between.end() - (fine.size() - coarse.size()), fine.between.end());
     REQUIRE(fine.blocks.size() == 1);

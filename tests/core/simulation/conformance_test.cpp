@@ -50,8 +50,7 @@ void for_each_pair(Test test) {
       {"lattice", jittered_lattice()}, {"block", jittered_block()}, {"sheet", sheet(kMaterial.thickness)}};
   for (auto& [name, body] : bodies) body.voronoi = voronoi_cells(body);
   for (const CellKind& kind : cell_kinds())
-    if (kind.dimensions == 3)
-      bodies.emplace_back(kind.name, cell_box(kind, {2, 1, 2}, {0.02, 0.01, 0.02}, 0.06, true));
+    if (kind.dimensions == 3) bodies.emplace_back(kind.name, cell_box(kind, {2, 1, 2}, {0.02, 0.01, 0.02}, 0.06, true));
   bodies.emplace_back("triangle6", quadratic_sheet(kMaterial.thickness));
   const std::vector<Material> all = materials();
   std::vector<Strategy> strategies = built_in_catalog().strategies();
@@ -65,7 +64,7 @@ void for_each_pair(Test test) {
     int bodies_used = 0;
     for (const auto& [name, body] : bodies)
       for (std::size_t material = 0; material < all.size(); ++material) {
-        if (material > 2 && strategy.law != all[material].law->law) continue;  // E and nu as of the first
+        if (material > 2 && strategy.law != all[material].law->law) continue;           // E and nu as of the first
         if (!body.blocks.empty() && strategy.kind != StrategyKind::cell_law) continue;  // springs see simplices alone
         Model model(body);
         if (!add_strategy(model, strategy, all[material])) continue;

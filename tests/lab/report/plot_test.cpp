@@ -7,8 +7,8 @@
 
 #include "elastin/core/base/error.h"
 #include "lab/report/csv.h"
-#include "lab/report/csv_plot.h"
 #include "lab/report/figures.h"
+#include "lab/study/csv_plot.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;

@@ -186,11 +186,16 @@ TEST_CASE("what has no solution to refine is told why in a sentence", "[referenc
                  .compute()
                  .trouble,
              Contains("no equilibrium to refine"));
-  // Too few cells are allowed: no limit, and that is said.
-  const Written small(
-      block(kBar, kRubber, "displacement: 0.1 mm, " + kClamped, "reference: {computed: {most_cells: 40}}\n"));
-  CHECK(small.compute().references.empty());
-  CHECK_THAT(small.compute().trouble, Contains("at most 40 cells"));
+}
+
+TEST_CASE("where one body alone is affordable its cells' order says how well the measures are known", "[reference]") {
+  const std::string bar = block(kBar, kRubber, "displacement: 0.1 mm, " + kClamped);
+  const ComputedReferences coarse = Written(bar + "reference: {computed: {most_cells: 40}}\n").compute();
+  const ComputedReferences exact = Written(bar).compute();
+  const Reference &rough = of(coarse, "effective_modulus"), &fine = of(exact, "effective_modulus");
+  CHECK_THAT(rough.source, Contains("on 36 tetrahedra of second order, beside first order"));
+  CHECK(std::abs(rough.value / fine.value - 1) <= rough.uncertainty);
+  CHECK((rough.uncertainty > 10 * fine.uncertainty && rough.uncertainty < 0.1));
 }
 
 TEST_CASE("a reference that was computed is read back equal, on whatever cells the body is made of", "[reference]") {

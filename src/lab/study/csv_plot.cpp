@@ -1,4 +1,4 @@
-#include "lab/report/csv_plot.h"
+#include "lab/study/csv_plot.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "lab/report/material_plot.h"
+#include "lab/study/material_plot.h"
 
 #include <fmt/format.h>
 
