@@ -110,7 +110,7 @@ Strategy with_volume(const Strategy& strategy) {
     throw InputError("'" + strategy.name + "': a volume term goes with what relaxes: prony:RULE+volume");
   if (!springs && !strategy.make_without_volume && !strategy.make_mixed)
     throw InputError("'" + strategy.name +
-                     "': a volume term goes with a spring rule or a law of solids that has one of its own");
+                     "': a volume term goes with a spring rule, neo_hookean or a law with a bulk_modulus");
   Strategy result = strategy;
   result.name += "+volume";
   result.summary += "; with a volume term";
