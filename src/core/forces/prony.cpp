@@ -59,12 +59,13 @@ class Prony final : public Elasticity {
     force_densities += factor_ * own + fixed_;
   }
 
-  void linearise(const Positions& positions) override { elastic_->linearise(positions); }
-  void add_own_slopes(VectorX& slopes) const override {
-    VectorX own = VectorX::Zero(slopes.size());
-    elastic_->add_own_slopes(own);
-    slopes += factor_ * own;
+  void linearise(const Positions& positions) override {
+    elastic_->linearise(positions);
+    slopes_.setZero(fixed_.size());
+    elastic_->add_own_slopes(slopes_);
+    slopes_ *= factor_;
   }
+  void add_own_slopes(VectorX& slopes) const override { slopes += slopes_; }
   bool coupled() const override { return elastic_->coupled(); }
   void add_change(const VectorX& squared_lengths, VectorX& force_densities, Workspace& workspace) const override {
     VectorX& own = workspace.relaxing;
@@ -146,7 +147,7 @@ class Prony final : public Elasticity {
   double factor_;  ///< g₀ + Σ gᵢ hᵢ
   VectorX fixed_;  ///< r [N/m]
   // Kept from one step to the next, so that steps ask for no memory.
-  VectorX now_;
+  VectorX now_, slopes_;
   Workspace workspace_;
 };
 

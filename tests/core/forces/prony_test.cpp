@@ -128,7 +128,8 @@ TEST_CASE("a relaxing body: forces are those of its energy within a step, and so
     const auto energy = [&](double step) { return model.elastic_energy(positions + step * motion); };
     const double measured = (8 * (energy(h) - energy(-h)) - (energy(2 * h) - energy(-2 * h))) / (12 * h);
     CHECK(measured == Approx(-forces.cwiseProduct(motion).sum()).epsilon(1e-6));
-    const Tangent tangent(model, State{positions, Positions::Zero(3, positions.cols())});
+    const State at{positions, Positions::Zero(3, positions.cols())};
+    const Tangent tangent(model, at);
     Positions predicted(3, body.size()), assembled = Positions::Zero(3, body.size());
     tangent.apply(motion, predicted);
     const double k = 1e-8;
