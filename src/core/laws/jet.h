@@ -45,6 +45,10 @@ inline Jet sqrt(const Jet& a) {
   const double root = std::sqrt(a.value);
   return a.through(root, 0.5 / root, -0.25 / (root * a.value));
 }
+inline Jet expm1(const Jet& a) {
+  const double slope = std::exp(a.value);
+  return a.through(std::expm1(a.value), slope, slope);
+}
 inline Jet log1p(const Jet& a) {
   const double r = 1 / (1 + a.value);
   return a.through(std::log1p(a.value), r, -r * r);

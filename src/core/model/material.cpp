@@ -4,6 +4,12 @@
 
 namespace elastin {
 
+void rotate(Material& material, const Matrix3& rotation) {
+  if (material.fibre) material.fibre->direction = rotation * material.fibre->direction;
+  if (material.law)
+    for (auto& [name, direction] : material.law->directions) direction = rotation * direction;
+}
+
 UniaxialResponse uniaxial_response(const Material& material, const Vector3& direction) {
   const double E = material.youngs_modulus, nu = material.poissons_ratio;
   if (!material.fibre) return {E, nu};

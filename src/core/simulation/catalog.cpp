@@ -6,9 +6,18 @@
 
 #include "core/laws/membranes/hencky_membrane.h"
 #include "core/laws/membranes/two_parameter.h"
+#include "core/laws/solids/arruda_boyce.h"
 #include "core/laws/solids/curve.h"
+#include "core/laws/solids/fung_orthotropic.h"
+#include "core/laws/solids/holzapfel_gasser_ogden.h"
+#include "core/laws/solids/mooney_rivlin.h"
 #include "core/laws/solids/neo_hookean.h"
+#include "core/laws/solids/neo_hookean_log.h"
+#include "core/laws/solids/ogden.h"
 #include "core/laws/solids/st_venant_kirchhoff.h"
+#include "core/laws/solids/transversely_isotropic.h"
+#include "core/laws/solids/veronda_westmann.h"
+#include "core/laws/solids/yeoh.h"
 #include "core/laws/springs/angles.h"
 #include "core/laws/springs/angles_update.h"
 #include "core/laws/springs/divided.h"
@@ -44,6 +53,15 @@ Catalog built_in_catalog() {
   catalog.add<Curve>();
   catalog.add<Hencky>();
   catalog.add<TwoParameter>();
+  catalog.add<NeoHookeanLog>();
+  catalog.add<MooneyRivlin>();
+  catalog.add<Yeoh>();
+  catalog.add<Ogden>();
+  catalog.add<ArrudaBoyce>();
+  catalog.add<VerondaWestmann>();
+  catalog.add<FungOrthotropic>();
+  catalog.add<TransverselyIsotropic>();
+  catalog.add<HolzapfelGasserOgden>();
   const auto add_wrapper = [&](const char* name, const char* summary, const char* source) {
     Strategy wrapper;
     wrapper.name = name;

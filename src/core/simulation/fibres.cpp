@@ -18,6 +18,11 @@ std::string fibres_unsuited(const Strategy& strategy, const Body& body, const Ma
   return reason.empty() ? "" : "the material's fibres as springs: " + reason;
 }
 
+std::string material_unsuited(const Strategy& strategy, const Body& body, const Material& material) {
+  const std::string reason = strategy.unsuited_material(material);
+  return reason.empty() ? fibres_unsuited(strategy, body, material) : reason;
+}
+
 std::unique_ptr<Elasticity> make_fibres(const Strategy& strategy, const Body& body, const Material& material) {
   if (!material.fibre) return nullptr;
   if (strategy.kind == StrategyKind::cell_law) return make_cells<3>(body, material, FibreLaw{});

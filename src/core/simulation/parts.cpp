@@ -118,7 +118,7 @@ std::string unsuited_part(const Strategy& strategy, const std::vector<Material>&
     if (part.rigid) continue;
     const Body body = part_alone(whole, part).body;
     std::string why = strategy.calibrates ? strategy.unsuited(whole) : strategy.unsuited(body);
-    if (why.empty()) why = fibres_unsuited(strategy, body, materials.at(static_cast<std::size_t>(part.material)));
+    if (why.empty()) why = material_unsuited(strategy, body, materials.at(static_cast<std::size_t>(part.material)));
     if (!why.empty()) return "body '" + part.name + "': " + why;
   }
   return "";

@@ -127,7 +127,7 @@ Simulation::Simulation(Body body, const Strategy& any, const Material& material,
   impl_ = std::make_unique<Impl>(std::move(body), std::move(options));
   const Body& own = impl_->body;
   std::string why = strategy.unsuited(own);
-  if (why.empty() && !strategy.by_parts) why = fibres_unsuited(strategy, own, material);
+  if (why.empty() && !strategy.by_parts) why = material_unsuited(strategy, own, material);
   if (!why.empty() && lacks_voronoi(own, any, {material}))
     why += " (SimulationOptions::make_voronoi makes Voronoi cells)";
   if (!why.empty()) throw InputError("'" + strategy.name + "' cannot run on this body: " + why);

@@ -24,6 +24,13 @@ std::optional<StrategyChoice> applicable_with_volume(const StrategyChoice& choic
   }
 }
 
+/// Whether a law that has constants of its own finds them in one of the materials.
+bool has_constants(const Strategy& strategy, const std::vector<Material>& materials) {
+  return strategy.law.empty() || std::any_of(materials.begin(), materials.end(), [&](const Material& material) {
+           return material.law && material.law->law == strategy.law;
+         });
+}
+
 }  // namespace
 
 StrategyChoice with_volume(StrategyChoice choice) {
@@ -60,7 +67,7 @@ std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Body& b
     if (auto with = applicable_with_volume(choices.back(), body, materials)) choices.push_back(std::move(*with));
   };
   for (const Strategy& strategy : catalog.strategies())
-    if (strategy.kind != StrategyKind::wrapper) add(strategy.name);
+    if (strategy.kind != StrategyKind::wrapper && has_constants(strategy, materials)) add(strategy.name);
   for (const Strategy& strategy : catalog.strategies())
     if (strategy.kind == StrategyKind::spring_rule && !strategy.calibrates) add("calibrated:" + strategy.name);
   std::stable_sort(choices.begin(), choices.end(),

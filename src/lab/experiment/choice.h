@@ -27,8 +27,9 @@ StrategyChoice with_volume(StrategyChoice choice);
 /// The same choice without compression, "+wrinkling" added to its label. Throws InputError if it cannot.
 StrategyChoice with_wrinkling(StrategyChoice choice);
 
-/// Every strategy of the catalog, every spring rule calibrated too, and both with "+volume" where the body has the
-/// cells and each of the materials the Poisson's ratio that this takes; ascending in `order`.
+/// Every strategy of the catalog whose constants one of the materials has, every spring rule calibrated too, and both
+/// with "+volume" where the body has the cells and each of the materials the Poisson's ratio that this takes; ascending
+/// in `order`.
 std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Body& body,
                                            const std::vector<Material>& materials);
 

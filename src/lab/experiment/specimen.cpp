@@ -134,7 +134,7 @@ std::string unsuited(const Specimen& specimen, const Protocol& experiment, const
   std::string reason = choice.strategy.unsuited(specimen.body);
   if (reason.empty() && choice.calibrated) reason = calibration_of_parts_unsuited(specimen);
   if (reason.empty() && !choice.strategy.by_parts)
-    reason = fibres_unsuited(choice.strategy, specimen.body, specimen.material);
+    reason = material_unsuited(choice.strategy, specimen.body, specimen.material);
   if (reason.empty() && choice.calibrated && specimen.body.connection_stiffness.size())
     reason = "a body with regions has no one modulus to calibrate to";
   if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen.material);

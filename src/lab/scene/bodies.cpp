@@ -13,33 +13,33 @@ namespace {
 /// what a layer of cells does, and does not slow the solver much.
 constexpr double kTieStiffness = 100;
 
-/// Where the body stands: turned about the origin, then moved.
-void pose_body(Reader& reader, Body& body, std::optional<Fibre>& fibre) {
-  if (auto turn = reader.find("turn")) {
-    const Matrix3 rotation = read_rotation(*turn);
-    rotate(body, rotation);
-    if (fibre) fibre->direction = rotation * fibre->direction;
-  }
+/// Where the body stands: turned about the origin, then moved. Returns the rotation.
+Matrix3 pose_body(Reader& reader, Body& body) {
+  const auto turn = reader.find("turn");
+  const Matrix3 rotation = turn ? read_rotation(*turn) : Matrix3(Matrix3::Identity());
+  if (turn) rotate(body, rotation);
   if (auto at = reader.find("at")) body.rest.colwise() += at->vector(dimension::length);
+  return rotation;
 }
 
 /// {name: cartilage, at: [0, 0, 1 mm], turn: {axis: z, angle: 1}, material: {…}, rigid: true} and what a body has.
-void read_one(Reader item, Specimen& specimen, Remarks remarks) {
+void read_one(Reader item, const elastin::Table<MaterialLaw>& laws, Specimen& specimen, Remarks remarks) {
   Part part;
   const Reader name = item.at("name");
   part.name = name.text();
   if (part.name.empty()) name.fail("give the body a name that ties and experiments can say");
   auto own = item.find("material");
   if (own) own->set_section("material");
-  Material material = own ? read_material(*own, &specimen.material) : specimen.material;
+  Material material = own ? read_material(*own, laws, &specimen.material) : specimen.material;
   if (auto rigid = item.find("rigid")) part.rigid = rigid->choice<bool>({{"true", true}, {"false", false}});
   for (const char* key : {"at", "turn"}) item.has(key);
   Body body = read_body(item, material, remarks);
   if (own) check_material(*own, material, body);
   if (material.bending_rigidity > 0) (own ? *own : item).fail("bending needs a scene of one body, `body`");
-  const bool own_fibre = own && own->has("fibre");
-  std::optional<Fibre> none;
-  pose_body(item, body, own_fibre ? material.fibre : none);
+  Material turned = material;
+  rotate(turned, pose_body(item, body));
+  if (own && own->has("fibre")) material.fibre = turned.fibre;
+  if (own && own->has("law")) material.law = turned.law;
   if (own) {
     part.material = static_cast<int>(specimen.materials.size());
     specimen.materials.push_back(std::move(material));
@@ -72,11 +72,12 @@ void read_tie(Reader item, Specimen& specimen, Remarks remarks) {
 
 }  // namespace
 
-void read_bodies(const Reader& list, std::optional<Reader> ties, Specimen& specimen, Remarks remarks) {
+void read_bodies(const Reader& list, std::optional<Reader> ties, const elastin::Table<MaterialLaw>& laws,
+                 Specimen& specimen, Remarks remarks) {
   specimen.materials = {specimen.material};
   const std::vector<Reader> items = list.items();
   if (items.empty()) list.fail("names no body; write a list of them");
-  for (const Reader& item : items) read_one(item, specimen, remarks);
+  for (const Reader& item : items) read_one(item, laws, specimen, remarks);
   if (ties)
     for (const Reader& item : ties->items()) read_tie(item, specimen, remarks);
 }

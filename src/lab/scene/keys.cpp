@@ -87,7 +87,7 @@ SceneKey key_of(const ParameterInfo& info, const std::string& owner) {
 std::vector<KeySection> key_sections(const Catalog& catalog, const ExperimentCatalog& experiments) {
   std::vector<KeySection> all;
   for (const auto& sections :
-       {scene_keys(), body_keys(), surface_keys(), fill_keys(), bodies_keys(), material_keys(), strategy_keys(catalog),
+       {scene_keys(), body_keys(), surface_keys(), fill_keys(), bodies_keys(), material_keys(catalog), strategy_keys(catalog),
         experiment_sections(experiments), gas_keys(), time_keys(catalog), load_keys(catalog), initial_keys(),
         contact_keys(), solver_keys(catalog), expectation_keys(), study_keys()})
     all.insert(all.end(), sections.begin(), sections.end());

@@ -91,19 +91,59 @@ double read_bending_rigidity(const Reader& reader, const Material& material) {
          (12 * (1 - material.poissons_ratio * material.poissons_ratio));
 }
 
+/// A law's term: a number, or a list of them.
+std::vector<double> read_term(const Reader& item, const std::vector<ParameterInfo>& columns) {
+  if (columns.size() == 1) return {read_parameter(item, columns.front())};
+  std::vector<double> term;
+  const std::vector<Reader> values = item.items(columns.size());
+  for (std::size_t column = 0; column < columns.size(); ++column)
+    term.push_back(read_parameter(values[column], columns[column]));
+  return term;
+}
+
+/// {law: ogden, terms: [[0.63 MPa, 1.3], …], bulk_modulus: 1 GPa}
+Material read_law(Reader reader, const Reader& name, const Table<MaterialLaw>& laws, const Material& material) {
+  const auto row = name.located([&] { return laws.find(name.text()); });
+  reader.set_section("material." + row->name);
+  LawConstants constants{.law = row->name};
+  for (const ParameterInfo& info : row->parameters) {
+    const auto value = info.required ? std::optional(reader.at(info.name)) : reader.find(info.name);
+    if (!value) continue;
+    if (info.kind == ValueKind::direction)
+      constants.directions[info.name] = read_direction(*value);
+    else
+      constants.numbers[info.name] = read_parameter(*value, info);
+  }
+  for (const WordInfo& info : row->words)
+    if (auto value = reader.find(info.name)) {
+      std::vector<std::pair<std::string, std::string>> words;
+      for (const std::string& word : info.words) words.emplace_back(word, word);
+      constants.words[info.name] = value->choice(words);
+    }
+  if (!row->columns.empty())
+    for (const Reader& item : reader.at("terms").items()) constants.terms.push_back(read_term(item, row->columns));
+  return name.located([&] { return with_law(*row, constants, material); });
+}
+
 }  // namespace
 
-Material read_material(Reader reader, const Material* base) {
+Material read_material(Reader reader, const Table<MaterialLaw>& laws, const Material* base) {
   reader.set_section("material");
   Material material = base ? *base : Material{};
-  const bool own_law = reader.has("youngs_modulus") || reader.has("curve") || reader.has("secant_modulus");
-  if (own_law) material.curve.reset();
+  const auto law = reader.find("law");
+  const bool derived = law && !law->located([&] { return laws.find(law->text()); })->from_moduli;
+  for (const char* key : {"youngs_modulus", "poissons_ratio", "curve", "secant_modulus"})
+    if (derived && reader.has(key)) reader.at(key).fail("follows from the constants of the law; leave it out");
+  const bool own_law = law || reader.has("youngs_modulus") || reader.has("curve") || reader.has("secant_modulus");
+  if (own_law) material.curve.reset(), material.law.reset();
+  if (!law && material.law && reader.has("poissons_ratio"))
+    reader.at("poissons_ratio").fail("follows from the constants of the law; leave it out");
   if (auto curve = reader.find("curve")) material.curve = read_curve(*curve);
   if (auto secant = reader.find("secant_modulus")) {
     if (material.curve) secant->fail("there is a curve already; give one of them");
     material.curve = read_secant_modulus(*secant);
   }
-  const bool needed = !material.curve && !(base && !own_law);
+  const bool needed = !material.curve && !derived && !(base && !own_law);
   const auto modulus = needed ? std::optional(reader.at("youngs_modulus")) : reader.find("youngs_modulus");
   if (modulus) material.youngs_modulus = modulus->quantity(dimension::pressure, kPositive);
   if (material.curve) {
@@ -115,6 +155,7 @@ Material read_material(Reader reader, const Material* base) {
   }
   if (auto value = reader.find("poissons_ratio"))
     material.poissons_ratio = value->quantity(dimension::none, {-0.99, 0.5, false});
+  if (law) material = read_law(reader, *law, laws, material);
   if (auto value = reader.find("density")) material.density = value->quantity(dimension::density, kPositive);
   if (auto value = reader.find("thickness")) material.thickness = value->quantity(dimension::length, kPositive);
   if (auto bending = reader.find("bending")) material.bending_rigidity = read_bending_rigidity(*bending, material);
@@ -127,17 +168,49 @@ void check_material(Reader reader, const Material& material, const Body& body) {
   reader.set_section("material");
   const bool membrane = !body.triangles.empty();
   if (membrane && material.thickness == 0) reader.fail("key 'thickness' is missing: a body of triangles is a membrane");
-  if (material.poissons_ratio > 0.4999 && (!membrane || !body.tetrahedra.empty()))
+  const bool solid = !membrane || !body.tetrahedra.empty();
+  if (material.law && material.poissons_ratio == 0.5 && solid)
+    reader.fail("key 'bulk_modulus' is missing: only membranes, bodies of triangles, are incompressible");
+  if (!material.law && material.poissons_ratio > 0.4999 && solid)
     (reader.has("poissons_ratio") ? reader.at("poissons_ratio") : reader)
         .fail("is out of range: above 0.4999 only membranes, bodies of triangles, are incompressible");
 }
 
-std::vector<KeySection> material_keys() {
-  return {
+namespace {
+
+/// "list of pairs": the terms of a law.
+SceneKey key_of_terms(const MaterialLaw& law) {
+  SceneKey key{"terms", "", "", "", "needed", ""};
+  key.type = law.columns.size() == 1 ? "list of quantities" : "list of pairs";
+  for (const ParameterInfo& column : law.columns) {
+    const SceneKey own = key_of(column);
+    key.unit += own.unit;
+    key.range += own.range;
+    key.text += (key.text.empty() ? "1 to " + std::to_string(law.most_terms) + " of them: " : "; ") + own.text;
+  }
+  return key;
+}
+
+KeySection law_keys(const MaterialLaw& law) {
+  KeySection section{
+      "material." + law.name, "", "`law: " + law.name + "`: " + law.summary + " " + law.source + ".", {}};
+  if (!law.columns.empty()) section.keys.push_back(key_of_terms(law));
+  for (const ParameterInfo& info : law.parameters) section.keys.push_back(key_of(info));
+  for (const WordInfo& info : law.words)
+    section.keys.push_back({info.name, words_text(info.words), "", "", "`" + info.words.front() + "`", info.text});
+  return section;
+}
+
+}  // namespace
+
+std::vector<KeySection> material_keys(const Catalog& catalog) {
+  std::vector<KeySection> sections{
       {"material",
        "Material",
        "",
-       {{"youngs_modulus", "quantity", "Pa", "> 0", "needed, or a curve", "Young's modulus E"},
+       {{"law", words_text(catalog.material_laws.names()), "", "", "none",
+         "a law with constants of its own, listed below; E and ν at rest follow from them"},
+        {"youngs_modulus", "quantity", "Pa", "> 0", "needed, or a curve or law", "Young's modulus E"},
         {"poissons_ratio", "number", "", "−0.99 … 0.5", "0.25",
          "Poisson's ratio ν: up to 0.4999 of solids, 0.5 of membranes, 0 … 0.4999 with `+volume`"},
         {"density", "quantity", "kg/m^3", "> 0", "1000", "mass over volume ρ"},
@@ -163,6 +236,8 @@ std::vector<KeySection> material_keys() {
          "modulus of the fibres; their stress adds to that of the matrix"},
         {"fibre.curve", "map", "", "", "none", "stress–strain curve of the fibres, as `curve` above"},
         {"fibre.compression", "`true`, `false`", "", "", "`true`", "whether the fibres resist compression"}}}};
+  for (const auto& law : catalog.material_laws) sections.push_back(law_keys(*law));
+  return sections;
 }
 
 }  // namespace elastin::lab

@@ -14,7 +14,7 @@ namespace elastin::lab {
 
 /// The parts of a scene, each from its own key. All throw InputError with position and key.
 /// What it leaves out is that of `base`, if there is one.
-Material read_material(Reader reader, const Material* base = nullptr);
+Material read_material(Reader reader, const elastin::Table<MaterialLaw>& laws, const Material* base = nullptr);
 /// Throws where a membrane has no thickness, or a solid is incompressible: above ν = 0.4999.
 void check_material(Reader reader, const Material& material, const Body& body);
 /// Warnings and notes from reading a body.
@@ -25,7 +25,8 @@ struct Remarks {
 Body read_body(Reader reader, const Material& material, Remarks remarks);
 /// A list of bodies, each a part of one, and what ties them together; sets the specimen's body and materials. Its
 /// material must be set.
-void read_bodies(const Reader& list, std::optional<Reader> ties, Specimen& specimen, Remarks remarks);
+void read_bodies(const Reader& list, std::optional<Reader> ties, const elastin::Table<MaterialLaw>& laws,
+                 Specimen& specimen, Remarks remarks);
 /// {file, length_unit, …}: the file that a body names, points in metres.
 mesh::Mesh read_mesh_file(Reader& reader);
 /// A body that fills a closed surface, and the volume that each molecule stands for [m³]; they sum to the surface's.
@@ -76,7 +77,7 @@ std::vector<KeySection> surface_keys();
 std::vector<KeySection> fill_keys();
 SceneKey order_key();
 std::vector<KeySection> bodies_keys();
-std::vector<KeySection> material_keys();
+std::vector<KeySection> material_keys(const Catalog& catalog);
 std::vector<KeySection> strategy_keys(const Catalog& catalog);
 std::vector<KeySection> solver_keys(const Catalog& catalog);
 std::vector<KeySection> gas_keys();

@@ -115,13 +115,13 @@ void warn_of_pieces(const Body& body, const std::string& name, std::vector<std::
 }
 
 /// body: {…}, or bodies: [{…}, …] with ties: […]
-void read_whole_body(Reader& reader, Scene& scene) {
+void read_whole_body(Reader& reader, const Catalog& catalog, Scene& scene) {
   Specimen& specimen = scene.specimen;
   const Remarks remarks{scene.warnings, scene.notes};
   auto ties = reader.find("ties");
   if (auto several = reader.find("bodies")) {
     if (auto one = reader.find("body")) one->fail("there are `bodies` already; put it into that list, with a name");
-    read_bodies(*several, ties, specimen, remarks);
+    read_bodies(*several, ties, catalog.material_laws, specimen, remarks);
     for (const Part& part : specimen.body.parts)  // a rigid body needs no connections
       if (!part.rigid) warn_of_pieces(part_alone(specimen.body, part).body, "body '" + part.name + "'", scene.warnings);
     return;
@@ -135,11 +135,8 @@ void read_whole_body(Reader& reader, Scene& scene) {
 }
 
 void turn_fibres(Specimen& specimen, const Matrix3& rotation) {
-  const auto turn = [&](Material& material) {
-    if (material.fibre) material.fibre->direction = rotation * material.fibre->direction;
-  };
-  turn(specimen.material);
-  for (Material& material : specimen.materials) turn(material);
+  rotate(specimen.material, rotation);
+  for (Material& material : specimen.materials) rotate(material, rotation);
 }
 
 std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalog,
@@ -151,8 +148,8 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   scene->path = path;
   scene->name = std::filesystem::path(path).stem().string();
   scene->title = reader.has("title") ? reader.at("title").text() : scene->name;
-  scene->specimen.material = read_material(reader.at("material"));
-  read_whole_body(reader, *scene);
+  scene->specimen.material = read_material(reader.at("material"), catalog.material_laws);
+  read_whole_body(reader, catalog, *scene);
   const Matrix3 rotation = reader.has("rotate") ? read_rotation(reader.at("rotate")) : Matrix3(Matrix3::Identity());
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
   turn_fibres(scene->specimen, rotation);

@@ -218,7 +218,7 @@ CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<
   for (const Strategy& one : catalog.strategies()) {
     const Strategy strategy = in_parts(one, body, scene.specimen.materials);
     std::string why = strategy.unsuited(body);
-    if (why.empty() && !strategy.by_parts) why = fibres_unsuited(strategy, body, scene.specimen.material);
+    if (why.empty() && !strategy.by_parts) why = material_unsuited(strategy, body, scene.specimen.material);
     (why.empty() ? suited : unsuited[why]).push_back(strategy.name);
   }
   add_line(report.text, "strategies", fmt::format("{}", fmt::join(suited, ", ")));

@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "elastin/core/base/types.h"
+#include "elastin/core/model/law_constants.h"
 #include "elastin/core/model/stress_strain.h"
 
 namespace elastin {
@@ -23,7 +24,12 @@ struct Material {
   double bending_rigidity = 0;
   std::optional<StressStrain> curve = {};  ///< of the material in uniaxial stress, without its fibres; none = straight
   std::optional<Fibre> fibre = {};
+  /// Of one law; E and ν above are then those that the law has at rest, and other strategies take these (see with_law).
+  std::optional<LawConstants> law = {};
 };
+
+/// Turns what has a direction at rest: fibres, and a law's.
+void rotate(Material& material, const Matrix3& rotation);
 
 /// What uniaxial stress along a unit direction measures at small strain.
 struct UniaxialResponse {

@@ -11,6 +11,7 @@
 #include "elastin/core/forces/elasticity.h"
 #include "elastin/core/forces/load_table.h"
 #include "elastin/core/laws/law.h"
+#include "elastin/core/laws/material_law.h"
 #include "elastin/core/linear/linear_solver.h"
 #include "elastin/core/solve/integrator.h"
 
@@ -31,6 +32,10 @@ struct Strategy : Descriptor {
   bool follows_curve = false;  ///< whether it takes the material's stress-strain curve, not its first slope alone
   /// Why it cannot run on a body, or "".
   std::function<std::string(const Body&)> unsuited = [](const Body&) { return std::string(); };
+  /// Cell laws with constants of their own: their row among the material laws; else "".
+  std::string law;
+  /// Why it cannot take this material, or "": a law whose constants the material lacks. See material_unsuited.
+  std::function<std::string(const Material&)> unsuited_material = [](const Material&) { return std::string(); };
   /// Whether it needs the Voronoi cells of this body (Body::voronoi).
   std::function<bool(const Body&)> needs_voronoi = [](const Body&) { return false; };
   /// Spring rules only: the constants [N/m]. Throws InputError on parameters out of range or unknown.
@@ -186,6 +191,13 @@ Strategy cell_strategy() {
   strategy.kind = StrategyKind::cell_law;
   strategy.dimensions = cell_dimensions;
   if (!requires(const Body& body) { Law::unsuited(body); }) strategy.unsuited = &no_cells<cell_dimensions>;
+  if constexpr (ConstantsLaw<Law>) {
+    strategy.law = Law::name;
+    if (!Law::constants().from_moduli)
+      strategy.unsuited_material = [](const Material& material) {
+        return law_unsuited(Law::name, cell_dimensions == 3, material);
+      };
+  }
   return strategy;
 }
 
@@ -202,7 +214,12 @@ Strategy length_strategy() {
 template <class Law>
 Strategy solid_strategy() {
   Strategy strategy = cell_strategy<3, Law>();
-  strategy.make = made_by<Law>(strategy, &make_cells<3, Law>);
+  if constexpr (ConstantsLaw<Law>)  // one driver for all of them
+    strategy.make = made_by<Law>(strategy, [](const Body& body, const Material& material, const Law&) {
+      return make_cells<3>(body, material, AnySolid{material_law<Law>().solid});
+    });
+  else
+    strategy.make = made_by<Law>(strategy, &make_cells<3, Law>);
   if constexpr (requires(Law law) { law.volume_apart = true; })
     strategy.make_without_volume = made_by<Law>(strategy, [](const Body& body, const Material& material, Law law) {
       law.volume_apart = true;
@@ -221,11 +238,22 @@ Strategy membrane_strategy() {
   strategy.name += "_membrane";
   if constexpr (requires { Law::membrane_summary; }) strategy.summary = Law::membrane_summary;
   if constexpr (requires { Law::membrane_source; }) strategy.source = Law::membrane_source;
-  strategy.make = made_by<Law>(strategy, &make_cells<2, Law>);
+  if constexpr (ConstantsLaw<Law>)
+    strategy.make = made_by<Law>(strategy, [](const Body& body, const Material& material, const Law& law) {
+      return make_cells<2>(body, material,
+                           AnyMembrane{[law](const Material& m) { return AnyPoint<2>(law.membrane(m)); }});
+    });
+  else
+    strategy.make = made_by<Law>(strategy, &make_cells<2, Law>);
   if constexpr (requires(const Law& law, const Material& m) { law.membrane(m).without_compression(m); })
     strategy.make_without_compression =
         made_by<Law>(strategy, [](const Body& body, const Material& material, const Law& law) {
-          return make_cells<2>(body, material, WithoutCompression<Law>{law});
+          if constexpr (ConstantsLaw<Law>)
+            return make_cells<2>(body, material, AnyMembrane{[law](const Material& m) {
+                                   return AnyPoint<2>(law.membrane(m).without_compression(m));
+                                 }});
+          else
+            return make_cells<2>(body, material, WithoutCompression<Law>{law});
         });
   return strategy;
 }
@@ -235,7 +263,8 @@ Strategy membrane_strategy() {
 class Catalog {
  public:
   /// Adds a spring rule, an updated one or a cell law; its name must be new. Strong guarantee. A law of solids and of
-  /// membranes makes a strategy of each, NAME and NAME_membrane.
+  /// membranes makes a strategy of each, NAME and NAME_membrane; one with constants of its own is a row of
+  /// material_laws too.
   template <class Law>
   requires SpringRule<Law> || UpdatedSpringRule<Law> || CellLaw<Law>
   void add();
@@ -253,6 +282,8 @@ class Catalog {
   Table<Stepper> steppers = built_in_steppers();
   Table<LinearSolverKind> linear_solvers = built_in_linear_solvers();
   Table<LoadKind> loads = built_in_loads();
+  /// The laws among the strategies that have constants of their own; add() adds them.
+  Table<MaterialLaw> material_laws{"material law"};
 
  private:
   std::vector<Strategy> strategies_;
@@ -268,6 +299,7 @@ void Catalog::add() {
     if constexpr (LengthLaw<Law>) add(detail::length_strategy<Law>());
     if constexpr (SolidLaw<Law>) add(detail::solid_strategy<Law>());
     if constexpr (MembraneLaw<Law>) add(detail::membrane_strategy<Law>());
+    if constexpr (ConstantsLaw<Law>) material_laws.add(material_law<Law>());
   } else {
     add(detail::spring_strategy<Law>());
   }

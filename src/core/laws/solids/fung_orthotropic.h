@@ -1,0 +1,121 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "core/laws/solids/isochoric.h"
+#include "elastin/core/base/dense.h"
+#include "elastin/core/laws/material_law.h"
+
+namespace elastin {
+
+/// ψ = c/2 (e^Q − 1), c Q = Ẽ : ℂ : Ẽ, Ẽ = (C̃ − I)/2, ℂ the orthotropic stiffness of nine engineering constants in
+/// three axes; at small strain without a change of volume it is ℂ.         [Fung 1979; Ateshian & Costa 2009, eq. 3]
+struct FungOrthotropic : NearlyIncompressible<FungOrthotropic> {
+  static constexpr std::string_view name = "fung_orthotropic";
+  static constexpr std::string_view summary =
+      "tissue with three axes that stiffens exponentially, nearly incompressible";
+  static constexpr std::string_view source = "[Fung 1979; Ateshian & Costa 2009]";
+
+  struct Shape {
+    double c;                    ///< [Pa]
+    TangentModuli<3> stiffness;  ///< ℂ [Pa], of strain components whose off-diagonal ones stand twice
+    static constexpr double kMostPower = 500;
+
+    /// S = D^(−1/3) (S̃ − ⅓ (S̃:C) C⁻¹), S̃ = e^Q ℂ Ẽ.
+    Matrix3 stress(const Matrix3& A) const {
+      const Present now(*this, A);
+      return tensor(now.S);
+    }
+
+    /// r² P T Pᵀ − ⅓ (S ⊗ G + G ⊗ S) + r/3 (S̃:C)(G ⊙ G − G ⊗ G/3), r = D^(−1/3), G = C⁻¹, P = 1 − ⅓ G ⊗ C and
+    /// T = ∂S̃/∂C̃.
+    TangentModuli<3> tangent(const Matrix3& A) const {
+      const Present now(*this, A);
+      TangentModuli<3> T = now.growth / 2 * (stiffness + 2 / c * now.linear * now.linear.transpose());
+      const Components TC = T * now.C;
+      const Components& G = now.G;
+      T += now.C.dot(TC) / 9 * G * G.transpose() - both_ways(TC, G) / 3;
+      return now.root * now.root * T - both_ways(now.S, G) / 3 +
+             now.root / 3 * now.S_C * (symmetric_square(now.inverse) - G * G.transpose() / 3);
+    }
+
+    double energy(const Matrix3& A) const { return c / 2 * std::expm1(Present(*this, A).power); }
+
+   private:
+    struct Present {
+      double root, power, growth, S_C;  ///< r, Q, e^Q, S̃:C
+      Matrix3 inverse;
+      Components G, C, linear, S;  ///< C with its off-diagonal components twice; ℂ Ẽ
+
+      Present(const Shape& law, const Matrix3& A) {
+        const Dilatation volume(A);
+        root = 1 / std::cbrt(1 + volume.excess);
+        const double shrink = std::expm1(-std::log1p(volume.excess) / 3);  // r − 1
+        Components strain = components((root * A + shrink * Matrix3::Identity()) / 2);
+        strain.tail<3>() *= 2;
+        linear = law.stiffness * strain;
+        power = std::min(strain.dot(linear) / law.c, kMostPower);
+        growth = std::exp(power);
+        inverse = volume.inverse;
+        G = components(inverse);
+        C = components(Matrix3::Identity() + A);
+        C.tail<3>() *= 2;
+        S_C = growth * linear.dot(C);
+        S = root * (growth * linear - S_C / 3 * G);
+      }
+    };
+  };
+
+  static MaterialLaw constants() {
+    constexpr double inf = std::numeric_limits<double>::infinity(), none = std::numeric_limits<double>::quiet_NaN();
+    MaterialLaw row;
+    const auto add = [&](const char* name, const Dimension& unit, double low, double high, const char* text) {
+      row.parameters.push_back(
+          {name, unit, low, high, none, text, unit == dimension::pressure, ValueKind::number, true});
+    };
+    add("c", dimension::pressure, 0, inf, "c, scale of the exponential");
+    add("E1", dimension::pressure, 0, inf, "Young's modulus along axis 1");
+    add("E2", dimension::pressure, 0, inf, "Young's modulus along axis 2");
+    add("E3", dimension::pressure, 0, inf, "Young's modulus along axis 3");
+    add("G12", dimension::pressure, 0, inf, "shear modulus between axes 1 and 2");
+    add("G23", dimension::pressure, 0, inf, "shear modulus between axes 2 and 3");
+    add("G31", dimension::pressure, 0, inf, "shear modulus between axes 3 and 1");
+    add("nu12", dimension::none, -100, 100, "contraction along 2 over extension along 1, stress along 1");
+    add("nu23", dimension::none, -100, 100, "contraction along 3 over extension along 2, stress along 2");
+    add("nu31", dimension::none, -100, 100, "contraction along 1 over extension along 3, stress along 3");
+    for (const char* axis : {"axis_1", "axis_2"})
+      row.parameters.push_back({axis, dimension::none, 0, 0, none, "axis of the tissue at rest; axis 3 is across both",
+                                false, ValueKind::direction, true});
+    add_bulk_modulus(row);
+    return row;
+  }
+
+  /// Throws InputError unless the axes are at right angles, and unless ℂ resists every strain.
+  Shape shape(const Material& material) const {
+    const ConstantsOf own(material, name);
+    const Vector3 &one = own.direction("axis_1"), &two = own.direction("axis_2");
+    if (!(std::abs(one.dot(two)) < 1e-6))
+      throw InputError("fung_orthotropic: axis_1 and axis_2 are not at right angles");
+    const double E1 = own.modulus("E1"), E2 = own.modulus("E2"), E3 = own.modulus("E3");
+    Matrix3 compliance;
+    compliance << 1 / E1, -own.number("nu12") / E1, -own.number("nu31") / E3,  //
+        -own.number("nu12") / E1, 1 / E2, -own.number("nu23") / E2,            //
+        -own.number("nu31") / E3, -own.number("nu23") / E2, 1 / E3;
+    const Vector3 root(std::sqrt(E1), std::sqrt(E2), std::sqrt(E3));
+    if (!(symmetric_eigenvalues3(root.asDiagonal() * compliance * root.asDiagonal())[0] > 1e-12))
+      throw InputError("fung_orthotropic: with these Poisson's ratios there is a strain that takes no energy");
+    const Matrix3 direct = compliance.inverse(), axes = (Matrix3() << one, two, one.cross(two)).finished();
+    Eigen::Matrix<double, 6, 3> along;
+    for (int i = 0; i < 3; ++i) along.col(i) = symmetric_product(axes.col(i), axes.col(i));
+    TangentModuli<3> stiffness = along * direct * along.transpose();
+    const double shear[3] = {own.modulus("G12"), own.modulus("G31"), own.modulus("G23")};
+    for (int pair = 0; pair < 3; ++pair) {
+      const Components across =
+          symmetric_product(axes.col(kComponents[3 + pair][0]), axes.col(kComponents[3 + pair][1]));
+      stiffness += 4 * shear[pair] * across * across.transpose();
+    }
+    return {own.modulus("c"), stiffness};
+  }
+};
+
+}  // namespace elastin

@@ -1,0 +1,136 @@
+#pragma once
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/laws/solids/isochoric.h"
+#include "elastin/core/laws/material_law.h"
+
+namespace elastin {
+
+/// Mooney–Rivlin with fibres along a, ψ = c₁ (Ĩ₁ − 3) + c₂ (Ĩ₂ − 3) + F(λ̃), λ̃² = Ĩ₄ = a · C̃ a:
+///   λ̃ F′ = 0                          λ̃ ≤ 1: a fibre buckles
+///        = c₃ (e^(c₄ (λ̃ − 1)) − 1)    up to λ_m: it becomes straight
+///        = c₅ λ̃ + c₆                  beyond, c₆ so that the stress is continuous.
+/// Without c₃ its slope is too, c₃ = c₅/c₄ e^(−c₄ (λ_m − 1)).                    [Weiss, Maker & Govindjee 1996, eq. 6]
+struct TransverselyIsotropic : NearlyIncompressible<TransverselyIsotropic> {
+  static constexpr std::string_view name = "transversely_isotropic";
+  static constexpr std::string_view summary =
+      "ligament and tendon: Mooney-Rivlin with fibres that have a toe region, nearly incompressible";
+  static constexpr std::string_view source = "[Weiss, Maker & Govindjee 1996]";
+
+  struct Fibres {
+    double c3, c4, c5, straight;  ///< [Pa], 1, [Pa], λ_m
+
+    /// λ̃ F′, its slope by λ̃, and F, of u = λ̃ − 1.
+    double tension(double u) const {
+      if (u <= 0) return 0;
+      return u <= straight - 1 ? c3 * std::expm1(c4 * u) : c5 * (u + 1 - straight) + toe_end();
+    }
+    double slope(double u) const {
+      if (u <= 0) return 0;
+      return u <= straight - 1 ? c3 * c4 * std::exp(c4 * u) : c5;
+    }
+    double energy(double u) const {
+      if (u <= 0) return 0;
+      const double toe = std::min(u, straight - 1), rest = u - toe;
+      // Beyond the toe ∫ (c₅ (s − λ_m) + T_m)/s ds.
+      return c3 * integral(toe) + c5 * rest + (toe_end() - c5 * straight) * std::log1p(rest / (1 + toe));
+    }
+
+   private:
+    double toe_end() const { return c3 * std::expm1(c4 * (straight - 1)); }
+
+    /// ∫₀ᵘ (e^(c₄ v) − 1)/(1 + v) dv. Near 0 by Gauss's rule of 8 points, for the closed form cancels there.
+    double integral(double u) const {
+      if (c4 * u < 0.5 && u < 0.5) {
+        constexpr std::array<std::array<double, 2>, 4> points{{{0.1834346424956498, 0.3626837833783620},
+                                                               {0.5255324099163290, 0.3137066458778873},
+                                                               {0.7966664774136267, 0.2223810344533745},
+                                                               {0.9602898564975363, 0.1012285362903763}}};
+        double sum = 0;
+        for (const auto& [at, weight] : points)
+          for (const double v : {u * (1 + at) / 2, u * (1 - at) / 2}) sum += weight * std::expm1(c4 * v) / (1 + v);
+        return sum * u / 2;
+      }
+      return std::exp(-c4) * (std::expint(c4 * (1 + u)) - std::expint(c4)) - std::log1p(u);
+    }
+  };
+
+  struct Shape {
+    double c1, c2;
+    Vector3 direction;
+    Fibres fibres;
+
+    Matrix3 stress(const Matrix3& A) const {
+      const Isochoric now(A);
+      const auto [by_I4, by_both] = slopes(now);
+      Components S = c1 * now.first_slope();
+      if (c2 != 0) S += c2 * now.second_slope();
+      if (by_I4 != 0) S += by_I4 * now.along_slope(direction);
+      return 2 * tensor(S);
+    }
+
+    TangentModuli<3> tangent(const Matrix3& A) const {
+      const Isochoric now(A);
+      const auto [by_I4, by_both] = slopes(now);
+      TangentModuli<3> result = TangentModuli<3>::Zero();
+      now.add_first_curvature(2 * c1, result);
+      if (c2 != 0) now.add_second_curvature(2 * c2, result);
+      if (by_both == 0) return result;
+      const Components along = now.along_slope(direction);
+      result += 2 * by_both * along * along.transpose();
+      now.add_along_curvature(2 * by_I4, direction, result);
+      return result;
+    }
+
+    double energy(const Matrix3& A) const {
+      const Isochoric now(A);
+      return c1 * now.first() + c2 * now.second() + fibres.energy(extension(now));
+    }
+
+   private:
+    /// λ̃ − 1.
+    double extension(const Isochoric& now) const {
+      const double change = std::max(now.along(direction), -1.);
+      return change / (1 + std::sqrt(1 + change));
+    }
+    /// ∂F/∂Ĩ₄ = λ̃F′/(2 Ĩ₄) and ∂²F/∂Ĩ₄².
+    std::array<double, 2> slopes(const Isochoric& now) const {
+      const double u = extension(now);
+      if (u <= 0) return {0, 0};
+      const double stretch = 1 + u, I4 = stretch * stretch, T = fibres.tension(u);
+      return {T / (2 * I4), (fibres.slope(u) * stretch / 2 - T) / (2 * I4 * I4)};
+    }
+  };
+
+  static MaterialLaw constants() {
+    constexpr double inf = std::numeric_limits<double>::infinity(), none = std::numeric_limits<double>::quiet_NaN();
+    MaterialLaw row;
+    row.parameters = {
+        {"c1", dimension::pressure, -inf, inf, none, "c₁ of the matrix", false, ValueKind::number, true},
+        {"c2", dimension::pressure, -inf, inf, 0, "c₂ of the matrix"},
+        {"c3", dimension::pressure, 0, inf, none,
+         "c₃, scale of the toe region; without it the slope has no jump at its end"},
+        {"c4", dimension::none, 0, 500, none, "c₄, rate of the toe region", true, ValueKind::number, true},
+        {"c5", dimension::pressure, 0, inf, none, "c₅, slope of straight fibres", false, ValueKind::number, true},
+        {"lambda_max", dimension::none, 1, 100, none, "λ_m, stretch at which the fibres are straight", false,
+         ValueKind::number, true},
+        {"direction", dimension::none, 0, 0, none, "direction of the fibres at rest", false, ValueKind::direction,
+         true}};
+    add_bulk_modulus(row);
+    return row;
+  }
+
+  Shape shape(const Material& material) const {
+    const ConstantsOf own(material, name);
+    const double c4 = own.number("c4"), c5 = own.modulus("c5"), straight = own.number("lambda_max");
+    const double c3 = own.has("c3") ? own.modulus("c3") : c5 / c4 * std::exp(-c4 * (straight - 1));
+    if (c4 * (straight - 1) > 500)
+      throw InputError("transversely_isotropic: c4 (lambda_max - 1) is " + std::to_string(c4 * (straight - 1)) +
+                       "; at most 500, for the stress grows with its exponential");
+    return {own.modulus("c1"), own.modulus("c2"), own.direction("direction"), {c3, c4, c5, straight}};
+  }
+};
+
+}  // namespace elastin
