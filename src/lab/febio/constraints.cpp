@@ -1,5 +1,6 @@
 #include "lab/febio/constraints.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -29,7 +30,7 @@ class Augmented : public TimedLoad {
     double before = 0, after = 0;
     std::vector<double> next(multipliers_);
     for (std::size_t i = 0; i < multipliers_; ++i) {
-      next[i] = block->values[i] + growth(state, i);
+      next[i] = grown(state, i, block->values[i]);
       before += block->values[i] * block->values[i];
       after += next[i] * next[i];
     }
@@ -52,8 +53,8 @@ class Augmented : public TimedLoad {
     const HistoryBlock* block = state.find_history(name_);
     return block ? block->values[number] : 0;
   }
-  /// By how much one multiplier grows where the state is in balance.
-  virtual double growth(const State& state, std::size_t number) const = 0;
+  /// What a multiplier becomes where the state is in balance.
+  virtual double grown(const State& state, std::size_t number, double multiplier) const = 0;
 
  private:
   std::string name_;
@@ -64,41 +65,47 @@ class Augmented : public TimedLoad {
 class Gaps final : public Augmented {
  public:
   Gaps(const Body& body, GapConstraint constraint, int number)
-      : Augmented("febio constraint " + std::to_string(number), constraint.gaps.size(), constraint.augmentation),
+      : Augmented("febio_constraint_" + std::to_string(number), constraint.gaps.size(), constraint.augmentation),
         body_(body),
         own_(std::move(constraint)) {}
+
+  void set_time(double time) override { shift_ = own_.shift.at(time); }
 
   void add_forces(const State& state, Positions& forces) const override {
     for (std::size_t i = 0; i < own_.gaps.size(); ++i) {
       const Gap& gap = own_.gaps[i];
-      const double force = gap.weight * (multiplier(state, i) + own_.penalty * value(gap, state));
+      const double force = gap.weight * grown(state, i, multiplier(state, i));
       for (const Gap::Term& term : gap.terms) forces(term.axis, term.molecule) -= force * term.coefficient;
     }
   }
   double energy(const State& state) const override {
     double sum = 0;
     for (std::size_t i = 0; i < own_.gaps.size(); ++i) {
-      const double now = value(own_.gaps[i], state);
-      sum += own_.gaps[i].weight * now * (multiplier(state, i) + own_.penalty / 2 * now);
+      const double before = multiplier(state, i), now = grown(state, i, before);
+      sum += own_.gaps[i].weight * (now * now - before * before) / (2 * own_.penalty);
     }
     return sum;
   }
-  void visit_blocks(const State&, double, const BlockVisitor& visit) const override {
-    for (const Gap& gap : own_.gaps)
+  void visit_blocks(const State& state, double, const BlockVisitor& visit) const override {
+    for (std::size_t i = 0; i < own_.gaps.size(); ++i) {
+      const Gap& gap = own_.gaps[i];
+      if (own_.one_sided && grown(state, i, multiplier(state, i)) == 0) continue;
       for (const Gap::Term& a : gap.terms)
         for (const Gap::Term& b : gap.terms) {
           Matrix3 block = Matrix3::Zero();
           block(a.axis, b.axis) = gap.weight * own_.penalty * a.coefficient * b.coefficient;
           visit(a.molecule, b.molecule, block);
         }
+    }
   }
 
  private:
-  double growth(const State& state, std::size_t number) const override {
-    return own_.penalty * value(own_.gaps[number], state);
+  double grown(const State& state, std::size_t number, double multiplier) const override {
+    const double whole = multiplier + own_.penalty * value(own_.gaps[number], state);
+    return own_.one_sided ? std::max(whole, 0.) : whole;
   }
   double value(const Gap& gap, const State& state) const {
-    double sum = 0;
+    double sum = gap.start + shift_;
     for (const Gap::Term& term : gap.terms)
       sum += term.coefficient *
              (state.positions(term.axis, term.molecule) - body_.rest(term.axis, term.molecule) + term.offset);
@@ -107,6 +114,7 @@ class Gaps final : public Augmented {
 
   const Body& body_;
   GapConstraint own_;
+  double shift_ = 0;
 };
 
 Matrix3 across(const Vector3& v) {
@@ -118,7 +126,7 @@ Matrix3 across(const Vector3& v) {
 class Dilatations final : public Augmented {
  public:
   Dilatations(const Body& body, const DilatationConstraint& constraint)
-      : Augmented("febio dilatation " + std::to_string(constraint.block),
+      : Augmented("febio_dilatation_" + std::to_string(constraint.block),
                   static_cast<std::size_t>(block_of(body, constraint).size()), constraint.augmentation),
         block_(block_of(body, constraint)),
         modulus_(constraint.modulus) {
@@ -171,8 +179,8 @@ class Dilatations final : public Augmented {
   static const CellBlock& block_of(const Body& body, const DilatationConstraint& constraint) {
     return body.blocks[static_cast<std::size_t>(constraint.block)];
   }
-  double growth(const State& state, std::size_t number) const override {
-    return modulus_ * log_dilatation(state, static_cast<int>(number));
+  double grown(const State& state, std::size_t number, double multiplier) const override {
+    return multiplier + modulus_ * log_dilatation(state, static_cast<int>(number));
   }
   double strength(const State& state, int cell) const {
     return multiplier(state, static_cast<std::size_t>(cell)) * rest_[static_cast<std::size_t>(cell)];

@@ -14,7 +14,7 @@ struct Augmentation {
   int least = 0, most = 10;  ///< augmentations of an increment
 };
 
-/// A sum of displacements that is to be 0: Σ coefficient · u.
+/// A sum of displacements that is to be 0: start + Σ coefficient (u + offset).
 struct Gap {
   struct Term {
     int molecule, axis;
@@ -23,14 +23,18 @@ struct Gap {
   };
   std::vector<Term> terms;
   double weight = 1;  ///< of its force
+  double start = 0;   ///< [m] of the sum
 };
 
 struct GapConstraint {
   std::vector<Gap> gaps;
   double penalty = 1;  ///< [N/m], over the weight
   Augmentation augmentation;
+  bool one_sided = false;  ///< a gap may be below 0
+  Value shift = {};        ///< [m], added to all gaps
 };
-/// Forces −weight (λ + penalty gap) coefficient; multipliers λ are history.                     [Hestenes 1969]
+/// Forces −weight (λ + penalty gap) coefficient, of one-sided ones not below 0; multipliers λ are history. [Hestenes
+/// 1969]
 /// @param number names its history.
 std::unique_ptr<TimedLoad> make_gap_constraint(const Body& body, GapConstraint constraint, int number);
 

@@ -18,7 +18,8 @@ class Experiment final : public StaticProtocol {
  public:
   Experiment(const Body& body, std::shared_ptr<const ExperimentSetup> setup) : body_(body), setup_(std::move(setup)) {
     for (const DrivenComponent& driven : setup_->driven) driven_[driven.molecule].push_back(&driven);
-    for (const Step& step : setup_->steps) increments_ += step.count, dynamic_ |= step.dynamic;
+    for (const Step& step : setup_->steps)
+      increments_ += static_cast<int>(step.increments.size()), dynamic_ |= step.dynamic;
     if (setup_->steps.front().dynamic) find_first_accelerations();
   }
 
@@ -39,15 +40,13 @@ class Experiment final : public StaticProtocol {
     double left = factor * increments_;
     Moment now;
     for (std::size_t step = 0; step < setup_->steps.size(); ++step) {
-      const Step& own = setup_->steps[step];
+      const std::vector<double>& own = setup_->steps[step].increments;
+      const auto count = static_cast<double>(own.size());
       now.step = static_cast<int>(step);
-      const bool last = step + 1 == setup_->steps.size();
-      if (last || left <= own.count * (1 + 1e-12)) {
-        now.time += left * own.size;
-        break;
-      }
-      now.time += own.count * own.size;
-      left -= own.count;
+      for (std::size_t i = 0; i < own.size(); ++i)
+        now.time += own[i] * std::clamp(left - static_cast<double>(i), 0., 1.);
+      if (left <= count * (1 + 1e-12)) break;
+      left -= count;
     }
     return now;
   }
@@ -107,6 +106,7 @@ class ExperimentRig final : public StaticRig {
     const ExperimentSetup& setup = *experiment.setup_;
     const Body& body = experiment.body_;
     for (const auto& [molecule, driven] : experiment.driven_) model.supports.push_back({molecule});
+    stiffness_ = 1e3 * model.elastic_forces(1.001 * body.rest).norm();
     if (!setup.dead_loads.empty()) add(make_dead_loads(body, setup.dead_loads));
     for (const SurfaceLoad& load : setup.surface_loads) add(make_surface_load(body, load));
     if (!setup.springs.empty()) add(make_linear_springs(body, setup.springs));
@@ -142,13 +142,15 @@ class ExperimentRig final : public StaticRig {
 
   Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
     Measures measures;
+    const bool stressed = solved.scale > 1e-12 * stiffness_;
+    if (!stressed) solved.residual = 0;  // of rounding alone: a body that moves as a whole, or falls
     Positions free = state.positions - experiment_.body_.rest;
     for (const Support& support : model_.supports)
       free.col(support.molecule) = (support.free * free.col(support.molecule)).eval();
     measures.set("solution_norm", free.norm());
     if (model_.has_energy()) measures.set("energy", model_.elastic_energy(state.positions));
     const bool moving = experiment_.setup_->steps[static_cast<std::size_t>(now_.step)].dynamic;
-    if (!moving && solved.scale > 0) {
+    if (!moving && stressed) {
       const Vector3 left = model_.load_forces(state).rowwise().sum() + solved.reactions.rowwise().sum();
       measures.set("reaction_balance", left.norm() / solved.scale);
     }
@@ -166,6 +168,7 @@ class ExperimentRig final : public StaticRig {
   std::vector<TimedLoad*> loads_;  // owned by the model
   Inertia* inertia_ = nullptr;     // one of them
   Moment now_;
+  double stiffness_ = 0;  ///< [N] a strain, of the body as a whole
 };
 
 std::unique_ptr<StaticRig> Experiment::static_rig(Model& model) const {

@@ -9,11 +9,10 @@
 
 namespace elastin::lab::febio {
 
-/// A step of the analysis: `count` increments of `size` [s].
+/// A step of the analysis.
 struct Step {
   bool dynamic = false;
-  int count = 1;
-  double size = 1;
+  std::vector<double> increments;  ///< of time [s], one after the other, at least one
   Integration integration = {};
 };
 

@@ -214,8 +214,8 @@ class ConsistentInertia final : public Inertia {
   }
 
  private:
-  static constexpr const char *kTime = "febio 0 time", *kPositions = "febio 1 positions",
-                              *kVelocities = "febio 2 velocities", *kAccelerations = "febio 3 accelerations";
+  static constexpr const char *kTime = "febio_0_time", *kPositions = "febio_1_positions",
+                              *kVelocities = "febio_2_velocities", *kAccelerations = "febio_3_accelerations";
 
   /// From the state that was committed last.
   struct Motion {

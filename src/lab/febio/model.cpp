@@ -68,6 +68,7 @@ class ModelReader {
   Augmentation read_augmentation(const Element& constraint, const char* tolerance, double usual, int most) const;
   void read_linear_constraints(const Element& constraint);
   void read_tied_line(const Element& constraint);
+  void read_rigid_wall(const Element& constraint);
   int axis_of(const Element& element) const;
 
   template <class Visit>
@@ -187,26 +188,40 @@ void ModelReader::read_domain(const Element& domain) {
   built_->domains[static_cast<std::size_t>(own->block)] = {static_cast<int>(material - materials.begin()), whole_cell};
 }
 
+/// FEBio's automatic steps are at most dtmax long, and grow by a fifth of what is left to that where increments
+/// converge easily, as they are taken to do.
+void set_increments(const Element& control, double count, double first, Step& step) {
+  const auto stepper = control.find("time_stepper");
+  const auto most = stepper ? stepper->find("dtmax") : std::nullopt;
+  const bool limited = most && most->attribute("lc").empty() && most->number() > 0;
+  const double longest = limited ? most->number() : first, end = count * first;
+  const auto even = [&](double size) {
+    const double parts = std::max(1., std::ceil(end / size * (1 - 1e-9)));
+    if (parts > 1e6) control.fail("has more than 1e6 increments");
+    step.increments.assign(static_cast<std::size_t>(parts), end / parts);
+  };
+  if (longest <= first) return even(longest);
+  double time = 0, size = first;
+  while (time < end * (1 - 1e-9)) {
+    step.increments.push_back(std::min(size, end - time));
+    time += step.increments.back();
+    size += (longest - size) / 5;
+  }
+}
+
 Step ModelReader::read_control(const Element& control) const {
-  control.allow({"analysis", "time_steps", "step_size", "final_time", "plot_zero_state", "plot_range", "plot_level",
-                 "plot_stride", "output_level", "output_stride", "adaptor_re_solve", "time_stepper", "solver"});
+  control.allow({"analysis", "time_steps", "step_size", "plot_zero_state", "plot_range", "plot_level", "plot_stride",
+                 "output_level", "output_stride", "adaptor_re_solve", "time_stepper", "solver"});
   Step step;
   const Element analysis = control.at("analysis");
   if (analysis.text() != "STATIC" && analysis.text() != "DYNAMIC")
     analysis.refuse("'" + analysis.text() + "'", "STATIC and DYNAMIC are");
   step.dynamic = analysis.text() == "DYNAMIC";
   const Element steps = control.at("time_steps"), size = control.at("step_size");
-  const double count = steps.number();
-  step.size = size.number();
-  if (!(count >= 1 && count <= 1e7 && count == std::floor(count))) steps.fail("must be a whole number from 1 to 1e7");
-  if (!(step.size > 0)) size.fail("must be above 0");
-  const double end = control.number("final_time", count * step.size);
-  double longest = step.size;
-  if (const auto stepper = control.find("time_stepper"))
-    if (const auto most = stepper->find("dtmax"); most && most->attribute("lc").empty() && most->number() > 0)
-      longest = std::min(longest, most->number());
-  step.count = std::max(1, static_cast<int>(std::ceil(end / longest * (1 - 1e-9))));
-  step.size = end / step.count;
+  const double count = steps.number(), first = size.number();
+  if (!(count >= 1 && count <= 1e6 && count == std::floor(count))) steps.fail("must be a whole number from 1 to 1e6");
+  if (!(first > 0)) size.fail("must be above 0");
+  set_increments(control, count, first, step);
   const auto solver = control.find("solver");
   if (!solver) return step;
   if (const auto arc = solver->find("arc_length"); arc && arc->text() != "0" && arc->text() != "NONE")
@@ -479,8 +494,10 @@ void ModelReader::read_constraints(const Element& constraints) {
       read_linear_constraints(constraint);
     else if (type == "tied-line")
       read_tied_line(constraint);
+    else if (type == "rigid_wall")
+      read_rigid_wall(constraint);
     else
-      constraint.refuse("type=\"" + type + "\"", "linear constraint and tied-line are");
+      constraint.refuse("type=\"" + type + "\"", "linear constraint, tied-line and rigid_wall are");
   }
 }
 
@@ -539,6 +556,37 @@ void ModelReader::read_tied_line(const Element& constraint) {
     }
   }
   if (result.gaps.empty()) constraint.fail("no node of the primary line lies beside the secondary one");
+  setup_->gaps.push_back(std::move(result));
+}
+
+/// A plane n · x = d + offset that the nodes of a surface do not pass, at the area at rest that each stands for.
+void ModelReader::read_rigid_wall(const Element& constraint) {
+  constraint.allow({"laugon", "tolerance", "penalty", "offset", "plane"});
+  const std::vector<double> plane = constraint.at("plane").numbers(4);
+  Vector3 normal(plane[0], plane[1], plane[2]);
+  if (std::abs(normal.norm() - 1) > 1e-9)
+    constraint.at("plane").fail("the normal, its first three numbers, must have length 1");
+  GapConstraint result;
+  result.penalty = constraint.number("penalty", 1);
+  result.augmentation = read_augmentation(constraint, "tolerance", 0.01, 0);
+  result.one_sided = true;
+  if (const auto offset = constraint.find("offset")) result.shift = offset->value(controllers_);
+  const Positions& rest = mesh_.body().rest;
+  std::map<int, double> areas;
+  for (const LoadedFace& face : mesh_.surface(constraint, constraint.needed_attribute("surface"))) {
+    if (face.nodes.size() != 4) constraint.refuse("a rigid wall on faces other than quad4");
+    const Eigen::MatrixXd own = positions_of(rest, face.nodes);
+    for (Eigen::Index a = 0; a < 4; ++a) {
+      const Eigen::MatrixXd edges = own * face.kind->function_slopes(face.kind->reference.col(a)).transpose();
+      areas[face.nodes[static_cast<std::size_t>(a)]] += Vector3(edges.col(0)).cross(Vector3(edges.col(1))).norm();
+    }
+  }
+  for (const auto& [molecule, area] : areas) {
+    Gap gap{{}, area, plane[3]};
+    for (int axis = 0; axis < 3; ++axis)
+      if (normal[axis] != 0) gap.terms.push_back({molecule, axis, -normal[axis], rest(axis, molecule)});
+    result.gaps.push_back(std::move(gap));
+  }
   setup_->gaps.push_back(std::move(result));
 }
 
