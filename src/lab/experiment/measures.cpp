@@ -65,6 +65,7 @@ const std::vector<MeasureInfo>& measure_list() {
       {"open_part", none, "that over the canopy's area at rest"},
       {"fall_speed", velocity, "of a parachute's load"},
       {"drag_balance", none, "drag of the air along the fall / weight - 1: 0 at the terminal speed"},
+      {"solution_norm", length, "root of the sum of squares of all free displacements, as FEBio states it"},
       {"energy", dimension::energy, "elastic energy stored"},
       {"frequency", rate, "of the free vibration: a damped cosine fitted to the displacement", {}, "Hz"},
       {"period", dimension::time, "of the free vibration: between crossings of its mean in one direction"},

@@ -9,6 +9,7 @@
 #include "elastin/core/model/parts.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/simulation/prepare.h"
+#include "lab/febio/model.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
@@ -249,6 +250,29 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   return scene;
 }
 
+std::unique_ptr<Scene> read_febio_model(const std::string& path, const std::vector<std::string>& overrides,
+                                        double most_molecules) {
+  const auto start = std::chrono::steady_clock::now();
+  if (!overrides.empty())
+    throw InputError("--set " + overrides.front() + ": " + path +
+                     " is a model of FEBio and has no keys; change it there");
+  FebioModel model = load_febio_model(path);
+  if (model.specimen.body.size() > most_molecules)
+    throw InputError(SourceLocation{path}, "the model has more molecules than are allowed");
+  auto scene = std::make_unique<Scene>();
+  scene->path = path;
+  scene->name = std::filesystem::path(path).stem().string();
+  scene->title = model.title.empty() ? scene->name : model.title;
+  scene->specimen = std::move(model.specimen);
+  scene->stiffness = std::move(model.stiffness);
+  scene->strategies = {scene->stiffness};
+  scene->warnings = std::move(model.warnings);
+  scene->notes = std::move(model.notes);
+  scene->experiment = model.make_experiment(scene->specimen.body);
+  scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return scene;
+}
+
 }  // namespace
 
 const StrategyChoice* find_strategy(const std::vector<StrategyChoice>& choices, const std::string& label) {
@@ -273,6 +297,7 @@ std::unique_ptr<Scene> read_scene_or_say(const std::string& path, const Catalog&
     return InputError(SourceLocation{path}, "the scene does not fit into this machine's memory");
   };
   try {
+    if (is_febio_model(path)) return read_febio_model(path, overrides, most_molecules);
     return read_scene(path, catalog, overrides, most_molecules, experiments, uses, change);
   } catch (const std::bad_alloc&) {
     throw too_large();

@@ -1,0 +1,72 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "elastin/core/forces/loads.h"
+#include "elastin/core/geometry/cell_kind.h"
+#include "lab/febio/load_controller.h"
+
+namespace elastin::lab::febio {
+
+/// A dead force on each molecule [N], 3 × n, times a number over time.
+struct DeadLoad {
+  Positions forces;
+  Value factor;
+};
+
+/// A face on which a pressure or a traction acts.
+struct LoadedFace {
+  const CellKind* kind;    ///< of two dimensions
+  std::vector<int> nodes;  ///< molecules in its order; the normal is by the right hand
+};
+
+struct SurfaceLoad {
+  std::vector<LoadedFace> faces;
+  bool pressure = true;                ///< against the normal; else a traction
+  Vector3 traction = Vector3::Zero();  ///< [Pa]
+  bool at_rest = false;                ///< on the area at rest, a dead load
+  Value factor;                        ///< [Pa] of a pressure
+};
+
+struct LinearSpring {
+  std::array<int, 2> ends;
+  Value stiffness;  ///< [N/m]
+};
+
+/// A load whose time is that of the step.
+class TimedLoad : public Load {
+ public:
+  virtual void set_time(double time) = 0;
+  bool feels_velocity() const override { return false; }
+};
+
+std::unique_ptr<TimedLoad> make_dead_loads(const Body& body, std::vector<DeadLoad> loads);
+/// Exact tangent, not symmetric unless dead; no energy, for that needs a closed surface or a fixed rim.
+std::unique_ptr<TimedLoad> make_surface_load(const Body& body, SurfaceLoad load);
+/// Tension k (l − l₀).
+std::unique_ptr<TimedLoad> make_linear_springs(const Body& body, std::vector<LinearSpring> springs);
+
+/// How a step integrates: M (α_m a₁ + (1 − α_m) a₀) + f(x₁) = 0 with Newmark's β and γ.
+///                                                                    [Newmark 1959; Chung & Hulbert 1993, α_f = 1]
+struct Integration {
+  double beta = 0.25, gamma = 0.5, alpha_mass = 1;
+};
+
+/// Σ over the cells of ρ ∫ N_a N_b dV [kg], by pairs of molecules.
+struct MassPair {
+  int a, b;
+  double mass;
+};
+
+/// Inertia as a load of the static steps that an implicit integrator solves: the energy whose forces are −M a. The
+/// mass matrix is consistent. Velocity and acceleration are history.
+class Inertia : public TimedLoad {
+ public:
+  /// Of the step that leads to the time set; null: it is one at rest, without inertia. Must outlive it.
+  virtual void set_integration(const Integration* integration) = 0;
+};
+std::unique_ptr<Inertia> make_inertia(const Body& body, const std::vector<MassPair>& mass,
+                                      const Positions& accelerations);
+
+}  // namespace elastin::lab::febio
