@@ -19,7 +19,9 @@ Positions forces_of(const Load& load, const State& state) {
 }
 
 void check_derivatives(const Load& load, const State& at, unsigned seed) {
-  const Positions motion = random_motion({.rest = at.positions}, seed);
+  Body body;
+  body.rest = at.positions;
+  const Positions motion = random_motion(body, seed);
   const double step = 1e-5;
   State before = at, after = at;
   before.positions -= step * motion;
