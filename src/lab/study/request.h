@@ -13,8 +13,8 @@ struct Request {
   std::vector<std::string> scenes, overrides, vary;
   std::string strategies, out, json, restart, peers;
   std::string reference;  ///< "computed" or "none" for all scenes; empty: as each scene says
-  std::string command;  ///< as it was typed, for the page
-  int repeats = 0;      ///< 0 = as the scene says
+  std::string command;    ///< as it was typed, for the page
+  int repeats = 0;        ///< 0 = as the scene says
   bool compare = false, resume = false, quiet = false, summary = false, live = false;
   std::function<bool()> interrupted = {};  ///< called after each run
   bool to_screen() const { return !quiet && json != "-"; }
