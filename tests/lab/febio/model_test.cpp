@@ -20,7 +20,7 @@ struct Tower {
   std::string control =
       "<Control><analysis>STATIC</analysis><time_steps>1</time_steps><step_size>1</step_size>"
       "</Control>";
-  std::string boundary, loads, more;
+  std::string boundary = {}, loads = {}, more = {};
   std::string curve = "<interpolate>LINEAR</interpolate><points><pt>0,0</pt><pt>1,1</pt></points>";
   bool rollers = true;
 
