@@ -98,10 +98,15 @@ class TestedLaw {
 bool solve(const TestedLaw& law, const Prescribed& test, double stiffness, Matrix3& A, double& pressure) {
   const double rounding = 1e-14 * (1 + law.bulk_modulus() / stiffness);  // of stresses over the stiffness
   const int count = static_cast<int>(test.free.size()), unknowns = count + (law.incompressible() && count > 0 ? 1 : 0);
+  // Stresses are judged as Kirchhoff's: S_ij √(C_ii C_jj), for S of a thin direction is large.
+  const auto weight = [&](const Matrix3& at, int i) {
+    const auto [row, column] = kComponents[test.free[static_cast<std::size_t>(i)]];
+    return std::sqrt((1 + at(row, row)) * (1 + at(column, column))) / stiffness;
+  };
   const auto residual = [&](const Matrix3& at, double p) {
     const Components S = components(law.stress(at, p));
     VectorX r(unknowns);
-    for (int i = 0; i < count; ++i) r[i] = S[test.free[static_cast<std::size_t>(i)]] / stiffness;
+    for (int i = 0; i < count; ++i) r[i] = S[test.free[static_cast<std::size_t>(i)]] * weight(at, i);
     if (unknowns > count) r[count] = Dilatation::determinant_change(at);
     return r;
   };
@@ -117,10 +122,10 @@ bool solve(const TestedLaw& law, const Prescribed& test, double stiffness, Matri
       Matrix3 direction = Matrix3::Zero();
       direction(row, column) = direction(column, row) = 1;
       const Components S = components(law.change(A, pressure, direction));
-      for (int i = 0; i < count; ++i) jacobian(i, j) = S[test.free[static_cast<std::size_t>(i)]] / stiffness;
+      for (int i = 0; i < count; ++i) jacobian(i, j) = S[test.free[static_cast<std::size_t>(i)]] * weight(A, i);
       if (unknowns > count) {
         jacobian(count, j) = det_C * G.cwiseProduct(direction).sum();
-        jacobian(j, count) = components(G)[test.free[static_cast<std::size_t>(j)]];
+        jacobian(j, count) = components(G)[test.free[static_cast<std::size_t>(j)]] * weight(A, j) * stiffness;
       }
       directions.push_back(direction);
     }
