@@ -25,7 +25,7 @@ void add_cost(StaticResult& result, const StaticResult& cost) {
 
 LoadPath::LoadPath(Model& model, StaticRig& rig, const StaticOptions& options, State start)
     : model_(model), rig_(rig), options_(options), state_(std::move(start)) {
-  options_.probe = true;
+  options_.probe = rig.leaves_saddles();
   model_.commit_step(state_);
 }
 

@@ -124,7 +124,10 @@ class ExperimentRig final : public StaticRig {
   void set_load(double factor) override {
     now_ = experiment_.moment(factor);
     *experiment_.setup_->time = now_.time;
-    for (TimedLoad* load : loads_) load->set_time(now_.time);
+    for (TimedLoad* load : loads_) {
+      load->set_time(now_.time);
+      if (factor == 0) load->remove();
+    }
     const Step& step = experiment_.setup_->steps[static_cast<std::size_t>(now_.step)];
     if (inertia_) inertia_->set_integration(step.dynamic ? &step.integration : nullptr);
     std::size_t support = 0;
@@ -139,6 +142,9 @@ class ExperimentRig final : public StaticRig {
         }
     }
   }
+
+  /// FEBio does not look for another branch.
+  bool leaves_saddles() const override { return false; }
 
   Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
     Measures measures;

@@ -16,6 +16,7 @@ class DeadLoads final : public TimedLoad {
     now_ = Positions::Zero(3, body_.size());
     for (const DeadLoad& load : loads_) now_ += load.factor.at(time) * load.forces;
   }
+  void remove() override { now_.setZero(); }
   void add_forces(const State&, Positions& forces) const override { forces += now_; }
   double energy(const State& state) const override { return -now_.cwiseProduct(state.positions - body_.rest).sum(); }
 
@@ -36,6 +37,7 @@ class SurfaceForces final : public TimedLoad {
   SurfaceForces(const Body& body, SurfaceLoad load) : body_(body), load_(std::move(load)) { set_time(0); }
 
   void set_time(double time) override { factor_ = load_.factor.at(time); }
+  void remove() override { factor_ = 0; }
   bool changes() const override { return !load_.at_rest; }
   bool has_energy() const override { return load_.at_rest; }
   bool symmetric() const override { return load_.at_rest; }

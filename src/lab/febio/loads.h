@@ -38,6 +38,8 @@ struct LinearSpring {
 class TimedLoad : public Load {
  public:
   virtual void set_time(double time) = 0;
+  /// No force until the next set_time: the analysis begins at rest, whatever its loads are then.
+  virtual void remove() {}
   bool feels_velocity() const override { return false; }
 };
 

@@ -97,6 +97,9 @@ class StaticRig : public Rig {
   /// Adds what is measured once, at the last of several load steps, and the linear iterations that it takes.
   virtual void measure_end(const State& /*state*/, const StaticOptions& /*options*/, Measures& /*measures*/,
                            int& /*iterations*/) const {}
+  /// Whether an equilibrium that is no minimum (a straight column beyond its buckling load) is left for one of less
+  /// energy; if not, the body stays on the branch on which it is.
+  virtual bool leaves_saddles() const { return true; }
 };
 
 /// Brings its model to time 0 and reads it as time goes on.
