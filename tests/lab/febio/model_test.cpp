@@ -207,11 +207,11 @@ TEST_CASE("what is not supported in a model of FEBio is named with its line", "[
   check("1,2,3,4,5,6,7,8</elem>", "1,2,3,4,5,6,7,9</elem>", ":17: <elem>: there is no node 9");
   check("node_set=\"x\"", "node_set=\"w\"", ":25: <bc>: there is no NodeSet 'w'");
   check("zero displacement", "zero rotation", ":25: <bc>: type=\"zero rotation\" is not supported");
-  check("type=\"nodal_load\"", "type=\"nodal_target\"", ":28: <nodal_load>: type=\"nodal_target\" is not supported");
-  check("lc=\"1\">0.025", "lc=\"7\">0.025", ":28: <scale>: there is no load_controller 7");
-  check("type=\"loadcurve\"", "type=\"math\"", ":29: <load_controller>: type=\"math\" is not supported");
+  check("type=\"nodal_load\"", "type=\"nodal_target\"", ":29: <nodal_load>: type=\"nodal_target\" is not supported");
+  check("lc=\"1\">0.025", "lc=\"7\">0.025", ":29: <scale>: there is no load_controller 7");
+  check("type=\"loadcurve\"", "type=\"math\"", ":30: <load_controller>: type=\"math\" is not supported");
   check("<LoadData>", "<Contact><contact type=\"sliding-elastic\"/></Contact><LoadData>",
-        ":29: <contact>: type=\"sliding-elastic\" in <Contact> is not supported");
+        ":30: <contact>: type=\"sliding-elastic\" in <Contact> is not supported");
   check("<analysis>STATIC", "<analysis>EIGEN", ":3: <analysis>: 'EIGEN' is not supported");
   check("</febio_spec>", "", ":30: no XML");
 }
