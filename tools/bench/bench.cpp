@@ -44,7 +44,8 @@ constexpr Case kCases[] = {
     {"calculix", "the neo-Hookean static solve at some 1e5 cells; peer: CalculiX (ccx 2.20, package calculix-ccx)",
      bench::run_calculix},
     {"accuracy",
-     "CalculiX's error and time on the problems of scenes/study, as a whole process; its rows go beside Elastin's by "
+     "error and time on the problems of scenes/study, Elastin's and CalculiX's, as whole processes; CalculiX's rows go "
+     "beside Elastin's by "
      "`elastin compare --peers`",
      bench::run_accuracy},
     {"contact", "finding what touches, and explicit steps with it; peer: FCL by hand, one collision object a molecule",
