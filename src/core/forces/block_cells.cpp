@@ -70,12 +70,12 @@ class BlockCells final : public Elasticity {
 
   bool admissible(const Positions& positions) const override {
     if (d == 2) return true;
-    return ordered_sum(block_.size(), [&](int cell) { return is_inverted(positions, cell) ? 1. : 0.; }) == 0;
+    return sum_over_cells([&](int cell) { return is_inverted(positions, cell) ? 1. : 0.; }) == 0;
   }
 
   double energy(const Positions& positions) const override {
     if (!has_energy()) return 0;
-    return ordered_sum(block_.size(), [&](int cell) -> double {
+    return sum_over_cells([&](int cell) -> double {
       Strains now;
       set_strains(positions, cell, now);
       if (d == 3 && now.inverted) return std::numeric_limits<double>::infinity();
@@ -95,36 +95,28 @@ class BlockCells final : public Elasticity {
 
   void add_forces(const Positions& positions, const Graph&, Positions& forces, Workspace& workspace) const override {
     add_cells(forces, workspace, [&](int cell, NodeVectors& own) {
-      Strains now;
-      set_strains(positions, cell, now);
-      std::array<Square, kMostPoints> S;
-      laws_->stresses(cell, span(now.A), span(S));
-      std::array<double, kMostPoints> p;
-      set_pressures(cell, now, p);
+      Stresses now;
+      set_stresses(positions, cell, now);
       for (int g = 0; g < points_; ++g) {
         const auto at = static_cast<std::size_t>(g);
-        Gradient P = now.F[at] * S[at];
+        Gradient P = now.F[at] * now.S[at];
         if constexpr (d == 3)
-          if (!volume_.empty()) P += p[at] * cofactors(now.F[at]);
+          if (!volume_.empty()) P += now.p[at] * cofactors(now.F[at]);
         spread(cell, g, -rest(cell, g).weight * P, own);
       }
     });
   }
 
   double internal_force(const Positions& positions) const override {
-    return ordered_sum(block_.size(), [&](int cell) {
-      Strains now;
-      set_strains(positions, cell, now);
-      std::array<Square, kMostPoints> S;
-      laws_->stresses(cell, span(now.A), span(S));
-      std::array<double, kMostPoints> p;
-      set_pressures(cell, now, p);
+    return sum_over_cells([&](int cell) {
+      Stresses now;
+      set_stresses(positions, cell, now);
       double sum = 0;
       for (int g = 0; g < points_; ++g) {
         const auto at = static_cast<std::size_t>(g);
-        double stress = (now.F[at] * S[at]).norm();
+        double stress = (now.F[at] * now.S[at]).norm();
         if constexpr (d == 3)
-          if (!volume_.empty()) stress += std::abs(p[at]);
+          if (!volume_.empty()) stress += std::abs(now.p[at]);
         sum += rest(cell, g).weight * stress * rest(cell, g).inverse.norm();
       }
       return sum;
@@ -134,12 +126,8 @@ class BlockCells final : public Elasticity {
   void show(const Positions& positions, VectorX& force_densities, const StateVisitor& visit) const override {
     const std::vector<int> connections = connections_of_some_pairs(body_.connections, block_.nodes, kind_.nodes);
     for (int cell = 0; cell < block_.size(); ++cell) {
-      Strains now;
-      set_strains(positions, cell, now);
-      std::array<Square, kMostPoints> S;
-      laws_->stresses(cell, span(now.A), span(S));
-      std::array<double, kMostPoints> p;
-      set_pressures(cell, now, p);
+      Stresses now;
+      set_stresses(positions, cell, now);
       CellState state;
       double rest_size = 0, size = 0;
       for (int g = 0; g < points_; ++g) {
@@ -147,13 +135,13 @@ class BlockCells final : public Elasticity {
         const double weight = rest(cell, g).weight;
         const Square C = Square::Identity() + now.A[at];
         if constexpr (d == 3)
-          if (!volume_.empty()) S[at] += p[at] * std::max(0., 1 + now.swelling[at]) * C.inverse();
+          if (!volume_.empty()) now.S[at] += now.p[at] * std::max(0., 1 + now.swelling[at]) * C.inverse();
         const Gradient E = frame(cell, g);
         state.strain += weight / 2 * E * now.A[at] * E.transpose();
-        state.stress += weight * now.F[at] * S[at] * now.F[at].transpose();
+        state.stress += weight * now.F[at] * now.S[at] * now.F[at].transpose();
         rest_size += weight, size += weight * std::sqrt(std::max(0., C.determinant()));
         const Eigen::Matrix<double, d, Eigen::Dynamic> B = rest_gradients(cell, g);
-        const Eigen::Matrix<double, d, Eigen::Dynamic> SB = S[at] * B;
+        const Eigen::Matrix<double, d, Eigen::Dynamic> SB = now.S[at] * B;
         std::size_t pair =
             static_cast<std::size_t>(cell) * static_cast<std::size_t>(kind_.nodes * (kind_.nodes - 1) / 2);
         for (int a = 0; a < kind_.nodes; ++a)
@@ -173,20 +161,16 @@ class BlockCells final : public Elasticity {
     parallel_for(
         block_.size(),
         [&](int cell) {
-          Strains now;
-          set_strains(positions, cell, now);
-          std::array<Square, kMostPoints> S;
+          Stresses now;
+          set_stresses(positions, cell, now);
           std::array<Moduli, kMostPoints> D;
-          laws_->stresses(cell, span(now.A), span(S));
           laws_->tangents(cell, span(now.A), {D.data(), static_cast<std::size_t>(points_)});
-          std::array<double, kMostPoints> p;
-          set_pressures(cell, now, p);
           for (int g = 0; g < points_; ++g) {
             const auto at = static_cast<std::size_t>(g);
             if constexpr (d == 3)
-              if (!volume_.empty()) add_pressure(p[at], now.A[at], S[at], D[at]);
+              if (!volume_.empty()) add_pressure(now.p[at], now.A[at], now.S[at], D[at]);
             const double weight = rest(cell, g).weight;
-            now_[static_cast<std::size_t>(cell * points_ + g)] = {now.F[at], weight * S[at], weight * D[at]};
+            now_[static_cast<std::size_t>(cell * points_ + g)] = {now.F[at], weight * now.S[at], weight * D[at]};
           }
           if constexpr (d == 3)
             if (!volume_.empty()) set_stiffness_of_pressures(cell, now);
@@ -356,6 +340,10 @@ class BlockCells final : public Elasticity {
     std::array<double, kMostPoints> swelling;  ///< det F − 1, of solids
     bool inverted = false;
   };
+  struct Stresses : Strains {
+    std::array<Square, kMostPoints> S;  ///< without the cell's own pressures
+    std::array<double, kMostPoints> p;  ///< these, where it has them
+  };
 
   template <class T>
   std::span<const T> span(const std::array<T, kMostPoints>& all) const {
@@ -364,6 +352,11 @@ class BlockCells final : public Elasticity {
   template <class T>
   std::span<T> span(std::array<T, kMostPoints>& all) const {
     return {all.data(), static_cast<std::size_t>(points_)};
+  }
+
+  template <class Term>
+  double sum_over_cells(Term&& term) const {
+    return ordered_sum(block_.size(), std::forward<Term>(term), 0., kCellThreshold);
   }
 
   const Rest& rest(int cell, int g) const { return rest_[static_cast<std::size_t>(cell * points_ + g)]; }
@@ -452,6 +445,11 @@ class BlockCells final : public Elasticity {
         now.inverted |= !(1 + now.swelling[at] > 0);
       }
     }
+  }
+  void set_stresses(const Positions& positions, int cell, Stresses& now) const {
+    set_strains(positions, cell, now);
+    laws_->stresses(cell, span(now.A), span(now.S));
+    set_pressures(cell, now, now.p);
   }
   bool is_inverted(const Positions& positions, int cell) const {
     Strains now;
