@@ -10,14 +10,18 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <iostream>
 #include <new>
 #include <string_view>
 #include <system_error>
 
+#include "command/identify.h"
 #include "elastin/contact/overlaps.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/openmp/openmp.h"
+#include "lab/live/live.h"
+#include "lab/report/files.h"
 #include "lab/report/json.h"
 #include "lab/report/progress.h"
 #include "lab/report/screen.h"
@@ -27,6 +31,8 @@
 #include "lab/study/compare.h"
 #include "lab/study/csv_plot.h"
 #include "lab/study/material_plot.h"
+#include "lab/study/new_scene.h"
+#include "lab/study/steppers.h"
 #include "lab/study/verdicts.h"
 
 namespace elastin::command {
@@ -40,21 +46,27 @@ Examples:
   {0} compare scenes/zoo/*.yaml --summary                   what each strategy is worth over all bodies
   {0} compare scenes/material/cantilever.yaml --out out     also a page: error against time, the body in 3D, tables
   {0} compare scenes/tension/cube-1000.yaml --vary 'solver.linear_solver=[pcg, direct]' --repeats 5
+  {0} compare scenes/steppers/cube-1000.yaml --out out      modulus, error and milliseconds of each time-stepping scheme
   {0} run scenes/tension/dogbone.yaml --out out             one strategy, all measures; files for ParaView in out/
   {0} run scenes/tension/cube-27-face.yaml --set stiffness=lattice --set material.youngs_modulus='10 kPa'
   {0} run scenes/tension/cube-1000.yaml --json - | jq .runs[0].measures
   {0} check scenes/tension/table1-b.yaml                    counts of the body, and its zero-energy modes
   {0} verify scenes/hard/*.yaml --choices                   hard cases compared with their known results
+  {0} identify scenes/identify/treloar-ogden.yaml           the material of a measured curve, and how sure its numbers are
+  {0} lab scenes/tension/cube-1000.yaml --out lab.html      the body in a browser: drag it, change its strategy, test it
   {0} list                                                  strategies and their parameters
+  {0} new strip --size '40 x 10 x 4 mm' --modulus '20 kPa'  a commented scene to begin with; without options it asks
 
 Exit codes: 0 all expectations hold; 1 an expectation or a run failed; 2 wrong use or input.
 )";
 
 struct Options : Request {
-  std::string resume_from, x_column, y_column;
+  std::string resume_from, x_column, y_column, page, module;
+  IdentifyRequest identify;
   int threads = 0;
   double stretch = 1.5;
   bool others = false, markdown = false, keys = false;
+  NewScene scene;
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -103,6 +115,7 @@ int run_all(Options& options, const Catalog& catalog, bool compare) {
     options.resume = true;
   }
   std::signal(SIGINT, note_interrupt);
+  if (compare && compares_steppers(options, catalog)) return compare_steppers(options, catalog) ? 0 : 1;
   return run_scenes(options, catalog) ? 0 : 1;
 }
 
@@ -147,12 +160,105 @@ int check_scenes(const Options& options, const Catalog& catalog) {
   return sound ? 0 : 1;
 }
 
+/// The first interrupt ends the search under way with the best that it has.
+int identify_all(Options& options, const Catalog& catalog) {
+  options.interrupted = [] { return interrupted != 0; };
+  std::signal(SIGINT, note_interrupt);
+  return identify_scenes(options, options.identify, catalog) ? 0 : 1;
+}
+
+/// Where tools/setup --web puts the module beside this program, or where an installed one has it.
+std::string module_folder(const Options& options) {
+  if (!options.module.empty()) return options.module;
+  std::error_code problem;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", problem);
+  const std::filesystem::path root = program.parent_path().parent_path();
+  const std::filesystem::path installed = root / "share" / "elastin" / "web";
+  return (std::filesystem::exists(installed) ? installed : root / "web" / "bin").string();
+}
+
+/// The scene as a page that runs it in a browser.
+int write_lab(const Options& options, const Catalog& catalog) {
+  if (options.scenes.size() != 1) throw InputError("lab: name one scene");
+  const auto scene = load_scene(options.scenes.front(), catalog, options.overrides);
+  const std::string page = live_page(*scene, catalog, load_web_module(module_folder(options)));
+  if (options.page == "-") {
+    fmt::print("{}", page);
+    return 0;
+  }
+  write_whole(options.page, page);
+  if (!options.quiet)
+    fmt::print("{}: {:.2f} MB, opens in any browser\n", options.page, 1e-6 * static_cast<double>(page.size()));
+  return 0;
+}
+
 int list_catalog(const Options& options, const Catalog& catalog) {
   if (options.keys)
     fmt::print("{}", key_reference(catalog, built_in_experiments()));
   else
     fmt::print("{}", catalog_text(catalog, built_in_experiments(), colours_on(STDOUT_FILENO)));
   return 0;
+}
+
+/// The answer to a question on the terminal; "" at the end of input.
+std::string answer_to(const std::string& question, const std::string& otherwise) {
+  fmt::print(stderr, "{}{}: ", question, otherwise.empty() ? "" : " [" + otherwise + "]");
+  std::string line;
+  std::getline(std::cin, line);
+  return line.empty() ? otherwise : line;
+}
+
+/// What the options leave open is asked for, on a terminal only.
+void ask_for_rest(NewScene& scene, bool modulus_given) {
+  const bool can_ask = isatty(STDIN_FILENO) && isatty(STDERR_FILENO);
+  if (scene.specimen.empty()) {
+    std::string names;
+    for (const NewSpecimen& row : new_specimens()) {
+      if (can_ask) fmt::print(stderr, "  {:12} {}\n", row.name, row.summary);
+      names += std::string(names.empty() ? "" : ", ") + row.name;
+    }
+    if (!can_ask) throw InputError("new: name a specimen: " + names);
+    scene.specimen = answer_to("specimen", "strip");
+  }
+  for (const NewSpecimen& row : new_specimens()) {
+    if (scene.specimen != row.name) continue;
+    std::string& missing = row.from_file ? scene.mesh : scene.size;
+    if (!missing.empty()) continue;
+    if (!can_ask)
+      throw InputError(std::string("new ") + row.name +
+                       (row.from_file ? ": give --mesh FILE" : ": give --size, such as '40 x 10 x 4 mm'"));
+    missing = answer_to(row.from_file ? "file of the mesh or surface" : "size along x, y, z",
+                        row.from_file ? "" : "40 x 10 x 4 mm");
+    if (!modulus_given) scene.modulus = answer_to("Young's modulus", scene.modulus);
+  }
+}
+
+/// Writes a scene to begin with, reads it as any scene is read, and says how to go on.
+int write_new_scene(Options& options, const Catalog& catalog, bool modulus_given) {
+  ask_for_rest(options.scene, modulus_given);
+  const std::string path = options.out.empty() ? options.scene.specimen + ".yaml" : options.out;
+  if (std::filesystem::exists(path)) throw InputError(path + ": is there already; choose another name with --out");
+  write_whole(path, new_scene_text(options.scene, std::filesystem::path(path).parent_path().string()));
+  const auto scene = load_scene(path, catalog, {});
+  if (!options.quiet)
+    fmt::print("  {}: {} molecules, {} cells\n  elastin compare {} --out out    runs it and writes out/report.html\n",
+               path, scene->specimen.body.size(), count_cells(scene->specimen.body), path);
+  return 0;
+}
+
+void add_new_options(CLI::App& command, Options& options) {
+  std::string names;
+  for (const NewSpecimen& row : new_specimens())
+    names += fmt::format("{}{}: {}", names.empty() ? "" : "; ", row.name, row.summary);
+  command.add_option("specimen", options.scene.specimen, names);
+  command.add_option("--size", options.scene.size, "Lengths of a block along x, y, z: '40 x 10 x 4 mm'");
+  command.add_option("--mesh", options.scene.mesh, "File of the mesh (dogbone) or of the closed surface (organ)");
+  command.add_option("--length-unit", options.scene.length_unit, "Unit of the file's coordinates")
+      ->capture_default_str();
+  command.add_option("--modulus", options.scene.modulus, "Young's modulus")->capture_default_str();
+  command.add_option("--poissons-ratio", options.scene.poissons_ratio, "Poisson's ratio")->capture_default_str();
+  command.add_option("--out", options.out, "File to write; default: SPECIMEN.yaml");
+  command.add_flag("--quiet", options.quiet, "Print nothing but errors");
 }
 
 void add_scene_options(CLI::App& command, Options& options) {
@@ -173,10 +279,12 @@ void add_file_options(CLI::App& command, Options& options) {
   command.add_option("--out", options.out, "Folder for CSV, JSON, curves and ParaView files");
   command.add_option("--restart", options.restart, "Continue a run in time from a .restart file that --out wrote");
   command.add_flag("--live", options.live, "Show at most time.frame_rate frames a second");
+  command.add_option("--baseline", options.baseline, "Folder of an earlier --out: tell what changed since, run by run");
   command.add_option("--json", options.json, "JSON file; - for standard output, and nothing else there");
 }
 
 void add_study_options(CLI::App& command, Options& options) {
+  command.add_flag("--verbose", options.verbose, "Print every run in full as it is finished, before the tables");
   command.add_flag("--summary", options.summary, "Print only the summary over all scenes: by strategy, by body");
   command
       .add_option("--vary", options.vary,
@@ -184,11 +292,32 @@ void add_study_options(CLI::App& command, Options& options) {
                   "together. May be repeated: every combination runs")
       ->take_all()
       ->allow_extra_args(false);
+  command.add_option("--steppers", options.steppers,
+                     "Compare time-stepping schemes on the scene's own strategy: names separated by commas, or all");
   command.add_option("--repeats", options.repeats, "Run everything this often, in turn; the fastest run counts")
       ->check(CLI::Range(1, 1000));
   command.add_option("--resume", options.resume_from, "Continue in a folder of --out: finished runs are not repeated");
   command.add_option("--peers", options.peers,
                      "CSV of other programs' runs for the page: method, minimum_s, error, scene");
+}
+
+void add_identify_options(CLI::App& command, Options& options) {
+  add_scene_options(command, options);
+  command
+      .add_option("--data", options.identify.data,
+                  "CSV file instead of the scene's own: FILE, or TEST=FILE. May be repeated")
+      ->take_all()
+      ->allow_extra_args(false);
+  command
+      .add_option("--tests", options.identify.tests,
+                  "Tests that count, separated by commas; the others are predicted alone")
+      ->delimiter(',');
+  command.add_option("--laws", options.identify.laws,
+                     "Laws that are compared, separated by commas (yeoh/2: with two terms); all stands for every one");
+  command.add_option("--strategies", options.strategies,
+                     "Strategies of the specimens instead of their scenes' own, separated by commas: each is fitted");
+  command.add_option("--json", options.json, "JSON file; - for standard output, and nothing else there");
+  command.add_option("--out", options.out, "Folder for the page, JSON, every point, and the scene with its numbers");
 }
 
 void add_run_options(CLI::App& command, Options& options) {
@@ -224,7 +353,7 @@ std::string unknown_word(const CLI::App& app, int argc, const char* const* argv)
 /// The commands of the command line; what they are given goes to `options`.
 struct Commands {
   CLI::App app;
-  CLI::App *run, *compare, *verify, *check, *list, *plot;
+  CLI::App *run, *compare, *verify, *check, *identify, *list, *plot, *lab, *create;
 
   Commands(const std::string& name, Options& options)
       : app("Elastin: soft tissue as molecules and connections, and the modulus it really has.", name),
@@ -233,8 +362,11 @@ struct Commands {
             app.add_subcommand("compare", "Run a scene with many strategies; print measured modulus, error and cost")),
         verify(app.add_subcommand("verify", "Compare scenes with the results that they expect; print verdicts")),
         check(app.add_subcommand("check", "Print counts, pieces and zero-energy modes of a scene's body")),
+        identify(app.add_subcommand("identify", "Fit a scene's material to measured tests; print how sure it is")),
         list(app.add_subcommand("list", "List strategies, their parameters, and measures")),
-        plot(app.add_subcommand("plot", "Draw two columns of a CSV file, or the curves of a scene's material: SVG")) {
+        plot(app.add_subcommand("plot", "Draw two columns of a CSV file, or the curves of a scene's material: SVG")),
+        lab(app.add_subcommand("lab", "Write a scene's body as a page that moves it under a hand in a browser")),
+        create(app.add_subcommand("new", "Write a commented scene for a specimen, from options or three questions")) {
     app.set_version_flag("--version", std::string("elastin ") + ELASTIN_VERSION);
     app.require_subcommand(1);
     add_run_options(*run, options);
@@ -246,6 +378,7 @@ struct Commands {
                      "Also run each case with explicit steps, implicit steps, small displacements, plain springs");
     verify->add_flag("--markdown", options.markdown, "Print the table as Markdown, with titles");
     add_scene_options(*check, options);
+    add_identify_options(*identify, options);
     list->add_flag("--keys", options.keys, "List every key of a scene instead, as Markdown");
     plot->add_option("files", options.scenes,
                      "CSV files: curves, time histories, runs, rows of benchmarks; or the word material, and scenes")
@@ -258,8 +391,14 @@ struct Commands {
         ->check(CLI::Range(1.001, 100.))
         ->capture_default_str();
     plot->add_option("--set", options.overrides, "plot material: key=value, another value in the scenes");
+    add_scene_options(*lab, options);
+    lab->add_option("--out", options.page, "The HTML file; - for standard output")->required();
+    lab->add_option("--module", options.module,
+                    "Folder of elastin.js and elastin.wasm, as tools/setup --web builds them");
+    add_new_options(*create, options);
     const std::string examples = fmt::format(kExamples, name);
-    for (CLI::App* command : {&app, run, compare, verify, check, list, plot}) command->footer(examples);
+    for (CLI::App* command : {&app, run, compare, verify, check, identify, list, plot, lab, create})
+      command->footer(examples);
   }
 };
 
@@ -268,8 +407,11 @@ int run_chosen(const Commands& commands, Options& options, const Catalog& catalo
   set_screen_width(terminal_width(STDOUT_FILENO));
   set_threads(options.threads);
   if (*commands.list) return list_catalog(options, catalog);
+  if (*commands.create) return write_new_scene(options, catalog, commands.create->get_option("--modulus")->count() > 0);
   if (*commands.verify) return verify_scenes(options, catalog);
   if (*commands.check) return check_scenes(options, catalog);
+  if (*commands.identify) return identify_all(options, catalog);
+  if (*commands.lab) return write_lab(options, catalog);
   if (*commands.plot)
     return options.scenes.front() == "material" ? plot_materials(options, catalog) : plot_columns(options);
   return run_all(options, catalog, static_cast<bool>(*commands.compare));

@@ -1,5 +1,7 @@
 #include "mesh/text_file.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -28,6 +30,9 @@ bool parse(std::string_view word, T& value) {
 }  // namespace
 
 File load_file(const std::string& path) {
+  struct stat status = {};
+  if (stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode))
+    throw InputError(SourceLocation{path, 0, 0}, "is no regular file; a pipe or a device may have no end");
   const auto close = [](std::FILE* stream) { std::fclose(stream); };
   const std::unique_ptr<std::FILE, decltype(close)> stream(std::fopen(path.c_str(), "rb"), close);
   File file{path, {}};

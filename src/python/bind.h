@@ -22,6 +22,7 @@ void add_bodies(py::module_& module);
 void add_strategies(py::module_& module);
 void add_simulation(py::module_& module);
 void add_laboratory(py::module_& module);
+void add_identify(py::module_& module);
 
 /// A numpy array over memory that belongs to `owner`, which lives as long as the array does.
 template <class T>

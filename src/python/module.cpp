@@ -44,4 +44,5 @@ PYBIND11_MODULE(_elastin, module) {
   add_strategies(module);
   add_simulation(module);
   add_laboratory(module);
+  add_identify(module);
 }

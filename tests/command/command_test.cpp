@@ -186,11 +186,11 @@ TEST_CASE("exit code 2: wrong use or input, told on standard error alone", "[com
            {"run " + cube + " --strategies standard,,",
             "elastin: --strategies: unknown strategy ''; allowed: standard, "},
            {"run " + cube + " --out " + cube,
-            "elastin: " + cube + "/runs.csv: cannot make its folder: Not a directory"},
+            "elastin: " + cube + "/runs.jsonl: cannot make its folder: Not a directory"},
            {"run " + cube + " --json " + folder.path(""), "elastin: " + folder.path("") + ": cannot "},
            {"compare " + cube + " " + folder.path(".") + "/cube.yaml --out o", "elastin: --out: " + cube + " and "},
            {"rum " + cube,
-            "elastin: unknown command 'rum'; did you mean 'run'? (allowed: run, compare, verify, check, list, plot)"},
+            "elastin: unknown command 'rum'; did you mean 'run'? (allowed: run, compare, verify, check, "},
            {"run " + cube + " --threds 2", "elastin: unknown option '--threds'; did you mean '--threads'?"},
            {"run " + cube + " --threads -1", "--threads: "},
            {"check " + cube + " --out o", "The following argument was not expected: --out"},
@@ -351,7 +351,7 @@ TEST_CASE("the option --out leaves every file whole", "[command]") {
   for (const auto& entry : std::filesystem::directory_iterator(out)) files.insert(entry.path().filename().string());
   std::set<std::string> expected{"runs.csv",    "runs.json",      "runs.jsonl",     "views.jsonl",
                                  "report.html", "cube-error.svg", "cube-course.svg"};
-  for (const std::string run : {"cube-standard", "cube-a-b---c"})  // what cannot run leaves no curve
+  for (const std::string run : {"cube-standard", "cube-a~2fb-~26-c"})  // what cannot run leaves no curve
     for (const char* end : {"-curve.csv", ".pvd", "-000.vtu", "-001.vtu", "-002.vtu"}) expected.insert(run + end);
   CHECK(files == expected);
   for (const std::string& file : files) {

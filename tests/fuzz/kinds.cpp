@@ -11,7 +11,7 @@
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/mesh/mesh_file.h"
 #include "lab/experiment/restart.h"
-#include "lab/report/csv.h"
+#include "lab/format/csv.h"
 #include "lab/scene/scene.h"
 #include "lab/study/journal.h"
 

@@ -1,5 +1,7 @@
 #include "elastin/mesh/mesh_file.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
@@ -9,6 +11,7 @@
 
 #include "elastin/core/base/error.h"
 #include "mesh/mesh_formats.h"
+#include "support/temporary_folder.h"
 
 using namespace elastin;
 using namespace elastin::mesh;
@@ -231,6 +234,10 @@ TEST_CASE("each piece of a vtu file counts its own points", "[mesh_file]") {
 
 TEST_CASE("a file that can't be opened is told by name", "[mesh_file]") {
   CHECK_THROWS_WITH(load_mesh("no/such.msh"), "no/such.msh: cannot open: No such file or directory");
+  const TemporaryFolder folder;
+  const std::string pipe = folder.path("pipe.msh");
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  CHECK_THROWS_WITH(load_mesh(pipe), Catch::Contains("is no regular file"));  // and does not wait for a writer
   CHECK_THROWS_WITH(load_mesh("some.vtp"), Catch::StartsWith("some.vtp: unknown ending '.vtp'; did you mean '.vtk'?"));
   CHECK_THROWS_WITH(load_mesh("dir.msh/name"), Catch::StartsWith("dir.msh/name: unknown ending ''; allowed: .msh"));
 }

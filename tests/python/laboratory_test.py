@@ -11,6 +11,20 @@ ONE_OF_EACH_KIND = ["material/shear", "material/cube-stiffness", "dynamics/drag-
                     "membrane/sphere-corners-type-1"]
 
 
+class Identification(unittest.TestCase):
+    SCENE = f"{SOURCE}/scenes/identify/treloar-ogden.yaml"
+
+    def test_numbers_of_a_law(self):
+        found = elastin.identify(self.SCENE, laws=["mooney_rivlin"])
+        self.assertEqual([number["name"] for number in found["parameters"]], ["c1", "c2"])
+        self.assertAlmostEqual(found["parameters"][0]["value"], 0.1828e6, delta=200)  # the best known fit
+        self.assertAlmostEqual(found["relative_rms"]["equibiaxial"], 0.07, delta=0.005)
+
+    def test_wrong_use(self):
+        with self.assertRaisesRegex(elastin.InputError, "did you mean 'planar'"):
+            elastin.identify(self.SCENE, tests=["planer"])
+
+
 class TheCommandsNumbers(unittest.TestCase):
     def hold_against(self, result, run):
         self.assertEqual([result.scene, result.strategy, result.outcome],

@@ -9,6 +9,7 @@
 #include "elastin/core/simulation/catalog.h"
 #include "measure.h"
 #include "plain_loop.h"
+#include "support/law_constants.h"
 
 namespace bench {
 namespace {
@@ -163,16 +164,41 @@ std::vector<Row> run_laws(const Settings& settings) {
   const Body block = make_block(), sheet = make_sheet();
   const Catalog catalog = built_in_catalog();
   for (const Strategy& strategy : catalog.strategies()) {
-    if (strategy.kind != StrategyKind::cell_law || !strategy.unsuited_material(kMaterial).empty()) continue;
+    if (strategy.kind != StrategyKind::cell_law) continue;
     const bool solid = strategy.unsuited(block).empty();
+    Material material = solid ? kMaterial : membrane();
+    if (const auto constants = testing::law_constants(); constants.contains(strategy.law))
+      material = with_law(*catalog.material_laws.find(strategy.law), constants.at(strategy.law), material);
+    if (!strategy.unsuited_material(material).empty()) continue;
     say("laws, " + strategy.name);
     const auto found = in_child([&] {
       const Body& body = solid ? block : sheet;
       Model model(body);
-      model.add(strategy.make(body, solid ? kMaterial : membrane(), {}));
+      model.add(strategy.make(body, material, {}));
       return time_law(body, model, settings);
     });
     add_rows(strategy.name, found, settings, solid ? "tetrahedra" : "triangles", rows);
+  }
+  for (const char* name : {"prony:neo_hookean", "mullins:neo_hookean"}) {
+    say(std::string("laws, ") + name);
+    Material material = kMaterial;
+    material.relaxation = Relaxation{{{0.5, 1}, {0.3, 10}}};
+    material.softening = Softening{1.5, 1000, 0.1};
+    for (const bool second_order : {false, true}) {
+      const auto found = in_child([&] {
+        const Body body = second_order ? make_block_of(cell_kind("tetrahedron10")) : make_block();
+        Model model(body);
+        model.add(catalog.find(name).make(body, material, {}));
+        State state = state_at_rest(body);
+        model.declare_history(state);
+        state.positions = deformed(body);
+        model.commit_step(state);
+        model.begin_step(state, 0.1);
+        return time_law(body, model, settings);
+      });
+      add_rows(std::string(name) + (second_order ? ", tetrahedron10" : ""), found, settings,
+               second_order ? "tetrahedron10" : "tetrahedra", rows);
+    }
   }
   for (const CellKind& kind : cell_kinds()) {
     if (kind.dimensions != 3 || kind.name == "tetrahedron4" || kind.name == "prism6") continue;

@@ -4,8 +4,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "elastin/core/base/error.h"
@@ -110,6 +112,19 @@ std::pair<double, Dimension> parse_unit(std::string_view text, const Dimension& 
   return {factor, dimension};
 }
 
+/// std::from_chars of a decimal number.
+std::from_chars_result read_number(std::string_view text, double& number) {
+#ifdef __cpp_lib_to_chars
+  return std::from_chars(text.data(), text.data() + text.size(), number);
+#else  // libc++ before version 20 has it of whole numbers alone
+  const std::string copy(text.substr(0, text.find_first_not_of("0123456789+-.eE")));
+  char* end = nullptr;
+  number = std::strtod(copy.c_str(), &end);
+  const bool any = end != copy.c_str();
+  return {text.data() + (end - copy.c_str()), any ? std::errc() : std::errc::invalid_argument};
+#endif
+}
+
 }  // namespace
 
 Quantity parse_quantity(std::string_view text, const Dimension& wanted) {
@@ -117,7 +132,7 @@ Quantity parse_quantity(std::string_view text, const Dimension& wanted) {
   while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
   const bool plus = text.starts_with('+') && !text.starts_with("+-");
   double number = 0;
-  const auto [end, problem] = std::from_chars(text.data() + plus, text.data() + text.size(), number);
+  const auto [end, problem] = read_number(text.substr(plus), number);
   if (problem != std::errc() || !std::isfinite(number))
     throw InputError(with_examples("'" + std::string(text) + "' does not start with a finite number", wanted));
   std::string_view unit = text.substr(static_cast<std::size_t>(end - text.data()));

@@ -7,10 +7,13 @@
 #include <utility>
 
 #include "core/base/rows.h"
+#include "core/forces/relaxing.h"
 #include "core/model/block_geometry.h"
 #include "core/model/incidence.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/dense.h"
+#include "elastin/core/forces/mullins.h"
+#include "elastin/core/laws/local.h"
 
 namespace elastin {
 namespace {
@@ -43,7 +46,7 @@ double swelling_of(const Matrix3& H) {
 }
 
 template <int d>
-class BlockCells final : public Elasticity {
+class BlockCells final : public Elasticity, public LocalElasticity {
   using Gradient = Eigen::Matrix<double, 3, d>;  ///< F, δF, F S
   using Square = Eigen::Matrix<double, d, d>;
   using Moduli = TangentModuli<d>;
@@ -68,6 +71,38 @@ class BlockCells final : public Elasticity {
   bool has_energy() const override { return laws_->has_energy(); }
   bool at_nodes() const override { return true; }
 
+  bool add_local_terms(std::vector<const LocalElasticity*>& terms) const override {
+    if (!has_energy() || dissipates()) return false;
+    terms.push_back(this);
+    return true;
+  }
+  int elements() const override { return block_.size(); }
+  std::span<const int> molecules_of(int cell) const override { return block_.cell(cell); }
+  double element_energy(const Positions& positions, int cell) const override { return energy_of(positions, cell); }
+  void add_blocks(const Positions& positions, std::span<const LocalSlot> slots, LocalBlock& block) const override {
+    for (const auto& [cell, node] : slots) add_block(positions, cell, node, block);
+  }
+  /// J at a point is linear in the position of one node.
+  double relative_change(const Positions& positions, std::span<const LocalSlot> slots,
+                         const Vector3& motion) const override {
+    double most = 0;
+    for (const auto& [cell, node] : slots) {
+      Strains now;
+      set_strains(positions, cell, now);
+      for (int g = 0; g < points_; ++g) {
+        const auto at = static_cast<std::size_t>(g);
+        const Eigen::Matrix<double, d, 1> B = rest(cell, g).inverse.transpose() * reference_slope(g, node);
+        most = std::max(most, motion.norm() * B.norm());
+        if constexpr (d == 3) {
+          const double before = 1 + now.swelling[at], after = before + motion.dot(cofactors(now.F[at]) * B);
+          if (!(before > 0) || !(after > 0)) return std::numeric_limits<double>::infinity();
+          most = std::max(most, std::abs(after - before) / std::min(before, after));
+        }
+      }
+    }
+    return most;
+  }
+
   bool admissible(const Positions& positions) const override {
     if (d == 2) return true;
     return sum_over_cells([&](int cell) { return is_inverted(positions, cell) ? 1. : 0.; }) == 0;
@@ -75,20 +110,7 @@ class BlockCells final : public Elasticity {
 
   double energy(const Positions& positions) const override {
     if (!has_energy()) return 0;
-    return sum_over_cells([&](int cell) -> double {
-      Strains now;
-      set_strains(positions, cell, now);
-      if (d == 3 && now.inverted) return std::numeric_limits<double>::infinity();
-      std::array<double, kMostPoints> weights;
-      for (int g = 0; g < points_; ++g) weights[static_cast<std::size_t>(g)] = rest(cell, g).weight;
-      double sum = laws_->energy(cell, span(now.A), {weights.data(), static_cast<std::size_t>(points_)});
-      if constexpr (d == 3)
-        if (!volume_.empty()) {
-          const Pressures theta = projected_swelling(cell, now);
-          for (int g = 0; g < points_; ++g) sum += rest(cell, g).weight * volume_of(cell).energy(at_point(theta, g));
-        }
-      return sum;
-    });
+    return sum_over_cells([&](int cell) { return energy_of(positions, cell); });
   }
 
   void add_force_densities(const Positions&, VectorX&, Workspace&) const override {}
@@ -165,8 +187,10 @@ class BlockCells final : public Elasticity {
           set_stresses(positions, cell, now);
           std::array<Moduli, kMostPoints> D;
           laws_->tangents(cell, span(now.A), {D.data(), static_cast<std::size_t>(points_)});
+          if (softened_) soften_tangents(cell, now, D);
           for (int g = 0; g < points_; ++g) {
             const auto at = static_cast<std::size_t>(g);
+            if (relaxing_) D[at] *= relaxing_.factor();
             if constexpr (d == 3)
               if (!volume_.empty()) add_pressure(now.p[at], now.A[at], now.S[at], D[at]);
             const double weight = rest(cell, g).weight;
@@ -319,7 +343,38 @@ class BlockCells final : public Elasticity {
     }
   }
 
+  bool soften(const Softening& softening) override {
+    if (has_energy()) softened_ = SoftenedElements(softening, block_.size() * points_);
+    return has_energy();
+  }
+  bool relax(const Relaxation& relaxation) override {
+    relaxing_ = Relaxing(relaxation, static_cast<Eigen::Index>(block_.size()) * points_ * kComponents);
+    return true;
+  }
+  bool dissipates() const override { return softened_ || relaxing_; }
+  std::vector<HistoryBlock> history(const std::string& name) const override {
+    std::vector<HistoryBlock> all = softened_.history(name + ".most");
+    if (relaxing_) all.push_back(relaxing_.history(name).front());
+    return all;
+  }
+  void begin_step(const std::string& name, const State& from, double time) override {
+    if (softened_) softened_.begin_step(name + ".most", from);
+    if (relaxing_) relaxing_.begin_step(name, from, time);
+  }
+  void commit_step(const std::string& name, State& state) override {
+    if (relaxing_) {
+      set_relaxing_stresses(state.positions);
+      relaxing_.commit_step(name, state);
+    }
+    if (softened_)
+      softened_.commit_step(name + ".most", state, [&, cell_of = -1, now = Strains()](int element) mutable {
+        if (const int cell = element / points_; cell != cell_of) set_strains(state.positions, cell_of = cell, now);
+        return density(cell_of, element % points_, now);
+      });
+  }
+
  private:
+  static constexpr int kComponents = d * (d + 1) / 2;
   /// A pass over cells costs so much a cell that few are worth another thread.
   static constexpr int kCellThreshold = 200;
   using Pressures = Eigen::Matrix<double, kMostPressures, 1>;
@@ -357,6 +412,52 @@ class BlockCells final : public Elasticity {
   template <class Term>
   double sum_over_cells(Term&& term) const {
     return ordered_sum(block_.size(), std::forward<Term>(term), 0., kCellThreshold);
+  }
+
+  double energy_of(const Positions& positions, int cell) const {
+    Strains now;
+    set_strains(positions, cell, now);
+    if (d == 3 && now.inverted) return std::numeric_limits<double>::infinity();
+    std::array<double, kMostPoints> weights;
+    for (int g = 0; g < points_; ++g) weights[static_cast<std::size_t>(g)] = rest(cell, g).weight;
+    double sum = softened_ ? softened_energy_of(cell, now)
+                           : laws_->energy(cell, span(now.A), {weights.data(), static_cast<std::size_t>(points_)});
+    if constexpr (d == 3)
+      if (!volume_.empty()) {
+        const Pressures theta = projected_swelling(cell, now);
+        for (int g = 0; g < points_; ++g) sum += rest(cell, g).weight * volume_of(cell).energy(at_point(theta, g));
+      }
+    if (!relaxing_) return sum;
+    sum *= relaxing_.factor();
+    for (int g = 0; g < points_; ++g)
+      sum += rest(cell, g).weight / 2 * left_stress(cell, g).cwiseProduct(now.A[static_cast<std::size_t>(g)]).sum();
+    return sum;
+  }
+
+  /// What one cell makes of the position of one of its nodes: the diagonal block of visit_diagonal, of one node alone.
+  void add_block(const Positions& positions, int cell, int node, LocalBlock& block) const {
+    Stresses now;
+    set_stresses(positions, cell, now);
+    std::array<Moduli, kMostPoints> D;
+    laws_->tangents(cell, span(now.A), {D.data(), static_cast<std::size_t>(points_)});
+    Eigen::Matrix<double, 3, kMostPressures> G = Eigen::Matrix<double, 3, kMostPressures>::Zero();
+    for (int g = 0; g < points_; ++g) {
+      const auto at = static_cast<std::size_t>(g);
+      const double weight = rest(cell, g).weight;
+      const Eigen::Matrix<double, d, 1> B = rest(cell, g).inverse.transpose() * reference_slope(g, node);
+      if constexpr (d == 3)
+        if (!volume_.empty()) {
+          const Vector3 of_volume = weight * cofactors(now.F[at]) * B;
+          G += of_volume * functions_[at].transpose();
+          add_pressure(now.p[at], now.A[at], now.S[at], D[at]);
+        }
+      block.gradient += weight * now.F[at] * (now.S[at] * B);
+      const Eigen::Matrix<double, Components<d>::RowsAtCompileTime, 3> V = changes_of(now.F[at], B);
+      block.hessian.noalias() += weight / 2 * (V.transpose() * (D[at] * V));
+      block.hessian.diagonal().array() += weight * B.dot(now.S[at] * B);
+    }
+    if constexpr (d == 3)
+      if (!volume_.empty()) block.hessian += G * stiffness_of_pressures(cell, now) * G.transpose();
   }
 
   const Rest& rest(int cell, int g) const { return rest_[static_cast<std::size_t>(cell * points_ + g)]; }
@@ -446,10 +547,90 @@ class BlockCells final : public Elasticity {
       }
     }
   }
-  void set_stresses(const Positions& positions, int cell, Stresses& now) const {
+  /// Without relaxation.
+  void set_elastic_stresses(const Positions& positions, int cell, Stresses& now) const {
     set_strains(positions, cell, now);
     laws_->stresses(cell, span(now.A), span(now.S));
+    if (softened_)
+      for (int g = 0; g < points_; ++g) now.S[static_cast<std::size_t>(g)] *= softened_at(cell, g, now).factor;
     set_pressures(cell, now, now.p);
+  }
+  void set_stresses(const Positions& positions, int cell, Stresses& now) const {
+    set_elastic_stresses(positions, cell, now);
+    if (!relaxing_) return;
+    for (int g = 0; g < points_; ++g) {
+      const auto at = static_cast<std::size_t>(g);
+      now.S[at] = relaxing_.factor() * now.S[at] + left_stress(cell, g);
+      if (!volume_.empty()) now.p[at] *= relaxing_.factor();
+    }
+  }
+
+  // --------------------------------------------------------------------------------------------- history at the points
+
+  /// W of the laws at one point [J/m³], [J/m²].
+  double density(int cell, int g, const Strains& now) const {
+    const double one = 1;
+    return laws_->energy(cell, {&now.A[static_cast<std::size_t>(g)], 1}, {&one, 1});
+  }
+  SoftenedEnergy softened_at(int cell, int g, const Strains& now) const {
+    return softened_.at(cell * points_ + g, density(cell, g, now));
+  }
+  double softened_energy_of(int cell, const Strains& now) const {
+    double sum = 0;
+    for (int g = 0; g < points_; ++g) sum += rest(cell, g).weight * softened_at(cell, g, now).energy;
+    return sum;
+  }
+  /// D = η ∂S/∂C + ½ η′ S S, S that of the law.
+  void soften_tangents(int cell, const Strains& now, std::array<Moduli, kMostPoints>& D) const {
+    std::array<Square, kMostPoints> S;
+    laws_->stresses(cell, span(now.A), span(S));
+    for (int g = 0; g < points_; ++g) {
+      const auto at = static_cast<std::size_t>(g);
+      const SoftenedEnergy softened = softened_at(cell, g, now);
+      const Components<d> own = components_of(S[at]);
+      D[at] = softened.factor * D[at] + softened.slope / 2 * own * own.transpose();
+    }
+  }
+  static Components<d> components_of(const Square& tensor) {
+    Components<d> own;
+    constexpr auto order = components<d>();
+    for (int k = 0; k < own.size(); ++k) {
+      const auto [i, j] = order[static_cast<std::size_t>(k)];
+      own[k] = tensor(i, j);
+    }
+    return own;
+  }
+  /// What the past has left of the stress at a point.
+  Square left_stress(int cell, int g) const {
+    const double* own = relaxing_.fixed().data() + static_cast<std::ptrdiff_t>(cell * points_ + g) * kComponents;
+    Square tensor;
+    constexpr auto order = components<d>();
+    for (int k = 0; k < kComponents; ++k) {
+      const auto [i, j] = order[static_cast<std::size_t>(k)];
+      tensor(i, j) = tensor(j, i) = own[k];
+    }
+    return tensor;
+  }
+  /// S of all points, with the cells' pressures, without relaxation.
+  void set_relaxing_stresses(const Positions& positions) {
+    double* all = relaxing_.now().data();
+    parallel_for(
+        block_.size(),
+        [&](int cell) {
+          Stresses now;
+          set_elastic_stresses(positions, cell, now);
+          for (int g = 0; g < points_; ++g) {
+            const auto at = static_cast<std::size_t>(g);
+            if constexpr (d == 3)
+              if (!volume_.empty()) {
+                const Dilatation shape(now.A[at]);
+                now.S[at] += now.p[at] * shape.J() * shape.inverse;
+              }
+            Eigen::Map<Components<d>>(all + static_cast<std::ptrdiff_t>(cell * points_ + g) * kComponents) =
+                components_of(now.S[at]);
+          }
+        },
+        kCellThreshold);
   }
   bool is_inverted(const Positions& positions, int cell) const {
     Strains now;
@@ -526,6 +707,9 @@ class BlockCells final : public Elasticity {
   }
   /// Q in δp = Q ∫ φ δJ: M⁻¹ ∫ U″ φ φᵀ M⁻¹.
   void set_stiffness_of_pressures(int cell, const Strains& now) {
+    stiffness_of_pressures_[static_cast<std::size_t>(cell)] = stiffness_of_pressures(cell, now);
+  }
+  PressureMatrix stiffness_of_pressures(int cell, const Strains& now) const {
     const Pressures theta = projected_swelling(cell, now);
     PressureMatrix sum = PressureMatrix::Zero();
     for (int g = 0; g < points_; ++g) {
@@ -533,7 +717,7 @@ class BlockCells final : public Elasticity {
       sum += rest(cell, g).weight * volume_of(cell).curvature(at_point(theta, g)) * own * own.transpose();
     }
     const PressureMatrix& M = inverse_mass_[static_cast<std::size_t>(cell)];
-    stiffness_of_pressures_[static_cast<std::size_t>(cell)] = M * sum * M;
+    return relaxing_ ? PressureMatrix(relaxing_.factor() * M * sum * M) : PressureMatrix(M * sum * M);
   }
   /// ∂(∫ φ_k J)/∂x, 3 n × m.
   Eigen::MatrixXd pressure_gradients(int cell) const {
@@ -590,6 +774,8 @@ class BlockCells final : public Elasticity {
   int points_;
   std::shared_ptr<const PointLaws<d>> laws_;
   std::vector<Volumetric> volume_;  ///< empty: the laws' own
+  SoftenedElements softened_;       ///< a point each
+  Relaxing relaxing_;               ///< the stress at each point
   Rows slots_;                      ///< of each molecule among the nodes of all cells
   std::vector<Rest> rest_;
   std::vector<Gradient> frames_;  ///< of membranes

@@ -1,13 +1,18 @@
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "core/parallel/parallel.h"
 #include "elastin/core/forces/elasticity.h"
+#include "elastin/core/forces/mullins.h"
+#include "elastin/core/laws/local.h"
 
 namespace elastin {
 namespace {
 
-/// Tension w L P(ε), ε = l/L − 1: q = w L P/l, ∂q/∂s = w (P′ − P L/l)/(2 l²), energy w L² ∫P dε.
-class CurveSprings final : public Elasticity {
+/// Tension w L P(ε), ε = l/L − 1: q = w L P/l, ∂q/∂s = w (P′ − P L/l)/(2 l²), energy w L² W, W = ∫P dε. Where they
+/// soften, P is η(W) P, and P′ is η P′ + η′ P².
+class CurveSprings final : public Elasticity, public LocalElasticity {
  public:
   CurveSprings(const Body& body, VectorX sections, StressStrain curve)
       : connections_(body.connections), sections_(std::move(sections)), curve_(std::move(curve)) {}
@@ -16,26 +21,78 @@ class CurveSprings final : public Elasticity {
   double energy(const Positions& positions) const override {
     return ordered_sum(connections_.size(), [&](int c) {
       const double rest = connections_.rest_length[c];
-      return sections_[c] == 0 ? 0 : sections_[c] * rest * rest * curve_.energy_density(strain(positions, c));
+      if (sections_[c] == 0) return 0.;
+      const double energy = curve_.energy_density(strain(positions, c));
+      return sections_[c] * rest * rest * (softened_ ? softened_.at(c, energy).energy : energy);
     });
   }
   void add_force_densities(const Positions& positions, VectorX& force_densities, Workspace&) const override {
     parallel_for(connections_.size(), [&](int c) {
       const double at = strain(positions, c);
-      if (sections_[c] != 0 && at > -1) force_densities[c] += sections_[c] * curve_.stress(at) / (1 + at);
+      if (sections_[c] != 0 && at > -1) force_densities[c] += sections_[c] * stress_at(c, at).first / (1 + at);
     });
   }
   void linearise(const Positions& positions) override {
     slopes_ = VectorX::Zero(connections_.size());
     parallel_for(connections_.size(), [&](int c) {
       const double at = strain(positions, c), stretch = 1 + at, length = stretch * connections_.rest_length[c];
-      if (sections_[c] != 0 && at > -1)
-        slopes_[c] = sections_[c] * (curve_.modulus(at) - curve_.stress(at) / stretch) / (2 * length * length);
+      if (sections_[c] == 0 || !(at > -1)) return;
+      const auto [stress, modulus] = stress_at(c, at);
+      slopes_[c] = sections_[c] * (modulus - stress / stretch) / (2 * length * length);
     });
   }
   void add_own_slopes(VectorX& slopes) const override { slopes += slopes_; }
 
+  bool add_local_terms(std::vector<const LocalElasticity*>& terms) const override {
+    if (dissipates()) return false;
+    terms.push_back(this);
+    return true;
+  }
+  int elements() const override { return connections_.size(); }
+  std::span<const int> molecules_of(int element) const override { return connections_.ends[element]; }
+  double element_energy(const Positions& positions, int element) const override {
+    const double rest = connections_.rest_length[element];
+    return sections_[element] == 0
+               ? 0
+               : sections_[element] * rest * rest * curve_.energy_density(strain(positions, element));
+  }
+  void add_blocks(const Positions& positions, std::span<const LocalSlot> slots, LocalBlock& block) const override {
+    for (const auto& [element, node] : slots) {
+      const double at = strain(positions, element);
+      if (sections_[element] == 0 || !(at > -1)) continue;
+      const auto& ends = connections_.ends[element];
+      const Vector3 d = positions.col(ends[node]) - positions.col(ends[1 - node]);
+      const double q = sections_[element] * curve_.stress(at) / (1 + at), stretch = std::max(0., q);
+      const double along = (sections_[element] * std::max(0., curve_.modulus(at)) - stretch) / d.squaredNorm();
+      block.gradient += q * d;
+      block.hessian += along * d * d.transpose() + stretch * Matrix3::Identity();
+    }
+  }
+  double relative_change(const Positions&, std::span<const LocalSlot> slots, const Vector3& motion) const override {
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const LocalSlot& slot : slots)
+      if (sections_[slot.element] != 0) shortest = std::min(shortest, connections_.rest_length[slot.element]);
+    return motion.norm() / shortest;
+  }
+  bool soften(const Softening& softening) override {
+    softened_ = SoftenedElements(softening, connections_.size());
+    return true;
+  }
+  bool dissipates() const override { return static_cast<bool>(softened_); }
+  std::vector<HistoryBlock> history(const std::string& name) const override { return softened_.history(name); }
+  void begin_step(const std::string& name, const State& from, double) override { softened_.begin_step(name, from); }
+  void commit_step(const std::string& name, State& state) override {
+    softened_.commit_step(name, state, [&](int c) { return curve_.energy_density(strain(state.positions, c)); });
+  }
+
  private:
+  /// P and P′ [Pa].
+  std::pair<double, double> stress_at(int c, double strain) const {
+    const double stress = curve_.stress(strain), modulus = curve_.modulus(strain);
+    if (!softened_) return {stress, modulus};
+    const SoftenedEnergy now = softened_.at(c, curve_.energy_density(strain));
+    return {now.factor * stress, now.factor * modulus + now.slope * stress * stress};
+  }
   double strain(const Positions& positions, int c) const {
     const auto& [a, b] = connections_.ends[c];
     const double rest = connections_.rest_length[c];
@@ -45,6 +102,7 @@ class CurveSprings final : public Elasticity {
   const Connections& connections_;
   VectorX sections_, slopes_;
   StressStrain curve_;
+  SoftenedElements softened_;
 };
 
 }  // namespace

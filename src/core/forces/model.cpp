@@ -185,6 +185,10 @@ void Model::set_forces(const State& state, Positions& forces) const {
 void Model::set_forces(const State& state, Positions& forces, Workspace& workspace) const {
   forces.setZero(3, body_->size());
   add_elastic_forces(state.positions, forces, workspace);
+  add_other_forces(state, forces, workspace);
+}
+
+void Model::add_other_forces(const State& state, Positions& forces, Workspace& workspace) const {
   if (!viscosity_.empty()) {
     set_squared_lengths_and_rates(state, workspace.squared_lengths, workspace.rates);
     workspace.force_densities.setZero(body_->connections.size());

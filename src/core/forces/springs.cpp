@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "core/forces/graph.h"
@@ -6,6 +7,7 @@
 #include "core/forces/spring_kernel.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/forces/elasticity.h"
+#include "elastin/core/laws/local.h"
 
 namespace elastin {
 namespace {
@@ -37,7 +39,7 @@ void add_spring_slopes(const Connections& connections, const VectorX& constants,
   });
 }
 
-class Springs final : public Elasticity {
+class Springs final : public Elasticity, public LocalElasticity {
  public:
   Springs(const Body& body, VectorX constants)
       : connections_(body.connections), constants_(std::move(constants)), grid_(GridSprings::make(body, constants_)) {}
@@ -65,6 +67,60 @@ class Springs final : public Elasticity {
   void linearise(const Positions& positions) override { positions_ = positions; }
   void add_own_slopes(VectorX& slopes) const override {
     add_spring_slopes(connections_, constants_, positions_, slopes);
+  }
+
+  bool add_local_terms(std::vector<const LocalElasticity*>& terms) const override {
+    terms.push_back(this);
+    return true;
+  }
+  int elements() const override { return connections_.size(); }
+  std::span<const int> molecules_of(int element) const override { return connections_.ends[element]; }
+  double element_energy(const Positions& positions, int element) const override {
+    const double stretch = length(connections_, positions, element) - connections_.rest_length[element];
+    return 0.5 * constants_[element] * stretch * stretch;
+  }
+  /// K = q I + (k − q) d dᵀ/l². A pressed spring would have its molecule go sideways: only k − q is left of it then.
+  void add_blocks(const Positions& positions, std::span<const LocalSlot> slots, LocalBlock& block) const override {
+    constexpr std::size_t most = 64;
+    double d[3][most], k[most], rest[most], q[most];
+    const SetSpringForceDensities set_force_densities = spring_kernel().set_force_densities;
+    for (std::size_t first = 0; first < slots.size(); first += most) {
+      const std::size_t count = std::min(most, slots.size() - first);
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto [element, node] = slots[first + i];
+        const auto& ends = connections_.ends[element];
+        const double *own = positions.data() + 3 * static_cast<std::ptrdiff_t>(ends[node]),
+                     *other = positions.data() + 3 * static_cast<std::ptrdiff_t>(ends[1 - node]);
+        d[0][i] = own[0] - other[0], d[1][i] = own[1] - other[1], d[2][i] = own[2] - other[2];
+        k[i] = constants_[element], rest[i] = connections_.rest_length[element];
+      }
+      set_force_densities({d[0], most}, k, rest, static_cast<int>(count), q);
+      double g[3] = {0, 0, 0}, h[6] = {0, 0, 0, 0, 0, 0}, round = 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        const double x = d[0][i], y = d[1][i], z = d[2][i], square = x * x + y * y + z * z;
+        const double along = square > 0 ? (k[i] - q[i]) / square : 0;
+        g[0] += q[i] * x, g[1] += q[i] * y, g[2] += q[i] * z;
+        round += q[i] * k[i] > 0 ? q[i] : 0;
+        const double straight = q[i] * k[i] > 0 ? along : square > 0 ? k[i] / square : 0;
+        h[0] += straight * x * x, h[1] += straight * x * y, h[2] += straight * x * z;
+        h[3] += straight * y * y, h[4] += straight * y * z, h[5] += straight * z * z;
+      }
+      block.gradient += Vector3(g[0], g[1], g[2]);
+      Matrix3 own;
+      own << h[0] + round, h[1], h[2], h[1], h[3] + round, h[4], h[2], h[4], h[5] + round;
+      block.hessian += own;
+    }
+  }
+  double relative_change(const Positions&, std::span<const LocalSlot> slots, const Vector3& motion) const override {
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const LocalSlot& slot : slots) shortest = std::min(shortest, connections_.rest_length[slot.element]);
+    return motion.norm() / shortest;
+  }
+  bool add_constraints(Constraints& all) const override {
+    if (constants_.size() > 0 && constants_.minCoeff() < 0) return false;
+    for (int c = 0; c < connections_.size(); ++c)
+      if (constants_[c] > 0) all.springs.push_back({connections_.ends[c], constants_[c], connections_.rest_length[c]});
+    return true;
   }
 
  private:

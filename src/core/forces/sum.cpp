@@ -75,6 +75,21 @@ class Sum final : public Elasticity {
   void commit_step(const std::string& name, State& state) override {
     for (std::size_t term = 0; term < terms_.size(); ++term) terms_[term]->commit_step(name_of(name, term), state);
   }
+  bool add_local_terms(std::vector<const LocalElasticity*>& terms) const override {
+    const std::size_t before = terms.size();
+    const bool whole = all([&](const Elasticity& term) { return term.add_local_terms(terms); });
+    if (!whole) terms.resize(before);
+    return whole;
+  }
+  bool soften(const Softening& softening) override {
+    bool any = false;
+    for (const auto& term : terms_) any |= term->soften(softening);
+    return any;
+  }
+  bool relax(const Relaxation& relaxation) override {
+    return all([&](const auto& term) { return term.at_nodes(); }) &&
+           all([&](auto& term) { return term.relax(relaxation); });
+  }
   bool dissipates() const override {
     return !all([](const Elasticity& term) { return !term.dissipates(); });
   }

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#if __has_include(<memory_resource>)
 #include <memory_resource>
+#endif
 #include <optional>
 #include <utility>
 
@@ -233,6 +235,7 @@ class Volume final : public Elasticity {
     set_spread(changes, pressures);
   }
 
+#if __has_include(<memory_resource>)
   using Gradient = std::pmr::vector<std::pair<int, Vector3>>;
   /// Room for one group's gradient after the other, without an allocation where groups are of usual size.
   struct GradientWorkspace {
@@ -240,6 +243,12 @@ class Volume final : public Elasticity {
     std::pmr::monotonic_buffer_resource memory{bytes.data(), bytes.size()};
     Gradient sums{&memory};
   };
+#else  // libc++ before version 16 has none
+  using Gradient = std::vector<std::pair<int, Vector3>>;
+  struct GradientWorkspace {
+    Gradient sums;
+  };
+#endif
 
   /// ∂(Σ w V_T)/∂x of each molecule of a group [m²], ascending.
   const Gradient& group_gradient(int group, GradientWorkspace& workspace) const {

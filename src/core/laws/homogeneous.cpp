@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "core/laws/solids/components.h"
@@ -94,59 +95,189 @@ class TestedLaw {
   Matrix3 axes_;
 };
 
-/// Newton's method for no stress where the test leaves the strain free, and, of an incompressible law, for det C = 1.
-bool solve(const TestedLaw& law, const Prescribed& test, double stiffness, Matrix3& A, double& pressure) {
-  const double rounding = 1e-14 * (1 + law.bulk_modulus() / stiffness);  // of stresses over the stiffness
-  const int count = static_cast<int>(test.free.size()), unknowns = count + (law.incompressible() && count > 0 ? 1 : 0);
-  // Stresses are judged as Kirchhoff's: S_ij √(C_ii C_jj), for S of a thin direction is large.
-  const auto weight = [&](const Matrix3& at, int i) {
-    const auto [row, column] = kComponents[test.free[static_cast<std::size_t>(i)]];
-    return std::sqrt((1 + at(row, row)) * (1 + at(column, column))) / stiffness;
-  };
-  const auto residual = [&](const Matrix3& at, double p) {
-    const Components S = components(law.stress(at, p));
-    VectorX r(unknowns);
-    for (int i = 0; i < count; ++i) r[i] = S[test.free[static_cast<std::size_t>(i)]] * weight(at, i);
-    if (unknowns > count) r[count] = Dilatation::determinant_change(at);
+/// What must vanish: the stresses where a test leaves the strain free, and, of an incompressible law, det C − 1. Its
+/// unknowns are these strains and the pressure over the stiffness.
+class Balance {
+ public:
+  Balance(const TestedLaw& law, const std::vector<int>& free, double stiffness)
+      : law_(law), free_(free), stiffness_(stiffness) {}
+
+  Eigen::Index strains() const { return static_cast<Eigen::Index>(free_.size()); }
+  Eigen::Index unknowns() const { return strains() + (law_.incompressible() && !free_.empty() ? 1 : 0); }
+  bool has_pressure() const { return unknowns() > strains(); }
+  double rounding() const { return 1e-14 * (1 + law_.bulk_modulus() / stiffness_); }  // of stresses over the stiffness
+
+  VectorX residual(const Matrix3& A, double pressure) const { return residual_of(A, law_.stress(A, pressure)); }
+  /// Of a stress that is known.
+  VectorX residual_of(const Matrix3& A, const Matrix3& stress) const {
+    const Components S = components(stress);
+    VectorX r(unknowns());
+    for (Eigen::Index i = 0; i < strains(); ++i) r[i] = S[component(i)] * weight(A, i);
+    if (has_pressure()) r[strains()] = Dilatation::determinant_change(A);
     return r;
-  };
-  VectorX r = residual(A, pressure);
-  for (int iteration = 0; iteration < 60 && unknowns > 0; ++iteration) {
-    const double size = r.norm();
-    MatrixX jacobian = MatrixX::Zero(unknowns, unknowns);
+  }
+
+  MatrixX jacobian(const Matrix3& A, double pressure) const {
+    MatrixX result = MatrixX::Zero(unknowns(), unknowns());
     const Matrix3 G = Dilatation(A).inverse;
     const double det_C = 1 + Dilatation::determinant_change(A);
-    std::vector<Matrix3> directions;
-    for (int j = 0; j < count; ++j) {
-      const auto [row, column] = kComponents[test.free[static_cast<std::size_t>(j)]];
-      Matrix3 direction = Matrix3::Zero();
-      direction(row, column) = direction(column, row) = 1;
-      const Components S = components(law.change(A, pressure, direction));
-      for (int i = 0; i < count; ++i) jacobian(i, j) = S[test.free[static_cast<std::size_t>(i)]] * weight(A, i);
-      if (unknowns > count) {
-        jacobian(count, j) = det_C * G.cwiseProduct(direction).sum();
-        jacobian(j, count) = components(G)[test.free[static_cast<std::size_t>(j)]] * weight(A, j) * stiffness;
-      }
-      directions.push_back(direction);
+    for (Eigen::Index j = 0; j < strains(); ++j) {
+      const Components S = components(law_.change(A, pressure, direction(j)));
+      for (Eigen::Index i = 0; i < strains(); ++i) result(i, j) = S[component(i)] * weight(A, i);
+      if (!has_pressure()) continue;
+      result(strains(), j) = det_C * G.cwiseProduct(direction(j)).sum();
+      result(j, strains()) = components(G)[component(j)] * weight(A, j) * stiffness_;
     }
-    const VectorX step = least_squares(jacobian, -r);
+    return result;
+  }
+
+  /// How S changes with each unknown, its component 11.
+  VectorX stress_changes(const Matrix3& A, double pressure) const {
+    VectorX changes(unknowns());
+    for (Eigen::Index j = 0; j < strains(); ++j) changes[j] = law_.change(A, pressure, direction(j))(0, 0);
+    if (has_pressure()) changes[strains()] = Dilatation(A).inverse(0, 0) * stiffness_;
+    return changes;
+  }
+
+  void move(const VectorX& step, Matrix3& A, double& pressure) const {
+    for (Eigen::Index j = 0; j < strains(); ++j) A += step[j] * direction(j);
+    if (has_pressure()) pressure += step[strains()] * stiffness_;
+  }
+
+ private:
+  int component(Eigen::Index unknown) const { return free_[static_cast<std::size_t>(unknown)]; }
+  Matrix3 direction(Eigen::Index unknown) const {
+    const auto [row, column] = kComponents[component(unknown)];
+    Matrix3 result = Matrix3::Zero();
+    result(row, column) = result(column, row) = 1;
+    return result;
+  }
+  /// Stresses are judged as Kirchhoff's: S_ij √(C_ii C_jj), for S of a thin direction is large.
+  double weight(const Matrix3& A, Eigen::Index unknown) const {
+    const auto [row, column] = kComponents[component(unknown)];
+    return std::sqrt((1 + A(row, row)) * (1 + A(column, column))) / stiffness_;
+  }
+
+  const TestedLaw& law_;
+  const std::vector<int>& free_;
+  double stiffness_;
+};
+
+/// Newton's method.
+bool solve(const Balance& balance, Matrix3& A, double& pressure) {
+  const double rounding = balance.rounding();
+  VectorX r = balance.residual(A, pressure);
+  for (int iteration = 0; iteration < 60 && r.size() > 0; ++iteration) {
+    const double size = r.norm();
+    const VectorX step = least_squares(balance.jacobian(A, pressure), -r);
     double fraction = 1;
     for (; fraction > 1e-4; fraction /= 2) {
       Matrix3 next = A;
-      for (int j = 0; j < count; ++j) next += fraction * step[j] * directions[static_cast<std::size_t>(j)];
-      const double next_pressure = pressure + (unknowns > count ? fraction * step[count] * stiffness : 0);
+      double next_pressure = pressure;
+      balance.move(fraction * step, next, next_pressure);
       if (Dilatation(next).flat || next.diagonal().minCoeff() <= -1) continue;
-      const VectorX at = residual(next, next_pressure);
+      const VectorX at = balance.residual(next, next_pressure);
       // Volume first, shape then: on the way the residual may grow.
       if (!(at.norm() < (iteration < 20 ? 1e3 : 1) * size) && !(size < 10 * rounding)) continue;
       A = next, pressure = next_pressure, r = at;
       break;
     }
     if (!(fraction > 1e-4)) break;
-    if (fraction == 1 && step.norm() < 1e-13 * (1 + A.norm() + std::abs(pressure) / stiffness)) break;
+    if (fraction == 1 && step.norm() < 1e-13 * (1 + A.norm())) break;
   }
   return r.size() == 0 || r.norm() < 1e-10 + 100 * rounding;
 }
+
+/// The states of one material in one test, one after the other from rest.
+class Path {
+ public:
+  Path(const MaterialLaw& law, const Material& material, HomogeneousTest test, const Matrix3& axes)
+      : law_(law, material, axes), test_(test), stiffness_(material.youngs_modulus), axes_(axes) {}
+
+  /// Goes on to an amount that is farther from rest than the last one, on the same side of it: along ln λ, or the
+  /// amount of shear, in steps of at most 0.05, halved where Newton's method does not converge. False where there is no
+  /// equilibrium on the way.
+  bool advance(double amount) {
+    if (!sheared() && !(amount > -1)) return false;
+    amount_ = amount;
+    if (isotropic_state()) return true;
+    const double end = sheared() ? amount : std::log1p(amount);
+    double step = std::copysign(0.05, end);
+    while (reached_ != end) {
+      const bool last = std::abs(end - reached_) <= std::abs(step);
+      const double next = last ? end : reached_ + step;
+      const Prescribed given = prescribed(test_, last ? amount : sheared() ? next : std::expm1(next));
+      Matrix3 at = given.strain;
+      for (const int free : given.free) {
+        const auto [row, column] = kComponents[free];
+        at(row, column) = at(column, row) = A_(row, column);
+      }
+      double pressure = pressure_;
+      if (solve(Balance(law_, given.free, stiffness_), at, pressure)) {
+        A_ = at, pressure_ = pressure, reached_ = next;
+      } else {
+        step /= 2;
+        if (std::abs(step) < 1e-4) return false;
+      }
+    }
+    return true;
+  }
+
+  double stress() const { return nominal(law_.stress(A_, pressure_)); }
+  bool stable() const { return law_.stable(A_); }
+  Matrix3 strain() const { return axes_ * A_ * axes_.transpose(); }
+
+  /// The change of the stress with a number of the material: at the state that is kept, and by the change of that
+  /// state, dz = −(∂r/∂z)⁻¹ ∂r/∂θ.
+  VectorX slopes(const std::vector<std::vector<TestedLaw>>& changed, const std::vector<MaterialChange>& changes) const {
+    const Prescribed given = prescribed(test_, amount_);
+    const Balance own(law_, given.free, stiffness_);
+    VectorX result = VectorX::Zero(static_cast<Eigen::Index>(changes.size()));
+    const MatrixX jacobian = own.jacobian(A_, pressure_);
+    const VectorX by_state = (1 + amount_) * own.stress_changes(A_, pressure_);
+    for (std::size_t change = 0; change < changes.size(); ++change) {
+      double direct = 0;
+      VectorX residual = VectorX::Zero(own.unknowns());
+      for (std::size_t i = 0; i < changed[change].size(); ++i) {
+        const double weight = changes[change].weights[i];
+        const Matrix3 S = changed[change][i].stress(A_, pressure_);
+        direct += weight * nominal(S);
+        residual += weight * own.residual_of(A_, S);
+      }
+      if (residual.size() > 0) direct += by_state.dot(least_squares(jacobian, -residual));
+      result[static_cast<Eigen::Index>(change)] = direct;
+    }
+    return result;
+  }
+
+ private:
+  bool sheared() const { return test_ == HomogeneousTest::shear; }
+
+  /// Of an incompressible law that is isotropic the state is known; any other leaves a residual there.
+  bool isotropic_state() {
+    if (!law_.incompressible()) return false;
+    Prescribed given = prescribed(test_, amount_);
+    const double C = 1 + given.strain(0, 0);
+    if (test_ == HomogeneousTest::uniaxial) given.strain(k22, k22) = given.strain(k33, k33) = 1 / std::sqrt(C) - 1;
+    if (test_ == HomogeneousTest::planar) given.strain(k33, k33) = 1 / C - 1;
+    if (test_ == HomogeneousTest::equibiaxial) given.strain(k33, k33) = 1 / (C * C) - 1;
+    double pressure = 0;
+    if (!given.free.empty()) pressure = -law_.stress(given.strain, 0)(2, 2) / Dilatation(given.strain).inverse(2, 2);
+    const double size = C * std::abs(law_.stress(given.strain, pressure)(0, 0)) / stiffness_;
+    const VectorX residual = Balance(law_, given.free, stiffness_).residual(given.strain, pressure);
+    if (!(residual.norm() < 1e-13 * (1 + size))) return false;
+    A_ = given.strain, pressure_ = pressure, reached_ = sheared() ? amount_ : std::log1p(amount_);
+    return true;
+  }
+
+  double nominal(const Matrix3& S) const { return sheared() ? S(0, 1) + amount_ * S(1, 1) : (1 + amount_) * S(0, 0); }
+
+  TestedLaw law_;
+  HomogeneousTest test_;
+  double stiffness_;
+  Matrix3 axes_, A_ = Matrix3::Zero();
+  double pressure_ = 0, reached_ = 0, amount_ = 0;
+};
 
 }  // namespace
 
@@ -166,36 +297,33 @@ const char* name_of(HomogeneousTest test) {
 
 std::optional<HomogeneousState> homogeneous_state(const MaterialLaw& law, const Material& material,
                                                   HomogeneousTest test, double amount, const Matrix3& axes) {
-  const TestedLaw tested(law, material, axes);
-  const bool shear = test == HomogeneousTest::shear;
-  if (!shear && !(amount > -1)) return std::nullopt;
-  // Along ln λ, or the amount of shear: steps of at most 0.05, halved where Newton's method does not converge.
-  const double end = shear ? amount : std::log1p(amount);
-  Matrix3 A = Matrix3::Zero();
-  double pressure = 0, reached = 0, step = std::copysign(0.05, end);
-  while (reached != end) {
-    const bool last = std::abs(end - reached) <= std::abs(step);
-    const double next = last ? end : reached + step;
-    const Prescribed given = prescribed(test, last ? amount : shear ? next : std::expm1(next));
-    Matrix3 at = given.strain;
-    for (const int free : given.free) {
-      const auto [row, column] = kComponents[free];
-      at(row, column) = at(column, row) = A(row, column);
-    }
-    double p = pressure;
-    if (solve(tested, given, material.youngs_modulus, at, p)) {
-      A = at, pressure = p, reached = next;
-    } else {
-      step /= 2;
-      if (std::abs(step) < 1e-4) return std::nullopt;
-    }
+  Path path(law, material, test, axes);
+  if (!path.advance(amount) || !std::isfinite(path.stress())) return std::nullopt;
+  return HomogeneousState{path.stress(), path.strain(), path.stable()};
+}
+
+std::optional<HomogeneousStresses> homogeneous_stresses(const MaterialLaw& law, const Material& material,
+                                                        HomogeneousTest test, const VectorX& amounts,
+                                                        const std::vector<MaterialChange>& changes,
+                                                        const Matrix3& axes) {
+  std::vector<std::vector<TestedLaw>> changed(changes.size());
+  for (std::size_t change = 0; change < changes.size(); ++change)
+    for (const Material& other : changes[change].materials) changed[change].emplace_back(law, other, axes);
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(amounts.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](auto a, auto b) { return std::abs(amounts[a]) < std::abs(amounts[b]); });
+  HomogeneousStresses result{VectorX(amounts.size()),
+                             MatrixX(amounts.size(), static_cast<Eigen::Index>(changes.size()))};
+  Path stretched(law, material, test, axes), pressed = stretched;
+  for (const Eigen::Index i : order) {
+    Path& path = amounts[i] < 0 ? pressed : stretched;
+    if (!path.advance(amounts[i])) return std::nullopt;
+    result.stresses[i] = path.stress();
+    result.slopes.row(i) = path.slopes(changed, changes).transpose();
   }
-  const Matrix3 S = tested.stress(A, pressure);
-  Matrix3 F = Matrix3::Identity();
-  F(0, 1) = amount;
-  const double stress = shear ? (F * S * F.transpose())(0, 1) : (1 + amount) * S(0, 0);
-  if (!std::isfinite(stress)) return std::nullopt;
-  return HomogeneousState{stress, axes * A * axes.transpose(), tested.stable(A)};
+  if (!result.stresses.allFinite() || !result.slopes.allFinite()) return std::nullopt;
+  return result;
 }
 
 }  // namespace elastin

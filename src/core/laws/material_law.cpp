@@ -68,7 +68,8 @@ void complete(const MaterialLaw& row, LawConstants& constants) {
         (is_direction(info) ? !constants.directions.contains(info.name) : !constants.numbers.contains(info.name)))
       throw InputError(row.name + " needs '" + info.name + "': " + info.text);
   for (const auto& [name, word] : constants.words) {
-    const auto info = std::find_if(row.words.begin(), row.words.end(), [&](const auto& w) { return w.name == name; });
+    const auto named = [&name = name](const WordInfo& info) { return info.name == name; };
+    const auto info = std::find_if(row.words.begin(), row.words.end(), named);
     std::vector<std::string> names;
     for (const WordInfo& other : row.words) names.push_back(other.name);
     if (info == row.words.end())

@@ -19,10 +19,13 @@ class SparseFactor {
   int negative_pivots() const;  ///< as many as there are negative eigenvalues [Sylvester]
   bool positive() const;        ///< whether it is usable and all pivots are
   VectorX solve(const Eigen::Ref<const VectorX>& right) const;
+  /// The same without an allocation once both vectors have their size; `spare` is room for one more.
+  void solve(const Eigen::Ref<const VectorX>& right, VectorX& spare, VectorX& solution) const;
 
  private:
   struct Ldlt;
   std::unique_ptr<Ldlt> ldlt_;
+  VectorX pivots_;  ///< D
 };
 
 }  // namespace elastin

@@ -1,17 +1,47 @@
 #include "elastin/core/model/material.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <limits>
 
 namespace elastin {
 
-void rotate(Material& material, const Matrix3& rotation) {
+namespace {
+
+void rotate_directions(Material& material, const Matrix3& rotation) {
   if (material.fibre) material.fibre->direction = rotation * material.fibre->direction;
+  if (material.active) material.active->direction = rotation * material.active->direction;
   if (material.law)
     for (auto& [name, direction] : material.law->directions) direction = rotation * direction;
 }
 
+}  // namespace
+
+void rotate(Material& material, const Matrix3& rotation) {
+  if (!material.around) return rotate_directions(material, rotation);
+  material.around->point = rotation * material.around->point;
+  material.around->direction = rotation * material.around->direction;
+}
+
+Material local_material(const Material& material, const Vector3& place) {
+  Material local = material;
+  if (!material.around) return local;
+  local.around.reset();
+  const Vector3& axis = material.around->direction;
+  Vector3 radius = place - material.around->point;
+  radius -= axis.dot(radius) * axis;
+  if (!(radius.norm() > 0)) radius = axis.unitOrthogonal();
+  radius.normalize();
+  Matrix3 frame;
+  frame << radius, axis.cross(radius), axis;
+  rotate_directions(local, frame);
+  return local;
+}
+
 UniaxialResponse uniaxial_response(const Material& material, const Vector3& direction) {
   const double E = material.youngs_modulus, nu = material.poissons_ratio;
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  if (material.active || (material.around && (material.fibre || material.law))) return {none, none};
   if (!material.fibre) return {E, nu};
   const double fibres = material.fibre->curve.modulus(0), cosine = direction.dot(material.fibre->direction);
   // Under unit stress: the strain of the matrix along the fibres, and the stress that they take over.
@@ -23,6 +53,7 @@ UniaxialResponse uniaxial_response(const Material& material, const Vector3& dire
 std::optional<double> uniaxial_stress(const Material& material, const Vector3& direction, double strain) {
   const bool law = material.law && material.law->uniaxial_stress;
   if (!material.curve && !material.fibre && !law) return std::nullopt;
+  if (material.active || (material.around && (material.fibre || law))) return std::nullopt;
   const std::optional<double> matrix = law              ? material.law->uniaxial_stress(material, direction, strain)
                                        : material.curve ? material.curve->stress(strain)
                                                         : material.youngs_modulus * strain;

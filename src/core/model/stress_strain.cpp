@@ -24,6 +24,8 @@ double end_slope(double first_step, double first, double second_step, double sec
 
 }  // namespace
 
+StressStrain::StressStrain() : StressStrain(std::vector<Knot>{{0, 0, 0}}) {}
+
 StressStrain::StressStrain(const std::vector<Knot>& knots) {
   std::vector<Piece> pieces;
   const auto straight = [](const Knot& knot, double end) {

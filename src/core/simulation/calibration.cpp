@@ -85,7 +85,7 @@ SpringsAndVolume fitted(const Strategy& rule, const Body& body, const Material& 
 Strategy calibrated(const Strategy& rule) {
   const std::string name = "calibrated:" + rule.name;
   if (rule.calibrates) throw InputError("'" + name + "': the rule is calibrated already");
-  if (rule.relaxes) throw InputError("'" + name + "': write prony:calibrated:RULE");
+  if (rule.has_history) throw InputError("'" + name + "': write prony:calibrated:RULE or mullins:calibrated:RULE");
   if (rule.kind != StrategyKind::spring_rule)
     throw InputError("'" + name + "': only a spring rule can be calibrated, and " + rule.name + " is a " +
                      name_of(rule.kind));

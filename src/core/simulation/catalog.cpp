@@ -30,6 +30,7 @@
 #include "core/laws/springs/van_gelder.h"
 #include "core/laws/springs/van_gelder_simplified.h"
 #include "core/laws/springs/voronoi.h"
+#include "elastin/core/forces/mullins.h"
 #include "elastin/core/forces/prony.h"
 #include "elastin/core/forces/volume.h"
 
@@ -73,8 +74,10 @@ Catalog built_in_catalog() {
   };
   add_wrapper("calibrated", "any spring rule, times E / E measured by one linear solve of the scene: calibrated:RULE",
               "[M03]'s divisor found by hand, made automatic");
-  add_wrapper("prony", "any strategy on springs, tetrahedra or triangles, with the material's relaxation: prony:NAME",
+  add_wrapper("prony", "any strategy on springs or cells of any shape, with the material's relaxation: prony:NAME",
               "quasi-linear viscoelasticity [Fung 1981], recursion of [Taylor, Pister & Goudreau 1970]");
+  add_wrapper("mullins", "any strategy with an energy, softer where it has been strained before: mullins:NAME",
+              "[Ogden & Roxburgh 1999]");
   add_wrapper("volume",
               "any spring rule or neo_hookean on a solid, with a volume term: nu from 0 to 0.4999: RULE+volume",
               "Bonet & Burton 1998, averaged nodal volumes");
@@ -106,8 +109,8 @@ Material shear_material(Material material) {
 Strategy with_volume(const Strategy& strategy) {
   const bool springs = strategy.kind == StrategyKind::spring_rule || strategy.kind == StrategyKind::updated_spring_rule;
   if (strategy.volume_modulus) throw InputError("'" + strategy.name + "' has a volume term already");
-  if (strategy.relaxes)
-    throw InputError("'" + strategy.name + "': a volume term goes with what relaxes: prony:RULE+volume");
+  if (strategy.has_history)
+    throw InputError("'" + strategy.name + "': write the volume term behind the rule: prony:RULE+volume");
   if (!springs && !strategy.make_without_volume && !strategy.make_mixed)
     throw InputError("'" + strategy.name +
                      "': a volume term goes with a spring rule, neo_hookean or a law with a bulk_modulus");
@@ -146,18 +149,25 @@ Strategy with_volume(const Strategy& strategy) {
   return result;
 }
 
-Strategy with_relaxation(const Strategy& strategy) {
-  if (strategy.relaxes) throw InputError("'" + strategy.name + "' relaxes already");
+namespace {
+
+/// What wraps a strategy's elasticity, and so knows neither its constants nor its terms.
+Strategy wrapped(const char* prefix, const Strategy& strategy) {
   Strategy result = strategy;
-  result.name = "prony:" + strategy.name;
-  result.summary += "; its stress relaxes";
-  result.relaxes = true;
+  result.name = prefix + strategy.name;
   result.constants = nullptr, result.constants_at = nullptr, result.calibrates = nullptr;
   result.make_without_volume = nullptr, result.make_without_compression = nullptr, result.make_mixed = nullptr;
-  result.unsuited = [strategy](const Body& body) {
-    if (!body.blocks.empty()) return std::string("relaxation takes springs, tetrahedra and triangles of first order");
-    return strategy.unsuited(body);
-  };
+  result.has_history = true;
+  return result;
+}
+
+}  // namespace
+
+Strategy with_relaxation(const Strategy& strategy) {
+  if (strategy.relaxes) throw InputError("'" + strategy.name + "' relaxes already");
+  Strategy result = wrapped("prony:", strategy);
+  result.summary += "; its stress relaxes";
+  result.relaxes = true;
   result.unsuited_material = [strategy](const Material& material) {
     if (!material.relaxation) return std::string("needs `relaxation` in the material");
     return strategy.unsuited_material(material);
@@ -165,6 +175,28 @@ Strategy with_relaxation(const Strategy& strategy) {
   result.make = [strategy](const Body& body, const Material& material, const ParameterValues& values) {
     if (!material.relaxation) throw InputError("'prony:" + strategy.name + "': the material has no relaxation");
     return make_prony(body, strategy.make(body, material, values), *material.relaxation);
+  };
+  return result;
+}
+
+Strategy with_softening(const Strategy& strategy) {
+  if (strategy.relaxes) throw InputError("'mullins:" + strategy.name + "': what softens may relax: prony:mullins:NAME");
+  if (strategy.has_history) throw InputError("'" + strategy.name + "' softens already");
+  if (strategy.kind == StrategyKind::updated_spring_rule)
+    throw InputError("'mullins:" + strategy.name + "': softening goes by the energy of a law, and this one has none");
+  Strategy result = wrapped("mullins:", strategy);
+  result.summary += "; softer where it has been strained before";
+  result.unsuited_material = [strategy](const Material& material) {
+    if (!material.softening) return std::string("needs `softening` in the material");
+    return strategy.unsuited_material(material);
+  };
+  result.make = [strategy](const Body& body, const Material& material, const ParameterValues& values) {
+    if (!material.softening) throw InputError("'mullins:" + strategy.name + "': the material has no softening");
+    Material own = material;
+    if (strategy.kind == StrategyKind::spring_rule && !own.curve)
+      own.curve = StressStrain::linear(own.youngs_modulus);  // springs as rods of the material have an energy density
+    if (strategy.dimensions == 2) own.softening->m *= own.thickness;  // energies of membranes are per area
+    return make_mullins(strategy.make(body, own, values), *own.softening);
   };
   return result;
 }
@@ -230,11 +262,13 @@ void Catalog::add(Strategy strategy) {
 }
 
 Strategy Catalog::find(const std::string& name) const {
-  const std::string prefix = "calibrated:", relaxing = "prony:", volume = "+volume", wrinkling = "+wrinkling";
+  const std::string prefix = "calibrated:", relaxing = "prony:", softening = "mullins:", volume = "+volume",
+                    wrinkling = "+wrinkling";
   for (const Strategy& strategy : strategies_)
     if (strategy.name == name && strategy.kind != StrategyKind::wrapper) return strategy;
   if (name == "calibrated") return find(prefix + "standard");
   if (name.starts_with(relaxing)) return with_relaxation(find(name.substr(relaxing.size())));
+  if (name.starts_with(softening)) return with_softening(find(name.substr(softening.size())));
   if (name.starts_with(prefix)) return calibrated(find(name.substr(prefix.size())));
   if (name.ends_with(volume)) return with_volume(find(name.substr(0, name.size() - volume.size())));
   if (name.ends_with(wrinkling)) return with_wrinkling(find(name.substr(0, name.size() - wrinkling.size())));
@@ -245,13 +279,13 @@ Strategy Catalog::find(const std::string& name) const {
   if (const auto colon = name.find(':'); colon != std::string::npos) {
     const std::string beginning = name.substr(0, colon + 1);
     throw InputError("'" + name + "': unknown beginning '" + beginning + "'" +
-                     suggestion(beginning, {prefix, relaxing}));
+                     suggestion(beginning, {prefix, relaxing, softening}));
   }
   if (std::any_of(strategies_.begin(), strategies_.end(), [&](const Strategy& other) { return other.name == name; }))
     throw InputError("'" + name + "' goes with a " +
-                     (name == "wrinkling" ? "membrane law: hencky_membrane+wrinkling"
-                      : name == "prony"   ? "strategy: prony:lattice"
-                                          : "rule: lattice+" + name));
+                     (name == "wrinkling"                    ? "membrane law: hencky_membrane+wrinkling"
+                      : name == "prony" || name == "mullins" ? "strategy: " + name + ":lattice"
+                                                             : "rule: lattice+" + name));
   throw InputError("unknown strategy '" + name + "'" + suggestion(name, names()));
 }
 

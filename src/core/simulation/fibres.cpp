@@ -3,6 +3,7 @@
 #include "core/laws/solids/fibre.h"
 #include "core/laws/springs/patch.h"
 #include "elastin/core/forces/cells.h"
+#include "elastin/core/forces/muscle.h"
 
 namespace elastin {
 
@@ -11,9 +12,12 @@ bool fibres_need_voronoi(const Strategy& strategy, const Body& body, const Mater
 }
 
 std::string fibres_unsuited(const Strategy& strategy, const Body& body, const Material& material) {
+  if (material.active && (strategy.kind != StrategyKind::cell_law || strategy.dimensions != 3))
+    return "the material's active fibres join laws of solids, not springs or membranes";
   if (!material.fibre) return "";
   if (strategy.kind == StrategyKind::cell_law)
     return strategy.dimensions == 3 ? "" : "the material's fibres join laws of tetrahedra, not of triangles";
+  if (material.around) return "the material's fibres turn around an axis, which springs of one direction cannot";
   const std::string reason = Patch::unsuited(*detail::proper_part(body));
   return reason.empty() ? "" : "the material's fibres as springs: " + reason;
 }
@@ -24,6 +28,10 @@ std::string material_unsuited(const Strategy& strategy, const Body& body, const 
 }
 
 std::unique_ptr<Elasticity> make_fibres(const Strategy& strategy, const Body& body, const Material& material) {
+  if (strategy.kind == StrategyKind::cell_law && material.active) {
+    auto muscle = make_muscle(body, material);
+    return material.fibre ? make_sum(make_cells<3>(body, material, FibreLaw{}), std::move(muscle)) : std::move(muscle);
+  }
   if (!material.fibre) return nullptr;
   if (strategy.kind == StrategyKind::cell_law) return make_cells<3>(body, material, FibreLaw{});
   const VectorX sections = fibre_sections(*detail::proper_part(body), material.fibre->direction);

@@ -117,8 +117,8 @@ std::string unsuited_part(const Strategy& strategy, const std::vector<Material>&
   for (const Part& part : whole.parts) {
     if (part.rigid) continue;
     const Body body = part_alone(whole, part).body;
-    if (strategy.relaxes && strategy.kind != StrategyKind::cell_law)
-      return "relaxation of springs takes one body, not several";
+    if (strategy.has_history && strategy.kind != StrategyKind::cell_law)
+      return "springs that relax or soften take one body, not several";
     std::string why = strategy.calibrates ? strategy.unsuited(whole) : strategy.unsuited(body);
     if (why.empty()) why = material_unsuited(strategy, body, materials.at(static_cast<std::size_t>(part.material)));
     if (!why.empty()) return "body '" + part.name + "': " + why;

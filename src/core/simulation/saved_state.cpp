@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/base/archive.h"
+#include "core/forces/visit_support.h"
 #include "core/model/visit_state.h"
 #include "elastin/core/base/error.h"
 
@@ -21,14 +22,6 @@ struct Head {
 };
 
 }  // namespace
-
-template <class Archive>
-void visit(Archive& archive, Support& support) {
-  archive.whole(support.molecule);
-  visit(archive, support.free);
-  visit(archive, support.displacement);
-  visit(archive, support.velocity);
-}
 
 template <class Archive>
 void visit(Archive& archive, Coupling& coupling) {

@@ -34,6 +34,12 @@ void check(const Body& body, const SimulationOptions& options) {
     throw InputError("threads " + std::to_string(options.threads) + " is out of range: 0 or more");
 }
 
+/// Throws InputError where the scheme cannot step what the model has so far.
+void check(const IntegratorOptions& options, const Model& model) {
+  if (const std::string why = unsuited_for(*options.scheme, model); !why.empty())
+    throw InputError("scheme '" + options.scheme->name + "': " + why);
+}
+
 StepResult refused(std::string cause) { return {Outcome::limit_reached, std::move(cause), 0, 0, 0, 0}; }
 
 }  // namespace
@@ -135,6 +141,7 @@ Simulation::Simulation(Body body, const Strategy& any, const Material& material,
   impl_->model.add(strategy.make(own, material, impl_->options.parameters));
   add_companions(impl_->model, strategy, material);
   fix_rigid_parts(impl_->model);
+  check(impl_->options.integrator, impl_->model);
 }
 
 Simulation::Simulation(Body body, const MakeElasticity& make, SimulationOptions options) {
@@ -143,6 +150,7 @@ Simulation::Simulation(Body body, const MakeElasticity& make, SimulationOptions 
   auto elasticity = make(impl_->body);
   if (!elasticity) throw InputError("the function that makes the elasticity returned none");
   impl_->model.add(std::move(elasticity));
+  check(impl_->options.integrator, impl_->model);
 }
 
 Simulation::~Simulation() = default;

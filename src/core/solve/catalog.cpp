@@ -9,9 +9,16 @@ const Table<Stepper>& built_in_steppers() {
     rows.add(velocity_verlet());
     rows.add(backward_euler());
     rows.add(newmark());
+    rows.add(block_descent());
+    rows.add(xpbd());
+    rows.add(projective());
     return rows;
   }();
   return table;
+}
+
+std::string unsuited_for(const Stepper& scheme, const Model& model) {
+  return scheme.unsuited ? scheme.unsuited(model) : "";
 }
 
 std::unique_ptr<Integrator> make_integrator(const IntegratorOptions& options) {

@@ -31,7 +31,7 @@ double work_of(const Positions& a, const Positions& b, const Positions& displace
 
 }  // namespace
 
-Ledger::Ledger(const Model& model, const State& start) : positions_(start.positions) {
+Ledger::Ledger(const Model& model, const State& start) : positions_(start.positions), time_(start.time) {
   open_ = model.drive || !model.viscosity().empty() || any_load(model, resists) || any_load(model, drives);
   if (open_) last_ = border(model, start);
 }
@@ -71,7 +71,15 @@ void Ledger::record(const Model& model, const State& state) {
   dissipated -= work_of(last_.resisting, now.resisting, displacement);
   work += work_of(last_.driving, now.driving, displacement) + work_of(last_.supporting, now.supporting, displacement) +
           now.support_kinetic - last_.support_kinetic;
+  if (now.driving.cols()) {
+    const double step = state.time - time_;
+    const VectorX& mass = model.body().mass;
+    jumps += ordered_sum(static_cast<int>(mass.size()), [&](int i) {
+      return mass[i] > 0 ? step * step * (now.driving.col(i) - last_.driving.col(i)).squaredNorm() / (2 * mass[i]) : 0;
+    });
+  }
   positions_ = state.positions;
+  time_ = state.time;
   last_ = std::move(now);
 }
 

@@ -1,10 +1,9 @@
-#include "core/solve/steppers.h"
+#include "core/solve/implicit.h"
 
 #include <cmath>
 #include <utility>
 
 #include "core/parallel/parallel.h"
-#include "core/solve/newton.h"
 #include "core/solve/steppers.h"
 #include "elastin/core/base/error.h"
 
@@ -14,135 +13,122 @@ namespace {
 /// A step that fails goes in halves, and those in halves, down to this part of it.
 constexpr double kSmallestSubstep = 1. / 1024;
 
-class Implicit final : public Integrator {
- public:
-  /// Newmark's, or backward Euler where beta is 0.
-  Implicit(const ParameterValues& values, const StaticOptions& newton, double beta, double gamma)
-      : newton_(newton), beta_(beta), gamma_(gamma) {
-    const int iterations = static_cast<int>(values.at("newton_iterations"));
-    kinematics_.cut_short = iterations > 0;
-    if (kinematics_.cut_short) newton_.newton_limit = iterations;
-  }
-
-  StepResult advance(Model& model, State& state, double dt) override {
-    model.declare_history(state);
-    if (state.accelerations.cols() != state.positions.cols()) set_accelerations(model, state);
-    before_ = state;
-    StepResult result;
-    result.substeps = 0;
-    advance(model, state, dt, dt * kSmallestSubstep, result);
-    if (result.outcome != Outcome::converged) {
-      state = before_;
-      if (model.drive) model.drive(state.time, model.supports);
-    }
-    return result;
-  }
-
- private:
-  void advance(Model& model, State& state, double dt, double smallest, StepResult& result) {
-    try_step(model, state, dt, result);
-    if (result.outcome == Outcome::converged || dt / 2 < smallest) return;
-    result.outcome = Outcome::converged;
-    for (int half = 0; half < 2 && result.outcome == Outcome::converged; ++half)
-      advance(model, state, dt / 2, smallest, result);
-  }
-
-  void set_kinematics(const State& state, double dt) {
-    const Positions &v = state.velocities, &a = state.accelerations;
-    kinematics_.start = state.positions;
-    if (!newmark()) {
-      kinematics_.weights = {1 / dt, 1 / (dt * dt)};
-      kinematics_.velocities.setZero(3, v.cols());
-      kinematics_.accelerations = -v / dt;
-      return;
-    }
-    const double beta = beta_, gamma = gamma_;
-    kinematics_.weights = {gamma / (beta * dt), 1 / (beta * dt * dt)};
-    kinematics_.velocities = v * (1 - gamma / beta) + a * (dt * (1 - gamma / (2 * beta)));
-    kinematics_.accelerations = -v / (beta * dt) - a * (1 / (2 * beta) - 1);
-  }
-
-  /// Where Newton starts: as if nothing changed, if that turns no cell over; else from where the body is.
-  void set_first_guess(const Model& model, const State& state, double dt) {
-    next_.positions = state.positions + dt * state.velocities;
-    next_.velocities = state.velocities;
-    next_.carry_over(state);
-    next_.time = state.time + dt;
-    if (newmark()) {
-      next_.positions += dt * dt / 2 * state.accelerations;
-    } else {
-      next_.accelerations.setZero(3, model.body().size());
-      balance_as_one(model);
-    }
-    apply_supports(model, next_.positions);
-    if (model.admissible(next_.positions)) return;
-    next_.positions = state.positions;
-    apply_supports(model, next_.positions);
-  }
-
-  /// The state stays if it fails; the result then says why.
-  void try_step(Model& model, State& state, double dt, StepResult& result) {
-    if (model.drive) model.drive(state.time + dt, model.supports);
-    model.begin_step(state, state.time + dt);
-    set_kinematics(state, dt);
-    set_first_guess(model, state, dt);
-    const StaticResult solved = solve_newton(model, next_, newton_, &kinematics_, workspace_);
-    result.newton_iterations += solved.newton_iterations;
-    result.linear_iterations += solved.linear_iterations;
-    const bool cut_short = kinematics_.cut_short && solved.outcome == Outcome::limit_reached;
-    if ((solved.outcome != Outcome::converged && !cut_short) || !next_.positions.allFinite()) {
-      result.outcome = solved.outcome == Outcome::converged ? Outcome::diverged : solved.outcome;
-      result.cause = solved.cause;
-      return;
-    }
-    balance_as_one(model);
-    if (model.max_step_fraction(state, next_) < 1) {
-      result.outcome = Outcome::limit_reached;
-      result.cause = "something would be passed through within a step";
-      return;
-    }
-    model.commit_step(next_);
-    ++result.substeps;
-    result.cause.clear();
-    const double change = newmark() ? largest_square(next_.accelerations - state.accelerations)  //
-                                    : largest_square(next_.accelerations);
-    // Newmark: [Zienkiewicz & Xie 1991]; Euler: half of dt² times the acceleration.
-    const double factor = newmark() ? std::max(std::abs(beta_ - 1. / 6), 1. / 12) : 0.5;
-    result.error = factor * dt * dt * std::sqrt(change);
-    std::swap(state, next_);
-  }
-
-  template <class Vectors>
-  static double largest_square(const Vectors& vectors) {
-    return vectors.colwise().squaredNorm().maxCoeff();
-  }
-
-  /// What Newton leaves unbalanced of a free body's whole force would add up over the steps: the body moves as one to
-  /// where it is not, which changes no length, so that momentum is kept to rounding.
-  void balance_as_one(const Model& model) {
-    if (!model.supports.empty()) return;
-    model.set_forces(next_, forces_, workspace_.trials.force_pass);
-    const double mass = model.body().mass.sum();
-    const Vector3 needed = next_.accelerations * model.body().mass;
-    const Vector3 missing = (forces_.rowwise().sum() - needed) / mass;
-    const Weights& weights = kinematics_.weights;
-    next_.accelerations.colwise() += missing;
-    next_.velocities.colwise() += missing * (weights.velocity / weights.acceleration);
-    next_.positions.colwise() += missing / weights.acceleration;
-  }
-
-  bool newmark() const { return beta_ > 0; }
-
-  StaticOptions newton_;
-  double beta_, gamma_;
-  // Kept from one step to the next, so that steps ask for no memory.
-  State next_, before_;
-  Kinematics kinematics_;
-  Positions forces_;
-  NewtonWorkspace workspace_;
-};
+template <class Vectors>
+double largest_square(const Vectors& vectors) {
+  return vectors.colwise().squaredNorm().maxCoeff();
+}
 
 }  // namespace
+
+void Implicit::cut_short(int iterations) {
+  kinematics_.cut_short = iterations > 0;
+  if (kinematics_.cut_short) newton_.newton_limit = iterations;
+}
+
+StaticResult Implicit::balance(Model& model, State& next, const Kinematics& kinematics) {
+  return solve_newton(model, next, newton_, &kinematics, workspace_);
+}
+
+StepResult Implicit::advance(Model& model, State& state, double dt) {
+  model.declare_history(state);
+  if (state.accelerations.cols() != state.positions.cols()) set_accelerations(model, state);
+  before_ = state;
+  StepResult result;
+  result.substeps = 0;
+  advance(model, state, dt, dt * kSmallestSubstep, result);
+  if (result.outcome != Outcome::converged) {
+    state = before_;
+    if (model.drive) model.drive(state.time, model.supports);
+  }
+  return result;
+}
+
+void Implicit::advance(Model& model, State& state, double dt, double smallest, StepResult& result) {
+  try_step(model, state, dt, result);
+  if (result.outcome == Outcome::converged || dt / 2 < smallest) return;
+  result.outcome = Outcome::converged;
+  for (int half = 0; half < 2 && result.outcome == Outcome::converged; ++half)
+    advance(model, state, dt / 2, smallest, result);
+}
+
+void Implicit::set_kinematics(const State& state, double dt) {
+  const Positions &v = state.velocities, &a = state.accelerations;
+  kinematics_.start = state.positions;
+  if (!newmark()) {
+    kinematics_.weights = {1 / dt, 1 / (dt * dt)};
+    kinematics_.velocities.setZero(3, v.cols());
+    kinematics_.accelerations = -v / dt;
+    return;
+  }
+  const double beta = beta_, gamma = gamma_;
+  kinematics_.weights = {gamma / (beta * dt), 1 / (beta * dt * dt)};
+  kinematics_.velocities = v * (1 - gamma / beta) + a * (dt * (1 - gamma / (2 * beta)));
+  kinematics_.accelerations = -v / (beta * dt) - a * (1 / (2 * beta) - 1);
+}
+
+/// Where the search starts: as if nothing changed, if that turns no cell over; else from where the body is.
+void Implicit::set_first_guess(const Model& model, const State& state, double dt) {
+  next_.positions = state.positions + dt * state.velocities;
+  next_.velocities = state.velocities;
+  next_.carry_over(state);
+  next_.time = state.time + dt;
+  if (newmark()) {
+    next_.positions += dt * dt / 2 * state.accelerations;
+  } else {
+    next_.accelerations.setZero(3, model.body().size());
+    balance_as_one(model);
+  }
+  apply_supports(model, next_.positions);
+  if (model.admissible(next_.positions)) return;
+  next_.positions = state.positions;
+  apply_supports(model, next_.positions);
+}
+
+void Implicit::try_step(Model& model, State& state, double dt, StepResult& result) {
+  if (model.drive) model.drive(state.time + dt, model.supports);
+  model.begin_step(state, state.time + dt);
+  set_kinematics(state, dt);
+  set_first_guess(model, state, dt);
+  const StaticResult solved = balance(model, next_, kinematics_);
+  result.newton_iterations += solved.newton_iterations;
+  result.linear_iterations += solved.linear_iterations;
+  const bool cut_short = kinematics_.cut_short && solved.outcome == Outcome::limit_reached;
+  if ((solved.outcome != Outcome::converged && !cut_short) || !next_.positions.allFinite()) {
+    result.outcome = solved.outcome == Outcome::converged ? Outcome::diverged : solved.outcome;
+    result.cause = solved.cause;
+    return;
+  }
+  balance_as_one(model);
+  if (model.max_step_fraction(state, next_) < 1) {
+    result.outcome = Outcome::limit_reached;
+    result.cause = "something would be passed through within a step";
+    return;
+  }
+  model.commit_step(next_);
+  ++result.substeps;
+  result.cause.clear();
+  const double change = newmark() ? largest_square(next_.accelerations - state.accelerations)  //
+                                  : largest_square(next_.accelerations);
+  // Newmark: [Zienkiewicz & Xie 1991]; Euler: half of dt² times the acceleration.
+  const double factor = newmark() ? std::max(std::abs(beta_ - 1. / 6), 1. / 12) : 0.5;
+  result.error = factor * dt * dt * std::sqrt(change);
+  std::swap(state, next_);
+}
+
+/// What iterations leave unbalanced of a free body's whole force would add up over the steps: the body moves as one to
+/// where it is not, which changes no length, so that momentum is kept to rounding.
+void Implicit::balance_as_one(const Model& model) {
+  if (!model.supports.empty()) return;
+  forces_.setZero(3, model.body().size());  // those within the body cancel
+  model.add_other_forces(next_, forces_, workspace_.trials.force_pass);
+  const double mass = model.body().mass.sum();
+  const Vector3 needed = next_.accelerations * model.body().mass;
+  const Vector3 missing = (forces_.rowwise().sum() - needed) / mass;
+  const Weights& weights = kinematics_.weights;
+  next_.accelerations.colwise() += missing;
+  next_.velocities.colwise() += missing * (weights.velocity / weights.acceleration);
+  next_.positions.colwise() += missing / weights.acceleration;
+}
 
 namespace {
 
@@ -157,15 +143,23 @@ ParameterInfo newton_iterations() {
           ValueKind::whole};
 }
 
+std::unique_ptr<Integrator> make_implicit(const ParameterValues& values, const StaticOptions& newton, double beta,
+                                          double gamma) {
+  auto implicit = std::make_unique<Implicit>(newton, beta, gamma);
+  implicit->cut_short(static_cast<int>(values.at("newton_iterations")));
+  return implicit;
+}
+
 }  // namespace
 
 Stepper backward_euler() {
-  return {{"backward_euler", "implicit, order 1: never gains energy", "[Baraff 1998]", {newton_iterations()}},
-          false,
-          1,
-          [](const ParameterValues& values, const StaticOptions& newton) {
-            return std::make_unique<Implicit>(values, newton, 0, 0);
-          }};
+  return {
+      {"backward_euler", "implicit, order 1: never gains energy", "[Baraff 1998]", {newton_iterations()}},
+      false,
+      1,
+      [](const ParameterValues& values, const StaticOptions& newton) { return make_implicit(values, newton, 0, 0); },
+      {},
+      "newton_iterations"};
 }
 
 Stepper newmark() {
@@ -178,8 +172,10 @@ Stepper newmark() {
           false,
           2,
           [](const ParameterValues& values, const StaticOptions& newton) {
-            return std::make_unique<Implicit>(values, newton, values.at("beta"), values.at("gamma"));
-          }};
+            return make_implicit(values, newton, values.at("beta"), values.at("gamma"));
+          },
+          {},
+          "newton_iterations"};
 }
 
 }  // namespace elastin

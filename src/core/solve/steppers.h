@@ -1,4 +1,5 @@
 #pragma once
+#include "core/solve/trial.h"
 #include "elastin/core/solve/integrator.h"
 
 namespace elastin {
@@ -8,11 +9,20 @@ Stepper symplectic_euler();
 Stepper velocity_verlet();
 Stepper backward_euler();
 Stepper newmark();
+Stepper block_descent();
+Stepper xpbd();
+Stepper projective();
 
 /// "cell 3 is flat or inverted", or the same without a number where no single cell is.
 std::string inverted_text(const Body& body, const Positions& positions);
 
 /// Gives supported molecules the velocities of their supports in the held directions.
 void move_with_supports(const std::vector<Support>& supports, Positions& velocities);
+
+/// Velocities that go with the positions; those of supports are their own.
+void set_velocities(const Model& model, const Kinematics& kinematics, State& state);
+
+/// Whether all elastic laws of a model are sums over elements, see Elasticity::add_local_terms.
+bool has_local_terms(const Model& model);
 
 }  // namespace elastin

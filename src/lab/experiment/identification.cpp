@@ -9,7 +9,7 @@
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/simulation/parts.h"
-#include "lab/experiment/load_path.h"
+#include "lab/experiment/repeated_curve.h"
 #include "lab/experiment/specimen.h"
 
 namespace elastin::lab {
@@ -20,7 +20,12 @@ class Curves {
  public:
   Curves(const Identification& wanted, const Specimen& specimen, const StaticProtocol& experiment,
          const StrategyChoice& choice, const RunOptions& options)
-      : wanted_(wanted), specimen_(specimen), experiment_(experiment), choice_(choice), options_(options) {}
+      : wanted_(wanted),
+        specimen_(specimen),
+        experiment_(experiment),
+        choice_(choice),
+        options_(options),
+        curve_(factors(wanted.values.size()), options.statics) {}
 
   /// The relative misfit of each value; none if the material cannot be, or its load curve cannot be solved.
   std::optional<VectorX> misfits(const VectorX& scaled) {
@@ -35,11 +40,16 @@ class Curves {
     Model model(specimen_.body);
     model.add(choice_.strategy.make(specimen_.body, material, choice_.values));
     add_companions(model, choice_.strategy, material);
-    for (const auto& add_load : specimen_.loads) add_load(model);
+    for (const SpecimenLoad& load : specimen_.loads) load.add(model);
     const auto rig = experiment_.static_rig(model);
-    auto values = from_last(model, *rig);
-    if (!values) values = from_start(model, *rig);
-    return values;
+    VectorX values(static_cast<Eigen::Index>(wanted_.values.size()));
+    const Start start{specimen_.body.rest, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
+    const bool found = curve_.solve(model, *rig, [&](std::size_t step, const State& state, StaticResult& solved) {
+      const double shown = rig->measure(start, state, options_.statics, solved).get(wanted_.measure);
+      values[static_cast<Eigen::Index>(step)] = shown / wanted_.values[step] - 1;
+      return std::isfinite(shown);
+    });
+    return found ? std::optional(std::move(values)) : std::nullopt;
   }
 
   /// Coefficients over this make numbers of one size.
@@ -54,46 +64,11 @@ class Curves {
   int evaluations = 0;
 
  private:
-  std::optional<double> misfit(const Model& model, const StaticRig& rig, const State& state, StaticResult& solved,
-                               std::size_t step) const {
-    if (solved.outcome != Outcome::converged) return std::nullopt;
-    const Start start{specimen_.body.rest, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
-    const double shown = rig.measure(start, state, options_.statics, solved).get(wanted_.measure);
-    if (!std::isfinite(shown)) return std::nullopt;
-    return shown / wanted_.values[step] - 1;
-  }
-  double factor(std::size_t step) const {
-    return static_cast<double>(step + 1) / static_cast<double>(wanted_.values.size());
-  }
-
-  std::optional<VectorX> from_last(Model& model, StaticRig& rig) {
-    if (states_.empty()) return std::nullopt;
-    VectorX values(static_cast<Eigen::Index>(wanted_.values.size()));
-    for (std::size_t step = 0; step < wanted_.values.size(); ++step) {
-      rig.set_load(factor(step));
-      State state = states_[step];
-      StaticResult solved = solve_static(model, state, options_.statics);
-      const auto value = misfit(model, rig, state, solved, step);
-      if (!value) return std::nullopt;
-      values[static_cast<Eigen::Index>(step)] = *value;
-      states_[step] = std::move(state);
-    }
-    return values;
-  }
-
-  std::optional<VectorX> from_start(Model& model, StaticRig& rig) {
-    std::vector<State> states;
-    VectorX values(static_cast<Eigen::Index>(wanted_.values.size()));
-    LoadPath path(model, rig, options_.statics, state_at_rest(specimen_.body));
-    for (std::size_t step = 0; step < wanted_.values.size(); ++step) {
-      StaticResult solved = path.advance(factor(step));
-      const auto value = misfit(model, rig, path.state(), solved, step);
-      if (!value) return std::nullopt;
-      values[static_cast<Eigen::Index>(step)] = *value;
-      states.push_back(path.state());
-    }
-    states_ = std::move(states);
-    return values;
+  static std::vector<double> factors(std::size_t count) {
+    std::vector<double> factors;
+    for (std::size_t step = 1; step <= count; ++step)
+      factors.push_back(static_cast<double>(step) / static_cast<double>(count));
+    return factors;
   }
 
   const Identification& wanted_;
@@ -101,7 +76,7 @@ class Curves {
   const StaticProtocol& experiment_;
   const StrategyChoice& choice_;
   const RunOptions& options_;
-  std::vector<State> states_;
+  RepeatedCurve curve_;
 };
 
 /// What Eigen's Levenberg–Marquardt asks for.

@@ -146,8 +146,11 @@ void solve_load_curve(Model& model, const StaticProtocol& experiment, StaticRig&
   for (int step = 1; step <= steps; ++step) {
     const std::string which = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "";
     if (options.progress) options.progress(which.empty() ? "solving" : which);
-    const double load_factor = static_cast<double>(step) / steps;
+    const double load_factor = experiment.load_factor(step);
     StaticResult solved = path.advance(load_factor);
+    // Without a load there is nothing to balance, and rounding decides about motions that nothing resists.
+    const bool loaded = load_factor != 0;
+    if (!loaded) solved.unstable = false;
     Measures measures;
     if (solved.outcome == Outcome::converged) {
       measures = rig.measure(start, path.state(), options.statics, solved);
@@ -158,8 +161,9 @@ void solve_load_curve(Model& model, const StaticProtocol& experiment, StaticRig&
     }
     run.bisected_load_steps = path.halvings();
     if (!note_solve(solved, which.empty() ? "" : " (" + which + ")", run)) return;
-    check_balance(solved, measures, options.statics.tolerance, step == steps, which.empty() ? "" : " (" + which + ")",
-                  run);
+    if (loaded)
+      check_balance(solved, measures, options.statics.tolerance, step == steps, which.empty() ? "" : " (" + which + ")",
+                    run);
     if (run.outcome != Outcome::converged) return;
     if (measures.get("elongation") < 0 && measures.get("strain") <= -1) {
       run.outcome = Outcome::inverted;
@@ -175,12 +179,15 @@ void solve_load_curve(Model& model, const StaticProtocol& experiment, StaticRig&
   // What resists bending may bear compression.
   if (!model.body().triangles.empty() && !options.statics.linear && !(material.bending_rigidity > 0))
     note_compression(model, path.state().positions, material, run);
-  note_curve_error(experiment, material, run);
+  const bool grows = std::is_sorted(run.curve.begin(), run.curve.end(), [](const CurvePoint& a, const CurvePoint& b) {
+    return a.load_factor < b.load_factor;
+  });
+  if (grows) note_curve_error(experiment, material, run);
   if (steps > 1 && model.has_full_tangent()) {
     rig.measure_end(path.state(), options.statics, run.measures, run.linear_iterations);
     double sum = 0;
     for (const CurvePoint& point : run.curve) sum += point.measures.get("effective_modulus");
-    run.measures.set("average_modulus", sum / steps);
+    if (std::isfinite(sum)) run.measures.set("average_modulus", sum / steps);
   }
 }
 

@@ -47,11 +47,12 @@ State LoadPath::start_of(double factor) const {
 
 StaticResult LoadPath::advance(double factor) {
   const double way = factor - factor_;
-  const int parts = options_.linear ? 1 : static_cast<int>(std::ceil(way / rig_.longest_step() - 1e-9));
+  const int parts =
+      options_.linear ? 1 : std::max(1, static_cast<int>(std::ceil(std::abs(way) / rig_.longest_step() - 1e-9)));
   StaticResult solved;
   for (int part = parts; part > 0 && solved.outcome == Outcome::converged; --part) {
     const StaticResult before = solved;
-    solved = advance(part == 1 ? factor : factor_ + (factor - factor_) / part, way / parts / 64);
+    solved = advance(part == 1 ? factor : factor_ + (factor - factor_) / part, std::abs(way) / parts / 64);
     add_cost(solved, before);
   }
   return solved;
@@ -63,7 +64,7 @@ StaticResult LoadPath::advance(double factor, double smallest) {
   State next = start_of(factor);
   // A step that can be halved is not worth many iterations.
   StaticOptions options = options_;
-  const bool can_be_halved = !options_.linear && (factor - factor_) / 2 >= smallest;
+  const bool can_be_halved = !options_.linear && std::abs(factor - factor_) / 2 >= smallest;
   if (can_be_halved) options.newton_limit = std::min(options.newton_limit, kPatience);
   const bool went_on = next.positions != state_.positions;
   StaticResult solved = solve_static(model_, next, options);

@@ -9,9 +9,9 @@ class LoadPath {
   /// From `start`, an equilibrium of the load 0. All references must outlive the path.
   LoadPath(Model& model, StaticRig& rig, const StaticOptions& options, State start);
 
-  /// Brings the load to `factor` (more than before, up to 1). Where that would turn a cell over, or leads nowhere, it
-  /// goes in halves, and those in halves, down to 1/64 of the way. The state stays at the last equilibrium if that
-  /// fails. The result is that of the last part, with the iterations of all.
+  /// Brings the load to `factor` (0 … 1; less than before: the body is unloaded). Where that would turn a cell over, or
+  /// leads nowhere, it goes in halves, and those in halves, down to 1/64 of the way. The state stays at the last
+  /// equilibrium if that fails. The result is that of the last part, with the iterations of all.
   StaticResult advance(double factor);
 
   const State& state() const { return state_; }

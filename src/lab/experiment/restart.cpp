@@ -13,7 +13,7 @@ namespace elastin::lab {
 
 namespace {
 
-constexpr const char* kHead = "elastin-restart-3";
+constexpr const char* kHead = "elastin-restart-4";
 constexpr std::string_view kEnd = "\nend\n";
 
 std::string hex(std::uint64_t value) {
@@ -42,10 +42,11 @@ void visit(Archive& archive, RestartPoint& point) {
   auto& m = point.memory;
   for (int* value : {&point.frame, &m.steps, &m.rejected, &point.newton_iterations, &point.linear_iterations})
     archive.whole(*value);
-  for (double* value : {&point.dissipated, &point.work, &m.wanted, &m.first_bound, &m.stable, &m.critical, &m.frequency,
-                        &m.shortest, &m.last})
+  for (double* value : {&point.dissipated, &point.work, &point.jumps, &m.wanted, &m.first_bound, &m.stable, &m.critical,
+                        &m.frequency, &m.shortest, &m.last})
     visit(archive, *value);
   visit(archive, point.state);
+  visit_all(archive, point.curve);
   visit_all(archive, point.history);
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "elastin/contact/contact.h"
+#include "elastin/core/forces/load_table.h"
 #include "elastin/core/model/body.h"
 #include "elastin/core/model/material.h"
 #include "elastin/lab/experiment/protocol.h"
@@ -34,11 +35,19 @@ struct Reference {
   bool operator==(const Reference&) const = default;
 };
 
+/// Adds one load, or damping, to a model of the body.
+struct SpecimenLoad {
+  std::function<void(Model&)> add;
+  /// Its row in the core's table of loads and its values, for who adds it elsewhere; none: it stands on something else,
+  /// or changes in time.
+  std::optional<std::pair<std::string, LoadValues>> row = {};
+};
+
 /// What does not change from strategy to strategy.
 struct Specimen {
   Body body;
-  Material material;                                    ///< what experiments compare with
-  std::vector<std::function<void(Model&)>> loads;       ///< each adds one load, or damping, to a model of the body
+  Material material;  ///< what experiments compare with
+  std::vector<SpecimenLoad> loads;
   std::function<void(State&)> start = {};               ///< changes the state in which a run begins; may be empty
   std::vector<Material> materials = {};                 ///< of the body's parts, by Part::material; empty without parts
   std::optional<contact::ContactOptions> contact = {};  ///< none: no contact object is built

@@ -148,7 +148,7 @@ std::unique_ptr<Elasticity> make_elasticity(const Specimen& specimen, const Prot
                                                 : choice.strategy.make(specimen.body, specimen.material, choice.values);
   if (!elasticity) return nullptr;
   note_negative_constants(run);
-  if (has_curve(specimen) && !choice.strategy.follows_curve)
+  if (has_curve(specimen) && !specimen.material.law && !choice.strategy.follows_curve)
     run.warnings.push_back("does not follow the material's curve: it takes its slope at no strain alone");
   return elasticity;
 }
@@ -157,7 +157,7 @@ std::unique_ptr<Rig> add_surroundings(Model& model, const Specimen& specimen, co
                                       const StrategyChoice& any) {
   const StrategyChoice choice = on_body(any, specimen);
   add_companions(model, choice.strategy, specimen.material);
-  for (const auto& add_load : specimen.loads) add_load(model);
+  for (const SpecimenLoad& load : specimen.loads) load.add(model);
   if (specimen.contact) model.add(contact::make_contact(specimen.body, *specimen.contact));
   auto rig = experiment.rig(model);
   fix_rigid_parts(model);

@@ -1,9 +1,10 @@
 #include "lab/febio/experiment.h"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
+
+#include "core/linear/sparse_factor.h"
 
 namespace elastin::lab::febio {
 namespace {
@@ -86,7 +87,7 @@ class Experiment final : public StaticProtocol {
       VectorX load(free);
       for (std::size_t a = 0; a < row.size(); ++a)
         if (row[a] >= 0) load[row[a]] = forces(axis, static_cast<Eigen::Index>(a));
-      const VectorX solved = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(mass).solve(load);
+      const VectorX solved = SparseFactor(mass).solve(load);
       for (std::size_t a = 0; a < row.size(); ++a)
         if (row[a] >= 0) accelerations_(axis, static_cast<Eigen::Index>(a)) = solved[row[a]];
     }

@@ -170,6 +170,14 @@ struct FibreDirections {
   std::function<Vector3(const PointPlace&)> at;
 };
 
+/// The vector turned as the x axis turns into `radius`, of length 1, on the shortest way. [Rodrigues]
+Vector3 turned_as_x_into(const Vector3& radius, const Vector3& vector) {
+  const double cosine = radius.x();
+  if (1 + cosine < 1e-12) return {-vector.x(), vector.y(), -vector.z()};  // half a turn, about y
+  const Vector3 axis = Vector3::UnitX().cross(radius);
+  return cosine * vector + axis.cross(vector) + axis.dot(vector) / (1 + cosine) * axis;
+}
+
 Vector3 unit(const Element& element, const std::vector<double>& numbers) {
   const Vector3 vector(numbers[0], numbers[1], numbers[2]);
   if (!(vector.norm() > 0)) element.fail("a direction of no length");
@@ -200,9 +208,8 @@ FibreDirections read_fibre(const Element& element) {
     const Vector3 middle(center[0], center[1], center[2]);
     Vector3 vector = Vector3::UnitX();
     if (const auto given = element.find("vector")) vector = unit(*given, given->numbers(3));
-    // The vector turned as the x axis turns into the radius.
     return {false, [middle, vector](const PointPlace& place) -> Vector3 {
-              return Eigen::Quaterniond::FromTwoVectors(Vector3::UnitX(), place.point - middle) * vector;
+              return turned_as_x_into((place.point - middle).normalized(), vector);
             }};
   }
   element.refuse("type=\"" + type + "\"", "vector, local and spherical are");

@@ -1,6 +1,7 @@
 #include "lab/protocol/motion.h"
 
 #include <cmath>
+#include <limits>
 
 #include "core/solve/newton.h"
 #include "elastin/core/base/error.h"
@@ -18,6 +19,8 @@ const char* name_of(MotionKind kind) {
       return "creep";
     case MotionKind::relaxation:
       return "relaxation";
+    case MotionKind::cyclic:
+      return "cyclic";
     case MotionKind::motion:
       break;
   }
@@ -41,7 +44,8 @@ class Motion final : public TimedProtocol {
   explicit Motion(MotionSetup setup) : setup_(std::move(setup)) {
     if (!setup_.fixture) return;
     response_ = setup_.fixture->response_measures();
-    if (setup_.kind == MotionKind::relaxation && response_.resistance.empty())
+    const bool driven = setup_.kind == MotionKind::relaxation || setup_.kind == MotionKind::cyclic;
+    if (driven && response_.resistance.empty())
       throw InputError("fixture: needs a displacement that is given, as that of tension, shear or torsion");
     const bool applied = setup_.kind == MotionKind::creep || (setup_.kind == MotionKind::release && !setup_.released);
     if (applied && !response_.resistance.empty())
@@ -61,12 +65,14 @@ class Motion final : public TimedProtocol {
       if (const auto fit = fit_exponential(series_of(history, response_.displacement)))
         measures.set("retardation_time", fit->time);
     if (setup_.kind == MotionKind::relaxation) read_relaxation(history, measures);
+    if (setup_.kind == MotionKind::cyclic) read_cycle(history, measures);
   }
 
   std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {
     if (setup_.kind == MotionKind::release)
       return {{"frequency"}, {"logarithmic_decrement"}, {"first_peak"}, {"energy_drift"}};
     if (setup_.kind == MotionKind::creep) return {{"retardation_time"}, {response_.displacement}};
+    if (setup_.kind == MotionKind::cyclic) return {{"storage_modulus"}, {"loss_modulus"}, {"loss_tangent"}};
     if (setup_.kind == MotionKind::relaxation) return {{"relaxation_time"}, {"relaxed_ratio"}};
     if (setup_.fixture && !response_.displacement.empty()) return {{response_.displacement}, {"energy_drift"}};
     return {{"speed"}, {"largest_strain"}, {"energy_drift"}};
@@ -91,6 +97,34 @@ class Motion final : public TimedProtocol {
       if (std::abs(all.values[i] - whole->end) > 0.05 * std::abs(all.values[0] - whole->end)) late = all.times[i];
     if (const auto fit = fit_exponential(series_of(history, response_.resistance, late)))
       measures.set("relaxation_time", fit->time);
+  }
+
+  /// Of the last period: what of the resistance is in phase with the displacement, and what is a quarter ahead of it.
+  void read_cycle(const std::vector<CurvePoint>& history, Measures& measures) const {
+    const double from = history.back().time - 1 / setup_.frequency, w = 2 * M_PI * setup_.frequency;
+    const CurvePoint* largest = nullptr;
+    for (const CurvePoint& row : history) {
+      const double own = std::abs(row.measures.get(response_.displacement));
+      if (row.time >= from && std::isfinite(own) &&
+          (!largest || own > std::abs(largest->measures.get(response_.displacement))))
+        largest = &row;
+    }
+    const Series moved = series_of(history, response_.displacement, from),
+                 resists = series_of(history, response_.resistance, from);
+    if (!largest || from < 0 || moved.times.size() < 8 || resists.times.size() < 8) return;
+    // The modulus of a row is its resistance over its displacement, times what the body's shape gives.
+    double shape = std::numeric_limits<double>::quiet_NaN();
+    for (const char* modulus : {"effective_modulus", "shear_modulus"})
+      if (const double own = largest->measures.get(modulus); std::isfinite(own))
+        shape = own * largest->measures.get(response_.displacement) / largest->measures.get(response_.resistance);
+    const VibrationFit by = fit_sine(moved, w), of = fit_sine(resists, w);
+    const double square = by.cosine * by.cosine + by.sine * by.sine;
+    const double storage = (of.cosine * by.cosine + of.sine * by.sine) / square,
+                 loss = (of.cosine * by.sine - of.sine * by.cosine) / square;
+    measures.set("loss_tangent", loss / storage);
+    if (!std::isfinite(shape)) return;
+    measures.set("storage_modulus", shape * storage);
+    measures.set("loss_modulus", shape * loss);
   }
 
   void read_vibration(const Series& series, Measures& measures) const {
@@ -164,7 +198,7 @@ class MotionRig final : public TimedRig {
     StaticResult result, all;
     const int steps = setup_.fixture->load_steps();
     for (int step = 1; step <= steps; ++step) {
-      result = path.advance(static_cast<double>(step) / steps);
+      result = path.advance(setup_.fixture->load_factor(step));
       all.newton_iterations += result.newton_iterations;
       all.linear_iterations += result.linear_iterations;
       if (result.outcome != Outcome::converged) return result;

@@ -12,6 +12,7 @@ enum class MotionKind {
   release,     ///< loaded, then let go: free vibration; or the load put on at once, with `applied`
   creep,       ///< a load that is held
   relaxation,  ///< a displacement that grows and is held
+  cyclic,      ///< a displacement that oscillates
 };
 
 /// A body held and loaded as an experiment at rest says, whose load changes in time.
@@ -21,6 +22,7 @@ struct MotionSetup {
   TimeFunction load;                              ///< what the experiment's load is multiplied with
   bool released = false;                          ///< the load is there before time 0 and gone from then on
   double ramp = 0;                                ///< [s] after which a relaxation begins
+  double frequency = 0;                           ///< [Hz] of what is cyclic
 };
 
 /// Starts in the equilibrium of the scene's own loads (a free body: at rest). Throws InputError if the inner experiment

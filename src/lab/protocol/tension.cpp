@@ -37,10 +37,20 @@ class Tension final : public StaticProtocol {
         throw InputError("body '" + part.name + "' at the loaded end is rigid: give a displacement instead of a force");
   }
 
+  const TensionSetup& setup() const { return setup_; }
   std::string name() const override { return "tension"; }
   std::unique_ptr<StaticRig> static_rig(Model& model) const override;
   std::optional<Vector3> axis() const override { return setup_.axis; }
-  int load_steps() const override { return setup_.load_steps; }
+  int load_steps() const override {
+    return setup_.load_steps * static_cast<int>(std::max<std::size_t>(1, setup_.cycle.size()));
+  }
+  double load_factor(int step) const override {
+    const double at = static_cast<double>(step) / setup_.load_steps;
+    if (setup_.cycle.empty()) return at;
+    const auto turn = std::min(static_cast<std::size_t>((step - 1) / setup_.load_steps), setup_.cycle.size() - 1);
+    const double from = turn == 0 ? 0 : setup_.cycle[turn - 1], part = at - static_cast<double>(turn);
+    return from + part * (setup_.cycle[turn] - from);
+  }
   ResponseMeasures response_measures() const override { return {"elongation", setup_.displacement ? "force" : ""}; }
   bool apparent() const override { return section_ && !section_->prism(); }
 
@@ -71,6 +81,10 @@ class Tension final : public StaticProtocol {
     const double strain = measured.get("strain");
     if (std::isfinite(strain) && strain != 0)  // the secant of a curve
       if (const auto stress = uniaxial_stress(material, setup_.axis, strain)) target.youngs_modulus = *stress / strain;
+    if (!setup_.cycle.empty() && std::isfinite(strain)) {
+      constexpr double none = std::numeric_limits<double>::quiet_NaN();
+      return {{"effective_modulus", none}, {"poissons_ratio", none}, {"elongation"}};
+    }
     if (apparent()) target.youngs_modulus = std::numeric_limits<double>::quiet_NaN();
     std::vector<MainMeasure> measures{
         {"effective_modulus", target.youngs_modulus}, {"poissons_ratio", target.poissons_ratio}, {"elongation"}};
@@ -346,6 +360,11 @@ std::unique_ptr<StaticRig> Tension::static_rig(Model& model) const {
 }
 
 }  // namespace
+
+const TensionSetup* tension_setup(const Protocol& experiment) {
+  const auto* tension = dynamic_cast<const Tension*>(&experiment);
+  return tension ? &tension->setup() : nullptr;
+}
 
 std::unique_ptr<StaticProtocol> make_tension(const Body& body, const TensionSetup& setup) {
   if (body.size() < 2)

@@ -23,11 +23,15 @@ struct TensionSetup {
   double thickness = 0;                        ///< [m] of the body's triangles; 0 = they have no volume
   double gauge_length = 0;                     ///< l₀ [m]; 0 = distance between the ends' molecules
   std::optional<std::array<double, 2>> gauge;  ///< planes [m] from the fixed end between which elongation is read
-  double grip_depth = 0;  ///< [m]: molecules this close to an end belong to it; 0 = those in the end plane
-  int load_steps = 1;
+  double grip_depth = 0;      ///< [m]: molecules this close to an end belong to it; 0 = those in the end plane
+  int load_steps = 1;         ///< up to the load, or from each of these parts to the next
+  std::vector<double> cycle;  ///< parts of the load (0 … 1) that are reached one after the other; empty: all of it
 };
 
 /// Checks the setup against the body; throws InputError (no molecule at an end, no cross-section, a gauge outside …).
 std::unique_ptr<StaticProtocol> make_tension(const Body& body, const TensionSetup& setup);
+
+/// The setup of a tension experiment, its lengths and area those of the scene; null of any other.
+const TensionSetup* tension_setup(const Protocol& experiment);
 
 }  // namespace elastin::lab

@@ -110,7 +110,8 @@ Table comparison_table(const std::vector<Record>& records, const Ranking& rankin
     return &record == ranking.best ||
            std::find(ranking.tied.begin(), ranking.tied.end(), &record) != ranking.tied.end();
   };
-  for (const Record& record : records) table.add(comparison_row(record, columns, best(record)));
+  for (const Record& record : records)
+    table.add(comparison_row(record, columns, best(record)), {record.run.strategy, outcome_text(record.run)});
   return table;
 }
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lab/format/csv.h"
 #include "lab/report/comparison.h"
-#include "lab/report/csv.h"
 #include "lab/report/study.h"
 
 namespace elastin::lab {
@@ -25,6 +25,26 @@ PlotSeries front_of(const std::vector<PlotSeries>& series) {
   for (const PlotPoint& point : points)
     if (front.points.empty() || point.y < front.points.back().y) front.points.push_back(point);
   return front;
+}
+
+/// What a strategy is a kind of, and which kind: "calibrated:lattice+volume" is lattice, 3.
+std::pair<std::string, int> family_of(const std::string& strategy) {
+  constexpr std::string_view calibrated = "calibrated:", membrane = "_membrane";
+  int shade = 0;
+  std::string family = strategy;
+  if (family.starts_with(calibrated)) {
+    family.erase(0, calibrated.size());
+    shade = 1;
+  }
+  if (const std::size_t plus = family.find('+'); plus != std::string::npos) {
+    family.erase(plus);
+    shade += 2;
+  }
+  if (family.ends_with(membrane)) {
+    family.erase(family.size() - membrane.size());
+    shade = kPlotShades - 1;
+  }
+  return {family, shade};
 }
 
 bool measured(const std::vector<Record>& records, const std::string& name) {
@@ -99,8 +119,31 @@ std::vector<Peer> load_peers(const std::string& path) {
 }
 
 std::map<std::string, int> strategy_colours(const std::vector<Record>& records) {
-  std::map<std::string, int> colours;
-  for (const Record& record : records) colours.try_emplace(record.run.strategy, static_cast<int>(colours.size()));
+  std::map<std::string, int> colours, families;
+  std::vector<char> taken(static_cast<std::size_t>(kPlotHues * kPlotShades), 0);
+  const auto take = [&](const std::string& name, int wanted) {
+    if (colours.contains(name)) return;
+    std::size_t at = static_cast<std::size_t>(wanted);
+    if (std::find(taken.begin(), taken.end(), 0) != taken.end())
+      while (taken[at]) at = (at + 1) % taken.size();
+    taken[at] = 1;
+    colours[name] = static_cast<int>(at);
+  };
+  for (const Record& record : records) {
+    const auto [family, shade] = family_of(record.run.strategy);
+    const int hue = families.try_emplace(family, static_cast<int>(families.size())).first->second % kPlotHues;
+    take(record.run.strategy, hue + kPlotHues * shade);
+  }
+  int next = 0;  // runs of a study: each another hue
+  for (const StudyCurve& curve : curves_of(records)) {
+    take(curve.name, next);
+    next = (next + 1) % static_cast<int>(taken.size());
+  }
+  for (const Record& record : records)
+    if (!record.variant.empty()) {
+      take(run_name(record), next);
+      next = (next + 1) % static_cast<int>(taken.size());
+    }
   return colours;
 }
 
@@ -119,7 +162,7 @@ Plot error_plot(const std::vector<Record>& records, const Ranking& ranking, cons
   };
   for (const StudyCurve& curve : curves_of(records)) {
     PlotSeries series{curve.name,
-                      colours.at(curve.strategy),
+                      colours.at(curve.name),
                       curve.rows.size() > 1 ? PlotSeries::Kind::marked_line : PlotSeries::Kind::marks,
                       {}};
     for (const Record* record : curve.rows)
@@ -152,9 +195,16 @@ Plot response_plot(const std::vector<Record>& records, const std::map<std::strin
   plot.x = axis_of(response.x);
   plot.y = axis_of(response.y);
   plot.title = records.front().title + ": " + plot.y.title + " over " + plot.x.title;
-  for (const StudyCurve& curve : curves_of(records)) {
-    const Record& record = *curve.rows.back();
-    PlotSeries series{curve.name, colours.at(curve.strategy), PlotSeries::Kind::line, {}};
+  std::vector<std::pair<std::string, const Record*>> drawn;  // every run, or of many that refine a body the finest
+  constexpr std::size_t most_runs = 24;
+  for (const StudyCurve& curve : curves_of(records))
+    if (records.size() > most_runs || curve.rows.size() == 1)
+      drawn.emplace_back(curve.name, curve.rows.back());
+    else
+      for (const Record* record : curve.rows) drawn.emplace_back(run_name(*record), record);
+  for (const auto& [name, of] : drawn) {
+    const Record& record = *of;
+    PlotSeries series{name, colours.at(name), PlotSeries::Kind::line, {}};
     if (response.from_nothing) series.points.push_back({0, 0, ""});
     for (const CurvePoint& point : record.run.curve) {
       const PlotPoint at{along(point, response.x), along(point, response.y), ""};
@@ -164,7 +214,10 @@ Plot response_plot(const std::vector<Record>& records, const std::map<std::strin
     if (short_curve) series.kind = PlotSeries::Kind::marked_line;
     if (series.points.size() > (response.from_nothing ? 1u : 0u)) plot.series.push_back(std::move(series));
   }
-  if (!plot.series.empty()) add_target(plot, response, records.front());
+  const bool one_target = std::all_of(records.begin(), records.end(), [&](const Record& record) {
+    return record.prescribed == records.front().prescribed;
+  });
+  if (!plot.series.empty() && one_target) add_target(plot, response, records.front());
   return plot;
 }
 

@@ -11,9 +11,9 @@
 
 #include "contact/search.h"
 #include "elastin/core/base/error.h"
-#include "lab/report/cell_stress.h"
-#include "lab/report/surface_files.h"
-#include "lab/report/vtu.h"
+#include "lab/format/cell_stress.h"
+#include "lab/format/surface_files.h"
+#include "lab/format/vtu.h"
 
 namespace elastin::lab {
 namespace {
@@ -27,7 +27,9 @@ std::string headed(const MeasureInfo& info) {
   return std::string(info.name) + (unit.empty() ? "" : " [" + unit + "]");
 }
 
-std::string csv_field(const std::string& text) {
+/// What a spreadsheet would take for a formula begins with an apostrophe, its sign for text.
+std::string csv_field(std::string text) {
+  if (!text.empty() && std::string_view("=+-@").find(text[0]) != std::string_view::npos) text.insert(0, 1, '\'');
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);

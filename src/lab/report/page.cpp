@@ -6,8 +6,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "lab/format/pack.h"
+#include "lab/report/baseline.h"
 #include "lab/report/comparison.h"
-#include "lab/report/pack.h"
+#include "lab/report/page_frame.h"
 #include "lab/report/page_parts.h"
 #include "lab/report/study.h"
 #include "lab/report/summary.h"
@@ -15,8 +17,12 @@
 namespace elastin::lab {
 namespace {
 
-constexpr std::size_t kMostViewBytes = 10'000'000;  // of a page; what is beyond is left out, the best strategies last
-constexpr double kWide = 600, kNarrow = 360, kFile = 760;  // px, of plots: on a page, on a phone, alone
+/// Of a page: one of a thousand molecules stays below a megabyte, larger bodies have more room. Where it is not enough,
+/// strategies show fewer states, and then fewer strategies theirs, the best the last to go.
+constexpr std::size_t kPageBytes = 980'000, kMostPageBytes = 10'000'000;
+constexpr double kBytesOfMolecule = 950;
+constexpr std::size_t kScriptBytes = 80'000;  // of styles and scripts, which page_text adds
+constexpr double kFile = 760;                 // px, of plots alone
 
 using Colours = std::map<std::string, int>;
 
@@ -40,43 +46,39 @@ std::vector<Scenery> by_scene(const std::vector<Record>& records) {
   return scenes;
 }
 
-std::string figure(const Plot& plot, const std::string& heading, const std::string& name) {
-  if (plot.series.empty()) return "";
-  const auto classed = [&](double width, const char* kind) {
-    return svg_text(plot, width, false).insert(4, fmt::format(" class=\"{}\"", kind));
-  };
-  return fmt::format(
-      "<section class=\"card\"><div class=\"bar\"><h2>{0}</h2><button type=\"button\" data-save=\"svg\" "
-      "data-name=\"{1}\">SVG"
-      "</button><button type=\"button\" data-save=\"png\" "
-      "data-name=\"{1}\">PNG</button></div><figure>{2}{3}</figure></section>\n",
-      escaped(heading), escaped(name), classed(kWide, "wide"), classed(kNarrow, "narrow"));
-}
-
-std::string card(const std::string& heading, const std::string& inside) {
-  return "<section class=\"card\"><h2>" + escaped(heading) + "</h2>" + inside + "</section>\n";
-}
-
-/// Whether each strategy's body stands: what the solver found out about it.
+/// Whether each strategy's body stands, and what the solver found out about it: a row for all of whom it is the same.
 Table stability_table(const Scenery& scene) {
-  Table table({"strategy", "verdict", "solver", "more"});
+  struct Finding {
+    std::string verdict, solver, more;
+    Tone tone;
+    std::vector<std::string> runs = {};
+  };
+  std::vector<Finding> findings;
   for (const Record& record : scene.records) {
     const Run& run = record.run;
     if (!run.suited) continue;
     const bool sound = solved(record) && run.zero_energy_modes == 0 && !run.unstable;
-    const std::string verdict = !solved(record) ? outcome_text(run)
-                                : run.zero_energy_modes > 0
-                                    ? "mechanism: " + counted(run.zero_energy_modes, "zero-energy mode")
-                                : run.unstable            ? "not stable: an equilibrium that is no minimum"
-                                : run.restarted_from_rest ? "stable, from rest: the start led nowhere"
-                                                          : "stable";
-    table.add({{run.strategy + (record.variant.empty() ? "" : ", " + variant_text(record))},
-               {verdict, sound            ? Tone::good
-                         : solved(record) ? Tone::poor
-                                          : Tone::bad},
-               {run.solver + (run.solver_reason.empty() ? "" : ": " + run.solver_reason), Tone::faint},
-               {run.cause, Tone::faint}});
+    Finding finding{!solved(record)             ? outcome_text(run)
+                    : run.zero_energy_modes > 0 ? "mechanism: " + counted(run.zero_energy_modes, "zero-energy mode")
+                    : run.unstable              ? "not stable: an equilibrium that is no minimum"
+                    : run.restarted_from_rest   ? "stable, from rest: the start led nowhere"
+                                                : "stable",
+                    run.solver + (run.solver_reason.empty() ? "" : ": " + run.solver_reason), run.cause,
+                    sound            ? Tone::good
+                    : solved(record) ? Tone::poor
+                                     : Tone::bad};
+    auto same = std::find_if(findings.begin(), findings.end(), [&](const Finding& f) {
+      return f.verdict == finding.verdict && f.solver == finding.solver && f.more == finding.more;
+    });
+    if (same == findings.end()) same = findings.insert(findings.end(), std::move(finding));
+    same->runs.push_back(run_name(record));
   }
+  Table table({"verdict", "solver", "more", "strategies"});
+  for (const Finding& f : findings)
+    table.add({{f.verdict, f.tone},
+               {f.solver, Tone::faint},
+               {f.more, Tone::faint},
+               {fmt::format("{}", fmt::join(f.runs, ", "))}});
   return table;
 }
 
@@ -94,12 +96,28 @@ std::string warnings_html(const Scenery& scene) {
   for (const auto& [warning, strategies] : said)
     out += fmt::format("<li>{} <span class=\"faint\">({})</span></li>\n", escaped(warning),
                        escaped(fmt::format("{}", fmt::join(strategies, ", "))));
-  return out.empty() ? "" : card("Warnings", "<ul class=\"warnings\">" + out + "</ul>");
+  return out.empty() ? "" : card_html("Warnings", "<ul class=\"warnings\">" + out + "</ul>");
+}
+
+std::string chip(const std::string& text) { return "<li>" + escaped(text) + "</li>"; }
+
+/// What a study changes, and to what.
+std::string parameter_chips(const Scenery& scene) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> parameters;
+  for (const Record& record : scene.records)
+    for (const auto& [key, value] : record.variant) {
+      auto at =
+          std::find_if(parameters.begin(), parameters.end(), [&](const auto& known) { return known.first == key; });
+      if (at == parameters.end()) at = parameters.insert(parameters.end(), {key, {}});
+      if (std::find(at->second.begin(), at->second.end(), value) == at->second.end()) at->second.push_back(value);
+    }
+  std::string out;
+  for (const auto& [key, values] : parameters) out += chip(fmt::format("{}: {}", key, fmt::join(values, ", ")));
+  return out;
 }
 
 std::string head_html(const Scenery& scene) {
   const Record& first = scene.records.front();
-  const auto chip = [](const std::string& text) { return "<li>" + escaped(text) + "</li>"; };
   std::string out = fmt::format("<h1>{}</h1><p class=\"faint\">{}</p><ul class=\"chips\">", escaped(first.title),
                                 escaped(first.scene));
   const auto [least, most] =
@@ -112,7 +130,10 @@ std::string head_html(const Scenery& scene) {
     out += chip(counted(first.connections, "connection"));
     if (first.cells) out += chip(counted(first.cells, "cell"));
   }
-  out += chip("target: " + first.prescribed) + chip(counted(first.threads, "thread"));
+  const bool one_target = std::all_of(scene.records.begin(), scene.records.end(),
+                                      [&](const Record& record) { return record.prescribed == first.prescribed; });
+  if (one_target) out += chip("target: " + first.prescribed);
+  out += parameter_chips(scene) + chip(counted(first.threads, "thread"));
   out += chip(first.repeats.size() > 1 ? fmt::format("least of {} repeats", first.repeats.size()) : "one run each");
   for (const Reference& reference : first.references) out += chip("reference: " + reference_text(reference));
   out += "</ul>\n";
@@ -125,18 +146,20 @@ std::string head_html(const Scenery& scene) {
 
 constexpr const char* kStage = R"html(<section class="card"><div class="bar"><h2>The body</h2>
 <label>strategy <select data-part="strategy"></select></label>
-<label>colour <select data-part="colour"><option value="tension">tension</option><option value="strain">strain</option>
-<option value="displacement">displacement</option><option value="error">distance from the best</option></select></label>
+<label>colour <select data-part="colour"></select></label>
 <label>displacements <select data-part="scale"></select></label>
 <label><input type="checkbox" data-part="connections"> connections</label>
 <label><input type="checkbox" data-part="molecules"> molecules</label>
 <label><input type="checkbox" data-part="surface"> surface</label>
+<label>cut <select data-part="cut"><option value="">none</option><option>x</option><option>y</option><option>z</option></select>
+<input type="range" min="0" max="1" step="0.01" value="0.5" data-part="cut_at" aria-label="place of the cut" hidden></label>
 <button type="button" data-save="png" data-name="body">PNG</button></div>
 <div class="view"><canvas tabindex="0" role="img"></canvas></div>
-<div class="legend"><span data-part="title"></span><span data-part="low"></span><i data-part="ramp"></i><span data-part="high"></span>
+<div class="legend"><span data-part="title"></span><input data-part="low" aria-label="lowest value of the colours; empty: of itself"><i data-part="ramp"></i><input data-part="high" aria-label="highest value of the colours; empty: of itself">
 <span class="steps" data-part="steps"><button type="button" data-part="play" aria-label="play">▶</button>
 <input type="range" min="0" max="0" value="0" data-part="step" aria-label="state"></span><span data-part="at"></span></div>
-<p class="note hint">Drag or arrow keys turn; wheel (after a click), two fingers, + and − zoom; shift and drag, or two fingers, move; 0 or a double click resets.{}</p>
+<p class="picked" data-part="picked" role="status" hidden></p>
+<p class="note hint">Drag or arrow keys turn; wheel (after a click), two fingers, + and − zoom; shift and drag, or two fingers, move; 0 or a double click resets. A click reads a molecule or a cell; the ends of the colours can be typed.{}</p>
 )html";
 
 /// What a script of the page unpacks when it is needed.
@@ -144,15 +167,47 @@ std::string packed_html(const std::string& attribute, std::string_view base64_te
   return fmt::format("<script type=\"application/gzip\" {}>{}</script>\n", attribute, base64_text);
 }
 
-/// The body with as many strategies as there is room for, the best first; of a study the variant with most molecules.
-std::string stage_html(const Scenery& scene, const std::vector<std::string>& views, std::size_t size_left) {
-  struct View {
-    nlohmann::json head;
-    const std::string* line;
-  };
+/// A line of a view file: its text, and its head without the arrays, which are long.
+struct View {
+  nlohmann::json head;
+  const std::string* line;
+};
+
+/// The states with at most so many frames, evenly spread, the last among them.
+std::string thinned(const std::string& line, std::size_t most) {
+  nlohmann::json states = nlohmann::json::parse(line);
+  nlohmann::json& frames = states["frames"];
+  if (frames.size() <= most) return line;
+  nlohmann::json kept = nlohmann::json::array();
+  for (std::size_t i = 0; i < most; ++i) kept.push_back(frames[i * (frames.size() - 1) / (most - 1)]);
+  frames = std::move(kept);
+  return states.dump();
+}
+
+/// States of these strategies, as many of each as there is room for; whom there is no room for is left out.
+std::string states_html(const std::vector<const View*>& views, std::size_t room) {
+  std::string out;
+  for (const std::size_t most : {25, 13, 7, 4, 2}) {
+    out.clear();
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const std::string html = packed_html("class=\"view\"", packed(thinned(*views[i]->line, most)));
+      if (out.size() + html.size() <= room)
+        out += html;
+      else if (most > 2)
+        break;
+      if (i + 1 == views.size()) return out;
+    }
+  }
+  return out;
+}
+
+/// The body with its strategies' states, the best first; of a study the variant with most molecules.
+/// `taken`: bytes of the page beside it.
+std::string stage_html(const Scenery& scene, const std::vector<std::string>& views, std::size_t scenes,
+                       std::size_t taken) {
   std::map<int, std::vector<View>> bodies;  // by molecules
   for (const std::string& line : views) {
-    // The arrays are long, the head is not: it ends where the first array begins.
+    // The head ends where the first array begins.
     const auto keep = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) { return depth < 2; };
     nlohmann::json head = nlohmann::json::parse(line, keep, false);
     if (head.is_object() && head.value("scene", "") == scene.records.front().scene)
@@ -160,25 +215,26 @@ std::string stage_html(const Scenery& scene, const std::vector<std::string>& vie
   }
   const std::string best = scene.ranking.best ? scene.ranking.best->run.strategy : "";
   for (auto at = bodies.rbegin(); at != bodies.rend(); ++at) {
-    std::string body, states, note;
-    const auto add_states = [&](const View& view) {
-      const std::string html = packed_html("class=\"view\"", packed(*view.line));
-      if (body.size() + states.size() + html.size() < size_left) states += html;
-    };
+    const auto wanted = static_cast<std::size_t>(kBytesOfMolecule * at->first);
+    const std::size_t all = std::min(std::max(kPageBytes, wanted), kMostPageBytes) / scenes;
+    const std::size_t room = all - std::min(all, taken);
+    std::string body, note;
     for (const View& view : at->second)
       if (view.head["kind"] == "body") {
         body = packed_html("class=\"view\"", packed(*view.line));
         note = view.head.value("shown", "");
       }
-    std::map<std::string, const View*> latest;  // a row that was cut off and run again left two
+    std::map<std::string, const View*> latest;  // a run that was cut off and run again left two
     for (const View& view : at->second)
       if (view.head["kind"] == "states") latest[view.head.value("strategy", "")] = &view;
-    if (latest.contains(best)) add_states(*latest[best]);
+    std::vector<const View*> order;
+    if (latest.contains(best)) order.push_back(latest[best]);
     for (const Record& record : scene.records)
       if (const auto view = latest.find(record.run.strategy); view != latest.end() && record.run.strategy != best) {
-        add_states(*view->second);
+        order.push_back(view->second);
         latest.erase(view);
       }
+    const std::string states = states_html(order, room - std::min(room, body.size()));
     if (body.empty() || states.empty()) continue;
     return fmt::format(fmt::runtime(kStage), note.empty() ? "" : " Shown: " + escaped(note) + ".") + body + states +
            "</section>\n";
@@ -186,31 +242,51 @@ std::string stage_html(const Scenery& scene, const std::vector<std::string>& vie
   return "";
 }
 
+/// What a page filters the runs by.
+constexpr const char* kFilter =
+    R"html(<p class="bar filter"><label>outcome <select data-filter="outcome"><option value="">all</option></select></label>
+<label>strategy <input type="search" data-filter="text" placeholder="part of its name"></label><span data-filter="count" role="status"></span></p>
+)html";
+
 std::string scene_html(const Scenery& scene, std::size_t number, const Colours& colours, const PageMatter& matter,
-                       std::size_t size_left) {
+                       std::size_t scenes) {
   const Record& first = scene.records.front();
-  const auto mark = [&](const std::string& strategy) {
-    const auto colour = colours.find(strategy);
+  const auto mark = [&](const std::string& series) {
+    const auto colour = colours.find(series);
     return plot_colour(colour == colours.end() ? -1 : colour->second);
   };
   std::string out = fmt::format("<article class=\"scene\" id=\"scene-{}\" data-best=\"{}\">", number,
                                 escaped(scene.ranking.best ? scene.ranking.best->run.strategy : ""));
   out += head_html(scene);
-  const std::string error = figure(error_plot(scene.records, scene.ranking, colours, matter.peers),
-                                   "Error against time", first.scene + "-error");
+  const std::string error = figure_html(error_plot(scene.records, scene.ranking, colours, matter.peers),
+                                        "Error against time", first.scene + "-error");
   const Plot response = response_plot(scene.records, colours);
   out += "<div class=\"pair\">" + error +
-         figure(response, response.y.title + " over " + response.x.title, first.scene + "-course") + "</div>\n";
-  out += stage_html(scene, matter.views, size_left);
+         figure_html(response, response.y.title + " over " + response.x.title, first.scene + "-course") + "</div>\n";
+  if (scene.study) {
+    out += "<div class=\"pair\">";
+    int number_of_plot = 0;
+    for (const Plot& plot : parameter_plots(scene.records, scene.ranking, colours))
+      out += figure_html(plot, plot.y.title + " over " + plot.x.title,
+                         fmt::format("{}-parameter-{}", first.scene, ++number_of_plot));
+    out += "</div>\n";
+  }
+  const std::size_t before = out.size();
   if (scene.study && !scene.ranking.measures.empty())
-    out += card("Time to an error", time_to_table(scene.records, scene.ranking, matter.peers).html());
-  out += card("All rows", scene.study ? study_table(scene.records, scene.ranking).html(mark)
-                                      : comparison_table(scene.records, scene.ranking).html(mark));
+    out += card_html("Time to an error", time_to_table(scene.records, scene.ranking, matter.peers).html());
+  const Table runs =
+      scene.study ? study_table(scene.records, scene.ranking) : comparison_table(scene.records, scene.ranking);
+  out += card_html("All runs", (scene.records.size() > 1 ? kFilter : "") + runs.html(mark));
+  if (const Table change = change_table(scene.records, matter.baseline); !change.empty())
+    out += card_html("Change since " + matter.baseline_name, change.html(mark));
   if (const Table stability = stability_table(scene); !stability.empty())
-    out += card("Stability, and the solver that was taken", stability.html(mark));
+    out += card_html("Stability and solver", stability.html());
   if (const Table verdicts = verdicts_table(scene.records); !verdicts.empty())
-    out += card("Held against what was expected", verdicts.html(mark));
-  return out + warnings_html(scene) + "</article>\n";
+    out += card_html("Compared with expectations", verdicts.html(mark));
+  out += warnings_html(scene);
+  const std::size_t taken = out.size() + (k_three.size() * 4 / 3 + kScriptBytes) / scenes;
+  out.insert(before, stage_html(scene, matter.views, scenes, taken));
+  return out + "</article>\n";
 }
 
 std::string scene_choice(const std::vector<Scenery>& scenes) {
@@ -251,15 +327,10 @@ std::string page_text(const PageMatter& matter) {
   const Colours colours = strategy_colours(matter.records);
   const std::string title =
       scenes.empty() ? "" : scenes.front().records.front().title + (scenes.size() > 1 ? " and others" : "");
-  std::string out =
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-      "content=\"width=device-width, initial-scale=1\"><title>" +
-      escaped(title) + " — Elastin</title>\n<style>" + k_page_css +
-      "</style></head>\n<body>\n<header><p class=\"brand\">Elastin · speed against error</p>";
+  std::string out = page_begin(title, "Elastin · speed against error");
   if (scenes.size() > 1) out += scene_choice(scenes) + summary_html(matter, colours);
   out += "</header>\n<main>\n";
-  for (std::size_t i = 0; i < scenes.size(); ++i)
-    out += scene_html(scenes[i], i, colours, matter, kMostViewBytes / scenes.size());
+  for (std::size_t i = 0; i < scenes.size(); ++i) out += scene_html(scenes[i], i, colours, matter, scenes.size());
   out += fmt::format(
       "</main>\n<footer><p>{}</p><p><code>{}</code></p><p>Times: build and solve of each strategy, its body given; the "
       "least of all repeats. The best is near enough (0.1 %, or the least there is), with nothing to warn of, "
@@ -267,7 +338,7 @@ std::string page_text(const PageMatter& matter) {
       "three.js (MIT licence).</p></footer>\n",
       escaped(matter.machine), escaped(matter.command));
   out += packed_html("id=\"three\"", base64(k_three.data(), k_three.size()));
-  for (const char* script : {k_body_js, k_colours_js, k_marks_js, k_viewer_js, k_stage_js, k_page_js})
+  for (const char* script : {k_body_js, k_colours_js, k_marks_js, k_viewer_js, k_stage_js, k_plots_js, k_page_js})
     out += fmt::format("<script>{}</script>\n", script);
   out += "</body></html>\n";
   return out;

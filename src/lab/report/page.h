@@ -12,7 +12,9 @@ struct PageMatter {
   std::vector<Record> records;     ///< of all scenes, scene by scene
   std::vector<std::string> views;  ///< lines of body_view and states_view
   std::vector<Peer> peers;
-  std::string machine, command;  ///< what it was measured on, and how it was asked for
+  std::string machine, command;       ///< what it was measured on, and how it was asked for
+  std::vector<Record> baseline = {};  ///< of an earlier comparison, to tell what changed
+  std::string baseline_name = {};     ///< its folder
 };
 
 /// One HTML page that needs nothing beside itself: for each scene the advice, error against time, the course of the

@@ -10,7 +10,19 @@ extern const char* const k_colours_js;
 extern const char* const k_marks_js;
 extern const char* const k_viewer_js;
 extern const char* const k_stage_js;
+extern const char* const k_plots_js;
 extern const char* const k_page_js;
+
+/// Those of src/web/page/.
+extern const char* const k_lab_html;
+extern const char* const k_lab_css;
+extern const char* const k_elastin_js;
+extern const char* const k_worker_js;
+extern const char* const k_curve_js;
+extern const char* const k_settings_js;
+extern const char* const k_hand_js;
+extern const char* const k_bodies_js;
+extern const char* const k_lab_js;
 
 /// three, with its notice and the controls that turn a body, as gzip.
 extern const std::string_view k_three;

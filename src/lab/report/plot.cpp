@@ -6,13 +6,31 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 namespace elastin::lab {
 namespace {
 
-constexpr std::array kPalette{"#3b82f6", "#f59e0b", "#10b981", "#ef4444", "#8b5cf6", "#ec4899",
-                              "#06b6d4", "#84cc16", "#f97316", "#a16207", "#64748b", "#14b8a6"};
+/// Red, green, blue of families of series; each has shades, and each shade a mark of its own.
+constexpr std::array<std::array<int, 3>, kPlotHues> kHues{{{59, 130, 246},
+                                                           {245, 158, 11},
+                                                           {16, 185, 129},
+                                                           {239, 68, 68},
+                                                           {139, 92, 246},
+                                                           {236, 72, 153},
+                                                           {6, 182, 212},
+                                                           {132, 204, 22},
+                                                           {249, 115, 22},
+                                                           {161, 98, 7},
+                                                           {100, 116, 139},
+                                                           {180, 60, 200},
+                                                           {20, 120, 110},
+                                                           {210, 190, 20},
+                                                           {30, 64, 175},
+                                                           {150, 30, 60}}};
+/// What a shade is mixed with, and how much of it.
+constexpr std::array<std::pair<int, double>, kPlotShades> kShades{{{0, 0}, {255, 0.45}, {0, 0.35}, {150, 0.55}}};
 constexpr double kFont = 12, kLetter = 7.3;  // px
 
 constexpr const char* kStyle =
@@ -140,6 +158,7 @@ struct Sheet {
 };
 
 void add_grid(Sheet& sheet) {
+  sheet.add("<g class=\"ticks\">");
   double free_from = 0;  // labels that would run into the one before are left out
   for (const auto& [value, told] : sheet.x.ticks) {
     sheet.add("<path class=\"grid\" d=\"M{0:.1f} {1:.1f}V{2:.1f}\" opacity=\"{3}\"/>", sheet.px(value), sheet.top,
@@ -158,20 +177,20 @@ void add_grid(Sheet& sheet) {
       sheet.add("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>", sheet.left - 7, sheet.py(value) + 4,
                 escaped(tick_text(value, sheet.plot.y, sheet.y.step())));
   }
-  sheet.add("<text class=\"axis\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{} →</text>", sheet.right,
+  sheet.add("</g><text class=\"axis\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{} →</text>", sheet.right,
             sheet.bottom + 38, escaped(sheet.plot.x.title));
   sheet.add("<text class=\"axis\" x=\"8\" y=\"{:.1f}\">↑ {}</text>", sheet.top - 12, escaped(sheet.plot.y.title));
   if (std::isfinite(sheet.plot.level) && (!sheet.y.logarithmic || sheet.plot.level > 0))
     sheet.add(
-        "<path d=\"M{0:.1f} {1:.1f}H{2:.1f}\" stroke=\"var(--faint)\" stroke-dasharray=\"2 4\"/>"
-        "<text x=\"{2:.1f}\" y=\"{3:.1f}\" text-anchor=\"end\">{4}</text>",
+        "<g class=\"level\"><path d=\"M{0:.1f} {1:.1f}H{2:.1f}\" stroke=\"var(--faint)\" stroke-dasharray=\"2 4\"/>"
+        "<text x=\"{2:.1f}\" y=\"{3:.1f}\" text-anchor=\"end\">{4}</text></g>",
         sheet.left, sheet.py(sheet.plot.level), sheet.right, sheet.py(sheet.plot.level) - 5,
         escaped(sheet.plot.level_text));
 }
 
 void add_mark(Sheet& sheet, double x, double y, int colour, double r) {
   const std::string fill = plot_colour(colour);
-  switch (colour < 0 ? 0 : colour / static_cast<int>(kPalette.size()) % 4) {
+  switch (colour < 0 ? 0 : colour / kPlotHues % kPlotShades) {
     case 0:
       return sheet.add("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\"/>", x, y, r, fill);
     case 1:
@@ -198,8 +217,9 @@ void add_line(Sheet& sheet, const PlotSeries& series) {
   }
   if (path.empty()) return;
   const bool dashed = series.kind == Kind::dashed || series.kind == Kind::staircase;
-  sheet.add("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"{} stroke-linejoin=\"round\"/>", path,
-            plot_colour(series.colour), dashed ? 1.3 : 2, dashed ? " stroke-dasharray=\"5 4\"" : "");
+  sheet.add(
+      "<path class=\"line\" d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"{} stroke-linejoin=\"round\"/>",
+      path, plot_colour(series.colour), dashed ? 1.3 : 2, dashed ? " stroke-dasharray=\"5 4\"" : "");
 }
 
 void add_series(Sheet& sheet, const PlotSeries& series) {
@@ -238,7 +258,12 @@ double add_legend(Sheet& sheet, double top) {
 }  // namespace
 
 std::string plot_colour(int colour) {
-  return colour < 0 ? "#8a93a5" : kPalette[static_cast<std::size_t>(colour) % kPalette.size()];
+  if (colour < 0) return "#8a93a5";
+  const auto& hue = kHues[static_cast<std::size_t>(colour % kPlotHues)];
+  const auto& [other, share] = kShades[static_cast<std::size_t>(colour / kPlotHues % kPlotShades)];
+  std::string out = "#";
+  for (const int part : hue) out += fmt::format("{:02x}", std::lround(part + share * (other - part)));
+  return out;
 }
 
 std::string escaped(const std::string& text) {
@@ -272,14 +297,35 @@ std::string svg_text(const Plot& plot, double width, bool alone) {
   const double lowest = add_legend(sheet, sheet.bottom + 62);
   std::string head = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:g} {1:g}\" width=\"{0:g}\" height=\"{1:g}\" "
-      "font-size=\"{2:g}\" role=\"group\" aria-label=\"{3}\">",
-      width, lowest + 14, kFont, escaped(plot.title));
+      "font-size=\"{2:g}\" role=\"group\" aria-label=\"{3}\" data-box=\"{4:.1f} {5:.1f} {6:.1f} {7:.1f}\" "
+      "data-range=\"{8:.9g} {9:.9g} {10:.9g} {11:.9g}\">",
+      width, lowest + 14, kFont, escaped(plot.title), left, top, right, top + high, x.low, x.high, y.low, y.high);
   if (alone)
     head += fmt::format(
         "<style>{}</style><rect width=\"100%\" height=\"100%\" fill=\"var(--paper)\"/>"
         "<text class=\"head\" x=\"8\" y=\"26\" font-size=\"15\">{}</text>",
         kStyle, escaped(plot.title));
   return head + sheet.out + "</svg>\n";
+}
+
+std::string plot_json(const Plot& plot) {
+  using Kind = PlotSeries::Kind;
+  const auto axis = [](const PlotAxis& a) {
+    return nlohmann::json{{"title", a.title}, {"unit", a.unit}, {"logarithmic", a.logarithmic}};
+  };
+  nlohmann::json json{{"x", axis(plot.x)}, {"y", axis(plot.y)}, {"series", nlohmann::json::array()}};
+  if (std::isfinite(plot.level)) json["level"] = plot.level;
+  const auto rounded = [](double value) { return std::stod(fmt::format("{:.7g}", value)); };
+  for (const PlotSeries& series : plot.series) {
+    nlohmann::json points = nlohmann::json::array();
+    for (const PlotPoint& point : series.points)
+      if (shown(point, plot)) points.push_back({rounded(point.x), rounded(point.y)});
+    json["series"].push_back(
+        {{"name", series.name}, {"stairs", series.kind == Kind::staircase}, {"points", std::move(points)}});
+  }
+  std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos; at += 6) text.replace(at, 1, "\\u003c");
+  return text;
 }
 
 }  // namespace elastin::lab

@@ -5,6 +5,9 @@
 
 namespace elastin::lab {
 
+/// Colours of series: `kPlotHues` families, each in `kPlotShades` shades with marks of their own.
+inline constexpr int kPlotHues = 16, kPlotShades = 4;
+
 /// One axis of a plot. Values are SI; ticks show them with a prefix, in per cent where the unit is "%".
 struct PlotAxis {
   std::string title, unit;
@@ -19,7 +22,7 @@ struct PlotPoint {
 struct PlotSeries {
   enum class Kind { marks, line, marked_line, dashed, staircase };
   std::string name;  ///< in the legend; empty = not there
-  int colour = 0;    ///< of the palette, and with it the mark's shape; -1 = grey
+  int colour = 0;    ///< hue + kPlotHues × shade, and with the shade the mark's shape; -1 = grey
   Kind kind = Kind::marks;
   std::vector<PlotPoint> points;
 };
@@ -35,6 +38,10 @@ struct Plot {
 /// The plot as an SVG, `width` [px] wide. `alone`: a file of its own with title, background and styles; otherwise part
 /// of a page whose styles it takes. Points that are not finite, or not above 0 on a logarithmic axis, are left out.
 std::string svg_text(const Plot& plot, double width, bool alone);
+
+/// What a page needs to draw the same plot again in another range: axes, and the points of each series that svg_text
+/// draws, in its order. JSON without "<".
+std::string plot_json(const Plot& plot);
 
 /// "#3b82f6": of a series on the page, in plots and beside them.
 std::string plot_colour(int colour);

@@ -42,7 +42,7 @@ std::string stiffness_text(const Stiffness6& stiffness, bool colours) {
 
 /// How time went: "2000 steps of 0.5 ms (ω 3600 rad/s …)".
 std::string time_text(const TimeReport& time) {
-  const double rate = time.simulated / time.seconds;
+  const double seconds = std::max(time.seconds, 1e-9), rate = time.simulated / seconds;
   std::string out = fmt::format(
       "  {}{}: {}{}, last {}{}; {:.4g} s simulated in {}, {:.3g} steps a second, {:.3g} times {} than real time\n",
       time.resumed ? "resumed, " : "", time.scheme, counted(time.steps, "step"),
@@ -51,7 +51,7 @@ std::string time_text(const TimeReport& time) {
           ? fmt::format(" (longest stable {}, ω_max {:.4g} rad/s)", readable_seconds(time.critical_step),
                         time.frequency)
           : "",
-      time.simulated, readable_seconds(time.seconds), time.steps / time.seconds, rate < 1 ? 1 / rate : rate,
+      time.simulated, readable_seconds(time.seconds), time.steps / seconds, rate < 1 ? 1 / rate : rate,
       rate < 1 ? "slower" : "faster");
   if (!time.reason.empty()) out += "  " + time.scheme + " by default: " + time.reason + "\n";
   return out;

@@ -32,10 +32,9 @@ double shown_order(const double (&h)[3], const double (&v)[3]) {
   return low;
 }
 
-/// "0.31 %": the size of an error, which has no sign.
-std::string error_text(double error) {
-  const std::string text = percent(error);
-  return text.starts_with('+') ? text.substr(1) : text;
+/// The error of a measure that counts, with its sign.
+double signed_error(const Record& record, const Ranking& ranking, const std::string& measure) {
+  return solved(record) ? record.error(ranking.error_name(measure)) : std::nan("");
 }
 
 }  // namespace
@@ -44,6 +43,10 @@ std::string variant_text(const Record& record) {
   std::string text;
   for (const auto& [key, value] : record.variant) text += (text.empty() ? "" : ", ") + value;
   return text;
+}
+
+std::string run_name(const Record& record) {
+  return record.run.strategy + (record.variant.empty() ? "" : ", " + variant_text(record));
 }
 
 std::string reference_text(const Reference& reference) {
@@ -176,8 +179,11 @@ Table study_table(const std::vector<Record>& records, const Ranking& ranking) {
       if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
   for (const std::string& key : keys) head.push_back(key.substr(key.rfind('.') + 1));
   head.insert(head.end(), {"molecules", "threads"});
-  for (const std::string& name : ranking.measures) head.push_back(find_measure(name).label());
-  head.insert(head.end(), {"error", "iterations", "build", "solve", "least", "median", "solver", ""});
+  for (const std::string& name : ranking.measures) {
+    head.push_back(find_measure(name).label());
+    head.push_back(ranking.measures.size() > 1 ? "error of " + find_measure(name).label() : "error");
+  }
+  head.insert(head.end(), {"iterations", "build", "solve", "least", "median", "solver", ""});
   Table table(head);
   for (const Record& record : records) {
     const Run& run = record.run;
@@ -189,17 +195,18 @@ Table study_table(const std::vector<Record>& records, const Ranking& ranking) {
     }
     row.push_back(number_cell(std::to_string(record.molecules), record.molecules));
     row.push_back(number_cell(std::to_string(record.threads), record.threads));
-    for (const std::string& name : ranking.measures)
+    for (const std::string& name : ranking.measures) {
+      const double error = signed_error(record, ranking, name);
       row.push_back(number_cell(readable(run.measures.get(name), find_measure(name)), run.measures.get(name)));
-    const double error = solved(record) && !ranking.measures.empty() ? ranking.error(record) : std::nan("");
-    row.push_back(number_cell(error_text(error), error, tone_of_error(error)));
+      row.push_back(number_cell(percent(error), std::abs(error), tone_of_error(error)));
+    }
     row.push_back(number_cell(run.suited ? fmt::format("{} / {}", run.newton_iterations, run.linear_iterations) : "",
                               run.linear_iterations));
     for (const double seconds : {run.build_seconds, run.solve_seconds, record.least_seconds(), record.median_seconds()})
       row.push_back(number_cell(run.suited ? readable_seconds(seconds) : "", seconds));
     row.push_back({run.solver, Tone::faint});
     row.push_back({notes_of(record), solved(record) ? Tone::poor : Tone::bad});
-    table.add(std::move(row));
+    table.add(std::move(row), {run_name(record), outcome_text(run)});
   }
   return table;
 }

@@ -20,6 +20,9 @@ struct StudyCurve {
 /// Points into the records, all of one scene.
 std::vector<StudyCurve> curves_of(const std::vector<Record>& records);
 
+/// "lattice, [5, 5, 5], pcg": a run of a study.
+std::string run_name(const Record& record);
+
 /// What a row has under the keys that the study changes: "[5, 5, 5], pcg".
 std::string variant_text(const Record& record);
 

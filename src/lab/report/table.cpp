@@ -145,20 +145,29 @@ std::string Table::html(const std::function<std::string(const std::string&)>& co
     return std::any_of(rows_.begin(), rows_.end(),
                        [&](const auto& row) { return column < row.size() && row[column].right; });
   };
+  const auto spared = [&](std::size_t column) {  // where there is no room, as on a narrow screen
+    return std::find(std::begin(kSpared), std::end(kSpared), head_[column]) != std::end(kSpared) ? " spare" : "";
+  };
   std::string out = "<div class=\"scroll\"><table><thead><tr>";
   for (std::size_t column = 0; column < head_.size(); ++column)
-    out += fmt::format("<th scope=\"col\"{}><button type=\"button\">{}</button></th>",
-                       right(column) ? " class=\"n\"" : "", head_[column].empty() ? "notes" : escaped(head_[column]));
+    out +=
+        fmt::format("<th scope=\"col\" class=\"{}{}\"><button type=\"button\">{}</button></th>",
+                    right(column) ? "n" : "", spared(column), head_[column].empty() ? "notes" : escaped(head_[column]));
   out += "</tr></thead><tbody>\n";
-  for (const auto& row : rows_) {
-    out += "<tr>";
+  for (std::size_t number = 0; number < rows_.size(); ++number) {
+    const auto& row = rows_[number];
+    const RowTraits& traits = traits_[number];
+    const std::string series = !traits.series.empty() || row.empty() ? traits.series : row.front().text;
+    out += fmt::format("<tr data-series=\"{}\"", escaped(series));
+    out += traits.outcome.empty() ? ">" : fmt::format(" data-outcome=\"{}\">", escaped(traits.outcome));
     for (std::size_t column = 0; column < row.size(); ++column) {
-      const auto& [text, tone, number, value] = row[column];
+      const auto& [text, tone, flush_right, value] = row[column];
       const std::string mark =
-          column == 0 && colour ? fmt::format("<i class=\"dot\" style=\"background:{}\"></i>", colour(text)) : "";
-      out += fmt::format("<{} class=\"{}{}\"{}>{}{}</{}>", column ? "td" : "th scope=\"row\"", name_of(tone),
-                         number ? " n" : "", number && std::isfinite(value) ? fmt::format(" data-v=\"{}\"", value) : "",
-                         mark, escaped(text), column ? "td" : "th");
+          column == 0 && colour ? fmt::format("<i class=\"dot\" style=\"background:{}\"></i>", colour(series)) : "";
+      out += fmt::format("<{} class=\"{}{}{}\"{}>{}{}</{}>", column ? "td" : "th scope=\"row\"", name_of(tone),
+                         flush_right ? " n" : "", spared(column),
+                         flush_right && std::isfinite(value) ? fmt::format(" data-v=\"{}\"", value) : "", mark,
+                         escaped(text), column ? "td" : "th");
     }
     out += "</tr>\n";
   }

@@ -26,19 +26,29 @@ inline TableCell number_cell(std::string text, double value, Tone tone = Tone::p
   return {std::move(text), tone, true, value};
 }
 
+/// What a page knows of a row beside its cells.
+struct RowTraits {
+  std::string series = {};   ///< what it is called in plots; empty = by its first cell
+  std::string outcome = {};  ///< what it can be filtered by; empty = not at all
+};
+
 /// Rows of cells, aligned by what a terminal shows. Colours only if asked for.
 class Table {
  public:
   explicit Table(std::vector<std::string> head) : head_(std::move(head)) {}
-  void add(std::vector<TableCell> row) { rows_.push_back(std::move(row)); }
+  void add(std::vector<TableCell> row, RowTraits traits = {}) {
+    rows_.push_back(std::move(row));
+    traits_.push_back(std::move(traits));
+  }
   bool empty() const { return rows_.empty(); }
   std::string text(bool colours, const std::string& indent = "  ") const;
-  /// As HTML, sortable by its heads. `colour` of the mark before the first cell of a row, by its text; may be empty.
-  std::string html(const std::function<std::string(const std::string& first)>& colour = {}) const;
+  /// As HTML, sortable by its heads. `colour` of the mark before the first cell of a row, by its series; may be empty.
+  std::string html(const std::function<std::string(const std::string& series)>& colour = {}) const;
 
  private:
   std::vector<std::string> head_;
   std::vector<std::vector<TableCell>> rows_;
+  std::vector<RowTraits> traits_;
 };
 
 std::string painted(const std::string& text, Tone tone, bool colours);

@@ -4,10 +4,13 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
 
-#include "core/geometry/boundary.h"
-#include "lab/report/pack.h"
+#include "contact/search.h"
+#include "elastin/core/geometry/cell_kind.h"
+#include "lab/format/cell_stress.h"
+#include "lab/format/pack.h"
 #include "lab/report/study.h"
 
 namespace elastin::lab {
@@ -18,24 +21,85 @@ using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little, "the page reads little-endian arrays");
 
 constexpr std::size_t kMostConnections = 60'000, kMostFrames = 25;
+/// Of the largest number of a frame: displacements are told in steps of 2⁻²⁰ of it, as strains follow from their
+/// differences; what is only coloured and read, in steps of 2⁻¹².
+constexpr double kFine = 1 << 20, kCoarse = 1 << 12;
 
 template <class Value>
 std::string bytes_text(const std::vector<Value>& values) {
   return base64(values.data(), values.size() * sizeof(Value));
 }
 
-/// Triangles of the body, or the sides of its tetrahedra that belong to one alone.
-std::vector<std::array<int, 3>> surface_of(const Body& body) {
-  Cells<3> surface = body.triangles;
-  const Cells<3> boundary = boundary_of(body.tetrahedra);
-  surface.insert(surface.end(), boundary.begin(), boundary.end());
-  return surface;
+/// Numbers as whole shares of the largest: "most", and "planes", all first bytes of 32-bit integers, then all second
+/// ones …, which pack better than the numbers one after another.
+Json planes_of(const std::vector<double>& values, double steps) {
+  double most = 0;
+  for (const double value : values)
+    if (std::isfinite(value)) most = std::max(most, std::abs(value));
+  std::vector<std::uint8_t> planes(4 * values.size(), 0);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double share = most > 0 && std::isfinite(values[i]) ? values[i] / most : 0;
+    const long whole = std::lround(share * steps);
+    const auto bits = static_cast<std::uint32_t>(2 * std::abs(whole) - (whole < 0 ? 1 : 0));  // the sign lies lowest
+    for (std::size_t plane = 0; plane < 4; ++plane)
+      planes[plane * values.size() + i] = static_cast<std::uint8_t>(bits >> (8 * plane));
+  }
+  while (planes.size() > values.size() && std::all_of(planes.end() - static_cast<std::ptrdiff_t>(values.size()),
+                                                      planes.end(), [](std::uint8_t byte) { return byte == 0; }))
+    planes.resize(planes.size() - values.size());
+  return {{"most", most}, {"steps", steps}, {"planes", bytes_text(planes)}};
+}
+
+std::array<int, 3> sorted(std::array<int, 3> side) {
+  std::sort(side.begin(), side.end());
+  return side;
+}
+
+/// The cell behind each side of the surface, counted as the states of cells are: triangles, tetrahedra; or cells of
+/// blocks. −1 where there is none.
+std::vector<int> cells_behind(const Body& body, const std::vector<std::array<int, 3>>& surface) {
+  std::map<std::array<int, 3>, int> behind;
+  std::vector<char> outer(static_cast<std::size_t>(body.size()), 0);
+  for (const auto& side : surface) {
+    behind[sorted(side)] = -1;
+    for (const int molecule : side) outer[static_cast<std::size_t>(molecule)] = 1;
+  }
+  const auto is_outer = [&](int molecule) { return outer[static_cast<std::size_t>(molecule)] != 0; };
+  const auto note = [&](int a, int b, int c, int cell) {
+    if (!is_outer(a) || !is_outer(b) || !is_outer(c)) return;
+    if (const auto at = behind.find(sorted({a, b, c})); at != behind.end()) at->second = cell;
+  };
+  const auto note_all = [&](const std::array<int, 4>& t, int cell) {
+    note(t[0], t[1], t[2], cell);
+    note(t[0], t[1], t[3], cell);
+    note(t[0], t[2], t[3], cell);
+    note(t[1], t[2], t[3], cell);
+  };
+  int cell = 0;
+  std::size_t triangle = 0, tetrahedron = 0;
+  for (const CellBlock& block : body.blocks)
+    for (int own = 0; own < block.size(); ++own, ++cell)
+      for (std::size_t i = simplices_of(*block.kind, block.cell(own)).size(); i > 0; --i)
+        if (block.kind->dimensions == 3) {
+          note_all(body.tetrahedra[tetrahedron++], cell);
+        } else {
+          const auto& [a, b, c] = body.triangles[triangle++];
+          note(a, b, c, cell);
+        }
+  if (body.blocks.empty()) {
+    for (const auto& [a, b, c] : body.triangles) note(a, b, c, cell++);
+    for (const auto& corners : body.tetrahedra) note_all(corners, cell++);
+  }
+  std::vector<int> cells;
+  for (const auto& side : surface) cells.push_back(behind[sorted(side)]);
+  return cells;
 }
 
 /// What of a body is shown: by number.
 struct Shown {
   std::vector<int> molecules, connections;
   std::vector<std::array<int, 3>> surface;
+  std::vector<int> cells;  ///< behind each side of the surface
   std::string note;
 };
 
@@ -56,7 +120,7 @@ std::vector<char> on_surface(const Body& body, const std::vector<std::array<int,
 
 Shown shown_of(const Body& body) {
   Shown shown;
-  shown.surface = surface_of(body);
+  shown.surface = contact::surface_triangles(body);
   const int proper = body.connections.proper() > 0 ? body.connections.proper() : body.connections.size();
   const bool all = static_cast<std::size_t>(proper) <= kMostConnections;
   const std::vector<char> outer =
@@ -78,9 +142,9 @@ Shown shown_of(const Body& body) {
     shown.connections = std::move(some);
     shown.note += ", one connection of " + std::to_string(every);
   }
+  shown.cells = cells_behind(body, shown.surface);
   for (auto& side : shown.surface)
     for (int& molecule : side) molecule = index[static_cast<std::size_t>(molecule)];
-  std::erase_if(shown.surface, [](const auto& side) { return side[0] < 0 || side[1] < 0 || side[2] < 0; });
   return shown;
 }
 
@@ -94,24 +158,63 @@ std::string line_of(const Json& json) {
   return line;
 }
 
-/// Tensions as shares of the largest, in 16 bits.
-void add_tensions(Json& frame, const Shown& shown, const Body& body, const Snapshot& snapshot) {
-  double most = 0;
+std::vector<double> tensions_of(const Shown& shown, const Body& body, const Snapshot& snapshot) {
   std::vector<double> tensions;
   for (const int c : shown.connections) {
     const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
-    const double tension =
-        snapshot.force_densities.size()
-            ? snapshot.force_densities[c] * (snapshot.positions.col(b) - snapshot.positions.col(a)).norm()
-            : 0;
-    tensions.push_back(std::isfinite(tension) ? tension : 0);
-    most = std::max(most, std::abs(tensions.back()));
+    tensions.push_back(snapshot.force_densities.size()
+                           ? snapshot.force_densities[c] *
+                                 (snapshot.positions.col(b) - snapshot.positions.col(a)).norm()
+                           : 0);
   }
-  std::vector<std::int16_t> shares;
-  for (const double tension : tensions)
-    shares.push_back(static_cast<std::int16_t>(most > 0 ? std::lround(32767 * tension / most) : 0));
-  frame["most"] = most;
-  frame["tensions"] = bytes_text(shares);
+  return tensions;
+}
+
+/// Equivalent stress of the cell behind each side of the surface; empty where no cell has any.
+std::vector<double> stresses_of(const Shown& shown, const Body& body, const Snapshot& snapshot) {
+  std::vector<CellState> states = snapshot.block_states;
+  if (body.blocks.empty() && snapshot.force_densities.size())
+    states = cell_states(body, snapshot.positions, snapshot.force_densities);
+  std::vector<double> stresses;
+  for (const int cell : shown.cells)
+    stresses.push_back(cell >= 0 && static_cast<std::size_t>(cell) < states.size()
+                           ? von_mises(states[static_cast<std::size_t>(cell)])
+                           : 0);
+  const bool any = std::any_of(stresses.begin(), stresses.end(), [](double stress) { return stress > 0; });
+  return any ? stresses : std::vector<double>{};
+}
+
+/// What supports, loads and contact do to each molecule: as much as all elastic forces on it, against them [N].
+std::vector<double> outer_forces_of(const Shown& shown, const Body& body, const Snapshot& snapshot) {
+  Positions elastic = Positions::Zero(3, body.size());
+  if (snapshot.elastic_forces.size())
+    elastic = snapshot.elastic_forces;
+  else
+    for (int c = 0; c < body.connections.size() && c < snapshot.force_densities.size(); ++c) {
+      const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+      const Vector3 force = snapshot.force_densities[c] * (snapshot.positions.col(b) - snapshot.positions.col(a));
+      elastic.col(a) += force;
+      elastic.col(b) -= force;
+    }
+  std::vector<double> forces;
+  for (const int molecule : shown.molecules) forces.push_back(elastic.col(molecule).norm());
+  return forces;
+}
+
+Json frame_of(const Shown& shown, const Body& body, const Snapshot& snapshot) {
+  std::vector<double> displacements, pressures;
+  for (const int molecule : shown.molecules) {
+    for (int k = 0; k < 3; ++k) displacements.push_back(snapshot.positions(k, molecule) - body.rest(k, molecule));
+    if (snapshot.contact_pressure.size()) pressures.push_back(snapshot.contact_pressure[molecule]);
+  }
+  Json frame{{"at", snapshot.at},
+             {"displacements", planes_of(displacements, kFine)},
+             {"tensions", planes_of(tensions_of(shown, body, snapshot), kCoarse)},
+             {"forces", planes_of(outer_forces_of(shown, body, snapshot), kCoarse)}};
+  if (const auto stresses = stresses_of(shown, body, snapshot); !stresses.empty())
+    frame["stresses"] = planes_of(stresses, kCoarse);
+  if (!pressures.empty()) frame["pressures"] = planes_of(pressures, kCoarse);
+  return frame;
 }
 
 }  // namespace
@@ -140,6 +243,8 @@ std::string body_view(const Scene& scene, const Record& record) {
   json["radius"] = bytes_text(radius);
   json["ends"] = bytes_text(ends);
   json["surface"] = bytes_text(surface);
+  json["cells"] = bytes_text(shown.cells);
+  json["numbers"] = shown.note.empty() ? "" : bytes_text(shown.molecules);
   return line_of(json);
 }
 
@@ -155,15 +260,7 @@ std::string states_view(const Scene& scene, const Record& record) {
   const std::size_t count = std::min(kMostFrames, snapshots.size());
   for (std::size_t i = 0; i < count; ++i) {
     const Snapshot& snapshot = snapshots[count > 1 ? i * (snapshots.size() - 1) / (count - 1) : snapshots.size() - 1];
-    std::vector<float> displacements;
-    for (const int molecule : shown.molecules)
-      for (int k = 0; k < 3; ++k) {
-        const auto displacement = static_cast<float>(snapshot.positions(k, molecule) - body.rest(k, molecule));
-        displacements.push_back(std::isfinite(displacement) ? displacement : 0);
-      }
-    Json frame{{"at", snapshot.at}, {"displacements", bytes_text(displacements)}};
-    add_tensions(frame, shown, body, snapshot);
-    json["frames"].push_back(std::move(frame));
+    json["frames"].push_back(frame_of(shown, body, snapshot));
   }
   return line_of(json);
 }

@@ -10,8 +10,10 @@ namespace elastin::lab {
 /// so many connections; "shown" says so.
 std::string body_view(const Scene& scene, const Record& record);
 
-/// The states that the run has kept, at most 25 of them, evenly spread: displacements of the molecules [m] and tensions
-/// of the connections [N] in the order of body_view. "" if it kept none.
+/// The states that the run has kept, at most 25 of them, evenly spread, in the order of body_view: displacements of the
+/// molecules [m], tensions of the connections [N], sizes of the outer forces on molecules [N]; where there are any, von
+/// Mises' stress of the cell behind each side of the surface ([Pa]; of a membrane [N/m]), contact pressures of the
+/// molecules [Pa]. Displacements to 2⁻²¹ of the largest of the state, all else to 2⁻¹³. "" if the run kept no state.
 std::string states_view(const Scene& scene, const Record& record);
 
 }  // namespace elastin::lab

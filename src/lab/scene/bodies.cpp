@@ -37,9 +37,14 @@ void read_one(Reader item, const elastin::Table<MaterialLaw>& laws, Specimen& sp
   if (own) check_material(*own, material, body);
   if (material.bending_rigidity > 0) (own ? *own : item).fail("bending needs a scene of one body, `body`");
   Material turned = material;
-  rotate(turned, pose_body(item, body));
+  const Vector3 before = body.rest.col(0);
+  const Matrix3 rotation = pose_body(item, body);
+  rotate(turned, rotation);
+  if (turned.around) turned.around->point += body.rest.col(0) - rotation * before;
   if (own && own->has("fibre")) material.fibre = turned.fibre;
+  if (own && own->has("active")) material.active = turned.active;
   if (own && own->has("law")) material.law = turned.law;
+  if (own && own->has("around")) material.around = turned.around;
   if (own) {
     part.material = static_cast<int>(specimen.materials.size());
     specimen.materials.push_back(std::move(material));

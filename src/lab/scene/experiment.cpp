@@ -78,6 +78,13 @@ std::unique_ptr<Protocol> read_bar(Reader reader, const ExperimentContext& conte
   }
   setup.grip_depth = read_depth(reader);
   setup.load_steps = read_steps(reader);
+  if (auto cycle = reader.find("cycle"))
+    for (const Reader& item : cycle->items()) {
+      setup.cycle.push_back(item.quantity(dimension::none, {0, 1, false}));
+      const double before = setup.cycle.size() > 1 ? setup.cycle[setup.cycle.size() - 2] : 0;
+      if (setup.cycle.back() == before)
+        item.fail("the load is there already: each part must differ from the one before");
+    }
   setup.thickness = context.material.thickness;
   reader.finish();
   if (force && displacement) displacement->fail("there is a force already; give one of them");
@@ -201,7 +208,9 @@ std::vector<SceneKey> tension_keys() {
           {"gauge", "two quantities", "m", "≥ 0, > 0", "none",
            "planes, measured from the fixed end, between which an extensometer reads"},
           kDepthKey,
-          kStepsKey};
+          kStepsKey,
+          {"cycle", "list of numbers", "", "0 … 1", "`[1]`",
+           "parts of the load that are reached one after the other, each in `load_steps`: [1, 0, 1]"}};
 }
 
 }  // namespace

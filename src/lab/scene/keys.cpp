@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "elastin/core/base/units.h"
+#include "lab/scene/identify.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
@@ -89,7 +90,7 @@ std::vector<KeySection> key_sections(const Catalog& catalog, const ExperimentCat
   for (const auto& sections :
        {scene_keys(), body_keys(), surface_keys(), fill_keys(), bodies_keys(), material_keys(catalog),
         strategy_keys(catalog), experiment_sections(experiments), gas_keys(), time_keys(catalog), load_keys(catalog),
-        initial_keys(), contact_keys(), solver_keys(catalog), expectation_keys(), study_keys()})
+        initial_keys(), contact_keys(), solver_keys(catalog), expectation_keys(), study_keys(), identify_keys()})
     all.insert(all.end(), sections.begin(), sections.end());
   return all;
 }

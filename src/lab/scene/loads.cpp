@@ -9,10 +9,12 @@
 namespace elastin::lab {
 namespace {
 
+constexpr const char* kFace = "face";
+
 /// The row that stands on the ends of an experiment.
 LoadKind face() {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  LoadKind load{{"face", "a dead traction on the end of a body, in proportion to the molecules' shares of it", "", {}}};
+  LoadKind load{{kFace, "a dead traction on the end of a body, in proportion to the molecules' shares of it", "", {}}};
   load.parameters = {
       {"side", dimension::none, -1, 1, NAN, "outward normal of the end", false, ValueKind::direction, true},
       {"traction", dimension::pressure, -infinity, infinity, NAN, "force over area at rest", false, ValueKind::vector,
@@ -134,10 +136,11 @@ SceneLoad read_load(Reader reader, const elastin::Table<LoadKind>& loads, const 
   values = value.located([&] { return checked_values(*kind, body, std::move(values)); });
   const bool acts_at_rest = kind->acts_at_rest(values);
   const auto add = [kind = kind, values, material](Model& model) { kind->add(model, values, &material); };
-  if (!in_time) return {add, acts_at_rest};
+  if (!in_time && kind->name == kFace) return {{add}, acts_at_rest};
+  if (!in_time) return {{add, std::pair(kind->name, values)}, acts_at_rest};
   const TimeFunction function = read_time_function(*in_time);
   if (!acts_at_rest) in_time->fail("damping and drag do not change in time");
-  return {[add, function](Model& model) { vary_loads(model, add, function); }, true, true};
+  return {{[add, function](Model& model) { vary_loads(model, add, function); }}, true, true};
 }
 
 std::vector<KeySection> load_keys(const Catalog& catalog) {

@@ -1,7 +1,10 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
+#include "elastin/core/base/text.h"
+#include "elastin/core/forces/mullins.h"
 #include "elastin/core/forces/prony.h"
 #include "lab/scene/parts.h"
 
@@ -92,14 +95,31 @@ double read_bending_rigidity(const Reader& reader, const Material& material) {
          (12 * (1 - material.poissons_ratio * material.poissons_ratio));
 }
 
-/// {terms: [[0.5, 1 s], [0.2, 10 s]], moduli: long_term}
+enum class RelaxationModel { prony, standard_linear_solid, kelvin_voigt };
+
+/// {terms: [[0.5, 1 s], [0.2, 10 s]], moduli: long_term} | {model: kelvin_voigt, time: 1 s} | …
 Relaxation read_relaxation(Reader reader) {
   Relaxation relaxation;
-  for (const Reader& item : reader.at("terms").items()) {
-    const auto pair = item.items(2);
-    relaxation.terms.push_back(
-        {pair[0].quantity(dimension::none, kPositive), pair[1].quantity(dimension::time, kPositive)});
+  const auto named = reader.find("model");
+  const auto model =
+      named ? named->choice<RelaxationModel>({{"prony", RelaxationModel::prony},
+                                              {"standard_linear_solid", RelaxationModel::standard_linear_solid},
+                                              {"kelvin_voigt", RelaxationModel::kelvin_voigt}})
+            : RelaxationModel::prony;
+  const auto time = [&] { return reader.at("time").quantity(dimension::time, kPositive); };
+  if (model == RelaxationModel::kelvin_voigt) {
+    relaxation.retardation = time();
+    reader.finish();
+    return relaxation;
   }
+  if (model == RelaxationModel::standard_linear_solid)
+    relaxation.terms.push_back({reader.at("share").quantity(dimension::none, kPositive), time()});
+  else
+    for (const Reader& item : reader.at("terms").items()) {
+      const auto pair = item.items(2);
+      relaxation.terms.push_back(
+          {pair[0].quantity(dimension::none, kPositive), pair[1].quantity(dimension::time, kPositive)});
+    }
   if (auto moduli = reader.find("moduli"))
     relaxation.instantaneous = moduli->choice<bool>({{"long_term", false}, {"instantaneous", true}});
   reader.finish();
@@ -108,6 +128,42 @@ Relaxation read_relaxation(Reader reader) {
     return 0;
   });
   return relaxation;
+}
+
+/// {r: 1.5, m: 0.1 MPa, beta: 0.1}
+Softening read_softening(Reader reader) {
+  Softening softening;
+  softening.r = reader.at("r").quantity(dimension::none, {1, std::numeric_limits<double>::infinity(), true});
+  if (auto m = reader.find("m")) softening.m = m->quantity(dimension::pressure, kNotNegative);
+  if (auto beta = reader.find("beta")) softening.beta = beta->quantity(dimension::none, kNotNegative);
+  reader.finish();
+  reader.located([&] {
+    check_softening(softening);
+    return 0;
+  });
+  return softening;
+}
+
+/// {direction: z, stress: 300 kPa, activation: {ramp: 1 s}, optimal_stretch: 1}
+ActiveFibre read_active(Reader reader) {
+  ActiveFibre active;
+  active.direction = read_direction(reader.at("direction"));
+  active.stress = reader.at("stress").quantity(dimension::pressure, kPositive);
+  if (auto stretch = reader.find("optimal_stretch"))
+    active.optimal_stretch = stretch->quantity(dimension::none, kPositive);
+  if (auto activation = reader.find("activation"))
+    active.activation = [function = read_time_function(*activation)](double time) { return function.value(time); };
+  reader.finish();
+  return active;
+}
+
+/// {axis: z, through: [0, 0, 0]}
+RoundAxis read_around(Reader reader) {
+  RoundAxis around;
+  around.direction = read_direction(reader.at("axis"));
+  if (auto point = reader.find("through")) around.point = point->vector(dimension::length);
+  reader.finish();
+  return around;
 }
 
 /// A law's term: a number, or a list of them.
@@ -144,6 +200,26 @@ Material read_law(Reader reader, const Reader& name, const Table<MaterialLaw>& l
   return name.located([&] { return with_law(*row, constants, material); });
 }
 
+/// The law's own curve in uniaxial stress as that of springs, up to a strain and down to half of the length.
+StressStrain spring_curve(const Reader& reader, const Material& material) {
+  constexpr int parts = 40;
+  const double up_to = reader.quantity(dimension::none, kPositive), down_to = std::min(up_to, 0.5);
+  if (!material.law || !material.law->uniaxial_stress) reader.fail("springs can follow a law's curve: give a `law`");
+  if (!material.law->directions.empty()) reader.fail("springs of all directions cannot follow a law that has its own");
+  std::vector<StressStrain::Point> points;
+  for (int i = -parts; i <= parts; ++i) {
+    const double strain = i * (i < 0 ? down_to : up_to) / parts;
+    const std::optional<double> stress =
+        i == 0 ? 0. : material.law->uniaxial_stress(material, Vector3::UnitZ(), strain);
+    if (!stress) reader.fail("the law has no equilibrium in uniaxial stress at a strain of " + number(strain));
+    points.push_back({strain, *stress});
+  }
+  if (const auto wrong = StressStrain::fault(points))
+    reader.fail("the law's curve in uniaxial stress does not rise up to there: at a strain of " +
+                number(points[wrong->first].strain) + " " + wrong->second);
+  return StressStrain::through(points);
+}
+
 }  // namespace
 
 Material read_material(Reader reader, const Table<MaterialLaw>& laws, const Material* base) {
@@ -175,11 +251,15 @@ Material read_material(Reader reader, const Table<MaterialLaw>& laws, const Mate
   if (auto value = reader.find("poissons_ratio"))
     material.poissons_ratio = value->quantity(dimension::none, {-0.99, 0.5, false});
   if (law) material = read_law(reader, *law, laws, material);
+  if (auto value = reader.find("spring_curve")) material.curve = spring_curve(*value, material);
   if (auto value = reader.find("density")) material.density = value->quantity(dimension::density, kPositive);
   if (auto value = reader.find("thickness")) material.thickness = value->quantity(dimension::length, kPositive);
   if (auto bending = reader.find("bending")) material.bending_rigidity = read_bending_rigidity(*bending, material);
   if (auto fibre = reader.find("fibre")) material.fibre = read_fibre(*fibre);
+  if (auto active = reader.find("active")) material.active = read_active(*active);
+  if (auto around = reader.find("around")) material.around = read_around(*around);
   if (auto relaxation = reader.find("relaxation")) material.relaxation = read_relaxation(*relaxation);
+  if (auto softening = reader.find("softening")) material.softening = read_softening(*softening);
   reader.finish();
   return material;
 }
@@ -245,21 +325,39 @@ std::vector<KeySection> material_keys(const Catalog& catalog) {
         {"curve.tension", "quantity", "Pa", "> 0", "none", "modulus in tension, of a curve with two moduli"},
         {"curve.compression", "quantity", "Pa", "> 0", "needed with `tension`", "modulus in compression"},
         {"curve.smoothing", "number", "", "1e-09 … 1", "1e-4", "strain over which these two are joined"},
+        {"spring_curve", "number", "", "> 0", "none",
+         "strain up to which springs follow the law's own curve in uniaxial stress; without it they are straight"},
         {"secant_modulus", "map", "", "", "none",
          "E(ε), secant modulus over nominal strain; replaces `youngs_modulus`"},
         {"secant_modulus.polynomial", "list of quantities", "Pa", "", "this, or `points`", "c₀, c₁ … of c₀ + c₁ ε + …"},
         {"secant_modulus.up_to", "number", "", "> 0", "needed with `polynomial`",
          "strain up to which the polynomial counts"},
         {"secant_modulus.points", "list of pairs", "Pa", "≥ 0, > 0", "this, or `polynomial`", "`[strain, E]`"},
-        {"relaxation.terms", "list of pairs", "s", "> 0", "needed",
+        {"relaxation.model", "`prony`, `standard_linear_solid`, `kelvin_voigt`", "", "", "`prony`",
+         "terms of G, one term, or a dashpot beside the law: σ + time dσ/dt"},
+        {"relaxation.terms", "list of pairs", "s", "> 0", "needed of `prony`",
          "`[share, time]`: G(t) = g₀ + Σ share e^(−t/time) times the law, for `prony:` strategies"},
+        {"relaxation.share", "number", "", "> 0", "needed of `standard_linear_solid`", "share of its one term"},
+        {"relaxation.time", "quantity", "s", "> 0", "needed of these two",
+         "relaxation time of the one term, or retardation time of the dashpot"},
         {"relaxation.moduli", "`long_term`, `instantaneous`", "", "", "`long_term`",
-         "which moduli the law has: g₀ = 1, or 1 − Σ share"},
+         "which moduli the law has: g₀ = 1, or 1 − Σ share; not of `kelvin_voigt`"},
+        {"softening.r", "number", "", "> 1", "needed",
+         "η = 1 − (1/r) erf((W_max − W)/(m + beta W_max)) times the stress, for `mullins:` strategies"},
+        {"softening.m", "quantity", "Pa", "≥ 0", "0", "energy density over which stress is lost; this or `beta`"},
+        {"softening.beta", "number", "", "≥ 0", "0", "the same over the largest energy density that there was"},
         {"fibre.direction", "direction", "", "", "needed", "direction of the fibres at rest"},
         {"fibre.youngs_modulus", "quantity", "Pa", "> 0", "needed, or `curve`",
          "modulus of the fibres; their stress adds to that of the matrix"},
         {"fibre.curve", "map", "", "", "none", "stress–strain curve of the fibres, as `curve` above"},
-        {"fibre.compression", "`true`, `false`", "", "", "`true`", "whether the fibres resist compression"}}}};
+        {"fibre.compression", "`true`, `false`", "", "", "`true`", "whether the fibres resist compression"},
+        {"active.direction", "direction", "", "", "needed", "direction of active fibres (muscle) at rest"},
+        {"active.stress", "quantity", "Pa", "> 0", "needed", "largest stress of the fibres, over the present section"},
+        {"active.optimal_stretch", "number", "", "> 0", "1", "stretch at which they have it"},
+        {"active.activation", "time function", "", "", "1", "which part is at work; below 0 counts as 0"},
+        {"around.axis", "direction", "", "", "needed",
+         "axis around which directions turn: those of fibres and law are along radius, circumference and axis"},
+        {"around.through", "vector", "m", "", "0", "a point of the axis"}}}};
   for (const auto& law : catalog.material_laws) sections.push_back(law_keys(*law));
   return sections;
 }

@@ -40,6 +40,9 @@ double read_length(Reader& reader, const char* key);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
 /// {vary: [{KEY.PATH: [value, …], …}, …], repeats: 5, threads: [1, 2], own_reference: STRATEGY}
 Study read_study(Reader reader, const std::vector<StrategyChoice>& known);
+/// Reads the section for its faults alone; see load_identify_task.
+void check_identify(const Reader& reader);
+StepperStudy read_stepper_study(Reader reader, const elastin::Table<Stepper>& steppers);
 /// Contact, and which obstacles' motions follow the load, and which the time.
 struct SceneContact {
   contact::ContactOptions options;
@@ -51,7 +54,7 @@ void check_motions(const SceneContact& contact, bool timed);
 StaticOptions read_solver(Reader reader, const elastin::Table<LinearSolverKind>& linear_solvers);
 /// Adds one load, or internal damping, to a model of the scene's body.
 struct SceneLoad {
-  std::function<void(Model&)> add;
+  SpecimenLoad load;
   bool acts_at_rest = true;      ///< false: drag and damping, which a static experiment does not feel
   bool changes_in_time = false;  ///< an experiment at rest must not have it
 };
@@ -63,6 +66,8 @@ SceneLoad read_load(Reader reader, const elastin::Table<LoadKind>& loads, const 
 /// {ramp: {duration: 1 s}}, {step: {at: 1 s}}, {sine: …} or {table: [[0 s, 0], …]}.
 TimeFunction read_time_function(Reader reader);
 TimeOptions read_time(Reader reader, const elastin::Table<Stepper>& steppers);
+/// {scheme: NAME, PARAMETER: VALUE, …}, or the name alone.
+void read_integrator(Reader reader, const elastin::Table<Stepper>& steppers, TimeOptions& options);
 /// How the run begins: velocities and positions other than those at rest.
 std::function<void(State&)> read_initial(Reader reader, const Body& body, const Matrix3& rotation, bool timed);
 GasSetup read_gas(Reader reader);

@@ -452,6 +452,8 @@ Reader open_scene_file(const std::string& path, const std::vector<std::string>& 
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) throw InputError(location, missing_file(path));
   if (std::filesystem::is_directory(path, ignored)) throw InputError(location, "is a folder; name a scene file in it");
+  if (std::filesystem::is_character_file(path, ignored) || std::filesystem::is_block_file(path, ignored))
+    throw InputError(location, "is a device; a scene is a file or a pipe");
   std::ifstream stream(path);
   if (!stream) throw InputError(location, std::string("cannot read the scene: ") + std::strerror(errno));
   const std::string text((std::istreambuf_iterator<char>(stream)), {});

@@ -172,6 +172,9 @@ void read_whole_body(Reader& reader, const Catalog& catalog, Scene& scene, const
     return;
   }
   if (ties) ties->fail("joins several `bodies`; the scene has one");
+  if (!reader.has("body"))
+    if (const auto identify = reader.find("identify"))
+      identify->fail("the scene has no body: it is one for `elastin identify`");
   specimen.body = read_body(reader.at("body"), specimen.material, remarks);
   scene.bare_graph =
       reader.at("body").has("molecules") && specimen.body.tetrahedra.empty() && specimen.body.triangles.empty();
@@ -213,6 +216,10 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   }
   scene->experiment = read_experiment(experiment, context);
   const bool timed = scene->experiment->in_time() != nullptr;
+  if (contact && !timed && scene->statics.linear)
+    reader.at("solver")
+        .at("displacements")
+        .fail("one linear solve cannot find what touches; with `contact` displacements are large");
   if (contact) {
     check_motions(*contact, timed);
     reader.at("contact").located([&] { contact::make_contact(scene->specimen.body, contact->options); });
@@ -235,7 +242,7 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
       if (!load.acts_at_rest && !timed)
         scene->warnings.push_back(item.path() +
                                   ": acts on moving bodies only; it changes nothing in a static experiment");
-      scene->specimen.loads.push_back(std::move(load.add));
+      scene->specimen.loads.push_back(std::move(load.load));
     }
   std::vector<StrategyChoice> known = scene->strategies;
   known.push_back(scene->stiffness);
@@ -245,6 +252,8 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   if (auto references = reader.find("reference")) read_references(*references, catalog, *scene);
   scene->problem = problem_text(reader, *scene);
   if (auto study = reader.find("study")) scene->study = read_study(*study, known);
+  if (auto steppers = reader.find("steppers")) scene->steppers = read_stepper_study(*steppers, catalog.steppers);
+  if (const auto identify = reader.find("identify")) check_identify(*identify);
   reader.finish();
   scene->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return scene;
@@ -320,35 +329,38 @@ std::unique_ptr<Scene> load_scene_on(const std::string& path, const Catalog& cat
 }
 
 std::vector<KeySection> scene_keys() {
-  return {{"",
-           "Scene",
-           "",
-           {{"title", "text", "", "", "the file's name", "heading of tables and pages"},
-            {"body", "map", "", "", "needed, or `bodies`", "[the body](#body)"},
-            {"bodies", "list of maps", "", "", "none", "[several bodies](#bodies)"},
-            {"ties", "list of maps", "", "", "none", "[joints between bodies](#bodies)"},
-            {"material", "map", "", "", "needed", "[the material](#material)"},
-            {"stiffness", "word, or map", "", "", "needed", "[the strategy](#stiffness) of `run`"},
-            {"strategies", "list, or `all`", "", "", "`stiffness`",
-             "the strategies of `compare`; `all` in the list adds those not named before it, with `+volume` where "
-             "the body's cells and Poisson's ratio allow it"},
-            {"experiment", "map", "", "", "needed", "[the experiment](#experiment)"},
-            {"time", "map", "", "", "needed in time", "[duration, steps and frames](#time) of an experiment in time"},
-            {"loads", "list of maps", "", "", "none", "[loads](#loads) besides the experiment's"},
-            {"initial", "map", "", "", "rest", "[where the search or the run begins](#initial-state)"},
-            {"rotate", "rotation", "", "", "none", "turns the whole scene"},
-            {"contact", "map", "", "", "none", "[contact](#contact)"},
-            {"solver", "map", "", "", "Newton's method", "[the solver](#solver) of equilibria"},
-            {"reference", "list of maps, `computed`, or `none`", "", "",
-             "`computed` where nothing shows the material's values",
-             "[values](#reference) that errors are computed against: from elsewhere, or the solid's own limit"},
-            {"expect", "list of maps", "", "", "none", "[what must come out](#expectations); exit code 1 if one fails"},
-            {"study", "map", "", "", "none", "[what `compare` varies](#study)"}}},
-          {"rotation",
-           "",
-           "A *rotation*:",
-           {{"axis", "direction", "", "", "needed", "axis of the rotation"},
-            {"angle", "angle", "", "", "needed", "angle of the rotation, right-handed"}}}};
+  return {
+      {"",
+       "Scene",
+       "",
+       {{"title", "text", "", "", "the file's name", "heading of tables and pages"},
+        {"body", "map", "", "", "needed, or `bodies`", "[the body](#body)"},
+        {"bodies", "list of maps", "", "", "none", "[several bodies](#bodies)"},
+        {"ties", "list of maps", "", "", "none", "[joints between bodies](#bodies)"},
+        {"material", "map", "", "", "needed", "[the material](#material)"},
+        {"stiffness", "word, or map", "", "", "needed", "[the strategy](#stiffness) of `run`"},
+        {"strategies", "list, or `all`", "", "", "`stiffness`",
+         "the strategies of `compare`; `all` in the list adds those not named before it, with `+volume` where "
+         "the body's cells and Poisson's ratio allow it"},
+        {"experiment", "map", "", "", "needed", "[the experiment](#experiment)"},
+        {"time", "map", "", "", "needed in time", "[duration, steps and frames](#time) of an experiment in time"},
+        {"loads", "list of maps", "", "", "none", "[loads](#loads) besides the experiment's"},
+        {"initial", "map", "", "", "rest", "[where the search or the run begins](#initial-state)"},
+        {"rotate", "rotation", "", "", "none", "turns the whole scene"},
+        {"contact", "map", "", "", "none", "[contact](#contact)"},
+        {"solver", "map", "", "", "Newton's method", "[the solver](#solver) of equilibria"},
+        {"reference", "list of maps, `computed`, or `none`", "", "",
+         "`computed` where nothing shows the material's values",
+         "[values](#reference) that errors are computed against: from elsewhere, or the solid's own limit"},
+        {"expect", "list of maps", "", "", "none", "[what must come out](#expectations); exit code 1 if one fails"},
+        {"study", "map", "", "", "none", "[what `compare` varies](#study)"},
+        {"identify", "map", "", "", "none", "[measured tests](#identification) that `identify` fits the material to"},
+        {"steppers", "map", "", "", "none", "[steppers to compare in place of strategies](#steppers)"}}},
+      {"rotation",
+       "",
+       "A *rotation*:",
+       {{"axis", "direction", "", "", "needed", "axis of the rotation"},
+        {"angle", "angle", "", "", "needed", "angle of the rotation, right-handed"}}}};
 }
 
 std::vector<KeySection> expectation_keys() {

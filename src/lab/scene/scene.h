@@ -53,9 +53,10 @@ struct Scene {
   std::string problem;                ///< all but the body and the strategies, as text: equal ones are the same problem
   bool bare_graph = false;            ///< the body is a list of molecules without cells: nothing says what it fills
   Study study;                        ///< what `compare` changes from run to run; empty where the scene has none
-  std::vector<std::string> warnings;  ///< of the scene as a whole
-  std::vector<std::string> notes;     ///< what was made of it that its author may want to know
-  double build_seconds = 0;           ///< body and experiment
+  std::optional<StepperStudy> steppers;  ///< where `compare` compares steppers and not strategies
+  std::vector<std::string> warnings;     ///< of the scene as a whole
+  std::vector<std::string> notes;        ///< what was made of it that its author may want to know
+  double build_seconds = 0;              ///< body and experiment
 };
 
 /// More molecules than this are an error of the scene.

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <memory>
+#include <sstream>
 
 #include "lab/scene/parts.h"
 #include "lab/scene/scene.h"
@@ -88,8 +89,56 @@ std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const
   return all;
 }
 
+std::vector<StepperChoice> read_steppers(const std::string& names, const elastin::Table<Stepper>& steppers) {
+  std::vector<StepperChoice> choices;
+  std::istringstream words(names);
+  for (std::string word; std::getline(words, word, ',');) {
+    word.erase(0, word.find_first_not_of(' ')), word.erase(word.find_last_not_of(' ') + 1);
+    if (word == "all")
+      for (const auto& stepper : steppers) choices.push_back({stepper});
+    else
+      choices.push_back({steppers.find(word)});
+  }
+  if (choices.empty()) throw InputError("names no scheme");
+  return choices;
+}
+
+StepperStudy read_stepper_study(Reader reader, const elastin::Table<Stepper>& steppers) {
+  StepperStudy study;
+  if (const auto schemes = reader.find("schemes"); schemes && !schemes->is_text()) {
+    for (Reader item : schemes->items()) {
+      item.set_section("time.integrator");
+      TimeOptions options;
+      read_integrator(item, steppers, options);
+      study.schemes.push_back({*options.scheme, options.parameters});
+    }
+    if (study.schemes.empty()) schemes->fail("names no scheme; write a list of them, or all");
+  } else {
+    const std::string names = schemes ? schemes->text() : "all";
+    study.schemes = reader.located([&] { return read_steppers(names, steppers); });
+  }
+  if (auto iterations = reader.find("iterations")) {
+    study.iterations.clear();
+    for (const Reader& item : iterations->items()) study.iterations.push_back(item.whole(1, 1000));
+    if (study.iterations.empty()) iterations->fail("names no number of iterations");
+  }
+  if (auto steps = reader.find("steps"))
+    for (const Reader& item : steps->items()) study.steps.push_back(item.quantity(dimension::time, kPositive));
+  reader.finish();
+  return study;
+}
+
 std::vector<KeySection> study_keys() {
-  return {{"study",
+  return {{"steppers",
+           "Steppers",
+           "What `elastin compare` runs in place of strategies: the scene's own strategy by several schemes.",
+           {{"schemes", "`all`, or list of words or maps", "", "", "`all`",
+             "schemes, each as `time.integrator` has them; what a map gives is not varied"},
+            {"iterations", "list of wholes", "", "1 … 1000", "1, 4, 16, 64",
+             "sweeps, iterations or solves of each step; Newton's method has 1 and as many as it takes"},
+            {"steps", "list of quantities", "s", "> 0", "1/25 and 1/100 of the period",
+             "time steps; the period is that of the loaded shape, by Rayleigh's quotient"}}},
+          {"study",
            "Study",
            "",
            {{"vary", "list of maps", "", "", "none",

@@ -3,6 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include "elastin/core/simulation/catalog.h"
+
 namespace elastin::lab {
 
 /// Keys of the scene that change together, and the values that they take in turn.
@@ -21,6 +23,22 @@ struct Study {
   std::string own_reference;
   bool any() const { return !axes.empty() || repeats > 1 || !threads.empty(); }
 };
+
+/// A scheme with the parameters that a comparison of steppers leaves as they are.
+struct StepperChoice {
+  Scheme scheme;
+  ParameterValues parameters = {};
+};
+
+/// What a comparison of steppers runs through: each scheme with each number of iterations and each time step.
+struct StepperStudy {
+  std::vector<StepperChoice> schemes;
+  std::vector<int> iterations{1, 4, 16, 64};
+  std::vector<double> steps;  ///< [s]; empty = 1/25 and 1/100 of the loaded shape's period
+};
+
+/// "all", or names separated by commas. Throws InputError with the nearest name.
+std::vector<StepperChoice> read_steppers(const std::string& names, const Table<Stepper>& steppers);
 
 /// One axis as a command line gives it: "KEY.PATH=[value, …]" or "{KEY.PATH: [value, …], KEY.PATH: …}".
 StudyAxis read_axis(const std::string& text);

@@ -27,21 +27,6 @@ void refuse_others(Reader& reader, const elastin::Table<Stepper>& steppers, cons
   }
 }
 
-/// {scheme: NAME, PARAMETER: VALUE, …}, or the name alone.
-void read_integrator(Reader reader, const elastin::Table<Stepper>& steppers, TimeOptions& options) {
-  const auto named = [&](const Reader& name) { return name.located([&] { return steppers.find(name.text()); }); };
-  if (reader.is_text()) {
-    options.scheme = named(reader);
-    return;
-  }
-  const auto scheme = named(reader.at("scheme"));
-  options.scheme = scheme;
-  refuse_others(reader, steppers, *scheme);
-  for (const ParameterInfo& info : scheme->parameters)
-    if (auto value = reader.find(info.name)) options.parameters[info.name] = read_parameter(*value, info);
-  reader.finish();
-}
-
 void read_step(Reader reader, TimeOptions& options) {
   if (reader.is_map()) {
     options.choice = StepChoice::by_error;
@@ -83,6 +68,10 @@ std::unique_ptr<Protocol> read_motion(Reader reader, MotionKind kind, const Expe
   if (kind == MotionKind::relaxation) {
     setup.ramp = reader.at("ramp").quantity(dimension::time, kPositive);
     setup.load = TimeFunction::ramp(setup.ramp);
+  }
+  if (kind == MotionKind::cyclic) {
+    setup.frequency = reader.at("frequency").quantity({0, 0, -1}, kPositive);
+    setup.load = TimeFunction::sine(setup.frequency);
   }
   reader.finish();
   return reader.located([&] { return make_motion(context.body, std::move(setup)); });
@@ -147,6 +136,20 @@ double uniform(std::mt19937_64& generator) { return 2 * static_cast<double>(gene
 
 }  // namespace
 
+void read_integrator(Reader reader, const elastin::Table<Stepper>& steppers, TimeOptions& options) {
+  const auto named = [&](const Reader& name) { return name.located([&] { return steppers.find(name.text()); }); };
+  if (reader.is_text()) {
+    options.scheme = named(reader);
+    return;
+  }
+  const auto scheme = named(reader.at("scheme"));
+  options.scheme = scheme;
+  refuse_others(reader, steppers, *scheme);
+  for (const ParameterInfo& info : scheme->parameters)
+    if (auto value = reader.find(info.name)) options.parameters[info.name] = read_parameter(*value, info);
+  reader.finish();
+}
+
 TimeOptions read_time(Reader reader, const elastin::Table<Stepper>& steppers) {
   TimeOptions options;
   options.duration = reader.at("duration").quantity(dimension::time, kPositive);
@@ -197,6 +200,13 @@ std::vector<ExperimentInfo> timed_experiments() {
        .keys = {fixture("needed", "how the body is fixed, with the displacement that stays"),
                 {"ramp", "quantity", "s", "> 0", "needed", "time in which the displacement grows"}},
        .read = motion(MotionKind::relaxation)},
+      {.name = "cyclic",
+       .summary = "a displacement oscillates: storage and loss modulus over the last period",
+       .source = "",
+       .in_time = true,
+       .keys = {fixture("needed", "how the body is fixed, with the displacement that is the amplitude"),
+                {"frequency", "quantity", "1/s", "> 0", "needed", "frequency of the oscillation"}},
+       .read = motion(MotionKind::cyclic)},
       {.name = "shake",
        .summary = "the clamped end of a body oscillates: amplitude ratio and phase of the far end",
        .source = "",

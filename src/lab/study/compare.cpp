@@ -15,6 +15,7 @@
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
+#include "lab/report/baseline.h"
 #include "lab/report/comparison.h"
 #include "lab/report/files.h"
 #include "lab/report/json.h"
@@ -82,6 +83,7 @@ class Comparison {
   std::optional<Journal> journal_;
   std::vector<Record> records_;
   std::vector<Peer> peers_;
+  std::vector<Record> baseline_;
   std::size_t rows_ = 0, done_ = 0, run_ = 0;  ///< runs of all repeats: there are, finished, not found finished
   double seconds_ = 0;                         ///< that the runs made here took
   Clock::time_point written_ = Clock::now();
@@ -254,7 +256,8 @@ void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Recor
     record.run.constants.setConstant(1, double{record.run.constants.minCoeff()});
   if (journal_ && !key.empty() && record.run.outcome != Outcome::interrupted)
     journal_->add(key, source_of(plan), record);
-  if (request_.to_screen() && !request_.compare) fmt::print("{}", run_text(record, colours_on(STDOUT_FILENO)));
+  if (request_.to_screen() && (!request_.compare || (request_.verbose && !key.empty())))
+    fmt::print("{}", run_text(record, colours_on(STDOUT_FILENO)));
   ++done_;
   if (request_.compare && rows_ > 1 && !key.empty()) progress_.note(finished_text(record));
   const auto same = [&](const Record& r) {
@@ -318,7 +321,8 @@ bool Comparison::run() {
   if (!request_.restart.empty() && (plans_.size() != 1 || plans_[0].runs() != 1 || !plans_[0].scene->time))
     throw InputError("--restart continues one strategy of one scene that runs in time");
   if (!request_.peers.empty()) peers_ = load_peers(request_.peers);
-  if (!request_.out.empty() && request_.compare) open_journal();
+  if (!request_.baseline.empty()) baseline_ = load_baseline(request_.baseline);
+  if (!request_.out.empty()) open_journal();
   if (!request_.resume) write_tables(request_, {});  // an unwritable folder is an error before the first run
   int passes = 0;
   for (const ScenePlan& plan : plans_) {
@@ -345,12 +349,23 @@ bool Comparison::run() {
     fmt::print("{}", summary_text(records_, colours_on(STDOUT_FILENO)));
   write_tables(request_, records_);
   if (journal_ && !records_.empty())
-    write_report(request_, {records_, lines_of(journal_->views_path()), {}, machine_.text(), request_.command});
+    write_report(request_, {records_,
+                            lines_of(journal_->views_path()),
+                            {},
+                            machine_.text(),
+                            request_.command,
+                            baseline_,
+                            request_.baseline});
+  if (request_.to_screen() && !request_.baseline.empty()) {
+    const Table change = change_table(records_, baseline_);
+    fmt::print("  change since {}{}\n{}", request_.baseline, change.empty() ? ": no run in common" : "",
+               change.empty() ? "" : change.text(colours_on(STDOUT_FILENO)));
+  }
   if (request_.json == "-") fmt::print("{}", json_text(records_));
   const bool all_varied =
       std::all_of(plans_.begin(), plans_.end(), [](const ScenePlan& plan) { return plan.varied(); });
   if (request_.to_screen() && !request_.out.empty())
-    fmt::print("  files in {}/: {}runs.csv, runs.json{}\n", request_.out, request_.compare ? "report.html, " : "",
+    fmt::print("  files in {}/: report.html, runs.csv, runs.json{}\n", request_.out,
                all_varied ? "" : ", curves, and .pvd for ParaView");
   if (stopped_ && !request_.out.empty() && done_ < rows_ && request_.to_screen())
     fmt::print("  stopped after {} of {} runs; --resume {} continues\n", done_, rows_, request_.out);

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "elastin/core/base/error.h"
-#include "lab/report/csv.h"
+#include "lab/format/csv.h"
 #include "lab/report/figures.h"
 
 namespace elastin::lab {
@@ -44,11 +44,29 @@ bool has_number(const Csv& csv, const std::string& column) {
   return false;
 }
 
+/// The first column of numbers from `from` on that are not all the same; "" if there is none.
+std::string first_changing(const Csv& csv, std::size_t from) {
+  for (std::size_t column = from; column < csv.head.size(); ++column) {
+    std::set<double> values;
+    try {
+      for (std::size_t row = 0; row < csv.rows.size(); ++row)
+        if (std::isfinite(csv.number(row, column))) values.insert(csv.number(row, column));
+    } catch (const InputError&) {  // words
+      continue;
+    }
+    if (values.size() > 1) return csv.head[column];
+  }
+  return "";
+}
+
+/// The first column of errors; without any, as of a scene that nothing is prescribed for, the first measure.
 std::string first_error(const Csv& csv) {
   for (const std::string& column : csv.head)
     if (column.starts_with("error ") && has_number(csv, column)) return column;
-  throw InputError(SourceLocation{csv.path, 1},
-                   "no column of errors has a number; choose what to draw with --x and --y");
+  const std::size_t after_counts = csv.has("threads") ? csv.column("threads") + 1 : 0;
+  for (std::size_t column = after_counts; column < csv.head.size(); ++column)
+    if (has_number(csv, csv.head[column])) return csv.head[column];
+  throw InputError(SourceLocation{csv.path, 1}, "no run has a measure; choose what to draw with --x and --y");
 }
 
 /// What to draw where the user does not say: the columns along and up.
@@ -59,6 +77,9 @@ std::pair<std::string, std::string> usual_columns(const Csv& csv) {
   const ResponseCurve chosen =
       choose_response(in_time, [&](const std::string& name) { return has_number(csv, find_column(csv, name)); });
   if (!chosen.y.empty()) return {chosen.x == "load" ? "load_factor" : chosen.x, chosen.y};
+  const std::string along = first_changing(csv, 0);
+  const std::string up = along.empty() ? "" : first_changing(csv, csv.column(along) + 1);
+  if (!up.empty()) return {along, up};
   throw InputError(SourceLocation{csv.path, 1},
                    "no columns that are drawn by themselves; choose some with --x and --y" + suggestion("", csv.head));
 }

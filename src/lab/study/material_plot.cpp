@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "elastin/core/laws/homogeneous.h"
+#include "lab/experiment/material_numbers.h"
 #include "lab/report/figures.h"
 
 namespace elastin::lab {
@@ -15,23 +16,11 @@ namespace {
 
 constexpr int kPoints = 60;  // to either side of rest
 
-/// Axis 1 and 2 along the law's first and second direction, as far as it has any.
-Matrix3 axes_of(const MaterialLaw& law, const Material& material) {
-  std::vector<Vector3> directions;
-  for (const ParameterInfo& info : law.parameters)
-    if (const auto found = material.law->directions.find(info.name); found != material.law->directions.end())
-      directions.push_back(found->second);
-  if (directions.empty()) return Matrix3::Identity();
-  const Vector3 one = directions.front(), other = directions.size() > 1 ? directions[1] : one.unitOrthogonal();
-  const Vector3 two = (other - one * one.dot(other)).normalized();
-  return (Matrix3() << one, two, one.cross(two)).finished();
-}
-
 /// One branch of a curve away from rest, up to a stress of this size: ranges that are stable or not, one series each.
 /// Returns the largest stress.
 double add_branch(const MaterialLaw& law, const Material& material, HomogeneousTest test, int colour, double end,
                   double most, Plot& plot) {
-  const Matrix3 axes = axes_of(law, material);
+  const Matrix3 axes = axes_of_law(law, material);
   PlotSeries series{"", colour, PlotSeries::Kind::line, {{0, 0, name_of(test)}}};
   double largest = 0;
   for (int i = 1; i <= kPoints; ++i) {

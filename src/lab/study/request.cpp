@@ -1,5 +1,6 @@
 #include "lab/study/request.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -11,9 +12,14 @@
 namespace elastin::lab {
 
 std::string file_name(const std::string& scene, const std::string& strategy) {
-  std::string name = scene + "-" + strategy;
-  for (char& c : name)
-    if (std::string_view(":/\\ \"'<>&").find(c) != std::string_view::npos) c = '-';
+  std::string name;
+  for (const char c : scene + "-" + strategy)
+    if (c == ':' || c == ' ')
+      name += '-';
+    else if (std::string_view("/\\\"'<>&|*?~").find(c) != std::string_view::npos)  // "a/b" must not be "a-b"'s file
+      name += fmt::format("~{:02x}", c);
+    else
+      name += c;
   return name;
 }
 

@@ -11,11 +11,13 @@ namespace elastin::lab {
 /// What the command line asks of `run`, `compare` and `verify`.
 struct Request {
   std::vector<std::string> scenes, overrides, vary;
-  std::string strategies, out, json, restart, peers;
+  std::string strategies, steppers, out, json, restart, peers;
+  std::string baseline;   ///< folder of an earlier comparison
   std::string reference;  ///< "computed" or "none" for all scenes; empty: as each scene says
   std::string command;    ///< as it was typed, for the page
   int repeats = 0;        ///< 0 = as the scene says
   bool compare = false, resume = false, quiet = false, summary = false, live = false;
+  bool verbose = false;                    ///< of a comparison every run in full, as it is finished
   std::function<bool()> interrupted = {};  ///< called after each run
   bool to_screen() const { return !quiet && json != "-"; }
 };

@@ -18,13 +18,14 @@ struct Choice {
   const char* name;
   std::vector<std::string> at_rest, in_time;
   bool plain_springs = false;
+  bool with_contact = true;
 };
 
 const std::vector<Choice>& choices() {
   static const std::vector<Choice> list{
       {"explicit", {"solver.method=explicit"}, {"time.integrator=velocity_verlet", "time.step=automatic"}},
       {"implicit", {"solver.method=implicit"}, {"time.integrator=newmark"}},
-      {"linear", {"solver.displacements=small"}, {}},
+      {"linear", {"solver.displacements=small"}, {}, false, false},
       {"plain springs", {}, {}, true}};
   return list;
 }
@@ -119,11 +120,11 @@ StrategyChoice uncalibrated_springs(const Catalog& catalog, const Body& body) {
 }
 
 std::vector<std::string> others_of(const std::string& path, const Catalog& catalog, const VerifyOptions& options,
-                                   bool timed) {
+                                   const Scene& given) {
   std::vector<std::string> texts;
   for (const Choice& choice : choices()) {
-    const std::vector<std::string>& changes = timed ? choice.in_time : choice.at_rest;
-    if (changes.empty() && !choice.plain_springs) {
+    const std::vector<std::string>& changes = given.time ? choice.in_time : choice.at_rest;
+    if ((changes.empty() && !choice.plain_springs) || (given.specimen.contact && !choice.with_contact)) {
       texts.emplace_back("–");
       continue;
     }
@@ -202,7 +203,7 @@ std::vector<Case> verify_scene(const std::string& path, const Catalog& catalog, 
     cases.back().trouble = resumed(*scene, choice, cases.back().own);
     if (options.finished) options.finished(*scene, cases.back().own);
   }
-  if (options.others) cases.front().others = others_of(path, catalog, options, scene->time.has_value());
+  if (options.others) cases.front().others = others_of(path, catalog, options, *scene);
   return cases;
 }
 

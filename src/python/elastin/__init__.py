@@ -7,6 +7,7 @@ Quantities are in SI units. Arrays of places are (n, 3), one row a molecule; vie
     result["effective_modulus"]                                   # [Pa]
     elastin.compare("scenes/tension/cube-1000.yaml")              # every strategy of the scene, side by side
     elastin.sweep("scenes/tension/cube-1000.yaml", "material.youngs_modulus", [1e3, 5e3, 1e4])
+    elastin.identify("scenes/identify/treloar-ogden.yaml")        # the material of measured curves
 
     body = elastin.lattice((5, 5, 5), spacing=1e-3)
     tissue = elastin.Simulation(body, "lattice", elastin.Material(5e3))
@@ -25,9 +26,9 @@ from ._elastin import (Body, Catalog, InputError, Material, Parameter, Result, R
                        StaticResult, StepResult, Strategy, __version__, linear_solvers, loads, material_laws, measures,
                        set_threads, steppers, threads)
 from ._bodies import body, lattice, read_mesh
-from ._laboratory import Comparison, Laboratory, Sweep, compare, run, strategies, sweep
+from ._laboratory import Comparison, Laboratory, Sweep, compare, identify, run, strategies, sweep
 
 __all__ = ["Body", "Catalog", "Comparison", "InputError", "Laboratory", "Material", "Parameter", "Result", "Row",
            "Simulation", "SimulationState", "StaticResult", "StepResult", "Strategy", "Sweep", "body", "compare",
-           "lattice", "linear_solvers", "loads", "material_laws", "measures", "read_mesh", "run", "set_threads",
+           "identify", "lattice", "linear_solvers", "loads", "material_laws", "measures", "read_mesh", "run", "set_threads",
            "steppers", "strategies", "sweep", "threads"]

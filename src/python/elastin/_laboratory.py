@@ -1,5 +1,6 @@
 """Scenes: run, compared, swept."""
 
+import json
 import os
 
 from . import _elastin, _tables, _yaml
@@ -53,6 +54,17 @@ def sweep(scene, key, values, *, strategy="", set=None, catalog=None, progress=N
     results = [Laboratory(scene, set=changes + _yaml.overrides({key: value}), catalog=catalog)
                .run(name, progress=progress) for value in values]
     return Sweep(key, values, results)
+
+
+def identify(scene, data=None, *, tests=(), laws=(), strategies=(), set=None, progress=None):
+    """Fits the material of a scene's `identify` section to its measured tests and gives what the command writes as JSON:
+    "parameters" (name, value, unit, low, high), "correlation", "relative_rms", "warnings" and more; SI units. `data`
+    names other CSV files, {test: path}; of `tests` alone are fitted, the others predicted; `laws` are compared
+    (["all"]); of several `strategies` of the specimens a list, one each."""
+    files = [f"{test}={os.fspath(path)}" for test, path in (data or {}).items()]
+    found = json.loads(_elastin._identify(os.fspath(scene), _yaml.overrides(set), files, list(tests), ",".join(laws),
+                                          ",".join(strategies), progress))
+    return found.get("identifications", found)
 
 
 def strategies(catalog=None):

@@ -170,6 +170,66 @@ TEST_CASE("springs and a solid relax alike, and statics sees what is left in the
   }
 }
 
+TEST_CASE("cells of every shape in a ramp of their stress and after it", "[prony][cells]") {
+  // neo_hookean_log with nu = 0, pulled along z: S = mu (1 - 1/l^2), made to grow linearly; the force is S l A.
+  const double mu = 1e4, slope = 0.5;
+  const Vector3 size(0.01, 0.01, 0.02);
+  Material material{.youngs_modulus = 2 * mu, .poissons_ratio = 0, .relaxation = kTwoTerms};
+  material.law = LawConstants{.law = "neo_hookean_log"};
+  const auto stretch = [&](double time) { return 1 / std::sqrt(1 - slope * std::min(time, 1.)); };
+  for (const CellKind& kind : cell_kinds()) {
+    if (kind.dimensions != 3) continue;
+    for (const char* name : {"prony:neo_hookean_log", "prony:neo_hookean+volume"}) {
+      const bool log = std::string(name) == "prony:neo_hookean_log";
+      INFO(kind.name << ' ' << name);
+      const Body body = cell_box(kind, {1, 1, 2}, size, 0);
+      if (!built_in_catalog().find(name).unsuited(body).empty()) continue;
+      Model relaxing(body), elastic(body);
+      relaxing.add(built_in_catalog().find(name).make(body, material, {}));
+      elastic.add(built_in_catalog().find(name + 6).make(body, material, {}));
+      State state = state_at_rest(body);
+      relaxing.declare_history(state);
+      relaxing.commit_step(state);
+      for (const double time : {0.05, 0.3, 0.31, 0.9, 1., 1.02, 1.5, 4., 20.}) {
+        relaxing.begin_step(state, time);
+        state.positions = body.rest;
+        if (log)
+          state.positions.row(2) *= stretch(time);
+        else
+          state.positions = (1 + 1e-9 * std::min(time, 1.)) * body.rest;  // linear
+        state.time = time;
+        const Positions before = relaxing.elastic_forces(state.positions);
+        relaxing.commit_step(state);
+        const Positions forces = relaxing.elastic_forces(state.positions),
+                        whole = elastic.elastic_forces(state.positions);
+        const double ratio = answer_to_ramp(kTwoTerms, time, 1) / std::min(time, 1.);
+        CHECK((forces - before).norm() <= 1e-12 * whole.norm());
+        CHECK((forces - ratio * whole).norm() <= (log ? 1e-10 : 1e-6) * whole.norm());
+        if (!log) continue;
+        double end = 0;
+        for (int a = 0; a < body.size(); ++a)
+          if (body.rest(2, a) < 1e-9) end += forces(2, a);
+        const double S = mu * slope * answer_to_ramp(kTwoTerms, time, 1);
+        CHECK(end == Approx(S * stretch(time) * size[0] * size[1]).epsilon(1e-10));
+      }
+    }
+  }
+}
+
+TEST_CASE("a dashpot beside the law: Kelvin and Voigt", "[prony]") {
+  Relaxation dashpot;
+  dashpot.retardation = 0.3;
+  Pair pair(dashpot);
+  for (const double time : {0.05, 0.3, 0.9, 1.}) {  // q = 10 t and its slope 10 at all times of the ramp
+    pair.step(time, 1 / (1 - 0.1 * time));
+    CHECK(pair.force_density() == Approx(10 * time + 3).epsilon(1e-12));
+  }
+  pair.step(1.5, 1 / 0.9);
+  CHECK(pair.force_density() == Approx(10).epsilon(1e-12));
+  pair.model->begin_step(pair.state, std::numeric_limits<double>::infinity());
+  CHECK(pair.force_density() == Approx(10).epsilon(1e-12));
+}
+
 TEST_CASE("a relaxing oscillator steps alike with every scheme", "[prony]") {
   // A mass on a standard linear solid: m x‴ + … = 0; here the schemes against each other and a fine one.
   const auto after = [](const char* scheme, double dt) {
@@ -200,6 +260,7 @@ TEST_CASE("relaxation that cannot be is refused", "[prony]") {
     return make_prony(body, make_springs(body, VectorX::Ones(body.connections.size())), relaxation);
   };
   CHECK_THROWS_WITH(make({}), Catch::Contains("at least one term"));
+  CHECK_THROWS_WITH(make({{}, false, -1}), Catch::Contains("below 0"));
   CHECK_THROWS_WITH(make({{{0.5, 0}}}), Catch::Contains("above 0"));
   CHECK_THROWS_WITH(make({{{-0.5, 1}}}), Catch::Contains("above 0"));
   CHECK_THROWS_WITH(make({{{0.5, 1}, {0.5, 2}}, true}), Catch::Contains("sum to 1"));

@@ -133,7 +133,7 @@ struct Datum {
 };
 
 std::vector<Datum> treloar() {
-  std::ifstream file(std::string(ELASTIN_TEST_DATA) + "/core/laws/treloar_1944.csv");
+  std::ifstream file(std::string(ELASTIN_SOURCE_DIR) + "/scenes/identify/treloar_1944.csv");
   std::vector<Datum> data;
   for (std::string line; std::getline(file, line);)
     for (const HomogeneousTest test : kHomogeneousTests) {

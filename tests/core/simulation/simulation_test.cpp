@@ -133,7 +133,10 @@ TEST_CASE("simulation: a free direction of a support is free") {
 
 TEST_CASE("simulation: a grip pulls with its spring and its damper, in steps and at rest") {
   for (const Scheme& scheme : kSchemes) {
-    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+    INFO(scheme->name);
+    SimulationOptions options;  // few iterations of xpbd have a rest of their own
+    if (scheme->name == "xpbd") options.integrator.parameters = {{"iterations", 100}};
+    Simulation tissue = simulation_of(tissue_cube(3), scheme, "lattice", options);
     for (int molecule = 0; molecule < 9; ++molecule) tissue.fix(molecule);
     const Vector3 position = tissue.body().rest.col(22) + Vector3(0, 0, 5e-4);
     const CouplingId coupling = tissue.couple(22, position, 20, 0.05);
@@ -158,6 +161,7 @@ TEST_CASE("simulation: a grip pulls with its spring and its damper, in steps and
 TEST_CASE("simulation: host forces, steps and grips give bitwise identical results after restore") {
   for (const Scheme& scheme : kSchemes) {
     for (const char* strategy : {"lattice", "lattice+volume"}) {
+      if (!suits(scheme, strategy)) continue;
       const auto make = [&] {
         Simulation tissue = simulation_of(tissue_cube(4), scheme, strategy);
         tissue.model().add(make_mass_damping(tissue.body(), 3));

@@ -34,4 +34,12 @@ inline Simulation simulation_of(Body body, Scheme scheme = "symplectic_euler", c
 
 inline const std::vector<Scheme> kSchemes{built_in_steppers().begin(), built_in_steppers().end()};
 
+/// Whether the scheme has a form for the strategy's law.
+inline bool suits(const Scheme& scheme, const std::string& strategy) {
+  const Body body = strategy[0] == 'n' ? tissue_block() : tissue_cube(3);
+  Model model(body);
+  model.add(built_in_catalog().find(strategy).make(body, {.youngs_modulus = 1e4, .poissons_ratio = 0.3}, {}));
+  return unsuited_for(*scheme, model).empty();
+}
+
 }  // namespace elastin::testing

@@ -76,6 +76,31 @@ TEST_CASE("a released oscillator has its frequency and its decrement", "[time]")
   }
 }
 
+TEST_CASE("measures in time come from the steps, however few frames are kept", "[time]") {
+  for (const char* scheme : {"velocity_verlet", "newmark"}) {
+    INFO(scheme);
+    const Run run = run_of(
+        kRelease + "loads: [{damping: 2 N s/m}]\ntime: {duration: 3 s, frames: 2, step: 1 ms, integrator: " + scheme +
+        "}\n");
+    CHECK(run.curve.size() == 3);
+    CHECK(measured(run, "frequency") == Approx(std::sqrt(99.) / (2 * M_PI)).epsilon(1e-3));
+    CHECK(measured(run, "damping_ratio") == Approx(0.1).epsilon(1e-2));
+  }
+}
+
+TEST_CASE("a load that jumps, and a body at rest, make no energy from nothing", "[time]") {
+  for (const char* scheme : {"velocity_verlet", "newmark", "backward_euler"})
+    for (const char* at : {"0.5 s", "100 s"}) {  // within the second, and never
+      INFO(scheme << " " << at);
+      const Run run = run_of(kOscillator + "experiment: {kind: motion, in_time: {step: {at: " + at +
+                             "}}, fixture: {kind: tension, axis: x, force: 0.1 N, cross_section: 1 cm2}}\n"
+                             "time: {duration: 1 s, frames: 10, step: 10 ms, integrator: " +
+                             scheme + "}\n");
+      CHECK(run.cause == "");
+      CHECK(run.outcome == Outcome::converged);
+    }
+}
+
 TEST_CASE("a load put on at once swings to twice its displacement at rest", "[time]") {
   const Run run = run_of(kOscillator +
                          "experiment: {kind: release, load: applied, fixture: {kind: tension, axis: x, force: 0.1 N, "

@@ -277,7 +277,7 @@ TEST_CASE("measured moduli are bitwise identical on 1, 2 and 3 threads", "[tensi
 TEST_CASE("the scene's own loads are there before the experiment: weight does not change the modulus", "[tension]") {
   Specimen specimen = cube(5, {true, true, false});
   const double plain = modulus(pull(specimen, gentle_pull(0.0016), "lattice", {.linear = true}));
-  specimen.loads.push_back([](Model& model) { model.add(make_gravity(model.body(), {0, 0, -9.81})); });
+  specimen.loads.push_back({[](Model& model) { model.add(make_gravity(model.body(), {0, 0, -9.81})); }});
   for (const bool linear : {true, false}) {
     const Run run = pull(specimen, gentle_pull(0.0016), "lattice", {.linear = linear});
     CHECK(modulus(run) == Approx(plain).epsilon(linear ? 1e-6 : 0.1));  // weight strains it by 1 %: other lengths

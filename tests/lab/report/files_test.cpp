@@ -12,6 +12,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/mesh/mesh_file.h"
 #include "lab/report/table.h"
+#include "lab/study/request.h"
 #include "support/temporary_folder.h"
 #include "support/vtu_arrays.h"
 
@@ -235,6 +237,22 @@ TEST_CASE("CSV of runs has a row a run and a column a quantity, with its unit", 
   CHECK(field(rows, 2, "effective_modulus [Pa]").empty());
   CHECK(field(rows, 3, "outcome") == "limit_reached");
   CHECK_THAT(field(rows, 5, "warnings"), Contains("\"quotes\",\nand lines"));
+}
+
+TEST_CASE("a name that a spreadsheet would take for a formula is text", "[files]") {
+  std::vector<Record> records = all_outcomes();
+  records[0].scene = "=1+1";
+  records[1].scene = "@sum";
+  const auto rows = rows_of(csv_text(records));
+  CHECK(field(rows, 1, "scene") == "'=1+1");
+  CHECK(field(rows, 2, "scene") == "'@sum");
+}
+
+TEST_CASE("no two labels write the same file", "[files]") {
+  std::set<std::string> names;
+  for (const char* label : {"a/b", "a-b", "a\\b", "a~2fb", "a<b", "a%2fb"}) names.insert(file_name("scene", label));
+  CHECK(names.size() == 6);
+  CHECK(file_name("cube", "calibrated:standard") == "cube-calibrated-standard");
 }
 
 TEST_CASE("CSV of a curve has a row a load step", "[files]") {

@@ -104,7 +104,7 @@ function colours(stage) {
   return [...kind.options].map(option => {
     kind.value = option.value;
     kind.dispatchEvent(new Event('change'));
-    return ['title', 'low', 'high'].map(part => stage.part(part).textContent).concat(stage.legend().map);
+    return [stage.part('title').textContent, stage.part('low').value, stage.part('high').value, stage.legend().map];
   });
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "elastin/core/base/error.h"
-#include "lab/report/csv.h"
+#include "lab/format/csv.h"
 #include "lab/report/figures.h"
 #include "lab/study/csv_plot.h"
 #include "support/temporary_folder.h"

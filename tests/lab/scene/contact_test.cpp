@@ -168,6 +168,9 @@ TEST_CASE("slips in contact are named with their place", "[scene][contact]") {
       refusal_of(scene_with("{surface: triangles}", "molecules: [[0, 0, 0], [0, 0, 9 mm]], connections: [[0, 1]]",
                             "kind: compression, axis: z, displacement: 1 mm, cross_section: 1 mm2")),
       Contains("contact: the body has no surface of triangles"));
+  CHECK_THAT(refusal_of(scene_with("{friction: 0}", kCells, "kind: compression, axis: z, displacement: 1 mm",
+                                   "solver: {displacements: small}\n")),
+             Contains("one linear solve cannot find what touches"));
   CHECK_THAT(refusal_of(scene_with("{obstacles: [{sphere: {radius: 1 mm}, motion: {by: [0, 0, 1 mm]}}]}", kCells,
                                    "kind: motion", "time: {duration: 1 s}\n")),
              Contains("key 'in_time' is missing"));

@@ -42,6 +42,7 @@ const std::map<std::string, std::string> kNeeded{
     {"release", "fixture: {kind: tension, axis: z, force: 1 mN}"},
     {"creep", "fixture: {kind: tension, axis: z, force: 1 mN}"},
     {"relaxation", "fixture: {kind: tension, axis: z, displacement: 1 mm}, ramp: 1 s"},
+    {"cyclic", "fixture: {kind: tension, axis: z, displacement: 1 mm}, frequency: 1 Hz"},
     {"shake", "amplitude: 1 mm, frequency: 1 Hz"},
     {"drop", ""},
     {"parachute", ""},
@@ -145,9 +146,9 @@ TEST_CASE("every experiment of the table names the keys that its scenes may writ
 TEST_CASE("what takes time is named from the table", "[scene][experiment]") {
   const TemporaryFolder folder;
   const std::string text = kBody + "experiment: {kind: tension, axis: z, force: 1 mN}\ntime: {duration: 1 s}\n";
-  CHECK_THROWS_WITH(
-      load_scene(folder.write("scene.yaml", text), built_in_catalog()),
-      Contains("those that do are sliding, motion, release, creep, relaxation, shake, drop and parachute"));
+  CHECK_THROWS_WITH(load_scene(folder.write("scene.yaml", text), built_in_catalog()),
+                    Contains("those that do are sliding, motion, release, creep, relaxation, cyclic, shake, drop and "
+                             "parachute"));
 }
 
 TEST_CASE("a program's own experiment runs in scenes", "[scene][experiment][laboratory]") {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "lab/scene/identify.h"
 #include "lab/scene/scene.h"
 #include "support/temporary_folder.h"
 
@@ -23,6 +24,8 @@ namespace {
 const std::string kScenes = std::string(ELASTIN_SOURCE_DIR) + "/scenes";
 
 const std::string kSolid = "material: {youngs_modulus: 1000}\nstiffness: neo_hookean\n",
+                  kInTime =
+                      "experiment: {kind: motion, fixture: {kind: tension, force: 1}, in_time: {step: {at: 0.5}}}\n",
                   kMembrane = "material: {youngs_modulus: 1000, thickness: 0.1}\nstiffness: hencky_membrane\n",
                   kBlock = "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [1, 1, 2]}}\n" + kSolid,
                   kFree = "experiment: {kind: motion}\ntime: {duration: 1}\n";
@@ -55,6 +58,9 @@ const std::vector<std::string> kRest{
         " {floor: {point: [0, 0, -1], normal: z}}, {cell_damping: {bulk: 1, shear: 1}}, {rayleigh: {mass: 1}},"
         " {quadratic_drag: {density: 1, drag_coefficient: 1}}, {point: {molecules: [0], force: [0, 0, 1]}},"
         " {face: {side: z, traction: [0, 0, 1]}, in_time: {sine: {frequency: 1}}}]\n",
+    kBlock + kInTime + "time: {duration: 1, integrator: {scheme: xpbd, iterations: 2, substeps: 3, balanced: 1}}\n",
+    kBlock + kInTime + "time: {duration: 1, integrator: {scheme: projective, solves: 2, memory: 3}}\n",
+    kBlock + kInTime + "time: {duration: 1, integrator: {scheme: block_descent, sweeps: 2}}\n",
     kBlock +
         "experiment: {kind: motion, fixture: {kind: tension, force: 1}, in_time: {step: {at: 0.5}}}\n"
         "time: {duration: 1, integrator: {scheme: newmark}, step: {error: 0.001}}\n"
@@ -81,6 +87,15 @@ const std::vector<std::string> kRest{
         "experiment: {kind: inflation, gas: {amount: 1e6}}\nloads: [{gas: {amount: 1e6}}]\n",
 };
 
+/// The keys of `identify` that no scene of the tree has.
+const std::string kIdentify =
+    "material: {law: mooney_rivlin, c1: 1 kPa, c2: 0.1 kPa}\n"
+    "identify: {unknowns: {c1: {low: 0 Pa, high: 9 kPa, start: 1 kPa}}, fixed: [c2], residuals: absolute, starts: 2,"
+    " laws: all, tests: [{kind: relaxation, name: a, file: a.csv, strain: 0.1, held: uniaxial, ramp: 1 s, from: 0 s, "
+    "to: 9 s, weight: 1,"
+    " residuals: relative, cross_section: 1 mm2, length: 1 mm, columns: {a: time}, rows: {b: c}},"
+    " {kind: specimen, file: a.csv, scene: b.yaml}]}\n";
+
 std::string path_of(const std::string& section, const std::string& key) {
   return section.empty() ? key : section + "." + key;
 }
@@ -97,7 +112,9 @@ std::map<std::string, SceneKey> listed_keys() {
 KeyUses uses_of_scenes() {
   KeyUses uses;
   for (const auto& entry : fs::recursive_directory_iterator(kScenes))
-    if (entry.path().extension() == ".yaml" && entry.path().parent_path().filename() != "zoo")
+    if (entry.path().parent_path().filename() == "identify" && entry.path().extension() == ".yaml")
+      load_identify_task(entry.path().string(), built_in_catalog(), {}, &uses);
+    else if (entry.path().extension() == ".yaml" && entry.path().parent_path().filename() != "zoo")
       load_scene(entry.path().string(), built_in_catalog(), {}, kMostMolecules, built_in_experiments(), &uses);
   return uses;
 }
@@ -130,6 +147,7 @@ std::string fault_of(const SceneKey& key, const KeyUse& use) {
 TEST_CASE("the key reference lists what readers ask for, with unit, range and words", "[scene][keys]") {
   KeyUses uses = uses_of_scenes();
   const TemporaryFolder folder;
+  load_identify_task(folder.write("identify.yaml", kIdentify), built_in_catalog(), {}, &uses);
   for (const std::string& text : kRest)
     load_scene(folder.write("rest.yaml", text), built_in_catalog(), {}, kMostMolecules, built_in_experiments(), &uses);
   const std::map<std::string, SceneKey> listed = listed_keys();

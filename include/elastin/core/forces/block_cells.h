@@ -23,6 +23,13 @@ std::unique_ptr<Elasticity> make_block_cells(const Body& body, const CellBlock& 
 std::unique_ptr<Elasticity> make_block_cells(const Body& body, const CellBlock& block,
                                              std::shared_ptr<const PointLaws<3>> laws, std::vector<Volumetric> volume);
 
+/// Mean of a cell's nodes at rest [m].
+inline Vector3 middle_of(const Body& body, const CellBlock& block, int cell) {
+  Vector3 sum = Vector3::Zero();
+  for (const int node : block.cell(cell)) sum += body.rest.col(node);
+  return sum / block.kind->nodes;
+}
+
 /// A law that sees C on all blocks of the body that have these dimensions.
 /// @param at_work gives the law of a material, or if `split` its two terms as SplitPoint has them.
 template <int dimensions, bool split = false, class AtWork>
@@ -32,7 +39,8 @@ std::unique_ptr<Elasticity> make_blocks(const Body& body, const Material& materi
     if (block.kind->dimensions != dimensions) continue;
     std::vector<decltype(at_work(material))> laws;
     Material own = material;
-    for (int cell = 0; cell < (block.stiffness.size() ? block.size() : 1); ++cell) {
+    for (int cell = 0; cell < (block.stiffness.size() || material.around ? block.size() : 1); ++cell) {
+      if (material.around) own = local_material(material, middle_of(body, block, cell));
       if (block.stiffness.size()) own.youngs_modulus = material.youngs_modulus * block.stiffness[cell];
       laws.push_back(at_work(own));
     }

@@ -8,7 +8,9 @@
 
 #include "elastin/core/forces/block_cells.h"
 #include "elastin/core/forces/elasticity.h"
+#include "elastin/core/forces/mullins.h"
 #include "elastin/core/laws/cell_kernel.h"
+#include "elastin/core/laws/local.h"
 #include "elastin/core/model/material.h"
 #include "elastin/core/shapes/cell_shapes.h"
 
@@ -99,8 +101,30 @@ void add_shares(const CellGraph& graph, const Share& share, VectorX& values, Wor
 /// The simplices of one shape: where their nodes are, their sides, what they make of slopes once a law has given them.
 /// Nothing here knows a law.
 template <CellShape Shape>
-class SimplexCells : public Elasticity {
+class SimplexCells : public Elasticity, public LocalElasticity {
  public:
+  int elements() const override { return graph_.cells(); }
+  std::span<const int> molecules_of(int cell) const override {
+    return Shape::in(body_)[static_cast<std::size_t>(cell)];
+  }
+  /// A cell's volume is linear in the position of one corner.
+  double relative_change(const Positions& positions, std::span<const LocalSlot> slots,
+                         const Vector3& motion) const override {
+    double most = 0;
+    for (const auto& [cell, node] : slots) {
+      NodePositions<nodes> own = positions_of(positions, cell);
+      const double before = size_of(own);
+      double edge = std::numeric_limits<double>::infinity();
+      for (int other = 0; other < nodes; ++other)
+        if (other != node) edge = std::min(edge, (own.col(other) - own.col(node)).squaredNorm());
+      own.col(node) += motion;
+      const double after = size_of(own);
+      if (!(before > 0) || !(after > 0) || !(edge > 0)) return std::numeric_limits<double>::infinity();
+      most = std::max({most, std::abs(after - before) / std::min(before, after), motion.norm() / std::sqrt(edge)});
+    }
+    return most;
+  }
+
   bool admissible(const Positions& positions) const override {
     return detail::sum_over_cells(graph_.cells(), [&](int cell) { return is_inverted(positions, cell) ? 1. : 0.; }) ==
            0;
@@ -135,6 +159,13 @@ class SimplexCells : public Elasticity {
     NodePositions<nodes> own;
     for (int node = 0; node < nodes; ++node) own.col(node) = positions.col(at[static_cast<std::size_t>(node)]);
     return own;
+  }
+  /// Six times the signed volume; 1 of a triangle, which has none.
+  static double size_of(const NodePositions<nodes>& own) {
+    if constexpr (Shape::dimensions == 3)
+      return (own.col(1) - own.col(0)).cross(own.col(2) - own.col(0)).dot(own.col(3) - own.col(0));
+    else
+      return 1;
   }
   /// Lengths cannot tell a cell from its mirror image; volumes can.
   bool is_inverted(const Positions& positions, int cell) const {
@@ -172,8 +203,10 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
     constants_.reserve(static_cast<std::size_t>(graph_.cells()));
     Material own = material;
     for (int cell = 0; cell < graph_.cells(); ++cell) {
+      const NodePositions<Shape::nodes> rest = this->positions_of(body.rest, cell);
+      if (material.around) own = local_material(material, rest.rowwise().mean());
       if (body.cell_stiffness.size()) own.youngs_modulus = material.youngs_modulus * body.cell_stiffness[cell];
-      constants_.push_back(kernel_.constants(this->positions_of(body.rest, cell), own));
+      constants_.push_back(kernel_.constants(rest, own));
     }
   }
 
@@ -184,7 +217,8 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
     if constexpr (HasEnergy<Kernel>)
       return detail::sum_over_cells(graph_.cells(), [&](int cell) {
         if (this->is_inverted(positions, cell)) return std::numeric_limits<double>::infinity();
-        return kernel_.energy(constants_[cell], squared_lengths(positions, cell));
+        const SquaredLengths s = squared_lengths(positions, cell);
+        return softened_ ? sizes_[cell] * softened_at(cell, s).energy : kernel_.energy(constants_[cell], s);
       });
     else
       return 0;
@@ -192,10 +226,7 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
 
   void add_force_densities(const Positions& positions, VectorX& force_densities, Workspace& workspace) const override {
     detail::add_shares<sides>(
-        graph_,
-        [&](int cell) -> SquaredLengths {
-          return kernel_.force_densities(constants_[cell], squared_lengths(positions, cell));
-        },
+        graph_, [&](int cell) -> SquaredLengths { return densities(cell, squared_lengths(positions, cell)); },
         force_densities, workspace);
   }
 
@@ -203,7 +234,7 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
                                     VectorX& of_connections, Workspace& workspace) const override {
     if constexpr (std::is_same_v<Shape, Triangle3>)
       for (int cell = 0; cell < graph_.cells(); ++cell)
-        of_triangles.col(cell) += kernel_.force_densities(constants_[cell], squared_lengths(positions, cell));
+        of_triangles.col(cell) += densities(cell, squared_lengths(positions, cell));
     else
       add_force_densities(positions, of_connections, workspace);
   }
@@ -211,14 +242,102 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
   void linearise(const Positions& positions) override {
     this->slopes_.resize(constants_.size());
     detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
-      for (int cell = begin; cell < end; ++cell)
-        this->slopes_[cell] = kernel_.slope(constants_[cell], squared_lengths(positions, cell));
+      for (int cell = begin; cell < end; ++cell) this->slopes_[cell] = slope(cell, squared_lengths(positions, cell));
     });
   }
 
+  bool add_local_terms(std::vector<const LocalElasticity*>& terms) const override {
+    if (!HasEnergy<Kernel> || dissipates()) return false;
+    terms.push_back(this);
+    return true;
+  }
+  double element_energy(const Positions& positions, int cell) const override {
+    if constexpr (HasEnergy<Kernel>)
+      return this->is_inverted(positions, cell) ? std::numeric_limits<double>::infinity()
+                                                : kernel_.energy(constants_[cell], squared_lengths(positions, cell));
+    else
+      return 0;
+  }
+  /// ∂W/∂x_a = Σ_b q_ab d_ab, ∂²W/∂x_a² = Σ_b q_ab I + 2 Σ_bc ∂q_ab/∂s_ac d_ab d_acᵀ, d_ab = x_a − x_b; or the law's
+  /// own of its shape, if it has one that is shorter.
+  void add_blocks(const Positions& positions, std::span<const LocalSlot> slots, LocalBlock& block) const override {
+    static constexpr auto pairs = node_pairs<Shape::nodes>();
+    for (const LocalSlot& slot : slots) {
+      const int cell = slot.element, node = slot.node;
+      if constexpr (requires { kernel_.add_block(constants_[cell], this->positions_of(positions, cell), 0, block); }) {
+        kernel_.add_block(constants_[cell], this->positions_of(positions, cell), node, block);
+      } else {
+        const auto own = this->positions_of(positions, cell);
+        const SquaredLengths s = squared_lengths(positions, cell), q = kernel_.force_densities(constants_[cell], s);
+        const typename Block::Slope slope = kernel_.slope(constants_[cell], s);
+        for (int c = 0; c < sides; ++c) {
+          if (pairs[c][0] != node && pairs[c][1] != node) continue;
+          const Vector3 d = own.col(node) - own.col(pairs[c][pairs[c][0] == node ? 1 : 0]);
+          block.gradient += q[c] * d;
+          block.hessian.diagonal().array() += q[c];
+          for (int e = 0; e < sides; ++e) {
+            if (pairs[e][0] != node && pairs[e][1] != node) continue;
+            block.hessian +=
+                2 * slope(c, e) * d * (own.col(node) - own.col(pairs[e][pairs[e][0] == node ? 1 : 0])).transpose();
+          }
+        }
+      }
+    }
+  }
+  bool add_constraints(Constraints& all) const override {
+    if constexpr (requires { kernel_.constraint(constants_.front()); }) {
+      for (int cell = 0; cell < graph_.cells(); ++cell) {
+        all.tetrahedra.push_back(kernel_.constraint(constants_[cell]));
+        all.tetrahedra.back().molecules = Shape::in(this->body_)[static_cast<std::size_t>(cell)];
+      }
+      return true;
+    }
+    return false;
+  }
+  bool soften(const Softening& softening) override {
+    if (!HasEnergy<Kernel>) return false;
+    softened_ = SoftenedElements(softening, graph_.cells());
+    for (int cell = 0; cell < graph_.cells(); ++cell)
+      sizes_.push_back(RestCell<Shape>(this->positions_of(this->body_.rest, cell)).measure());
+    return true;
+  }
+  bool dissipates() const override { return static_cast<bool>(softened_); }
+  std::vector<HistoryBlock> history(const std::string& name) const override { return softened_.history(name); }
+  void begin_step(const std::string& name, const State& from, double) override { softened_.begin_step(name, from); }
+  void commit_step(const std::string& name, State& state) override {
+    softened_.commit_step(name, state, [&](int cell) { return density(cell, squared_lengths(state.positions, cell)); });
+  }
+
  private:
+  /// W [J/m³], [J/m²].
+  double density(int cell, const SquaredLengths& s) const {
+    if constexpr (HasEnergy<Kernel>)
+      return kernel_.energy(constants_[cell], s) / sizes_[cell];
+    else
+      return 0;
+  }
+  SoftenedEnergy softened_at(int cell, const SquaredLengths& s) const { return softened_.at(cell, density(cell, s)); }
+
+  SquaredLengths densities(int cell, const SquaredLengths& s) const {
+    SquaredLengths q = kernel_.force_densities(constants_[cell], s);
+    if (softened_) q *= softened_at(cell, s).factor;
+    return q;
+  }
+  /// ∂(η q)/∂s = η ∂q/∂s + η′ q qᵀ/(2 V), for q = 2 V ∂W/∂s.
+  auto slope(int cell, const SquaredLengths& s) const {
+    CellMatrix<Shape::nodes> result = kernel_.slope(constants_[cell], s);
+    if (softened_) {
+      const SoftenedEnergy now = softened_at(cell, s);
+      const SquaredLengths q = kernel_.force_densities(constants_[cell], s);
+      result = now.factor * result + now.slope / (2 * sizes_[cell]) * q * q.transpose();
+    }
+    return result;
+  }
+
   Kernel kernel_;
   std::vector<typename Kernel::Constants> constants_;
+  SoftenedElements softened_;
+  std::vector<double> sizes_;  ///< V [m³], [m²] of what softens
 };
 
 /// A law that sees C on all cells of a body that have these dimensions, whatever their shapes. The body must outlive

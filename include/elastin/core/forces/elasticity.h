@@ -14,6 +14,7 @@
 namespace elastin {
 
 class Graph;
+class LocalElasticity;
 
 /// Memory for intermediate results of a force pass. It belongs to the caller and only grows: passes over one model
 /// allocate nothing after the first.
@@ -141,6 +142,10 @@ class Elasticity {
   using DiagonalVisitor = std::function<void(int a, const Matrix3& block)>;
   virtual void visit_diagonal(const DiagonalVisitor&) const {}
 
+  /// Adds the sums over elements that this law is, see laws/local.h; they live as long as it does. False, and nothing
+  /// added, where it is none: where it has no energy, or remembers.
+  virtual bool add_local_terms(std::vector<const LocalElasticity*>& /*terms*/) const { return false; }
+
   /// Its history from step to step, as it is at the beginning: blocks whose names begin with `name`. Empty: none.
   virtual std::vector<HistoryBlock> history(const std::string& /*name*/) const { return {}; }
   /// Until the next call forces, energy and tangent are those at the end of a step from a state to a time [s];
@@ -149,6 +154,10 @@ class Elasticity {
   /// Called with each state that was reached, at the end of a step: changes State::history, and is ready for what
   /// follows. A state at the time of the one before counts as one that has had all time.
   virtual void commit_step(const std::string& /*name*/, State&) {}
+  /// From now on it softens (see make_mullins). False where there is no energy to go by: then nothing changed.
+  virtual bool soften(const Softening&) { return false; }
+  /// What is at nodes: from now on the stresses at its points relax (see make_prony). False where it cannot.
+  virtual bool relax(const Relaxation&) { return false; }
   /// Whether it takes energy from a body that moves, so that energy() is not all that became of the work done.
   virtual bool dissipates() const { return false; }
 };

@@ -80,6 +80,8 @@ class Model {
   /// Adds it to `forces`, without an allocation once `workspace` has served this model. Bitwise identical on any number
   /// of threads.
   void add_elastic_forces(const Positions& positions, Positions& forces, Workspace& workspace) const;
+  /// Adds all other forces: damping and loads. The same.
+  void add_other_forces(const State& state, Positions& forces, Workspace& workspace) const;
   /// Force of all loads on each molecule [N].
   Positions load_forces(const State& state) const;
   /// Squared length [m²] of each connection, and its rate [m²/s].

@@ -11,8 +11,10 @@ namespace elastin {
 template <int dimensions>
 class AnyPoint {
  public:
-  template <PointLaw<dimensions> Law>
-  requires(!std::same_as<Law, AnyPoint>) && HasEnergyDensity<Law, dimensions> explicit AnyPoint(Law law)
+  /// That it is another type is asked first: whether AnyPoint is a law asks for its constructors again.
+  template <class Law>
+  requires(!std::same_as<Law, AnyPoint>) &&
+      PointLaw<Law, dimensions>&& HasEnergyDensity<Law, dimensions> explicit AnyPoint(Law law)
       : law_(std::make_shared<const Held<Law>>(std::move(law))) {}
 
   Tensor<dimensions> stress(const Tensor<dimensions>& A) const { return law_->stress(A); }

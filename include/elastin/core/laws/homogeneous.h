@@ -1,7 +1,9 @@
 #pragma once
 #include <array>
 #include <optional>
+#include <vector>
 
+#include "elastin/core/base/dense.h"
 #include "elastin/core/laws/material_law.h"
 
 namespace elastin {
@@ -32,5 +34,23 @@ struct HomogeneousState {
 std::optional<HomogeneousState> homogeneous_state(const MaterialLaw& law, const Material& material,
                                                   HomogeneousTest test, double amount,
                                                   const Matrix3& axes = Matrix3::Identity());
+
+/// How anything that a material gives changes with one of its numbers θ: ∂f/∂θ = Σ weights f(materials).
+struct MaterialChange {
+  std::vector<Material> materials;
+  std::vector<double> weights;  ///< [1/unit of θ], as many
+};
+
+struct HomogeneousStresses {
+  VectorX stresses;  ///< nominal [Pa], of each amount
+  MatrixX slopes;    ///< ∂stress/∂θ, amounts × changes
+};
+
+/// The stresses of a material at several amounts in any order, and how they change with the material: that of the law
+/// at each state, and by the change of the state, one small linear solve. None where one of them has no equilibrium.
+std::optional<HomogeneousStresses> homogeneous_stresses(const MaterialLaw& law, const Material& material,
+                                                        HomogeneousTest test, const VectorX& amounts,
+                                                        const std::vector<MaterialChange>& changes = {},
+                                                        const Matrix3& axes = Matrix3::Identity());
 
 }  // namespace elastin

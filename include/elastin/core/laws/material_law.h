@@ -82,7 +82,8 @@ template <class Law>
 struct NearlyIncompressible {
   auto split(const Material& material) const {
     const auto& law = static_cast<const Law&>(*this);
-    return SplitPoint{law.shape(material), ConstantsOf(material, Law::name).volume()};
+    using Point = SplitPoint<decltype(law.shape(material))>;
+    return Point{law.shape(material), ConstantsOf(material, Law::name).volume()};
   }
   auto solid(const Material& material) const { return split(material); }
 };

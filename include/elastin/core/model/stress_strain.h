@@ -17,6 +17,9 @@ class StressStrain {
     double strain, stress;
   };
 
+  /// No stress at any strain.
+  StressStrain();
+
   /// σ = E ε. @param modulus E [Pa], > 0.
   static StressStrain linear(double modulus);
 
@@ -68,6 +71,8 @@ class StressStrain {
     double energy_density(double at) const;
   };
   explicit StressStrain(const std::vector<Knot>& knots);
+  template <class Archive>
+  friend void visit(Archive& archive, StressStrain& curve);
   static StressStrain both_ways(const std::vector<Knot>& tension);
   const Piece& piece(double strain) const;
 

@@ -53,8 +53,9 @@ struct Strategy : Descriptor {
   Make make_without_compression;
   /// With a volume term (see with_volume): its modulus κ [Pa]. Else empty. Throws InputError unless 0 ≤ ν ≤ 0.4999.
   std::function<double(const Material&)> volume_modulus;
-  bool relaxes = false;   ///< whether its stress relaxes (see with_relaxation)
-  bool by_parts = false;  ///< whether it works on each part of a body by itself, fibres included; see in_parts
+  bool relaxes = false;      ///< whether its stress relaxes (see with_relaxation)
+  bool has_history = false;  ///< whether its past counts: it relaxes, or softens (see with_softening)
+  bool by_parts = false;     ///< whether it works on each part of a body by itself, fibres included; see in_parts
   std::shared_ptr<const Strategy> calibrates;  ///< the rule that it fits to the material (see calibrated); else null
 };
 
@@ -69,9 +70,14 @@ Strategy with_volume(const Strategy& strategy);
 /// TensionField. Throws InputError for a strategy that cannot.
 Strategy with_wrinkling(const Strategy& strategy);
 
-/// A strategy whose stress relaxes as Material::relaxation says (see make_prony), named "prony:NAME". Takes springs and
-/// cells of first order; fibres beside it do not relax. Throws InputError for one that relaxes already.
+/// A strategy whose stress relaxes as Material::relaxation says (see make_prony), named "prony:NAME". Fibres beside it
+/// do not relax. Throws InputError for one that relaxes already.
 Strategy with_relaxation(const Strategy& strategy);
+
+/// A strategy that softens where it has been strained before, as Material::softening says (see make_mullins), named
+/// "mullins:NAME". Springs are taken as rods of the material; fibres and volume terms beside it do not soften. Throws
+/// InputError for one that has no energy, that softens already, or that relaxes: prony:mullins:NAME.
+Strategy with_softening(const Strategy& strategy);
 
 /// A spring rule fitted to the material on each body, named "calibrated:RULE": its constants times E / E of the body;
 /// with a volume term both, to E and ν, ν to 0.001 where it can be reached. E and ν of the body are the means over all
@@ -278,9 +284,9 @@ class Catalog {
 
   const std::vector<Strategy>& strategies() const { return strategies_; }
   /// "NAME", "NAME+volume" (see with_volume), "NAME+wrinkling" (see with_wrinkling) or "calibrated:RULE" (see
-  /// calibrated; "calibrated" alone is calibrated:standard) or "prony:NAME" (see with_relaxation), also together:
-  /// "prony:calibrated:patch+volume". Throws InputError with the nearest name and the list of what there is, or as
-  /// these do.
+  /// calibrated; "calibrated" alone is calibrated:standard), "prony:NAME" (see with_relaxation) or "mullins:NAME" (see
+  /// with_softening), also together: "prony:mullins:calibrated:patch+volume". Throws InputError with the nearest name
+  /// and the list of what there is, or as these do.
   Strategy find(const std::string& name) const;
   std::vector<std::string> names() const;
 

@@ -26,6 +26,9 @@ class Ledger {
   Energies energies(const Model& model, const State& state) const;
 
   double dissipated = 0, work = 0;  ///< [J], so far
+  /// What loads that change within a step may have given beside the work counted, Σ (Δt ΔF)²/2m [J]: of smooth ones
+  /// next to nothing, of one that jumps the speed of one step.
+  double jumps = 0;
 
  private:
   /// Forces that take or give energy beside those with an energy of their own [N].
@@ -36,6 +39,7 @@ class Ledger {
   Border border(const Model& model, const State& state) const;
   bool open_;  // whether anything passes
   Positions positions_;
+  double time_;
   Border last_;
 };
 

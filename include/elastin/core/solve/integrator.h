@@ -18,9 +18,16 @@ struct Stepper : Descriptor {
   int order = 1;             ///< of the error at a fixed time, in the length of a step
   /// `values` has all parameters, in range. `newton`: tolerance and linear solver of an implicit scheme.
   std::function<std::unique_ptr<Integrator>(const ParameterValues& values, const StaticOptions& newton)> make = {};
+  /// Why it cannot step this model, in words, or "". Empty: it steps any.
+  std::function<std::string(const Model& model)> unsuited = {};
+  /// The parameter that says how many iterations a step takes; empty: none does.
+  std::string effort = {};
 };
 
-/// symplectic_euler, velocity_verlet, backward_euler, newmark.
+/// Why a scheme cannot step this model, in words, or "".
+std::string unsuited_for(const Stepper& scheme, const Model& model);
+
+/// symplectic_euler, velocity_verlet, backward_euler, newmark, block_descent, xpbd, projective …
 const Table<Stepper>& built_in_steppers();
 using Scheme = Choice<Stepper, built_in_steppers>;
 
@@ -34,6 +41,7 @@ struct IntegratorOptions {
 struct StepResult {
   Outcome outcome = Outcome::converged;
   std::string cause;  ///< why it did not get there; empty if it did
+  /// Of Newton's method, or sweeps and iterations of the schemes that go without it.
   int newton_iterations = 0, linear_iterations = 0;
   int substeps = 1;  ///< in how many parts an implicit step had to go
   /// Estimate of the step's own error in position, largest over the molecules [m]; of the last part.

@@ -158,6 +158,8 @@ class StaticProtocol : public Protocol {
 
   virtual std::unique_ptr<StaticRig> static_rig(Model& model) const = 0;
   virtual int load_steps() const { return 1; }
+  /// The part of the load (0 … 1) at step 1 … load_steps(); a body may be unloaded on the way.
+  virtual double load_factor(int step) const { return static_cast<double>(step) / load_steps(); }
   virtual ResponseMeasures response_measures() const { return {}; }
   /// The material to be found from measured values, if the experiment is there for that.
   virtual std::optional<Identification> identification() const { return std::nullopt; }

@@ -5,6 +5,7 @@
 #include "core/laws/membranes/neo_hookean_membrane.h"
 #include "core/laws/membranes/tension_field.h"
 #include "elastin/core/laws/cell_kernel.h"
+#include "elastin/core/laws/local.h"
 #include "elastin/core/laws/moduli.h"
 #include "elastin/core/shapes/simplices.h"
 
@@ -136,6 +137,34 @@ struct CellKernel<NeoHookean, Tetrahedron4> {
         result(i, j) = result(j, i) =
             k.volume / 2 * (bulk * G(a, b) * G(c, d) - g * (G(a, c) * G(b, d) + G(a, d) * G(b, c)));
       }
+    return result;
+  }
+
+  /// What W makes of one corner's position alone: with J linear and tr C quadratic in it,
+  ///   ∂W/∂x_a = 2 μ/2 V Σ_b −G⁰_ab (x_a − x_b) + U′(J) n_a,  ∂²W/∂x_a² = μ V G⁰_aa I + U″(J)/V n_a n_aᵀ,
+  /// n_a = ∂(V J)/∂x_a, U = −μ ln J + λ/2 (J − 1)²: convex.
+  void add_block(const Constants& k, const NodePositions<4>& x, int corner, LocalBlock& block) const {
+    static constexpr int others[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
+    static constexpr int sides[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4, 5, -1}};
+    const auto& [a, b, c] = others[corner];
+    const Vector3 ab = x.col(b) - x.col(a), ac = x.col(c) - x.col(a), own = x.col(corner) - x.col(a);
+    const Vector3 n = ab.cross(ac) / 6;
+    const double J = std::max(n.dot(own) / k.volume, 1e-7);
+    double sum = 0;
+    Vector3 gradient = Vector3::Zero();
+    for (const int other : others[corner]) {
+      const double product = k.rest_products[sides[corner][other]];
+      sum -= product;
+      gradient -= product * (x.col(corner) - x.col(other));
+    }
+    block.gradient += k.mu * k.volume * gradient + (k.lambda * (J - 1) - k.mu / J) * n;
+    block.hessian.diagonal().array() += k.mu * k.volume * sum;
+    block.hessian += ((k.lambda + k.mu / (J * J)) / k.volume * n) * n.transpose();
+  }
+
+  NeoHookeanConstraint constraint(const Constants& k) const {
+    NeoHookeanConstraint result{{}, {}, k.volume, k.lambda, k.mu};
+    for (int side = 0; side < 6; ++side) result.rest_products[static_cast<std::size_t>(side)] = k.rest_products[side];
     return result;
   }
 

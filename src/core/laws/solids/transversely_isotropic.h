@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -41,19 +42,23 @@ struct TransverselyIsotropic : NearlyIncompressible<TransverselyIsotropic> {
    private:
     double toe_end() const { return c3 * std::expm1(c4 * (straight - 1)); }
 
-    /// ∫₀ᵘ (e^(c₄ v) − 1)/(1 + v) dv. Near 0 by Gauss's rule of 8 points, for the closed form cancels there.
+    /// ∫₀ᵘ (e^(c₄ v) − 1)/(1 + v) dv by Gauss's rule of 8 points, in ranges of at most ½ over which the power grows by
+    /// at most 2: its error is below 1e-15 of the integral. The closed form, of exponential integrals, cancels near 0.
     double integral(double u) const {
-      if (c4 * u < 0.5 && u < 0.5) {
-        constexpr std::array<std::array<double, 2>, 4> points{{{0.1834346424956498, 0.3626837833783620},
-                                                               {0.5255324099163290, 0.3137066458778873},
-                                                               {0.7966664774136267, 0.2223810344533745},
-                                                               {0.9602898564975363, 0.1012285362903763}}};
-        double sum = 0;
+      constexpr std::array<std::array<double, 2>, 4> points{{{0.1834346424956498, 0.3626837833783620},
+                                                             {0.5255324099163290, 0.3137066458778873},
+                                                             {0.7966664774136267, 0.2223810344533745},
+                                                             {0.9602898564975363, 0.1012285362903763}}};
+      const double ranges = std::ceil(std::max(2 * u, c4 * u / 2));
+      if (!(ranges <= 1000)) return std::numeric_limits<double>::infinity();  // e^2000 is no number
+      double sum = 0;
+      for (int range = 0; range < static_cast<int>(ranges); ++range)
         for (const auto& [at, weight] : points)
-          for (const double v : {u * (1 + at) / 2, u * (1 - at) / 2}) sum += weight * std::expm1(c4 * v) / (1 + v);
-        return sum * u / 2;
-      }
-      return std::exp(-c4) * (std::expint(c4 * (1 + u)) - std::expint(c4)) - std::log1p(u);
+          for (const double part : {(1 + at) / 2, (1 - at) / 2}) {
+            const double v = u * (range + part) / ranges;
+            sum += weight * std::expm1(c4 * v) / (1 + v);
+          }
+      return ranges > 0 ? sum * u / (2 * ranges) : 0;
     }
   };
 

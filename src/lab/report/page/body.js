@@ -18,15 +18,29 @@ async function unpacked(text) {
 /** A body from the JSON that body_view of src/lab/report/view.h writes. */
 function body_from(json) {
   const body = {rest: new Float32Array(bytes_of(json.rest)), radius: new Float32Array(bytes_of(json.radius)),
-    ends: new Uint32Array(bytes_of(json.ends)), surface: new Uint32Array(bytes_of(json.surface)), membrane: json.membrane,
-    note: json.shown};
+    ends: new Uint32Array(bytes_of(json.ends)), surface: new Uint32Array(bytes_of(json.surface)), cells: new Int32Array(bytes_of(json.cells)),
+    numbers: json.numbers && new Int32Array(bytes_of(json.numbers)), membrane: json.membrane, note: json.shown};
   return Object.assign(body, {size: diagonal_of(body.rest)});
 }
 
-/** States from the JSON of states_view: at [s] or share of the load, displacements [m], tensions [N]. */
-function states_from(json) {
-  return json.frames.map(frame => ({at: frame.at, displacements: new Float32Array(bytes_of(frame.displacements)),
-    tensions: Float32Array.from(new Int16Array(bytes_of(frame.tensions)), share => share * frame.most / 32767)}));
+/** Numbers that were written as whole shares of the largest, byte by byte, the sign in the lowest bit. */
+function numbers_from({most, steps, planes}, count) {
+  const bytes = new Uint8Array(bytes_of(planes)), numbers = new Float32Array(count);
+  for (let i = 0; i < count; ++i) {
+    let bits = 0;
+    for (let at = i, weight = 1; at < bytes.length; at += count, weight *= 256) bits += weight * bytes[at];
+    numbers[i] = (bits % 2 ? -(bits + 1) / 2 : bits / 2) / steps * most;
+  }
+  return numbers;
+}
+
+/** States from the JSON of states_view: at [s] or share of the load, displacements [m], tensions [N], outer forces [N],
+ *  stresses of faces [Pa] and contact pressures [Pa] where there are any. */
+function states_from(json, body) {
+  const molecules = body.radius.length, faces = body.surface.length / 3;
+  const counts = {displacements: 3 * molecules, tensions: body.ends.length / 2, forces: molecules, stresses: faces, pressures: molecules};
+  return json.frames.map(frame => Object.fromEntries([['at', frame.at],
+    ...Object.entries(counts).filter(([name]) => frame[name]).map(([name, count]) => [name, numbers_from(frame[name], count)])]));
 }
 
 /** Diagonal of the box around positions [m]; 1 where there is one position alone. */
@@ -44,8 +58,9 @@ function state_at(frames, position) {
   const first = Math.min(Math.floor(position), frames.length - 1), share = position - first;
   const a = frames[first], b = frames[Math.min(first + 1, frames.length - 1)];
   if (share < 1e-6) return a;
-  const mixed = (x, y) => x.map((v, i) => v + share * (y[i] - v));
-  return {at: a.at + share * (b.at - a.at), displacements: mixed(a.displacements, b.displacements), tensions: mixed(a.tensions, b.tensions)};
+  const mixed = (x, y) => x.map((v, i) => v + share * ((y?.[i] ?? v) - v));
+  const names = Object.keys(b).filter(name => name !== 'at');
+  return Object.fromEntries([['at', a.at + share * (b.at - a.at)], ...names.map(name => [name, mixed(a[name] ?? b[name].map(() => 0), b[name])])]);
 }
 
 /** Positions [m] with the displacements taken so many times. */
@@ -100,6 +115,13 @@ function face_strains_of(body, displacements) {
 function means_of(body, values) {
   const sums = new Float32Array(body.radius.length), counts = new Uint16Array(body.radius.length);
   body.ends.forEach((molecule, i) => { sums[molecule] += values[i >> 1]; ++counts[molecule]; });
+  return sums.map((sum, i) => counts[i] ? sum / counts[i] : 0);
+}
+
+/** Of each molecule the mean over the faces at it; 0 inside. */
+function means_of_faces(body, values) {
+  const sums = new Float32Array(body.radius.length), counts = new Uint16Array(body.radius.length);
+  body.surface.forEach((molecule, i) => { sums[molecule] += values[Math.floor(i / 3)]; ++counts[molecule]; });
   return sums.map((sum, i) => counts[i] ? sum / counts[i] : 0);
 }
 

@@ -41,3 +41,12 @@ function round_down(value) {
   const decade = 10 ** Math.floor(Math.log10(value)), first = value / decade;
   return decade * (first >= 5 ? 5 : first >= 2 ? 2 : 1);
 }
+
+/** The number of a text such as "12.3 mPa" or "5 %" in the unit; undefined where it is none. */
+function without_prefix(text, unit) {
+  const found = text.trim().replace(',', '.').match(/^([-+]?[\d.]+(?:e[-+]?\d+)?)\s*(.*)$/i);
+  if (!found || !isFinite(+found[1])) return undefined;
+  const letters = found[2] === unit || !found[2] ? '' : found[2].endsWith(unit) ? found[2].slice(0, found[2].length - unit.length) : found[2];
+  const factor = {'': 1, G: 1e9, M: 1e6, k: 1e3, m: 1e-3, 'µ': 1e-6, u: 1e-6, n: 1e-9, '%': 0.01}[letters.trim()];
+  return factor && +found[1] * factor;
+}

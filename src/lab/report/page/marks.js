@@ -57,3 +57,16 @@ function draw_legend(paper, legend, x, y, width, ink) {
     paper.fillText(text, at, y - height);
   }
 }
+
+/** Marks what is read: a ring around one point, an outline of several [px]. */
+function draw_picked(paper, points) {
+  for (const [style, width] of [['#fff', 5], ['#111827', 2.5]]) {
+    paper.strokeStyle = style;
+    paper.lineWidth = width;
+    paper.beginPath();
+    if (points.length === 1) paper.arc(...points[0], 9, 0, 7);
+    else points.forEach((point, i) => i ? paper.lineTo(...point) : paper.moveTo(...point));
+    if (points.length > 1) paper.closePath();
+    paper.stroke();
+  }
+}

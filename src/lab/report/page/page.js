@@ -24,13 +24,15 @@ all('thead tr').forEach(row => [...row.cells].forEach((head, column) =>
 
 // --- plots ------------------------------------------------------------------------------------------------------------
 const tip = document.body.appendChild(Object.assign(document.createElement('div'), {id: 'tip', role: 'status'}));
-function tell(mark) {
-  tip.textContent = mark.getAttribute('aria-label');
-  const at = mark.getBoundingClientRect(), box = tip.getBoundingClientRect();
+/** Shows a text above or below a place on the screen: left, width, top, bottom [px]. */
+function show_tip(text, at) {
+  tip.textContent = text;
+  const box = tip.getBoundingClientRect();
   tip.style.left = Math.max(8, Math.min(innerWidth - box.width - 8, at.left + at.width / 2 - box.width / 2)) + 'px';
-  tip.style.top = (at.top - box.height - 8 < 8 ? at.bottom + 8 : at.top - box.height - 8) + 'px';
+  tip.style.top = (at.top - box.height - 10 < 8 ? at.bottom + 10 : at.top - box.height - 10) + 'px';
   tip.style.visibility = 'visible';
 }
+function hide_tip() { tip.style.visibility = 'hidden'; }
 function single_out(section, name) {
   all('svg', section).forEach(svg => {
     const own = all('.series', svg).filter(series => series.dataset.series === name);
@@ -40,13 +42,43 @@ function single_out(section, name) {
 }
 all('svg .mark').forEach(mark => {
   mark.querySelector('title').remove();  // its aria-label says the same
-  for (const kind of ['pointerenter', 'focus']) mark.addEventListener(kind, () => tell(mark));
-  for (const kind of ['pointerleave', 'blur']) mark.addEventListener(kind, () => { tip.style.visibility = 'hidden'; });
+  mark.addEventListener('focus', () => show_tip(mark.getAttribute('aria-label'), mark.getBoundingClientRect()));
+  mark.addEventListener('blur', hide_tip);
 });
+
+/** Shows a run in the body's picture and marks its rows. */
+function choose_run(section, name) {
+  section.stage?.choose_strategy(name);
+  all('tbody tr', section).forEach(row => row.classList.toggle('chosen', row.dataset.series === name));
+}
 all('.scene').forEach(section => {
-  const name_of = target => target.closest('.key, .series')?.dataset.series || target.closest('tbody tr')?.cells[0].textContent;
+  plots_of(section);
+  const name_of = target => target.closest('.key, .series')?.dataset.series || target.closest('tbody tr')?.dataset.series;
   section.addEventListener('pointerover', event => single_out(section, name_of(event.target)));
   section.addEventListener('pointerleave', () => single_out(section, undefined));
+  section.addEventListener('choose', event => choose_run(section, event.detail));
+  all('tbody th', section).forEach(head => head.addEventListener('click', () => choose_run(section, head.parentElement.dataset.series)));
+  all('.mark', section).forEach(mark => mark.addEventListener('keydown', event => {
+    if (event.key === 'Enter') choose_run(section, mark.closest('.series').dataset.series);
+  }));
+});
+
+// --- filter of runs ---------------------------------------------------------------------------------------------------
+all('.filter').forEach(filter => {
+  const rows = all('tbody tr', filter.closest('.card')), part = name => filter.querySelector(`[data-filter="${name}"]`);
+  const outcome = part('outcome'), text = part('text');
+  const counts = new Map();
+  for (const {dataset} of rows) counts.set(dataset.outcome, (counts.get(dataset.outcome) ?? 0) + 1);
+  for (const [name, count] of counts) outcome.append(new Option(`${name} (${count})`, name));
+  const apply = () => {
+    const wanted = text.value.trim().toLowerCase();
+    for (const row of rows)
+      row.hidden = (outcome.value && row.dataset.outcome !== outcome.value) || !row.dataset.series.toLowerCase().includes(wanted);
+    const shown = rows.filter(row => !row.hidden).length;
+    part('count').textContent = shown === rows.length ? '' : `${shown} of ${rows.length} runs`;
+  };
+  outcome.addEventListener('change', apply);
+  text.addEventListener('input', apply);
 });
 
 function save(name, url) {
@@ -56,7 +88,7 @@ function file_of(svg) {
   const copy = svg.cloneNode(true), style = getComputedStyle(root);
   const colour = name => style.getPropertyValue(name).trim();
   copy.insertAdjacentHTML('afterbegin', `<style>svg{${['--ink', '--faint', '--grid', '--paper'].map(n => `${n}:${colour(n)}`).join(';')};` +
-    'background:var(--paper);font-family:system-ui,sans-serif}text{fill:var(--faint)}.axis{fill:var(--ink)}.grid{stroke:var(--grid)}</style>');
+    'background:var(--paper);font-family:system-ui,sans-serif}text{fill:var(--faint)}.axis{fill:var(--ink)}.grid{stroke:var(--grid)}.cross,.frame,.series.off{display:none}.key.off{opacity:.3}</style>');
   return new XMLSerializer().serializeToString(copy);
 }
 all('button[data-save]').forEach(button => button.addEventListener('click', () => {
@@ -89,7 +121,7 @@ async function stage(section) {
   try {
     const [views] = await Promise.all([Promise.all(packed.map(async script => JSON.parse(await unpacked(script.textContent)))), load_three()]);
     const body = body_from(views.find(view => view.kind === 'body')), states = views.filter(view => view.kind === 'states');
-    section.stage = new Stage(section, body, new Map(states.map(view => [view.strategy, {frames: states_from(view), in_time: view.in_time}])));
+    section.stage = new Stage(section, body, new Map(states.map(view => [view.strategy, {frames: states_from(view, body), in_time: view.in_time}])));
   } catch (problem) {
     all('.bar > label, .bar > button, .legend, .hint', section.querySelector('.view').parentElement).forEach(part => part.remove());
     section.querySelector('.view').textContent = `No body is drawn here: ${problem.message}. Plots and tables are complete without it.`;

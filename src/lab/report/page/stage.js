@@ -1,10 +1,14 @@
 // The body's part of a page: which strategy, which colour, which state, and its controls. Needs body.js, colours.js, viewer.js.
 'use strict';
 
+/** What can be coloured; `field`: of the states that have it. */
 const colour_kinds = {
-  tension: {title: 'tension of the connections', unit: 'N'},
+  tension: {title: 'tension of the connections', unit: 'N', field: 'tensions'},
   strain: {title: 'strain', unit: ''},
+  stress: {title: 'von Mises stress', unit: 'Pa', field: 'stresses', on_faces: true},
   displacement: {title: 'displacement', unit: 'm'},
+  force: {title: 'reaction or load of a molecule', unit: 'N', field: 'forces'},
+  pressure: {title: 'contact pressure', unit: 'Pa', field: 'pressures', on_faces: true},
   error: {title: 'distance from the best', unit: 'm'},
 };
 
@@ -17,6 +21,8 @@ class Stage {
     this.runs = runs;
     this.best = section.dataset.best;
     this.ranges = new Map();
+    this.typed = new Map();
+    colour_kinds.stress.unit = body.membrane ? 'N/m' : 'Pa';
     this.shapes = ['connections', 'molecules', 'surface'];
     this.viewer = this.canvas.viewer = new Viewer(this.canvas);
     this.viewer.set_body(body);
@@ -36,7 +42,9 @@ class Stage {
     const strategy = this.part('strategy'), known = this.runs.has(this.best);
     for (const name of this.runs.keys()) strategy.append(new Option(name === this.best ? name + ' (best)' : name, name));
     if (known) strategy.value = this.best;
-    else this.part('colour').querySelector('[value=error]').remove();
+    const has = field => [...this.runs.values()].some(({frames}) => frames.some(frame => frame[field]?.length));
+    for (const [kind, {field}] of Object.entries(colour_kinds))
+      if (kind === 'error' ? known : !field || has(field)) this.part('colour').append(new Option(colour_kinds[kind].title, kind));
     const shown = {connections: true, molecules: !this.body.membrane, surface: this.body.membrane};
     for (const [name, on] of Object.entries(shown)) {
       this.part(name).checked = on;
@@ -57,11 +65,55 @@ class Stage {
     const on = (name, kind, does) => this.part(name).addEventListener(kind, does, {signal: this.silence.signal});
     on('strategy', 'change', () => this.choose());
     on('scale', 'change', () => this.aim());
-    on('colour', 'change', () => this.show());
+    on('colour', 'change', () => this.choose_colour());
+    for (const end of ['low', 'high']) on(end, 'change', () => this.type_range());
+    on('cut', 'change', () => this.cut());
+    on('cut_at', 'input', () => this.cut());
     on('step', 'input', () => { this.pause(); this.show(); });
     on('play', 'click', () => this.playing ? this.pause() : this.play());
     for (const name of this.shapes) on(name, 'change', () => this.look());
-    this.canvas.addEventListener('pointermove', event => this.tell(event), {signal: this.silence.signal});
+    const on_canvas = (kind, does) => this.canvas.addEventListener(kind, does, {signal: this.silence.signal});
+    let from = [0, 0];
+    on_canvas('pointerdown', event => { from = [event.clientX, event.clientY]; });
+    on_canvas('click', event => {
+      if (Math.hypot(event.clientX - from[0], event.clientY - from[1]) < 5) this.pick(event);
+    });
+  }
+
+  /** Another strategy by the name of its run, which of a study says more. */
+  choose_strategy(name) {
+    const strategy = [name, name.split(', ')[0]].find(known => this.runs.has(known));
+    if (!strategy || strategy === this.part('strategy').value) return;
+    this.part('strategy').value = strategy;
+    this.choose();
+  }
+
+  /** Faces are shown for what stands on faces. */
+  choose_colour() {
+    const box = this.part('surface');
+    if (colour_kinds[this.part('colour').value].on_faces && !box.disabled && !box.checked) {
+      box.checked = true;
+      this.look();
+    }
+    this.show();
+  }
+
+  /** The ends of the colours as they are typed; nothing, or no number, gives them back. */
+  type_range() {
+    const kind = this.part('colour').value, {unit} = colour_kinds[kind];
+    const [low, high] = ['low', 'high'].map(end => without_prefix(this.part(end).value, unit));
+    if (low === undefined || high === undefined || !(low < high)) this.typed.delete(kind);
+    else this.typed.set(kind, {low, high, map: Math.abs(low + high) < 1e-6 * high ? 'signed' : 'rising'});
+    this.show();
+  }
+
+  /** What lies before a plane, on the eye's side of it when it was chosen, is not drawn. */
+  cut() {
+    const axis = 'xyz'.indexOf(this.part('cut').value || '?');
+    this.part('cut_at').hidden = axis < 0;
+    if (axis !== this.cut_axis) this.cut_side = axis < 0 ? 0 : this.viewer.side_of_eye(axis);
+    this.cut_axis = axis;
+    this.viewer.set_cut(axis, this.cut_side, +this.part('cut_at').value);
   }
 
   /** Another strategy: its last state. */
@@ -116,6 +168,12 @@ class Stage {
     if (kind === 'tension') return {connections: state.tensions};
     if (kind === 'strain') return {connections: strains_of(this.body, state.displacements), faces: face_strains_of(this.body, state.displacements)};
     if (kind === 'displacement') return {molecules: lengths_of(state.displacements)};
+    if (kind === 'stress') {
+      const faces = state.stresses ?? new Float32Array(this.body.surface.length / 3);
+      return {faces, molecules: means_of_faces(this.body, faces)};
+    }
+    if (kind === 'force' || kind === 'pressure')
+      return {molecules: state[colour_kinds[kind].field] ?? new Float32Array(this.body.radius.length)};
     const best = this.runs.get(this.best).frames;
     const beside = state_at(best, position / (this.run.frames.length - 1 || 1) * (best.length - 1));
     return {molecules: lengths_of(state.displacements, beside.displacements)};
@@ -135,6 +193,7 @@ class Stage {
    *  colours, too. */
   range() {
     const {frames} = this.run, kind = this.part('colour').value;
+    if (this.typed.has(kind)) return this.typed.get(kind);
     const key = [kind, this.part('strategy').value, ...Object.values(this.viewer.look)].join();
     if (this.ranges.has(key)) return this.ranges.get(key);
     let low = Infinity, high = -Infinity;
@@ -160,6 +219,7 @@ class Stage {
     viewer.set_state(positions_of(this.body, state.displacements, +this.part('scale').value),
       {connections: colours(values.connections), molecules: colours(values.molecules), faces: colours(values.faces)});
     this.state = {...state, values};
+    this.tell();
     this.part('at').textContent = in_time ? with_prefix(state.at, 's') : `${(100 * state.at).toFixed(0)} % of the load`;
     this.show_legend();
   }
@@ -177,20 +237,47 @@ class Stage {
   show_legend() {
     const {title, map, low, high} = this.legend();
     this.part('title').textContent = title;
-    this.part('low').textContent = low;
-    this.part('high').textContent = high;
+    this.part('low').value = low;
+    this.part('high').value = high;
     this.part('ramp').style.background = `linear-gradient(90deg,${legend_colours(map)})`;
     this.canvas.setAttribute('aria-label', `The body with ${this.part('strategy').value}, coloured by ${title} from ${low} to ${high}; arrow keys turn it, + and - zoom, 0 resets`);
   }
 
-  /** The molecule under the pointer, in words. */
-  tell(event) {
+  /** What is under the pointer is read below the picture until something else is clicked. */
+  pick(event) {
     const box = this.canvas.getBoundingClientRect();
-    const molecule = event.buttons ? -1 : this.viewer.molecule_at(event.clientX - box.left, event.clientY - box.top);
-    const {values, displacements} = this.state;
-    const far = Math.hypot(...displacements.subarray(3 * molecule, 3 * molecule + 3));
-    this.canvas.title = molecule < 0 ? '' : `molecule ${this.body.note ? '' : molecule + ': '}displaced by ${with_prefix(far, 'm')}` +
-      (values.connections ? `, mean ${this.part('colour').value} ${this.text_of(values.molecules[molecule])}` : '');
+    this.picked = this.viewer.pick(event.clientX - box.left, event.clientY - box.top);
+    this.viewer.set_picked(this.picked);
+    this.tell();
+  }
+
+  tell() {
+    const {picked, body} = this, place = this.part('picked');
+    place.hidden = !picked;
+    if (!picked) return;
+    place.textContent = picked.molecule >= 0 ? this.molecule_text(picked.molecule) : this.face_text(picked.face);
+  }
+
+  number_of(molecule) { return this.body.numbers ? this.body.numbers[molecule] : molecule; }
+
+  molecule_text(molecule) {
+    const {state, body} = this, three = (numbers, k = 3 * molecule) => [0, 1, 2].map(i => with_prefix(numbers[k + i], 'm')).join(', ');
+    const {values} = state, kind = this.part('colour').value;
+    const texts = [`Molecule ${this.number_of(molecule)}: at rest (${three(body.rest)})`, `displacement (${three(state.displacements)})`];
+    if (state.forces) texts.push(`reaction or load ${with_prefix(state.forces[molecule], 'N')}`);
+    if (state.pressures) texts.push(`contact pressure ${with_prefix(state.pressures[molecule], 'Pa')}`);
+    if (values.connections) texts.push(`mean ${kind} of its connections ${this.text_of(values.molecules[molecule])}`);
+    return texts.join('; ') + '.';
+  }
+
+  face_text(face) {
+    const {state, body} = this, corners = [...body.surface.slice(3 * face, 3 * face + 3)];
+    const cell = body.cells[face], strain = face_strains_of(body, state.displacements)[face];
+    const texts = [`${cell >= 0 ? `Cell ${cell}` : 'Face'}, side of molecules ${corners.map(molecule => this.number_of(molecule)).join(', ')}`,
+      `strain ${(100 * strain).toPrecision(3)} %`];
+    if (state.stresses) texts.push(`von Mises stress ${with_prefix(state.stresses[face], colour_kinds.stress.unit)}`);
+    if (state.pressures) texts.push(`contact pressure ${with_prefix(corners.reduce((sum, molecule) => sum + state.pressures[molecule], 0) / 3, 'Pa')}`);
+    return texts.join('; ') + '.';
   }
 
   picture() { return this.viewer.picture(this.legend()); }

@@ -7,13 +7,16 @@
 const shader_parts = {
   fade: `
     uniform float near_side, depth; uniform vec3 ground; varying float distance_to_eye;
+    uniform vec4 cut; varying vec3 place;
+    void cut_away() { if (dot(cut.xyz, place) > cut.w) discard; }
     vec3 faded(vec3 colour) { return mix(colour, ground, .5 * clamp((distance_to_eye - near_side) / depth, 0., 1.)); }`,
   // The disc is larger than the sphere at its middle, for it is seen in perspective.
   sphere_vertex: `
-    attribute vec3 centre, colour; attribute float radius;
+    attribute vec3 centre, colour; attribute float radius; varying vec3 place;
     uniform float share, pixel;
     varying vec3 tint, middle, at; varying float size, distance_to_eye;
     void main() {
+      place = centre;
       vec4 p = modelViewMatrix * vec4(centre, 1.);
       tint = colour; middle = p.xyz; distance_to_eye = -p.z;
       size = max(radius * share, 1.2 * pixel * -p.z);
@@ -23,6 +26,7 @@ const shader_parts = {
   sphere_fragment: `
     uniform mat4 projectionMatrix; varying vec3 tint, middle, at; varying float size;
     void main() {
+      cut_away();
       vec3 ray = normalize(at);
       float along = dot(ray, middle), inside = along * along - dot(middle, middle) + size * size;
       if (inside < 0.) discard;
@@ -34,8 +38,9 @@ const shader_parts = {
   rod_vertex: `
     attribute vec3 from, to, from_colour, to_colour;
     uniform float width, pixel, near; uniform vec2 canvas;
-    varying vec3 tint; varying float across, distance_to_eye;
+    varying vec3 tint, place; varying float across, distance_to_eye;
     void main() {
+      place = mix(from, to, position.x);
       vec4 a = modelViewMatrix * vec4(from, 1.), b = modelViewMatrix * vec4(to, 1.);
       float front = -near;  // a rod that passes the eye ends before it
       if (a.z > front && b.z < front) a = mix(a, b, (a.z - front) / (a.z - b.z));
@@ -51,7 +56,10 @@ const shader_parts = {
     }`,
   rod_fragment: `
     varying vec3 tint; varying float across;
-    void main() { gl_FragColor = vec4(faded(tint * (.65 + .4 * sqrt(max(0., 1. - across * across)))), 1.); }`,
+    void main() {
+      cut_away();
+      gl_FragColor = vec4(faded(tint * (.65 + .4 * sqrt(max(0., 1. - across * across)))), 1.);
+    }`,
 };
 
 class Viewer {
@@ -74,11 +82,14 @@ class Viewer {
     this.camera = new THREE.PerspectiveCamera(24, 1, 1, 10);
     this.camera.up.set(0, 0, 1);
     this.uniforms = {near_side: {value: 0}, depth: {value: 1}, ground: {value: new THREE.Color()}, share: {value: 1}, width: {value: 0},
-      pixel: {value: 0}, near: {value: 0}, canvas: {value: new THREE.Vector2()}};
+      pixel: {value: 0}, near: {value: 0}, canvas: {value: new THREE.Vector2()}, cut: {value: new THREE.Vector4(0, 0, 0, 1)}};
     const material = (vertexShader, fragment) => new THREE.ShaderMaterial({uniforms: this.uniforms, vertexShader,
       fragmentShader: shader_parts.fade + fragment, side: THREE.DoubleSide, extensions: {fragDepth: true}});
     const paint = new THREE.MeshPhongMaterial({vertexColors: THREE.VertexColors, flatShading: true, side: THREE.DoubleSide, shininess: 0,
       polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1});
+    this.renderer.localClippingEnabled = true;
+    this.cut_plane = new THREE.Plane(new THREE.Vector3(), 1);
+    paint.clippingPlanes = [this.cut_plane];
     this.parts = {
       molecules: new THREE.Mesh(new THREE.InstancedBufferGeometry(), material(shader_parts.sphere_vertex, shader_parts.sphere_fragment)),
       connections: new THREE.Mesh(new THREE.InstancedBufferGeometry(), material(shader_parts.rod_vertex, shader_parts.rod_fragment)),
@@ -154,6 +165,36 @@ class Viewer {
   set_look(look) {
     this.look = look;
     if (this.fitted && !this.touched) this.reset();
+    this.request();
+  }
+
+  /** 1 where the eye is on the upper side of the body along an axis (0, 1, 2), else −1. */
+  side_of_eye(axis) { return this.camera.position.getComponent(axis) >= this.middle.getComponent(axis) ? 1 : -1; }
+
+  /** Draws nothing beyond a plane across an axis, on its upper side (1) or its lower (−1), at a share of the extent of what
+   *  was fitted; axis −1 draws all. */
+  set_cut(axis, side, share) {
+    const cut = this.uniforms.cut.value.set(0, 0, 0, 1);
+    if (axis >= 0) {
+      let low = Infinity, high = -Infinity;
+      for (const positions of this.fitted)
+        for (let i = axis; i < positions.length; i += 3) [low, high] = [Math.min(low, positions[i]), Math.max(high, positions[i])];
+      cut.setComponent(axis, side);
+      cut.w = side * (low + share * (high - low));
+    }
+    this.cut_plane.normal.set(-cut.x, -cut.y, -cut.z);
+    this.cut_plane.constant = cut.w;
+    this.request();
+  }
+
+  is_cut_away(x, y, z) {
+    const cut = this.uniforms.cut.value;
+    return cut.x * x + cut.y * y + cut.z * z > cut.w;
+  }
+
+  /** What is marked: {molecule} or {face}, or nothing. */
+  set_picked(picked) {
+    this.picked = picked;
     this.request();
   }
 
@@ -250,6 +291,12 @@ class Viewer {
     draw_axes(paper, [0, 1, 2].map(axis => [turn[4 * axis], turn[4 * axis + 1], turn[4 * axis + 2]]), 44, height - 44, 26, ink);
     const metres = 2 * Math.tan(camera.fov * Math.PI / 360) * camera.position.distanceTo(this.controls.target) / height;
     draw_scale_bar(paper, metres, width - 16, height - 14, Math.min(0.3 * width, 160), ink);
+    if (!this.picked) return;
+    const molecules = this.picked.molecule >= 0 ? [this.picked.molecule] : [...this.body.surface.slice(3 * this.picked.face, 3 * this.picked.face + 3)];
+    draw_picked(paper, molecules.map(molecule => {
+      const at = new THREE.Vector3(...this.positions.slice(3 * molecule, 3 * molecule + 3)).project(camera);
+      return [(at.x + 1) / 2 * width, (1 - at.y) / 2 * height];
+    }));
   }
 
   /** What is seen, with axes, bar and legend, as a canvas of its own. */
@@ -267,22 +314,49 @@ class Viewer {
     return page;
   }
 
-  /** The molecule that is seen at a point of the canvas [px], or −1. */
-  molecule_at(x, y) {
-    const {camera, canvas, positions, body} = this, ray = new THREE.Raycaster();
+  ray_at(x, y) {
+    const {camera, canvas} = this, caster = new THREE.Raycaster();
     camera.updateMatrixWorld();
-    ray.setFromCamera({x: 2 * x / canvas.clientWidth - 1, y: 1 - 2 * y / canvas.clientHeight}, camera);
-    const {origin: o, direction: d} = ray.ray, share = this.uniforms.share.value;
-    const slack = 4 * 2 * Math.tan(camera.fov * Math.PI / 360) / canvas.clientHeight;  // four pixels
-    let found = -1, nearest = Infinity;
+    caster.setFromCamera({x: 2 * x / canvas.clientWidth - 1, y: 1 - 2 * y / canvas.clientHeight}, camera);
+    return caster.ray;
+  }
+
+  /** What is drawn at a point of the canvas [px]: {molecule, distance} or {face, distance}; undefined where nothing is. */
+  pick(x, y) {
+    const found = [];
+    if (this.look.surface) found.push(this.nearest_face(x, y));
+    if (this.look.molecules || this.look.connections || !found.length) found.push(this.nearest_molecule(x, y));
+    return found.filter(one => one).sort((a, b) => a.distance - b.distance)[0];
+  }
+
+  /** The molecule that is seen at a point of the canvas [px], or −1. */
+  molecule_at(x, y) { return this.nearest_molecule(x, y)?.molecule ?? -1; }
+
+  nearest_molecule(x, y) {
+    const {camera, canvas, positions, body} = this, {origin: o, direction: d} = this.ray_at(x, y);
+    const share = this.uniforms.share.value, slack = 4 * 2 * Math.tan(camera.fov * Math.PI / 360) / canvas.clientHeight;  // four pixels
+    let found, nearest = Infinity;
     for (let molecule = 0; molecule < body.radius.length; ++molecule) {
-      const vx = positions[3 * molecule] - o.x, vy = positions[3 * molecule + 1] - o.y, vz = positions[3 * molecule + 2] - o.z;
-      const along = vx * d.x + vy * d.y + vz * d.z;
-      const aside = Math.sqrt(Math.max(0, vx * vx + vy * vy + vz * vz - along * along));
-      if (along > 0 && along < nearest && aside <= Math.max(share * body.radius[molecule], slack * along)) {
-        found = molecule;
+      const [px, py, pz] = positions.subarray(3 * molecule, 3 * molecule + 3);
+      const vx = px - o.x, vy = py - o.y, vz = pz - o.z, along = vx * d.x + vy * d.y + vz * d.z;
+      const aside = Math.sqrt(Math.max(0, vx * vx + vy * vy + vz * vz - along * along)), reach = share * body.radius[molecule];
+      if (along > 0 && along < nearest && aside <= Math.max(reach, slack * along) && !this.is_cut_away(px, py, pz)) {
+        found = {molecule, distance: along - reach};
         nearest = along;
       }
+    }
+    return found;
+  }
+
+  nearest_face(x, y) {
+    const {positions, body: {surface}} = this, ray = this.ray_at(x, y), at = new THREE.Vector3();
+    const corner = [0, 1, 2].map(() => new THREE.Vector3());
+    let found;
+    for (let face = 0; 3 * face < surface.length; ++face) {
+      corner.forEach((place, k) => place.fromArray(positions, 3 * surface[3 * face + k]));
+      if (!ray.intersectTriangle(...corner, false, at) || this.is_cut_away(at.x, at.y, at.z)) continue;
+      const distance = at.distanceTo(ray.origin);
+      if (!found || distance < found.distance) found = {face, distance};
     }
     return found;
   }

@@ -1,11 +1,11 @@
-#include "lab/report/surface_files.h"
+#include "lab/format/surface_files.h"
 
 #include <cmath>
 #include <numbers>
 
 #include "elastin/core/shapes/surfaces.h"
 #include "hull/convex_hull.h"
-#include "lab/report/vtu.h"
+#include "lab/format/vtu.h"
 
 namespace elastin::lab {
 namespace {

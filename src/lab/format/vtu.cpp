@@ -1,4 +1,4 @@
-#include "lab/report/vtu.h"
+#include "lab/format/vtu.h"
 
 #include <zlib.h>
 

@@ -1,4 +1,4 @@
-#include "lab/report/pack.h"
+#include "lab/format/pack.h"
 
 #include <zlib.h>
 

@@ -1,4 +1,4 @@
-#include "lab/report/surface_files.h"
+#include "lab/format/surface_files.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

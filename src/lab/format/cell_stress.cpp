@@ -1,4 +1,4 @@
-#include "lab/report/cell_stress.h"
+#include "lab/format/cell_stress.h"
 
 #include <algorithm>
 #include <array>

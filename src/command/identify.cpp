@@ -1,0 +1,71 @@
+#include "command/identify.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "lab/identify/report.h"
+#include "lab/report/files.h"
+#include "lab/report/progress.h"
+#include "lab/study/compare.h"
+
+namespace elastin::command {
+using namespace lab;
+namespace {
+
+std::string path_of(const Request& request, const Answer& answer) {
+  return request.out + "/" + (answer.strategy.empty() ? answer.scene : file_name(answer.scene, answer.strategy));
+}
+
+void write_scene(const Request& request, const std::string& path, const Answer& answer) {
+  std::filesystem::create_directories(request.out);
+  std::ifstream stream(path, std::ios::binary);
+  const std::string scene = with_material({std::istreambuf_iterator<char>(stream), {}}, answer.material);
+  if (!scene.empty() && answer.succeeded()) write_whole(path_of(request, answer) + ".yaml", scene);
+}
+
+void write_files(const Request& request, const std::vector<Answer>& answers) {
+  std::filesystem::create_directories(request.out);
+  write_whole(request.out + "/identify.json", identify_json(answers));
+  write_whole(request.out + "/report.html", identify_page(answers, request.command));
+  for (const Answer& answer : answers) {
+    const std::string name = path_of(request, answer);
+    write_whole(name + "-points.csv", points_csv(answer));
+    write_whole(name + "-fit.svg", svg_text(fit_plot(answer), 760, true));
+  }
+}
+
+}  // namespace
+
+bool identify_scenes(const Request& request, IdentifyRequest wanted, const Catalog& catalog) {
+  Progress progress(progress_of(request));
+  wanted.overrides = request.overrides, wanted.strategies = request.strategies;
+  wanted.progress = [&](const std::string& doing) { progress.set(doing); };
+  wanted.stop = request.interrupted;
+  std::vector<Answer> all;
+  for (const std::string& path : request.scenes) {
+    if (wanted.stop && wanted.stop()) break;
+    std::vector<Answer> answers = identify(path, catalog, wanted);
+    progress.pause();
+    for (const Answer& answer : answers) {
+      if (request.to_screen()) fmt::print("{}", answer_text(answer, colours_on(STDOUT_FILENO)));
+      if (!request.out.empty()) write_scene(request, path, answer);
+    }
+    if (request.to_screen()) fmt::print("{}", strategies_text(answers, colours_on(STDOUT_FILENO)));
+    std::move(answers.begin(), answers.end(), std::back_inserter(all));
+    if (!request.out.empty()) write_files(request, all);
+  }
+  progress.pause();
+  if (request.json == "-")
+    fmt::print("{}", identify_json(all));
+  else if (!request.json.empty())
+    write_whole(request.json, identify_json(all));
+  return std::all_of(all.begin(), all.end(), [](const Answer& answer) { return answer.succeeded(); });
+}
+
+}  // namespace elastin::command

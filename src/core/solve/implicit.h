@@ -1,0 +1,43 @@
+#pragma once
+#include "core/solve/newton.h"
+#include "elastin/core/solve/integrator.h"
+
+namespace elastin {
+
+/// A step of backward Euler's or Newmark's scheme: velocities and accelerations follow from the positions at its end,
+/// which balance() finds; here by Newton's method, in schemes that derive from it in other ways. A step that fails goes
+/// in halves.
+class Implicit : public Integrator {
+ public:
+  /// Newmark's, or backward Euler where beta is 0.
+  Implicit(const StaticOptions& newton, double beta, double gamma) : newton_(newton), beta_(beta), gamma_(gamma) {}
+  StepResult advance(Model& model, State& state, double dt) override;
+
+  /// Whether a step ends after so many Newton iterations, balanced or not; 0: no.
+  void cut_short(int iterations);
+
+ protected:
+  /// Brings `next` from a first guess to where forces and inertia balance, `kinematics` being that of the step. Where
+  /// it fails the outcome says so, and `next` may be anything.
+  virtual StaticResult balance(Model& model, State& next, const Kinematics& kinematics);
+  /// One step; the state stays if it fails, and the result then says why.
+  virtual void try_step(Model& model, State& state, double dt, StepResult& result);
+
+  StaticOptions newton_;
+  NewtonWorkspace workspace_;
+
+ private:
+  void advance(Model& model, State& state, double dt, double smallest, StepResult& result);
+  void set_kinematics(const State& state, double dt);
+  void set_first_guess(const Model& model, const State& state, double dt);
+  void balance_as_one(const Model& model);
+  bool newmark() const { return beta_ > 0; }
+
+  double beta_, gamma_;
+  // Kept from one step to the next, so that steps ask for no memory.
+  State next_, before_;
+  Kinematics kinematics_;
+  Positions forces_;
+};
+
+}  // namespace elastin

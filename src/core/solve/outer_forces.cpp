@@ -1,0 +1,72 @@
+#include "core/solve/outer_forces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace elastin {
+
+void OuterForces::begin(const Model& model, const State& state, const Weights& weights) {
+  const auto& loads = model.loads();
+  const bool vary = !model.viscosity().empty() ||
+                    std::any_of(loads.begin(), loads.end(), [](const auto& load) { return load->changes(); });
+  blocks_.assign(static_cast<std::size_t>(model.body().size()), Matrix3::Zero());
+  const auto add = [this](int a, int b, const Matrix3& block) {
+    Matrix3& own = blocks_[static_cast<std::size_t>(a)];
+    if (a == b)
+      own += (block + block.transpose()) / 2;
+    else
+      own.diagonal().array() += block.norm();
+  };
+  const Load::BlockVisitor visit = std::ref(add);
+  if (vary)
+    for (const auto& load : loads) load->visit_blocks(state, weights.velocity, visit);
+  if (!model.viscosity().empty()) add_viscous_blocks(model, state, weights);
+  vary_ = true;
+  update(model, state);
+  vary_ = vary;
+}
+
+void OuterForces::update(const Model& model, const State& state) {
+  if (!vary_) return;
+  positions_ = state.positions;
+  forces_.setZero(3, model.body().size());
+  model.add_other_forces(state, forces_, workspace_);
+}
+
+/// Of a connection with the slope s its stiffness 2 s d dᵀ between two molecules is at most twice that at each; of
+/// cells the slopes between their connections are at most the sums of their sizes at each.
+void OuterForces::add_viscous_blocks(const Model& model, const State& state, const Weights& weights) {
+  const Connections& connections = model.body().connections;
+  slopes_.setZero(connections.size());
+  squared_lengths_.resize(connections.size()), rates_.resize(connections.size());
+  for (int c = 0; c < connections.size(); ++c) {
+    const auto& [a, b] = connections.ends[static_cast<std::size_t>(c)];
+    const Vector3 d = state.positions.col(b) - state.positions.col(a);
+    squared_lengths_[c] = d.squaredNorm();
+    rates_[c] = 2 * d.dot(state.velocities.col(b) - state.velocities.col(a));
+  }
+  const auto add_cells = [&](const CellSlopes& cells) {
+    for (int cell = 0; cell < cells.size(); ++cell) {
+      const auto sides = cells.connections_of(cell);
+      const double* slopes = cells.slopes_of(cell);
+      for (const int own : sides)
+        for (std::size_t other = 0; other < sides.size(); ++other)
+          slopes_[own] += weights.velocity * cells.factor * std::abs(*slopes++);
+    }
+  };
+  const Elasticity::CellVisitor visit = std::ref(add_cells);
+  for (const auto& term : model.viscosity()) {
+    term->add_own_slopes(squared_lengths_, rates_, weights.velocity, slopes_);
+    term->visit_cells(visit);
+  }
+  for (int c = 0; c < connections.size(); ++c) {
+    const auto& [a, b] = connections.ends[static_cast<std::size_t>(c)];
+    const Vector3 d = state.positions.col(b) - state.positions.col(a);
+    const Matrix3 block = 4 * std::max(0., slopes_[c]) * d * d.transpose();
+    blocks_[static_cast<std::size_t>(a)] += block;
+    blocks_[static_cast<std::size_t>(b)] += block;
+  }
+}
+
+}  // namespace elastin

@@ -1,0 +1,37 @@
+#include "lab/experiment/repeated_curve.h"
+
+#include <utility>
+
+#include "lab/experiment/load_path.h"
+
+namespace elastin::lab {
+
+bool RepeatedCurve::solve(Model& model, StaticRig& rig, const Visit& visit) {
+  return from_last(model, rig, visit) || from_start(model, rig, visit);
+}
+
+bool RepeatedCurve::from_last(Model& model, StaticRig& rig, const Visit& visit) {
+  for (std::size_t step = 0; step < states_.size(); ++step) {
+    rig.set_load(factors_[step]);
+    State state = states_[step];
+    StaticResult solved = solve_static(model, state, options_);
+    if (solved.outcome != Outcome::converged || !visit(step, state, solved)) return false;
+    states_[step] = std::move(state);
+  }
+  return !states_.empty();
+}
+
+bool RepeatedCurve::from_start(Model& model, StaticRig& rig, const Visit& visit) {
+  std::vector<State> states;
+  LoadPath path(model, rig, options_, state_at_rest(model.body()));
+  for (std::size_t step = 0; step < factors_.size(); ++step) {
+    StaticResult solved = path.advance(factors_[step]);
+    cause_ = solved.cause;
+    if (solved.outcome != Outcome::converged || !visit(step, path.state(), solved)) return false;
+    states.push_back(path.state());
+  }
+  states_ = std::move(states);
+  return true;
+}
+
+}  // namespace elastin::lab

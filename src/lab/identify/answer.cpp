@@ -1,0 +1,289 @@
+#include "lab/identify/answer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "elastin/core/base/text.h"
+#include "lab/report/table.h"
+
+namespace elastin::lab {
+namespace {
+
+constexpr double kWide = 1;         // of |value|, half of an interval beyond which a number is not determined
+constexpr double kProfiled = 0.5;   // the same, beyond which the linear model is not trusted
+constexpr double kTogether = 0.95;  // correlation that is named
+constexpr double kMisfit = 4;       // mean square of a test over that of the others, beyond which it is named
+constexpr int kStabilityPoints = 40;
+constexpr int kLinePoints = 80;
+
+std::vector<FoundNumber> found_numbers(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const Fit& fit,
+                                       const Uncertainty& known, bool profiles) {
+  std::vector<FoundNumber> numbers;
+  for (std::size_t i = 0; i < unknown.unknowns.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    FoundNumber number{unknown.unknowns[i].name,
+                       unknown.unknowns[i].unit,
+                       fit.values[at],
+                       known.deviations[at],
+                       known.low[at],
+                       known.high[at]};
+    const double half = (number.high - number.low) / 2, size = std::abs(number.value);
+    const bool wide = !(half <= kProfiled * size);
+    if (profiles && wide && known.freedom > 0 && unknown.unknowns.size() > 1 &&
+        fit.outcome != FitOutcome::flat_valley) {
+      std::tie(number.low, number.high) = profile_interval(unknown, tests, fit, known, i);
+      number.profiled = true;
+    }
+    number.determined = number.high - number.low <= 2 * kWide * size;
+    numbers.push_back(std::move(number));
+  }
+  return numbers;
+}
+
+double relative_rms(const WeightedTest& test, const VectorX& fitted) {
+  if (fitted.size() == 0) return std::numeric_limits<double>::quiet_NaN();
+  const VectorX ratio = (fitted - test.test->data().y).cwiseQuotient(test.scale());
+  return std::sqrt(ratio.squaredNorm() / static_cast<double>(ratio.size()));
+}
+
+std::vector<std::pair<double, double>> curve_of(const UnknownMaterial& unknown, const Fit& fit,
+                                                const WeightedTest& test) {
+  std::vector<std::pair<double, double>> line;
+  if (!test.stated->kind->homogeneous) return line;
+  const VectorX& x = test.test->data().x;
+  const double low = std::min(0., x.minCoeff()), high = std::max(0., x.maxCoeff());
+  const VectorX at = VectorX::LinSpaced(kLinePoints, low, high);
+  const auto found = homogeneous_stresses(*unknown.row, fit.material, *test.stated->kind->homogeneous, at, {},
+                                          axes_of_law(*unknown.row, fit.material));
+  for (Eigen::Index i = 0; found && i < at.size(); ++i) line.emplace_back(at[i], found->stresses[i]);
+  return line;
+}
+
+std::vector<TestAnswer> test_answers(const UnknownMaterial& unknown, const std::vector<WeightedTest>& tests,
+                                     const Fit& fit) {
+  std::vector<TestAnswer> answers;
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    const DataTest& stated = *tests[i].stated;
+    const VectorX& fitted = fit.predictions[i].values;
+    answers.push_back({stated.name, stated.kind->name, tests[i].test->data(), fitted, stated.weight > 0,
+                       stated.relative, relative_rms(tests[i], fitted), curve_of(unknown, fit, tests[i])});
+  }
+  return answers;
+}
+
+/// The first amount on the way from rest to `end` at which the law is unstable or has no equilibrium; NaN: none.
+double first_unstable(const MaterialLaw& row, const Material& material, HomogeneousTest test, double begin,
+                      double end) {
+  const Matrix3 axes = axes_of_law(row, material);
+  for (int i = 1; i <= kStabilityPoints; ++i) {
+    const double amount = begin + (end - begin) * i / kStabilityPoints;
+    const auto state = homogeneous_state(row, material, test, amount, axes);
+    if (!state || !state->stable) return amount;
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Twice the range: of tension and shear twice the strain, of compression twice its logarithm.
+double twice(double amount, bool shear) {
+  return shear || amount > 0 ? 2 * amount : std::expm1(2 * std::log1p(amount));
+}
+
+std::vector<StabilityAnswer> stabilities(const UnknownMaterial& unknown, const std::vector<WeightedTest>& tests,
+                                         const Fit& fit) {
+  std::vector<StabilityAnswer> answers;
+  double all_low = 0, all_high = 0;
+  for (const HomogeneousTest kind : kHomogeneousTests) {
+    StabilityAnswer answer{name_of(kind)};
+    for (const WeightedTest& test : tests) {
+      if (test.stated->kind->homogeneous != kind || !(test.stated->weight > 0)) continue;
+      answer.measured = true;
+      answer.low = std::min(answer.low, test.test->data().x.minCoeff());
+      answer.high = std::max(answer.high, test.test->data().x.maxCoeff());
+    }
+    all_low = std::min(all_low, answer.low), all_high = std::max(all_high, answer.high);
+    answers.push_back(answer);
+  }
+  if (all_low == 0 && all_high == 0) return {};
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    StabilityAnswer& answer = answers[i];
+    const HomogeneousTest kind = kHomogeneousTests[i];
+    const bool shear = kind == HomogeneousTest::shear;
+    // In the other tests as far as the lengths went: biaxial stretches are the inverse squares of uniaxial ones.
+    if (!answer.measured) answer.low = shear ? 0 : all_low, answer.high = all_high;
+    for (const double end : {answer.high, answer.low}) {
+      if (end == 0) continue;
+      const double within = first_unstable(*unknown.row, fit.material, kind, 0, end);
+      if (std::isfinite(within)) {
+        answer.unstable_within = within;
+      } else if (const double beyond = first_unstable(*unknown.row, fit.material, kind, end, twice(end, shear));
+                 std::isfinite(beyond)) {
+        answer.unstable_beyond = beyond;
+      }
+    }
+  }
+  return answers;
+}
+
+std::string percent_text(double ratio) { return fmt::format("{:.3g} %", 100 * ratio); }
+
+void warn_of_numbers(const Answer& answer, std::vector<std::string>& warnings) {
+  for (std::size_t i = 0; i < answer.numbers.size(); ++i) {
+    const FoundNumber& number = answer.numbers[i];
+    if (number.determined) continue;
+    std::string together;
+    for (std::size_t j = 0; j < answer.numbers.size(); ++j) {
+      const double both = answer.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      if (i != j && std::abs(both) > kTogether)
+        together += fmt::format("{}{} ({:+.3f})", together.empty() ? "" : ", ", answer.numbers[j].name, both);
+    }
+    warnings.push_back(fmt::format("{} is not determined by these data: its 95 % interval is {} … {}{}", number.name,
+                                   readable(number.low, number.unit, 3), readable(number.high, number.unit, 3),
+                                   together.empty() ? "" : "; it is correlated with " + together));
+  }
+}
+
+void warn_of_tests(const Answer& answer, std::vector<std::string>& warnings) {
+  for (const TestAnswer& test : answer.tests) {
+    if (test.fitted.size() == 0) {
+      warnings.push_back(test.name + ": the material found has no equilibrium there");
+      continue;
+    }
+    if (!test.counted) {
+      warnings.push_back(fmt::format("{} was not fitted; the material found misses it by {} rms", test.name,
+                                     percent_text(test.relative_rms)));
+      continue;
+    }
+    double others = 0, count = 0;
+    for (const TestAnswer& other : answer.tests)
+      if (&other != &test && other.counted) {
+        others += other.relative_rms * other.relative_rms * static_cast<double>(other.data.y.size());
+        count += static_cast<double>(other.data.y.size());
+      }
+    if (count > 0 && test.relative_rms * test.relative_rms > kMisfit * others / count)
+      warnings.push_back(fmt::format("{} is fitted badly: {} rms, the other tests {}", test.name,
+                                     percent_text(test.relative_rms), percent_text(std::sqrt(others / count))));
+  }
+}
+
+/// Scatter changes its sign at every second point or so [Wald & Wolfowitz 1940]; intervals take residuals for scatter.
+void warn_of_shape(const Answer& answer, std::vector<std::string>& warnings) {
+  for (const TestAnswer& test : answer.tests) {
+    if (!test.counted || test.fitted.size() < 8) continue;
+    const VectorX residual = test.fitted - test.data.y;
+    double above = 0, below = 0, runs = 1;
+    for (Eigen::Index i = 0; i < residual.size(); ++i) {
+      (residual[i] > 0 ? above : below) += 1;
+      if (i > 0 && (residual[i] > 0) != (residual[i - 1] > 0)) runs += 1;
+    }
+    const double n = above + below, mean = 2 * above * below / n + 1;
+    const double deviation = std::sqrt(std::max(0., (mean - 1) * (mean - 2) / (n - 1)));
+    if (deviation > 0 && runs < mean - 2.5 * deviation)
+      warnings.push_back(
+          fmt::format("the misfit of {} has a shape: {:.0f} changes of sign where scatter has about "
+                      "{:.0f}; the law lacks something, and the intervals take it for scatter",
+                      test.name, runs - 1, mean - 1));
+  }
+}
+
+void warn_of_stability(const Answer& answer, std::vector<std::string>& warnings) {
+  std::vector<std::string> missing, kinds;
+  for (const StabilityAnswer& stability : answer.stability) {
+    (stability.measured ? kinds : missing).push_back(stability.test);
+    const double at = std::isfinite(stability.unstable_within) ? stability.unstable_within : stability.unstable_beyond;
+    if (!std::isfinite(at)) continue;
+    warnings.push_back(fmt::format(
+        "the law is unstable (Drucker) in the {} test from a strain of {:.3g} on, {}", stability.test, at,
+        std::isfinite(stability.unstable_within)
+            ? stability.measured ? "within the measured range" : "within the strains that were measured elsewhere"
+            : "within twice the measured range"));
+  }
+  if (kinds.size() == 1 && answer.numbers.size() > 1)
+    warnings.push_back(
+        fmt::format("unsafe elsewhere: the {} test alone was measured; what the law says in {} tests is "
+                    "not supported by any measured value",
+                    kinds.front(), fmt::join(missing, ", ")));
+}
+
+}  // namespace
+
+std::string material_yaml(const MaterialLaw* row, const Material& material) {
+  const auto value = [](double number, const Dimension& unit) {
+    const std::string name = si_unit(unit);
+    return fmt::format("{:.9g}{}{}", number, name.empty() ? "" : " ", name);
+  };
+  const auto direction = [](const Vector3& d) { return fmt::format("[{:.9g}, {:.9g}, {:.9g}]", d.x(), d.y(), d.z()); };
+  std::string out = "material:\n";
+  const auto add = [&](const std::string& key, const std::string& text) { out += "  " + key + ": " + text + "\n"; };
+  if (row) add("law", row->name);
+  if (!row || row->from_moduli) {
+    add("youngs_modulus", value(material.youngs_modulus, dimension::pressure));
+    add("poissons_ratio", value(material.poissons_ratio, dimension::none));
+  }
+  if (row && material.law) {
+    if (!material.law->terms.empty()) {
+      std::string terms;
+      for (const auto& term : material.law->terms) {
+        std::string one;
+        for (std::size_t column = 0; column < term.size(); ++column)
+          one += (column ? ", " : "") + value(term[column], row->columns[column].unit);
+        terms += (terms.empty() ? "" : ", ") + (term.size() > 1 ? "[" + one + "]" : one);
+      }
+      add("terms", "[" + terms + "]");
+    }
+    for (const ParameterInfo& info : row->parameters) {
+      if (const auto found = material.law->numbers.find(info.name); found != material.law->numbers.end())
+        add(info.name, value(found->second, info.unit));
+      if (const auto found = material.law->directions.find(info.name); found != material.law->directions.end())
+        add(info.name, direction(found->second));
+    }
+    for (const WordInfo& info : row->words)
+      if (const auto found = material.law->words.find(info.name); found != material.law->words.end())
+        if (found->second != info.words.front()) add(info.name, found->second);
+  }
+  if (material.density != Material{}.density) add("density", value(material.density, dimension::density));
+  if (material.thickness > 0) add("thickness", value(material.thickness, dimension::length));
+  if (material.relaxation) {
+    std::string terms;
+    for (const auto& [share, time] : material.relaxation->terms)
+      terms += fmt::format("{}[{:.9g}, {:.9g} s]", terms.empty() ? "" : ", ", share, time);
+    add("relaxation", fmt::format("{{terms: [{}], moduli: {}}}", terms,
+                                  material.relaxation->instantaneous ? "instantaneous" : "long_term"));
+  }
+  return out;
+}
+
+Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const Fit& fit, bool profiles) {
+  Answer answer;
+  answer.law = unknown.row ? unknown.row->name : "";
+  answer.outcome = fit.outcome, answer.cause = fit.cause;
+  answer.starts = fit.starts, answer.agreeing = fit.agreeing, answer.seconds = fit.seconds;
+  if (fit.values.size() == 0 || fit.residuals.size() == 0) return answer;
+  const Uncertainty known = uncertainty(fit.residuals, fit.jacobian, fit.values);
+  answer.freedom = known.freedom, answer.condition = known.condition, answer.correlation = known.correlation;
+  answer.criterion = small_sample_criterion(fit.squares, fit.residuals.size(), fit.values.size());
+  answer.numbers = found_numbers(unknown, tests, fit, known, profiles);
+  answer.tests = test_answers(unknown, tests, fit);
+  if (unknown.row) answer.stability = stabilities(unknown, tests, fit);
+  answer.material = material_yaml(unknown.row, fit.material);
+  if (fit.outcome != FitOutcome::converged)
+    answer.warnings.push_back(std::string(name_of(fit.outcome)) + ": " + fit.cause);
+  if (known.freedom <= 0)
+    answer.warnings.push_back("as many unknowns as measured points: the fit has no intervals and shows nothing");
+  warn_of_numbers(answer, answer.warnings);
+  warn_of_tests(answer, answer.warnings);
+  warn_of_shape(answer, answer.warnings);
+  warn_of_stability(answer, answer.warnings);
+  return answer;
+}
+
+LawAnswer law_answer(const Answer& answer) {
+  LawAnswer law{answer.law, answer.numbers.size(), answer.outcome, answer.cause, answer.criterion, true, {}};
+  for (const StabilityAnswer& stability : answer.stability)
+    if (stability.measured && std::isfinite(stability.unstable_within)) law.stable = false;
+  for (const TestAnswer& test : answer.tests) law.relative_rms.emplace_back(test.name, test.relative_rms);
+  return law;
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,79 @@
+#pragma once
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lab/identify/fit.h"
+
+namespace elastin::lab {
+
+/// One number that was found, SI.
+struct FoundNumber {
+  std::string name;
+  Dimension unit;
+  double value = 0, deviation = 0;
+  double low = 0, high = 0;  ///< 95 % interval
+  bool profiled = false;     ///< its ends are those of the likelihood profile, and not of the linear model
+  bool determined = true;    ///< false: the interval is wider than twice the value
+};
+
+/// One test beside what the material found makes of it.
+struct TestAnswer {
+  std::string name, kind;
+  MeasuredData data;
+  VectorX fitted;       ///< empty where the material has no equilibrium there
+  bool counted = true;  ///< false: predicted alone
+  bool relative = true;
+  double relative_rms = 0;                      ///< of differences over each value, or over the largest one
+  std::vector<std::pair<double, double>> line;  ///< the material's own curve through the test, if it is homogeneous
+};
+
+/// Where a law is unstable in one homogeneous test, nominal strain or amount of shear; NaN = nowhere.
+struct StabilityAnswer {
+  std::string test;
+  bool measured = false;     ///< whether a test of this kind counted
+  double low = 0, high = 0;  ///< range that was measured; of a test that was not, the range of the others
+  double unstable_within = std::numeric_limits<double>::quiet_NaN();
+  double unstable_beyond = std::numeric_limits<double>::quiet_NaN();  ///< within twice the range
+};
+
+/// One law of several that are compared.
+struct LawAnswer {
+  std::string label;
+  std::size_t unknowns = 0;
+  FitOutcome outcome = FitOutcome::failed;
+  std::string cause;
+  double criterion = 0;  ///< small-sample information criterion; less is better
+  bool stable = true;    ///< over the measured range
+  std::vector<std::pair<std::string, double>> relative_rms;
+};
+
+/// What was found of one scene.
+struct Answer {
+  std::string scene, title, law, strategy;
+  FitOutcome outcome = FitOutcome::failed;
+  std::string cause;
+  std::vector<FoundNumber> numbers;
+  MatrixX correlation;
+  std::vector<TestAnswer> tests;
+  std::vector<StabilityAnswer> stability;
+  std::vector<LawAnswer> laws;  ///< of a comparison, the best first
+  std::vector<std::string> warnings;
+  std::string material;  ///< the block of a scene with the numbers put in, YAML
+  double criterion = 0, condition = 1, seconds = 0;
+  int starts = 0, agreeing = 0, freedom = 0;
+  bool succeeded() const { return outcome != FitOutcome::failed && outcome != FitOutcome::not_converged; }
+};
+
+/// What a fit says, with intervals, stability and warnings.
+/// @param profiles whether wide intervals are those of the likelihood profile, which takes a search for each end
+Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const Fit& fit, bool profiles);
+
+/// Of one among several laws.
+LawAnswer law_answer(const Answer& answer);
+
+/// The `material:` block of a scene.
+std::string material_yaml(const MaterialLaw* row, const Material& material);
+
+}  // namespace elastin::lab

@@ -1,0 +1,347 @@
+#include "lab/identify/fit.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "core/base/random.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
+#include "lab/identify/least_squares.h"
+
+namespace elastin::lab {
+namespace {
+
+constexpr double kDifference = 1e-5;  // of a number, over which the law is compared
+constexpr double kSameLeast = 1e-2;   // relative difference of sums of squares that are near the same least
+constexpr double kRough = 1e-4;       // relative change of squares at which one of several searches ends
+constexpr int kRoughIterations = 60;
+constexpr double kLeaning = 1e-2;  // cosine of residuals and a slope beyond which it is no least
+constexpr double kFlat = 1e7;      // condition beyond which rounding of the residuals decides
+constexpr int kMostDraws = 60;     // of random numbers until a law admits them
+
+VectorX starts_of(const std::vector<MaterialNumber>& unknowns) {
+  VectorX values(static_cast<Eigen::Index>(unknowns.size()));
+  for (std::size_t i = 0; i < unknowns.size(); ++i) values[static_cast<Eigen::Index>(i)] = unknowns[i].value;
+  return values;
+}
+
+/// How the search sees the unknowns: over their sizes, or as logarithms where they keep their signs. Valleys of powers
+/// and exponentials, μ e^(α …), are straight in these.
+class Scaling {
+ public:
+  Scaling(const UnknownMaterial& unknown, bool logarithmic) {
+    const VectorX start = starts_of(unknown.unknowns);
+    size = VectorX::Ones(start.size()), sign_ = VectorX::Zero(start.size());
+    low = VectorX::Ones(start.size()), high = low;
+    for (Eigen::Index i = 0; i < start.size(); ++i) {
+      const MaterialNumber& number = unknown.unknowns[static_cast<std::size_t>(i)];
+      const double typical = number.unit == dimension::pressure ? 0.1 * unknown.material.youngs_modulus : 1;
+      size[i] = start[i] != 0 ? std::abs(start[i]) : typical;
+      if (logarithmic && start[i] != 0) sign_[i] = start[i] > 0 ? 1 : -1;
+      const double margin = number.above_low ? 1e-9 * size[i] : 0;
+      low[i] = scaled(i, number.low + margin), high[i] = scaled(i, number.high);
+      if (sign_[i] < 0) std::swap(low[i], high[i]);
+    }
+  }
+
+  VectorX values(const VectorX& z) const {
+    VectorX result(z.size());
+    for (Eigen::Index i = 0; i < z.size(); ++i)
+      result[i] = size[i] * (sign_[i] == 0 ? z[i] : sign_[i] * std::exp(z[i]));
+    return result;
+  }
+  VectorX scaled(const VectorX& values) const {
+    VectorX result(values.size());
+    for (Eigen::Index i = 0; i < values.size(); ++i) result[i] = scaled(i, values[i]);
+    return result;
+  }
+  /// ∂value/∂z.
+  VectorX slopes(const VectorX& z) const {
+    const VectorX at = values(z);
+    VectorX result(z.size());
+    for (Eigen::Index i = 0; i < z.size(); ++i) result[i] = sign_[i] == 0 ? size[i] : at[i];
+    return result;
+  }
+
+  VectorX size, low, high;  ///< of the values; bounds of z
+
+ private:
+  double scaled(Eigen::Index i, double value) const {
+    if (sign_[i] == 0) return value / size[i];
+    constexpr double most = 30;  // e to this: further no number moves in its search
+    return std::clamp(std::log(std::max(sign_[i] * value / size[i], 0.)), -most, most);
+  }
+  VectorX sign_;
+};
+
+/// The residuals of all tests that count as a function of the unknowns over their sizes.
+class Residuals {
+ public:
+  Residuals(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, bool logarithmic)
+      : scaling(unknown, logarithmic), unknown_(unknown), tests_(tests) {
+    for (const WeightedTest& test : tests)
+      if (test.stated->weight > 0) count += test.test->data().y.size();
+  }
+
+  /// As the search sees them.
+  bool evaluate(const VectorX& z, VectorX& residuals, MatrixX* jacobian) {
+    try {
+      if (!try_evaluate(scaling.values(z), residuals, jacobian)) return false;
+      if (jacobian) *jacobian *= scaling.slopes(z).asDiagonal();
+      return true;
+    } catch (...) {  // not through the solver's library
+      thrown = std::current_exception();
+      return false;
+    }
+  }
+
+  /// By the unknowns themselves.
+  bool try_evaluate(const VectorX& values, VectorX& residuals, MatrixX* jacobian) {
+    const auto tested = material_at(values, jacobian != nullptr);
+    if (!tested) return false;
+    residuals.resize(count);
+    if (jacobian) jacobian->resize(count, values.size());
+    Eigen::Index row = 0;
+    for (WeightedTest& test : tests_) {
+      if (!(test.stated->weight > 0)) continue;
+      const auto found = test.test->predict(*tested);
+      if (!found) {
+        why = test.stated->name + ": " + test.test->why();
+        return false;
+      }
+      const VectorX& measured = test.test->data().y;
+      const VectorX factor = std::sqrt(test.stated->weight) * test.scale().cwiseInverse();
+      residuals.segment(row, measured.size()) = (found->values - measured).cwiseProduct(factor);
+      if (jacobian) {
+        for (Eigen::Index column = 0; column < values.size(); ++column)
+          jacobian->block(row, column, measured.size(), 1) = found->slopes.col(column).cwiseProduct(factor);
+      }
+      row += measured.size();
+    }
+    return true;
+  }
+
+  std::optional<TestedMaterial> material_at(const VectorX& values, bool slopes) {
+    try {
+      TestedMaterial tested{unknown_.row, with_numbers(unknown_.row, unknown_.material, unknown_.unknowns, values), {}};
+      if (slopes)
+        tested.changes = material_changes(unknown_.row, unknown_.material, unknown_.unknowns, values,
+                                          kDifference * values.cwiseAbs().cwiseMax(0.1 * scaling.size));
+      return tested;
+    } catch (const InputError& error) {
+      why = error.what();
+      return std::nullopt;
+    }
+  }
+
+  Eigen::Index count = 0;
+  Scaling scaling;
+  std::string why;
+  std::exception_ptr thrown;
+
+ private:
+  const UnknownMaterial& unknown_;
+  std::vector<WeightedTest>& tests_;
+};
+
+LeastSquaresProblem problem_of(Residuals& residuals, const FitOptions& options) {
+  LeastSquaresProblem problem;
+  problem.residuals = residuals.count;
+  problem.low = residuals.scaling.low, problem.high = residuals.scaling.high;
+  problem.evaluate = [&residuals](const VectorX& scaled, VectorX& r, MatrixX* J) {
+    return residuals.evaluate(scaled, r, J);
+  };
+  problem.stop = options.stop;
+  return problem;
+}
+
+/// Numbers around the material's own: each times up to some four, at times of the other sign.
+std::optional<VectorX> random_start(const UnknownMaterial& unknown, Residuals& residuals, std::mt19937_64& generator) {
+  for (int draw = 0; draw < kMostDraws; ++draw) {
+    VectorX values = starts_of(unknown.unknowns);
+    for (Eigen::Index i = 0; i < values.size(); ++i) {
+      const MaterialNumber& number = unknown.unknowns[static_cast<std::size_t>(i)];
+      const double normal =
+          std::sqrt(-2 * std::log1p(-unit_random(generator))) * std::cos(2 * std::numbers::pi * unit_random(generator));
+      const bool turned = unit_random(generator) < 0.2;
+      double value = values[i] == 0 ? 0.1 * residuals.scaling.size[i] * normal : values[i] * std::exp(0.8 * normal);
+      if (turned && number.low < 0 && number.high > 0) value = -value;
+      const double margin = number.above_low ? 1e-6 * residuals.scaling.size[i] : 0;
+      values[i] = std::clamp(value, number.low + margin, number.high);
+    }
+    VectorX r;
+    if (residuals.evaluate(residuals.scaling.scaled(values), r, nullptr)) return values;
+  }
+  return std::nullopt;
+}
+
+void find_bounds(const UnknownMaterial& unknown, const Residuals& residuals, Fit& fit) {
+  for (Eigen::Index i = 0; i < fit.values.size(); ++i) {
+    const MaterialNumber& number = unknown.unknowns[static_cast<std::size_t>(i)];
+    const double near = 1e-7 * residuals.scaling.size[i];
+    if (fit.values[i] - number.low < near || number.high - fit.values[i] < near)
+      fit.at_bound.push_back(static_cast<std::size_t>(i));
+  }
+}
+
+/// How much of the residuals, at most, the change of one unknown could still take away: the largest cosine of r and a
+/// column of J; 0 at a least.
+double leaning(const Fit& fit) {
+  double largest = 0;
+  const double size = fit.residuals.norm();
+  for (Eigen::Index i = 0; i < fit.jacobian.cols(); ++i) {
+    const double length = fit.jacobian.col(i).norm();
+    if (length > 0 && size > 0)
+      largest = std::max(largest, std::abs(fit.jacobian.col(i).dot(fit.residuals)) / (length * size));
+  }
+  return largest;
+}
+
+void judge(const UnknownMaterial& unknown, bool converged, const std::string& message, Fit& fit) {
+  const Uncertainty known = uncertainty(fit.residuals, fit.jacobian, fit.values);
+  if (!converged) {
+    fit.outcome = FitOutcome::not_converged, fit.cause = "the search did not end: " + message;
+  } else if (known.condition > kFlat) {
+    fit.outcome = FitOutcome::flat_valley;
+    std::string names;
+    for (Eigen::Index i = 0; i < known.flattest.size(); ++i)
+      if (std::abs(known.flattest[i]) > 0.1)
+        names += (names.empty() ? "" : ", ") + unknown.unknowns[static_cast<std::size_t>(i)].name;
+    fit.cause = "the data do not change with a change of " + names + " together: fix one of them";
+  } else if (fit.at_bound.empty() && leaning(fit) > kLeaning) {
+    fit.outcome = FitOutcome::bound_reached;
+    fit.cause = "the residuals would still fall where the law is not admissible: it becomes unstable at rest";
+  } else if (!fit.at_bound.empty()) {
+    fit.outcome = FitOutcome::bound_reached;
+    for (const std::size_t i : fit.at_bound) fit.cause += (fit.cause.empty() ? "" : ", ") + unknown.unknowns[i].name;
+    fit.cause += fit.at_bound.size() > 1 ? " lie at bounds" : " lies at a bound";
+  } else {
+    fit.outcome = FitOutcome::converged;
+  }
+}
+
+}  // namespace
+
+VectorX WeightedTest::scale() const {
+  const VectorX& measured = test->data().y;
+  if (stated->relative) return measured;
+  return VectorX::Constant(measured.size(), measured.cwiseAbs().maxCoeff());
+}
+
+const char* name_of(FitOutcome outcome) {
+  switch (outcome) {
+    case FitOutcome::converged:
+      return "converged";
+    case FitOutcome::bound_reached:
+      return "bound_reached";
+    case FitOutcome::flat_valley:
+      return "flat_valley";
+    case FitOutcome::not_converged:
+      return "not_converged";
+    case FitOutcome::failed:
+      return "failed";
+  }
+  return "";
+}
+
+Fit fit_material(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const FitOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  Residuals residuals(unknown, tests, options.keep_signs);
+  LeastSquaresProblem problem = problem_of(residuals, options);
+  const bool several = options.starts > 1;
+  problem.tolerance = several ? kRough : options.tolerance;
+  if (several) problem.iterations = kRoughIterations;
+  std::mt19937_64 generator(20);
+  Fit fit;
+  LeastSquaresResult best;
+  std::vector<double> ends;
+  const auto search = [&](const VectorX& from) {
+    LeastSquaresResult found = minimise_squares(problem, from);
+    if (residuals.thrown) std::rethrow_exception(residuals.thrown);
+    fit.iterations += found.iterations, fit.evaluations += found.evaluations;
+    return found;
+  };
+  for (int start = 0; start < options.starts && !(start > 0 && options.stop && options.stop()); ++start) {
+    if (options.progress)
+      options.progress(unknown.label + ", search " + std::to_string(start + 1) + " of " +
+                       std::to_string(options.starts));
+    const auto from =
+        start == 0 ? std::optional(starts_of(unknown.unknowns)) : random_start(unknown, residuals, generator);
+    if (residuals.thrown) std::rethrow_exception(residuals.thrown);
+    if (!from) continue;
+    const LeastSquaresResult found = search(residuals.scaling.scaled(*from));
+    if (!found.usable || !std::isfinite(found.squares)) continue;
+    ends.push_back(found.squares);
+    if (!best.usable || found.squares < best.squares) best = found;
+  }
+  if (best.usable && several) {
+    problem.tolerance = options.tolerance, problem.iterations = LeastSquaresProblem{}.iterations;
+    const LeastSquaresResult last = search(best.unknowns);
+    if (last.usable) best = last;
+  }
+  fit.starts = static_cast<int>(ends.size());
+  fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (!best.usable) {
+    fit.cause = "no start could be solved" + (residuals.why.empty() ? "" : ": " + residuals.why);
+    return fit;
+  }
+  for (const double squares : ends)
+    if (squares <= best.squares * (1 + kSameLeast) + 1e-30) ++fit.agreeing;
+  fit.values = residuals.scaling.values(best.unknowns);
+  fit.squares = best.squares;
+  const auto tested = residuals.material_at(fit.values, true);
+  if (!tested || !residuals.try_evaluate(fit.values, fit.residuals, &fit.jacobian)) {
+    fit.cause = "the material found could not be evaluated again: " + residuals.why;
+    return fit;
+  }
+  fit.material = tested->material;
+  for (WeightedTest& test : tests) fit.predictions.push_back(test.test->predict(*tested).value_or(Prediction{}));
+  find_bounds(unknown, residuals, fit);
+  judge(unknown, best.converged, best.message, fit);
+  fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return fit;
+}
+
+std::pair<double, double> profile_interval(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests,
+                                           const Fit& fit, const Uncertainty& known, std::size_t number) {
+  const auto at = static_cast<Eigen::Index>(number);
+  const double t = student_quantile(0.95, known.freedom);
+  const double most = fit.squares * (1 + t * t / known.freedom);
+  UnknownMaterial others = unknown;
+  for (std::size_t i = 0; i < others.unknowns.size(); ++i)
+    others.unknowns[i].value = fit.values[static_cast<Eigen::Index>(i)];
+  const MaterialNumber own = others.unknowns[number];
+  others.unknowns.erase(others.unknowns.begin() + static_cast<std::ptrdiff_t>(number));
+  FitOptions once;
+  once.starts = 1, once.tolerance = 1e-9, once.keep_signs = true;
+  const auto squares = [&](double value) -> std::optional<double> {
+    try {
+      VectorX only(1);
+      only << value;
+      others.material = with_numbers(unknown.row, fit.material, {own}, only);
+    } catch (const InputError&) {
+      return std::nullopt;
+    }
+    const Fit found = fit_material(others, tests, once);
+    if (found.outcome == FitOutcome::failed) return std::nullopt;
+    if (found.squares > most) return found.squares;
+    for (std::size_t i = 0; i < others.unknowns.size(); ++i)  // the next value is farther out
+      others.unknowns[i].value = found.values[static_cast<Eigen::Index>(i)];
+    return found.squares;
+  };
+  const auto end = [&](double side, double bound) {
+    for (std::size_t i = 0; i < others.unknowns.size(); ++i)
+      others.unknowns[i].value = fit.values[static_cast<Eigen::Index>(i < number ? i : i + 1)];
+    const double step = std::isfinite(known.deviations[at]) ? t * known.deviations[at] : std::abs(fit.values[at]);
+    return profile_end(fit.values[at], side * std::min(step, std::abs(fit.values[at]) / 2), bound, fit.squares, most,
+                       squares);
+  };
+  return {end(-1, own.low), end(1, own.high)};
+}
+
+}  // namespace elastin::lab

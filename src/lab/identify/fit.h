@@ -1,0 +1,71 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lab/experiment/material_numbers.h"
+#include "lab/identify/measured_test.h"
+#include "lab/identify/statistics.h"
+
+namespace elastin::lab {
+
+/// A law with the numbers of it that are to be found.
+struct UnknownMaterial {
+  std::string label;                     ///< "ogden/3"
+  const MaterialLaw* row = nullptr;      ///< null: E and ν alone
+  Material material;                     ///< with the numbers from which the search begins
+  std::vector<MaterialNumber> unknowns;  ///< their bounds, and where they begin
+};
+
+/// One test beside what it counts.
+struct WeightedTest {
+  const DataTest* stated = nullptr;
+  std::unique_ptr<MeasuredTest> test;
+  /// What differences are over: each value, or the largest one of the test.
+  VectorX scale() const;
+};
+
+enum class FitOutcome {
+  converged,
+  bound_reached,  ///< the least lies at a bound of an unknown
+  flat_valley,    ///< unknowns can change together without any change of the residuals
+  not_converged,  ///< the search ran out of iterations, or was stopped
+  failed,         ///< none of the starts could be solved
+};
+const char* name_of(FitOutcome outcome);
+
+struct Fit {
+  FitOutcome outcome = FitOutcome::failed;
+  std::string cause;  ///< in words, where it did not converge
+  VectorX values;     ///< of the unknowns, SI
+  Material material;  ///< with them
+  double squares = 0;
+  VectorX residuals;                    ///< of the tests that count, weighted
+  MatrixX jacobian;                     ///< of them by the unknowns
+  std::vector<Prediction> predictions;  ///< of all tests, in their order
+  std::vector<std::size_t> at_bound;    ///< unknowns that lie at one
+  int starts = 0, agreeing = 0;         ///< searches that came somewhere, and of them those near the same least
+  int iterations = 0, evaluations = 0;
+  double seconds = 0;
+};
+
+struct FitOptions {
+  int starts = 8;
+  double tolerance = 1e-13;  ///< relative change of Σ r² at which the search for the best ends
+  bool keep_signs = false;   ///< whether no number may pass through 0: searched by their logarithms
+  std::function<void(const std::string& doing)> progress = {};  ///< may be empty
+  std::function<bool()> stop = {};                              ///< may be empty
+};
+
+/// The numbers of the material with the least weighted Σ of squared residuals over all tests whose weight is not 0: of
+/// several searches, from the material's own numbers and from random ones around them, the best goes on to the end. The
+/// same input gives the same bits.
+Fit fit_material(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const FitOptions& options);
+
+/// The ends of the interval of one unknown by its profile (see profile_end), from a search for the others at each
+/// value.
+std::pair<double, double> profile_interval(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests,
+                                           const Fit& fit, const Uncertainty& known, std::size_t number);
+
+}  // namespace elastin::lab

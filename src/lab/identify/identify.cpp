@@ -1,0 +1,290 @@
+#include "lab/identify/identify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "elastin/core/base/text.h"
+#include "lab/scene/scene.h"
+
+namespace elastin::lab {
+namespace {
+
+constexpr const char* kBulkModulus = "bulk_modulus";  // of a law; what data of shape alone do not tell
+constexpr int kMostTerms = 3;                         // of laws with terms, where all are compared
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> words;
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t to = std::min(text.find(',', from), text.size());
+    if (to > from) words.push_back(text.substr(from, to - from));
+    from = to + 1;
+  }
+  return words;
+}
+
+std::vector<std::string> names_of(const std::vector<DataTest>& tests) {
+  std::vector<std::string> names;
+  for (const DataTest& test : tests) names.push_back(test.name);
+  return names;
+}
+
+/// Puts in what the command line says instead of the scene.
+void apply(const IdentifyRequest& request, IdentifyTask& task) {
+  for (const std::string& given : request.data) {
+    const std::size_t equals = given.find('=');
+    const std::string name = equals == std::string::npos ? "" : given.substr(0, equals);
+    bool used = false;
+    for (DataTest& test : task.tests)
+      if (name.empty() || test.name == name)
+        test.file = given.substr(equals == std::string::npos ? 0 : equals + 1), used = true;
+    if (!used)
+      throw InputError("--data " + given + ": " + task.path + " has no test '" + name + "'" +
+                       suggestion(name, names_of(task.tests)));
+  }
+  for (const std::string& name : request.tests)
+    if (std::none_of(task.tests.begin(), task.tests.end(), [&](const auto& test) { return test.name == name; }))
+      throw InputError("--tests " + name + ": " + task.path + " has no such test" +
+                       suggestion(name, names_of(task.tests)));
+  if (!request.tests.empty())
+    for (DataTest& test : task.tests)
+      if (std::find(request.tests.begin(), request.tests.end(), test.name) == request.tests.end()) test.weight = 0;
+  if (!request.laws.empty()) task.laws = words_of(request.laws);
+}
+
+const MaterialLaw* row_of(const Catalog& catalog, const Material& material) {
+  return material.law ? catalog.material_laws.find(material.law->law).get() : nullptr;
+}
+
+std::string label_of(const MaterialLaw* row, const Material& material) {
+  if (!row) return "";
+  return row->columns.empty() ? row->name : row->name + "/" + std::to_string(material.law->terms.size());
+}
+
+/// All numbers of the law but its bulk modulus; of E and ν, E. Of relaxation only where a test relaxes.
+bool unknown_by_itself(const MaterialNumber& number, const IdentifyTask& task) {
+  using Kind = MaterialNumber::Kind;
+  const bool relaxes =
+      std::any_of(task.tests.begin(), task.tests.end(), [](const auto& test) { return test.kind->in_time; });
+  if (number.kind == Kind::share || number.kind == Kind::relaxation_time) return relaxes;
+  if (number.kind == Kind::poissons_ratio || number.name == kBulkModulus) return false;
+  return std::find(task.fixed.begin(), task.fixed.end(), number.name) == task.fixed.end();
+}
+
+std::vector<std::string> names_of(const std::vector<MaterialNumber>& numbers) {
+  std::vector<std::string> names;
+  for (const MaterialNumber& number : numbers) names.push_back(number.name);
+  return names;
+}
+
+/// The numbers that the scene leaves unknown, of its own law.
+UnknownMaterial stated_unknowns(const IdentifyTask& task, const Catalog& catalog) {
+  const MaterialLaw* row = row_of(catalog, task.material);
+  UnknownMaterial unknown{label_of(row, task.material), row, task.material, {}};
+  const std::vector<MaterialNumber> all = material_numbers(row, task.material);
+  for (const std::string& name : task.fixed)
+    if (std::none_of(all.begin(), all.end(), [&](const auto& number) { return number.name == name; }))
+      throw InputError(task.path + ": identify.fixed: the material has no number '" + name + "'" +
+                       suggestion(name, names_of(all)));
+  if (task.unknowns.empty()) {
+    for (const MaterialNumber& number : all)
+      if (unknown_by_itself(number, task)) unknown.unknowns.push_back(number);
+    return unknown;
+  }
+  for (const UnknownChoice& choice : task.unknowns) {
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const auto& number) { return number.name == choice.name; });
+    if (found == all.end())
+      choice.fail("the material has no number '" + choice.name + "'" + suggestion(choice.name, names_of(all)));
+    MaterialNumber number = *found;
+    if (choice.low)
+      number.low = std::max(number.low, choice.low(number.unit)),
+      number.above_low = number.above_low && number.low == found->low;
+    if (choice.high) number.high = std::min(number.high, choice.high(number.unit));
+    if (choice.start) number.value = choice.start(number.unit);
+    if (!(number.low < number.high)) choice.fail("low is not below high");
+    if (number.value < number.low || number.value > number.high)
+      choice.fail("the search would begin outside of its bounds");
+    unknown.unknowns.push_back(number);
+  }
+  return unknown;
+}
+
+/// A guess of the shear modulus: of the neo-Hookean solid with the least squares in the first homogeneous test.
+double guessed_shear_modulus(const std::vector<WeightedTest>& tests, const Catalog& catalog) {
+  const auto row = catalog.material_laws.find("yeoh");
+  const Material unit = with_law(*row, {.law = row->name, .terms = {{0.5}}});
+  for (const WeightedTest& test : tests) {
+    if (!test.stated->kind->homogeneous || !(test.stated->weight > 0)) continue;
+    const auto found = homogeneous_stresses(*row, unit, *test.stated->kind->homogeneous, test.test->data().x);
+    if (!found) continue;
+    const VectorX scale = test.scale(), shown = found->stresses.cwiseQuotient(scale);
+    const double guess = shown.dot(test.test->data().y.cwiseQuotient(scale)) / shown.squaredNorm();
+    if (guess > 0) return guess;
+  }
+  return 1e3;
+}
+
+/// Numbers of a law for a material of about this shear modulus; none where it needs directions.
+std::optional<Material> usual_material(const MaterialLaw& row, int terms, double modulus, const Material& like) {
+  LawConstants constants{.law = row.name};
+  double share = 1;
+  const auto value = [&](const ParameterInfo& info, int term) {
+    if (info.unit == dimension::pressure) {
+      const double size = modulus * share / 2;
+      share *= 0.1;
+      return std::clamp(size, info.low, info.high);
+    }
+    constexpr double exponents[] = {1.5, 5, -2};
+    if (term >= 0) return exponents[term % 3];
+    return std::isnan(info.fallback)
+               ? std::clamp(std::isfinite(info.low) && info.low >= 1 ? 10 * info.low : 1., info.low, info.high)
+               : info.fallback;
+  };
+  for (const ParameterInfo& info : row.parameters) {
+    if (info.kind == ValueKind::direction) return std::nullopt;
+    if (info.name != kBulkModulus) constants.numbers[info.name] = value(info, -1);
+  }
+  if (like.law)
+    if (const auto bulk = like.law->numbers.find(kBulkModulus); bulk != like.law->numbers.end())
+      constants.numbers.insert(*bulk);
+  for (int term = 0; term < terms; ++term) {
+    constants.terms.emplace_back();
+    for (const ParameterInfo& column : row.columns) constants.terms.back().push_back(value(column, term));
+    if (constants.terms.back().size() > 1 && constants.terms.back()[1] < 0) constants.terms.back()[0] *= -1;
+  }
+  try {
+    return with_law(row, constants, like);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+/// "yeoh/2", or a law without terms.
+UnknownMaterial named_unknowns(const std::string& label, const IdentifyTask& task, const Catalog& catalog,
+                               double modulus) {
+  const std::size_t slash = label.find('/');
+  const auto row = catalog.material_laws.find(label.substr(0, slash));
+  if (slash != std::string::npos && row->columns.empty())
+    throw InputError("law '" + label + "': " + row->name + " has no terms");
+  int terms = row->columns.empty() ? 0 : kMostTerms;
+  if (slash != std::string::npos) {
+    const std::string count = label.substr(slash + 1);
+    terms = count.size() == 1 && count[0] > '0' && count[0] <= '0' + row->most_terms ? count[0] - '0' : 0;
+    if (terms == 0)
+      throw InputError("law '" + label + "': write 1 to " + std::to_string(row->most_terms) + " terms behind the /");
+  }
+  const auto material = row->from_moduli ? std::nullopt : usual_material(*row, terms, modulus, task.material);
+  if (!material)
+    throw InputError("law '" + label + "' cannot be compared here: it has directions, or follows from E and nu");
+  UnknownMaterial unknown{label_of(row.get(), *material), row.get(), *material, {}};
+  for (const MaterialNumber& number : material_numbers(row.get(), *material))
+    if (number.name != kBulkModulus && unknown_by_itself(number, task)) unknown.unknowns.push_back(number);
+  return unknown;
+}
+
+std::vector<std::string> labels_of_all(const Catalog& catalog, const Material& like, double modulus) {
+  std::vector<std::string> labels;
+  for (const auto& row : catalog.material_laws) {
+    const int most = row->columns.empty() ? 1 : std::min(kMostTerms, row->most_terms);
+    for (int terms = 1; terms <= most && !row->from_moduli; ++terms)
+      if (usual_material(*row, row->columns.empty() ? 0 : terms, modulus, like))
+        labels.push_back(row->columns.empty() ? row->name : row->name + "/" + std::to_string(terms));
+  }
+  return labels;
+}
+
+std::vector<WeightedTest> make_tests(const IdentifyTask& task, const Catalog& catalog, const IdentifyRequest& request,
+                                     const std::string& strategy) {
+  const MaterialLaw* row = row_of(catalog, task.material);
+  std::vector<WeightedTest> tests;
+  Eigen::Index points = 0;
+  for (const DataTest& stated : task.tests) {
+    tests.push_back({&stated, make_measured_test(stated, catalog, row, task.material, request.overrides, strategy)});
+    const MeasuredData& data = tests.back().test->data();
+    if (stated.weight > 0) points += data.y.size();
+    for (Eigen::Index i = 0; stated.relative && i < data.y.size(); ++i)
+      if (data.y[i] == 0)
+        throw InputError(
+            SourceLocation{data.file, data.lines[static_cast<std::size_t>(i)]},
+            data.up->name +
+                " is 0, and relative residuals are over it: leave the row out, or write residuals: absolute");
+  }
+  if (points == 0) throw InputError(task.path + ": no test has a weight above 0");
+  return tests;
+}
+
+void check_count(const UnknownMaterial& unknown, const std::vector<WeightedTest>& tests, const IdentifyTask& task) {
+  Eigen::Index points = 0;
+  for (const WeightedTest& test : tests)
+    if (test.stated->weight > 0) points += test.test->data().y.size();
+  if (unknown.unknowns.empty()) throw InputError(task.path + ": identify: no number of the material is unknown");
+  if (points < static_cast<Eigen::Index>(unknown.unknowns.size()))
+    throw InputError(SourceLocation{tests.front().test->data().file},
+                     counted(points, "measured point") + " cannot settle the " +
+                         std::to_string(unknown.unknowns.size()) + " unknowns of " + unknown.label +
+                         ": measure more, or fix some by identify.fixed");
+}
+
+Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const IdentifyRequest& request,
+                    const std::string& strategy) {
+  std::vector<WeightedTest> tests = make_tests(task, catalog, request, strategy);
+  const bool slow = std::any_of(task.tests.begin(), task.tests.end(),
+                                [](const auto& test) { return !test.kind->homogeneous && !test.kind->in_time; });
+  const FitOptions options{task.starts > 0 ? task.starts
+                           : slow          ? 1
+                                           : 8,
+                           FitOptions{}.tolerance, false, request.progress, request.stop};
+  struct Fitted {
+    UnknownMaterial unknown;
+    Fit fit;
+    LawAnswer law;
+  };
+  std::vector<Fitted> all;
+  const auto add = [&](const UnknownMaterial& unknown) {
+    check_count(unknown, tests, task);
+    Fit fit = fit_material(unknown, tests, options);
+    LawAnswer law = law_answer(make_answer(unknown, tests, fit, false));
+    law.label = unknown.label;
+    all.push_back({unknown, std::move(fit), std::move(law)});
+  };
+  const UnknownMaterial own = stated_unknowns(task, catalog);
+  if (task.laws.empty()) {
+    add(own);
+  } else {
+    const double modulus = guessed_shear_modulus(tests, catalog);
+    const bool every = task.laws.size() == 1 && task.laws.front() == "all";
+    for (const std::string& label : every ? labels_of_all(catalog, task.material, modulus) : task.laws) {
+      if (request.stop && request.stop() && !all.empty()) break;
+      add(label == own.label ? own : named_unknowns(label, task, catalog, modulus));
+    }
+    // The least criterion among those whose numbers are all found, and that are stable where they were measured.
+    std::stable_sort(all.begin(), all.end(), [](const Fitted& a, const Fitted& b) {
+      const auto rank = [](const LawAnswer& law) {
+        const int worth = law.outcome != FitOutcome::converged ? 2 : law.stable ? 0 : 1;
+        return std::pair(worth, law.criterion);
+      };
+      return rank(a.law) < rank(b.law);
+    });
+  }
+  if (request.progress) request.progress(all.front().unknown.label + ", intervals");
+  Answer best = make_answer(all.front().unknown, tests, all.front().fit, true);
+  if (!task.laws.empty())
+    for (const Fitted& fitted : all) best.laws.push_back(fitted.law);
+  best.scene = task.name, best.title = task.title, best.strategy = strategy;
+  return best;
+}
+
+}  // namespace
+
+std::vector<Answer> identify(const std::string& scene, const Catalog& catalog, const IdentifyRequest& request) {
+  IdentifyTask task = load_identify_task(scene, catalog, request.overrides);
+  apply(request, task);
+  std::vector<Answer> answers;
+  std::vector<std::string> strategies = words_of(request.strategies);
+  if (strategies.empty()) strategies.emplace_back();
+  for (const std::string& strategy : strategies) answers.push_back(identify_one(task, catalog, request, strategy));
+  return answers;
+}
+
+}  // namespace elastin::lab

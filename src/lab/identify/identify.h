@@ -1,0 +1,25 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lab/identify/answer.h"
+
+namespace elastin::lab {
+
+/// What is to be identified, beside what the scene says.
+struct IdentifyRequest {
+  std::vector<std::string> overrides = {};  ///< key.path=value of the scene
+  std::vector<std::string> data = {};       ///< FILE, or TEST=FILE: instead of the files that the scene names
+  std::vector<std::string> tests = {};      ///< that count; the others are predicted alone. Empty = as the scene says
+  std::string laws = {};                    ///< "all" or names, separated by commas; empty = as the scene says
+  std::string strategies = {};              ///< of specimens, separated by commas; empty = as their scenes say
+  std::function<void(const std::string& doing)> progress = {};
+  std::function<bool()> stop = {};
+};
+
+/// The material of a scene's `identify:` section fitted to its measured tests; several answers where strategies are
+/// compared, one each. Numerical trouble is an outcome. Throws InputError on wrong scenes, data and names.
+std::vector<Answer> identify(const std::string& scene, const Catalog& catalog, const IdentifyRequest& request);
+
+}  // namespace elastin::lab

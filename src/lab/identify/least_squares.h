@@ -1,0 +1,32 @@
+#pragma once
+#include <functional>
+#include <string>
+
+#include "elastin/core/base/dense.h"
+
+namespace elastin::lab {
+
+/// Residuals r of unknowns, and ∂r/∂unknowns where it is asked for.
+struct LeastSquaresProblem {
+  Eigen::Index residuals = 0;
+  VectorX low, high;  ///< bounds of the unknowns; infinite: none
+  /// False where there is no answer: the search turns back. `jacobian` may be null.
+  std::function<bool(const VectorX& unknowns, VectorX& residuals, MatrixX* jacobian)> evaluate;
+  std::function<bool()> stop = {};  ///< asked after each iteration; may be empty
+  int iterations = 300;
+  double tolerance = 1e-13;  ///< relative change of Σ r² at which the search ends
+};
+
+struct LeastSquaresResult {
+  VectorX unknowns;
+  double squares = 0;  ///< Σ r²
+  int iterations = 0, evaluations = 0;
+  bool usable = false;     ///< something was found
+  bool converged = false;  ///< and no change of the unknowns makes it smaller
+  std::string message;
+};
+
+/// The unknowns with the least Σ r² near `start`, by Levenberg and Marquardt's method within the bounds [Ceres Solver].
+LeastSquaresResult minimise_squares(const LeastSquaresProblem& problem, const VectorX& start);
+
+}  // namespace elastin::lab

@@ -1,0 +1,364 @@
+#include "lab/identify/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "lab/report/page_frame.h"
+#include "lab/report/page_parts.h"
+#include "lab/report/table.h"
+
+namespace elastin::lab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string percent_of(double ratio) { return std::isfinite(ratio) ? fmt::format("{:.3g} %", 100 * ratio) : ""; }
+
+Table number_table(const Answer& answer) {
+  Table table({"number", "value", "95 % from", "to", "half width", "from"});
+  for (const FoundNumber& number : answer.numbers) {
+    const double width = (number.high - number.low) / 2 / std::abs(number.value);
+    table.add({{number.name},
+               number_cell(readable(number.value, number.unit), number.value),
+               number_cell(readable(number.low, number.unit), number.low),
+               number_cell(readable(number.high, number.unit), number.high),
+               number_cell(percent_of(width), width, number.determined ? Tone::plain : Tone::bad),
+               {number.determined ? number.profiled ? "likelihood profile" : "linear model" : "not determined",
+                number.determined ? Tone::faint : Tone::bad}});
+  }
+  return table;
+}
+
+Table test_table(const Answer& answer) {
+  Table table({"test", "kind", "points", "rms", "of", ""});
+  for (const TestAnswer& test : answer.tests)
+    table.add({{test.name},
+               {test.kind, Tone::faint},
+               number_cell(std::to_string(test.data.y.size()), static_cast<double>(test.data.y.size())),
+               number_cell(percent_of(test.relative_rms), test.relative_rms),
+               {test.relative ? "each value" : "the largest value", Tone::faint},
+               {test.counted ? "fitted" : "predicted", test.counted ? Tone::faint : Tone::poor}});
+  return table;
+}
+
+Table law_table(const Answer& answer) {
+  std::vector<std::string> head{"law", "unknowns", "AICc", "more than the best"};
+  if (!answer.laws.empty())
+    for (const auto& [test, rms] : answer.laws.front().relative_rms) head.push_back(test);
+  head.push_back("");
+  Table table(head);
+  for (const LawAnswer& law : answer.laws) {
+    const double more = law.criterion - answer.laws.front().criterion;
+    std::vector<TableCell> row{{law.label, &law == &answer.laws.front() ? Tone::bold : Tone::plain},
+                               number_cell(std::to_string(law.unknowns), static_cast<double>(law.unknowns)),
+                               number_cell(fmt::format("{:.1f}", law.criterion), law.criterion),
+                               number_cell(fmt::format("{:+.1f}", more), more)};
+    for (const auto& [test, rms] : law.relative_rms) row.push_back(number_cell(percent_of(rms), rms));
+    row.resize(head.size() - 1);
+    const bool sound = law.stable && law.outcome == FitOutcome::converged;
+    row.push_back({!law.stable ? "unstable (Drucker) where it was measured"
+                   : sound     ? ""
+                               : name_of(law.outcome),
+                   sound ? Tone::faint : Tone::bad});
+    table.add(std::move(row));
+  }
+  return table;
+}
+
+Table stability_table(const Answer& answer) {
+  Table table({"test", "range", "stable there", "and up to twice that"});
+  for (const StabilityAnswer& stability : answer.stability) {
+    const auto verdict = [](double at) {
+      return TableCell{std::isfinite(at) ? fmt::format("unstable from {:.3g}", at) : "stable",
+                       std::isfinite(at) ? Tone::bad : Tone::good};
+    };
+    table.add(
+        {{stability.test + (stability.measured ? "" : " (not measured)"),
+          stability.measured ? Tone::plain : Tone::faint},
+         {fmt::format("{:.3g} … {:.3g}", stability.low, stability.high)},
+         verdict(stability.unstable_within),
+         verdict(std::isfinite(stability.unstable_within) ? stability.unstable_within : stability.unstable_beyond)});
+  }
+  return table;
+}
+
+/// Of all tests that count together.
+double whole_rms(const Answer& answer) {
+  double squares = 0, count = 0;
+  for (const TestAnswer& test : answer.tests)
+    if (test.counted) {
+      squares += test.relative_rms * test.relative_rms * static_cast<double>(test.data.y.size());
+      count += static_cast<double>(test.data.y.size());
+    }
+  return std::sqrt(squares / count);
+}
+
+Table strategy_table(const std::vector<Answer>& answers) {
+  Table table({"strategy", "numbers", "rms", "time", ""});
+  for (const Answer& answer : answers) {
+    std::string numbers;
+    for (const FoundNumber& number : answer.numbers)
+      numbers += (numbers.empty() ? "" : ", ") + number.name + " " + readable(number.value, number.unit);
+    table.add(
+        {{answer.strategy},
+         {numbers},
+         number_cell(percent_of(whole_rms(answer)), whole_rms(answer)),
+         number_cell(readable_seconds(answer.seconds), answer.seconds),
+         {answer.outcome == FitOutcome::converged ? "" : name_of(answer.outcome) + (": " + answer.cause), Tone::bad}});
+  }
+  return table;
+}
+
+std::string head_text(const Answer& answer) {
+  std::string text = answer.law.empty() ? "E and nu" : answer.law;
+  if (!answer.strategy.empty()) text += ", " + answer.strategy;
+  text += fmt::format(": {}", name_of(answer.outcome));
+  if (answer.starts > 1)
+    text += fmt::format("; {} of {} searches end at the same least", answer.agreeing, answer.starts);
+  return text + fmt::format("; {}", readable_seconds(answer.seconds));
+}
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json numbers_of(const VectorX& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(number_or_null(value));
+  return list;
+}
+
+Json json_of(const Answer& answer) {
+  Json json{{"scene", answer.scene}, {"title", answer.title}, {"law", answer.law}};
+  if (!answer.strategy.empty()) json["strategy"] = answer.strategy;
+  json["outcome"] = name_of(answer.outcome), json["cause"] = answer.cause;
+  json["parameters"] = Json::array();
+  for (const FoundNumber& number : answer.numbers)
+    json["parameters"].push_back({{"name", number.name},
+                                  {"value", number.value},
+                                  {"unit", si_unit(number.unit)},
+                                  {"low", number_or_null(number.low)},
+                                  {"high", number_or_null(number.high)},
+                                  {"standard_deviation", number_or_null(number.deviation)},
+                                  {"interval", number.profiled ? "profile" : "linear"},
+                                  {"determined", number.determined}});
+  json["correlation"] = Json::array();
+  for (const auto& row : answer.correlation.rowwise()) json["correlation"].push_back(numbers_of(row.transpose()));
+  json["relative_rms"] = Json::object();
+  for (const TestAnswer& test : answer.tests) json["relative_rms"][test.name] = number_or_null(test.relative_rms);
+  json["warnings"] = answer.warnings;
+  json["tests"] = Json::array();
+  for (const TestAnswer& test : answer.tests)
+    json["tests"].push_back({{"name", test.name},
+                             {"kind", test.kind},
+                             {"fitted", test.counted},
+                             {"residuals", test.relative ? "relative" : "absolute"},
+                             {test.data.along->name, numbers_of(test.data.x)},
+                             {"measured_" + test.data.up->name, numbers_of(test.data.y)},
+                             {"fitted_" + test.data.up->name, numbers_of(test.fitted)}});
+  json["stability"] = Json::array();
+  for (const StabilityAnswer& stability : answer.stability)
+    json["stability"].push_back({{"test", stability.test},
+                                 {"measured", stability.measured},
+                                 {"low", stability.low},
+                                 {"high", stability.high},
+                                 {"unstable_within", number_or_null(stability.unstable_within)},
+                                 {"unstable_within_twice", number_or_null(stability.unstable_beyond)}});
+  json["laws"] = Json::array();
+  for (const LawAnswer& law : answer.laws) {
+    Json rms = Json::object();
+    for (const auto& [test, value] : law.relative_rms) rms[test] = number_or_null(value);
+    json["laws"].push_back({{"law", law.label},
+                            {"unknowns", law.unknowns},
+                            {"outcome", name_of(law.outcome)},
+                            {"aicc", number_or_null(law.criterion)},
+                            {"stable", law.stable},
+                            {"relative_rms", rms}});
+  }
+  json["aicc"] = number_or_null(answer.criterion), json["condition"] = number_or_null(answer.condition);
+  json["searches"] = answer.starts, json["searches_at_the_least"] = answer.agreeing;
+  json["seconds"] = answer.seconds, json["material"] = answer.material;
+  return json;
+}
+
+/// A bar from low to high about each value, over the value: what is longer than twice the value ends at the frame.
+std::string interval_html(const Answer& answer) {
+  constexpr double width = 320, half = width / 2;
+  std::string out = "<div class=\"scroll\"><table><tbody>";
+  for (const FoundNumber& number : answer.numbers) {
+    const auto at = [&](double value) {
+      const double ratio = (value - number.value) / std::abs(number.value);
+      return std::isfinite(ratio) ? half + half * std::clamp(ratio, -2., 2.) / 2 : value > 0 ? width : 0;
+    };
+    out += fmt::format(
+        "<tr><th>{}</th><td class=\"n\">{}</td><td><svg viewBox=\"0 0 {} 18\" width=\"{}\" role=\"img\" "
+        "aria-label=\"95 % "
+        "interval\"><line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"9\" y2=\"9\" stroke=\"{}\" stroke-width=\"5\" "
+        "stroke-linecap=\"round\"/><circle cx=\"{}\" cy=\"9\" r=\"5\" fill=\"currentColor\"/></svg></td><td>{} … "
+        "{}</td></tr>",
+        escaped(number.name), escaped(readable(number.value, number.unit)), width, width, at(number.low),
+        at(number.high), number.determined ? "var(--good)" : "var(--bad)", half,
+        escaped(readable(number.low, number.unit, 3)), escaped(readable(number.high, number.unit, 3)));
+  }
+  return out +
+         "</tbody></table></div><p class=\"note\">95 % intervals; a bar as wide as the frame is twice the value to "
+         "either side.</p>";
+}
+
+std::string correlation_html(const Answer& answer) {
+  std::string out = "<div class=\"scroll\"><table><thead><tr><th></th>";
+  for (const FoundNumber& number : answer.numbers) out += "<th>" + escaped(number.name) + "</th>";
+  out += "</tr></thead><tbody>";
+  for (std::size_t i = 0; i < answer.numbers.size(); ++i) {
+    out += "<tr><th>" + escaped(answer.numbers[i].name) + "</th>";
+    for (std::size_t j = 0; j < answer.numbers.size(); ++j) {
+      const double value = answer.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      out +=
+          fmt::format("<td class=\"n\" style=\"background:color-mix(in srgb, {} {:.0f}%, transparent)\">{:+.3f}</td>",
+                      value < 0 ? "var(--bad)" : "var(--accent)", 60 * std::abs(value), value);
+    }
+    out += "</tr>";
+  }
+  return out + "</tbody></table></div>";
+}
+
+std::string answer_html(const Answer& answer) {
+  std::string out = fmt::format("<section><h1>{}</h1><p class=\"faint\">{}</p><p class=\"advice{}\">{}</p>\n",
+                                escaped(answer.title), escaped(answer.scene),
+                                answer.outcome == FitOutcome::converged ? "" : " none", escaped(head_text(answer)));
+  out += "<div class=\"pair\">" + figure_html(fit_plot(answer), "Measured and fitted", answer.scene + "-fit") +
+         figure_html(residual_plot(answer), "Residuals", answer.scene + "-residuals") + "</div>\n";
+  if (!answer.numbers.empty())
+    out += card_html("Numbers of the law", interval_html(answer) + number_table(answer).html()) +
+           card_html("Correlation of the numbers", correlation_html(answer));
+  out += card_html("Tests", test_table(answer).html());
+  if (!answer.laws.empty())
+    out += card_html("Laws, by the information criterion for small samples", law_table(answer).html());
+  if (!answer.stability.empty()) out += card_html("Stability (Drucker)", stability_table(answer).html());
+  std::string warnings;
+  for (const std::string& warning : answer.warnings) warnings += "<li>" + escaped(warning) + "</li>\n";
+  if (!warnings.empty()) out += card_html("Warnings", "<ul class=\"warnings\">" + warnings + "</ul>");
+  if (!answer.material.empty())
+    out += card_html("The material, as scenes write it", "<pre>" + escaped(answer.material) + "</pre>");
+  return out + "</section>\n";
+}
+
+}  // namespace
+
+std::string answer_text(const Answer& answer, bool colours) {
+  std::string out = painted(answer.title, Tone::bold, colours) + "\n" + head_text(answer) + "\n";
+  if (!answer.cause.empty()) out += painted(answer.cause, Tone::bad, colours) + "\n";
+  const auto add = [&](const Table& table) {
+    if (!table.empty()) out += "\n" + table.text(colours);
+  };
+  add(number_table(answer)), add(test_table(answer)), add(law_table(answer)), add(stability_table(answer));
+  if (!answer.warnings.empty()) out += "\n";
+  for (const std::string& warning : answer.warnings)
+    out += painted("  warning: ", Tone::poor, colours) + warning + "\n";
+  if (!answer.material.empty()) out += "\n" + answer.material;
+  return out + "\n";
+}
+
+std::string strategies_text(const std::vector<Answer>& answers, bool colours) {
+  return answers.size() > 1 ? strategy_table(answers).text(colours) + "\n" : "";
+}
+
+std::string identify_json(const std::vector<Answer>& answers) {
+  if (answers.size() == 1) return json_of(answers.front()).dump(1) + "\n";
+  Json list = Json::array();
+  for (const Answer& answer : answers) list.push_back(json_of(answer));
+  return Json{{"identifications", list}}.dump(1) + "\n";
+}
+
+std::string identify_page(const std::vector<Answer>& answers, const std::string& command) {
+  std::string out =
+      page_begin(answers.empty() ? "" : answers.front().title, "Elastin · from a measured curve to the material");
+  out += "</header>\n<main class=\"scene\">\n";
+  if (answers.size() > 1)
+    out += figure_html(strategy_plot(answers), "Misfit over time of the fit", "strategies") +
+           card_html("All fits", strategy_table(answers).html());
+  for (const Answer& answer : answers) out += answer_html(answer);
+  out += fmt::format("</main>\n<footer><p><code>{}</code></p></footer>\n<script>{}</script>\n</body></html>\n",
+                     escaped(command), k_page_js);
+  return out;
+}
+
+Plot fit_plot(const Answer& answer) {
+  Plot plot;
+  plot.title = answer.title;
+  int colour = 0;
+  for (const TestAnswer& test : answer.tests) {
+    if (colour == 0)
+      plot.x = {test.data.along->name, si_unit(test.data.along->unit), false},
+      plot.y = {test.data.up->name, si_unit(test.data.up->unit), false};
+    PlotSeries marks{test.name, colour, PlotSeries::Kind::marks, {}}, line{"", colour, PlotSeries::Kind::line, {}};
+    if (!test.counted) line.kind = PlotSeries::Kind::dashed;
+    for (Eigen::Index i = 0; i < test.data.y.size(); ++i) {
+      marks.points.push_back({test.data.x[i], test.data.y[i], test.name});
+      if (test.line.empty() && test.fitted.size() > 0) line.points.push_back({test.data.x[i], test.fitted[i], ""});
+    }
+    for (const auto& [x, y] : test.line) line.points.push_back({x, y, ""});
+    plot.series.push_back(std::move(marks));
+    plot.series.push_back(std::move(line));
+    ++colour;
+  }
+  return plot;
+}
+
+Plot residual_plot(const Answer& answer) {
+  Plot plot;
+  plot.title = answer.title + ": residuals";
+  plot.y = {
+      "fitted less measured, over " +
+          std::string(!answer.tests.empty() && answer.tests.front().relative ? "each value" : "the largest value"),
+      "%", false};
+  int colour = 0;
+  for (const TestAnswer& test : answer.tests) {
+    if (colour == 0) plot.x = {test.data.along->name, si_unit(test.data.along->unit), false};
+    PlotSeries marks{test.name, colour++, PlotSeries::Kind::marked_line, {}};
+    const double largest = test.data.y.cwiseAbs().maxCoeff();
+    for (Eigen::Index i = 0; i < test.fitted.size(); ++i)
+      marks.points.push_back(
+          {test.data.x[i], (test.fitted[i] - test.data.y[i]) / (test.relative ? test.data.y[i] : largest), test.name});
+    plot.series.push_back(std::move(marks));
+  }
+  plot.level = 0;
+  return plot;
+}
+
+Plot strategy_plot(const std::vector<Answer>& answers) {
+  Plot plot;
+  plot.title = "Misfit over time of the fit";
+  plot.x = {"time", "s", true}, plot.y = {"rms", "%", true};
+  int colour = 0;
+  for (const Answer& answer : answers) {
+    const std::string name = answer.strategy.empty() ? answer.scene : answer.strategy;
+    if (answer.succeeded())
+      plot.series.push_back({name, colour++, PlotSeries::Kind::marks, {{answer.seconds, whole_rms(answer), name}}});
+  }
+  return plot;
+}
+
+std::string points_csv(const Answer& answer) {
+  std::string out = "test,quantity,prescribed,response,measured,fitted,residual\n";
+  for (const TestAnswer& test : answer.tests)
+    for (Eigen::Index i = 0; i < test.fitted.size(); ++i)
+      out += fmt::format("{},{},{:.9g},{},{:.9g},{:.9g},{:.9g}\n", test.name, test.data.along->name, test.data.x[i],
+                         test.data.up->name, test.data.y[i], test.fitted[i], test.fitted[i] - test.data.y[i]);
+  return out;
+}
+
+std::string with_material(const std::string& scene, const std::string& material) {
+  std::size_t begin = scene.starts_with("material:") ? 0 : scene.find("\nmaterial:");
+  if (begin == std::string::npos) return "";
+  if (begin > 0) ++begin;
+  std::size_t end = scene.find('\n', begin);
+  // What is indented below belongs to the block, as flow collections over several lines do.
+  while (end != std::string::npos && end + 1 < scene.size() &&
+         std::string(" ]}").find(scene[end + 1]) != std::string::npos)
+    end = scene.find('\n', end + 1);
+  return scene.substr(0, begin) + material + (end == std::string::npos ? "" : scene.substr(end + 1));
+}
+
+}  // namespace elastin::lab

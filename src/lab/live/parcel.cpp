@@ -1,0 +1,112 @@
+#include "lab/live/parcel.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
+#include "lab/live/live.h"
+
+namespace elastin::lab {
+namespace {
+
+void add_strategy(const Scene& scene, const StrategyChoice& choice, Parcel& parcel) {
+  const auto same = [&](const Parcel::Strategy& known) { return known.label == choice.label; };
+  if (std::any_of(parcel.strategies.begin(), parcel.strategies.end(), same)) return;
+  Specimen specimen = scene.specimen;
+  prepare(specimen, choice.strategy);
+  if (!unsuited(specimen, *scene.experiment, choice).empty()) return;
+  parcel.strategies.push_back({choice.label, choice.values});
+  if (specimen.body.voronoi && !parcel.body.voronoi) parcel.body.voronoi = specimen.body.voronoi;
+}
+
+/// The scene's own strategy first, then those that it compares, then every other one that suits, none calibrated: the
+/// scene's experiment would do that, and there is none in a page.
+void add_strategies(const Scene& scene, const Catalog& catalog, Parcel& parcel) {
+  std::vector<StrategyChoice> choices{scene.stiffness};
+  choices.insert(choices.end(), scene.strategies.begin(), scene.strategies.end());
+  const std::vector<StrategyChoice> all = all_strategies(catalog, scene.specimen);
+  choices.insert(choices.end(), all.begin(), all.end());
+  for (const StrategyChoice& choice : choices)
+    if (!choice.calibrated) add_strategy(scene, choice, parcel);
+  if (parcel.strategies.empty())
+    throw InputError(scene.path + ": no strategy suits this body but calibrated ones, which a page cannot make");
+}
+
+/// The test of a scene that has none: along the longest side of the body, by as little as 1e-4.
+TensionSetup usual_tension(const Scene& scene) {
+  const Positions& rest = scene.specimen.body.rest;
+  const Vector3 size = rest.rowwise().maxCoeff() - rest.rowwise().minCoeff();
+  TensionSetup setup;
+  Eigen::Index longest = 2;
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    if (size[axis] > size[longest] * (1 + 1e-9)) longest = axis;
+  setup.axis = Vector3::Unit(longest);
+  setup.displacement = 1e-4 * size[longest];
+  setup.thickness = scene.specimen.material.thickness;
+  return setup;
+}
+
+/// What holds the body once the load of its experiment is gone. Under a hand the end of a tension test is clamped: its
+/// grips may slide, and the body would be pulled away.
+void add_supports(const std::vector<Support>& supports, const TensionSetup* tension, Parcel& parcel) {
+  for (Support support : supports) {
+    if (support.free.isIdentity()) continue;
+    if (tension && std::abs(tension->axis.dot(support.free * tension->axis)) < 1e-9) support.free.setZero();
+    support.displacement.setZero();
+    support.velocity.setZero();
+    parcel.supports.push_back(support);
+  }
+}
+
+/// The experiment's own load at rest, its supports, and where the body begins.
+void add_experiment(const Scene& scene, const TensionSetup* tension, Parcel& parcel) {
+  Specimen specimen = scene.specimen;
+  prepare(specimen, scene.stiffness.strategy);
+  Run run;
+  const auto held = make_model(specimen, *scene.experiment, scene.stiffness, {scene.statics}, run);
+  if (!held) throw InputError(scene.path + ": " + run.cause);
+  Model& model = *held->model;
+  State state = state_at_rest(specimen.body);
+  model.declare_history(state);
+  if (TimedRig* timed = held->rig->in_time()) {
+    const StaticResult started = timed->start(state, scene.statics);
+    if (started.outcome != Outcome::converged)
+      throw InputError(scene.path + ": the body cannot be brought to its start: " + started.cause);
+  } else if (StaticRig* rig = held->rig->at_rest()) {
+    rig->set_load(1);
+    const Positions loaded = model.load_forces(state);
+    rig->set_load(0);
+    // Forces that turn with the surface, as an inflation's, are no dead load: a page has a slider for pressure.
+    if (!tension && !specimen.body.tetrahedra.empty()) parcel.own_load = loaded - model.load_forces(state);
+    rig->release();
+  }
+  if (parcel.own_load.isZero(0) || !parcel.own_load.allFinite()) parcel.own_load.resize(3, 0);
+  parcel.positions = state.positions;
+  add_supports(model.supports, tension, parcel);
+}
+
+}  // namespace
+
+Parcel make_parcel(const Scene& scene, const Catalog& catalog) {
+  const Specimen& specimen = scene.specimen;
+  if (specimen.body.connections.size() > kMostLiveConnections)
+    throw InputError(scene.path + ": the body has " + std::to_string(specimen.body.connections.size()) +
+                     " connections; a page takes at most " + std::to_string(kMostLiveConnections) +
+                     ": make it coarser, with --set for example");
+  Parcel parcel;
+  parcel.body = specimen.body;
+  parcel.material = specimen.material;
+  parcel.materials = specimen.materials;
+  parcel.linear = scene.statics.linear;
+  parcel.tolerance = scene.statics.tolerance;
+  for (const SpecimenLoad& load : specimen.loads)
+    if (load.row) parcel.loads.push_back({load.row->first, load.row->second});
+  add_strategies(scene, catalog, parcel);
+  const TensionSetup* tension = tension_setup(*scene.experiment);
+  parcel.tension = tension ? *tension : usual_tension(scene);
+  add_experiment(scene, tension, parcel);
+  return parcel;
+}
+
+}  // namespace elastin::lab

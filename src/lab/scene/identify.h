@@ -1,0 +1,76 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "elastin/core/laws/homogeneous.h"
+#include "elastin/core/simulation/catalog.h"
+#include "lab/scene/keys.h"
+
+namespace elastin::lab {
+
+/// What a column of measured data may hold. The head of the column is its name with the unit: "force [N]".
+struct DataQuantity {
+  std::string name;
+  Dimension unit;
+  std::string text;
+  bool ratio = false;                      ///< a plain number, so that a unit may be left out
+  std::vector<std::string> measures = {};  ///< what a scene shows as it, the first one that it has
+};
+const std::vector<DataQuantity>& data_quantities();
+
+/// A kind of test whose data a material can be fitted to.
+struct DataTestKind {
+  std::string name, text;
+  std::vector<std::string> along, up;  ///< quantities that it takes: of what is prescribed, and of the response
+  std::optional<HomogeneousTest> homogeneous = {};  ///< every point in the same state
+  bool in_time = false;                             ///< at a strain that is kept
+};
+const std::vector<DataTestKind>& data_test_kinds();
+
+/// How far a column counts, in the scene file's words: its dimension is known when the data are read.
+using LaterQuantity = std::function<double(const Dimension&)>;
+
+/// One measured test as a scene states it.
+struct DataTest {
+  std::string name;
+  const DataTestKind* kind = nullptr;
+  std::string file;                                          ///< path of the CSV file
+  std::vector<std::pair<std::string, std::string>> rows;     ///< only those rows with this text in this column
+  std::vector<std::pair<std::string, std::string>> columns;  ///< what heads of the file mean: "force [N]"
+  LaterQuantity from, to;                                    ///< range of what is prescribed; empty = all of it
+  double weight = 1;                                         ///< of its squares; 0 = predicted and not fitted
+  bool relative = true;                                      ///< residuals over each value, or over the largest one
+  double cross_section = 0, length = 0;              ///< [m²], [m] that make stress of force, strain of displacement
+  std::string scene;                                 ///< of a specimen
+  HomogeneousTest held = HomogeneousTest::uniaxial;  ///< of a relaxation test
+  double strain = 0, ramp = 0;                       ///< that is kept, and the time [s] that it takes to be reached
+  std::function<void(const std::string&)> fail;      ///< throws InputError at the test's place
+};
+
+/// A number that is to be found. What is not stated follows from the material and the law.
+struct UnknownChoice {
+  std::string name;
+  LaterQuantity low, high, start;
+  std::function<void(const std::string&)> fail;
+};
+
+/// The `identify:` section of a scene with the material from which it starts.
+struct IdentifyTask {
+  std::string path, name, title;
+  Material material;
+  std::vector<DataTest> tests;
+  std::vector<UnknownChoice> unknowns;  ///< empty = all numbers of the law but those in `fixed`
+  std::vector<std::string> fixed;
+  int starts = 0;                 ///< 0 = 8 of homogeneous tests, 1 of specimens
+  std::vector<std::string> laws;  ///< that are compared; empty = the material's own
+};
+
+/// Throws InputError where the scene has no `identify:` section. The body and experiment of the scene are not built.
+IdentifyTask load_identify_task(const std::string& path, const Catalog& catalog,
+                                const std::vector<std::string>& overrides = {}, KeyUses* uses = nullptr);
+
+std::vector<KeySection> identify_keys();
+
+}  // namespace elastin::lab

@@ -1,0 +1,237 @@
+#include "lab/study/new_scene.h"
+
+#include <fmt/args.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
+#include "elastin/core/base/units.h"
+#include "elastin/mesh/mesh_file.h"
+
+namespace elastin::lab {
+namespace {
+
+constexpr double kMostCubes = 800, kMostMolecules = 3000;
+
+/// What every scene ends with: the words of the material and the strategies.
+constexpr const char* kMaterial = R"(
+# E and nu of small strains. A law with constants of its own takes their place: `elastin list` names them.
+material: {{youngs_modulus: {modulus}, poissons_ratio: {nu}, density: 1000 kg/m3}}
+
+# `elastin run` runs the first; `elastin compare` all of these, or with --strategies all every one that there is.
+stiffness: {solid}
+strategies: [standard, lloyd, "calibrated:van_gelder", neo_hookean{volume}]
+)";
+
+constexpr const char* kStrip = R"(# A strip in a testing machine: both ends are clamped, one is pulled along x.
+# Check it with `elastin check`, run it with `elastin compare --out out`, look at out/report.html.
+title: Strip of {size}, clamped at both ends
+
+# A block along x, y, z, of cubes that are filled with tetrahedra. More cubes: nearer to the truth, and slower.
+body:
+  tetrahedra: {{kind: body_centred, cubes: [{cubes}], size: [{sides}]}}
+{material}
+# Strategies are compared with the material's own law on finer and finer cells, computed once, for a clamped strip does
+# not show E. Measured forces go under `expect`, see `elastin list --keys`.
+experiment:
+  kind: tension
+  axis: x
+  displacement: {displacement}   # 15 % of the length
+  fixed_grip: clamped       # sliding: free to narrow
+  loaded_grip: clamped
+  load_steps: 5             # points of the stress-strain curve
+)";
+
+constexpr const char* kDogbone =
+    R"(# A dog-bone specimen from a mesh: its tabs are clamped, and an extensometer reads between two planes.
+# Check it with `elastin check`, run it with `elastin compare --out out`, look at out/report.html.
+title: Dog-bone specimen
+
+# Tetrahedra of Gmsh, VTK, Abaqus …
+body:
+  mesh: {{file: {mesh}, length_unit: {unit}}}
+{material}
+experiment:
+  kind: tension
+  axis: {axis}                   # along which the mesh is longest: {length}
+  displacement: {displacement}   # of the loaded end; 5 % of the length
+  fixed_grip: clamped
+  loaded_grip: clamped
+  gauge: [{gauge}]   # planes of the extensometer from the fixed end: the middle quarter. Set them to yours
+  load_steps: 5
+)";
+
+constexpr const char* kIndentation =
+    R"(# A rigid sphere pressed into a block from above, which lies on a plate that holds it.
+# Check it with `elastin check`, run it with `elastin compare --out out`, look at out/report.html.
+title: Indentation of a block of {size}
+
+body:
+  tetrahedra: {{kind: body_centred, cubes: [{cubes}], size: [{sides}]}}
+{material}
+experiment:
+  kind: indentation
+  indenter: {{sphere: {{radius: {radius}}}}}   # or flat: {{radius: ...}}
+  depth: {depth}
+  bottom: clamped           # sliding: free to spread
+  load_steps: 4             # points of the force-depth curve
+contact: {{friction: 0}}      # Coulomb's coefficient
+)";
+
+constexpr const char* kOrgan =
+    R"(# An organ from its surface, on a bed that holds it from below, with a round tool pressed into it from above.
+# Check it with `elastin check`, run it with `elastin compare --out out`, look at out/report.html.
+title: Organ under a round tool
+
+# A closed surface of triangles (.stl, .obj, .ply), filled with tetrahedra of about this spacing.
+body:
+  fill: {{file: {mesh}, length_unit: {unit}, spacing: {spacing}}}
+{material}
+experiment:
+  kind: indentation
+  indenter: {{sphere: {{radius: {radius}}}}}
+  depth: {depth}
+  bottom: clamped
+  grip_depth: {grip}        # what lies so near to the lowest point is held
+  load_steps: 4
+contact: {{friction: 0.3}}    # Coulomb's coefficient
+)";
+
+struct Row {
+  NewSpecimen specimen;
+  const char* text;
+};
+
+constexpr std::array kRows{
+    Row{{"strip", "a block, clamped at both ends and pulled", false}, kStrip},
+    Row{{"dogbone", "a mesh, clamped at both ends and pulled, read between two planes", true}, kDogbone},
+    Row{{"indentation", "a block under a rigid sphere", false}, kIndentation},
+    Row{{"organ", "a closed surface, filled, under a rigid sphere", true}, kOrgan}};
+
+/// "12.5 mm": three digits, in the unit that keeps them readable.
+std::string length_text(double metres) {
+  for (const auto& [factor, unit] : {std::pair{1., "m"}, {1e-3, "mm"}, {1e-6, "um"}})
+    if (metres >= factor * 0.9995) return fmt::format("{:.3g} {}", metres / factor, unit);
+  return fmt::format("{:.3g} nm", metres / 1e-9);
+}
+
+/// "40 x 10 x 4 mm" in metres; a side without a unit has that of the last.
+Vector3 sides_of(const std::string& size) {
+  std::vector<std::string> parts{""};
+  for (std::size_t i = 0; i < size.size(); ++i)
+    if (size[i] == 'x' || size[i] == '*' || size[i] == ',')
+      parts.emplace_back();
+    else if (size.compare(i, 2, "×") == 0)
+      parts.emplace_back(), ++i;
+    else
+      parts.back() += size[i];
+  const std::string wrong = "--size: '" + size + "' is not three lengths, such as 40 x 10 x 4 mm";
+  if (parts.size() != 3) throw InputError(wrong);
+  const std::string unit = parts[2].substr(std::min(parts[2].find_first_not_of(" 0123456789.+-e"), parts[2].size()));
+  Vector3 sides;
+  for (std::size_t k = 0; k < 3; ++k) {
+    try {
+      const std::string trimmed = parts[k].substr(std::min(parts[k].find_first_not_of(' '), parts[k].size()));
+      Quantity side = parse_quantity(trimmed, dimension::length);
+      if (!side.has_unit) side = parse_quantity(trimmed + " " + unit, dimension::length);
+      sides[static_cast<Eigen::Index>(k)] = side.value;
+      if (!side.has_unit || !(side.value > 0)) throw InputError(wrong);
+    } catch (const InputError&) {
+      throw InputError(wrong);
+    }
+  }
+  return sides;
+}
+
+using Words = fmt::dynamic_format_arg_store<fmt::format_context>;
+
+void add(Words& words, const char* name, const std::string& value) { words.push_back(fmt::arg(name, value)); }
+
+/// Cubes that are nearly as wide as long, at least `least` of them along each side.
+void add_block(Words& words, const Vector3& sides, int least) {
+  double edge = std::max(sides.minCoeff() / least, std::cbrt(sides.prod() / kMostCubes));
+  std::string cubes, lengths;
+  for (int k = 0; k < 3; ++k) {
+    const int count = std::max(least, static_cast<int>(std::lround(sides[k] / edge)));
+    cubes += (k ? ", " : "") + std::to_string(count);
+    lengths += (k ? ", " : "") + length_text(sides[k]);
+  }
+  add(words, "cubes", cubes);
+  add(words, "sides", lengths);
+}
+
+/// Sides of the box around a file's points [m], and their volume's usual number of molecules.
+Vector3 box_of(const NewScene& wanted) {
+  const mesh::Mesh mesh = mesh::load_mesh(wanted.mesh);
+  const double unit = parse_quantity("1 " + wanted.length_unit, dimension::length).value;
+  return unit * (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff());
+}
+
+void add_specimen(Words& words, const NewScene& wanted, bool from_file) {
+  const Vector3 sides = from_file ? box_of(wanted) : sides_of(wanted.size);
+  const std::string name = wanted.specimen;
+  Eigen::Index longest = 0;
+  const double length = sides.maxCoeff(&longest), least = sides.minCoeff();
+  if (name == "strip") {
+    add_block(words, sides, 2);
+    add(words, "displacement", length_text(0.15 * sides[0]));
+  } else if (name == "dogbone") {
+    add(words, "axis", std::string(1, "xyz"[longest]));
+    add(words, "length", length_text(length));
+    add(words, "displacement", length_text(0.05 * length));
+    add(words, "gauge", length_text(0.375 * length) + ", " + length_text(0.625 * length));
+  } else if (name == "indentation") {
+    add_block(words, sides, 6);
+    add(words, "radius", length_text(0.3 * least));
+    add(words, "depth", length_text(0.06 * least));
+  } else {
+    add(words, "spacing", length_text(std::cbrt(sides.prod() / kMostMolecules)));
+    add(words, "radius", length_text(0.2 * least));
+    add(words, "depth", length_text(0.1 * least));
+    add(words, "grip", length_text(0.1 * sides[2]));
+  }
+}
+
+}  // namespace
+
+const std::vector<NewSpecimen>& new_specimens() {
+  static const std::vector<NewSpecimen> specimens = [] {
+    std::vector<NewSpecimen> list;
+    for (const Row& row : kRows) list.push_back(row.specimen);
+    return list;
+  }();
+  return specimens;
+}
+
+std::string new_scene_text(const NewScene& wanted, const std::string& folder) {
+  const auto row =
+      std::find_if(kRows.begin(), kRows.end(), [&](const Row& r) { return wanted.specimen == r.specimen.name; });
+  std::vector<std::string> names;
+  for (const Row& r : kRows) names.emplace_back(r.specimen.name);
+  if (row == kRows.end())
+    throw InputError("new: no specimen '" + wanted.specimen + "'" + suggestion(wanted.specimen, names));
+  parse_quantity(wanted.modulus, dimension::pressure);
+  if (!(wanted.poissons_ratio >= 0 && wanted.poissons_ratio < 0.5))
+    throw InputError(fmt::format("--poissons-ratio: {} is not from 0 to below 0.5", wanted.poissons_ratio));
+  Words words;
+  const bool soft_volume = wanted.poissons_ratio > 0.4;
+  add(words, "modulus", wanted.modulus);
+  add(words, "nu", fmt::format("{:g}", wanted.poissons_ratio));
+  add(words, "solid", soft_volume ? "neo_hookean+volume" : "neo_hookean");
+  add(words, "volume", soft_volume ? ", neo_hookean+volume" : "");
+  const std::string material = fmt::vformat(kMaterial, words);
+  add(words, "material", material);
+  add(words, "size", wanted.size);
+  add(words, "unit", wanted.length_unit);
+  if (row->specimen.from_file)
+    add(words, "mesh", std::filesystem::proximate(wanted.mesh, folder.empty() ? "." : folder).string());
+  add_specimen(words, wanted, row->specimen.from_file);
+  return fmt::vformat(row->text, words);
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,13 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "c/handles.h"
+#include "lab/live/parcel.h"
+#include "web/lab.h"
+
+struct elastin_lab {
+  elastin::lab::Parcel parcel;
+  /// The simulation of these settings; `alone`: without the scene's supports, and where it is at rest.
+  elastin::Simulation simulation(const elastin_lab_settings& settings, bool alone) const;
+};

@@ -1,0 +1,649 @@
+// The page of the lab: controls, worker, pictures and curves brought together. Needs the scripts before it.
+'use strict';
+
+const part = id => document.getElementById(id), all = (what, within = document) => [...within.querySelectorAll(what)];
+const root = document.documentElement, scene = JSON.parse(part('scene').textContent), first = scene.settings;
+const budget = 0.012;  // [s] of a picture that stepping may take
+const series_colours = ['var(--one)', 'var(--two)', 'var(--three)'];
+
+for (const kind of ['error', 'unhandledrejection'])
+  addEventListener(kind, event => { root.dataset.errors = (root.dataset.errors || '') + (event.message ?? event.reason) + '; '; });
+
+/** Says why something does not work, in the page and to a screen reader. */
+function complain(text) {
+  part('problem').textContent = text;
+  part('problem').hidden = !text;
+}
+
+/** A number with two digits and without a power of ten. */
+const short = value => String(+value.toPrecision(2));
+
+const said = text => { part('said').textContent = text; };
+
+class Lab {
+  constructor(body) {
+    this.body = body;
+    this.sliders = {};
+    this.playing = true;
+    this.tool = 'drag';
+    this.pins = new Set();
+    this.count = 0;
+    this.history = [];
+    this.waiting = new Map();
+    this.curves = {test: new Curve(part('curve'), {x: {title: 'strain', unit: '%'}, y: {title: 'stress', unit: 'Pa'}}),
+      energy: new Curve(part('energy'), {x: {title: 'time', unit: 's'}, y: {title: 'energy', unit: 'J'}})};
+    this.fill();
+    this.read_hash();
+  }
+
+  // --- controls -------------------------------------------------------------------------------------------------------
+  fill() {
+    const option = ({name, summary}) => Object.assign(new Option(name, name), {title: summary});
+    all('.strategy').forEach((select, i) => {
+      if (i) select.append(new Option('—', ''));
+      select.append(...scene.strategies.map(option));
+    });
+    part('scheme').append(...scene.schemes.map(option));
+    const size = this.body.size, gravity = Math.hypot(...first.gravity);
+    // The slowest vibration of a body of this size is about so fast [1/s]; it rings down in a few swings.
+    const rate = Math.sqrt(first.E / first.density) / size, damped = first.phi || first.psi || first.alpha;
+    const viscosity = first.E / (rate || 1) / 30;
+    this.start = {E: first.E, nu: first.nu, density: first.density, phi: first.phi, psi: first.psi,
+      alpha: damped || scene.released ? first.alpha : 0.6 * rate, pressure: 0, gravity, tilt: 0, load: 100 * (scene.own_load ? 1 : 0),
+      stiffness: Math.max(1e-6, +(0.1 * first.E * size * (scene.membrane && !scene.solid ? 0.02 : 1)).toPrecision(2)), probe: 0.12 * size, strain: 20};
+    const scales = {phi: first.phi || viscosity, psi: first.psi || viscosity, alpha: rate, pressure: 0.01 * first.E};
+    for (const [name, kind] of Object.entries(slider_kinds))
+      this.sliders[name] = new Slider(part(name), part(name + '-out'), name === 'nu' ? {...kind, most: Math.max(kind.most, first.nu)} : kind,
+        this.start[name], scales[name]);
+    const hide = names => names.forEach(name => { for (const one of [part(name), part(name + '-out'), document.querySelector(`label[for=${name}]`)]) one.hidden = true; });
+    if (scene.own_constants || scene.parts > 1) hide(['nu']);
+    if (!scene.solid) hide(['phi', 'psi']);
+    if (!scene.membrane || scene.solid) hide(['pressure']);
+    if (!scene.own_load) hide(['load']);
+    part('molecule').max = scene.molecules - 1;
+    part('connections').checked = true;
+    part('molecules').checked = !this.body.membrane;
+    part('surface').checked = this.body.membrane;
+    part('surface').disabled = !this.body.surface.length;
+    const counted = (count, name) => `${count.toLocaleString('en')} ${name}${count === 1 ? '' : 's'}`;
+    part('about').textContent = [counted(scene.molecules, 'molecule'), counted(scene.connections, 'connection'),
+      ...(scene.cells ? [counted(scene.cells, 'cell')] : [])].join(', ') +
+      `, E = ${with_prefix(first.E, 'Pa')}, ν = ${+first.nu.toPrecision(4)}. Drag a molecule and feel how stiff the body is; then pull it and see.`;
+    part('test-note').textContent = (scene.own_test ? 'First as the scene has it: E and ν below are read there. '
+      : 'First by a strain of 10⁻⁴ along the longest side: E and ν below are read there. ') + 'Then the body is drawn on, equilibrium by equilibrium.';
+    this.show_results([]);
+    this.curves.test.set([], 'No test has been made yet');
+    this.curves.energy.set([], 'Energy over time');
+  }
+
+  /** The scene's own settings, then what the address says. */
+  read_hash() {
+    const hash = values_from_hash(location.hash), names = scene.strategies.map(one => one.name);
+    all('.strategy').forEach((select, i) => {
+      const wanted = hash['s' + (i + 1)];
+      select.value = names.includes(wanted) ? wanted : i ? '' : first.strategy;
+    });
+    const schemes = scene.schemes.map(one => one.name);
+    part('scheme').value = schemes.includes(hash.scheme) ? hash.scheme : first.scheme ?? (scene.cells ? 'backward_euler' : 'symplectic_euler');
+    part('one-iteration').checked = hash.one !== undefined ? hash.one === '1' : (first.iterations ?? 1) === 1;
+    for (const [name, slider] of Object.entries(this.sliders)) {
+      const value = parseFloat(hash[name]);
+      slider.value = Number.isFinite(value) ? value : this.start[name];
+    }
+    for (const [name, key] of [['colour', 'colour'], ['speed', 'speed']])
+      if (hash[key] && [...part(name).options].some(option => option.value === hash[key])) part(name).value = hash[key];
+  }
+
+  hash() {
+    const values = {};
+    all('.strategy').forEach((select, i) => { values['s' + (i + 1)] = select.value; });
+    Object.assign(values, {scheme: part('scheme').value, one: part('one-iteration').checked ? '1' : '0', colour: part('colour').value,
+      speed: part('speed').value});
+    for (const [name, slider] of Object.entries(this.sliders)) if (slider.value !== this.start[name]) values[name] = slider.value;
+    return hash_of(values);
+  }
+
+  get strategies() { return all('.strategy').map(select => select.value).filter(Boolean); }
+
+  /** What the worker is told. */
+  settings() {
+    const value = name => this.sliders[name].value, scheme = scene.schemes.find(one => one.name === part('scheme').value);
+    const tilt = value('tilt') * Math.PI / 180, g = first.gravity, size = Math.hypot(...g);
+    // Down is where the scene's weight points, tilted about the axis towards the reader.
+    const down = size > 0 ? g.map(v => v / size) : [0, 0, -1], [c, s] = [Math.cos(tilt), Math.sin(tilt)];
+    const turned = [c * down[0] - s * down[2], down[1], s * down[0] + c * down[2]];
+    return {strategies: this.strategies, scheme: scheme.name, explicit: scheme.explicit, iterations: part('one-iteration').checked ? 1 : 0,
+      step: first.step, E: value('E'), nu: value('nu'), density: value('density'), phi: value('phi'), psi: value('psi'), alpha: value('alpha'),
+      pressure: value('pressure'), gravity: turned.map(v => v * value('gravity')), own_load: value('load') / 100};
+  }
+
+  listen() {
+    const on = (id, kind, does) => part(id).addEventListener(kind, does);
+    for (const [name, slider] of Object.entries(this.sliders))
+      slider.input.addEventListener('input', () => {
+        slider.exact = undefined;
+        slider.tell();
+        if (!['strain', 'stiffness', 'probe'].includes(name)) this.change(slider.kind.rebuild);
+      });
+    all('.strategy').forEach(select => select.addEventListener('change', () => this.choose_bodies()));
+    for (const id of ['scheme', 'one-iteration']) on(id, 'change', () => this.change(true));
+    all('input[name=tool]').forEach(input => input.addEventListener('change', () => { this.tool = input.value; }));
+    on('play', 'click', () => this.play(!this.playing));
+    on('step', 'click', () => { this.play(false); this.single = true; });
+    on('reset', 'click', () => this.reset());
+    on('test', 'click', () => this.testing ? this.stop_test() : this.test());
+    on('jello', 'click', () => this.jello());
+    on('scene-material', 'click', () => this.set_sliders(this.start));
+    on('pin', 'click', () => this.pin(+part('molecule').value));
+    on('unpin', 'click', () => { for (const molecule of [...this.pins]) this.pin(molecule); });
+    on('let-go', 'click', () => this.let_go());
+    all('.pull').forEach(button => button.addEventListener('click', () => this.pull(+button.dataset.axis, +button.dataset.sign)));
+    for (const id of ['connections', 'molecules', 'surface']) on(id, 'change', () => this.look());
+    on('colour', 'change', () => { this.range = 0; });
+    on('png', 'click', () => this.viewer && save_file(scene.name + '.png', this.viewer.picture(this.legend).toDataURL('image/png')));
+    on('link', 'click', () => this.copy_link());
+    on('view-reset', 'click', () => this.viewer?.reset());
+    on('curve-csv', 'click', () => this.save_curve());
+    on('energy-csv', 'click', () => this.save_energies());
+    part('canvas').addEventListener('keydown', event => this.key(event));
+    addEventListener('hashchange', () => { if (this.own_hash !== location.hash) { this.read_hash(); this.choose_bodies(); } });
+  }
+
+  key(event) {
+    const axes = {d: [0, 1], a: [0, -1], e: [1, 1], q: [1, -1], w: [2, 1], s: [2, -1]}, input = part('molecule');
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (axes[event.key]) this.pull(...axes[event.key]);
+    else if (event.key === 'n' || event.key === 'p') {
+      input.value = (+input.value + (event.key === 'n' ? 1 : scene.molecules - 1)) % scene.molecules;
+      said(`molecule ${input.value}`);
+    } else if (event.key === 'x') this.pin(+input.value);
+    else if (event.key === 'Escape') this.let_go();
+    else if (event.key === ' ') this.play(!this.playing);
+    else return;
+    event.preventDefault();
+  }
+
+  set_sliders(values) {
+    for (const [name, value] of Object.entries(values)) if (this.sliders[name].kind.rebuild) this.sliders[name].value = value;
+    this.change(true);
+  }
+
+  /** Labelle's dessert: soft, hardly damped, one Newton iteration a step. */
+  jello() {
+    const viscosity = 2 * this.body.size / 0.17;
+    this.set_sliders({E: 5e3, nu: scene.own_constants ? this.start.nu : 0.3, density: 1000, alpha: scene.solid ? 0 : 0.3,
+      phi: scene.solid ? viscosity : 0, psi: scene.solid ? viscosity : 0, pressure: 0});
+    part('scheme').value = 'backward_euler';
+    part('one-iteration').checked = true;
+    this.change(true);
+    said('Jell-O: E = 5 kPa, hardly damped, one Newton iteration a step');
+  }
+
+  // --- worker ---------------------------------------------------------------------------------------------------------
+  /** A message to the worker, and its answer. */
+  ask(message, transfer = []) {
+    const number = ++this.count;
+    return new Promise((resolve, reject) => {
+      this.waiting.set(number, {resolve, reject});
+      this.worker.postMessage({...message, number}, transfer);
+    });
+  }
+
+  hear({data}) {
+    const {resolve, reject} = this.waiting.get(data.answer) ?? {};
+    this.waiting.delete(data.answer);
+    if (data.kind === 'problem') {
+      if (reject) reject(new Error(data.message));
+      else complain(`Elastin: ${data.message}.`);
+    } else resolve?.(data);
+  }
+
+  async begin() {
+    this.worker = new Worker(URL.createObjectURL(new Blob([part('worker').textContent], {type: 'text/javascript'})));
+    this.worker.onmessage = event => this.hear(event);
+    this.worker.onerror = event => complain(`The core stopped: ${event.message}`);
+    const unpack = async id => new Uint8Array(await new Response(new Blob([bytes_of(part(id).textContent)]).stream()
+      .pipeThrough(new DecompressionStream('gzip'))).arrayBuffer());
+    const [wasm, parcel] = await Promise.all([unpack('wasm'), unpack('parcel')]);
+    await this.ask({kind: 'start', wasm, parcel, settings: this.settings(), molecules: scene.molecules, connections: scene.connections},
+      [wasm.buffer, parcel.buffer]);
+    for (const id of ['wasm', 'parcel', 'worker']) part(id).remove();
+    this.listen();
+    this.show_bodies();
+    this.loop();
+  }
+
+  /** New settings; the bodies go on from where they are. Several changes in one picture are one. */
+  change(rebuild, restart) {
+    this.rebuild = {rebuild: rebuild || this.rebuild?.rebuild, keep: !restart && this.rebuild?.keep !== false};
+    this.own_hash = this.hash();
+    clearTimeout(this.hashing);
+    this.hashing = setTimeout(() => history.replaceState(null, '', this.own_hash), 300);
+  }
+
+  async settle() {
+    const {rebuild, keep} = this.rebuild;
+    this.rebuild = undefined;
+    const settings = this.settings();
+    const answer = await this.ask({kind: 'settings', settings, rebuild, keep});
+    complain(answer.kind === 'refused' ? `${answer.message}.` : '');
+    if (rebuild) this.history = [];
+    if (answer.kind === 'refused') this.take_back();
+    else this.settled = this.strategies;
+  }
+
+  /** What was refused: the strategies that ran before stay. */
+  take_back() {
+    all('.strategy').forEach((select, i) => { select.value = this.settled?.[i] ?? ''; });
+    this.show_bodies();
+  }
+
+  choose_bodies() {
+    this.show_bodies();
+    this.change(true);
+  }
+
+  show_bodies() {
+    const count = this.strategies.length;
+    if (this.shown && this.count_shown === count) return;
+    this.count_shown = count;
+    this.shown = side_by_side(this.body, count);
+    this.drawn = undefined;
+    this.buffers = undefined;
+    if (!this.viewer) return;
+    this.viewer.set_body(this.shown);
+    this.look();
+    this.viewer.set_state(this.shown.rest.slice(), {molecules: new Float32Array(this.shown.rest.length).fill(0.5)});
+    this.viewer.fit([this.shown.rest]);
+  }
+
+  // --- pictures -------------------------------------------------------------------------------------------------------
+  async open_viewer() {
+    try {
+      const text = await unpacked(part('three').textContent);
+      document.head.append(Object.assign(document.createElement('script'), {textContent: text}));
+      this.viewer = part('canvas').viewer = new LabViewer(part('canvas'));
+      new Hand(part('canvas'), this);
+    } catch (problem) {
+      complain(`The body is not drawn: ${problem.message}. The tension test, the curves and the numbers work without it.`);
+      part('canvas').parentElement.hidden = true;
+    }
+    part('three').remove();
+  }
+
+  look() {
+    this.viewer?.set_look(Object.fromEntries(['connections', 'molecules', 'surface'].map(name => [name, part(name).checked])));
+  }
+
+  loop() {
+    const tick = async now => {
+      requestAnimationFrame(tick);
+      if (this.busy) return;
+      this.busy = true;
+      try {
+        await this.picture(now);
+      } catch (problem) {
+        complain(`The core says: ${problem.message}.`);
+      } finally {
+        this.busy = false;
+      }
+    };
+    requestAnimationFrame(tick);
+  }
+
+  async picture(now) {
+    if (this.testing) return this.test_picture();
+    if (this.rebuild) await this.settle();
+    const speed = +part('speed').value, passed = Math.min(0.05, 1e-3 * (now - (this.last ?? now)));
+    this.last = now;
+    const single = this.single, colour = part('colour').value;
+    this.single = false;
+    const begin = performance.now();
+    const answer = await this.ask({kind: 'frame', wanted: this.playing ? passed * speed : 0, single, budget, colour, buffers: this.buffers},
+      (this.buffers ?? []).map(array => array.buffer));
+    this.buffers = answer.bodies.map(body => body.positions);
+    if (answer.bodies.length !== this.count_shown) return;
+    this.show(answer, passed);
+    if (this.viewer && !this.seen) this.viewer.fit([this.shown.rest, this.viewer.positions.slice()]);  // a body may begin elsewhere than at rest
+    this.seen = true;
+    this.frame_time = performance.now() - begin;
+  }
+
+  show({bodies, gone}, passed) {
+    this.answer = bodies;
+    const {offsets, molecules} = this.shown, positions = new Float32Array(this.shown.rest.length);
+    bodies.forEach((body, copy) => {
+      for (let i = 0; i < 3 * molecules; ++i) positions[3 * molecules * copy + i] = body.positions[i] + (i % 3 ? 0 : offsets[copy]);
+    });
+    this.drawn = positions;
+    if (this.viewer) {
+      this.marks(bodies, positions);
+      this.viewer.set_state(positions, this.colours(bodies, positions));
+    }
+    if (gone > 0) this.keep_energies(bodies, gone);
+    this.tell(bodies, gone, passed);
+  }
+
+  /** Hand, probe, pins and names over the picture. */
+  marks(bodies, positions) {
+    const {viewer, shown: {offsets, molecules}} = this;
+    const place = (copy, molecule) => Array.from(positions.subarray(3 * (copy * molecules + molecule), 3 * (copy * molecules + molecule) + 3));
+    const beside = (at, copy) => [at[0] + offsets[copy], at[1], at[2]];
+    viewer.lines = this.hand ? bodies.map((body, copy) => ({from: place(copy, this.hand.molecule), to: beside(this.hand.target, copy),
+      text: body.force ? with_prefix(Math.hypot(...body.force), 'N') : ''})) : [];
+    viewer.probes = this.probe ? bodies.map((_, copy) => ({place: beside(this.probe.centre, copy), radius: this.probe.radius})) : [];
+    viewer.pins = bodies.flatMap((_, copy) => [...this.pins].map(molecule => place(copy, molecule)));
+    const top = Math.max(...this.shown.rest.filter((_, i) => i % 3 === 2)), low = Math.min(...this.shown.rest.filter((_, i) => i % 3 === 2));
+    viewer.names = bodies.length > 1 ? this.strategies.map((text, copy) => ({text, place: beside([0, 0, low - 0.12 * (top - low || this.body.size)].map((v, k) =>
+      k < 2 ? this.middle()[k] : v), copy)})) : [];
+  }
+
+  middle() {
+    if (this.middle_) return this.middle_;
+    const sum = [0, 0, 0];
+    this.body.rest.forEach((v, i) => { sum[i % 3] += v; });
+    return this.middle_ = sum.map(v => v / this.body.radius.length);
+  }
+
+  /** Colours of everything by what is chosen, over a range that grows at once and shrinks slowly. */
+  colours(bodies, positions) {
+    const colour = part('colour').value, joined = list => {
+      const all_values = new Float32Array(list.reduce((sum, one) => sum + one.length, 0));
+      let at = 0;
+      for (const one of list) { all_values.set(one, at); at += one.length; }
+      return all_values;
+    };
+    const values = {};
+    if (colour === 'strain') values.connections = strains_of(this.shown, positions.map((v, i) => v - this.shown.rest[i]));
+    else {
+      const list = bodies.map(body => body.values);
+      const wanted = colour === 'tension' ? scene.connections : scene.molecules;
+      if (list.some(one => one?.length !== wanted)) list.fill(new Float32Array(wanted));
+      values[colour === 'tension' ? 'connections' : 'molecules'] = joined(list);
+    }
+    values.molecules ??= means_of(this.shown, values.connections);
+    let most = 0;
+    for (const v of values.connections ?? values.molecules) most = Math.max(most, Math.abs(v));
+    this.range = Math.max(most, 0.97 * (this.range ?? 0), 1e-12);
+    const map = values.connections ? 'signed' : 'rising', range = this.range, mapped = numbers => numbers && colours_of(map, numbers.map(v => v / range));
+    this.show_legend(colour, map);
+    return {connections: mapped(values.connections), molecules: mapped(values.molecules)};
+  }
+
+  show_legend(colour, map) {
+    const unit = {tension: 'N', stress: 'Pa', strain: '', speed: 'm/s'}[colour];
+    const text = v => Math.abs(v) <= 1e-12 ? '0' : (colour === 'strain' ? `${short(100 * v)} %` : with_prefix(+v.toPrecision(2), unit, 0)).replace('-', '−');
+    const title = {tension: 'tension of the connections', stress: 'stress (von Mises)', strain: 'strain of the connections', speed: 'speed'}[colour];
+    this.legend = {title, map, low: map === 'signed' ? text(-this.range) : '0', high: text(this.range)};
+    part('legend-title').textContent = title;
+    part('legend-low').textContent = this.legend.low;
+    part('legend-high').textContent = this.legend.high;
+    if (this.ramp !== map) part('ramp').style.background = `linear-gradient(90deg,${legend_colours(map)})`;
+    this.ramp = map;
+  }
+
+  /** Numbers in words, four times a second. */
+  tell(bodies, gone, passed) {
+    this.sum = {gone: (this.sum?.gone ?? 0) + gone, passed: (this.sum?.passed ?? 0) + passed};
+    const now = performance.now();
+    if (now - (this.told ?? 0) < 250) return;
+    this.told = now;
+    const ratio = this.sum.passed > 0 ? this.sum.gone / this.sum.passed : 0, forces = bodies.map(body => body.force).filter(Boolean);
+    this.sum = undefined;
+    const words = [`t = ${bodies[0].time.toFixed(2)} s`, this.playing ? `${short(ratio)} × real time` : 'paused'];
+    if (forces.length) words.push('hand ' + forces.map(force => with_prefix(Math.hypot(...force), 'N')).join(' / '));
+    if (this.probe) words.push('probe ' + bodies.map(body => with_prefix(Math.hypot(...(body.push ?? [0, 0, 0])), 'N')).join(' / '));
+    part('readout').textContent = words.join(' · ');
+    const stopped = bodies.find(body => body.stopped);
+    const slow = this.playing && ratio < 0.8 * +part('speed').value && !stopped;
+    part('readout').textContent += slow ? ' · slower than asked: each step costs too much here' : '';
+    if (stopped && this.complained !== stopped.stopped) complain(`A body stands still: ${stopped.stopped}. Reset it, or take an implicit stepper.`);
+    if (!stopped && this.complained) complain('');
+    this.complained = stopped?.stopped;
+    part('canvas').setAttribute('aria-label', `The body with ${this.strategies.join(', ')}, coloured by ${this.legend?.title ?? 'tension'}`);
+    this.show_cost(bodies);
+    this.show_energies();
+  }
+
+  show_cost(bodies) {
+    part('cost').replaceChildren(...bodies.map((body, i) => this.row(i, [with_prefix(body.step, 's'),
+      body.cost ? with_prefix(body.cost, 's') : '—', body.cost ? short(body.step / body.cost) : '—'])));
+  }
+
+  row(body, cells, name = this.strategies[body]) {
+    const row = document.createElement('tr'), head = Object.assign(document.createElement('th'), {scope: 'row', textContent: name});
+    head.prepend(Object.assign(document.createElement('i'), {className: 'swatch', style: `background:${series_colours[body]}`}));
+    row.append(head, ...cells.map(text => Object.assign(document.createElement('td'), {className: 'n', textContent: text})));
+    return row;
+  }
+
+  // --- energy ---------------------------------------------------------------------------------------------------------
+  keep_energies(bodies) {
+    this.history.push({time: bodies[0].time, energies: bodies.map(body => body.energies)});
+    if (this.history.length > 600) this.history = this.history.filter((_, i) => i % 2);
+  }
+
+  show_energies() {
+    const last = this.history.at(-1);
+    if (!last) return;
+    this.curves.energy.set(last.energies.flatMap((_, i) => [
+      {name: 'kinetic', colour: series_colours[i], dashed: true, points: this.history.map(one => [one.time, one.energies[i]?.[0]])},
+      {name: 'elastic', colour: series_colours[i], points: this.history.map(one => [one.time, one.energies[i]?.[1]])}]), 'Kinetic and elastic energy over time');
+    part('energy-note').textContent = `Solid: elastic, ${last.energies.map(([, elastic]) => Number.isFinite(elastic) ? with_prefix(elastic, 'J') : 'not defined').join(' / ')}; ` +
+      `dashed: kinetic, ${last.energies.map(([kinetic]) => with_prefix(kinetic, 'J')).join(' / ')}.`;
+  }
+
+  save_energies() {
+    const head = ['time_s', ...this.strategies.flatMap(name => [`kinetic_J_${name}`, `elastic_J_${name}`])];
+    this.save_csv('energy', csv_of(head, this.history.map(one => [one.time, ...one.energies.flat()])));
+  }
+
+  save_csv(name, text) { save_file(`${scene.name}-${name}.csv`, 'data:text/csv;charset=utf-8,' + encodeURIComponent(text)); }
+
+  // --- hand -----------------------------------------------------------------------------------------------------------
+  /** Which molecule of the one body a drawn one is, and a place beside it in the first body's axes. */
+  own(molecule, place) {
+    const {molecules, offsets} = this.shown, copy = Math.floor(molecule / molecules);
+    return {molecule: molecule % molecules, place: place && [place[0] - offsets[copy], place[1], place[2]]};
+  }
+
+  hold(drawn, at) {
+    if (this.testing) this.stop_test();
+    const {molecule, place} = this.own(drawn, at);
+    part('molecule').value = molecule;
+    this.hold_at(molecule, place);
+  }
+
+  hold_at(molecule, target) {
+    const stiffness = this.sliders.stiffness.value, mass = first.density * this.body.size ** 3 / scene.molecules / 5;
+    this.hand = {molecule, target, stiffness, damping: 0.1 * Math.sqrt(stiffness * mass)};
+    this.worker.postMessage({kind: 'hand', hand: this.hand});
+  }
+
+  push(drawn, at) {
+    if (this.testing) this.stop_test();
+    const radius = this.sliders.probe.value;
+    this.probe = {centre: this.own(drawn, at).place, radius, stiffness: this.sliders.stiffness.value};
+    this.worker.postMessage({kind: 'probe', probe: this.probe});
+  }
+
+  let_go() {
+    this.hand = this.probe = undefined;
+    this.worker.postMessage({kind: 'hand', hand: null});
+    this.worker.postMessage({kind: 'probe', probe: null});
+  }
+
+  pin(drawn) {
+    const {molecule} = this.own(drawn);
+    if (!(molecule >= 0 && molecule < scene.molecules)) return;
+    const on = !this.pins.has(molecule);
+    if (on) this.pins.add(molecule);
+    else this.pins.delete(molecule);
+    part('molecule').value = molecule;
+    this.worker.postMessage({kind: 'pin', molecule, on});
+    said(`molecule ${molecule} is ${on ? 'pinned' : 'released'}`);
+  }
+
+  /** From the keyboard: the hand goes on by a twentieth of the body. */
+  pull(axis, sign) {
+    const molecule = Math.min(scene.molecules - 1, Math.max(0, +part('molecule').value | 0));
+    const from = this.hand?.molecule === molecule ? this.hand.target : this.first_place(molecule);
+    const target = [...from];
+    target[axis] += sign * 0.05 * this.body.size;
+    this.hold_at(molecule, target);
+    said(`molecule ${molecule} is pulled`);
+  }
+
+  /** Where a molecule of the first body is drawn, in its own axes; the worker's own arrays go back to it. */
+  first_place(molecule) {
+    const drawn = this.drawn ?? this.shown.rest;
+    return [0, 1, 2].map(k => drawn[3 * molecule + k] - (k ? 0 : this.shown.offsets[0]));
+  }
+
+  play(on) {
+    this.playing = on;
+    part('play').textContent = on ? 'Pause' : 'Play';
+    said(on ? 'running' : 'paused');
+  }
+
+  async reset() {
+    this.stop_test();
+    this.let_go();
+    this.history = [];
+    this.range = 0;
+    this.change(true, true);
+    complain('');
+  }
+
+  // --- test -----------------------------------------------------------------------------------------------------------
+  async test() {
+    const strain = this.sliders.strain.value / 100;
+    this.let_go();
+    complain('');
+    part('test').textContent = 'Stop the test';
+    said('the tension test runs');
+    this.readings = this.strategies.map(() => []);
+    this.test_settings = this.settings();
+    this.testing = 'begins';
+    this.test_strain = Math.abs(strain) < 1e-6 ? 0.01 : strain;
+    delete root.dataset.tested;
+  }
+
+  stop_test() {
+    if (!this.testing) return;
+    this.testing = undefined;
+    this.worker.postMessage({kind: 'stop_test'});
+    this.end_test();
+  }
+
+  end_test() {
+    this.testing = undefined;
+    part('test').textContent = 'Pull the body';
+    part('results').dataset.done = 'yes';
+    this.last = undefined;
+    this.range = 0;
+  }
+
+  async test_picture() {
+    if (this.rebuild) await this.settle();
+    if (this.testing === 'begins') {
+      await this.ask({kind: 'test', strain: this.test_strain, steps: 20});
+      if (!this.testing) return;
+      this.testing = 'runs';
+    }
+    const answer = await this.ask({kind: 'test_step'});
+    if (!answer.bodies || answer.bodies.length !== this.count_shown) return;
+    answer.bodies.forEach((body, i) => {
+      if (body.reading) this.readings[i].push(body.reading);
+    });
+    if (this.viewer && answer.bodies.every(body => body.positions)) this.show_test(answer.bodies);
+    this.show_results(answer.bodies);
+    if (!answer.over) return;
+    this.end_test();
+    this.say_results();
+  }
+
+  show_test(bodies) {
+    const {offsets, molecules} = this.shown, positions = new Float32Array(this.shown.rest.length);
+    bodies.forEach((body, copy) => {
+      for (let i = 0; i < 3 * molecules; ++i) positions[3 * molecules * copy + i] = body.positions[i] + (i % 3 ? 0 : offsets[copy]);
+    });
+    this.marks(bodies, positions);
+    const strains = strains_of(this.shown, positions.map((v, i) => v - this.shown.rest[i]));
+    this.range = strains.reduce((most, v) => Math.max(most, Math.abs(v)), 1e-9);
+    this.show_legend('strain', 'signed');
+    const mapped = numbers => colours_of('signed', numbers.map(v => v / this.range));
+    this.viewer.set_state(positions, {connections: mapped(strains), molecules: mapped(means_of(this.shown, strains))});
+  }
+
+  /** What each strategy measured in the scene's own test. */
+  results() {
+    return (this.readings ?? []).map((readings, i) => {
+      const own = readings.filter(reading => reading.own).at(-1), {E, nu} = this.test_settings;
+      return own && {strategy: this.test_settings.strategies[i], modulus: own.modulus, error: own.modulus / E - 1, ratio: own.ratio, E, nu, strain: own.strain};
+    });
+  }
+
+  show_results(bodies) {
+    const results = this.results();
+    part('results').replaceChildren(...results.map((result, i) => {
+      const problem = bodies[i]?.problem;
+      if (!result) return this.row(i, [problem ? 'no equilibrium' : '…', '', '', '', ''], this.test_settings.strategies[i]);
+      const row = this.row(i, [with_prefix(result.modulus, 'Pa', 4), with_prefix(result.E, 'Pa', 4), `${(100 * result.error).toFixed(2)} %`.replace('-', '−'),
+        Number.isFinite(result.ratio) ? result.ratio.toFixed(4) : '—', (+result.nu.toPrecision(4)).toString()], result.strategy);
+      row.dataset.modulus = result.modulus;
+      row.dataset.ratio = result.ratio;
+      return row;
+    }));
+    if (!results.length) part('results').innerHTML = '<tr><td colspan="6" class="faint">Press the button: the body is pulled, and shows what modulus it has.</td></tr>';
+    const problem = bodies.find(body => body.problem)?.problem;
+    if (problem) complain(`The test of a body stops here: ${problem}.`);
+    if (!this.readings) return;
+    this.curves.test.set([...this.readings.map((readings, i) => ({name: this.test_settings.strategies[i], colour: series_colours[i],
+      points: [[0, 0], ...readings.map(reading => [reading.strain, reading.stress])].sort((a, b) => a[0] - b[0])})), this.target()], 'Stress over strain of each strategy; dotted: the target E');
+  }
+
+  target() {
+    const strains = this.readings.flat().map(reading => reading.strain), end = strains.reduce((far, v) => Math.abs(v) > Math.abs(far) ? v : far, 0);
+    return {name: 'target', colour: 'var(--faint)', dashed: true, points: [[0, 0], [end, this.test_settings.E * end]]};
+  }
+
+  say_results() {
+    root.dataset.tested = 'yes';
+    said(this.results().filter(Boolean).map(result => `${result.strategy}: E is ${with_prefix(result.modulus, 'Pa', 4)}, ${(100 * result.error).toFixed(2)} per cent off the target`).join('; '));
+  }
+
+  save_curve() {
+    const rows = (this.readings ?? []).flatMap((readings, i) => readings.map(reading => [this.test_settings.strategies[i], reading.strain, reading.stress, reading.modulus, reading.ratio]));
+    this.save_csv('tension', csv_of(['strategy', 'strain', 'stress_Pa', 'effective_modulus_Pa', 'poissons_ratio'], rows));
+  }
+
+  async copy_link() {
+    const address = location.href.replace(/#.*/, '') + this.hash();
+    history.replaceState(null, '', this.own_hash = this.hash());
+    try {
+      await navigator.clipboard.writeText(address);
+      said('the link is copied');
+      part('link').textContent = 'Copied';
+    } catch {
+      part('link').textContent = 'It is in the address bar';
+    }
+    setTimeout(() => { part('link').textContent = 'Copy a link with these settings'; }, 2000);
+  }
+}
+
+async function open_lab() {
+  const missing = typeof WebAssembly === 'undefined' ? 'This browser has no WebAssembly, which Elastin runs in'
+    : typeof DecompressionStream === 'undefined' ? 'This browser cannot unpack the page' : '';
+  if (missing) return complain(`${missing}. Chrome 95, Firefox 113 and Safari 16.4 or newer can.`);
+  const lab = window.lab = new Lab(body_from(JSON.parse(await unpacked(part('view').textContent))));
+  part('view').remove();
+  await lab.open_viewer();
+  try {
+    await lab.begin();
+  } catch (problem) {
+    complain(`Elastin could not start here: ${problem.message}. Chrome 95, Firefox 113 and Safari 16.4 or newer run it.`);
+  }
+  root.dataset.ready = 'yes';
+}
+open_lab();

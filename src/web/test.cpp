@@ -1,0 +1,136 @@
+#include <cmath>
+#include <limits>
+
+#include "elastin/core/solve/statics.h"
+#include "web/lab_handle.h"
+
+using elastin::c::given;
+using elastin::c::guarded;
+using namespace elastin;
+
+/// One way to load the body, step by step.
+struct Drawing {
+  Simulation simulation;
+  std::unique_ptr<lab::StaticProtocol> protocol;
+  std::unique_ptr<lab::StaticRig> rig;
+  State state;
+  lab::Start start;
+  int steps, done = 0;
+};
+
+struct elastin_lab_test {
+  StaticOptions options;
+  std::vector<std::unique_ptr<Drawing>> drawings;  ///< the scene's own, and on to the strain
+  std::size_t now = 0;
+  VectorX tensions;
+};
+
+namespace {
+
+std::unique_ptr<Drawing> make_drawing(const elastin_lab& lab, const elastin_lab_settings& settings,
+                                      const lab::TensionSetup& setup) {
+  auto drawing = std::make_unique<Drawing>(Drawing{lab.simulation(settings, true), nullptr, nullptr, {}, {}, 1});
+  const Body& body = drawing->simulation.body();
+  drawing->protocol = lab::make_tension(body, setup);
+  drawing->rig = drawing->protocol->static_rig(drawing->simulation.model());
+  drawing->state = state_at_rest(body);
+  drawing->simulation.model().declare_history(drawing->state);
+  drawing->steps = setup.load_steps;
+  return drawing;
+}
+
+/// The scene's other loads act before anything is measured.
+StaticResult begin(Drawing& drawing, const StaticOptions& options) {
+  Model& model = drawing.simulation.model();
+  drawing.rig->set_load(0);
+  const bool rest = model.load_forces(drawing.state).isZero(0);
+  StaticResult result;
+  if (!rest) result = solve_static(model, drawing.state, options);
+  drawing.start.positions = drawing.state.positions;
+  drawing.start.reactions =
+      rest ? Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size())) : result.reactions;
+  return result;
+}
+
+lab::TensionSetup drawn_on(const lab::TensionSetup& scene, const Body& body, double strain, int steps) {
+  lab::TensionSetup setup = scene;
+  const VectorX heights = body.rest.transpose() * setup.axis.normalized();
+  setup.force.reset();
+  setup.displacement = strain * (heights.maxCoeff() - heights.minCoeff());
+  setup.load_steps = steps;
+  return setup;
+}
+
+double ratio_of(const lab::Measures& measures) { return measures.get("poissons_ratio"); }
+
+elastin_status advance(elastin_lab_test& test, elastin_lab_reading* out) {
+  Drawing* drawing = test.drawings[test.now].get();
+  if (drawing->done == drawing->steps) {
+    if (test.now + 1 == test.drawings.size()) throw InputError("the test is over");
+    drawing = test.drawings[++test.now].get();
+  }
+  StaticResult result;
+  if (drawing->done == 0) result = begin(*drawing, test.options);
+  if (result.outcome == Outcome::converged) {
+    drawing->rig->set_load(static_cast<double>(++drawing->done) / drawing->steps);
+    result = solve_static(drawing->simulation.model(), drawing->state, test.options);
+  }
+  if (result.outcome != Outcome::converged) return c::failed(ELASTIN_STOPPED, result.cause.c_str());
+  drawing->simulation.model().commit_step(drawing->state);
+  const lab::Measures measures = drawing->rig->measure(drawing->start, drawing->state, test.options, result);
+  const bool last = drawing->done == drawing->steps && test.now + 1 == test.drawings.size();
+  const elastin_lab_reading reading{0,
+                                    test.now == 0,
+                                    last,
+                                    measures.get("strain"),
+                                    measures.get("stress"),
+                                    measures.get("effective_modulus"),
+                                    ratio_of(measures)};
+  c::put(reading, out, "elastin_lab_reading");
+  return ELASTIN_OK;
+}
+
+}  // namespace
+
+extern "C" {
+
+elastin_status elastin_lab_test_begin(const elastin_lab* lab, const elastin_lab_settings* settings, double strain,
+                                      int steps, elastin_lab_test** test) {
+  return guarded([&] {
+    given(test, "test");
+    const lab::Parcel& parcel = given(lab, "lab").parcel;
+    if (!(strain > -0.9 && strain < 10 && steps > 0 && steps < 10000))
+      throw InputError("the strain must lie between -0.9 and 10, the steps between 1 and 9999");
+    const elastin_lab_settings chosen = c::checked_copy(settings, "elastin_lab_settings");
+    auto made = std::make_unique<elastin_lab_test>();
+    made->options.linear = parcel.linear;
+    made->options.tolerance = parcel.tolerance;
+    made->drawings.push_back(make_drawing(*lab, chosen, parcel.tension));
+    made->drawings.push_back(make_drawing(*lab, chosen, drawn_on(parcel.tension, parcel.body, strain, steps)));
+    *test = made.release();
+  });
+}
+
+elastin_status elastin_lab_test_step(elastin_lab_test* test, elastin_lab_reading* reading) {
+  return guarded([&] { return advance(given(test, "test"), reading); });
+}
+
+elastin_status elastin_lab_test_positions(const elastin_lab_test* test, const double** values, size_t* count) {
+  return guarded([&] { c::show(given(test, "test").drawings[test->now]->state.positions, values, count); });
+}
+
+elastin_status elastin_lab_test_tensions(elastin_lab_test* test, const double** values, size_t* count) {
+  return guarded([&] {
+    const Drawing& drawing = *given(test, "test").drawings[test->now];
+    const Body& body = drawing.simulation.body();
+    test->tensions = drawing.simulation.model().force_densities(drawing.state.positions);
+    for (int connection = 0; connection < body.connections.size(); ++connection) {
+      const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(connection)];
+      test->tensions[connection] *= (drawing.state.positions.col(b) - drawing.state.positions.col(a)).norm();
+    }
+    c::show(test->tensions, values, count);
+  });
+}
+
+void elastin_lab_test_free(elastin_lab_test* test) { delete test; }
+}

@@ -1,0 +1,70 @@
+// What an elastic law makes of one molecule's position: the force on it, and how that changes as it moves.
+
+#include "elastin/core/laws/local.h"
+
+#include <catch2/catch.hpp>
+
+#include "elastin/core/forces/tangent.h"
+#include "elastin/core/simulation/catalog.h"
+#include "support/bodies.h"
+
+using namespace elastin;
+using namespace elastin::testing;
+
+namespace {
+
+LocalBlock block_of(const std::vector<const LocalElasticity*>& terms, const Positions& positions, int molecule) {
+  LocalBlock block;
+  for (const LocalElasticity* term : terms) {
+    std::vector<LocalSlot> slots;
+    for (int element = 0; element < term->elements(); ++element) {
+      const auto molecules = term->molecules_of(element);
+      for (std::size_t node = 0; node < molecules.size(); ++node)
+        if (molecules[node] == molecule) slots.push_back({element, static_cast<int>(node)});
+    }
+    term->add_blocks(positions, slots, block);
+  }
+  return block;
+}
+
+void check(const Body& body, const Strategy& strategy, const Positions& positions, bool with_hessian) {
+  const Material material{.youngs_modulus = 2e4, .poissons_ratio = 0.3};
+  Model model(body);
+  model.add(strategy.make(body, material, {}));
+  std::vector<const LocalElasticity*> terms;
+  REQUIRE(model.elasticity()[0]->add_local_terms(terms));
+  const Positions forces = model.elastic_forces(positions);
+  const State state{positions, Positions::Zero(3, body.size())};
+  const Tangent tangent(model, state);
+  double energy = 0;
+  for (const LocalElasticity* term : terms)
+    for (int element = 0; element < term->elements(); ++element) energy += term->element_energy(positions, element);
+  INFO(strategy.name);
+  CHECK(energy == Approx(model.elastic_energy(positions)).epsilon(1e-12));
+  for (int molecule = 0; molecule < body.size(); ++molecule) {
+    const LocalBlock block = block_of(terms, positions, molecule);
+    CHECK((block.gradient + forces.col(molecule)).norm() <= 1e-11 * forces.norm());
+    if (with_hessian)
+      CHECK((block.hessian - tangent.diagonal(molecule)).norm() <= 1e-9 * tangent.diagonal(molecule).norm());
+  }
+}
+
+}  // namespace
+
+TEST_CASE("local terms give forces, energy and the tangent's own blocks", "[local]") {
+  const Catalog catalog = built_in_catalog();
+  const Body block = jittered_block(), lattice = jittered_lattice();
+  for (const char* law : {"neo_hookean", "st_venant_kirchhoff", "neo_hookean_log"})
+    check(block, catalog.find(law), deformed(block, 1e-3), true);
+  // Springs that are drawn out: of pressed ones the part that would turn them aside is left out.
+  check(lattice, catalog.find("standard"), 1.3 * lattice.rest, true);
+  check(lattice, catalog.find("standard"), deformed(lattice, 1e-3), false);
+  const Body membrane = sheet(0.001);
+  check(membrane, catalog.find("st_venant_kirchhoff_membrane"), deformed(membrane, 1e-3), true);
+  for (const char* kind : {"hexahedron8", "tetrahedron10", "hexahedron20"}) {
+    const Body cells = cell_box(cell_kind(kind), {2, 2, 2}, {0.03, 0.03, 0.03}, 0.1);
+    check(cells, catalog.find("neo_hookean"), deformed(cells, 1e-3), true);
+    if (kind != std::string("hexahedron20"))
+      check(cells, catalog.find("neo_hookean+volume"), deformed(cells, 1e-3), true);
+  }
+}

@@ -1,0 +1,125 @@
+// Broken data files: each is answered with file:line and what is needed.
+
+#include "lab/identify/data.h"
+
+#include <catch2/catch.hpp>
+
+#include "elastin/core/base/error.h"
+#include "lab/identify/identify.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+
+namespace {
+
+struct Broken {
+  std::string what, text;
+  int line;            ///< of the data file; 0: the place is in the scene
+  std::string needed;  ///< words of the message
+  std::string kind = "uniaxial", more = "";
+};
+
+std::string scene_of(const Broken& broken) {
+  return "material: {law: yeoh, terms: [1 kPa]}\nidentify:\n  tests: [{kind: " + broken.kind + ", file: data.csv" +
+         broken.more + "}]\n";
+}
+
+std::string message_of(const std::string& scene) {
+  try {
+    identify(scene, built_in_catalog(), {});
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+const std::string kGood = "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,1\n1.3,1.4\n";
+
+const std::vector<Broken> kBroken{
+    {"no unit", "stretch,nominal_stress\n1.1,1\n1.2,2\n", 1, "has no unit; write for example 'nominal_stress ["},
+    {"unknown unit", "stretch,nominal_stress [psi]\n1.1,1\n1.2,2\n", 1, "'psi' is no unit of nominal_stress"},
+    {"unit of something else", "stretch,nominal_stress [mm]\n1.1,1\n1.2,2\n", 1, "'mm' is no unit of nominal_stress"},
+    {"nominal or true unsaid", "stretch,stress [kPa]\n1.1,1\n1.2,2\n", 1,
+     "nominal_stress (force over section at rest) or true_stress"},
+    {"which strain unsaid", "strain,nominal_stress [kPa]\n0.1,1\n0.2,2\n", 1, "nominal_strain, true_strain or stretch"},
+    {"misspelt column", "strech,nominal_stress [kPa]\n1.1,1\n1.2,2\n", 1, "did you mean 'stretch'?"},
+    {"no response", "stretch,thickness [mm]\n1.1,1\n1.2,2\n", 1, "no column says what answers"},
+    {"columns swapped", "stretch,nominal_stress [kPa]\n0.1,1.1\n0.2,1.2\n0.3,1.3\n", 2, "are the columns swapped"},
+    {"strain headed as stretch", "stretch,nominal_stress [kPa]\n0,0.1\n0.1,1\n", 2,
+     "it is 1 at rest; is the column nominal_strain?"},
+    {"per cent headed as stretch", "stretch,nominal_stress [kPa]\n101,0.1\n110,1\n", 2,
+     "in per cent? then head it 'stretch [%]'"},
+    {"unsorted", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.3,1.4\n1.2,1\n", 4, "stretch goes back"},
+    {"not a number", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,nan\n1.3,1\n", 3, "'nan' is no measured value"},
+    {"a word", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,n/a\n1.3,1\n", 3, "'n/a' is no number"},
+    {"a gap", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,\n1.3,1\n", 3, "nothing stands there"},
+    {"one point", "stretch,nominal_stress [kPa]\n1.1,0.5\n", 0, "has 1 point; a curve needs two or more"},
+    {"constant response", "stretch,nominal_stress [kPa]\n1.1,2\n1.2,2\n1.3,2\n", 2,
+     "nominal_stress is the same in all rows"},
+    {"constant stretch", "stretch,nominal_stress [kPa]\n1.1,1\n1.1,2\n1.1,3\n", 2, "stretch is the same in all rows"},
+    {"a row too short", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2\n1.3,1\n", 3, "1 fields; the head has 2"},
+    {"semicolons", "stretch;nominal_stress [kPa]\n1,1;0,5\n1,2;1\n", 1, "separate"},
+    {"column twice", "stretch,nominal_stress [kPa],stretch\n1.1,0.5,1\n1.2,1,1\n", 1,
+     "two columns are called 'stretch'"},
+    {"empty", "", 1, "no head"},
+    {"head alone", "stretch,nominal_stress [kPa]\n", 0, "has 0 points"},
+    {"zero under relative residuals", "stretch,nominal_stress [kPa]\n1,0\n1.1,0.5\n1.2,1\n", 2,
+     "write residuals: absolute"},
+    {"another test's column", "shear,nominal_stress [kPa]\n0.1,0.5\n0.2,1\n", 1, "'shear' does not"},
+    {"no section", "stretch,force [N]\n1.1,0.5\n1.2,1\n", 0, "key 'cross_section' is missing"},
+    {"no rows of that name", kGood, 1, "no column 'region'", "uniaxial", ", rows: {region: cortex}"},
+    {"range without points", kGood, 0, "between `from` and `to`", "uniaxial", ", from: 2"},
+    {"no such head", kGood, 0, "has no column 'Load'", "uniaxial", ", columns: {Load: 'force [N]'}"},
+};
+
+}  // namespace
+
+TEST_CASE("each broken data file is answered with its place and what is needed", "[identify]") {
+  const TemporaryFolder folder;
+  for (const Broken& broken : kBroken) {
+    INFO(broken.what);
+    const std::string data = folder.write("data.csv", broken.text),
+                      scene = folder.write("scene.yaml", scene_of(broken));
+    const std::string message = message_of(scene);
+    INFO(message);
+    const std::string place = broken.line > 0 ? data + ":" + std::to_string(broken.line) + ":" : scene + ":3:";
+    CHECK(message.starts_with(place));
+    CHECK(message.find(broken.needed) != std::string::npos);
+  }
+}
+
+TEST_CASE("a data file that is not there is named with its neighbour", "[identify]") {
+  const TemporaryFolder folder;
+  folder.write("dat.csv", kGood);
+  const std::string message = message_of(folder.write("scene.yaml", scene_of({"", "", 0, ""})));
+  CHECK(message.find("data.csv") != std::string::npos);
+  CHECK(message.find("did you mean") != std::string::npos);
+}
+
+TEST_CASE("columns in any unit and spelling of their heads are the same data", "[identify]") {
+  const TemporaryFolder folder;
+  const auto data_of = [&](const std::string& text, const std::string& more) {
+    folder.write("data.csv", text);
+    const IdentifyTask task =
+        load_identify_task(folder.write("scene.yaml", scene_of({"", "", 0, "", "uniaxial", more})), built_in_catalog());
+    return as_strain_and_stress(task.tests.front(), load_data(task.tests.front()));
+  };
+  const MeasuredData expected = data_of("stretch,nominal_stress [Pa]\n1.1,1000\n1.25,2000\n", "");
+  CHECK(expected.x[1] == Approx(0.25));
+  CHECK(expected.y[1] == 2000);
+  const std::vector<std::pair<std::string, std::string>> same{
+      {"# a remark\nstretch,nominal_stress_kPa\n1.1,1\n1.25,2\n", ""},
+      {"nominal_strain [%],nominal_stress (kPa)\r\n10,1\r\n25,2\r\n", ""},
+      {"\xEF\xBB\xBFnominal_stress / MPa,true_strain\n0.001,0.0953101798\n0.002,0.22314355131\n", ""},
+      {"stretch,true_stress [kPa]\n1.1,1.1\n1.25,2.5\n", ""},
+      {"Ext,Load,note\n4,0.04,a\n10,0.08,b\n",
+       ", columns: {Ext: 'displacement [mm]', Load: 'force [N]'}, length: 40 mm, cross_section: 40 mm2"},
+  };
+  for (const auto& [text, more] : same) {
+    INFO(text);
+    const MeasuredData data = data_of(text, more);
+    CHECK((data.x - expected.x).norm() < 1e-9);
+    CHECK((data.y - expected.y).norm() < 1e-6);
+  }
+}

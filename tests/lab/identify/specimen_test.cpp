@@ -1,0 +1,91 @@
+// Specimens in their grips, relaxation, and springs fitted to the same curve.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "lab/identify/identify.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+
+namespace {
+
+const Catalog kCatalog = built_in_catalog();
+const std::string kScenes = std::string(ELASTIN_SOURCE_DIR) + "/scenes/identify/";
+
+}  // namespace
+
+TEST_CASE("a dog-bone in its clamps gives E to 0.1 per cent, where section and length are far off", "[identify]") {
+  // The force is that of E = 200 kPa on cells of half the size.
+  const Answer answer =
+      identify(kScenes + "dogbone.yaml", kCatalog, {.overrides = {"material.youngs_modulus=190 kPa"}}).front();
+  CHECK(answer.outcome == FitOutcome::converged);
+  CHECK(answer.numbers.front().value == Approx(200e3).epsilon(1e-3));
+  CHECK(answer.tests[1].relative_rms > 0.02);  // what the material gives without clamps, beside the force
+}
+
+TEST_CASE("relaxation gives the law and its Prony terms", "[identify]") {
+  const Answer answer = identify(kScenes + "relaxation.yaml", kCatalog, {}).front();
+  const double made_with[] = {400, 0.3, 1, 0.25, 12};
+  REQUIRE(answer.numbers.size() == 5);
+  for (std::size_t i = 0; i < 5; ++i) {
+    INFO(answer.numbers[i].name);
+    CHECK(answer.numbers[i].deviation < 0.04 * made_with[i]);
+    CHECK(std::abs(answer.numbers[i].value - made_with[i]) < 3 * answer.numbers[i].deviation);
+  }
+  CHECK(answer.tests.front().relative_rms == Approx(3e-3).epsilon(0.4));  // the scatter that they were made with
+}
+
+TEST_CASE("of the brain's cortex one Ogden term is enough that is stable and determined", "[identify]") {
+  const Answer answer =
+      identify(kScenes + "brain-cortex.yaml", kCatalog, {.laws = "ogden/1,mooney_rivlin,yeoh/2"}).front();
+  CHECK(answer.laws.front().label == "ogden/1");
+  // Budday et al. 2017 have 1.43 kPa and -19 of other specimens and loads.
+  CHECK(answer.numbers[0].value == Approx(1430).epsilon(0.1));
+  CHECK(answer.numbers[1].value == Approx(-19).epsilon(0.15));
+}
+
+TEST_CASE("springs are fitted to the same curve as the solid", "[identify]") {
+  const TemporaryFolder folder;
+  folder.write("data.csv", "displacement [mm],force [mN]\n0.2,30\n0.4,60\n0.6,90\n");
+  const std::string scene = folder.write(
+      "scene.yaml",
+      "body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 4], size: [10 mm, 10 mm, 20 mm]}}\nmaterial: "
+      "{youngs_modulus: 10 kPa, poissons_ratio: 0.25}\nstiffness: neo_hookean\nexperiment: {kind: tension, "
+      "axis: z, displacement: 1 mm}\nidentify: {tests: [{kind: specimen, file: data.csv}]}\n");
+  const auto answers = identify(scene, kCatalog, {.strategies = "neo_hookean,van_gelder,calibrated:van_gelder"});
+  REQUIRE(answers.size() == 3);
+  for (const Answer& answer : answers) {
+    INFO(answer.strategy << ": " << answer.cause);
+    REQUIRE(answer.outcome == FitOutcome::converged);
+    CHECK(answer.tests.front().relative_rms < 0.05);
+  }
+  // 30 mN over 1 cm² at 1 % of strain; the body-centred springs of [VG98] show 0.916 of their E.
+  CHECK(answers[0].numbers.front().value == Approx(30e3).epsilon(0.05));
+  CHECK(answers[2].numbers.front().value == Approx(answers[0].numbers.front().value).epsilon(0.05));
+  CHECK(answers[1].numbers.front().value / answers[2].numbers.front().value == Approx(1 / 0.916).epsilon(0.02));
+}
+
+TEST_CASE("a specimen whose scene does not prescribe what was measured is refused", "[identify]") {
+  const TemporaryFolder folder;
+  const auto message = [&](const std::string& data, const std::string& experiment) {
+    folder.write("data.csv", data);
+    try {
+      identify(folder.write("scene.yaml",
+                            "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [10 mm, 10 mm, 20 mm]}}\n"
+                            "material: {youngs_modulus: 10 kPa}\nstiffness: neo_hookean\nexperiment: " +
+                                experiment + "\nidentify: {tests: [{kind: specimen, file: data.csv}]}\n"),
+               kCatalog, {});
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string pulled = "{kind: tension, axis: z, displacement: 1 mm}";
+  CHECK(message("displacement [mm],force [N]\n1,0.1\n2,0.2\n", pulled)
+            .find("data.csv:3: displacement of 0.002 is beyond") != std::string::npos);
+  CHECK(message("angle [deg],torque [N m]\n1,0.1\n2,0.2\n", pulled).find("it shows no angle") != std::string::npos);
+  CHECK(message("displacement [mm],force [N]\n0.5,0.1\n1,0.2\n", "{kind: tension, axis: z, force: 1 N}")
+            .find("the data must be over what the scene prescribes") != std::string::npos);
+}

@@ -1,0 +1,83 @@
+#include "lab/report/figures.h"
+
+#include <catch2/catch.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "lab/report/study.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+
+namespace {
+
+Record run_of(const std::string& strategy, std::vector<std::pair<std::string, std::string>> variant = {}) {
+  Record record;
+  record.scene = record.title = "block";
+  record.run.strategy = strategy;
+  record.variant = std::move(variant);
+  record.main_measures = {{"effective_modulus"}};
+  return record;
+}
+
+}  // namespace
+
+TEST_CASE("strategies of one family have shades of one hue, and none looks like another", "[figures]") {
+  std::vector<Record> records;
+  for (const char* stem : {"standard", "divided", "angles", "statistical", "lloyd", "lattice", "patch", "neo_hookean"})
+    for (const char* kind : {"", "calibrated:"})
+      for (const char* volume : {"", "+volume"}) records.push_back(run_of(std::string(kind) + stem + volume));
+  const auto colours = strategy_colours(records);
+  CHECK(colours.size() == 32);
+  std::set<std::string> seen;
+  for (const auto& [name, colour] : colours) seen.insert(plot_colour(colour));
+  CHECK(seen.size() == 32);
+  const int hue = colours.at("lattice");
+  CHECK(colours.at("calibrated:lattice") == hue + kPlotHues);
+  CHECK(colours.at("lattice+volume") == hue + 2 * kPlotHues);
+}
+
+TEST_CASE("a study draws its measure and signed error over the parameter in SI units", "[figures]") {
+  std::vector<Record> records;
+  for (const char* strategy : {"standard", "lattice"})
+    for (const auto& [text, modulus] : {std::pair{"2 kPa", 2100.}, {"0.001 MPa", 950.}, {"4 kPa", 4000.}}) {
+      Record record = run_of(strategy, {{"material.youngs_modulus", text}});
+      record.run.measures.set("effective_modulus", modulus);
+      record.errors = {{"effective_modulus", modulus < 1000 ? -0.05 : 0.05}};
+      records.push_back(record);
+    }
+  Ranking ranking;
+  ranking.measures = {"effective_modulus"};
+  const auto plots = parameter_plots(records, ranking, strategy_colours(records));
+  REQUIRE(plots.size() == 2);
+  for (const Plot& plot : plots) {
+    CHECK(plot.x.unit == "Pa");
+    REQUIRE(plot.series.size() == 2);
+    REQUIRE(plot.series[0].points.size() == 3);
+    for (int i = 0; i < 3; ++i) CHECK(plot.series[0].points[static_cast<std::size_t>(i)].x == Approx(1000 * (1 << i)));
+  }
+  CHECK(plots[0].series[0].points[0].y == 950);
+  CHECK(plots[1].series[0].points[0].y == -0.05);
+  CHECK(plots[1].y.unit == "%");
+  std::set<int> own;
+  for (const Plot plot = response_plot(records, strategy_colours(records)); const PlotSeries& series : plot.series)
+    own.insert(series.colour);
+  CHECK(own.size() == response_plot(records, strategy_colours(records)).series.size());
+}
+
+TEST_CASE("lists under a key count as the body's molecules", "[figures]") {
+  std::vector<Record> records;
+  for (const int n : {3, 5, 9}) {
+    Record record = run_of("lattice", {{"body.lattice.molecules", "[" + std::to_string(n) + ", 3, 3]"},
+                                       {"body.lattice.spacing", std::to_string(9. / n) + " mm"}});
+    record.molecules = 9 * n;
+    record.run.measures.set("effective_modulus", 1000. / n);
+    records.push_back(record);
+  }
+  const auto plots = parameter_plots(records, {}, strategy_colours(records));
+  REQUIRE(plots.size() == 1);  // the spacing changes with the molecules: it is no parameter of its own
+  CHECK(plots[0].x.title == "molecules");
+  REQUIRE(plots[0].series.size() == 1);
+  CHECK(plots[0].series[0].points[1].x == 45);
+}

@@ -1,0 +1,60 @@
+// The scenes that `elastin new` writes run as they are.
+
+#include "lab/study/new_scene.h"
+
+#include <sys/wait.h>
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <string>
+
+#include "elastin/core/base/error.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using Catch::Matchers::Contains;
+
+namespace {
+
+int exit_code(const TemporaryFolder& folder, const std::string& arguments) {
+  const int status = std::system(
+      ("cd '" + folder.path("") + "' && '" ELASTIN_COMMAND "' " + arguments + " < /dev/null > /dev/null").c_str());
+  REQUIRE(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+}  // namespace
+
+TEST_CASE("what new writes runs", "[new]") {
+  const std::string scenes = ELASTIN_SOURCE_DIR "/scenes/";
+  const TemporaryFolder folder;
+  for (const NewSpecimen& row : new_specimens()) {
+    const std::string name = row.name;
+    const std::string file = scenes + (name == "organ" ? "tissue/organ.stl" : "tension/dogbone.msh");
+    CAPTURE(name);
+    CHECK(exit_code(folder,
+                    "new " + name + (row.from_file ? " --mesh '" + file + "'" : " --size '24 x 12 mm x 12 mm'")) == 0);
+    CHECK(exit_code(folder, "run " + name + ".yaml --quiet") == 0);
+    CHECK(exit_code(folder, "new " + name + " --size '1 x 1 x 1 m' --mesh '" + file + "'") == 2);  // is there already
+  }
+}
+
+TEST_CASE("a size is three lengths, the last of which may give the unit", "[new]") {
+  const auto text = [](const std::string& size) { return new_scene_text({"strip", size, ""}, ""); };
+  for (const char* size : {"40 x 10 x 4 mm", "40 mm x 1 cm x 4 mm", "40×10×4 mm", "0.04 m, 0.01 m, 0.004 m"})
+    CHECK_THAT(text(size), Contains("size: [40 mm, 10 mm, 4 mm]") && Contains("cubes: [20, 5, 2]") &&
+                               Contains("displacement: 6 mm"));
+  for (const char* size : {"40 x 10", "40 x 10 x 4", "a x b x c mm", "40 x -1 x 4 mm", ""})
+    CHECK_THROWS_WITH(text(size), Contains("is not three lengths, such as 40 x 10 x 4 mm"));
+}
+
+TEST_CASE("a slip in what new is given names what is allowed", "[new]") {
+  CHECK_THROWS_WITH(new_scene_text({"stripp", "", ""}, ""), Contains("did you mean 'strip'?"));
+  NewScene scene{"strip", "40 x 10 x 4 mm", ""};
+  scene.poissons_ratio = 0.5;
+  CHECK_THROWS_WITH(new_scene_text(scene, ""), Contains("--poissons-ratio: 0.5 is not from 0 to below 0.5"));
+  scene.poissons_ratio = 0.3;
+  scene.modulus = "20 mm";
+  CHECK_THROWS_AS(new_scene_text(scene, ""), InputError);
+}

@@ -1,0 +1,238 @@
+// Opens pages of `elastin lab` from disk in a headless Chromium and works them as a visitor does.
+//   node lab_test.js CHROMIUM WHAT PAGE [arguments]
+//     drag PAGE                     drags a molecule by mouse and by finger, pins one, pushes, pauses, steps, by keys too
+//     strategies PAGE NAME E NAME E …   switches to each strategy, runs the tension test and compares E [Pa] with the command's
+//     wild PAGE SECONDS SEED        clicks, drags and slides at random: no exception, nothing that is not finite
+//     access PAGE                   labels, roles, contrast, what overflows, at 1400 and 390 px, light and dark
+//     refused PAGE                  without WebGL the test still runs; without WebAssembly the page says so
+//     pictures PAGE FOLDER          screenshots at 1400 and 390 px, light and dark
+'use strict';
+const path = require('node:path'), {Browser, sleep} = require('./browser.js');
+const [chromium, what, page, ...more] = process.argv.slice(2), url = 'file://' + path.resolve(page);
+
+function must(holds, words) {
+  if (!holds) throw new Error(words);
+}
+
+const text = (browser, id) => browser.eval(`document.getElementById('${id}').textContent`);
+
+/** Where the highest molecule that is seen stands on the page, and its number. */
+const top_molecule = browser => browser.eval(`(() => {
+  const {viewer} = lab, box = viewer.canvas.getBoundingClientRect();
+  for (let y = 8; y < box.height; y += 4)
+    for (let x = 8; x < box.width; x += 6) {
+      const molecule = viewer.molecule_at(x, y);
+      if (molecule >= 0) return {x: x + box.left, y: y + box.top, molecule};
+    }
+})()`);
+
+/** How far a drawn molecule is from where it rests [m]. */
+const moved = (browser, molecule) => browser.eval(`Math.hypot(...[0, 1, 2].map(k =>
+  lab.viewer.positions[3 * ${molecule} + k] - lab.shown.rest[3 * ${molecule} + k]))`);
+
+async function sound(browser) {
+  must(browser.said.length === 0, `the page said: ${browser.said.join('; ')}`);
+  const errors = await browser.eval('document.documentElement.dataset.errors');
+  must(!errors, `the page said: ${errors}`);
+  must(await browser.eval('!lab.viewer?.positions || lab.viewer.positions.every(v => Number.isFinite(v))'), 'a position is not finite');
+  const outside = browser.asked.filter(address => !/^(file|blob|data|about):/.test(address));
+  must(outside.length === 0, `the page asked for ${outside}`);
+}
+
+async function drag_by_mouse(browser) {
+  const {x, y, molecule} = await top_molecule(browser), before = await moved(browser, molecule);
+  await browser.mouse('mousePressed', x, y);
+  for (let i = 1; i <= 8; ++i) {
+    await browser.mouse('mouseMoved', x + 6 * i, y - 3 * i);
+    await sleep(40);
+  }
+  await browser.until('/hand [0-9.]+ [nµmkMG]?N/.test(document.getElementById("readout").textContent)', 20);
+  const after = await moved(browser, molecule);
+  must(after > before + 0.005 * await browser.eval('lab.body.size'), `the molecule went from ${before} to ${after} m`);
+  await browser.mouse('mouseReleased', x + 48, y - 24, 0);
+  await browser.until('!/hand/.test(document.getElementById("readout").textContent)', 10);
+}
+
+/** Back to rest, so that a molecule is still where it was seen when the hand comes down. */
+async function rest(browser) {
+  const before = await browser.eval('lab.answer[0].time');
+  await browser.eval('document.getElementById("reset").click()');
+  await browser.until(`!lab.rebuild && lab.answer[0].time < ${before}`, 20);
+}
+
+async function drag_by_finger(browser) {
+  await rest(browser);
+  const {x, y, molecule} = await top_molecule(browser);
+  await browser.touch('touchStart', [[x, y]]);
+  for (let i = 1; i <= 8; ++i) await browser.touch('touchMove', [[x - 6 * i, y - 2 * i]]);
+  await browser.until('lab.hand', 10);
+  must(await browser.eval(`lab.hand.molecule === ${molecule} % lab.shown.molecules`), 'another molecule was gripped');
+  await browser.touch('touchEnd', []);
+  await browser.until('!lab.hand', 10);
+}
+
+async function work_controls(browser) {
+  await rest(browser);
+  await browser.eval('document.querySelector("input[value=pin]").click()');
+  const {x, y} = await top_molecule(browser);
+  await browser.mouse('mousePressed', x, y);
+  await browser.mouse('mouseReleased', x, y, 0);
+  must(await browser.eval('lab.pins.size') === 1, 'no molecule was pinned');
+  await browser.eval('document.getElementById("unpin").click()');
+  await browser.eval('document.querySelector("input[value=push]").click()');
+  await browser.mouse('mousePressed', x, y);
+  await browser.until('lab.answer[0].push && Math.hypot(...lab.answer[0].push) > 0', 20);
+  await browser.mouse('mouseReleased', x, y, 0);
+  await browser.eval('document.getElementById("play").click()');
+  await sleep(200);
+  const before = await browser.eval('lab.answer[0].time');
+  await sleep(200);
+  must(await browser.eval('lab.answer[0].time') === before, 'time goes on while paused');
+  await browser.eval('document.getElementById("step").click()');
+  await browser.until(`lab.answer[0].time > ${before}`, 20);
+  await browser.eval('document.getElementById("play").click()');
+  await browser.eval('document.getElementById("canvas").focus()');
+  for (const key of ['n', 'w', 'w']) await browser.send('Input.dispatchKeyEvent', {type: 'keyDown', key, text: key});
+  await browser.until('lab.hand && lab.answer[0].force && Math.hypot(...lab.answer[0].force) > 0', 20);
+  await browser.eval('document.getElementById("reset").click()');
+  await browser.until('lab.answer[0].time < 0.2 && !lab.hand', 20);
+  await browser.eval('document.getElementById("gravity").value = 9.81, document.getElementById("gravity").dispatchEvent(new Event("input"))');
+  await sleep(700);
+  must((await browser.eval('location.hash')).includes('gravity=9.81'), 'the address does not carry the settings');
+}
+
+const actions = {
+  async drag(browser) {
+    await browser.open(url, 1400, 1000);
+    await drag_by_mouse(browser);
+    await drag_by_finger(browser);
+    await work_controls(browser);
+  },
+
+  async strategies(browser) {
+    await browser.open(url, 1400, 1000);
+    for (let i = 0; i < more.length; i += 2) {
+      const [name, modulus] = [more[i], +more[i + 1]];
+      await browser.eval(`(() => { const s = document.getElementById('strategy-1'); s.value = '${name}'; s.dispatchEvent(new Event('change')); })()`);
+      must(await browser.eval('document.getElementById("strategy-1").value') === name, `the page has no strategy ${name}`);
+      await browser.until(`lab.settled?.[0] === '${name}'`, 60);
+      await browser.eval('document.getElementById("test").click()');
+      await browser.until('!document.documentElement.dataset.tested', 10);
+      await browser.until('document.documentElement.dataset.tested', 120);
+      const read = +(await browser.eval('document.querySelector("#results tr").dataset.modulus'));
+      console.log(`${name}: E = ${read} Pa in the page, ${modulus} Pa by the command, ${read / modulus - 1} apart`);
+      must(Math.abs(read / modulus - 1) < 1e-3, `${name}: the page says E = ${read} Pa, the command ${modulus} Pa`);
+    }
+    await browser.eval('(() => { const s = document.getElementById("strategy-2"); s.value = s.options[1].value; s.dispatchEvent(new Event("change")); })()');
+    await browser.until('lab.answer?.length === 2 && lab.viewer.positions.length === 6 * lab.shown.molecules', 60);
+  },
+
+  async wild(browser) {
+    const [seconds, seed] = [+more[0], +(more[1] ?? 1)];
+    let state = seed;
+    const random = () => (state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 ** 32;
+    await browser.open(url, 1400, 1000);
+    const memory = () => browser.eval('performance.memory.usedJSHeapSize');
+    let early, count = 0;
+    for (const end = Date.now() + 1000 * seconds; Date.now() < end; ++count) {
+      const kind = random(), x = 40 + 780 * random(), y = 180 + 600 * random();
+      if (kind < 0.4) {
+        await browser.mouse('mousePressed', x, y);
+        for (let i = 0; i < 5; ++i) await browser.mouse('mouseMoved', x + 300 * (random() - 0.5), y + 300 * (random() - 0.5));
+        await browser.mouse('mouseReleased', x, y, 0);
+      } else {
+        await browser.eval(`(() => {
+          const controls = [...document.querySelectorAll('button:not([id$=csv]):not(#png):not(#link), select, input')].filter(one => one.getClientRects().length);
+          const one = controls[Math.floor(${random()} * controls.length)], at = ${random()};
+          if (one.type === 'range') { one.value = +one.min + at * (one.max - one.min); one.dispatchEvent(new Event('input')); }
+          else if (one.type === 'number') one.value = Math.floor(at * 2000) - 100;
+          else if (one.tagName === 'SELECT') { one.selectedIndex = Math.floor(at * one.options.length); one.dispatchEvent(new Event('change')); }
+          else one.click();
+        })()`);
+      }
+      await sleep(40);
+      if (count % 20 === 0) await sound(browser);
+      if (Date.now() > end - 800 * seconds) early ??= await memory();
+    }
+    await browser.eval('gc?.()').catch(() => {});
+    console.log(`${count} actions in ${seconds} s; heap ${(early / 1e6).toFixed(1)} MB early, ${(await memory() / 1e6).toFixed(1)} MB late`);
+  },
+
+  async access(browser) {
+    for (const [width, dark] of [[1400, false], [1400, true], [390, false], [390, true]]) {
+      await browser.open(url, width, width > 600 ? 1000 : 844, dark);
+      await browser.until('lab.answer', 30);
+      const faults = await browser.eval(`(${check_access})()`);
+      must(faults.length === 0, `${width} px, ${dark ? 'dark' : 'light'}: ${faults.join('; ')}`);
+      const {nodes} = await browser.send('Accessibility.getFullAXTree');
+      const nameless = nodes.filter(node => ['button', 'checkbox', 'radio', 'slider', 'combobox', 'spinbutton', 'img', 'figure', 'application', 'region']
+        .includes(node.role?.value) && !node.ignored && !node.name?.value && node.role.value !== 'figure');
+      must(nameless.length === 0, `without a name: ${nameless.map(node => node.role.value)}`);
+    }
+  },
+
+  async refused(browser) {
+    await browser.open(url, 1400, 1000);  // this browser was started without 3D
+    must((await text(browser, 'problem')).includes('no WebGL'), `without WebGL the page says: ${await text(browser, 'problem')}`);
+    await browser.eval('document.getElementById("test").click()');
+    await browser.until('document.documentElement.dataset.tested', 120);
+    must(+(await browser.eval('document.querySelector("#results tr").dataset.modulus')) > 0, 'no E without WebGL');
+    browser.said = [];
+    await browser.send('Page.addScriptToEvaluateOnNewDocument', {source: 'delete globalThis.WebAssembly; document.addEventListener("DOMContentLoaded", () => document.documentElement.dataset.ready = "yes")'});
+    await browser.open(url, 1400, 1000);
+    must((await text(browser, 'problem')).includes('no WebAssembly'), `without WebAssembly the page says: ${await text(browser, 'problem')}`);
+    return 'no page';
+  },
+
+  async pictures(browser) {
+    for (const [width, dark] of [[1400, false], [1400, true], [390, false], [390, true]]) {
+      await browser.open(url, width, width > 600 ? 1000 : 844, dark);
+      await sleep(1500);
+      await browser.picture(path.join(more[0], `lab-${width}-${dark ? 'dark' : 'light'}.png`), true);
+    }
+  },
+};
+
+/** Runs in the page: what a reader without eyes, or with weak ones, would miss. */
+function check_access() {
+  const faults = [], seen = one => one.getClientRects().length > 0 && !one.closest('.unseen');
+  const name_of = one => one.id ? '#' + one.id : one.className || one.tagName;
+  const luminance = rgb => rgb.slice(0, 3).map(v => v / 255).map(v => v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+    .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
+  const numbers = colour => colour.match(/[\d.]+/g).map(Number);
+  const ground = one => {
+    for (; one; one = one.parentElement) {
+      const colour = numbers(getComputedStyle(one).backgroundColor);
+      if (colour[3] !== 0) return colour;
+    }
+    return [255, 255, 255];
+  };
+  for (const one of document.querySelectorAll('p, label, button, select, output, th, td, h1, h2, span, text, input[type=number]')) {
+    if (!seen(one) || ![...one.childNodes].some(node => node.nodeType === 3 && node.textContent.trim())) continue;
+    const style = getComputedStyle(one), ink = numbers(one.tagName === 'text' ? style.fill : style.color);
+    const [a, b] = [luminance(ink), luminance(ground(one))].sort((x, y) => y - x), ratio = (a + 0.05) / (b + 0.05);
+    if (ratio < 4.5) faults.push(`${name_of(one)} "${one.textContent.trim().slice(0, 20)}": contrast ${ratio.toFixed(2)}`);
+  }
+  for (const one of document.querySelectorAll('input, select')) if (seen(one) && !one.labels.length && !one.getAttribute('aria-label')) faults.push(`${name_of(one)} has no label`);
+  const ids = [...document.querySelectorAll('[id]')].map(one => one.id);
+  for (const id of ids) if (ids.indexOf(id) !== ids.lastIndexOf(id)) faults.push(`two parts are called ${id}`);
+  for (const one of document.querySelectorAll('[aria-labelledby], [aria-describedby]'))
+    for (const name of ['aria-labelledby', 'aria-describedby'])
+      if (one.getAttribute(name) && !document.getElementById(one.getAttribute(name))) faults.push(`${name} of ${name_of(one)} names nothing`);
+  if (document.documentElement.scrollWidth > innerWidth) faults.push(`the page is ${document.documentElement.scrollWidth} px wide in a window of ${innerWidth}`);
+  for (const one of document.querySelectorAll('button, select, .tool span'))
+    if (seen(one) && one.getBoundingClientRect().height < 24) faults.push(`${name_of(one)} is ${one.getBoundingClientRect().height} px high`);
+  return faults;
+}
+
+(async () => {
+  const browser = new Browser(chromium, what === 'refused' ? ['--disable-3d-apis'] : ['--enable-precise-memory-info']);
+  try {
+    if (!(await actions[what](browser))) await sound(browser);
+  } finally {
+    await browser.close();
+  }
+})().then(() => process.exit(0), problem => {
+  console.error(problem);
+  process.exit(1);
+});
