@@ -29,10 +29,13 @@ moduli() {
 
 case $what in
   bits)
-    "$bits" 1000 >"$folder/native"
+    # The module has no Voro++ to make Voronoi cells; patch takes them where it can, and cubes' faces on the lattice.
+    same() { grep -v -e ' voronoi ' -e '^tetrahedra patch ' "$1"; }
+    "$bits" 1000 >"$folder/native" &
     node "$here/bits.js" "$build/web/bin" 1000 >"$folder/web"
-    [[ -s $folder/native ]]
-    diff "$folder/native" "$folder/web"
+    wait $!
+    (($(same "$folder/native" | wc -l) > 100))
+    diff <(same "$folder/native") <(same "$folder/web")
     ;;
   strategies)
     browser
