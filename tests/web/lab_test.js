@@ -4,10 +4,11 @@
 //     strategies PAGE NAME E NAME E …   switches to each strategy, runs the tension test and compares E [Pa] with the command's
 //     wild PAGE SECONDS SEED        clicks, drags and slides at random: no exception, nothing that is not finite
 //     access PAGE                   labels, roles, contrast, what overflows, at 1400 and 390 px, light and dark
+//     axe PAGE AXE                  axe-core's own rules, AXE its axe.min.js, at 1400 and 390 px, light and dark
 //     refused PAGE                  without WebGL the test still runs; without WebAssembly the page says so
 //     pictures PAGE FOLDER          screenshots at 1400 and 390 px, light and dark
 'use strict';
-const path = require('node:path'), {Browser, sleep} = require('./browser.js');
+const fs = require('node:fs'), path = require('node:path'), {Browser, sleep} = require('./browser.js');
 const [chromium, what, page, ...more] = process.argv.slice(2), url = 'file://' + path.resolve(page);
 
 function must(holds, words) {
@@ -168,6 +169,18 @@ const actions = {
       const nameless = nodes.filter(node => ['button', 'checkbox', 'radio', 'slider', 'combobox', 'spinbutton', 'img', 'figure', 'application', 'region']
         .includes(node.role?.value) && !node.ignored && !node.name?.value && node.role.value !== 'figure');
       must(nameless.length === 0, `without a name: ${nameless.map(node => node.role.value)}`);
+    }
+  },
+
+  async axe(browser) {
+    const rules = fs.readFileSync(more[0], 'utf8');
+    for (const [width, dark] of [[1400, false], [1400, true], [390, false], [390, true]]) {
+      await browser.open(url, width, width > 600 ? 1000 : 844, dark);
+      await browser.until('lab.answer', 30);
+      await browser.eval(rules + ';0');
+      const {violations, passes} = JSON.parse(await browser.eval('axe.run().then(found => JSON.stringify({violations: found.violations, passes: found.passes.length}))'));
+      console.log(`${width} px, ${dark ? 'dark' : 'light'}: ${violations.length} violations, ${passes} rules hold`);
+      must(violations.length === 0, violations.map(one => `${one.id}: ${one.help}: ${one.nodes.map(node => node.target).join(' ')}`).join('; '));
     }
   },
 

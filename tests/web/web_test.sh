@@ -4,6 +4,7 @@
 #   bits      native steps and those of the module have the same bits, every strategy with every stepper
 #   hand      drag, push, pin, pause, step, keys     strategies    E in the page is that of the command
 #   wild      a minute at random                     access        labels, contrast, widths     refused    what is said where it cannot run
+#   npm       the package for node and bundlers: closed forms, its errors, its types
 #   wrong     a body that is too large, a folder without the module
 set -euo pipefail
 what=$1 build=$2 elastin=$3 bits=${4:-}
@@ -37,6 +38,7 @@ case $what in
     (($(same "$folder/native" | wc -l) > 100))
     diff <(same "$folder/native") <(same "$folder/web")
     ;;
+  npm) node "$here/npm_test.js" "$build/web/npm" ;;
   strategies)
     browser
     for case in tension/cube-27-face.yaml:standard,lattice tension/tet-block.yaml:van_gelder,neo_hookean; do

@@ -239,4 +239,4 @@ class ElastinLab {
   free() { this.module._elastin_lab_free(this.handle); }
 }
 
-if (typeof module !== 'undefined') module.exports = {ElastinLab, ElastinSimulation, ElastinError};
+if (typeof module !== 'undefined') module.exports = {ElastinLab, ElastinSimulation, ElastinError, Memory, call};

@@ -1,0 +1,124 @@
+/** Elastin for JavaScript. SI units; vectors are three numbers in a row: x0 y0 z0 x1 … */
+
+type Numbers = ArrayLike<number>;
+type Axis = 'x' | 'y' | 'z';
+
+/** Wrong input, or a step that was not taken. */
+export class ElastinError extends Error {
+  /** Whether a step was not taken, for numerical trouble: the state stays as it was. */
+  stopped?: boolean;
+}
+
+export interface Arrays {
+  /** At rest [m], three numbers a molecule. */
+  positions: Numbers;
+  /** [kg] > 0; without them from `density` and the cells or the bounding box. */
+  masses?: Numbers;
+  /** [m] > 0; without them half the shortest connection. */
+  radii?: Numbers;
+  /** Two molecules each; without them the edges of the cells. */
+  connections?: Numbers;
+  /** [m] > 0, one a connection; without them the distances. */
+  rest_lengths?: Numbers;
+  /** Three molecules each. */
+  triangles?: Numbers;
+  /** Four molecules each. */
+  tetrahedra?: Numbers;
+  /** [kg/m³] > 0 where there are no masses. */
+  density?: number;
+  /** [m] > 0 of triangles where there are no masses. */
+  thickness?: number;
+}
+
+export interface Material {
+  /** E [Pa] > 0; 0 where it follows from a law. */
+  youngs_modulus?: number;
+  /** ν from −0.99 to 0.5. */
+  poissons_ratio?: number;
+  /** Of a membrane [m]. */
+  thickness?: number;
+  /** D [N m] of a sheet. */
+  bending_rigidity?: number;
+  /** A row of the table "material_laws" and its constants: {name: 'ogden', constants: {mu_1: 630, alpha_1: 1.3, …}}. */
+  law?: {name: string; constants: Record<string, number>};
+}
+
+export interface Options {
+  /** A row of the table "steppers"; default symplectic_euler. */
+  scheme?: string;
+  /** Share of the stable step that a part of an explicit step takes, from 1e-6 to 1; default 0.8. */
+  safety?: number;
+  /** Of a step; more, and it is not taken; default 1000. */
+  max_substeps?: number;
+  /** Of the strategy. */
+  parameters?: Record<string, number>;
+  /** Of the scheme: newton_iterations, … */
+  scheme_parameters?: Record<string, number>;
+}
+
+/** @param wasm the bytes of elastin.wasm or its address; in node it is found beside this file. */
+export function load(options?: {wasm?: Uint8Array | string | URL}): Promise<Elastin>;
+
+export class Elastin {
+  readonly version: string;
+  /** What has a name: 'strategies', 'steppers', 'linear_solvers', 'loads' or 'material_laws'. */
+  rows(table: string): {name: string; summary: string}[];
+  /** A box of counts[0] × counts[1] × counts[2] molecules, `spacing` [m] apart, density [kg/m³]. */
+  lattice(counts: [number, number, number], spacing: number | [number, number, number],
+          options: {connections?: ('axis' | 'face' | 'space')[]; density: number}): Body;
+  body(arrays: Arrays): Body;
+}
+
+/** A body at rest. */
+export class Body {
+  /** [m]; a copy. */
+  positions(): Float64Array;
+  /** Two molecules of each connection. */
+  connections(): Int32Array;
+  /** Three molecules of each triangle. */
+  triangles(): Int32Array;
+  /** @param strategy a row of the table "strategies", with +volume, +wrinkling or calibrated: where it takes them. */
+  simulate(strategy: string, material: Material, options?: Options): Simulation;
+  free(): void;
+}
+
+/** A body that moves. The arrays are views of the module's memory: read them at once, or copy them. */
+export class Simulation {
+  readonly time: number;
+  /** [m] */
+  readonly positions: Float64Array;
+  /** [m/s] */
+  readonly velocities: Float64Array;
+  /** All forces on each molecule [N]. */
+  readonly forces: Float64Array;
+  /** Of each connection [N]; pulling is positive. */
+  readonly tensions: Float64Array;
+  /** The host's own forces [N], to be written: they act until they are changed. */
+  readonly host_forces: Float64Array;
+  /** A row of the table "loads", before the first step: add('gravity', {acceleration_z: -9.81}). */
+  add(load: string, values?: Record<string, number | number[]>): void;
+  /** Brings it forward by dt [s]. */
+  step(dt: number): void;
+  /** Goes to the equilibrium of all that acts now. */
+  settle(): void;
+  /** Holds a molecule where it is, but for the axes that are free. */
+  fix(molecule: number, free?: Axis | Axis[]): void;
+  release(molecule: number): void;
+  /** Where a held molecule is to be at the end of the next step [m]. */
+  move_to(molecule: number, position: Numbers): void;
+  /** Force of its support on a held molecule [N]. */
+  reaction(molecule: number): [number, number, number];
+  /** A spring [N/m] and damper [N s/m] from a molecule to a position; gives its number. */
+  couple(molecule: number, position: Numbers, stiffness: number, damping: number): number;
+  move_coupling(coupling: number, position: Numbers): void;
+  coupling_force(coupling: number): [number, number, number];
+  decouple(coupling: number): void;
+  /** The state, to go on from bit by bit. */
+  save(): Uint8Array;
+  restore(bytes: Uint8Array): void;
+  free(): void;
+}
+
+declare const elastin: {load: typeof load; Elastin: typeof Elastin; Body: typeof Body; Simulation: typeof Simulation;
+                        ElastinError: typeof ElastinError};
+export default elastin;

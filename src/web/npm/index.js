@@ -1,0 +1,200 @@
+// Elastin for JavaScript, in node and in browsers: bodies from arrays, stepped under loads, supports and a hand. What the
+// C API has, with objects for handles and for structures; its header says more of every quantity. SI units; vectors are
+// three numbers in a row: x0 y0 z0 x1 …
+'use strict';
+const make_module = require('./elastin.js'), {ElastinSimulation, ElastinError, Memory, call} = require('./face.js');
+
+const patterns = {axis: 1, face: 2, space: 4}, axes = {x: 1, y: 2, z: 4};
+
+/** Bits of names: `what` says of what in messages. */
+function bits(names, known, what) {
+  return [].concat(names).reduce((sum, name) => {
+    if (!(name in known)) throw new ElastinError(`${what}: '${name}' is none of ${Object.keys(known).join(', ')}`);
+    return sum | known[name];
+  }, 0);
+}
+
+/** Refuses what is not among the known keys: a slip is no default. */
+function checked(given, known, what) {
+  for (const key of Object.keys(given))
+    if (!known.includes(key)) throw new ElastinError(`${what} has no '${key}'; it has: ${known.join(', ')}`);
+  return given;
+}
+
+/** elastin_value[] of {name: number}, and their count; a list of numbers is the name once for each. */
+function named_values(memory, values) {
+  const rows = Object.entries(values).flatMap(([name, value]) => [].concat(value).map(one => [name, one]));
+  const at = memory.room(16 * rows.length);
+  rows.forEach(([name, value], i) => {
+    memory.module.HEAPU32[at / 4 + 4 * i] = memory.text(name);
+    memory.module.HEAPF64[at / 8 + 2 * i + 1] = value;
+  });
+  return [['word', rows.length ? at : 0], ['word', rows.length]];
+}
+
+/** The address of an array, 0 for none; every entry must be finite. */
+function array(memory, values, what, whole) {
+  if (values === undefined || values === null) return 0;
+  if (!Array.prototype.every.call(values, Number.isFinite)) throw new ElastinError(`${what} must be finite numbers`);
+  if (!whole) return memory.numbers(values);
+  const at = memory.room(4 * values.length);
+  memory.module.HEAP32.set(values, at / 4);
+  return at;
+}
+
+class Elastin {
+  constructor(module) {
+    this.module = module;
+    this.scratch = module._malloc(16);  // where answers are put; one call at a time
+  }
+
+  get version() { return this.module.UTF8ToString(this.module._elastin_version()); }
+
+  /** A call whose last argument is where it puts a handle. */
+  handle_of(name, arrange) {
+    call(this.module, name, memory => [...arrange(memory), this.scratch]);
+    return this.module.HEAPU32[this.scratch / 4];
+  }
+
+  rows(table) {
+    const {module} = this, memory = new Memory(module);
+    try {
+      const name = memory.text(table), at = memory.room(16);
+      const check = status => { if (status) throw new ElastinError(module.UTF8ToString(module._elastin_message())); };
+      check(module._elastin_row_count(name, at));
+      return Array.from({length: module.HEAPU32[at / 4]}, (_, row) => {
+        check(module._elastin_row(name, row, at, at + 4, at + 8));
+        return {name: module.UTF8ToString(module.HEAPU32[at / 4]), summary: module.UTF8ToString(module.HEAPU32[at / 4 + 1])};
+      });
+    } finally {
+      memory.release();
+    }
+  }
+
+  lattice(counts, spacing, options = {}) {
+    const {connections = ['axis', 'face'], density} = checked(options, ['connections', 'density'], 'a lattice');
+    const steps = [].concat(spacing), three = steps.length === 1 ? [steps[0], steps[0], steps[0]] : steps;
+    return new Body(this, this.handle_of('elastin_lattice', memory => [array(memory, counts, 'counts', true),
+      array(memory, three, 'spacing'), bits(connections, patterns, 'connections'), density]));
+  }
+
+  body(arrays) {
+    checked(arrays, ['positions', 'masses', 'radii', 'connections', 'rest_lengths', 'triangles', 'tetrahedra', 'density',
+      'thickness'], 'a body');
+    const {positions, masses, radii, connections, rest_lengths, triangles, tetrahedra, density = 0, thickness = 0} = arrays;
+    const count = (values, each, what) => {
+      const length = values ? values.length : 0;
+      if (length % each) throw new ElastinError(`${what} must be ${each} numbers each; there are ${length}`);
+      return length / each;
+    };
+    const molecules = count(positions, 3, 'positions'), joined = count(connections, 2, 'connections');
+    const many = (values, length, what) => {
+      if (values && values.length !== length) throw new ElastinError(`${what} must be ${length} numbers; there are ${values.length}`);
+    };
+    many(masses, molecules, 'masses'), many(radii, molecules, 'radii'), many(rest_lengths, joined, 'rest_lengths');
+    return new Body(this, this.handle_of('elastin_body_from_arrays', memory => [memory.structure([
+      ['word', array(memory, positions, 'positions')], ['word', array(memory, masses, 'masses')], ['word', array(memory, radii, 'radii')],
+      ['word', array(memory, connections, 'connections', true)], ['word', array(memory, rest_lengths, 'rest_lengths')],
+      ['word', array(memory, triangles, 'triangles', true)], ['word', array(memory, tetrahedra, 'tetrahedra', true)],
+      ['word', molecules], ['word', joined], ['word', count(triangles, 3, 'triangles')], ['word', count(tetrahedra, 4, 'tetrahedra')],
+      ['number', density], ['number', thickness]])]));
+  }
+}
+
+class Body {
+  constructor(elastin, handle) {
+    this.elastin = elastin;
+    this.handle = handle;
+  }
+
+  view(what, heap) {
+    const {module, scratch} = this.elastin, bytes = module[heap].BYTES_PER_ELEMENT;
+    call(module, 'elastin_body_' + what, () => [this.handle, scratch, scratch + 4]);
+    const at = module.HEAPU32[scratch / 4] / bytes;
+    return module[heap].slice(at, at + module.HEAPU32[scratch / 4 + 1]);
+  }
+
+  positions() { return this.view('positions', 'HEAPF64'); }
+  connections() { return this.view('connections', 'HEAP32'); }
+  triangles() { return this.view('triangles', 'HEAP32'); }
+
+  simulate(strategy, material, options = {}) {
+    checked(material, ['youngs_modulus', 'poissons_ratio', 'thickness', 'bending_rigidity', 'law'], 'a material');
+    checked(options, ['scheme', 'safety', 'max_substeps', 'parameters', 'scheme_parameters'], 'options');
+    const {youngs_modulus = 0, poissons_ratio = 0, thickness = 0, bending_rigidity = 0, law} = material;
+    const {scheme, safety = 0, max_substeps = 0, parameters = {}, scheme_parameters = {}} = options;
+    return new Simulation(this, this.elastin.handle_of('elastin_simulate', memory => [this.handle, memory.text(strategy),
+      memory.structure([['number', youngs_modulus], ['number', poissons_ratio], ['number', thickness], ['number', bending_rigidity],
+        ['word', law ? memory.structure([['word', memory.text(law.name)], ...named_values(memory, law.constants)]) : 0]]),
+      memory.structure([['word', scheme ? memory.text(scheme) : 0], ['number', safety], ['whole', max_substeps],
+        ...named_values(memory, parameters), ['whole', 0], ['word', 0], ['word', 0], ['whole', 0], ...named_values(memory, scheme_parameters)])]));
+  }
+
+  free() {
+    this.elastin.module._elastin_body_free(this.handle);
+    this.handle = 0;
+  }
+}
+
+class Simulation extends ElastinSimulation {
+  constructor(body, handle) {
+    super(body.elastin.module, handle);
+    this.elastin = body.elastin;
+  }
+
+  add(load, values = {}) {
+    call(this.module, 'elastin_add', memory => {
+      const [[, at], [, count]] = named_values(memory, values);
+      return [this.handle, memory.text(load), at, count];
+    });
+  }
+
+  fix(molecule, free = []) { super.fix(molecule, bits(free, axes, 'free')); }
+  move_to(molecule, position) { this.check(this.module._elastin_move_to(this.handle, molecule, this.vector(position))); }
+
+  reaction(molecule) {
+    this.check(this.module._elastin_reaction(this.handle, molecule, this.scratch));
+    return this.read(3);
+  }
+
+  get positions() { return this.view('positions'); }
+  get velocities() { return this.view('velocities'); }
+  get forces() { return this.view('forces'); }
+  get tensions() { return this.view('tensions'); }
+  get host_forces() { return this.view('host_forces'); }
+
+  save() {
+    this.check(this.module._elastin_save(this.handle, 0, 0, this.scratch));
+    const count = this.module.HEAPU32[this.scratch / 4], at = this.module._malloc(count);
+    try {
+      this.check(this.module._elastin_save(this.handle, at, count, this.scratch));
+      return this.module.HEAPU8.slice(at, at + count);
+    } finally {
+      this.module._free(at);
+    }
+  }
+
+  restore(bytes) {
+    const at = this.module._malloc(bytes.length);
+    try {
+      this.module.HEAPU8.set(bytes, at);
+      this.check(this.module._elastin_restore(this.handle, at, bytes.length));
+    } finally {
+      this.module._free(at);
+    }
+  }
+}
+
+async function load({wasm} = {}) {
+  let bytes = wasm;
+  if (!bytes && typeof process !== 'undefined' && process.versions?.node)
+    bytes = require('fs').readFileSync(require('path').join(__dirname, 'elastin.wasm'));
+  else if (!bytes || typeof bytes === 'string' || bytes instanceof URL) {
+    const answer = await fetch(bytes || 'elastin.wasm');
+    if (!answer.ok) throw new ElastinError(`there is no ${answer.url}: give load({wasm}) its address or its bytes`);
+    bytes = new Uint8Array(await answer.arrayBuffer());
+  }
+  return new Elastin(await make_module({wasmBinary: bytes}));
+}
+
+module.exports = {load, Elastin, Body, Simulation, ElastinError};

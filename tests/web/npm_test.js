@@ -1,0 +1,95 @@
+// The npm package of the core: node npm_test.js FOLDER, where its package.json is.
+'use strict';
+const assert = require('node:assert'), fs = require('node:fs'), path = require('node:path');
+const folder = path.resolve(process.argv[2]), {load, ElastinError, Body, Simulation, Elastin} = require(folder);
+const near = (value, expected, tolerance) => assert(Math.abs(value - expected) <= tolerance * Math.abs(expected), `${value} for ${expected}`);
+
+/** A weight on one spring: m g / k lower. */
+function weight_on_a_spring(elastin) {
+  const body = elastin.body({positions: [0, 0, 0, 0, 0, -0.1], connections: [0, 1], masses: [1, 0.5]});
+  const tissue = body.simulate('uniform', {youngs_modulus: 1e3}, {scheme: 'backward_euler', parameters: {constant: 200}});
+  tissue.add('gravity', {acceleration_z: -9.81});
+  tissue.fix(0);
+  tissue.settle();
+  near(tissue.positions[5], -0.1 - 0.5 * 9.81 / 200, 1e-9);
+  near(tissue.reaction(0)[2], 0.5 * 9.81 + 9.81, 1e-6);
+  near(tissue.tensions[0], 0.5 * 9.81, 1e-6);
+  tissue.free();
+  body.free();
+}
+
+/** The lattice rule is exact: a box that is pulled between sliding grips has E. */
+function modulus_of_a_lattice(elastin) {
+  const n = 5, h = 1e-2, E = 2e4, strain = 1e-6, body = elastin.lattice([n, n, n], h, {density: 1000});
+  const tissue = body.simulate('lattice', {youngs_modulus: E, poissons_ratio: 0.25}, {scheme: 'backward_euler'});
+  const rest = body.positions(), top = (n - 1) * h, ends = [];
+  for (let m = 0; m < n ** 3; ++m)
+    if (rest[3 * m + 2] < 1e-9 || rest[3 * m + 2] > top - 1e-9) ends.push(m), tissue.fix(m, ['x', 'y']);
+  tissue.fix(0);
+  tissue.fix(n - 1, 'x');
+  for (const m of ends) if (rest[3 * m + 2] > 1e-9) tissue.move_to(m, [rest[3 * m], rest[3 * m + 1], top * (1 + strain)]);
+  for (let i = 0; i < 30; ++i) tissue.step(10);
+  let force = 0;
+  for (const m of ends) if (rest[3 * m + 2] > 1e-9) force += tissue.reaction(m)[2];
+  near(force / top ** 2 / strain, E, 1e-5);
+}
+
+function a_cell_law_from_arrays(elastin) {
+  const body = elastin.body({positions: [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1].map(x => 0.01 * x), tetrahedra: [0, 1, 2, 3], density: 1000});
+  assert.strictEqual(body.connections().length, 12);
+  const tissue = body.simulate('mooney_rivlin', {law: {name: 'mooney_rivlin', constants: {c1: 1e3, c2: 500, bulk_modulus: 1e5}}});
+  tissue.velocities.set([0.01, 0, 0]);
+  tissue.step(1e-4);
+  const state = tissue.save();
+  for (let i = 0; i < 50; ++i) tissue.step(1e-4);
+  const ahead = Array.from(tissue.positions), time = tissue.time;
+  tissue.restore(state);
+  near(tissue.time, 1e-4, 1e-12);
+  for (let i = 0; i < 50; ++i) tissue.step(1e-4);
+  assert.deepStrictEqual(Array.from(tissue.positions), ahead);
+  assert.strictEqual(tissue.time, time);
+}
+
+function wrong_input(elastin) {
+  const body = elastin.lattice([3, 3, 3], 0.1, {density: 1000});
+  const says = (action, words) => assert.throws(action, problem => problem instanceof ElastinError && words.test(problem.message) || assert.fail(problem));
+  says(() => body.simulate('standart', {youngs_modulus: 1e3}), /standard/);
+  says(() => body.simulate('standard', {E: 1e3}), /no 'E'.*youngs_modulus/);
+  says(() => body.simulate('standard', {youngs_modulus: -1}), /youngs_modulus/);
+  says(() => elastin.lattice([3, 3, 3], 0.1, {density: 1000, connections: ['axes']}), /axis, face, space/);
+  says(() => elastin.body({positions: [0, 0], density: 1}), /3 numbers each/);
+  says(() => elastin.body({positions: [0, 0, 0, 1, 0, NaN], connections: [0, 1], density: 1}), /finite/);
+  says(() => elastin.body({positions: [0, 0, 0, 1, 0, 0], connections: [0, 2], density: 1}), /2/);
+  const tissue = body.simulate('standard', {youngs_modulus: 1e3});
+  says(() => tissue.add('gravitation'), /gravity/);
+  says(() => tissue.fix(27), /27/);
+  says(() => tissue.restore(new Uint8Array(3)), /./);
+  tissue.host_forces[0] = 1e300;
+  assert.throws(() => tissue.step(1), problem => problem.stopped);
+}
+
+/** What the types name is there, and what is there they name. */
+function types() {
+  const text = fs.readFileSync(path.join(folder, 'index.d.ts'), 'utf8');
+  for (const type of [Elastin, Body, Simulation]) {
+    const part = text.match(new RegExp(`export class ${type.name} \\{([^]*?)\\n\\}`))[1];
+    const named = [...part.matchAll(/^ {2}(?:readonly )?(\w+)[(:]/gm)].map(found => found[1]);
+    const there = new Set();
+    for (let one = type.prototype; one !== Object.prototype; one = Object.getPrototypeOf(one)) Object.getOwnPropertyNames(one).forEach(name => there.add(name));
+    for (const name of named) assert(there.has(name), `${type.name} has no ${name}`);
+    const own = {Elastin: ['handle_of'], Body: ['view'], Simulation: ['check', 'view', 'vector', 'read']}[type.name];
+    for (const name of there) assert(name === 'constructor' || own.includes(name) || named.includes(name), `the types lack ${type.name}.${name}`);
+  }
+}
+
+(async () => {
+  const elastin = await load();
+  assert.match(elastin.version, /^\d+\.\d+/);
+  assert(elastin.rows('steppers').some(row => row.name === 'newmark'));
+  for (const check of [weight_on_a_spring, modulus_of_a_lattice, a_cell_law_from_arrays, wrong_input, types]) check(elastin);
+  const same = await import('file://' + path.join(folder, 'index.mjs'));
+  assert.strictEqual(same.load, load);
+})().catch(problem => {
+  console.error(problem);
+  process.exit(1);
+});
