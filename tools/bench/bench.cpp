@@ -57,6 +57,8 @@ constexpr Case kCases[] = {
      "limit: "
      "its force passes alone, peer: Bullet",
      bench::run_embed},
+    {"web", "explicit steps of springs and of cells; peer: the same core as WebAssembly, in node, on one thread",
+     bench::run_web},
     {"rules", "setting the constants of every spring rule, 22 molecules a side", bench::run_rules},
 };
 

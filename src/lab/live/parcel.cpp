@@ -59,6 +59,21 @@ void add_supports(const std::vector<Support>& supports, const TensionSetup* tens
   }
 }
 
+/// What a load that is not yet there adds in full [N], if that is the same wherever the body is; otherwise nothing: a
+/// tool that touches and a pressure that turns with the surface are no dead load.
+Positions dead_load(StaticRig& rig, Model& model, const State& rest) {
+  State larger = rest;
+  larger.positions *= 1.01;
+  const auto added = [&](const State& state) -> Positions {
+    rig.set_load(1);
+    const Positions loaded = model.load_forces(state);
+    rig.set_load(0);
+    return loaded - model.load_forces(state);
+  };
+  const Positions here = added(rest), there = added(larger);
+  return (there - here).norm() <= 1e-9 * here.norm() ? here : Positions(3, 0);
+}
+
 /// The experiment's own load at rest, its supports, and where the body begins.
 void add_experiment(const Scene& scene, const TensionSetup* tension, Parcel& parcel) {
   Specimen specimen = scene.specimen;
@@ -74,11 +89,7 @@ void add_experiment(const Scene& scene, const TensionSetup* tension, Parcel& par
     if (started.outcome != Outcome::converged)
       throw InputError(scene.path + ": the body cannot be brought to its start: " + started.cause);
   } else if (StaticRig* rig = held->rig->at_rest()) {
-    rig->set_load(1);
-    const Positions loaded = model.load_forces(state);
-    rig->set_load(0);
-    // Forces that turn with the surface, as an inflation's, are no dead load: a page has a slider for pressure.
-    if (!tension && !specimen.body.tetrahedra.empty()) parcel.own_load = loaded - model.load_forces(state);
+    if (!tension) parcel.own_load = dead_load(*rig, model, state);
     rig->release();
   }
   if (parcel.own_load.isZero(0) || !parcel.own_load.allFinite()) parcel.own_load.resize(3, 0);

@@ -1,0 +1,38 @@
+// What a page of the lab takes of a scene.
+
+#include "lab/live/parcel.h"
+
+#include <catch2/catch.hpp>
+
+#include "elastin/core/simulation/catalog.h"
+#include "lab/live/live.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+
+namespace {
+
+Parcel parcel_of(const std::string& experiment) {
+  const TemporaryFolder folder;
+  const std::string scene = R"(title: A block
+body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 2], size: [2 cm, 2 cm, 2 cm]}}
+material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3, density: 1000 kg/m3}
+stiffness: neo_hookean
+experiment: )";
+  return make_parcel(*load_scene(folder.write("scene.yaml", scene + experiment + "\n"), built_in_catalog()),
+                     built_in_catalog());
+}
+
+}  // namespace
+
+TEST_CASE("a page takes the load of a scene's experiment where it is the same wherever the body goes") {
+  const Parcel hanging = parcel_of("{kind: bending, axis: x, gravity: 9.81 m/s2, direction: -z}");
+  REQUIRE(hanging.own_load.cols() == hanging.body.size());
+  CHECK(hanging.own_load.row(2).sum() == Approx(-9.81 * 1000 * 8e-6).epsilon(1e-9));
+  CHECK(hanging.own_load.topRows(2).isZero(1e-15));
+  // A tool in the middle of a body that has not moved yet would push it away for ever.
+  CHECK(parcel_of("{kind: indentation, indenter: {sphere: {radius: 1 cm}}, depth: 5 mm}\ncontact: {friction: 0}")
+            .own_load.cols() == 0);
+  CHECK(parcel_of("{kind: tension, axis: z, force: 1 mN}").own_load.cols() == 0);
+}
