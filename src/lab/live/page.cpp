@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -79,6 +80,8 @@ std::string scene_json(const Scene& scene, const Catalog& catalog, const Parcel&
   for (const auto& scheme : catalog.steppers) {
     Json one = row(scheme->name, scheme->summary);
     one["explicit"] = scheme->is_explicit;
+    one["newton"] = std::any_of(scheme->parameters.begin(), scheme->parameters.end(),
+                                [](const ParameterInfo& info) { return info.name == "newton_iterations"; });
     json["schemes"].push_back(std::move(one));
   }
   std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);

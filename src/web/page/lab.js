@@ -92,6 +92,7 @@ class Lab {
     }
     for (const [name, key] of [['colour', 'colour'], ['speed', 'speed']])
       if (hash[key] && [...part(name).options].some(option => option.value === hash[key])) part(name).value = hash[key];
+    this.show_newton();
   }
 
   hash() {
@@ -101,6 +102,11 @@ class Lab {
       speed: part('speed').value});
     for (const [name, slider] of Object.entries(this.sliders)) if (slider.value !== this.start[name]) values[name] = slider.value;
     return hash_of(values);
+  }
+
+  /** One Newton iteration a step is a choice for steppers that iterate by Newton's method alone. */
+  show_newton() {
+    part('one-iteration').closest('label').hidden = !scene.schemes.find(one => one.name === part('scheme').value).newton;
   }
 
   get strategies() { return all('.strategy').map(select => select.value).filter(Boolean); }
@@ -215,6 +221,7 @@ class Lab {
 
   /** New settings; the bodies go on from where they are. Several changes in one picture are one. */
   change(rebuild, restart) {
+    this.show_newton();
     this.rebuild = {rebuild: rebuild || this.rebuild?.rebuild, keep: !restart && this.rebuild?.keep !== false};
     this.own_hash = this.hash();
     clearTimeout(this.hashing);
@@ -364,15 +371,21 @@ class Lab {
     values.molecules ??= means_of(this.shown, values.connections);
     let most = 0;
     for (const v of values.connections ?? values.molecules) most = Math.max(most, Math.abs(v));
-    this.range = Math.max(most, 0.97 * (this.range ?? 0), 1e-12);
+    this.range = Math.max(most, 0.97 * (this.range ?? 0), this.noise(colour));
     const map = values.connections ? 'signed' : 'rising', range = this.range, mapped = numbers => numbers && colours_of(map, numbers.map(v => v / range));
     this.show_legend(colour, map);
     return {connections: mapped(values.connections), molecules: mapped(values.molecules)};
   }
 
+  /** What rounding leaves of a quantity in a body at rest, and more: no colours are given to less. */
+  noise(what) {
+    const {size} = this.body, apart = size / Math.cbrt(scene.molecules), {E, density} = first;
+    return 1e-9 * {tension: E * apart ** 2, stress: E, strain: 1, speed: Math.sqrt(E / density), energy: 1e-7 * E * size ** 3}[what];
+  }
+
   show_legend(colour, map) {
     const unit = {tension: 'N', stress: 'Pa', strain: '', speed: 'm/s'}[colour];
-    const text = v => Math.abs(v) <= 1e-12 ? '0' : (colour === 'strain' ? `${short(100 * v)} %` : with_prefix(+v.toPrecision(2), unit, 0)).replace('-', '−');
+    const text = v => Math.abs(v) <= this.noise(colour) ? '0' : (colour === 'strain' ? `${short(100 * v)} %` : with_prefix(+v.toPrecision(2), unit, 0)).replace('-', '−');
     const title = {tension: 'tension of the connections', stress: 'stress (von Mises)', strain: 'strain of the connections', speed: 'speed'}[colour];
     this.legend = {title, map, low: map === 'signed' ? text(-this.range) : '0', high: text(this.range)};
     part('legend-title').textContent = title;
@@ -426,11 +439,12 @@ class Lab {
   show_energies() {
     const last = this.history.at(-1);
     if (!last) return;
-    this.curves.energy.set(last.energies.flatMap((_, i) => [
-      {name: 'kinetic', colour: series_colours[i], dashed: true, points: this.history.map(one => [one.time, one.energies[i]?.[0]])},
-      {name: 'elastic', colour: series_colours[i], points: this.history.map(one => [one.time, one.energies[i]?.[1]])}]), 'Kinetic and elastic energy over time');
-    part('energy-note').textContent = `Solid: elastic, ${last.energies.map(([, elastic]) => Number.isFinite(elastic) ? with_prefix(elastic, 'J') : 'not defined').join(' / ')}; ` +
-      `dashed: kinetic, ${last.energies.map(([kinetic]) => with_prefix(kinetic, 'J')).join(' / ')}.`;
+    const noise = this.noise('energy'), seen = v => Math.abs(v) < noise ? 0 : v, said = v => Number.isFinite(v) ? with_prefix(seen(v), 'J') : 'not defined';
+    const points = (i, kind) => this.history.map(one => [one.time, seen(one.energies[i]?.[kind])]);
+    this.curves.energy.set(last.energies.flatMap((_, i) => [{name: 'kinetic', colour: series_colours[i], dashed: true, points: points(i, 0)},
+      {name: 'elastic', colour: series_colours[i], points: points(i, 1)}]), 'Kinetic and elastic energy over time');
+    part('energy-note').textContent = `Solid: elastic, ${last.energies.map(([, elastic]) => said(elastic)).join(' / ')}; ` +
+      `dashed: kinetic, ${last.energies.map(([kinetic]) => said(kinetic)).join(' / ')}.`;
   }
 
   save_energies() {
