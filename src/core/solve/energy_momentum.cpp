@@ -1,0 +1,267 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/parallel/parallel.h"
+#include "core/solve/implicit.h"
+#include "core/solve/steppers.h"
+#include "elastin/core/base/dense.h"
+
+namespace elastin {
+namespace {
+
+constexpr int kMostIterations = 60;
+constexpr int kMemory = 5;  ///< last iterations that the next one is mixed of
+
+/// What an elastic law says at one end of a step.
+struct End {
+  VectorX densities;        ///< q [N/m]
+  VectorX squared_lengths;  ///< s [m²]
+  double energy = 0;        ///< W [J]
+};
+
+/// The implicit midpoint rule with force densities that do exactly the work that the energy says: of any law that is
+/// force densities
+///   q = (q₀ + q₁)/2 + λ (s₁ − s₀),   ½ Σ q (s₁ − s₀) = W₁ − W₀,
+/// along the lines between the molecules half-way. So energy and both momenta of a free body are kept, at any step
+/// length and however fast it turns: the discrete gradient of [Gonzalez 2000], taken over all squared lengths at once.
+/// Loads, damping and inertia are those half-way.
+class EnergyMomentum final : public Implicit {
+ public:
+  explicit EnergyMomentum(const StaticOptions& options) : Implicit(options, 0, 0) {}
+
+ private:
+  /// Where the search stands: x₁, the unbalanced force, and the size of all that it is the sum of.
+  struct Trial {
+    Positions positions, unbalanced;
+    double norm = 0, scale = 0;
+  };
+
+  void try_step(Model& model, State& state, double dt, StepResult& result) override {
+    if (model.drive) model.drive(state.time + dt, model.supports);
+    model.begin_step(state, state.time + dt);
+    dt_ = dt;
+    set_end(model, state.positions, begin_);
+    set_first_guess(model, state);
+    if (!balance(model, state, result)) {
+      result.outcome = Outcome::limit_reached;
+      return;
+    }
+    if (model.supports.empty()) keep_momentum(model, state);
+    next_.positions = now_.positions;
+    next_.velocities = 2 / dt * (now_.positions - state.positions) - state.velocities;
+    move_with_supports(model.supports, next_.velocities);
+    next_.accelerations = (next_.velocities - state.velocities) / dt;
+    next_.carry_over(state);
+    next_.time = state.time + dt;
+    if (model.max_step_fraction(state, next_) < 1) {
+      result.outcome = Outcome::limit_reached;
+      result.cause = "something would be passed through within a step";
+      return;
+    }
+    model.commit_step(next_);
+    ++result.substeps;
+    result.cause.clear();
+    const double change = (next_.accelerations - state.accelerations).colwise().squaredNorm().maxCoeff();
+    result.error = dt * dt / 12 * std::sqrt(change);
+    std::swap(state, next_);
+  }
+
+  void set_end(const Model& model, const Positions& positions, End& end) {
+    const Body& body = model.body();
+    const int connections = body.connections.size();
+    end.densities.setZero(connections);
+    for (const auto& term : model.elasticity())
+      term->add_force_densities(positions, end.densities, workspace_.trials.force_pass);
+    end.squared_lengths.resize(connections);
+    parallel_for(connections, [&](int c) {
+      const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+      end.squared_lengths[c] = (positions.col(b) - positions.col(a)).squaredNorm();
+    });
+    end.energy = model.elastic_energy(positions);
+  }
+
+  /// As if nothing changed: a free body goes on turning, any other goes straight on.
+  void set_first_guess(const Model& model, const State& state) {
+    const Positions &x = state.positions, &v = state.velocities;
+    const VectorX& mass = model.body().mass;
+    now_.positions = x + dt_ * v;
+    turn_ = Matrix3::Identity();
+    if (model.supports.empty()) {
+      const Vector3 centre = x * mass / mass.sum(), velocity = v * mass / mass.sum();
+      Matrix3 inertia = Matrix3::Zero();
+      Vector3 momentum = Vector3::Zero();
+      for (int i = 0; i < x.cols(); ++i) {
+        const Vector3 r = x.col(i) - centre;
+        inertia += mass[i] * (r.squaredNorm() * Matrix3::Identity() - r * r.transpose());
+        momentum += mass[i] * r.cross(v.col(i) - velocity);
+      }
+      const Vector3 spin = symmetric_pseudoinverse(inertia) * momentum;
+      const double angle = dt_ * spin.norm();
+      if (angle > 1e-6 && angle < 2) {
+        const Matrix3 rotation = Eigen::AngleAxisd(angle, spin.normalized()).toRotationMatrix();
+        for (int i = 0; i < x.cols(); ++i) {
+          const Vector3 r = x.col(i) - centre, deforming = v.col(i) - velocity - spin.cross(r);
+          now_.positions.col(i) = centre + dt_ * velocity + rotation * (r + dt_ * deforming);
+        }
+        turn_ = (0.5 * (Matrix3::Identity() + rotation.transpose())).inverse();
+      }
+    }
+    apply_supports(model, now_.positions);
+    if (model.admissible(now_.positions)) return;
+    now_.positions = x;
+    turn_ = Matrix3::Identity();
+    apply_supports(model, now_.positions);
+  }
+
+  /// The unbalanced force half-way of a step from `state` to the trial's positions.
+  void evaluate(const Model& model, const State& state, Trial& trial) {
+    set_end(model, trial.positions, end_);
+    change_ = end_.squared_lengths - begin_.squared_lengths;
+    mean_ = 0.5 * (begin_.densities + end_.densities);
+    const int connections = static_cast<int>(change_.size());
+    const double work = ordered_sum(connections, [&](int c) { return 0.5 * mean_[c] * change_[c]; });
+    const double size = ordered_sum(connections, [&](int c) { return 0.5 * std::abs(mean_[c] * change_[c]); });
+    const double squares = ordered_sum(connections, [&](int c) { return 0.5 * change_[c] * change_[c]; });
+    const double lacking = end_.energy - begin_.energy - work;
+    // Less than rounding of the energies is nothing to correct.
+    const double noise = 8 * std::numeric_limits<double>::epsilon() * (begin_.energy + end_.energy + size);
+    if (std::abs(lacking) > noise && squares > 0) mean_ += lacking / squares * change_;
+
+    middle_.carry_over(state);
+    middle_.time = state.time + dt_ / 2;
+    middle_.positions = 0.5 * (state.positions + trial.positions);
+    middle_.velocities = (trial.positions - state.positions) / dt_;
+    trial.unbalanced.setZero(3, model.body().size());
+    model.gather(middle_.positions, mean_, trial.unbalanced);
+    trial.scale = ordered_norm(trial.unbalanced);
+    spare_.setZero(3, model.body().size());
+    model.add_other_forces(middle_, spare_, workspace_.trials.force_pass);
+    trial.scale += ordered_norm(spare_);
+    trial.unbalanced += spare_;
+    spare_ = (2 / dt_ * (middle_.velocities - state.velocities)) * model.body().mass.asDiagonal();
+    trial.scale += ordered_norm(spare_);
+    trial.unbalanced -= spare_;
+    keep_free(model.supports, trial.unbalanced);
+    trial.norm = ordered_norm(trial.unbalanced);
+  }
+
+  /// Newton's method with half the stiffness at the step's end, turned half-way back, as the matrix: not quite the
+  /// derivative, so each motion is mixed with the last ones.                                     [Anderson 1965]
+  bool balance(Model& model, const State& state, StepResult& result) {
+    evaluate(model, state, now_);
+    used_ = 0;
+    for (int iteration = 0; iteration <= kMostIterations; ++iteration) {
+      if (!std::isfinite(now_.norm + now_.scale)) break;
+      middle_.positions = now_.positions;
+      const Weights weights{2 / dt_, 4 / (dt_ * dt_)};
+      if (!workspace_.tangent || &workspace_.tangent->model() != &model)
+        workspace_.tangent = std::make_unique<Tangent>(model, middle_, weights);
+      else
+        workspace_.tangent->linearise_at(middle_, weights);
+      const double floor = rounding_floor(*workspace_.tangent, now_.positions);
+      if (now_.norm <= std::max(newton_.tolerance * now_.scale, 2 * floor)) return true;
+      if (iteration == kMostIterations) break;
+      forces_ = 2 * turn_ * now_.unbalanced;
+      keep_free(model.supports, forces_);
+      UsedSolver used;
+      const LinearResult solved = solve_linear(*workspace_.tangent, model.supports, forces_, 1e-3, newton_, true,
+                                               motion_, used, workspace_.solver);
+      ++result.newton_iterations;
+      result.linear_iterations += solved.iterations;
+      if (!motion_.allFinite() || !move(model, state)) break;
+    }
+    result.cause = "no balance within " + std::to_string(kMostIterations) + " iterations";
+    return false;
+  }
+
+  /// Goes by the motion, mixed with the last ones; half as far, and alone, where that turns a cell over.
+  bool move(const Model& model, const State& state) {
+    if (last_.cols() == motion_.cols() && used_ > 0) {
+      Past& past = pasts_[static_cast<std::size_t>(used_ - 1) % kMemory];
+      past.change = motion_ - last_;
+    }
+    mix();
+    last_ = motion_;
+    before_ = now_.positions;
+    for (double part = 1; part > 1e-3; part /= 2) {
+      now_.positions = before_ + (part == 1 ? mixed_ : Positions(part * motion_));
+      if (!model.admissible(now_.positions)) continue;
+      evaluate(model, state, now_);
+      if (!std::isfinite(now_.norm)) continue;
+      pasts_[static_cast<std::size_t>(used_) % kMemory].step = now_.positions - before_;
+      ++used_;
+      return true;
+    }
+    return false;
+  }
+
+  /// The motion less what the last steps say that it will be wrong by, in least squares.
+  void mix() {
+    mixed_ = motion_;
+    const int count = std::min(used_, kMemory);
+    if (count == 0) return;
+    const auto dot = [](const Positions& a, const Positions& b) {
+      return ordered_sum(
+          static_cast<int>(a.cols()), [&](int i) { return a.col(i).dot(b.col(i)); }, 0., kMoleculeThreshold);
+    };
+    Eigen::Matrix<double, kMemory, kMemory> products = Eigen::Matrix<double, kMemory, kMemory>::Identity();
+    Eigen::Matrix<double, kMemory, 1> right = Eigen::Matrix<double, kMemory, 1>::Zero();
+    for (int i = 0; i < count; ++i) {
+      for (int j = 0; j <= i; ++j) products(i, j) = products(j, i) = dot(pasts_[i].change, pasts_[j].change);
+      products(i, i) *= 1 + 1e-12;
+      right[i] = dot(pasts_[i].change, motion_);
+    }
+    const Eigen::Matrix<double, kMemory, 1> parts = products.inverse() * right;
+    if (!parts.allFinite()) return;
+    for (int i = 0; i < count; ++i) mixed_ -= parts[i] * (pasts_[i].step + pasts_[i].change);
+  }
+
+  /// What iterations leave unbalanced of a free body's whole force would add up over the steps: it moves as one.
+  void keep_momentum(const Model& model, const State& state) {
+    evaluate(model, state, now_);
+    const Vector3 missing = now_.unbalanced.rowwise().sum() / model.body().mass.sum();
+    now_.positions.colwise() += dt_ * dt_ / 2 * missing;
+  }
+
+  struct Past {
+    Positions step, change;  ///< how far an iteration went, and what became of the motion
+  };
+
+  double dt_ = 0;
+  End begin_, end_;
+  Matrix3 turn_;  ///< from half-way to the end of the step, as far as the body turns as one
+  Trial now_;
+  State middle_, next_;
+  VectorX change_, mean_;
+  Positions spare_, forces_, motion_, mixed_, last_, before_;
+  std::array<Past, kMemory> pasts_;
+  int used_ = 0;
+};
+
+std::string unsuited_for_energy_momentum(const Model& model) {
+  for (const auto& term : model.elasticity())
+    if (term->at_nodes())
+      return "energy_momentum needs a law that is force densities, as those of first-order cells are";
+  if (!model.has_energy()) return "energy_momentum needs a law with an energy to keep";
+  if (model.dissipates()) return "energy_momentum keeps the energy that this law would dissipate";
+  return "";
+}
+
+}  // namespace
+
+Stepper energy_momentum() {
+  return {{"energy_momentum",
+           "implicit, order 2: keeps energy and both momenta of a free body at any step, also of one that spins",
+           "[Gonzalez 2000], over force densities",
+           {}},
+          false,
+          2,
+          [](const ParameterValues&, const StaticOptions& newton) { return std::make_unique<EnergyMomentum>(newton); },
+          unsuited_for_energy_momentum,
+          {}};
+}
+
+}  // namespace elastin
