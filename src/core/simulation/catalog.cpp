@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "core/laws/membranes/hencky_energy_membrane.h"
 #include "core/laws/membranes/hencky_membrane.h"
 #include "core/laws/membranes/two_parameter.h"
 #include "core/laws/solids/arruda_boyce.h"
@@ -54,6 +55,7 @@ Catalog built_in_catalog() {
   catalog.add<NeoHookean>();
   catalog.add<Curve>();
   catalog.add<Hencky>();
+  catalog.add<HenckyEnergy>();
   catalog.add<TwoParameter>();
   catalog.add<NeoHookeanLog>();
   catalog.add<MooneyRivlin>();
@@ -205,7 +207,7 @@ Strategy with_wrinkling(const Strategy& strategy) {
   if (strategy.name.ends_with("+wrinkling")) throw InputError("'" + strategy.name + "' drops compression already");
   if (!strategy.make_without_compression)
     throw InputError("'" + strategy.name +
-                     "': compression can be dropped from st_venant_kirchhoff_membrane, hencky_membrane, "
+                     "': compression can be dropped from st_venant_kirchhoff_membrane, hencky_energy_membrane, "
                      "neo_hookean_membrane and curve_membrane");
   Strategy result = strategy;
   result.name += "+wrinkling";
@@ -283,7 +285,7 @@ Strategy Catalog::find(const std::string& name) const {
   }
   if (std::any_of(strategies_.begin(), strategies_.end(), [&](const Strategy& other) { return other.name == name; }))
     throw InputError("'" + name + "' goes with a " +
-                     (name == "wrinkling"                    ? "membrane law: hencky_membrane+wrinkling"
+                     (name == "wrinkling"                    ? "membrane law: hencky_energy_membrane+wrinkling"
                       : name == "prony" || name == "mullins" ? "strategy: " + name + ":lattice"
                                                              : "rule: lattice+" + name));
   throw InputError("unknown strategy '" + name + "'" + suggestion(name, names()));

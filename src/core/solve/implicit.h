@@ -4,6 +4,13 @@
 
 namespace elastin {
 
+/// What loads that change with the state do in one of its moments.
+struct Push {
+  Positions forces;   ///< [N]
+  Positions elastic;  ///< of them, those that come from the energy [N]
+  double energy = 0;  ///< [J]
+};
+
 /// A step of backward Euler's or Newmark's scheme: velocities and accelerations follow from the positions at its end,
 /// which balance() finds; here by Newton's method, in schemes that derive from it in other ways. A step that fails goes
 /// in halves.
@@ -28,7 +35,9 @@ class Implicit : public Integrator {
 
  private:
   void advance(Model& model, State& state, double dt, double smallest, StepResult& result);
-  void set_kinematics(const State& state, double dt);
+  StaticResult balance_parted(Model& model, const State& state, double dt);
+  bool withhold_pushes(const Model& model, const State& state, double share);
+  void set_kinematics(const State& state, const Positions& accelerations, double dt);
   void set_first_guess(const Model& model, const State& state, double dt);
   void balance_as_one(const Model& model);
   bool newmark() const { return beta_ > 0; }
@@ -38,6 +47,8 @@ class Implicit : public Integrator {
   State next_, before_;
   Kinematics kinematics_;
   Positions forces_;
+  Push push_, pushed_;  // at the step's beginning and end
+  Positions withheld_;  // the accelerations at its beginning without the pushes of what has parted
 };
 
 }  // namespace elastin

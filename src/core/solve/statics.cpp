@@ -103,8 +103,11 @@ StaticResponse static_response(Model& model, const Positions& at, const Position
   result.scale = size + supported;
   result.residual = size > 0 ? linear.residual * size / (size + supported) : 0;
   result.unstable = linear.negative_modes > 0 || linear.status == LinearStatus::negative_mode;
-  // An indefinite stiffness still has its one answer, which a factorisation finds and iterations do not.
-  if (linear.status != LinearStatus::solved && linear.residual > std::max(options.tolerance, 1e-8)) {
+  // An indefinite stiffness still has its one answer, which a factorisation finds and iterations do not; and of stiff
+  // parts that move with soft ones rounding leaves a residual, which the result says.
+  const double floor = linear.status == LinearStatus::limit_reached ? 2 * rounding_floor(tangent, motion) : 0;
+  if (linear.status != LinearStatus::solved && linear.residual > std::max(options.tolerance, 1e-8) &&
+      !(linear.residual * size <= floor)) {
     const bool mode = linear.status == LinearStatus::zero_mode, negative = linear.status == LinearStatus::negative_mode;
     result.outcome = mode ? Outcome::mechanism : negative ? Outcome::diverged : Outcome::limit_reached;
     result.cause = mode       ? "the loads work on a zero-energy mode"

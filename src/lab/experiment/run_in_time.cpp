@@ -16,6 +16,9 @@
 namespace elastin::lab {
 namespace {
 
+/// Of the energy stored, worked or dissipated: more than that made by the steps is said.
+constexpr double kEnergyFromNothing = 0.05;
+
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -227,13 +230,17 @@ class TimedRun {
     experiment_.read_history(history_, run_.measures);
     for (const auto& [name, value] : run_.curve.back().measures.all())
       if (!std::isfinite(run_.measures.get(name))) run_.measures.set(name, value);
-    double largest = 0, drift = 0;
+    double largest = 0, drift = 0, made = 0;
     for (const CurvePoint& row : history_) {
       const Measures& m = row.measures;
       largest = std::max(
           {largest, m.get("kinetic_energy") + m.get("energy"), std::abs(m.get("work")), m.get("dissipated_energy")});
       drift = std::max(drift, std::abs(row.measures.get("energy_balance")));
+      made = std::max(made, m.get("energy_balance"));
     }
+    if (made > kEnergyFromNothing * largest && made > 10 * rounding_energy())
+      run_.warnings.push_back("the steps make energy from nothing: " + number(made, 2) + " J where at most " +
+                              number(largest, 2) + " J were stored, worked or dissipated; take shorter steps");
     if (largest > 0) run_.measures.set("energy_drift", drift / largest);
     run_.remark = experiment_.remark(run_.measures);
   }

@@ -57,7 +57,7 @@ Strategy wrong_by(double factor) {
 
 TEST_CASE("the catalog finds a strategy by its whole name", "[strategy]") {
   CHECK(kCatalog.find("lattice+volume").name == "lattice+volume");
-  CHECK(kCatalog.find("hencky_membrane+wrinkling").name == "hencky_membrane+wrinkling");
+  CHECK(kCatalog.find("hencky_energy_membrane+wrinkling").name == "hencky_energy_membrane+wrinkling");
   CHECK(kCatalog.find("calibrated").name == "calibrated:standard");
   const Strategy both = kCatalog.find("calibrated:patch+volume");
   CHECK(both.name == "calibrated:patch+volume");

@@ -164,7 +164,7 @@ TEST_CASE("what cannot be identified is said", "[bubble][identification]") {
   BubbleSetup setup = measured_latex(0);
   const Specimen specimen = disc_specimen(4, 1e6, kNu);
   const auto bubble = make_bubble(specimen.body, setup, specimen.material);
-  const Run stiff = run_strategy(specimen, *bubble, choose_strategy(catalog, "hencky_membrane"), {});
+  const Run stiff = run_strategy(specimen, *bubble, choose_strategy(catalog, "hencky_energy_membrane"), {});
   CHECK_FALSE(stiff.suited);
   CHECK_THAT(stiff.cause, Catch::Contains("does not follow a material's curve"));
   setup.pressures.resize(2), setup.heights.resize(2);
@@ -197,8 +197,8 @@ TEST_CASE("a bubble turns with its disc, and wants one that is flat and round", 
   const Matrix3 turn = Eigen::AngleAxisd(2.1, Vector3(1, -2, 0.5).normalized()).toRotationMatrix();
   rotate(specimen.body, turn);
   const auto bubble = make_bubble(specimen.body, {{4000}, {}}, specimen.material);
-  const double turned = solve(specimen, *bubble, "hencky_membrane").measures.get("height");
-  CHECK(turned == Approx(blow_up(5, 1.8e6, 0.4, "hencky_membrane", {4000}).measures.get("height")).epsilon(1e-8));
+  const double turned = solve(specimen, *bubble, "hencky_energy_membrane").measures.get("height");
+  CHECK(turned == Approx(blow_up(5, 1.8e6, 0.4, "hencky_energy_membrane", {4000}).measures.get("height")).epsilon(1e-8));
 
   Body bent = disc(1, 4), square = rectangular_sheet({1, 1}, {4, 4}, SheetPattern::alternating),
        closed = sphere(1, SphereMesh::icosahedron, 2);

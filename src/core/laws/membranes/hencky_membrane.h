@@ -1,74 +1,100 @@
 #pragma once
+#include <array>
 #include <cmath>
 
 #include "core/laws/membranes/membrane.h"
-#include "core/laws/membranes/tension_field.h"
 #include "elastin/core/laws/moduli.h"
 
 namespace elastin {
 
-/// Logarithmic strain in plane stress, true thinning. With m the mean of the two principal logarithmic strains and d
-/// their difference, β = (1 − 2ν)/(1 − ν), the thickness stretch is e^(−2νm/(1−ν)) and J = e^(2βm):
-///   w = t (A(m) + μ d²/2),   A′ = 2E/(1−ν) m J,   A = 2E/(1−ν) m² φ(2βm),   φ(z) = (eᶻ (z − 1) + 1)/z².
-/// The first term makes the true mean stress E/(1−ν) m for any strain, hence a sphere that obeys exactly
-/// ln λ = (p R₀ (1−ν)/(2 E t)) λ^(1+2ν/(1−ν)), what finite elements give whose Cauchy stress is linear in logarithmic
-/// strain. The second is Hencky's own shear energy: that of a difference of the *Kirchhoff* stresses, 2μ d. (With the
-/// Cauchy stresses' there is no energy unless ν = ½, where both laws are one.)
-/// A flat triangle has infinite energy. Pressed evenly below a stretch of e^(−1/(2β)) it softens, as that Cauchy
-/// stress does.
-struct HenckyDensity {
-  static constexpr bool resists_flattening = true;
-
-  double mean, shear, beta;  ///< 2 E t/(1−ν), t μ [N/m]; β
-
+/// Plane stress with the Cauchy stress linear in logarithmic strain, true thinning: of principal strains h₁ and h₂
+///   σ₁ = E/(1−ν²) (h₁ + ν h₂),   J = e^(β (h₁ + h₂)),   β = (1 − 2ν)/(1 − ν),   S₁ = t J σ₁/C₁.
+/// In uniaxial stress the force per width and thickness at rest is E ln λ λ^(−2ν). With m = (h₁ + h₂)/2, d = h₁ − h₂
+/// and g = d/(C₁ − C₂), C⁻¹ = (tr C/2 I − D)/det C, D = C − tr C/2 I the part of C without trace, no principal
+/// direction is needed:
+///   S = a I + b D,   a = t J/det C (E/(1−ν) m tr C/2 − E/(1+ν) g ρ/4),   b = t J/det C (E/(1+ν) g tr C/2 − E/(1−ν) m).
+/// It has no energy unless ν = ½: round a closed path of stretches the stress does work of third order in the strain.
+/// A triangle flatter than kFlatTriangle has the stress of one at that limit.
+class HenckyMembrane {
+ public:
   /// Throws InputError unless −1 < ν ≤ ½.
-  explicit HenckyDensity(const Material& m)
-      : mean(2 * m.youngs_modulus * m.thickness / (1 - m.poissons_ratio)),
-        shear(lame<2>(m).mu * m.thickness),
-        beta((1 - 2 * m.poissons_ratio) / (1 - m.poissons_ratio)) {}
+  explicit HenckyMembrane(const Material& m)
+      : mean_(m.youngs_modulus * m.thickness / (1 - m.poissons_ratio)),
+        shear_(2 * lame<2>(m).mu * m.thickness),
+        beta_((1 - 2 * m.poissons_ratio) / (1 - m.poissons_ratio)) {}
 
-  Jet operator()(const PlaneStrain& strain) const {
-    const Jet D1 = swelling(strain), m = 0.25 * log1p(D1);
-    const double J = std::exp(2 * beta * m.value);
-    const Jet even = m.through(m.value * m.value * phi(2 * beta * m.value), m.value * J, (1 + 2 * beta * m.value) * J);
-    // sinh² d = ρ/(4 det C); d² and its derivatives by it are smooth at d = 0.
-    const Jet sinh2 = Jet::second(strain.split) / (4 * (1 + D1));
-    return mean * even + 0.5 * shear * squared_difference(sinh2);
+  Eigen::Matrix2d stress(const Eigen::Matrix2d& A) const {
+    const Present now(*this, A);
+    Eigen::Matrix2d S;
+    S << now.a.value + now.b.value * now.u / 2, now.b.value * now.v / 2, now.b.value * now.v / 2,
+        now.a.value - now.b.value * now.u / 2;
+    return S;
+  }
+
+  TangentModuli<2> tangent(const Eigen::Matrix2d& A) const {
+    const Present now(*this, A);
+    const Vector3 by_a(now.a.x, 2 * now.u * now.a.y, 2 * now.v * now.a.y);  // by τ, u, v
+    const Vector3 by_b(now.b.x, 2 * now.u * now.b.y, 2 * now.v * now.b.y);
+    Matrix3 slope;
+    slope.row(0) = by_a + now.u / 2 * by_b + now.b.value / 2 * Vector3::UnitY();
+    slope.row(1) = by_a - now.u / 2 * by_b - now.b.value / 2 * Vector3::UnitY();
+    slope.row(2) = now.v / 2 * by_b + now.b.value / 2 * Vector3::UnitZ();
+    Matrix3 strains;  // (τ, u, v) of (A₁₁, A₂₂, 2 A₁₂)
+    strains << 1, 1, 0, 1, -1, 0, 0, 0, 1;
+    return slope * strains;
   }
 
  private:
-  static double phi(double z) {
-    if (std::abs(z) > 0.1) return (std::exp(z) * (z - 1) + 1) / (z * z);
-    double sum = 0, power = 1;  // Σ zⁿ/(n! (n + 2)): where the formula cancels
-    for (int n = 0; n < 10; ++n) {
-      sum += power / (n + 2);
-      power *= z / (n + 1);
+  struct Present {
+    double u, v;  ///< A₁₁ − A₂₂, 2 A₁₂
+    Jet a, b;     ///< [N/m], in (τ, ρ); their second slopes are not used
+
+    Present(const HenckyMembrane& law, const Eigen::Matrix2d& A) : u(A(0, 0) - A(1, 1)), v(2 * A(0, 1)) {
+      const PlaneStrain strain{A.trace(), u * u + v * v};
+      const Jet D1 = swelling(strain), det = 1 + D1, m = 0.25 * log1p(D1), split = Jet::second(strain.split);
+      const Jet half = 1 + 0.5 * Jet::first(strain.trace);  // tr C/2
+      const double J = std::exp(2 * law.beta_ * m.value);
+      const Jet swollen = m.through(J, 2 * law.beta_ * J, 4 * law.beta_ * law.beta_ * J) / det;
+      // g = arsinh(y)/(2 y √det C) of y² = ρ/(4 det C).
+      const Jet shear = law.shear_ * half_difference(split / (4 * det)) / sqrt(det), mean = law.mean_ * m;
+      a = swollen * (mean * half - 0.25 * shear * split);
+      b = swollen * (shear * half - mean);
     }
-    return sum;
+  };
+
+  /// arsinh(√z)/(2 √z).
+  static Jet half_difference(const Jet& z) {
+    const double at = z.value, root = std::sqrt(1 + at);
+    double k, k1, k2;
+    if (at < 0.02) {  // Σ (−1)ⁿ (2n)!/(4ⁿ n!² (2n + 1)) zⁿ: where the formulas cancel
+      static constexpr std::array<double, 9> series{1,           -1. / 6,      3. / 40,       -5. / 112,     35. / 1152,
+                                                    -63. / 2816, 231. / 13312, -143. / 10240, 6435. / 557056};
+      k = k1 = k2 = 0;
+      for (std::size_t n = series.size(); n-- > 0;) {
+        k2 = k2 * at + 2 * k1;
+        k1 = k1 * at + k;
+        k = k * at + series[n];
+      }
+    } else {
+      k = std::asinh(std::sqrt(at)) / std::sqrt(at);
+      k1 = (1 / root - k) / (2 * at);
+      k2 = (-0.5 / (root * root * root) - 3 * k1) / (2 * at);
+    }
+    return z.through(k / 2, k1 / 2, k2 / 2);
   }
 
-  /// arsinh²(√z) of z = sinh² d.
-  static Jet squared_difference(const Jet& z) {
-    const double at = z.value;
-    if (at < 1e-3)  // d² = z − z²/3 + 8 z³/45 − 4 z⁴/35 + 128 z⁵/1575 …
-      return z.through(at * (1 + at * (-1. / 3 + at * (8. / 45 + at * (-4. / 35 + at * 128. / 1575)))),
-                       1 + at * (-2. / 3 + at * (8. / 15 + at * (-16. / 35 + at * 128. / 315))),
-                       -2. / 3 + at * (16. / 15 + at * (-48. / 35 + at * 512. / 315)));
-    const double sinh = std::sqrt(at), d = std::asinh(sinh), cosh = std::sqrt(1 + at), tanh2 = 2 * sinh * cosh;
-    const double by_z = 2 * d / tanh2;  // dz = 2 sinh cosh dd
-    return z.through(d * d, by_z, (2 / tanh2 - by_z * 2 * (1 + 2 * at) / tanh2) / tanh2);
-  }
+  double mean_, shear_, beta_;  // E t/(1−ν), E t/(1+ν) [N/m]; β
 };
 
 /// A membrane law alone: in plane stress it is not what a solid of that name would be.
 struct Hencky {
   static constexpr std::string_view name = "hencky";
   static constexpr std::string_view summary =
-      "true stress linear in logarithmic strain, triangles: thins as it stretches";
+      "true stress linear in logarithmic strain, triangles: thins as it stretches; not conservative";
   static constexpr std::string_view source = "[Hencky 1928] in plane stress, the reference of [TP]";
 
   /// Throws InputError unless −1 < ν ≤ ½.
-  IsotropicMembrane<HenckyDensity> membrane(const Material& material) const { return {material}; }
+  HenckyMembrane membrane(const Material& material) const { return HenckyMembrane(material); }
 };
 
 }  // namespace elastin

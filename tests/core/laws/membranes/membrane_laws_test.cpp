@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/laws/membranes/hencky_energy_membrane.h"
 #include "core/laws/membranes/hencky_membrane.h"
 #include "core/laws/membranes/two_parameter.h"
 #include "core/laws/solids/curve.h"
@@ -15,11 +16,13 @@ using namespace elastin;
 using namespace elastin::testing;
 
 using StVenantKirchhoffMembrane = OnTriangle<StVenantKirchhoff>;
-using HenckyMembrane = OnTriangle<Hencky>;
+using HenckyTriangle = OnTriangle<Hencky>;
+using HenckyEnergyTriangle = OnTriangle<HenckyEnergy>;
 using NeoHookeanMembrane = OnTriangle<NeoHookean>;
 using CurveMembrane = OnTriangle<Curve>;
 
-static_assert(LengthKernel<HenckyMembrane> && HasEnergy<HenckyMembrane>);
+static_assert(LengthKernel<HenckyEnergyTriangle> && HasEnergy<HenckyEnergyTriangle>);
+static_assert(LengthKernel<HenckyTriangle> && !HasEnergy<HenckyTriangle>);
 static_assert(LengthKernel<NeoHookeanMembrane> && HasEnergy<NeoHookeanMembrane>);
 static_assert(LengthKernel<CurveMembrane> && HasEnergy<CurveMembrane>);
 
@@ -54,24 +57,47 @@ constexpr double kStretches[] = {0.7, 0.95, 1.0001, 1.1, 1.5, 2.5};
 
 }  // namespace
 
-TEST_CASE("hencky_membrane: equal biaxial stress is linear in logarithmic strain, and thins", "[membrane]") {
+TEST_CASE("hencky_membrane and hencky_energy_membrane: equal biaxial stress is linear in logarithmic strain, and thins",
+          "[membrane]") {
   for (const double nu : {-0.3, 0., 0.3, 0.45, 0.5})
     for (const double stretch : kStretches) {
       // True stress E/(1−ν) ln λ on the thickness t λ^(−2ν/(1−ν)), per width at rest: times λ.
       const double expected = 5000 / (1 - nu) * std::log(stretch) * 0.001 * std::pow(stretch, 1 - 2 * nu / (1 - nu));
-      const Eigen::Vector2d found = tensions<HenckyMembrane>(material_of(5000, nu), stretch, stretch);
       INFO(nu << " " << stretch);
-      CHECK(found[0] == Approx(expected).epsilon(1e-10));
-      CHECK(found[1] == Approx(expected).epsilon(1e-10));
+      const Material material = material_of(5000, nu);
+      for (const Eigen::Vector2d& found : {tensions<HenckyTriangle>(material, stretch, stretch),
+                                           tensions<HenckyEnergyTriangle>(material, stretch, stretch)}) {
+        CHECK(found[0] == Approx(expected).epsilon(1e-10));
+        CHECK(found[1] == Approx(expected).epsilon(1e-10));
+      }
     }
 }
 
-TEST_CASE("hencky_membrane: at nu = 1/2 uniaxial true stress is E ln(stretch)", "[membrane]") {
+TEST_CASE("hencky_membrane: true stress is linear in logarithmic strain, uniaxial and in any other", "[membrane]") {
+  for (const double nu : {-0.3, 0., 0.3, 0.45, 0.5})
+    for (const double stretch : kStretches) {
+      CAPTURE(nu, stretch);
+      const Material material = material_of(5000, nu);
+      // F = E ln λ on the section λ^(−2ν) of that at rest; the stretch across is λ^(−ν).
+      const double width = natural_width<HenckyTriangle>(material, stretch);
+      CHECK(width == Approx(std::pow(stretch, -nu)).epsilon(1e-9));
+      CHECK(tensions<HenckyTriangle>(material, stretch, width)[0] ==
+            Approx(5 * std::log(stretch) * std::pow(stretch, -2 * nu)).epsilon(1e-8));
+      for (const double other : {0.8, 1.2, 2.}) {
+        const double x = std::log(stretch), y = std::log(other), thin = std::exp(-nu / (1 - nu) * (x + y));
+        const Eigen::Vector2d found = tensions<HenckyTriangle>(material, stretch, other);
+        CHECK(found[0] == Approx(5 / (1 - nu * nu) * (x + nu * y) * other * thin).epsilon(1e-9).margin(1e-12));
+        CHECK(found[1] == Approx(5 / (1 - nu * nu) * (y + nu * x) * stretch * thin).epsilon(1e-9).margin(1e-12));
+      }
+    }
+}
+
+TEST_CASE("hencky_energy_membrane: at nu = 1/2 uniaxial true stress is E ln(stretch)", "[membrane]") {
   for (const double stretch : kStretches) {
     const Material material = material_of(5000, 0.5);
-    const double width = natural_width<HenckyMembrane>(material, stretch);
+    const double width = natural_width<HenckyEnergyTriangle>(material, stretch);
     CHECK(width == Approx(1 / std::sqrt(stretch)).epsilon(1e-9));
-    CHECK(tensions<HenckyMembrane>(material, stretch, width)[0] ==
+    CHECK(tensions<HenckyEnergyTriangle>(material, stretch, width)[0] ==
           Approx(5000 * std::log(stretch) / stretch * 0.001).epsilon(1e-9));
   }
 }
@@ -126,8 +152,8 @@ TEST_CASE("curve_membrane: the given curve in uniaxial stress, engineering strai
   }
 }
 
-TEMPLATE_TEST_CASE("a membrane law is plane stress at small strain, on any triangle", "[membrane]", HenckyMembrane,
-                   NeoHookeanMembrane, CurveMembrane, TwoParameter) {
+TEMPLATE_TEST_CASE("a membrane law is plane stress at small strain, on any triangle", "[membrane]", HenckyTriangle,
+                   HenckyEnergyTriangle, NeoHookeanMembrane, CurveMembrane, TwoParameter) {
   Random random(32);
   for (int trial = 0; trial < 300; ++trial) {
     const CornerPositions<3> rest = random_cell<3>(random);
@@ -140,7 +166,7 @@ TEMPLATE_TEST_CASE("a membrane law is plane stress at small strain, on any trian
 }
 
 TEMPLATE_TEST_CASE("q is twice the slope of the energy, and its own slope right, at any strain", "[membrane]",
-                   HenckyMembrane, NeoHookeanMembrane, CurveMembrane) {
+                   HenckyEnergyTriangle, NeoHookeanMembrane, CurveMembrane) {
   const double nu = GENERATE(0., 0.3, 0.45, 0.5);
   const bool curved = GENERATE(false, true);
   Random random(33);
@@ -168,8 +194,8 @@ TEMPLATE_TEST_CASE("q is twice the slope of the energy, and its own slope right,
   }
 }
 
-TEMPLATE_TEST_CASE("a membrane's energy keeps its digits near rest", "[membrane]", HenckyMembrane, NeoHookeanMembrane,
-                   CurveMembrane) {
+TEMPLATE_TEST_CASE("a membrane's energy keeps its digits near rest", "[membrane]", HenckyEnergyTriangle,
+                   NeoHookeanMembrane, CurveMembrane) {
   Random random(34);
   for (const double size : {1e-3, 1e-5, 1e-7})
     for (int trial = 0; trial < 30; ++trial) {
@@ -185,7 +211,8 @@ TEMPLATE_TEST_CASE("a membrane's energy keeps its digits near rest", "[membrane]
 }
 
 TEMPLATE_TEST_CASE("triangles at rest, sliver, obtuse, pressed, flat or a point: everything finite", "[membrane]",
-                   HenckyMembrane, NeoHookeanMembrane, CurveMembrane, TwoParameter, StVenantKirchhoffMembrane) {
+                   HenckyTriangle, HenckyEnergyTriangle, NeoHookeanMembrane, CurveMembrane, TwoParameter,
+                   StVenantKirchhoffMembrane) {
   const double nu = GENERATE(0., 0.3, 0.5);
   const Material material = material_of(5000, nu);
   const auto is_fine = [&](const CornerPositions<3>& rest, const CornerPositions<3>& positions, bool flat) {
@@ -228,8 +255,8 @@ TEST_CASE("a flat triangle of rubber has infinite energy and pushes open", "[mem
   const auto rubber = NeoHookeanMembrane{}.constants(rest, material_of(5000, 0.4));
   CHECK(std::isinf(NeoHookeanMembrane{}.energy(rubber, s)));
   CHECK(NeoHookeanMembrane{}.force_densities(rubber, s).dot(opening) < 0);
-  const auto hencky = HenckyMembrane{}.constants(rest, material_of(5000, 0.4));
-  CHECK(std::isinf(HenckyMembrane{}.energy(hencky, s)));
+  const auto hencky = HenckyEnergyTriangle{}.constants(rest, material_of(5000, 0.4));
+  CHECK(std::isinf(HenckyEnergyTriangle{}.energy(hencky, s)));
 }
 
 TEST_CASE("membrane laws say which Poisson's ratios they take", "[membrane]") {
@@ -237,6 +264,6 @@ TEST_CASE("membrane laws say which Poisson's ratios they take", "[membrane]") {
   const CornerPositions<3> rest = random_cell<3>(random);
   CHECK_THROWS_WITH(NeoHookeanMembrane{}.constants(rest, material_of(1, -0.1)), Catch::Contains("takes 0 to 0.5"));
   CHECK_THROWS_WITH(NeoHookeanMembrane{}.constants(rest, material_of(1, 0.51)), Catch::Contains("takes 0 to 0.5"));
-  CHECK_THROWS_WITH(HenckyMembrane{}.constants(rest, material_of(1, 0.51)), Catch::Contains("at most 0.5"));
+  CHECK_THROWS_WITH(HenckyEnergyTriangle{}.constants(rest, material_of(1, 0.51)), Catch::Contains("at most 0.5"));
   CHECK_NOTHROW(CurveMembrane{}.constants(rest, material_of(1, 0.5)));
 }

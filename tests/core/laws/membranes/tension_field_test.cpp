@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/laws/membranes/hencky_membrane.h"
+#include "core/laws/membranes/hencky_energy_membrane.h"
 #include "core/laws/solids/curve.h"
 #include "core/laws/solids/neo_hookean.h"
 #include "core/laws/solids/st_venant_kirchhoff.h"
@@ -27,7 +27,7 @@ Eigen::Vector2d principal(const Eigen::Matrix2d& tension) { return symmetric_eig
 }  // namespace
 
 TEMPLATE_TEST_CASE("without compression: taut as the law, wrinkled in uniaxial stress, slack without any",
-                   "[wrinkling]", StVenantKirchhoff, Hencky, NeoHookean, Curve) {
+                   "[wrinkling]", StVenantKirchhoff, HenckyEnergy, NeoHookean, Curve) {
   using Plain = OnTriangle<TestType>;
   using Relaxed = OnTriangle<WithoutCompression<TestType>>;
   Random random(51);
@@ -97,7 +97,7 @@ TEMPLATE_TEST_CASE("without compression: taut as the law, wrinkled in uniaxial s
 }
 
 TEMPLATE_TEST_CASE("without compression: flat triangles and points stay finite", "[wrinkling]", StVenantKirchhoff,
-                   Hencky, NeoHookean, Curve) {
+                   HenckyEnergy, NeoHookean, Curve) {
   using Relaxed = OnTriangle<WithoutCompression<TestType>>;
   const double nu = GENERATE(0., 0.3, 0.5);
   CornerPositions<3> rest;
@@ -114,8 +114,8 @@ TEMPLATE_TEST_CASE("without compression: flat triangles and points stay finite",
 
 TEST_CASE("compression is dropped by name, from laws that can", "[wrinkling]") {
   const Catalog catalog = built_in_catalog();
-  CHECK(choose_strategy(catalog, "hencky_membrane+wrinkling").label == "hencky_membrane+wrinkling");
-  CHECK_THROWS_WITH(choose_strategy(catalog, "two_parameter+wrinkling"), Catch::Contains("hencky_membrane"));
+  CHECK(choose_strategy(catalog, "hencky_energy_membrane+wrinkling").label == "hencky_energy_membrane+wrinkling");
+  CHECK_THROWS_WITH(choose_strategy(catalog, "two_parameter+wrinkling"), Catch::Contains("hencky_energy_membrane"));
   CHECK_THROWS_WITH(choose_strategy(catalog, "neo_hookean_membrane+wrinklng"),
                     Catch::Contains("did you mean '+wrinkling'"));
   CHECK_THROWS_WITH(choose_strategy(catalog, "curve_membrane+wrinkling+wrinkling"), Catch::Contains("already"));
