@@ -31,7 +31,9 @@
 #include "lab/study/compare.h"
 #include "lab/study/csv_plot.h"
 #include "lab/study/material_plot.h"
+#include "lab/study/merge.h"
 #include "lab/study/new_scene.h"
+#include "lab/study/shards.h"
 #include "lab/study/steppers.h"
 #include "lab/study/verdicts.h"
 
@@ -46,6 +48,8 @@ Examples:
   {0} compare scenes/zoo/*.yaml --summary                   what each strategy is worth over all bodies
   {0} compare scenes/material/cantilever.yaml --out out     also a page: error against time, the body in 3D, tables
   {0} compare scenes/tension/cube-1000.yaml --vary 'solver.linear_solver=[pcg, direct]' --repeats 5
+  {0} compare scenes/study/cantilever.yaml --shard 3/16 --resume study/3    the third of 16 jobs that share the rows
+  {0} merge study/* --out out                               the table and page of all the jobs' rows
   {0} compare scenes/steppers/cube-1000.yaml --out out      modulus, error and milliseconds of each time-stepping scheme
   {0} run scenes/tension/dogbone.yaml --out out             one strategy, all measures; files for ParaView in out/
   {0} run scenes/tension/cube-27-face.yaml --set stiffness=lattice --set material.youngs_modulus='10 kPa'
@@ -61,7 +65,7 @@ Exit codes: 0 all expectations hold; 1 an expectation or a run failed; 2 wrong u
 )";
 
 struct Options : Request {
-  std::string resume_from, x_column, y_column, page, module;
+  std::string resume_from, shard_text, x_column, y_column, page, module;
   IdentifyRequest identify;
   int threads = 0;
   double stretch = 1.5;
@@ -114,9 +118,25 @@ int run_all(Options& options, const Catalog& catalog, bool compare) {
     options.out = options.resume_from;
     options.resume = true;
   }
+  if (!options.shard_text.empty()) {
+    options.shard = read_shard(options.shard_text);
+    if (options.out.empty())
+      throw InputError(
+          "--shard needs a folder of its own for its rows, which `merge` reads: --out DIR or --resume DIR");
+    if (!options.peers.empty() || !options.baseline.empty())
+      throw InputError("--shard has no table to show them in: give --peers and --baseline to `merge`");
+    if (compares_steppers(options, catalog))
+      throw InputError("--shard divides the runs of strategies; a comparison of steppers is not divided");
+  }
   std::signal(SIGINT, note_interrupt);
   if (compare && compares_steppers(options, catalog)) return compare_steppers(options, catalog) ? 0 : 1;
   return run_scenes(options, catalog) ? 0 : 1;
+}
+
+/// `merge`: its scenes are folders.
+int merge_folders(Options& options) {
+  options.compare = true;
+  return merge_studies(options) ? 0 : 1;
 }
 
 /// The curves of each material of these scenes that has a law.
@@ -283,9 +303,15 @@ void add_file_options(CLI::App& command, Options& options) {
   command.add_option("--json", options.json, "JSON file; - for standard output, and nothing else there");
 }
 
+/// Of tables and pages of many runs.
+void add_page_options(CLI::App& command, Options& options) {
+  command.add_flag("--summary", options.summary, "Print only the summary over all scenes: by strategy, by body");
+  command.add_option("--peers", options.peers,
+                     "CSV of other programs' runs for the page: method, minimum_s, error, scene");
+}
+
 void add_study_options(CLI::App& command, Options& options) {
   command.add_flag("--verbose", options.verbose, "Print every run in full as it is finished, before the tables");
-  command.add_flag("--summary", options.summary, "Print only the summary over all scenes: by strategy, by body");
   command
       .add_option("--vary", options.vary,
                   "Change a key from run to run: KEY.PATH=[VALUE, …], or {KEY: […], KEY: […]} for keys that change "
@@ -297,8 +323,18 @@ void add_study_options(CLI::App& command, Options& options) {
   command.add_option("--repeats", options.repeats, "Run everything this often, in turn; the fastest run counts")
       ->check(CLI::Range(1, 1000));
   command.add_option("--resume", options.resume_from, "Continue in a folder of --out: finished runs are not repeated");
-  command.add_option("--peers", options.peers,
-                     "CSV of other programs' runs for the page: method, minimum_s, error, scene");
+  command.add_option("--shard", options.shard_text,
+                     "N/M: run the N-th of M shares of the rows, in a folder of its own; `merge` puts them together");
+  add_page_options(command, options);
+}
+
+void add_merge_options(CLI::App& command, Options& options) {
+  command.add_option("folders", options.scenes, "Folders of `compare --shard N/M --out DIR`, of one study")->required();
+  command.add_option("--out", options.out, "Folder for the page, CSV, JSON, curves and ParaView files of all rows");
+  command.add_option("--baseline", options.baseline, "Folder of an earlier --out: tell what changed since, run by run");
+  command.add_option("--json", options.json, "JSON file; - for standard output, and nothing else there");
+  command.add_flag("--quiet", options.quiet, "Print nothing but errors and missing rows");
+  add_page_options(command, options);
 }
 
 void add_identify_options(CLI::App& command, Options& options) {
@@ -353,13 +389,14 @@ std::string unknown_word(const CLI::App& app, int argc, const char* const* argv)
 /// The commands of the command line; what they are given goes to `options`.
 struct Commands {
   CLI::App app;
-  CLI::App *run, *compare, *verify, *check, *identify, *list, *plot, *lab, *create;
+  CLI::App *run, *compare, *merge, *verify, *check, *identify, *list, *plot, *lab, *create;
 
   Commands(const std::string& name, Options& options)
       : app("Elastin: soft tissue as molecules and connections, and the modulus it really has.", name),
         run(app.add_subcommand("run", "Run a scene with its own stiffness strategy; print every measure")),
         compare(
             app.add_subcommand("compare", "Run a scene with many strategies; print measured modulus, error and cost")),
+        merge(app.add_subcommand("merge", "Put the rows of a study together that several `compare --shard` have run")),
         verify(app.add_subcommand("verify", "Compare scenes with the results that they expect; print verdicts")),
         check(app.add_subcommand("check", "Print counts, pieces and zero-energy modes of a scene's body")),
         identify(app.add_subcommand("identify", "Fit a scene's material to measured tests; print how sure it is")),
@@ -372,6 +409,7 @@ struct Commands {
     add_run_options(*run, options);
     add_run_options(*compare, options);
     add_study_options(*compare, options);
+    add_merge_options(*merge, options);
     add_scene_options(*verify, options);
     add_file_options(*verify, options);
     verify->add_flag("--choices", options.others,
@@ -397,7 +435,7 @@ struct Commands {
                     "Folder of elastin.js and elastin.wasm, as tools/setup --web builds them");
     add_new_options(*create, options);
     const std::string examples = fmt::format(kExamples, name);
-    for (CLI::App* command : {&app, run, compare, verify, check, identify, list, plot, lab, create})
+    for (CLI::App* command : {&app, run, compare, merge, verify, check, identify, list, plot, lab, create})
       command->footer(examples);
   }
 };
@@ -408,6 +446,7 @@ int run_chosen(const Commands& commands, Options& options, const Catalog& catalo
   set_threads(options.threads);
   if (*commands.list) return list_catalog(options, catalog);
   if (*commands.create) return write_new_scene(options, catalog, commands.create->get_option("--modulus")->count() > 0);
+  if (*commands.merge) return merge_folders(options);
   if (*commands.verify) return verify_scenes(options, catalog);
   if (*commands.check) return check_scenes(options, catalog);
   if (*commands.identify) return identify_all(options, catalog);

@@ -190,7 +190,7 @@ TEST_CASE("exit code 2: wrong use or input, told on standard error alone", "[com
            {"run " + cube + " --json " + folder.path(""), "elastin: " + folder.path("") + ": cannot "},
            {"compare " + cube + " " + folder.path(".") + "/cube.yaml --out o", "elastin: --out: " + cube + " and "},
            {"rum " + cube,
-            "elastin: unknown command 'rum'; did you mean 'run'? (allowed: run, compare, verify, check, "},
+            "elastin: unknown command 'rum'; did you mean 'run'? (allowed: run, compare, merge, verify, check, "},
            {"run " + cube + " --threds 2", "elastin: unknown option '--threds'; did you mean '--threads'?"},
            {"run " + cube + " --threads -1", "--threads: "},
            {"check " + cube + " --out o", "The following argument was not expected: --out"},
@@ -349,8 +349,8 @@ TEST_CASE("the option --out leaves every file whole", "[command]") {
   CHECK_THAT(said.out, Contains("files in " + out + "/: report.html, runs.csv, runs.json, curves"));
   std::set<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(out)) files.insert(entry.path().filename().string());
-  std::set<std::string> expected{"runs.csv",    "runs.json",      "runs.jsonl",     "views.jsonl",
-                                 "report.html", "cube-error.svg", "cube-course.svg"};
+  std::set<std::string> expected{"runs.csv",   "runs.json",   "runs.jsonl",     "views.jsonl",
+                                 "study.json", "report.html", "cube-error.svg", "cube-course.svg"};
   for (const std::string run : {"cube-standard", "cube-a~2fb-~26-c"})  // what cannot run leaves no curve
     for (const char* end : {"-curve.csv", ".pvd", "-000.vtu", "-001.vtu", "-002.vtu"}) expected.insert(run + end);
   CHECK(files == expected);

@@ -14,6 +14,7 @@
 #include "lab/format/csv.h"
 #include "lab/scene/scene.h"
 #include "lab/study/journal.h"
+#include "lab/study/shards.h"
 
 namespace fuzz {
 namespace {
@@ -227,11 +228,35 @@ Kind journals(const fs::path& folder) {
   return kind;
 }
 
+Kind studies(const fs::path& folder) {
+  Kind kind{"study",
+            {},
+            [folder](const std::string& path) {
+              fs::create_directories(folder / "study");
+              fs::copy_file(path, folder / "study" / "study.json", fs::copy_options::overwrite_existing);
+              elastin::lab::read_study(folder / "study");
+            },
+            false};
+  elastin::lab::Request request;
+  request.out = folder / "study";
+  request.shard = {2, 3};
+  request.overrides = {"material.youngs_modulus=1"};
+  std::vector<elastin::lab::ScenePlan> plans(1);
+  plans[0].name = "a \"b\"";
+  plans[0].strategies = {"uniform", "lattice"};
+  plans[0].threads = {0, 2};
+  plans[0].combinations = {{{"body.lattice.molecules", "[3, 3, 3]"}}, {}};
+  fs::create_directories(folder / "study");
+  elastin::lab::write_study(request, plans);
+  kind.seeds.push_back({".json", bytes_of(folder / "study" / "study.json")});
+  return kind;
+}
+
 }  // namespace
 
 std::vector<Kind> all_kinds(const std::string& source, const std::string& folder) {
-  return {scenes(source, folder),    meshes(source, folder), tables(), restarts(),
-          overrides(source, folder), journals(folder)};
+  return {scenes(source, folder),    meshes(source, folder), tables(),       restarts(),
+          overrides(source, folder), journals(folder),       studies(folder)};
 }
 
 }  // namespace fuzz

@@ -1,6 +1,7 @@
 #include "lab/report/json.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -411,6 +412,21 @@ Json references_of(const std::vector<Record>& records) {
   return all;
 }
 
+/// Without what differs from run to run of one and the same row.
+Json without_times(const Json& json) {
+  constexpr std::array<std::string_view, 8> circumstances{"seconds",          "repeats",       "steps_per_second",
+                                                          "real_time_factor", "broad_seconds", "narrow_seconds",
+                                                          "threads",          "path"};
+  Json kept = json.is_object() ? Json::object() : json.is_array() ? Json::array() : json;
+  if (json.is_array())
+    for (const Json& item : json) kept.push_back(without_times(item));
+  if (json.is_object())
+    for (const auto& [key, value] : json.items())
+      if (std::find(circumstances.begin(), circumstances.end(), key) == circumstances.end())
+        kept[key] = without_times(value);
+  return kept;
+}
+
 }  // namespace
 
 std::string json_text(const std::vector<Record>& records) {
@@ -435,6 +451,19 @@ Record record_of_json(const std::string& line) {
   } catch (const Json::exception& error) {
     throw InputError(std::string("no run of ours: ") + error.what());
   }
+}
+
+std::string disagreement(const Record& one, const Record& other) {
+  const Json first = without_times(object_of(one, true)).flatten(),
+             second = without_times(object_of(other, true)).flatten();
+  const auto value_of = [](const Json& json, const std::string& path) {
+    return json.contains(path) ? json.at(path).dump(-1, ' ', false, Json::error_handler_t::replace) : "nothing";
+  };
+  for (const Json* json : {&first, &second})
+    for (const auto& [path, value] : json->items())
+      if (const std::string a = value_of(first, path), b = value_of(second, path); a != b)
+        return path.substr(1) + ": " + a + " and " + b;
+  return "";
 }
 
 }  // namespace elastin::lab

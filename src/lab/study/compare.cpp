@@ -15,20 +15,18 @@
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
-#include "lab/report/baseline.h"
 #include "lab/report/comparison.h"
 #include "lab/report/files.h"
 #include "lab/report/json.h"
 #include "lab/report/machine.h"
-#include "lab/report/page.h"
 #include "lab/report/progress.h"
-#include "lab/report/ranking.h"
 #include "lab/report/study.h"
-#include "lab/report/summary.h"
 #include "lab/report/view.h"
 #include "lab/study/journal.h"
 #include "lab/study/plan.h"
 #include "lab/study/reference.h"
+#include "lab/study/results.h"
+#include "lab/study/shards.h"
 
 namespace elastin::lab {
 namespace {
@@ -46,44 +44,33 @@ std::string restart_text_of(const std::string& path) {
 class Comparison {
  public:
   Comparison(const Request& request, const Catalog& catalog)
-      : request_(request), catalog_(catalog), progress_(progress_of(request)), store_(request.out) {}
+      : request_(request), catalog_(catalog), progress_(progress_of(request)), store_(request.out), results_(request) {}
 
   bool run();
 
  private:
-  struct RunKey {
-    const std::vector<std::pair<std::string, std::string>>* combination;
-    int threads, repeat;
-    std::string strategy;
-  };
   void run_combination(ScenePlan& plan, const std::vector<std::pair<std::string, std::string>>& combination,
-                       int repeat);
-  Record run_one(const ScenePlan& plan, Scene& scene, const StrategyChoice& choice, const RunKey& run_key);
-  Record failed_run(const ScenePlan& plan, const RunKey& run_key, const std::string& why) const;
-  void finish_run(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene,
-                  const RunKey& run_key);
-  RunSource source_of(const ScenePlan& plan) const {
-    return {plan.name, key_of(std::vector{plan.text}), request_.overrides};
-  }
+                       std::size_t first_row, int repeat);
+  Record run_one(Scene& scene, const StrategyChoice& choice, const PlannedRow& row);
+  Record failed_run(const PlannedRow& row, const std::string& why) const;
+  void finish_run(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene, int repeat);
+  RunSource source_of(const ScenePlan& plan) const { return {plan.name, plan.content, request_.overrides}; }
+  bool runs_here(std::size_t row) const { return shards_[row] == request_.shard.number; }
   void add_references(const ScenePlan& plan, const std::vector<std::pair<std::string, std::string>>& combination,
                       const std::vector<StrategyChoice>& choices, Scene& scene);
   void open_journal();
-  std::string text_of(const ScenePlan& plan, const RunKey& run_key) const;
+  void finish();
   RunOptions options_of(const ScenePlan& plan, const Scene& scene, const StrategyChoice& choice);
   std::string finished_text(const Record& record) const;
-  void print_scene(const ScenePlan& plan);
-  void refer_to_own_values();
-  std::vector<Record> records_of(const std::string& scene) const;
 
   const Request& request_;
   const Catalog& catalog_;
   Progress progress_;
   ReferenceStore store_;
   std::vector<ScenePlan> plans_;
+  std::vector<int> shards_;  ///< of the rows
   std::optional<Journal> journal_;
-  std::vector<Record> records_;
-  std::vector<Peer> peers_;
-  std::vector<Record> baseline_;
+  Results results_;
   std::size_t rows_ = 0, done_ = 0, run_ = 0;  ///< runs of all repeats: there are, finished, not found finished
   double seconds_ = 0;                         ///< that the runs made here took
   Clock::time_point written_ = Clock::now();
@@ -127,19 +114,6 @@ RunOptions Comparison::options_of(const ScenePlan& plan, const Scene& scene, con
   return result;
 }
 
-/// A row is the same if its scene, what is changed, its strategy, threads, repeat and the program's flags are.
-std::string Comparison::text_of(const ScenePlan& plan, const RunKey& run_key) const {
-  std::vector<std::string> parts{plan.name,
-                                 plan.text,
-                                 run_key.strategy,
-                                 std::to_string(run_key.threads),
-                                 std::to_string(run_key.repeat),
-                                 this_machine().compiler,
-                                 this_machine().flags};
-  for (const std::string& override : overrides_of(request_, *run_key.combination)) parts.push_back(override);
-  return key_of(parts);
-}
-
 /// Gives the scene its computed references. `run`, which ranks nothing, computes them only where the scene or the
 /// command asks for it, or where there is nothing else to calibrate to.
 void Comparison::add_references(const ScenePlan& plan,
@@ -152,7 +126,7 @@ void Comparison::add_references(const ScenePlan& plan,
       request_.reference == "computed" || scene.computed.when == ComputedReference::When::always || calibrates;
   if (!request_.compare && !asked) return;
   ComputedReferences found = compute_references(
-      scene, catalog_, overrides_of(request_, combination), store_,
+      scene, catalog_, overrides_of(request_.overrides, combination), store_,
       [this, name = scene.name + ": "](const std::string& doing) {
         progress_.set_count({rows_, done_, run_, seconds_});
         progress_.set(name + doing);
@@ -163,56 +137,56 @@ void Comparison::add_references(const ScenePlan& plan,
   scene.no_computed_reference = std::move(found.trouble);
 }
 
-Record Comparison::failed_run(const ScenePlan& plan, const RunKey& run_key, const std::string& why) const {
+Record Comparison::failed_run(const PlannedRow& row, const std::string& why) const {
   Record record;
-  record.scene = plan.name;
-  record.title = plan.title;
-  record.variant = *run_key.combination;
-  record.threads = run_key.threads > 0 ? run_key.threads : threads();
-  record.run.strategy = run_key.strategy;
+  record.scene = row.plan->name;
+  record.title = row.plan->title;
+  record.variant = *row.combination;
+  record.threads = row.threads > 0 ? row.threads : threads();
+  record.run.strategy = row.strategy;
   record.run.outcome = Outcome::diverged;
   record.run.cause = why;
-  for (const Record& known : records_)  // so that its row has the others' columns
-    if (known.scene == plan.name && !known.main_measures.empty()) record.main_measures = known.main_measures;
   return record;
 }
 
-Record Comparison::run_one(const ScenePlan& plan, Scene& scene, const StrategyChoice& choice, const RunKey& run_key) {
+Record Comparison::run_one(Scene& scene, const StrategyChoice& choice, const PlannedRow& row) {
   const auto start = Clock::now();
   prepare(scene.specimen, choice.strategy);
   const double prepared = seconds_since(start);
-  Run run = run_strategy(scene.specimen, *scene.experiment, choice, options_of(plan, scene, choice));
+  Run run = run_strategy(scene.specimen, *scene.experiment, choice, options_of(*row.plan, scene, choice));
   run.build_seconds += prepared;  // once a body: the first strategy that needs it pays
   Record record = make_record(scene, std::move(run));
-  record.variant = *run_key.combination;
+  record.variant = *row.combination;
   if (!record.variant.empty()) record.verdicts.clear();  // the scene speaks of the body that it describes
-  if (plan.repeats > 1) record.repeats = {{record.run.build_seconds, record.run.solve_seconds}};
+  if (row.plan->repeats > 1) record.repeats = {{record.run.build_seconds, record.run.solve_seconds}};
   return record;
 }
 
 void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<std::string, std::string>>& combination,
-                                 int repeat) {
+                                 std::size_t first_row, int repeat) {
   std::unique_ptr<Scene> scene;
   if (combination.empty() && plan.scene) scene = std::move(plan.scene);
   std::vector<StrategyChoice> choices;
   std::string trouble;
   const auto load = [&] {  // only where a row is missing
     try {
-      if (!scene) scene = load_scene(plan.path, catalog_, overrides_of(request_, combination));
+      if (!scene) scene = load_scene(plan.path, catalog_, overrides_of(request_.overrides, combination));
       choices = chosen_strategies(request_, catalog_, *scene);
       add_references(plan, combination, choices, *scene);
     } catch (const std::exception& error) {
       trouble = error.what();
     }
   };
+  std::size_t number = first_row;
   for (const int count : plan.threads)
     for (const std::string& strategy : plan.strategies) {
+      if (!runs_here(number++)) continue;
       if (stopped_) return;
-      const RunKey run_key{&combination, count, repeat, strategy};
-      const std::string key = text_of(plan, run_key);
+      const PlannedRow row{&plan, &combination, count, strategy};
+      const std::string key = key_of(row, repeat, request_.overrides, machine_);
       const Record* known = journal_ ? journal_->find(key) : nullptr;
       if (known) {
-        finish_run(plan, "", *known, nullptr, run_key);
+        finish_run(plan, "", *known, nullptr, repeat);
         continue;
       }
       if (choices.empty() && trouble.empty()) load();
@@ -221,33 +195,31 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
       Record record;
       const StrategyChoice* choice = find_strategy(choices, strategy);
       if (!choice) {
-        record = failed_run(plan, run_key, trouble.empty() ? "the changed scene has no such strategy" : trouble);
+        record = failed_run(row, trouble.empty() ? "the changed scene has no such strategy" : trouble);
       } else if (plan.varied()) {
         try {
-          record = run_one(plan, *scene, *choice, run_key);
+          record = run_one(*scene, *choice, row);
         } catch (const std::exception& error) {  // a row of a study that cannot run is a row
-          record = failed_run(plan, run_key, error.what());
+          record = failed_run(row, error.what());
         }
       } else {
-        record = run_one(plan, *scene, *choice, run_key);
+        record = run_one(*scene, *choice, row);
       }
       progress_.pause();
       seconds_ += seconds_since(start);
       ++run_;
-      finish_run(plan, key, std::move(record), scene.get(), run_key);
+      finish_run(plan, key, std::move(record), scene.get(), repeat);
       stopped_ = request_.interrupted && request_.interrupted();
     }
   if (combination.empty() && plan.repeats > repeat + 1) plan.scene = std::move(scene);
 }
 
 void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene,
-                            const RunKey& run_key) {
+                            int repeat) {
   // `run` names its one strategy: that it cannot run is a failure; in a comparison it is a row.
   good_ &= record.good() && (request_.compare || record.run.suited || record.stopped_as_expected());
-  if (scene && run_key.repeat == 0 && !record.run.snapshots.empty()) {
-    const auto same_body = [&](const Record& r) { return r.scene == record.scene && r.variant == record.variant; };
-    if (journal_ && std::none_of(records_.begin(), records_.end(), same_body))
-      journal_->add_view(body_view(*scene, record));
+  if (scene && repeat == 0 && !record.run.snapshots.empty()) {
+    if (journal_ && !results_.has_body(record)) journal_->add_view(body_view(*scene, record));
     if (journal_) journal_->add_view(states_view(*scene, record));
     if (!plan.varied()) write_run(request_, *scene, record);
   }
@@ -260,116 +232,64 @@ void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Recor
     fmt::print("{}", run_text(record, colours_on(STDOUT_FILENO)));
   ++done_;
   if (request_.compare && rows_ > 1 && !key.empty()) progress_.note(finished_text(record));
-  const auto same = [&](const Record& r) {
-    return r.scene == record.scene && r.variant == record.variant && r.threads == record.threads &&
-           r.run.strategy == record.run.strategy;
-  };
-  const auto row = std::find_if(records_.begin(), records_.end(), same);
-  if (run_key.repeat > 0 && row != records_.end())
-    row->add_repeat(record);
-  else
-    records_.push_back(std::move(record));
+  results_.add(std::move(record), repeat);
   if (seconds_since(written_) < 1) return;
-  write_tables(request_, records_);  // who looks in while it runs
+  write_tables(request_, results_.records());  // who looks in while it runs
   written_ = Clock::now();
-}
-
-std::vector<Record> Comparison::records_of(const std::string& scene) const {
-  std::vector<Record> found;
-  for (const Record& record : records_)
-    if (record.scene == scene) found.push_back(record);
-  return found;
-}
-
-void Comparison::print_scene(const ScenePlan& plan) {
-  if (request_.to_screen() && request_.compare && !request_.summary) {
-    const std::vector<Record> records = records_of(plan.name);
-    fmt::print("{}", plan.varied() || plan.repeats > 1 ? study_text(records, colours_on(STDOUT_FILENO), peers_)
-                                                       : comparison_text(records, colours_on(STDOUT_FILENO)));
-  }
-  std::fflush(stdout);
-}
-
-/// Where nothing else says what is right, a study's own strategy does, refined; and where the scene asks for that.
-void Comparison::refer_to_own_values() {
-  for (const ScenePlan& plan : plans_) {
-    std::vector<Record> records = records_of(plan.name);
-    if (!plan.varied() || records.empty()) continue;
-    const Ranking ranking = rank_strategies(records);
-    const bool untold = ranking.measures.empty() && ranking.no_reference.empty();
-    if (plan.own_reference.empty() && !untold) continue;
-    const std::string strategy = plan.own_reference.empty() ? plan.strategies.front() : plan.own_reference;
-    const std::string trouble = refer_to_own(records, strategy);
-    if (!trouble.empty()) records.front().warnings.push_back(trouble);
-    if (!trouble.empty() && request_.to_screen()) fmt::print("  warning: {}\n", trouble);
-    std::size_t next = 0;
-    for (Record& record : records_)
-      if (record.scene == plan.name) record = std::move(records[next++]);
-  }
 }
 
 void Comparison::open_journal() {
   std::vector<RunSource> sources;
   for (const ScenePlan& plan : plans_) sources.push_back(source_of(plan));
   journal_.emplace(request_.out, request_.resume, sources);
+  if (request_.compare) write_study(request_, plans_);
 }
 
 bool Comparison::run() {
   progress_.set("reading scenes");
   plans_ = plan_of(request_, catalog_);
+  shards_ = deal_rows(rows_of(plans_).size(), request_.shard.of);
   progress_.pause();
   if (!request_.restart.empty() && (plans_.size() != 1 || plans_[0].runs() != 1 || !plans_[0].scene->time))
     throw InputError("--restart continues one strategy of one scene that runs in time");
-  if (!request_.peers.empty()) peers_ = load_peers(request_.peers);
-  if (!request_.baseline.empty()) baseline_ = load_baseline(request_.baseline);
   if (!request_.out.empty()) open_journal();
   if (!request_.resume) write_tables(request_, {});  // an unwritable folder is an error before the first run
   int passes = 0;
+  std::size_t number = 0;
   for (const ScenePlan& plan : plans_) {
-    rows_ += plan.runs() * static_cast<std::size_t>(plan.repeats);
+    for (std::size_t row = 0; row < plan.runs(); ++row)
+      if (runs_here(number++)) rows_ += static_cast<std::size_t>(plan.repeats);
     passes = std::max(passes, plan.repeats);
   }
-  for (int repeat = 0; repeat < passes; ++repeat)
+  for (int repeat = 0; repeat < passes; ++repeat) {
+    std::size_t first_row = 0;
     for (ScenePlan& plan : plans_) {
-      const std::vector<std::string> warnings = plan.scene ? plan.scene->warnings : std::vector<std::string>{};
-      if (repeat < plan.repeats)
-        for (const auto& combination : plan.combinations) run_combination(plan, combination, repeat);
-      if (stopped_) break;
-      if (plan.repeats > 1 || plan.varied()) continue;
-      if (repeat == 0) {
-        print_scene(plan);
-        if (request_.to_screen() && !request_.summary)
-          for (const std::string& warning : warnings) fmt::print("  warning: {}\n", warning);
+      for (const auto& combination : plan.combinations) {
+        if (repeat < plan.repeats) run_combination(plan, combination, first_row, repeat);
+        first_row += plan.threads.size() * plan.strategies.size();
       }
+      if (stopped_) break;
+      if (repeat == 0 && request_.shard.of == 1) results_.print_scene(plan);
     }
-  refer_to_own_values();
-  for (const ScenePlan& plan : plans_)
-    if (plan.repeats > 1 || plan.varied() || stopped_) print_scene(plan);
-  if (request_.to_screen() && request_.compare && (request_.summary || plans_.size() > 1))
-    fmt::print("{}", summary_text(records_, colours_on(STDOUT_FILENO)));
-  write_tables(request_, records_);
-  if (journal_ && !records_.empty())
-    write_report(request_, {records_,
-                            lines_of(journal_->views_path()),
-                            {},
-                            machine_.text(),
-                            request_.command,
-                            baseline_,
-                            request_.baseline});
-  if (request_.to_screen() && !request_.baseline.empty()) {
-    const Table change = change_table(records_, baseline_);
-    fmt::print("  change since {}{}\n{}", request_.baseline, change.empty() ? ": no run in common" : "",
-               change.empty() ? "" : change.text(colours_on(STDOUT_FILENO)));
   }
-  if (request_.json == "-") fmt::print("{}", json_text(records_));
-  const bool all_varied =
-      std::all_of(plans_.begin(), plans_.end(), [](const ScenePlan& plan) { return plan.varied(); });
-  if (request_.to_screen() && !request_.out.empty())
-    fmt::print("  files in {}/: report.html, runs.csv, runs.json{}\n", request_.out,
-               all_varied ? "" : ", curves, and .pvd for ParaView");
+  finish();
+  return good_;
+}
+
+void Comparison::finish() {
+  if (request_.shard.of > 1) {  // a share of the rows has no tables and recommends nothing
+    write_tables(request_, results_.records());
+    if (request_.json == "-") fmt::print("{}", json_text(results_.records()));
+    if (request_.to_screen())
+      fmt::print("  shard {}/{}: {} of {} runs in {}/; elastin merge puts the shards together\n", request_.shard.number,
+                 request_.shard.of, done_, rows_, request_.out);
+  } else {
+    results_.finish(
+        plans_, stopped_, journal_.has_value(),
+        {machine_.text(), request_.command, journal_ ? lines_of(journal_->views_path()) : std::vector<std::string>{}});
+  }
   if (stopped_ && !request_.out.empty() && done_ < rows_ && request_.to_screen())
     fmt::print("  stopped after {} of {} runs; --resume {} continues\n", done_, rows_, request_.out);
-  return good_;
 }
 
 }  // namespace

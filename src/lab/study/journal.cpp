@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -27,17 +28,10 @@ namespace {
   throw InputError(path + ": cannot write: " + std::strerror(problem));
 }
 
-/// One line of the journal.
-struct Entry {
-  std::string key;
-  RunSource source;
-  Record record;
-};
-
-Entry entry_of(const std::string& line) {
+JournalEntry entry_of(const std::string& line) {
   const auto object = nlohmann::ordered_json::parse(line);
   const nlohmann::json source = nlohmann::json::parse(object.at("source").dump());
-  return {object.at("key"), source.get<RunSource>(), record_of_json(object.at("run").dump())};
+  return {object.at("key"), source.get<RunSource>(), record_of_json(object.at("run").dump()), line};
 }
 
 /// "--set a=1 --set b=2", or "no --set".
@@ -45,36 +39,11 @@ std::string overrides_text(const std::vector<std::string>& overrides) {
   return overrides.empty() ? "no --set" : fmt::format("--set {}", fmt::join(overrides, " --set "));
 }
 
-/// Why runs of another source must not stand beside those that are wanted; "" if they may.
-std::string mismatch(const RunSource& there, const std::vector<RunSource>& wanted) {
-  std::string names;
-  for (const RunSource& source : wanted) {
-    if (source == there) return "";
-    names += (names.empty() ? "'" : ", '") + source.scene + "'";
-    if (source.scene != there.scene) continue;
-    if (source.content != there.content)
-      return fmt::format("contains runs of another version of the scene '{}': its file has changed since", there.scene);
-    return fmt::format("contains runs of the scene '{}' with {}; this command has {}", there.scene,
-                       overrides_text(there.overrides), overrides_text(source.overrides));
-  }
-  return fmt::format("contains runs of the scene '{}'; this command is about {}", there.scene, names);
-}
-
 std::unordered_map<std::string, Record> read_finished(const std::string& folder,
                                                       const std::vector<RunSource>& sources) {
-  const std::string path = folder + "/runs.jsonl";
   std::unordered_map<std::string, Record> finished;
-  int number = 0;
-  for (const std::string& line : lines_of(path)) {
-    ++number;
-    Entry entry;
-    try {
-      entry = entry_of(line);
-    } catch (const std::exception& error) {
-      throw InputError(SourceLocation{path, number},
-                       std::string("this line is not a run of a comparison: ") + error.what());
-    }
-    if (const std::string why = mismatch(entry.source, sources); !why.empty())
+  for (JournalEntry& entry : journal_of(folder)) {
+    if (const std::string why = mismatch(entry.source, sources, "this command"); !why.empty())
       throw InputError("--resume: " + folder + " " + why + ". Use another folder with --out");
     finished.insert_or_assign(entry.key, std::move(entry.record));
   }
@@ -82,6 +51,37 @@ std::unordered_map<std::string, Record> read_finished(const std::string& folder,
 }
 
 }  // namespace
+
+std::string mismatch(const RunSource& there, const std::vector<RunSource>& wanted, const std::string& who) {
+  std::string names;
+  for (const RunSource& source : wanted) {
+    if (source == there) return "";
+    names += (names.empty() ? "'" : ", '") + source.scene + "'";
+    if (source.scene != there.scene) continue;
+    if (source.content != there.content)
+      return fmt::format(
+          "contains runs of another version of the scene '{}': its file has changed since, or one that it names",
+          there.scene);
+    return fmt::format("contains runs of the scene '{}' with {}; {} has {}", there.scene,
+                       overrides_text(there.overrides), who, overrides_text(source.overrides));
+  }
+  return fmt::format("contains runs of the scene '{}'; {} is about {}", there.scene, who, names);
+}
+
+std::vector<JournalEntry> journal_of(const std::string& folder) {
+  const std::string path = folder + "/runs.jsonl";
+  std::vector<JournalEntry> entries;
+  for (const std::string& line : lines_of(path)) {
+    const int number = static_cast<int>(entries.size()) + 1;
+    try {
+      entries.push_back(entry_of(line));
+    } catch (const std::exception& error) {
+      throw InputError(SourceLocation{path, number},
+                       std::string("this line is not a run of a comparison: ") + error.what());
+    }
+  }
+  return entries;
+}
 
 std::vector<std::string> lines_of(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
@@ -97,11 +97,15 @@ LineFile::LineFile(std::string path, bool keep) : path_(std::move(path)) {
   const std::filesystem::path folder = std::filesystem::path(path_).parent_path();
   if (!folder.empty()) std::filesystem::create_directories(folder, problem);
   if (problem) throw InputError(path_ + ": cannot make its folder: " + problem.message());
+  file_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (file_ < 0) fail(path_, errno);
+  if (flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    close(file_);
+    throw InputError(path_ + ": another command writes to it; let it finish, or choose another folder");
+  }
   std::size_t whole = 0;
   if (keep)
     for (const std::string& line : lines_of(path_)) whole += line.size() + 1;
-  file_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-  if (file_ < 0) fail(path_, errno);
   if (ftruncate(file_, static_cast<off_t>(whole)) != 0) {
     const int why = errno;
     close(file_);

@@ -10,7 +10,8 @@ namespace elastin::lab {
 /// A file of lines that only grows: each line whole or not there at all, whatever ends the program.
 class LineFile {
  public:
-  /// Starts an empty file, or with `keep` goes on after the last whole line. Throws InputError naming the path.
+  /// Starts an empty file, or with `keep` goes on after the last whole line. Nobody else may write to it meanwhile.
+  /// Throws InputError naming the path.
   LineFile(std::string path, bool keep);
   ~LineFile();
   LineFile(const LineFile&) = delete;
@@ -34,6 +35,21 @@ struct RunSource {
   std::vector<std::string> overrides;  ///< KEY.PATH=VALUE of the command line
   bool operator==(const RunSource&) const = default;
 };
+
+/// Why runs of another source must not stand beside those that `who`, "this command", wants: "contains runs of …"; ""
+/// if they may.
+std::string mismatch(const RunSource& there, const std::vector<RunSource>& wanted, const std::string& who);
+
+/// A finished run as a journal has it.
+struct JournalEntry {
+  std::string key;
+  RunSource source;
+  Record record;
+  std::string line;  ///< all of it, as it is written
+};
+
+/// The finished runs in a folder. Throws InputError with the line that is none.
+std::vector<JournalEntry> journal_of(const std::string& folder);
 
 /// The finished runs of a comparison, in DIR/runs.jsonl, and what its page shows of them in 3D, in DIR/views.jsonl.
 class Journal {

@@ -6,6 +6,9 @@
 #include <sstream>
 
 #include "elastin/core/base/error.h"
+#include "lab/report/json.h"
+#include "lab/scene/reader.h"
+#include "lab/study/journal.h"
 
 namespace elastin::lab {
 namespace {
@@ -24,7 +27,8 @@ ScenePlan plan_scene(const Request& request, const Catalog& catalog, const std::
   ScenePlan plan;
   plan.path = path;
   plan.scene = load_scene(path, catalog, request.overrides);
-  plan.text = text_of(path);
+  plan.content = key_of(std::vector{text_of(path), open_scene_file(path, {}, kMostMolecules).content()});
+  plan.warnings = plan.scene->warnings;
   plan.name = plan.scene->name;
   plan.title = plan.scene->title;
   Study study = request.compare ? plan.scene->study : Study{};
@@ -35,15 +39,39 @@ ScenePlan plan_scene(const Request& request, const Catalog& catalog, const std::
   for (const StrategyChoice& choice : chosen_strategies(request, catalog, *plan.scene))
     plan.strategies.push_back(choice.label);
   plan.own_reference = study.own_reference;
-  if (!study.axes.empty()) load_scene(path, catalog, overrides_of(request, plan.combinations.front()));
+  if (!study.axes.empty()) load_scene(path, catalog, overrides_of(request.overrides, plan.combinations.front()));
   return plan;
 }
 
 }  // namespace
 
-std::vector<std::string> overrides_of(const Request& request,
+std::string PlannedRow::name() const {
+  std::string text = plan->name + ", " + strategy;
+  for (const auto& [key, value] : *combination) text += ", " + value;
+  return threads > 0 ? text + ", " + std::to_string(threads) + (threads == 1 ? " thread" : " threads") : text;
+}
+
+std::vector<PlannedRow> rows_of(const std::vector<ScenePlan>& plans) {
+  std::vector<PlannedRow> rows;
+  for (const ScenePlan& plan : plans)
+    for (const auto& combination : plan.combinations)
+      for (const int threads : plan.threads)
+        for (const std::string& strategy : plan.strategies) rows.push_back({&plan, &combination, threads, strategy});
+  return rows;
+}
+
+std::string key_of(const PlannedRow& row, int repeat, const std::vector<std::string>& overrides,
+                   const Machine& machine) {
+  std::vector<std::string> parts{
+      std::to_string(kRecordVersion), row.plan->name,         row.plan->content, row.strategy,
+      std::to_string(row.threads),    std::to_string(repeat), machine.compiler,  machine.flags};
+  for (const std::string& override : overrides_of(overrides, *row.combination)) parts.push_back(override);
+  return key_of(parts);
+}
+
+std::vector<std::string> overrides_of(const std::vector<std::string>& overrides,
                                       const std::vector<std::pair<std::string, std::string>>& combination) {
-  std::vector<std::string> all = request.overrides;
+  std::vector<std::string> all = overrides;
   for (const auto& [key, value] : combination) all.push_back(key + "=" + value);
   return all;
 }

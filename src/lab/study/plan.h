@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "lab/report/machine.h"
 #include "lab/scene/scene.h"
 #include "lab/study/request.h"
 
@@ -10,13 +11,14 @@ namespace elastin::lab {
 
 /// All rows of one scene: its combinations × threads × strategies, each `repeats` times.
 struct ScenePlan {
-  std::string path, text;        ///< the scene's file
+  std::string path, content;     ///< the scene's file; key_of its text and of the files that it names
   std::unique_ptr<Scene> scene;  ///< as it stands; released after its first runs where a study changes it
   std::vector<std::vector<std::pair<std::string, std::string>>> combinations;
   std::vector<int> threads;  ///< 0 = as the command says
   std::vector<std::string> strategies;
   int repeats = 1;
   std::string name, title, own_reference;
+  std::vector<std::string> warnings;  ///< of the scene as it stands
   std::size_t runs() const { return combinations.size() * threads.size() * strategies.size(); }
   bool varied() const { return combinations.size() > 1 || threads.size() > 1; }
 };
@@ -24,11 +26,29 @@ struct ScenePlan {
 /// Reads all scenes before anything runs: a slip in the last one must not cost the others' time.
 std::vector<ScenePlan> plan_of(const Request& request, const Catalog& catalog);
 
+/// A row of a plan; points into it.
+struct PlannedRow {
+  const ScenePlan* plan;
+  const std::vector<std::pair<std::string, std::string>>* combination;
+  int threads;  ///< 0 = as the command says
+  std::string strategy;
+  /// "cube, lattice, [5, 5, 5], 2 threads"
+  std::string name() const;
+};
+
+/// Every row, in the order in which one command runs them: scenes, combinations, threads, strategies.
+std::vector<PlannedRow> rows_of(const std::vector<ScenePlan>& plans);
+
+/// What a run is made from: another scene, change, strategy, number of threads or repeat gives another key, and so do
+/// another build of the program and another form of the record. `overrides` are the command's --set.
+std::string key_of(const PlannedRow& row, int repeat, const std::vector<std::string>& overrides,
+                   const Machine& machine);
+
 /// The strategies to run on a scene, with the scene's parameters of those that it names.
 std::vector<StrategyChoice> chosen_strategies(const Request& request, const Catalog& catalog, const Scene& scene);
 
 /// "KEY.PATH=VALUE" of the command line, then those of a combination.
-std::vector<std::string> overrides_of(const Request& request,
+std::vector<std::string> overrides_of(const std::vector<std::string>& overrides,
                                       const std::vector<std::pair<std::string, std::string>>& combination);
 
 }  // namespace elastin::lab

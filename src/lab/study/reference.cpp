@@ -431,6 +431,16 @@ const ComputedReferences* ReferenceStore::find(const std::string& key) const {
 
 void ReferenceStore::add(const std::string& key, ComputedReferences found) {
   known_[key] = std::move(found);
+  write();
+}
+
+void ReferenceStore::add(const ReferenceStore& other) {
+  const std::size_t before = known_.size();
+  known_.insert(other.known_.begin(), other.known_.end());
+  if (known_.size() > before) write();
+}
+
+void ReferenceStore::write() const {
   if (path_.empty()) return;
   Json problems = Json::object();
   for (const auto& [known, references] : known_) problems[known] = json_of(references);

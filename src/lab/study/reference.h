@@ -25,8 +25,11 @@ class ReferenceStore {
   const ComputedReferences* find(const std::string& key) const;
   /// Writes the file anew. Throws InputError naming the path.
   void add(const std::string& key, ComputedReferences found);
+  /// Adds those of another store that are not here. Throws InputError naming the path.
+  void add(const ReferenceStore& other);
 
  private:
+  void write() const;
   std::string path_;
   std::map<std::string, ComputedReferences> known_;
 };

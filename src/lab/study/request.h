@@ -8,6 +8,11 @@
 
 namespace elastin::lab {
 
+/// A share of the rows of a comparison.
+struct Shard {
+  int number = 1, of = 1;  ///< 1 ≤ number ≤ of
+};
+
 /// What the command line asks of `run`, `compare` and `verify`.
 struct Request {
   std::vector<std::string> scenes, overrides, vary;
@@ -15,6 +20,7 @@ struct Request {
   std::string baseline;   ///< folder of an earlier comparison
   std::string reference;  ///< "computed" or "none" for all scenes; empty: as each scene says
   std::string command;    ///< as it was typed, for the page
+  Shard shard = {};       ///< of the rows of a comparison: what is run here
   int repeats = 0;        ///< 0 = as the scene says
   bool compare = false, resume = false, quiet = false, summary = false, live = false;
   bool verbose = false;                    ///< of a comparison every run in full, as it is finished

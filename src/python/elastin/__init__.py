@@ -26,7 +26,8 @@ from ._elastin import (Body, Catalog, InputError, Material, Parameter, Result, R
                        StaticResult, StepResult, Strategy, __version__, linear_solvers, loads, material_laws, measures,
                        set_threads, steppers, threads)
 from ._bodies import body, lattice, read_mesh
-from ._laboratory import Comparison, Laboratory, Sweep, compare, identify, run, strategies, sweep
+from ._laboratory import Comparison, Laboratory, compare, identify, run, strategies
+from ._sweep import Sweep, sweep
 
 __all__ = ["Body", "Catalog", "Comparison", "InputError", "Laboratory", "Material", "Parameter", "Result", "Row",
            "Simulation", "SimulationState", "StaticResult", "StepResult", "Strategy", "Sweep", "body", "compare",

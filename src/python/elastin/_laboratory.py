@@ -1,4 +1,4 @@
-"""Scenes: run, compared, swept."""
+"""Scenes: run, compared, identified."""
 
 import json
 import os
@@ -46,16 +46,6 @@ def compare(scene, strategies=None, *, set=None, catalog=None, progress=None):
     return Comparison([laboratory.run(name, progress=progress) for name in names or laboratory.strategies])
 
 
-def sweep(scene, key, values, *, strategy="", set=None, catalog=None, progress=None):
-    """Runs a scene once for each value of one of its keys: sweep(scene, "material.poissons_ratio", [0.1, 0.2, 0.3])."""
-    (name,), catalog = _named([strategy], catalog)
-    values = list(values)
-    changes = _yaml.overrides(set)
-    results = [Laboratory(scene, set=changes + _yaml.overrides({key: value}), catalog=catalog)
-               .run(name, progress=progress) for value in values]
-    return Sweep(key, values, results)
-
-
 def identify(scene, data=None, *, tests=(), laws=(), strategies=(), set=None, progress=None):
     """Fits the material of a scene's `identify` section to its measured tests and gives what the command writes as JSON:
     "parameters" (name, value, unit, low, high), "correlation", "relative_rms", "warnings" and more; SI units. `data`
@@ -96,35 +86,6 @@ class Comparison(list):
         """Error of a measure, by default the most telling one, against the seconds that it took."""
         from . import _plots
         return _plots.speed_against_error(self, measure, ax)
-
-
-class Sweep(list):
-    """Results of one scene, one for each value of a key; sweep["effective_modulus"] gives a measure as an array."""
-
-    def __init__(self, key, values, results):
-        super().__init__(results)
-        self.key = key
-        self.values = values
-
-    def __getitem__(self, key):
-        if not isinstance(key, str):
-            return super().__getitem__(key)
-        import numpy
-        return numpy.array([result.get(key, float("nan")) for result in self])
-
-    def _table(self):
-        return _tables.of_results(self, (self.key, self.values))
-
-    def __repr__(self):
-        return self._table().text()
-
-    def _repr_html_(self):
-        return self._table().html()
-
-    def plot(self, measure=None, ax=None, **options):
-        """A measure, by default the most telling one, over the key's values. Options go to matplotlib's plot."""
-        from . import _plots
-        return _plots.measure_over_key(self, measure, ax, options)
 
 
 def _measure_of(result, measure):

@@ -67,15 +67,6 @@ def main_measure(results, wanted):
     return wanted or next((result.main[0] for result in results if result.main), "effective_modulus")
 
 
-def measure_over_key(sweep, measure, ax, options):
-    measure = main_measure(sweep, measure)
-    ax = figure(ax)
-    ax.plot(sweep.values, sweep[measure], **{"marker": "o", "label": sweep[0].strategy} | options)
-    ax.set(xlabel=sweep.key, ylabel=label(measure), title=sweep[0].scene)
-    ax.legend()
-    return ax
-
-
 def speed_against_error(comparison, measure, ax):
     measure = main_measure(comparison, measure)
     ax = figure(ax)

@@ -45,15 +45,15 @@ def notes_of(result):
 
 
 def of_results(results, swept=None):
-    """A row a result. `swept`: a key and its values, in place of the strategies."""
+    """A row a result. `swept`: keys and the values that the rows have under them, in place of the strategies."""
     main = list(dict.fromkeys(name for result in results for name in result.main if name in result.measures))
     with_error = [name for name in main if UNITS[name] and any(name in result.errors for result in results)]
-    head = [swept[0] if swept else "strategy"]
+    head = list(swept) if swept else ["strategy"]
     for name in main:
         head += [name, "error"] if name in with_error else [name]
     rows = []
     for number, result in enumerate(results):
-        row = [str(swept[1][number]) if swept else result.strategy]
+        row = [str(values[number]) for values in swept.values()] if swept else [result.strategy]
         for name in main:
             row.append(readable(name, result.get(name)) if name in result.measures else "")
             if name in with_error:

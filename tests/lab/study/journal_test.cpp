@@ -1,13 +1,11 @@
 #include "lab/study/journal.h"
 
-#include <sys/wait.h>
-
 #include <catch2/catch.hpp>
-#include <cstdlib>
 #include <filesystem>
 #include <set>
 
 #include "elastin/core/base/error.h"
+#include "support/shell.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;
@@ -24,15 +22,6 @@ stiffness: lattice
 strategies: [standard, lattice, angles]
 experiment: {kind: tension, axis: z, force: 11.25 uN}
 )";
-
-/// Runs a shell line in the folder, where $elastin is the command; returns its exit code.
-int shell(const TemporaryFolder& folder, const std::string& line) {
-  const std::string whole =
-      "cd '" + folder.path("") + "' && elastin='" ELASTIN_COMMAND "' bash -c '" + line + "' > out 2> err";
-  const int status = std::system(whole.c_str());
-  REQUIRE(WIFEXITED(status));
-  return WEXITSTATUS(status);
-}
 
 }  // namespace
 
@@ -110,6 +99,34 @@ TEST_CASE("the option --resume refuses a folder whose runs come from elsewhere, 
   CHECK(shell(folder,
               compare + "cube.yaml other.yaml --set material.youngs_modulus=6000 --strategies lattice,divided") == 0);
   CHECK(lines_of(folder.path("o/runs.jsonl")).size() == 3 + 1 + 2);
+}
+
+TEST_CASE("two commands at once do not write to one folder", "[journal][command]") {
+  const TemporaryFolder folder;
+  folder.write("cube.yaml", kCube);
+  const std::string study = "$elastin compare cube.yaml --quiet --resume o";
+  REQUIRE(shell(folder, study) == 0);
+  const std::string runs = text_of_file(folder.path("o/runs.jsonl"));
+  CHECK(shell(folder, "flock o/runs.jsonl " + study) == 2);
+  CHECK_THAT(text_of_file(folder.path("err")), Contains("o/runs.jsonl: another command writes to it"));
+  CHECK(text_of_file(folder.path("o/runs.jsonl")) == runs);
+}
+
+TEST_CASE("a mesh that has changed since makes other rows", "[journal][command]") {
+  const TemporaryFolder folder;
+  const std::string mesh =  // a cube of six tetrahedra
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n5 0 0 1\n6 1 0 1\n"
+      "7 0 1 1\n8 1 1 1\n$EndNodes\n$Elements\n6\n1 4 2 1 1 1 2 4 8\n2 4 2 1 1 1 6 2 8\n3 4 2 1 1 1 4 3 8\n"
+      "4 4 2 1 1 1 3 7 8\n5 4 2 1 1 1 5 6 8\n6 4 2 1 1 1 7 5 8\n$EndElements\n";
+  folder.write("cube.msh", mesh);
+  folder.write("cube.yaml",
+               "body: {mesh: {file: cube.msh, length_unit: mm}}\nmaterial: {youngs_modulus: 5 kPa}\n"
+               "stiffness: neo_hookean\nexperiment: {kind: tension, axis: z, force: 1 uN}\n");
+  const std::string study = "$elastin compare cube.yaml --strategies neo_hookean --quiet --resume o";
+  REQUIRE(shell(folder, study) == 0);
+  folder.write("cube.msh", mesh + "\n");
+  CHECK(shell(folder, study) == 2);
+  CHECK_THAT(text_of_file(folder.path("err")), Contains("its file has changed since, or one that it names"));
 }
 
 TEST_CASE("a full disk is named, and the rows before it stay", "[journal][command]") {

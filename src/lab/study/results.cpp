@@ -1,0 +1,120 @@
+#include "lab/study/results.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <utility>
+
+#include "lab/report/baseline.h"
+#include "lab/report/comparison.h"
+#include "lab/report/json.h"
+#include "lab/report/ranking.h"
+#include "lab/report/study.h"
+#include "lab/report/summary.h"
+
+namespace elastin::lab {
+
+Results::Results(const Request& request) : request_(request) {
+  if (!request.peers.empty()) peers_ = load_peers(request.peers);
+  if (!request.baseline.empty()) baseline_ = load_baseline(request.baseline);
+}
+
+void Results::add(Record record, int repeat) {
+  const auto same = [&](const Record& r) {
+    return r.scene == record.scene && r.variant == record.variant && r.threads == record.threads &&
+           r.run.strategy == record.run.strategy;
+  };
+  const auto row = repeat > 0 ? std::find_if(records_.begin(), records_.end(), same) : records_.end();
+  if (row != records_.end())
+    row->add_repeat(record);
+  else
+    records_.push_back(std::move(record));
+}
+
+bool Results::has_body(const Record& record) const {
+  return std::any_of(records_.begin(), records_.end(),
+                     [&](const Record& r) { return r.scene == record.scene && r.variant == record.variant; });
+}
+
+std::vector<Record> Results::records_of(const std::string& scene) const {
+  std::vector<Record> found;
+  for (const Record& record : records_)
+    if (record.scene == scene) found.push_back(record);
+  return found;
+}
+
+void Results::print_table(const ScenePlan& plan) const {
+  if (request_.to_screen() && request_.compare && !request_.summary) {
+    const std::vector<Record> records = records_of(plan.name);
+    fmt::print("{}", plan.varied() || plan.repeats > 1 ? study_text(records, colours_on(STDOUT_FILENO), peers_)
+                                                       : comparison_text(records, colours_on(STDOUT_FILENO)));
+  }
+  std::fflush(stdout);
+}
+
+void Results::print_scene(const ScenePlan& plan) const {
+  if (plan.repeats > 1 || plan.varied()) return;  // their references are not known before the end
+  print_table(plan);
+  if (request_.to_screen() && !request_.summary)
+    for (const std::string& warning : plan.warnings) fmt::print("  warning: {}\n", warning);
+}
+
+/// Where nothing else says what is right, a study's own strategy does, refined; and where the scene asks for that.
+void Results::refer_to_own_values(const std::vector<ScenePlan>& plans) {
+  for (const ScenePlan& plan : plans) {
+    std::vector<Record> records = records_of(plan.name);
+    if (!plan.varied() || records.empty()) continue;
+    const Ranking ranking = rank_strategies(records);
+    const bool untold = ranking.measures.empty() && ranking.no_reference.empty();
+    if (plan.own_reference.empty() && !untold) continue;
+    const std::string strategy = plan.own_reference.empty() ? plan.strategies.front() : plan.own_reference;
+    const std::string trouble = refer_to_own(records, strategy);
+    if (!trouble.empty()) records.front().warnings.push_back(trouble);
+    if (!trouble.empty() && request_.to_screen()) fmt::print("  warning: {}\n", trouble);
+    std::size_t next = 0;
+    for (Record& record : records_)
+      if (record.scene == plan.name) record = std::move(records[next++]);
+  }
+}
+
+/// A row that could not even begin has the columns of the scene's others.
+void Results::complete_failed_rows() {
+  std::map<std::string, std::vector<MainMeasure>> measures;
+  for (const Record& record : records_)
+    if (!record.main_measures.empty()) measures.try_emplace(record.scene, record.main_measures);
+  for (Record& record : records_)
+    if (record.main_measures.empty() && measures.contains(record.scene)) record.main_measures = measures[record.scene];
+}
+
+void Results::finish(const std::vector<ScenePlan>& plans, bool stopped, bool page, Origin origin) {
+  complete_failed_rows();
+  refer_to_own_values(plans);
+  for (const ScenePlan& plan : plans)
+    if (plan.repeats > 1 || plan.varied() || stopped) print_table(plan);
+  if (request_.to_screen() && request_.compare && (request_.summary || plans.size() > 1))
+    fmt::print("{}", summary_text(records_, colours_on(STDOUT_FILENO)));
+  write_tables(request_, records_);
+  if (page && !records_.empty())
+    write_report(request_, {records_,
+                            std::move(origin.views),
+                            {},
+                            std::move(origin.machine),
+                            std::move(origin.command),
+                            baseline_,
+                            request_.baseline});
+  if (request_.to_screen() && !request_.baseline.empty()) {
+    const Table change = change_table(records_, baseline_);
+    fmt::print("  change since {}{}\n{}", request_.baseline, change.empty() ? ": no run in common" : "",
+               change.empty() ? "" : change.text(colours_on(STDOUT_FILENO)));
+  }
+  if (request_.json == "-") fmt::print("{}", json_text(records_));
+  const bool all_varied = std::all_of(plans.begin(), plans.end(), [](const ScenePlan& plan) { return plan.varied(); });
+  if (request_.to_screen() && !request_.out.empty())
+    fmt::print("  files in {}/: report.html, runs.csv, runs.json{}\n", request_.out,
+               all_varied ? "" : ", curves, and .pvd for ParaView");
+}
+
+}  // namespace elastin::lab
