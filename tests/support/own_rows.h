@@ -2,6 +2,7 @@
 #include "elastin/core/forces/load_table.h"
 #include "elastin/core/linear/linear_solver.h"
 #include "elastin/core/simulation/catalog.h"
+#include "elastin/core/solve/engine.h"
 #include "elastin/core/solve/integrator.h"
 
 /// A stepper, a linear solver and a load that a program outside Elastin adds to its catalog.
@@ -83,11 +84,42 @@ inline LinearSolverKind own_solver_row() {
   return row;
 }
 
+/// This process's own solvers behind the interface of engines, which counts how often it is asked.
+class OwnEngine final : public StaticEngine {
+ public:
+  std::string unsuited(const Model& model) const override {
+    return model.loads().empty() ? "the engine of the host wants a load" : "";
+  }
+  StaticResponse respond(Model& model, const Positions& at, const Positions& load_change, const Positions& displacement,
+                         const StaticOptions& options) override {
+    ++calls;
+    return static_response(model, at, load_change, displacement, plain(options));
+  }
+  StaticResult balance(Model& model, State& state, const StaticOptions& options) override {
+    ++calls;
+    return solve_static(model, state, plain(options));
+  }
+  static inline int calls = 0;
+
+ private:
+  static StaticOptions plain(StaticOptions options) {
+    options.engine = nullptr;
+    return options;
+  }
+};
+
+inline StaticEngineKind own_engine_row() {
+  return {{"own", "the solvers of this process behind the interface of engines", "a test"},
+          [] { return std::make_shared<OwnEngine>(); },
+          ""};
+}
+
 inline Catalog catalog_with_own_rows() {
   Catalog catalog = built_in_catalog();
   catalog.steppers.add(in_parts_row());
   catalog.linear_solvers.add(own_solver_row());
   catalog.loads.add(ratchet_row());
+  catalog.engines.add(own_engine_row());
   return catalog;
 }
 

@@ -45,6 +45,9 @@ class Springs final : public Elasticity, public LocalElasticity {
       : connections_(body.connections), constants_(std::move(constants)), grid_(GridSprings::make(body, constants_)) {}
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<Springs>(*this); }
+  std::unique_ptr<Elasticity> on_subdomain(const Subdomain& own) const override {
+    return std::make_unique<Springs>(own.body, own.computed(constants_));
+  }
   double energy(const Positions& positions) const override {
     return ordered_sum(connections_.size(), [&](int c) {
       const double stretch = length(connections_, positions, c) - connections_.rest_length[c];

@@ -17,6 +17,14 @@ class Sum final : public Elasticity {
     for (const auto& term : terms_) terms.push_back(term->clone());
     return std::make_unique<Sum>(std::move(terms), owner_, triangles_);
   }
+  std::unique_ptr<Elasticity> on_subdomain(const Subdomain& own) const override {
+    std::vector<std::unique_ptr<Elasticity>> terms;
+    for (const auto& term : terms_) {
+      terms.push_back(term->on_subdomain(own));
+      if (!terms.back()) return nullptr;
+    }
+    return std::make_unique<Sum>(std::move(terms), owner_, std::vector<CellRange>{});
+  }
   bool admissible(const Positions& positions) const override {
     return all([&](const Elasticity& term) { return term.admissible(positions); });
   }

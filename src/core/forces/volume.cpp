@@ -102,6 +102,10 @@ class Volume final : public Elasticity {
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<Volume>(*this); }
 
+  std::unique_ptr<Elasticity> on_subdomain(const Subdomain& own) const override {
+    return std::unique_ptr<Elasticity>(new Volume(*this, own));
+  }
+
   bool admissible(const Positions& positions) const override { return std::isfinite(energy(positions)); }
 
   double energy(const Positions& positions) const override {
@@ -203,6 +207,18 @@ class Volume final : public Elasticity {
   }
 
  private:
+  /// The groups that the subdomain computes: a molecule's by its owner, a cube's by that of its lowest corner.
+  Volume(const Volume& whole, const Subdomain& own)
+      : groups_(groups_on(whole.groups_, own, chosen_groups(whole.groups_, own))),
+        graph_(own.body.connections, groups_.tetrahedra),
+        modulus_(whole.modulus_) {
+    const std::vector<int> chosen = chosen_groups(whole.groups_, own);
+    group_volume_.resize(groups_.size());
+    for (int group = 0; group < groups_.size(); ++group)
+      group_volume_[group] = whole.group_volume_[chosen[static_cast<std::size_t>(group)]];
+    for (const auto& cell : groups_.tetrahedra) rest_volume_.push_back(signed_volume(own.body.rest, cell));
+  }
+
   int tetrahedra() const { return static_cast<int>(groups_.tetrahedra.size()); }
   const std::array<int, 4>& cell(int t) const { return groups_.tetrahedra[static_cast<std::size_t>(t)]; }
   Tetrahedron tetrahedron(const Positions& positions, int t) const {

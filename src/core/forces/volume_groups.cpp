@@ -1,5 +1,8 @@
 #include "core/forces/volume_groups.h"
 
+#include <algorithm>
+#include <limits>
+
 namespace elastin {
 namespace {
 
@@ -40,7 +43,51 @@ VolumeGroups groups_of_cubes(const Cells<8>& cubes) {
 VolumeGroups groups_of_molecules(int molecules, const Cells<4>& tetrahedra) {
   std::vector<int> groups;
   for (const auto& cell : tetrahedra) groups.insert(groups.end(), cell.begin(), cell.end());
-  return grouped(tetrahedra, std::move(groups), 4, molecules, 1. / 4);
+  VolumeGroups result = grouped(tetrahedra, std::move(groups), 4, molecules, 1. / 4);
+  result.of_molecules = true;
+  return result;
+}
+
+std::vector<int> chosen_groups(const VolumeGroups& whole, const Subdomain& own) {
+  std::vector<int> chosen;
+  for (int group = 0; group < whole.size(); ++group) {
+    int lowest = group;
+    if (!whole.of_molecules) {
+      lowest = std::numeric_limits<int>::max();
+      for (const int t : whole.members[group])
+        for (const int molecule : whole.tetrahedra[static_cast<std::size_t>(t)]) lowest = std::min(lowest, molecule);
+    }
+    if (own.owns(lowest)) chosen.push_back(group);
+  }
+  return chosen;
+}
+
+VolumeGroups groups_on(const VolumeGroups& whole, const Subdomain& own, const std::vector<int>& chosen) {
+  std::vector<int> kept;  // tetrahedra
+  for (const int group : chosen) {
+    const auto members = whole.members[group];
+    kept.insert(kept.end(), members.begin(), members.end());
+  }
+  std::sort(kept.begin(), kept.end());
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+  const auto position_in = [](const std::vector<int>& ascending, int number) {
+    const auto at = std::lower_bound(ascending.begin(), ascending.end(), number);
+    return at != ascending.end() && *at == number ? static_cast<int>(at - ascending.begin()) : -1;
+  };
+  VolumeGroups result{{}, {{0}, {}}, {{0}, {}}, whole.weight};
+  for (const int group : chosen) {
+    for (const int t : whole.members[group]) result.members.entries.push_back(position_in(kept, t));
+    result.members.start.push_back(static_cast<int>(result.members.entries.size()));
+  }
+  for (const int t : kept) {
+    auto cell = whole.tetrahedra[static_cast<std::size_t>(t)];
+    for (int& molecule : cell) molecule = own.local(molecule);
+    result.tetrahedra.push_back(cell);
+    for (const int group : whole.groups_of[t])
+      if (const int at = position_in(chosen, group); at >= 0) result.groups_of.entries.push_back(at);
+    result.groups_of.start.push_back(static_cast<int>(result.groups_of.entries.size()));
+  }
+  return result;
 }
 
 }  // namespace elastin

@@ -288,11 +288,10 @@ void add_at_molecules(const Tangent& tangent, const std::vector<Support>& suppor
   }
 }
 
-}  // namespace
-
-GridLevel assemble_level(const Tangent& tangent, const std::vector<Support>& supports) {
+GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports, const BoxGrid::Frame& frame,
+                   bool is_part) {
   const Body& body = tangent.model().body();
-  BoxGrid grid(body.rest, 2 * spacing_of(body));
+  BoxGrid grid(frame);
   std::vector<int> of_molecule(static_cast<std::size_t>(body.size())),
       of_link(static_cast<std::size_t>(body.connections.size()));
   parallel_for(body.size(), [&](int a) { of_molecule[a] = grid.outline_box(body.rest.col(a)); });
@@ -335,13 +334,27 @@ GridLevel assemble_level(const Tangent& tangent, const std::vector<Support>& sup
       assembly.add_gradient(gradient, factor);
     });
   for (const auto& term : tangent.model().elasticity())
-    term->visit_points([&](const auto& place, const auto& frame, const auto& stiffness) {
-      assembly.add_point(place, frame, stiffness);
+    term->visit_points([&](const auto& place, const auto& axes, const auto& stiffness) {
+      assembly.add_point(place, axes, stiffness);
     });
   assembly.stabilise();
   add_at_molecules(tangent, supports, assembly);
-  grid_level.level->finish();
+  grid_level.level->finish(is_part);
   return grid_level;
+}
+
+}  // namespace
+
+BoxGrid::Frame frame_of(const Body& body) {
+  return {body.rest.rowwise().minCoeff(), body.rest.rowwise().maxCoeff(), body.size(), 2 * spacing_of(body)};
+}
+
+GridLevel assemble_level(const Tangent& tangent, const std::vector<Support>& supports) {
+  return assemble(tangent, supports, frame_of(tangent.model().body()), false);
+}
+
+GridLevel assemble_part(const Tangent& tangent, const std::vector<Support>& supports, const BoxGrid::Frame& frame) {
+  return assemble(tangent, supports, frame, true);
 }
 
 }  // namespace elastin

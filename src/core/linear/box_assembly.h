@@ -29,4 +29,11 @@ struct GridLevel {
 /// hold the boxes by the stiffness of what they hold.
 GridLevel assemble_level(const Tangent& tangent, const std::vector<Support>& supports);
 
+/// The frame of that grid.
+BoxGrid::Frame frame_of(const Body& body);
+
+/// Of a tangent on a subdomain its part of the level on the whole's frame, see BoxLevel::finish: the sum over all
+/// subdomains, point by point, is the whole's. `supports` are those of all its molecules.
+GridLevel assemble_part(const Tangent& tangent, const std::vector<Support>& supports, const BoxGrid::Frame& frame);
+
 }  // namespace elastin

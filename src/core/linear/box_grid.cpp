@@ -5,13 +5,13 @@
 
 namespace elastin {
 
-BoxGrid::BoxGrid(const Positions& positions, double size) : size_(size) {
-  const Vector3 low = positions.rowwise().minCoeff(), extent = positions.rowwise().maxCoeff() - low;
+BoxGrid::BoxGrid(const Frame& frame) : size_(frame.size) {
+  const Vector3 &low = frame.low, extent = frame.high - low;
   std::sort(axes_.begin(), axes_.end(), [&](int a, int b) { return extent[a] < extent[b]; });
   origin_ = {low[axes_[0]], low[axes_[1]], low[axes_[2]]};
   // Boxes of which less than half would be filled are left out: what sticks out belongs to those before, extrapolated.
   // A bent sheet fills little of its outline, which has to stay small enough for a table.
-  const double most = 1e5 + 32 * static_cast<double>(positions.cols());
+  const double most = 1e5 + 32 * static_cast<double>(frame.molecules);
   const auto wanted = [&](int axis) { return std::max(1., std::ceil(extent[axes_[axis]] / size_ - 0.49)); };
   while (wanted(0) * wanted(1) * wanted(2) > most) size_ *= 1.25;
   for (int axis = 0; axis < 3; ++axis) counts_[axis] = static_cast<int>(wanted(axis));

@@ -30,13 +30,21 @@ class BoxGrid {
     return values;
   }
 
-  /// @param size of a box [m], taken larger where a body is so thin or bent that its outline has too many boxes.
-  BoxGrid(const Positions& positions, double size);
+  /// What a grid is laid over: a body's outline, and boxes of a size [m], taken larger where a body is so thin or bent
+  /// that its outline has too many of them.
+  struct Frame {
+    Vector3 low, high;  ///< [m]
+    int molecules;
+    double size;
+  };
+  explicit BoxGrid(const Frame& frame);
 
   /// The box of the outline that holds a place.
   int outline_box(const Vector3& position) const;
   /// Until the boxes are numbered: keeps one.
   void use(int outline_box) { used_[static_cast<std::size_t>(outline_box)] = 1; }
+  /// Until then too: whether each box of the outline is kept, 0 or 1.
+  std::vector<char>& used() { return used_; }
   /// Numbers the boxes that were kept, and their points.
   void number();
 

@@ -51,7 +51,7 @@ Matrix3 BoxLevel::block_to(int point, int code) const {
   return own;
 }
 
-void BoxLevel::finish() {
+void BoxLevel::finish(bool is_part) {
   parallel_for(
       points(),
       [&](int point) {
@@ -67,6 +67,7 @@ void BoxLevel::finish() {
         row.row(BoxGrid::kSelf) = Eigen::Map<const Eigen::Matrix<float, 1, 9>>(own.data());
       },
       kPointThreshold);
+  if (is_part) return;
   inverse_.resize(rows_.size());
   parallel_for(
       points(),
@@ -136,7 +137,7 @@ void BoxLevel::set_damping() {
   for (auto& inverse : inverse_) inverse *= damping;
 }
 
-std::unique_ptr<BoxLevel> BoxLevel::coarser() const {
+std::unique_ptr<BoxLevel> BoxLevel::coarser(bool is_part) const {
   auto coarse = std::make_unique<BoxLevel>(grid_.coarser());
   parallel_for(
       coarse->points(),
@@ -176,7 +177,7 @@ std::unique_ptr<BoxLevel> BoxLevel::coarser() const {
         }
       },
       kPointThreshold / 20);
-  coarse->finish();
+  coarse->finish(is_part);
   return coarse;
 }
 

@@ -25,11 +25,12 @@ class BoxLevel {
   /// Adds to S of a point.
   Matrix3& sum(int point) { return sums_[static_cast<std::size_t>(point)]; }
   const Matrix3& sum(int point) const { return sums_[static_cast<std::size_t>(point)]; }
-  /// Mirrors the blocks and makes ready for the calls below.
-  void finish();
+  /// Mirrors the blocks and makes ready for the calls below; a level that is a part of one only for coarser(),
+  /// neighbour() and block_to().
+  void finish(bool is_part = false);
 
   /// Pᵀ A P for the trilinear functions of the coarser grid.
-  std::unique_ptr<BoxLevel> coarser() const;
+  std::unique_ptr<BoxLevel> coarser(bool is_part = false) const;
   /// coarse = Pᵀ fine
   void restrict_to(const BoxLevel& coarse, const Vectors& fine, Vectors& result) const;
   /// fine += P coarse

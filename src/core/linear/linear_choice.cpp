@@ -22,6 +22,15 @@ double connections_across(const Body& body) {
 
 }  // namespace
 
+std::pair<bool, std::string> multigrid_is_worth_it(const Body& body, double tolerance) {
+  const double across = connections_across(body), digits = std::max(1., -std::log10(tolerance));
+  // In iterations of single molecules' blocks, with half as much again before the change is worth it.
+  const bool worth_it = 1.25 * across * digits > 1.5 * (20 + 8 * digits);
+  const std::string size =
+      counted(body.size(), "molecule") + ", " + std::to_string(std::lround(across)) + " connections from end to end";
+  return {worth_it, size + (worth_it ? ": conjugate gradients alone would take many iterations" : " are not many")};
+}
+
 LinearChoice choose_linear_solver(const Tangent& tangent, LinearMethod requested, double tolerance) {
   const Model& model = tangent.model();
   const Body& body = model.body();
@@ -32,13 +41,8 @@ LinearChoice choose_linear_solver(const Tangent& tangent, LinearMethod requested
   if (body.size() <= kTinyBody && !moving) return {direct, counted(body.size(), "molecule") + " are few"};
   if (moving) return {pcg, ""};  // inertia keeps iterations few; a step has no memory for words
   if (!model.has_energy()) return {pcg, "the stiffness is not symmetric"};
-  const double across = connections_across(body), digits = std::max(1., -std::log10(tolerance));
-  // In iterations of single molecules' blocks, with half as much again before the change is worth it.
-  const bool worth_it = 1.25 * across * digits > 1.5 * (20 + 8 * digits);
-  const std::string size =
-      counted(body.size(), "molecule") + ", " + std::to_string(std::lround(across)) + " connections from end to end";
-  if (worth_it) return {multigrid, size + ": conjugate gradients alone would take many iterations"};
-  return {pcg, size + " are not many"};
+  const auto [worth_it, why] = multigrid_is_worth_it(body, tolerance);
+  return {worth_it ? multigrid : pcg, why};
 }
 
 }  // namespace elastin

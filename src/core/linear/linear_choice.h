@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <utility>
 
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/linear/linear_solver.h"
@@ -10,6 +11,9 @@ struct LinearChoice {
   LinearMethod method;  ///< one that can be made: never automatic
   std::string reason;   ///< in words for a user; empty where the method was not up to us
 };
+
+/// Whether conjugate gradients on a body at rest are quicker with a coarse picture of it than without, and why.
+std::pair<bool, std::string> multigrid_is_worth_it(const Body& body, double tolerance);
 
 /// What solves K x = b to this tolerance quickest: a factorisation for a handful of molecules; else conjugate
 /// gradients, with a coarse picture of the body where they would take many iterations without. Those are some ten for

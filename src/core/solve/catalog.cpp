@@ -1,6 +1,21 @@
 #include "core/solve/steppers.h"
+#include "elastin/core/solve/engine.h"
 
 namespace elastin {
+
+const Table<StaticEngineKind>& built_in_engines() {
+  static const Table<StaticEngineKind> table = [] {
+    Table<StaticEngineKind> rows("engine");
+    rows.add({{"threads", "this process by itself, on its threads", ""}});
+    rows.add({{"petsc", "processes that mpiexec starts together: each computes and solves for its part of the body",
+               "PETSc [Balay 1997]"},
+              {},
+              "this program was built without PETSc and MPI: install libpetsc-real-dev and openmpi-bin, and build it "
+              "again"});
+    return rows;
+  }();
+  return table;
+}
 
 const Table<Stepper>& built_in_steppers() {
   static const Table<Stepper> table = [] {

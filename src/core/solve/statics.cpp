@@ -7,6 +7,7 @@
 
 #include "core/solve/newton.h"
 #include "core/solve/relaxation.h"
+#include "elastin/core/solve/engine.h"
 
 namespace elastin {
 namespace {
@@ -67,13 +68,15 @@ StaticResult solve_static(Model& model, State& state, const StaticOptions& optio
   StaticResult moved;
   follow_supports(model, state, options, moved);
   NewtonWorkspace workspace;
-  StaticResult result = solve_newton(model, state, options, nullptr, workspace);
+  StaticResult result = options.engine ? options.engine->balance(model, state, options)
+                                       : solve_newton(model, state, options, nullptr, workspace);
   result.linear_iterations += moved.linear_iterations;
   return result;
 }
 
 StaticResponse static_response(Model& model, const Positions& at, const Positions& load_change,
                                const Positions& displacement, const StaticOptions& options) {
+  if (options.engine) return options.engine->respond(model, at, load_change, displacement, options);
   StaticResponse response;
   StaticResult& result = response.result;
   const auto add_prescribed_displacement = [&](Positions& motion) {

@@ -15,6 +15,7 @@
 #include "elastin/core/simulation/fibres.h"
 #include "elastin/core/simulation/parts.h"
 #include "elastin/core/simulation/prepare.h"
+#include "elastin/core/solve/engine.h"
 #include "elastin/core/solve/modes.h"
 #include "elastin/lab/experiment/protocol.h"
 #include "elastin/mesh/voronoi.h"
@@ -224,6 +225,11 @@ Run run_strategy(const Specimen& specimen, const Protocol& experiment, const Str
   const std::optional<HeldModel> held = make_model(at_work, experiment, choice, options, run);
   if (!held) return run;
   Model& model = *held->model;
+  if (options.statics.engine) {
+    run.cause = options.statics.engine->unsuited(model);
+    run.suited = run.cause.empty();
+    if (!run.suited) return run;
+  }
   run.build_seconds = build.seconds();
   if (!experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0)) count_modes(model, run);
 

@@ -55,7 +55,25 @@ Matrix3 read_rotation(Reader reader) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 
-StaticOptions read_solver(Reader reader, const elastin::Table<LinearSolverKind>& linear_solvers) {
+namespace {
+
+/// What the rest of `solver` asks of an engine that is not this process alone.
+std::shared_ptr<StaticEngine> read_engine(const Reader& reader, Reader& solver, const Catalog& catalog) {
+  const auto row = reader.located([&] { return catalog.engines.find(reader.text()); });
+  if (!row->missing.empty()) reader.fail("'" + row->name + "': " + row->missing);
+  if (!row->make) return nullptr;
+  const std::string with = "does not go with engine: " + row->name;
+  if (const auto method = solver.find("method"); method && method->text() != "newton")
+    method->fail("'" + method->text() + "' " + with + ", which goes by Newton's method");
+  if (const auto linear = solver.find("linear_solver"))
+    if (const std::string name = linear->text(); name == "direct" || name == "bicgstab")
+      linear->fail("'" + name + "' " + with + "; allowed: automatic, pcg, multigrid");
+  return row->make();
+}
+
+}  // namespace
+
+StaticOptions read_solver(Reader reader, const Catalog& catalog) {
   StaticOptions options;
   if (auto value = reader.find("displacements"))
     options.linear = value->choice<bool>({{"large", false}, {"small", true}});
@@ -64,8 +82,9 @@ StaticOptions read_solver(Reader reader, const elastin::Table<LinearSolverKind>&
                                                          {"explicit", StaticMethod::explicit_steps},
                                                          {"implicit", StaticMethod::implicit_steps}});
   if (auto value = reader.find("linear_solver"))
-    options.method = value->located([&] { return linear_solvers.find(value->text()); });
+    options.method = value->located([&] { return catalog.linear_solvers.find(value->text()); });
   if (auto value = reader.find("tolerance")) options.tolerance = value->quantity(dimension::none, {1e-14, 0.1, false});
+  if (auto value = reader.find("engine")) options.engine = read_engine(*value, reader, catalog);
   if (auto value = reader.find("newton_limit")) options.newton_limit = value->whole(1, 100000);
   reader.finish();
   return options;
@@ -103,6 +122,8 @@ std::vector<KeySection> solver_keys(const Catalog& catalog) {
            "",
            {{"displacements", "`large`, `small`", "", "", "`large`",
              "`small`: one linear solve about rest, without contact"},
+            {"engine", words_text(catalog.engines.names()), "", "", "`threads`",
+             "who solves: this process, or [several](#several-processes) that `mpiexec` starts; equilibria alone"},
             {"linear_solver", words_text(catalog.linear_solvers.names()), "", "", "`automatic`",
              "method for the linear equations; `elastin list` describes each"},
             {"method", "`newton`, `explicit`, `implicit`", "", "", "`newton`",

@@ -51,7 +51,7 @@ struct SceneContact {
 SceneContact read_contact(Reader reader, const Body& body, const Material& material, const Matrix3& rotation);
 /// Throws InputError on a motion that means nothing in this experiment.
 void check_motions(const SceneContact& contact, bool timed);
-StaticOptions read_solver(Reader reader, const elastin::Table<LinearSolverKind>& linear_solvers);
+StaticOptions read_solver(Reader reader, const Catalog& catalog);
 /// Adds one load, or internal damping, to a model of the scene's body.
 struct SceneLoad {
   SpecimenLoad load;

@@ -207,7 +207,7 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   scene->stiffness = read_strategy(reader.at("stiffness"), catalog);
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog, scene->specimen);
   const Reader experiment = reader.at("experiment");
-  if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver, catalog.linear_solvers);
+  if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver, catalog);
   ExperimentContext context{scene->specimen.body, scene->specimen.material, rotation, scene->statics, experiments};
   std::optional<SceneContact> contact;
   if (auto value = reader.find("contact")) {
@@ -216,6 +216,13 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   }
   scene->experiment = read_experiment(experiment, context);
   const bool timed = scene->experiment->in_time() != nullptr;
+  if (scene->statics.engine && (timed || contact)) {
+    const Reader engine = reader.at("solver").at("engine");
+    engine.fail("'" + engine.text() + "' finds equilibria " +
+                (timed ? "alone, and a " + scene->experiment->name() + " experiment runs through time"
+                       : "without contact, which stays on one process") +
+                "; write engine: threads");
+  }
   if (contact && !timed && scene->statics.linear)
     reader.at("solver")
         .at("displacements")

@@ -299,6 +299,7 @@ std::string catalog_text(const Catalog& catalog, const ExperimentCatalog& experi
          parameters.text(colours);
   out += rows_text("Integrators (time.integrator)", catalog.steppers, colours);
   out += rows_text("Linear solvers (solver.linear_solver)", catalog.linear_solvers, colours);
+  out += rows_text("Engines (solver.engine)", catalog.engines, colours);
   out += rows_text("Loads (loads)", scene_loads(catalog), colours);
   Table kinds({"experiment", "in time", "what it does", "source"}), keys = parameter_table();
   for (const ExperimentInfo& info : experiments.experiments()) {

@@ -53,6 +53,7 @@ const std::vector<std::string> kRest{
              "c1: 100, c2: 10, c3: 1, c4: 20, c5: 1000, lambda_max: 1.1, direction: x" + kBulk),
     block_of("holzapfel_gasser_ogden",
              "c: 100, k1: 10, k2: 2, kappa: 0.1, angle: 0.5, direction: x, across: y" + kBulk),
+    kBlock + "experiment: {kind: tension, axis: z, force: 1}\nsolver: {engine: threads}\n",
     kBlock + kFree +
         "loads: [{gravity: {acceleration: [0, 0, -9.81]}}, {damping: {coefficient: 1}}, {stokes_drag: {viscosity: 1}},"
         " {floor: {point: [0, 0, -1], normal: z}}, {cell_damping: {bulk: 1, shear: 1}}, {rayleigh: {mass: 1}},"

@@ -211,6 +211,10 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
   }
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<CellElasticity>(*this); }
+  std::unique_ptr<Elasticity> on_subdomain(const Subdomain& own) const override {
+    if (softened_ || &this->body_ != own.whole) return nullptr;
+    return std::unique_ptr<Elasticity>(new CellElasticity(*this, own));
+  }
   bool has_energy() const override { return HasEnergy<Kernel>; }
 
   double energy(const Positions& positions) const override {
@@ -309,6 +313,11 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
   }
 
  private:
+  CellElasticity(const CellElasticity& whole, const Subdomain& own) : Block(own.body), kernel_(whole.kernel_) {
+    for (const int cell : Shape::dimensions == 3 ? own.tetrahedra : own.triangles)
+      constants_.push_back(whole.constants_[static_cast<std::size_t>(cell)]);
+  }
+
   /// W [J/m³], [J/m²].
   double density(int cell, const SquaredLengths& s) const {
     if constexpr (HasEnergy<Kernel>)

@@ -10,6 +10,7 @@
 #include "elastin/core/model/body.h"
 #include "elastin/core/model/material.h"
 #include "elastin/core/model/state.h"
+#include "elastin/core/model/subdomain.h"
 
 namespace elastin {
 
@@ -76,6 +77,10 @@ class Elasticity {
   virtual ~Elasticity() = default;
   /// A copy of its own, to be linearised elsewhere.
   virtual std::unique_ptr<Elasticity> clone() const = 0;
+
+  /// The same law on a subdomain of the body that it was made for: those of its elements that the subdomain computes.
+  /// The subdomain must outlive it. Null where it cannot be shared out so: where it remembers, or has no elements.
+  virtual std::unique_ptr<Elasticity> on_subdomain(const Subdomain&) const { return nullptr; }
 
   /// Whether forces come from an energy; if not, the tangent need not be symmetric and energy() is 0.
   virtual bool has_energy() const { return true; }

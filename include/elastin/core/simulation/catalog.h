@@ -13,6 +13,7 @@
 #include "elastin/core/laws/law.h"
 #include "elastin/core/laws/material_law.h"
 #include "elastin/core/linear/linear_solver.h"
+#include "elastin/core/solve/engine.h"
 #include "elastin/core/solve/integrator.h"
 
 namespace elastin {
@@ -294,6 +295,7 @@ class Catalog {
   Table<Stepper> steppers = built_in_steppers();
   Table<LinearSolverKind> linear_solvers = built_in_linear_solvers();
   Table<LoadKind> loads = built_in_loads();
+  Table<StaticEngineKind> engines = built_in_engines();
   /// The laws among the strategies that have constants of their own; add() adds them.
   Table<MaterialLaw> material_laws{"material law"};
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <string>
 
 #include "elastin/core/forces/model.h"
@@ -20,6 +21,8 @@ const char* name_of(Outcome outcome);
 /// How an equilibrium with large displacements is sought; see solve/relaxation.
 enum class StaticMethod { newton, explicit_steps, implicit_steps };
 
+class StaticEngine;
+
 struct StaticOptions {
   bool linear = false;  ///< true: small displacements, one linear solve about rest; false: large displacements
   StaticMethod static_method = StaticMethod::newton;
@@ -29,6 +32,7 @@ struct StaticOptions {
   /// Whether one more linear solve tests that an equilibrium is a minimum; if it is none (a straight column
   /// beyond its buckling load), the body leaves it towards lower energy. For loads with an energy; large displacements.
   bool probe = false;
+  std::shared_ptr<StaticEngine> engine = {};  ///< see solve/engine.h; null: this process by itself
 };
 
 struct StaticResult {

@@ -1,0 +1,34 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "elastin/core/base/table.h"
+#include "elastin/core/solve/statics.h"
+
+namespace elastin {
+
+/// Finds equilibria in place of this process alone, for instance with others to which it hands parts of the model:
+/// StaticOptions::engine. Every process calls it for the same model in the same order, and gets the same results.
+class StaticEngine {
+ public:
+  virtual ~StaticEngine() = default;
+  /// Why it cannot take a model, in words for a user; "" if it can. The calls below throw InputError with them.
+  virtual std::string unsuited(const Model& model) const = 0;
+  /// As static_response.
+  virtual StaticResponse respond(Model& model, const Positions& at, const Positions& load_change,
+                                 const Positions& displacement, const StaticOptions& options) = 0;
+  /// As solve_static with large displacements, from positions at which the supports are where they are wanted.
+  virtual StaticResult balance(Model& model, State& state, const StaticOptions& options) = 0;
+};
+
+/// A row of the table of engines: what scenes name under solver.engine.
+struct StaticEngineKind : Descriptor {
+  std::function<std::shared_ptr<StaticEngine>()> make = {};  ///< empty: this process by itself, or see `missing`
+  std::string missing = {};  ///< what this program would need for it, in words for a user; "" if nothing
+};
+
+/// threads, petsc. The latter is missing here: a program that links elastin::petsc has it in its catalog.
+const Table<StaticEngineKind>& built_in_engines();
+
+}  // namespace elastin

@@ -1,0 +1,97 @@
+#include <cstdint>
+#include <cstring>
+#include <utility>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
+#include "elastin/core/solve/engine.h"
+#include "elastin/petsc/petsc.h"
+#include "petsc/equilibrium.h"
+
+namespace elastin::petsc {
+namespace {
+
+/// What tells one body from another that stands at the same address later. [Fowler, Noll & Vo]
+std::uint64_t mark_of(const Body& body) {
+  std::uint64_t mark = 14695981039346656037U;
+  const auto mix = [&](std::uint64_t number) { mark = (mark ^ number) * 1099511628211U; };
+  for (Eigen::Index i = 0; i < body.rest.size(); ++i) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, body.rest.data() + i, sizeof bits);
+    mix(bits);
+  }
+  for (const auto& [a, b] : body.connections.ends)
+    mix((static_cast<std::uint64_t>(a) << 32) + static_cast<std::uint64_t>(b));
+  mix(body.tetrahedra.size()), mix(body.triangles.size()), mix(body.cubes.size());
+  return mark;
+}
+
+class Engine final : public StaticEngine {
+ public:
+  Engine() { start(); }
+
+  std::string unsuited(const Model& model) const override {
+    const Body& body = model.body();
+    int processes = 1;
+    MPI_Comm_size(PETSC_COMM_WORLD, &processes);
+    if (body.size() < processes)
+      return "engine petsc: " + counted(body.size(), "molecule") + " cannot be shared out among " +
+             counted(processes, "process", "processes");
+    Subdomain nothing;
+    nothing.whole = &body;
+    for (const auto& term : model.elasticity())
+      if (!term->on_subdomain(nothing))
+        return "engine petsc: this strategy on this body cannot be shared out among processes; those that can are "
+               "spring "
+               "rules, laws on triangles and tetrahedra, and their volume terms, on one body, without relaxation, "
+               "softening or updated constants";
+    for (const auto& load : model.loads())
+      if (load->changes() && load->acts_at_rest())
+        return "engine petsc: a load changes as the body moves, and only dead ones are shared out: gravity, forces, "
+               "prescribed displacements";
+    if (!model.conservative()) return "engine petsc: the law or a load has no energy, by which equilibria are found";
+    return "";
+  }
+
+  StaticResponse respond(Model& model, const Positions& at, const Positions& load_change, const Positions& displacement,
+                         const StaticOptions& options) override {
+    return petsc::respond(model, setting(model), at, load_change, displacement, options);
+  }
+
+  StaticResult balance(Model& model, State& state, const StaticOptions& options) override {
+    return petsc::balance(model, setting(model), state, options);
+  }
+
+ private:
+  /// That of the last model, if it is the same body.
+  SharedSetting& setting(const Model& model) {
+    const std::string why = unsuited(model);
+    if (!why.empty()) throw InputError(why);
+    const Body& body = model.body();
+    const std::uint64_t mark = mark_of(body);
+    if (!setting_ || setting_->body.own().whole != &body || mark != mark_) {
+      setting_ = std::make_unique<SharedSetting>(body);
+      mark_ = mark;
+    }
+    return *setting_;
+  }
+
+  std::unique_ptr<SharedSetting> setting_;
+  std::uint64_t mark_ = 0;
+};
+
+}  // namespace
+
+std::shared_ptr<StaticEngine> make_engine() { return std::make_shared<Engine>(); }
+
+void add_to(Catalog& catalog) {
+  Table<StaticEngineKind> engines(catalog.engines.kind());
+  for (const auto& row : catalog.engines) {
+    StaticEngineKind kind = *row;
+    if (kind.name == "petsc") kind.make = make_engine, kind.missing = "";
+    engines.add(std::move(kind));
+  }
+  catalog.engines = std::move(engines);
+}
+
+}  // namespace elastin::petsc

@@ -1,0 +1,293 @@
+#include "petsc/equilibrium.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "core/linear/linear_choice.h"
+#include "core/solve/newton.h"
+#include "core/solve/steppers.h"
+#include "elastin/core/base/text.h"
+#include "petsc/linear.h"
+
+namespace elastin::petsc {
+namespace {
+
+/// The grids of boxes where the options, or a rule, choose them.
+const BoxHierarchy* chosen_boxes(const Model& model, SharedSetting& setting, const StaticOptions& options,
+                                 double tolerance, std::string& reason) {
+  bool wanted = options.method->name == "multigrid";
+  if (!options.method->make) std::tie(wanted, reason) = multigrid_is_worth_it(model.body(), tolerance);
+  if (!wanted) return nullptr;
+  if (!setting.boxes) setting.boxes = std::make_unique<BoxHierarchy>(model.body(), setting.body);
+  return setting.boxes.get();
+}
+
+std::string solver_name(const char* method, const std::string& preconditioner, const SharedBody& body) {
+  return std::string(method) + " petsc " + preconditioner + " on " + counted(body.processes(), "process", "processes");
+}
+
+/// Forces of loads that stay as they are, and what all loads are as sizes.
+struct DeadLoads {
+  Positions owned;   ///< [N]
+  double scale = 0;  ///< sum of their norms
+};
+DeadLoads dead_loads(const Model& model, const SharedBody& body) {
+  const State rest = state_at_rest(model.body());
+  DeadLoads loads{Positions::Zero(3, body.owned())};
+  for (const auto& load : model.loads()) {
+    Positions one = Positions::Zero(3, model.body().size()), local;
+    load->add_forces(rest, one);
+    loads.scale += ordered_norm(one);
+    body.take(one, local);
+    loads.owned += local.leftCols(body.owned());
+  }
+  return loads;
+}
+
+/// Size of the fixed components of owned molecules' vectors, of all.
+double fixed_norm(const SharedModel& model, const Positions& owned) {
+  double sum = 0;
+  for (const Support& support : model.supports()) {
+    const Vector3 v = owned.col(support.molecule);
+    sum += (v - support.free * v).squaredNorm();
+  }
+  return std::sqrt(model.body().sum(sum));
+}
+
+/// Where Newton's method stands.
+struct Point {
+  Positions local;  ///< [m]
+  Vector unbalanced;
+  double energy = 0, norm = 0, scale = 0, noise = 0;
+};
+
+class Newton {
+ public:
+  Newton(Model& model, SharedSetting& setting, const StaticOptions& options)
+      : whole_(model),
+        setting_(setting),
+        body_(setting.body),
+        options_(options),
+        model_(model, setting.body),
+        loads_(dead_loads(model, setting.body)),
+        motion_(setting.body.make_vector()) {}
+
+  StaticResult solve(State& state) {
+    StaticResult result;
+    Point now;
+    body_.take(state.positions, now.local);
+    evaluate(now);
+    if (!std::isfinite(now.energy)) {
+      result.outcome = Outcome::inverted;
+      result.cause = inverted_text(whole_.body(), state.positions) + " at the start of the step";
+      return result;
+    }
+    std::string preconditioner = "pcg";
+    double forcing = 1e-3, last = now.norm;
+    while (true) {
+      if (!std::isfinite(now.norm + now.scale)) {
+        stop(Outcome::diverged, "the forces are too large for numbers", result);
+        break;
+      }
+      const SharedTangent tangent(model_, now.local);
+      result.scale = now.scale;
+      result.residual = now.scale > 0 ? now.norm / now.scale : 0;
+      const double goal = std::max(options_.tolerance * now.scale, 2 * tangent.rounding_floor());
+      if (now.norm <= goal) break;
+      if (result.newton_iterations == options_.newton_limit) {
+        stop(Outcome::limit_reached, "no equilibrium within " + counted(options_.newton_limit, "Newton iteration"),
+             result);
+        break;
+      }
+      // Solve each step no further than the next unbalanced force can use. [Eisenstat & Walker 1996, choice 2]
+      if (result.newton_iterations > 0) forcing = std::min(1e-2, 0.5 * std::pow(now.norm / last, 2));
+      forcing = std::max(forcing, 0.1 * goal / now.norm);
+      last = now.norm;
+      const BoxHierarchy* boxes = chosen_boxes(whole_, setting_, options_, forcing, result.reason);
+      const SharedLinearResult linear = solve_linear(tangent, boxes, now.unbalanced, forcing, motion_);
+      preconditioner = linear.preconditioner;
+      result.linear_iterations += linear.iterations;
+      ++result.newton_iterations;
+      result.unstable = linear.status == LinearStatus::negative_mode;
+      if (linear.status != LinearStatus::solved && linear.residual > 0.9) limit_motion();
+      bool inverted = false;
+      const bool found = line_search(now, inverted);
+      result.cut_steps += inverted;
+      if (found) continue;
+      const bool adrift = linear.status == LinearStatus::zero_mode;
+      stop(adrift     ? Outcome::mechanism
+           : inverted ? Outcome::inverted
+                      : Outcome::diverged,
+           adrift     ? "the loads work on a zero-energy mode that does not stiffen"
+           : inverted ? "every further step would turn a cell over"
+                      : "no step lowers the unbalanced force",
+           result);
+      break;
+    }
+    body_.gather(now.local.leftCols(body_.owned()), state.positions);
+    result.solver = solver_name("newton", preconditioner, body_);
+    Positions forces;
+    whole_.set_forces(state, forces);
+    result.reactions = -fixed_components(whole_.supports, forces);
+    return result;
+  }
+
+ private:
+  static void stop(Outcome outcome, std::string cause, StaticResult& result) {
+    result.outcome = outcome;
+    result.cause = std::move(cause);
+  }
+
+  /// Sets all of a point that follows from its positions.
+  void evaluate(Point& point) {
+    const Positions& x = point.local;
+    point.norm = point.scale = point.noise = 0;
+    const auto moved = (x - model_.local().body().rest).leftCols(body_.owned());
+    const double work = (loads_.owned.array() * moved.array()).sum();
+    double own = model_.local().elastic_energy(x) - work;
+    if (!model_.local().admissible(x)) own = std::numeric_limits<double>::infinity();
+    point.energy = body_.sum(own);
+    if (!std::isfinite(point.energy)) return;
+    forces_.setZero(3, body_.size());
+    model_.local().add_elastic_forces(x, forces_, workspace_);
+    if (!point.unbalanced) point.unbalanced = body_.make_vector();
+    body_.add_up(forces_, point.unbalanced);
+    body_.read(point.unbalanced, owned_);
+    owned_ += loads_.owned;
+    body_.write(owned_, point.unbalanced);
+    point.scale = loads_.scale + fixed_norm(model_, owned_);
+    model_.keep_free(point.unbalanced);
+    check(VecNorm(point.unbalanced, NORM_2, &point.norm));
+    set_noise(point);
+  }
+
+  /// What rounding of the positions does to the energy [J].
+  void set_noise(Point& point) {
+    const Positions& x = point.local;
+    const Connections& connections = model_.local().body().connections;
+    densities_.setZero(connections.size());
+    for (const auto& term : model_.local().elasticity()) term->add_force_densities(x, densities_, workspace_);
+    double pull = 0;
+    for (int c = 0; c < connections.size(); ++c) {
+      const auto& [a, b] = connections.ends[static_cast<std::size_t>(c)];
+      pull += std::abs(densities_[c]) * (x.col(b) - x.col(a)).norm();
+    }
+    const double reach = body_.largest(x.size() > 0 ? x.cwiseAbs().maxCoeff() : 0);
+    const double all = body_.sum(pull) + std::sqrt(static_cast<double>(whole_.body().size())) * point.scale;
+    point.noise = 4 * std::numeric_limits<double>::epsilon() * reach * all;
+  }
+
+  /// Halves the step until the energy falls or, where rounding hides that, the unbalanced force does.
+  bool line_search(Point& now, bool& inverted) {
+    Positions motion;
+    body_.spread(motion_, motion);
+    if (!body_.all(motion.allFinite())) return false;
+    double slope = 0;
+    check(VecDot(now.unbalanced, motion_, &slope));
+    slope = -slope;
+    Point trial;
+    for (double step = 1; step > 1e-9; step /= 2) {
+      trial.local = now.local + step * motion;
+      evaluate(trial);
+      inverted |= std::isinf(trial.energy);
+      if (!std::isfinite(trial.energy) || !std::isfinite(trial.norm)) continue;
+      const bool falls = slope < 0 && trial.energy <= now.energy + 1e-4 * step * slope;
+      const bool calmer = trial.norm < (1 - 1e-4 * step) * now.norm;
+      if (falls || (calmer && trial.energy - now.energy <= trial.noise)) {
+        std::swap(now, trial);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// A direction without stiffness has no length of its own: no molecule goes further than half its connections' mean.
+  void limit_motion() {
+    Positions motion;
+    body_.read(motion_, motion);
+    const double furthest = body_.largest(motion.cols() ? motion.colwise().norm().maxCoeff() : 0);
+    const double most = 0.5 * mean_length(whole_.body());
+    if (furthest > most) check(VecScale(motion_, most / furthest));
+  }
+
+  Model& whole_;
+  SharedSetting& setting_;
+  const SharedBody& body_;
+  const StaticOptions& options_;
+  SharedModel model_;
+  DeadLoads loads_;
+  Vector motion_;
+  Positions forces_, owned_;
+  VectorX densities_;
+  Workspace workspace_;
+};
+
+}  // namespace
+
+StaticResult balance(Model& model, SharedSetting& setting, State& state, const StaticOptions& options) {
+  return Newton(model, setting, options).solve(state);
+}
+
+StaticResponse respond(Model& model, SharedSetting& setting, const Positions& at, const Positions& load_change,
+                       const Positions& displacement, const StaticOptions& options) {
+  const SharedBody& body = setting.body;
+  SharedModel shared(model, body);
+  Positions prescribed = Positions::Zero(3, at.cols());
+  for (const Support& support : model.supports) {
+    const Vector3 w = displacement.col(support.molecule);
+    prescribed.col(support.molecule) = w - support.free * w;
+  }
+  Positions local, motion, loads, owned;
+  body.take(at, local);
+  const SharedTangent tangent(shared, std::move(local));
+  body.take(prescribed, motion);
+  body.take(load_change, loads);
+  Vector rhs = body.make_vector(), solution = body.make_vector();
+  tangent.apply(motion, rhs);
+  body.read(rhs, owned);
+  owned = (loads.leftCols(body.owned()) - owned).eval();
+  body.write(owned, rhs);
+  const double supported = fixed_norm(shared, owned);
+  shared.keep_free(rhs);
+  double size = 0;
+  check(VecNorm(rhs, NORM_2, &size));
+
+  StaticResponse response;
+  StaticResult& result = response.result;
+  const BoxHierarchy* boxes = chosen_boxes(model, setting, options, options.tolerance, result.reason);
+  const SharedLinearResult linear = solve_linear(tangent, boxes, rhs, options.tolerance, solution);
+  result.solver = solver_name("linear", linear.preconditioner, body);
+  result.linear = true;
+  result.newton_iterations = 1;
+  result.linear_iterations = linear.iterations;
+  result.scale = size + supported;
+  result.residual = size > 0 ? linear.residual * size / (size + supported) : 0;
+  result.unstable = linear.status == LinearStatus::negative_mode;
+  if (linear.status != LinearStatus::solved && linear.residual > std::max(options.tolerance, 1e-8)) {
+    const bool mode = linear.status == LinearStatus::zero_mode, negative = linear.status == LinearStatus::negative_mode;
+    result.outcome = mode ? Outcome::mechanism : negative ? Outcome::diverged : Outcome::limit_reached;
+    result.cause = mode       ? "the loads work on a zero-energy mode"
+                   : negative ? "the stiffness has directions of negative stiffness"
+                              : "the linear solver ran out of iterations";
+  }
+  body.spread(solution, motion);
+  if (!body.all(motion.allFinite())) {
+    result.outcome = Outcome::diverged;
+    result.cause = "the displacements are too large for numbers";
+  }
+  Positions prescribed_here;
+  body.take(prescribed, prescribed_here);
+  motion += prescribed_here;
+  tangent.apply(motion, rhs);
+  body.read(rhs, owned);
+  owned -= loads.leftCols(body.owned());
+  Positions forces;
+  body.gather(owned, forces);
+  result.reactions = fixed_components(model.supports, forces);
+  body.gather(motion.leftCols(body.owned()), response.motion);
+  return response;
+}
+
+}  // namespace elastin::petsc

@@ -1,0 +1,25 @@
+#pragma once
+#include <memory>
+
+#include "elastin/core/solve/statics.h"
+#include "petsc/boxes.h"
+#include "petsc/shared_model.h"
+
+namespace elastin::petsc {
+
+/// What is made once for a body.
+struct SharedSetting {
+  explicit SharedSetting(const Body& whole) : body(whole, PETSC_COMM_WORLD) {}
+  SharedBody body;
+  std::unique_ptr<BoxHierarchy> boxes = {};  ///< made when they are needed first
+};
+
+/// As elastin::static_response, of a model that can be shared out.
+StaticResponse respond(Model& model, SharedSetting& setting, const Positions& at, const Positions& load_change,
+                       const Positions& displacement, const StaticOptions& options);
+
+/// Newton's method with a line search on the energy, as elastin::solve_newton of a static problem, but that it does not
+/// test an equilibrium for being a minimum.
+StaticResult balance(Model& model, SharedSetting& setting, State& state, const StaticOptions& options);
+
+}  // namespace elastin::petsc

@@ -1,0 +1,130 @@
+#include "petsc/shared_model.h"
+
+#include <algorithm>
+
+namespace elastin::petsc {
+
+SharedBody::SharedBody(const Body& whole, MPI_Comm communicator) : communicator_(communicator) {
+  int rank = 0, processes = 1;
+  MPI_Comm_rank(communicator, &rank);
+  MPI_Comm_size(communicator, &processes);
+  const std::vector<int> owners = bisect(whole.rest, processes);
+  own_ = make_subdomain(whole, owners, rank);
+  counts_.assign(static_cast<std::size_t>(processes), 0);
+  for (const int owner : owners) counts_[static_cast<std::size_t>(owner)] += 3;
+  offsets_.assign(counts_.size(), 0);
+  for (std::size_t i = 1; i < counts_.size(); ++i) offsets_[i] = offsets_[i - 1] + counts_[i - 1];
+  std::vector<int> next = offsets_, number_of(owners.size());
+  molecule_at_.resize(owners.size());
+  for (std::size_t molecule = 0; molecule < owners.size(); ++molecule) {
+    int& at = next[static_cast<std::size_t>(owners[molecule])];
+    number_of[molecule] = at / 3;
+    molecule_at_[static_cast<std::size_t>(at / 3)] = static_cast<int>(molecule);
+    at += 3;
+  }
+  for (const int molecule : own_.molecules) numbers_.push_back(number_of[static_cast<std::size_t>(molecule)]);
+  check(VecCreateGhostBlock(communicator_, 3, 3 * owned(), PETSC_DETERMINE, size() - owned(), numbers_.data() + owned(),
+                            ghosted_.out()));
+}
+
+Vector SharedBody::make_vector() const {
+  Vector vector;
+  check(VecCreateMPI(communicator_, 3 * owned(), PETSC_DETERMINE, vector.out()));
+  check(VecSetBlockSize(vector, 3));
+  return vector;
+}
+
+void SharedBody::spread(Vec owned, Positions& local) const {
+  check(VecCopy(owned, ghosted_));
+  check(VecGhostUpdateBegin(ghosted_, INSERT_VALUES, SCATTER_FORWARD));
+  check(VecGhostUpdateEnd(ghosted_, INSERT_VALUES, SCATTER_FORWARD));
+  Vec form = nullptr;
+  check(VecGhostGetLocalForm(ghosted_, &form));
+  const PetscScalar* values = nullptr;
+  check(VecGetArrayRead(form, &values));
+  local = Eigen::Map<const Positions>(values, 3, size());
+  check(VecRestoreArrayRead(form, &values));
+  check(VecGhostRestoreLocalForm(ghosted_, &form));
+}
+
+void SharedBody::add_up(const Positions& local, Vec owned) const {
+  Vec form = nullptr;
+  check(VecGhostGetLocalForm(ghosted_, &form));
+  PetscScalar* values = nullptr;
+  check(VecGetArrayWrite(form, &values));
+  Eigen::Map<Positions>(values, 3, size()) = local;
+  check(VecRestoreArrayWrite(form, &values));
+  check(VecGhostRestoreLocalForm(ghosted_, &form));
+  check(VecGhostUpdateBegin(ghosted_, ADD_VALUES, SCATTER_REVERSE));
+  check(VecGhostUpdateEnd(ghosted_, ADD_VALUES, SCATTER_REVERSE));
+  check(VecCopy(ghosted_, owned));
+}
+
+void SharedBody::take(const Positions& whole, Positions& local) const {
+  local.resize(3, size());
+  for (int i = 0; i < size(); ++i) local.col(i) = whole.col(own_.molecules[static_cast<std::size_t>(i)]);
+}
+
+void SharedBody::read(Vec owned_values, Positions& columns) const {
+  const PetscScalar* values = nullptr;
+  check(VecGetArrayRead(owned_values, &values));
+  columns = Eigen::Map<const Positions>(values, 3, owned());
+  check(VecRestoreArrayRead(owned_values, &values));
+}
+
+void SharedBody::write(const Positions& columns, Vec owned_values) const {
+  PetscScalar* values = nullptr;
+  check(VecGetArrayWrite(owned_values, &values));
+  Eigen::Map<Positions>(values, 3, owned()) = columns.leftCols(owned());
+  check(VecRestoreArrayWrite(owned_values, &values));
+}
+
+void SharedBody::gather(const Positions& owned_columns, Positions& whole) const {
+  const auto count = static_cast<Eigen::Index>(molecule_at_.size());
+  Positions ordered(3, count);
+  MPI_Allgatherv(owned_columns.data(), 3 * owned(), MPI_DOUBLE, ordered.data(), counts_.data(), offsets_.data(),
+                 MPI_DOUBLE, communicator_);
+  whole.resize(3, count);
+  for (Eigen::Index i = 0; i < count; ++i) whole.col(molecule_at_[static_cast<std::size_t>(i)]) = ordered.col(i);
+}
+
+double SharedBody::sum(double own) const {
+  double total = 0;
+  MPI_Allreduce(&own, &total, 1, MPI_DOUBLE, MPI_SUM, communicator_);
+  return total;
+}
+
+bool SharedBody::all(bool own) const {
+  int one = own, every = 0;
+  MPI_Allreduce(&one, &every, 1, MPI_INT, MPI_LAND, communicator_);
+  return every != 0;
+}
+
+double SharedBody::largest(double own) const {
+  double result = 0;
+  MPI_Allreduce(&own, &result, 1, MPI_DOUBLE, MPI_MAX, communicator_);
+  return result;
+}
+
+SharedModel::SharedModel(const Model& whole, const SharedBody& body) : body_(body), local_(body.own().body) {
+  for (const auto& term : whole.elasticity()) local_.add(term->on_subdomain(body.own()));
+  for (const Support& support : whole.supports) {
+    const int molecule = body.own().local(support.molecule);
+    if (molecule < 0) continue;
+    Support own = support;
+    own.molecule = molecule;
+    local_.supports.push_back(own);
+    if (molecule < body.owned()) owned_supports_.push_back(own);
+  }
+}
+
+void SharedModel::keep_free(Vec vector) const {
+  PetscScalar* values = nullptr;
+  check(VecGetArray(vector, &values));
+  Eigen::Map<Positions> columns(values, 3, body_.owned());
+  for (const Support& support : owned_supports_)
+    columns.col(support.molecule) = (support.free * columns.col(support.molecule)).eval();
+  check(VecRestoreArray(vector, &values));
+}
+
+}  // namespace elastin::petsc
