@@ -23,6 +23,8 @@ void add_strategies(py::module_& module);
 void add_simulation(py::module_& module);
 void add_laboratory(py::module_& module);
 void add_identify(py::module_& module);
+void add_scenes(py::module_& module);
+void add_laws(py::module_& module);
 
 /// A numpy array over memory that belongs to `owner`, which lives as long as the array does.
 template <class T>
@@ -48,8 +50,15 @@ py::array view(const std::vector<std::array<int, corners>>& rows, const py::hand
 Positions positions_from(const py::handle& given, const char* name);
 VectorX numbers_from(const py::handle& given, const char* name);
 
-/// A Python function that C++ keeps, copies and lets go on any thread, whoever holds the interpreter's lock.
-std::shared_ptr<py::function> keep(py::function function);
+/// Something of Python's that C++ keeps, copies and lets go on any thread, whoever holds the interpreter's lock.
+template <class Object>
+std::shared_ptr<Object> keep(Object object) {
+  return {new Object(std::move(object)), [](Object* kept) {
+            if (!Py_IsInitialized()) return;  // nobody is left to tell
+            const py::gil_scoped_acquire locked;
+            delete kept;
+          }};
+}
 
 /// The strategy itself, or the one of this name.
 Strategy strategy_from(const py::handle& given, const Catalog& catalog);
@@ -65,6 +74,8 @@ struct Moving {
   Simulation simulation;
   std::recursive_mutex busy;        ///< observers, which run within a step, may ask it things
   std::exception_ptr trouble = {};  ///< of an observer
+  /// How to make it again, for pickle: a callable, its arguments and keywords, and a list of loads added since.
+  std::shared_ptr<py::tuple> recipe = {};
   bool stepping = false;
 
   /// Does it without the interpreter's lock, in its turn.

@@ -12,6 +12,7 @@
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/lab/study/laboratory.h"
 #include "python/bind.h"
+#include "python/pickling.h"
 
 namespace elastin::python {
 using namespace lab;
@@ -64,18 +65,59 @@ std::vector<std::array<int, columns>> rows_from(const py::handle& given, const c
   return rows;
 }
 
+/// Cells of a shape out of the table, (k, nodes).
+CellBlock block_from(const std::string& name, const py::handle& given) {
+  CellBlock block{&cell_kind(name), {}, {}};
+  const py::array any = py::array::ensure(given);
+  const bool whole = any && (any.dtype().kind() == 'i' || any.dtype().kind() == 'u');
+  if (!whole || any.ndim() != 2 || any.shape(1) != block.kind->nodes)
+    throw InputError("cells: " + name + (whole ? " has shape " + shape_text(any) : " is no array of whole numbers") +
+                     "; allowed: whole numbers of molecules, (n, " + std::to_string(block.kind->nodes) + ")");
+  const Wholes array = Wholes::ensure(any);
+  for (py::ssize_t i = 0; i < array.size(); ++i) {
+    const std::int64_t number = array.data()[i];
+    block.nodes.push_back(number < 0 || number > std::numeric_limits<int>::max() ? -1 : static_cast<int>(number));
+  }
+  return block;
+}
+
+template <std::size_t corners>
+py::array array_of(const std::vector<std::array<int, corners>>& rows) {
+  py::array_t<int> array({rows.size(), corners});
+  if (!rows.empty()) std::copy_n(rows.front().data(), rows.size() * corners, array.mutable_data());
+  return array;
+}
+
+/// Every cell of the body, by its shape.
+py::dict cells_of(const Body& body) {
+  py::dict cells;
+  for (const CellBlock& block : body.blocks) {
+    py::array_t<int> array({block.size(), block.kind->nodes});
+    std::copy(block.nodes.begin(), block.nodes.end(), array.mutable_data());
+    const py::str name{std::string(block.kind->name)};
+    cells[name] = cells.contains(name)
+                      ? py::module_::import("numpy").attr("concatenate")(py::make_tuple(cells[name], array))
+                      : py::object(array);
+  }
+  if (!has_blocks(body, 3) && !body.tetrahedra.empty()) cells["tetrahedron4"] = array_of(body.tetrahedra);
+  if (!has_blocks(body, 2) && body.tetrahedra.empty() && body.blocks.empty() && !body.triangles.empty())
+    cells["triangle3"] = array_of(body.triangles);
+  return cells;
+}
+
 VectorX numbers_or_none(const py::handle& given, const char* name) {
   return given.is_none() ? VectorX() : numbers_from(given, name);
 }
 
 Body body_from_arrays(const py::object& positions, const py::object& connections, const py::object& triangles,
-                      const py::object& tetrahedra, const py::object& rest_lengths, const py::object& masses,
-                      const py::object& radii, double density, double thickness) {
+                      const py::object& tetrahedra, const py::dict& cells, const py::object& rest_lengths,
+                      const py::object& masses, const py::object& radii, double density, double thickness) {
   BodyArrays arrays;
   arrays.positions = positions_from(positions, "positions");
   arrays.connections = rows_from<2>(connections, "connections");
   arrays.triangles = rows_from<3>(triangles, "triangles");
   arrays.tetrahedra = rows_from<4>(tetrahedra, "tetrahedra");
+  for (const auto& [name, rows] : cells) arrays.blocks.push_back(block_from(name.cast<std::string>(), rows));
   arrays.rest_lengths = numbers_or_none(rest_lengths, "rest_lengths");
   arrays.masses = numbers_or_none(masses, "masses");
   arrays.radii = numbers_or_none(radii, "radii");
@@ -185,6 +227,44 @@ std::string material_text(const Material& material) {
   return text;
 }
 
+/// All of it but muscle that changes in time.
+py::tuple material_state(const Material& material) {
+  if (material.active && material.active->activation)
+    throw py::type_error("a material whose muscle has an activation in time cannot be pickled");
+  py::object softening = py::none(), around = py::none(), active = py::none();
+  if (const auto& s = material.softening) softening = py::make_tuple(s->r, s->m, s->beta);
+  if (const auto& a = material.around) around = py::make_tuple(a->point, a->direction);
+  if (const auto& a = material.active) active = py::make_tuple(a->direction, a->stress, a->optimal_stretch);
+  const double retardation = material.relaxation ? material.relaxation->retardation : 0;
+  return py::make_tuple(packed(material), softening, around, active, retardation);
+}
+
+Material material_of(const py::tuple& state) {
+  Material material = *unpacked<Material>(state[0].cast<py::bytes>(), "Material");
+  if (material.law) {
+    static const Catalog catalog = built_in_catalog();
+    const Material given = material;
+    material = with_law(*catalog.material_laws.find(material.law->law), *material.law, material);
+    material.law->youngs_modulus = given.law->youngs_modulus;
+    material.youngs_modulus = given.youngs_modulus, material.poissons_ratio = given.poissons_ratio;
+  }
+  using Three = std::tuple<double, double, double>;
+  if (!state[1].is_none()) {
+    const auto [r, m, beta] = state[1].cast<Three>();
+    material.softening = Softening{r, m, beta};
+  }
+  if (!state[2].is_none()) {
+    const auto [point, direction] = state[2].cast<std::pair<Vector3, Vector3>>();
+    material.around = RoundAxis{point, direction};
+  }
+  if (!state[3].is_none()) {
+    const auto [direction, stress, stretch] = state[3].cast<std::tuple<Vector3, double, double>>();
+    material.active = ActiveFibre{direction, stress, stretch};
+  }
+  if (material.relaxation) material.relaxation->retardation = state[4].cast<double>();
+  return material;
+}
+
 void add_material(py::module_& module) {
   py::class_<Material>(module, "Material", "What a body should behave like; SI units.")
       .def(py::init(&material_from), py::arg("youngs_modulus") = py::none(), py::arg("poissons_ratio") = 0.25,
@@ -208,6 +288,7 @@ void add_material(py::module_& module) {
       .def_property_readonly(
           "law", [](const Material& m) { return m.law ? std::optional(m.law->law) : std::nullopt; },
           "Name of the law whose constants it has, or None.")
+      .def(py::pickle(&material_state, &material_of))
       .def("__repr__", &material_text);
 }
 
@@ -236,11 +317,12 @@ void add_bodies(py::module_& module) {
                                           "changes; its arrays are views that cannot be written to.")
       .def(
           py::init(&body_from_arrays), py::arg("positions"), py::arg("connections") = py::none(), py::kw_only(),
-          py::arg("triangles") = py::none(), py::arg("tetrahedra") = py::none(), py::arg("rest_lengths") = py::none(),
-          py::arg("masses") = py::none(), py::arg("radii") = py::none(), py::arg("density") = 1000.,
-          py::arg("thickness") = 0.,
+          py::arg("triangles") = py::none(), py::arg("tetrahedra") = py::none(), py::arg("cells") = py::dict(),
+          py::arg("rest_lengths") = py::none(), py::arg("masses") = py::none(), py::arg("radii") = py::none(),
+          py::arg("density") = 1000., py::arg("thickness") = 0.,
           "positions (n, 3) [m]; connections (m, 2), numbers of molecules, by default the sides of the cells; "
-          "triangles (k, 3); tetrahedra (k, 4); rest_lengths (m,) [m], by default the distances; masses (n,) [kg], by "
+          "triangles (k, 3); tetrahedra (k, 4); cells of other shapes by name, {'hexahedron8': (k, 8), …}, nodes as in "
+          "VTK; rest_lengths (m,) [m], by default the distances; masses (n,) [kg], by "
           "default from density [kg/m^3] and the cells (triangles: thickness [m]) or the bounding box; radii (n,) [m], "
           "by default half the shortest connection. Arrays are copied.")
       .def_property_readonly("positions", part_of_body([](const Body& b) -> auto& { return b.rest; }),
@@ -259,11 +341,21 @@ void add_bodies(py::module_& module) {
       .def_property_readonly("triangles", part_of_body([](const Body& b) -> auto& { return b.triangles; }), "(k, 3).")
       .def_property_readonly("tetrahedra", part_of_body([](const Body& b) -> auto& { return b.tetrahedra; }),
                              "(k, 4), turned to positive volume.")
+      .def_property_readonly("cells", &cells_of,
+                             "Every cell by its shape: {'tetrahedron4': (k, 4), 'hexahedron20': (k, 20), …}, copies; "
+                             "triangles only where there are no solids.")
       .def_property_readonly(
           "proper_connections", [](const Body& b) { return b.connections.proper(); },
           "How many connections are more than sides of cells; they come first.")
       .def("__len__", &Body::size)
+      .def(py::pickle([](const Body& body) { return packed(body); },
+                      [](const py::bytes& state) { return unpacked<Body>(state, "Body"); }))
       .def("__repr__", &body_text);
+  module.def("_cell_kinds", [] {
+    py::dict numbers;
+    for (const CellKind& kind : cell_kinds()) numbers[py::str(std::string(kind.name))] = kind.vtk;
+    return numbers;
+  });
   module.def(
       "_body_of_scene",
       [](const std::string& yaml, const Material& material) {

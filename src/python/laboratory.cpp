@@ -4,6 +4,7 @@
 
 #include "lab/experiment/run.h"
 #include "python/bind.h"
+#include "python/pickling.h"
 
 namespace elastin::python {
 using namespace lab;
@@ -18,7 +19,8 @@ struct SharedLaboratory {
 /// A result with the body that it is about.
 struct Outcomes {
   LaboratoryResult result;
-  std::shared_ptr<SharedLaboratory> shared;
+  std::string scene;
+  std::shared_ptr<Body> body;
 };
 
 py::dict by_name(const std::vector<Measured>& list) {
@@ -56,18 +58,38 @@ py::dict columns_of(const LaboratoryResult& result) {
   return columns;
 }
 
-std::shared_ptr<Outcomes> run(const std::shared_ptr<SharedLaboratory>& shared, const std::string& strategy,
-                              const std::optional<py::function>& progress) {
-  const auto told = progress ? keep(*progress) : nullptr;
+/// The laboratory's body: lives as long as whoever looks at it. Python has no way to change a body.
+std::shared_ptr<Body> body_of(const std::shared_ptr<SharedLaboratory>& shared) {
+  return {shared, const_cast<Body*>(&shared->laboratory.body())};
+}
+
+/// Tells a Python function what is being done, and lets Ctrl-C through.
+RunWatch watch_of(const std::optional<py::function>& progress) {
   RunWatch watch;
-  watch.progress = [&](const std::string& doing) {
+  watch.progress = [told = progress ? keep(*progress) : nullptr](const std::string& doing) {
     const py::gil_scoped_acquire locked;
     check_signals();
     if (told) (*told)(doing);
   };
+  return watch;
+}
+
+std::shared_ptr<Outcomes> run(const std::shared_ptr<SharedLaboratory>& shared, const std::string& strategy,
+                              const std::optional<py::function>& progress, bool keep_states) {
+  RunWatch watch = watch_of(progress);
+  watch.keep_states = keep_states;
   const py::gil_scoped_release others_run;
   const std::lock_guard turn(shared->busy);
-  return std::make_shared<Outcomes>(Outcomes{shared->laboratory.run(strategy, watch), shared});
+  LaboratoryResult result = shared->laboratory.run(strategy, watch);
+  return std::make_shared<Outcomes>(Outcomes{std::move(result), shared->laboratory.name(), body_of(shared)});
+}
+
+void compute_reference(const std::shared_ptr<SharedLaboratory>& shared, const std::string& option,
+                       const std::optional<py::function>& progress) {
+  const RunWatch watch = watch_of(progress);
+  const py::gil_scoped_release others_run;
+  const std::lock_guard turn(shared->busy);
+  shared->laboratory.compute_reference(option, watch);
 }
 
 std::shared_ptr<Moving> simulation(const std::shared_ptr<SharedLaboratory>& shared, const std::string& strategy,
@@ -75,11 +97,6 @@ std::shared_ptr<Moving> simulation(const std::shared_ptr<SharedLaboratory>& shar
   const py::gil_scoped_release others_run;
   const std::lock_guard turn(shared->busy);
   return std::make_shared<Moving>(shared->laboratory.simulation(strategy, options));
-}
-
-/// The room's body: lives as long as whoever looks at it. Python has no way to change a body.
-std::shared_ptr<Body> body_of(const std::shared_ptr<SharedLaboratory>& shared) {
-  return {shared, const_cast<Body*>(&shared->laboratory.body())};
 }
 
 template <class Member>
@@ -97,7 +114,7 @@ const char* outcome_text(const Outcomes& self) { return self.result.suited ? nam
 void add_result(py::module_& module) {
   using Result = LaboratoryResult;
   py::class_<Outcomes, std::shared_ptr<Outcomes>>(module, "Result", "What came of one strategy on a scene; SI units.")
-      .def_property_readonly("scene", [](const Outcomes& self) { return self.shared->laboratory.name(); })
+      .def_property_readonly("scene", [](const Outcomes& self) { return self.scene; })
       .def_property_readonly("strategy", part_of_result(&Result::strategy))
       .def_property_readonly("outcome", &outcome_text,
                              "'converged', or how it stopped: 'limit_reached', 'inverted', 'diverged', 'mechanism', "
@@ -130,7 +147,20 @@ void add_result(py::module_& module) {
       .def_property_readonly("linear_iterations", part_of_result(&Result::linear_iterations))
       .def_property_readonly("build_seconds", part_of_result(&Result::build_seconds))
       .def_property_readonly("solve_seconds", part_of_result(&Result::solve_seconds))
-      .def_property_readonly("body", [](const Outcomes& self) { return body_of(self.shared); });
+      .def_property_readonly("body", [](const Outcomes& self) { return self.body; })
+      .def_property_readonly("_states",
+                             [](const py::object& self) {
+                               py::list states;
+                               for (const Result::Kept& kept : self.cast<const Outcomes&>().result.states)
+                                 states.append(py::make_tuple(kept.at, view(kept.positions, self)));
+                               return states;
+                             })
+      .def(py::pickle([](const Outcomes& self) { return py::make_tuple(packed(self.result), self.scene, self.body); },
+                      [](const py::tuple& state) {
+                        return std::make_shared<Outcomes>(
+                            Outcomes{*unpacked<Result>(state[0].cast<py::bytes>(), "Result"),
+                                     state[1].cast<std::string>(), state[2].cast<std::shared_ptr<Body>>()});
+                      }));
 }
 
 }  // namespace
@@ -161,17 +191,29 @@ void add_laboratory(py::module_& module) {
           "expectations", [](const SharedLaboratory& self) { return as_list(self.laboratory.expectations()); },
           "Values that the scene says must come out: dicts as references, with the strategy.")
       .def_property_readonly("warnings", [](const SharedLaboratory& self) { return self.laboratory.warnings(); })
+      .def("compute_reference", &compute_reference, py::arg("option") = "", py::kw_only(),
+           py::arg("progress") = py::none(),
+           "Computes the reference of the scene as the command `compare` does: what its own problem comes to on finer "
+           "and finer cells. '' does it where the scene says so, 'computed' in any case, 'none' not at all. Runs "
+           "after it have errors to it.")
       .def("run", &run, py::arg("strategy") = "", py::kw_only(), py::arg("progress") = py::none(),
+           py::arg("keep_states") = false,
            "Runs the experiment with a strategy by name ('calibrated:angles', 'lattice+volume'); '' takes the scene's "
-           "own. progress(doing) is told before each load step or frame; what it raises ends the run. Numerical "
-           "trouble is an outcome in the result.")
+           "own. progress(doing) is told before each load step or frame; what it raises ends the run. keep_states: "
+           "the result has the positions of each load step or frame. Numerical trouble is an outcome in the result.")
       .def(
           "simulation",
-          [](const std::shared_ptr<SharedLaboratory>& shared, const std::string& strategy, const std::string& scheme,
-             double safety, int max_substeps, ParameterValues scheme_parameters, ParameterValues parameters) {
-            return simulation(shared, strategy,
-                              simulation_options(built_in_catalog(), scheme, safety, max_substeps,
-                                                 std::move(scheme_parameters), std::move(parameters)));
+          [](const py::object& self, const std::string& strategy, const std::string& scheme, double safety,
+             int max_substeps, const ParameterValues& scheme_parameters, const ParameterValues& parameters) {
+            auto made = simulation(
+                self.cast<std::shared_ptr<SharedLaboratory>>(), strategy,
+                simulation_options(built_in_catalog(), scheme, safety, max_substeps, scheme_parameters, parameters));
+            const py::dict keywords(
+                py::arg("scheme") = scheme, py::arg("safety") = safety, py::arg("max_substeps") = max_substeps,
+                py::arg("scheme_parameters") = scheme_parameters, py::arg("parameters") = parameters);
+            made->recipe =
+                keep(py::make_tuple(self.attr("simulation"), py::make_tuple(strategy), keywords, py::list()));
+            return made;
           },
           py::arg("strategy") = "", py::kw_only(), py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8,
           py::arg("max_substeps") = 1000, py::arg("scheme_parameters") = ParameterValues{},

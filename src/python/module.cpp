@@ -45,4 +45,6 @@ PYBIND11_MODULE(_elastin, module) {
   add_simulation(module);
   add_laboratory(module);
   add_identify(module);
+  add_scenes(module);
+  add_laws(module);
 }

@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/simulation/saved_state.h"
 #include "elastin/mesh/voronoi.h"
 #include "python/bind.h"
 
@@ -14,20 +15,58 @@ namespace {
 
 constexpr std::chrono::milliseconds kBetweenSignals{50};
 
-std::shared_ptr<Moving> make_simulation(const Body& body, const py::object& strategy, const Material& material,
-                                        const std::string& scheme, double safety, int max_substeps,
-                                        ParameterValues scheme_parameters, ParameterValues parameters,
-                                        const std::shared_ptr<Catalog>& given) {
+std::shared_ptr<Moving> make_simulation(const std::shared_ptr<Body>& body, const py::object& strategy,
+                                        const Material& material, const std::string& scheme, double safety,
+                                        int max_substeps, const ParameterValues& scheme_parameters,
+                                        const ParameterValues& parameters, const std::shared_ptr<Catalog>& given) {
   const Catalog catalog = given ? *given : built_in_catalog();
   const SimulationOptions options =
-      simulation_options(catalog, scheme, safety, max_substeps, std::move(scheme_parameters), std::move(parameters));
+      simulation_options(catalog, scheme, safety, max_substeps, scheme_parameters, parameters);
   const Strategy chosen = strategy_from(strategy, catalog);
+  const py::object chosen_by = py::isinstance<py::str>(strategy) && given ? py::cast(chosen) : strategy;
+  const py::dict keywords(py::arg("scheme") = scheme, py::arg("safety") = safety,
+                          py::arg("max_substeps") = max_substeps, py::arg("scheme_parameters") = scheme_parameters,
+                          py::arg("parameters") = parameters);
+  const auto recipe = keep(py::make_tuple(py::module_::import("elastin._elastin").attr("Simulation"),
+                                          py::make_tuple(body, chosen_by, material), keywords, py::list()));
   const py::gil_scoped_release others_run;
-  return std::make_shared<Moving>(Simulation(body, chosen, material, options));
+  auto made = std::make_shared<Moving>(Simulation(*body, chosen, material, options));
+  made->recipe = recipe;
+  return made;
+}
+
+/// How to make it again, and the state that it is in.
+py::tuple reduced_simulation(Moving& self) {
+  if (!self.recipe) throw py::type_error("nobody has said how to make this simulation again");
+  const std::vector<char> bytes = self.in_turn([](Simulation& s) { return bytes_of(s.save()); });
+  return py::make_tuple(py::module_::import("elastin._again").attr("simulation"),
+                        py::make_tuple(*self.recipe, py::bytes(bytes.data(), bytes.size())));
+}
+
+py::object simulation_again(const py::tuple& recipe, const py::bytes& state) {
+  const py::object made = recipe[0](*recipe[1].cast<py::tuple>(), **recipe[2].cast<py::dict>());
+  for (const py::handle load : recipe[3]) {
+    const auto [name, values] = load.cast<std::pair<std::string, py::dict>>();
+    made.attr("add_load")(name, **values);
+  }
+  const auto text = static_cast<std::string>(state);
+  made.cast<Moving&>().in_turn([&](Simulation& s) { s.restore(simulation_state_of(text.data(), text.size())); });
+  return made;
+}
+
+/// Raises StepError with the result, unless all went well or the caller looks for himself.
+template <class Result>
+Result checked(Result result, bool check) {
+  if (!check || result.outcome == Outcome::converged) return result;
+  const py::object type = py::module_::import("elastin._elastin").attr("StepError");
+  const py::object error = type(std::string(elastin::name_of(result.outcome)) + ": " + result.cause);
+  error.attr("result") = py::cast(result);
+  PyErr_SetObject(type.ptr(), error.ptr());
+  throw py::error_already_set();
 }
 
 /// Steps until one fails, an observer raises or Ctrl-C comes.
-StepResult step(Moving& self, double dt, int count) {
+StepResult step(Moving& self, double dt, int count, bool check) {
   if (count < 1) throw InputError("count: is " + std::to_string(count) + "; allowed: 1 or more");
   if (!(dt > 0)) throw InputError("dt: is " + std::to_string(dt) + "; allowed: above 0 s");
   using Clock = std::chrono::steady_clock;
@@ -47,7 +86,7 @@ StepResult step(Moving& self, double dt, int count) {
     return result;
   });
   if (self.trouble) std::rethrow_exception(std::exchange(self.trouble, nullptr));
-  return last;
+  return checked(last, check);
 }
 
 void observe(Moving& self, py::function see, int every) {
@@ -140,6 +179,15 @@ void add_results(py::module_& module) {
           "positions",
           [](const py::object& self) { return view(self.cast<const SimulationState&>().state.positions, self); },
           "[m], (n, 3).")
+      .def(py::pickle(
+          [](const SimulationState& s) {
+            const std::vector<char> bytes = bytes_of(s);
+            return py::bytes(bytes.data(), bytes.size());
+          },
+          [](const py::bytes& state) {
+            const auto text = static_cast<std::string>(state);
+            return simulation_state_of(text.data(), text.size());
+          }))
       .def("__repr__", [](const SimulationState& s) {
         return "<elastin.SimulationState at " + py::str(py::float_(s.state.time)).cast<std::string>() + " s>";
       });
@@ -229,6 +277,7 @@ void add_loads(Class& simulation) {
         const LoadKind& kind = *built_in_loads().find(load);
         const LoadValues given = load_values(kind, values);
         self.in_turn([&](Simulation& s) { s.add_load(kind, given); });
+        if (self.recipe) (*self.recipe)[3].cast<py::list>().append(py::make_tuple(load, values));
       },
       py::arg("load"),
       "Adds a load or damping, one of loads(), before the first step: add_load('gravity', acceleration=(0, 0, "
@@ -251,6 +300,12 @@ SimulationOptions simulation_options(const Catalog& catalog, const std::string& 
 
 void add_simulation(py::module_& module) {
   add_results(module);
+  module.attr("StepError") = py::reinterpret_steal<py::object>(PyErr_NewExceptionWithDoc(
+      "elastin.StepError",
+      "A step that failed, or an equilibrium that was not found: outcome and cause. `result` is the StepResult or "
+      "StaticResult.",
+      PyExc_RuntimeError, nullptr));
+  module.def("_simulation_again", &simulation_again, py::arg("recipe"), py::arg("state"));
   Class simulation(module, "Simulation",
                    "A body that moves. Steps let other Python threads run; each simulation may run in a thread of its "
                    "own. Views never copy: they stay where they are, and keep the simulation alive.");
@@ -268,11 +323,18 @@ void add_simulation(py::module_& module) {
            "part is at most `safety` of the "
            "body's stable step; a step that would take more than max_substeps is not taken. "
            "parameters: of the strategy, by name.")
-      .def("step", &step, py::arg("dt"), py::arg("count") = 1,
-           "Brings the body forward by dt [s], `count` times; stops at the first step that fails, and gives the last "
-           "one's result. Numerical trouble is an outcome: the state then stays as it was.")
-      .def("settle", in_turn([](Simulation& s) { return s.settle(); }),
-           "Goes to the equilibrium of all that acts now, at rest: a start.")
+      .def("step", &step, py::arg("dt"), py::arg("count") = 1, py::kw_only(), py::arg("check") = true,
+           "Brings the body forward by dt [s], `count` times, and gives the last step's result. A step that fails "
+           "leaves the state as it was and raises StepError; with check=False its result says so, and no step "
+           "follows.")
+      .def(
+          "settle",
+          [](Moving& self, bool check) {
+            return checked(self.in_turn([](Simulation& s) { return s.settle(); }), check);
+          },
+          py::kw_only(), py::arg("check") = true,
+          "Goes to the equilibrium of all that acts now, at rest: a start. Raises StepError where none is found, "
+          "unless check=False.")
       .def("observe", &observe, py::arg("see"), py::arg("every") = 1,
            "Calls see(simulation) after every so many steps that went well. It must not step; what it raises ends the "
            "step() that it came from.")
@@ -281,6 +343,7 @@ void add_simulation(py::module_& module) {
           "restore",
           [](Moving& self, const SimulationState& saved) { self.in_turn([&](Simulation& s) { s.restore(saved); }); },
           py::arg("saved"))
+      .def("__reduce__", &reduced_simulation)
       .def("__repr__", [](const Moving& self) {
         return "<elastin.Simulation: " + std::to_string(self.simulation.body().size()) + " molecules at " +
                py::str(py::float_(self.simulation.time())).cast<std::string>() + " s>";

@@ -58,15 +58,21 @@ VectorX constants_of(const Strategy& strategy, const Body& body, const Material&
   return strategy.constants(prepared, material, parameters);
 }
 
-}  // namespace
-
-std::shared_ptr<py::function> keep(py::function function) {
-  return {new py::function(std::move(function)), [](py::function* kept) {
-            if (!Py_IsInitialized()) return;  // nobody is left to tell
-            const py::gil_scoped_acquire locked;
-            delete kept;
-          }};
+/// By its name, as every catalog knows it; what made one's own stands in its `_made_by`.
+py::tuple reduced_strategy(const py::object& self) {
+  if (py::hasattr(self, "_made_by")) return self.attr("_made_by");
+  static const Catalog catalog = built_in_catalog();
+  const auto name = self.attr("name").cast<std::string>();
+  try {
+    catalog.find(name);
+  } catch (const InputError&) {
+    throw py::type_error("strategy '" + name +
+                         "' comes out of a catalog and is one's own; pickle the object that was put there");
+  }
+  return py::make_tuple(py::module_::import("elastin._again").attr("strategy"), py::make_tuple(name));
 }
+
+}  // namespace
 
 Strategy strategy_from(const py::handle& given, const Catalog& catalog) {
   if (py::isinstance<Strategy>(given)) return given.cast<Strategy>();
@@ -115,7 +121,9 @@ void add_strategies(py::module_& module) {
       "loads", [] { return rows_of(built_in_loads()); }, "What Simulation.add_load takes, and scenes under loads.");
   module.def(
       "material_laws", [] { return rows_of(built_in_catalog().material_laws); }, "What Material takes as its law.");
-  py::class_<Strategy>(module, "Strategy", "One way to give a body's connections their stiffness.")
+  module.def(
+      "_strategy", [](const std::string& name) { return built_in_catalog().find(name); }, py::arg("name"));
+  py::class_<Strategy>(module, "Strategy", py::dynamic_attr(), "One way to give a body's connections their stiffness.")
       .def(py::init(&make_strategy), py::arg("name"), py::arg("constants"), py::kw_only(), py::arg("summary") = "",
            py::arg("source") = "", py::arg("parameters") = std::vector<ParameterInfo>{},
            py::arg("unsuited") = py::none(),
@@ -130,13 +138,29 @@ void add_strategies(py::module_& module) {
           "'spring rule', 'spring rule, updated', 'cell law' or 'wrapper'.")
       .def("constants", &constants_of, py::arg("body"), py::arg("material"), py::arg("parameters") = ParameterValues{},
            "The spring constants [N/m] that a spring rule gives a body, (m,).")
+      .def("__reduce__", &reduced_strategy)
       .def("__repr__", [](const Strategy& s) { return "<elastin.Strategy " + s.name + ": " + s.summary + ">"; });
-  py::class_<Catalog, std::shared_ptr<Catalog>>(module, "Catalog",
+  module.def("_catalog", [](const py::list& own) {
+    py::object catalog = py::cast(std::make_shared<Catalog>(built_in_catalog()));
+    for (const py::handle strategy : own) catalog.attr("add")(strategy);
+    return catalog;
+  });
+  py::class_<Catalog, std::shared_ptr<Catalog>>(module, "Catalog", py::dynamic_attr(),
                                                 "Strategies by name: those of Elastin, and one's own.")
       .def(py::init(&built_in_catalog), "Those that come with Elastin.")
       .def(
-          "add", [](Catalog& catalog, const Strategy& strategy) { catalog.add(strategy); }, py::arg("strategy"),
-          "Its name must be new.")
+          "add",
+          [](const py::object& self, const py::object& strategy) {
+            self.cast<Catalog&>().add(strategy.cast<const Strategy&>());
+            if (!py::hasattr(self, "_own")) self.attr("_own") = py::list();
+            self.attr("_own").cast<py::list>().append(strategy);
+          },
+          py::arg("strategy"), "Its name must be new.")
+      .def("__reduce__",
+           [](const py::object& self) {
+             return py::make_tuple(py::module_::import("elastin._again").attr("catalog"),
+                                   py::make_tuple(py::getattr(self, "_own", py::list())));
+           })
       .def_property_readonly("names", &Catalog::names)
       .def("__getitem__", &Catalog::find, py::arg("name"), py::return_value_policy::copy)
       .def("__len__", [](const Catalog& catalog) { return catalog.strategies().size(); })

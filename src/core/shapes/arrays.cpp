@@ -48,7 +48,25 @@ void check_positions(const Positions& positions) {
       throw InputError(row("positions", static_cast<std::size_t>(molecule)) + ": is not finite");
 }
 
+void set_blocks(const BodyArrays& arrays, Body& body) {
+  if (!arrays.triangles.empty() || !arrays.tetrahedra.empty())
+    throw InputError("cells: a body of these has all its cells among them; leave out triangles and tetrahedra");
+  for (const CellBlock& block : arrays.blocks) {
+    const std::string name(block.kind->name);
+    for (int cell = 0; cell < block.size(); ++cell)
+      for (const int molecule : block.cell(cell))
+        if (molecule < 0 || molecule >= body.size())
+          throw InputError(row(name.c_str(), static_cast<std::size_t>(cell)) + ": there is no molecule " +
+                           std::to_string(molecule) + "; allowed: 0 to " + std::to_string(body.size() - 1));
+  }
+  body.blocks = arrays.blocks;
+  set_simplices(body);
+  const std::vector<int> flat = flat_or_inverted_cells(body, body.rest);
+  if (!flat.empty()) throw InputError("cells: " + flat_or_inverted_text(flat, solid_cells(body)));
+}
+
 void set_cells(const BodyArrays& arrays, Body& body) {
+  if (!arrays.blocks.empty()) return set_blocks(arrays, body);
   body.triangles = arrays.triangles;
   body.tetrahedra = arrays.tetrahedra;
   for (auto& cell : body.tetrahedra)

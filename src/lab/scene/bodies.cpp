@@ -41,10 +41,11 @@ void read_one(Reader item, const elastin::Table<MaterialLaw>& laws, Specimen& sp
   const Matrix3 rotation = pose_body(item, body);
   rotate(turned, rotation);
   if (turned.around) turned.around->point += body.rest.col(0) - rotation * before;
-  if (own && own->has("fibre")) material.fibre = turned.fibre;
-  if (own && own->has("active")) material.active = turned.active;
-  if (own && own->has("law")) material.law = turned.law;
-  if (own && own->has("around")) material.around = turned.around;
+  const bool whole = own && own->given_material("given");
+  if (own && (whole || own->has("fibre"))) material.fibre = turned.fibre;
+  if (own && (whole || own->has("active"))) material.active = turned.active;
+  if (own && (whole || own->has("law"))) material.law = turned.law;
+  if (own && (whole || own->has("around"))) material.around = turned.around;
   if (own) {
     part.material = static_cast<int>(specimen.materials.size());
     specimen.materials.push_back(std::move(material));

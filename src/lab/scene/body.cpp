@@ -138,6 +138,11 @@ const std::vector<std::string> kShapes{"lattice", "packing", "tetrahedra", "sphe
 
 /// `volumes` of the molecules [m³] are set where the shape knows them, and left alone where it does not.
 Body read_shape(Reader& reader, VectorX& volumes, Order& order, Remarks remarks) {
+  for (const char* key : {"given", "given_shape"})
+    if (const auto given = reader.given_body(key)) {
+      order = reader.find("order");
+      return *given;
+    }
   std::optional<Reader> shape;
   std::string name;
   for (const std::string& key : kShapes)
@@ -267,7 +272,10 @@ Body read_body(Reader reader, const Material& material, Remarks remarks) {
   reader.finish();
   const std::optional<double> given =
       radius ? std::optional(radius->quantity(dimension::length, kPositive)) : std::nullopt;
-  reader.located([&] { set_matter(body, material.density, material.thickness, given); });
+  if (!reader.given_body("given") || order)
+    reader.located([&] { set_matter(body, material.density, material.thickness, given); });
+  else if (given)
+    body.radius.setConstant(*given);
   if (volumes.size()) body.mass = material.density * volumes;
   if (regions && (material.curve || material.fibre)) regions->fail("regions need a material without curve or fibre");
   if (regions)

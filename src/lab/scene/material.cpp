@@ -224,6 +224,8 @@ StressStrain spring_curve(const Reader& reader, const Material& material) {
 
 Material read_material(Reader reader, const Table<MaterialLaw>& laws, const Material* base) {
   reader.set_section("material");
+  const auto given = reader.given_material("given");
+  if (given) base = given.get();
   Material material = base ? *base : Material{};
   const auto law = reader.find("law");
   const bool derived = law && !law->located([&] { return laws.find(law->text()); })->from_moduli;

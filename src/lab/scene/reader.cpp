@@ -16,6 +16,8 @@
 #include <sstream>
 #include <utility>
 
+#include "lab/scene/held_scene.h"
+
 namespace elastin::lab {
 namespace {
 
@@ -271,6 +273,23 @@ std::vector<std::string> Reader::keys() const {
   return keys;
 }
 
+/// What a map names in a list by `key: NUMBER`. The key is noted only where it stands: no message offers it.
+template <class Thing>
+std::shared_ptr<const Thing> Reader::given(const std::string& key,
+                                           const std::vector<std::shared_ptr<const Thing>>& list) {
+  const std::vector<std::string> there = keys();
+  if (std::find(there.begin(), there.end(), key) == there.end()) return nullptr;
+  return list[static_cast<std::size_t>(at(key).whole(0, static_cast<int>(list.size()) - 1))];
+}
+
+std::shared_ptr<const Body> Reader::given_body(const std::string& key) {
+  return file_->held ? given(key, file_->held->bodies) : nullptr;
+}
+
+std::shared_ptr<const Material> Reader::given_material(const std::string& key) {
+  return file_->held ? given(key, file_->held->materials) : nullptr;
+}
+
 std::vector<std::pair<std::string, Reader>> Reader::entries() const {
   std::vector<std::pair<std::string, Reader>> entries;
   for (const std::string& key : keys()) {
@@ -386,6 +405,7 @@ void Reader::note_unit() const {
 }
 
 void Reader::note_plain(const std::string& given, const std::string& examples) const {
+  if (file_->held) return;
   if (!file_->first_plain)
     file_->first_plain = {location(), path_ + ": '" + given + "' has no unit; write for example " + examples};
   check_units_agree();
@@ -448,6 +468,11 @@ std::string missing_file(const std::string& path) {
 
 Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules,
                        KeyUses* uses) {
+  if (const auto held = held_scene(path)) {
+    const YAML::Node root = load_document("scene", held->yaml);
+    for (const std::string& assignment : overrides) put_override(root, assignment);
+    return {std::make_shared<SceneFile>(SceneFile{"scene", {}, {}, most_molecules, uses, held}), root, ""};
+  }
   const SourceLocation location{path};
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) throw InputError(location, missing_file(path));
@@ -464,7 +489,7 @@ Reader open_scene_text(const std::string& name, const std::string& text, const s
                        double most_molecules, KeyUses* uses) {
   const YAML::Node root = load_document(name, text);
   for (const std::string& assignment : overrides) put_override(root, assignment);
-  return {std::make_shared<SceneFile>(SceneFile{name, {}, {}, most_molecules, uses}), root, ""};
+  return {std::make_shared<SceneFile>(SceneFile{name, {}, {}, most_molecules, uses, {}}), root, ""};
 }
 
 }  // namespace elastin::lab

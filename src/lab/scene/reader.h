@@ -12,6 +12,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/types.h"
 #include "elastin/core/base/units.h"
+#include "elastin/lab/scene/held_scene.h"
 #include "lab/scene/keys.h"
 
 namespace elastin::lab {
@@ -23,7 +24,8 @@ struct SceneFile {
   /// First one written as a plain number, and the message that it is if units are used.
   std::optional<std::pair<SourceLocation, std::string>> first_plain;
   double most_molecules = std::numeric_limits<double>::infinity();  ///< that a body may have
-  KeyUses* uses = nullptr;  ///< where readers note what they ask for; null: nowhere
+  KeyUses* uses = nullptr;                              ///< where readers note what they ask for; null: nowhere
+  std::shared_ptr<const HeldScene::Content> held = {};  ///< of a scene in memory: its plain numbers are in SI units
 };
 
 struct Range {
@@ -55,6 +57,9 @@ class Reader {
   bool is_map() const { return node_.IsMap(); }
   bool is_text() const { return node_.IsScalar(); }
   std::vector<std::string> keys() const;
+  /// Of a scene in memory: what `key: NUMBER` of this map names in its list; null where the map has no such key.
+  std::shared_ptr<const Body> given_body(const std::string& key);
+  std::shared_ptr<const Material> given_material(const std::string& key);
   /// All keys with their values, of a map whose keys are free.
   std::vector<std::pair<std::string, Reader>> entries() const;
   std::vector<Reader> items() const;
@@ -111,6 +116,8 @@ class Reader {
     std::vector<std::string> keys;
     std::vector<std::pair<std::string, std::string>> misspelt;
   };
+  template <class Thing>
+  std::shared_ptr<const Thing> given(const std::string& key, const std::vector<std::shared_ptr<const Thing>>& list);
   SourceLocation location() const;
   SourceLocation location_of(const YAML::Node& node) const;
   void refuse_old_name(const std::string& key) const;

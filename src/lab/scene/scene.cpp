@@ -176,12 +176,14 @@ void read_whole_body(Reader& reader, const Catalog& catalog, Scene& scene, const
     if (const auto identify = reader.find("identify"))
       identify->fail("the scene has no body: it is one for `elastin identify`");
   specimen.body = read_body(reader.at("body"), specimen.material, remarks);
-  scene.bare_graph =
-      reader.at("body").has("molecules") && specimen.body.tetrahedra.empty() && specimen.body.triangles.empty();
+  scene.bare_graph = (reader.at("body").has("molecules") || reader.at("body").given_body("given") ||
+                      reader.at("body").given_body("given_shape")) &&
+                     specimen.body.tetrahedra.empty() && specimen.body.triangles.empty();
   if (change) change(specimen.body, specimen.material);
   check_material(reader.at("material"), specimen.material, specimen.body);
+  const auto bending = reader.at("material").find("bending");
   if (specimen.material.bending_rigidity > 0)
-    reader.at("material").at("bending").located([&] { prepare_bending(specimen.body, specimen.material); });
+    (bending ? *bending : reader.at("material")).located([&] { prepare_bending(specimen.body, specimen.material); });
   if (!reader.has("contact")) warn_of_pieces(specimen.body, "the body", scene.warnings);
 }
 

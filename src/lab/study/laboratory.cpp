@@ -5,7 +5,9 @@
 
 #include "lab/experiment/contact_measures.h"
 #include "lab/report/records.h"
+#include "lab/scene/held_scene.h"
 #include "lab/scene/parts.h"
+#include "lab/study/reference.h"
 
 namespace elastin::lab {
 namespace {
@@ -49,6 +51,7 @@ LaboratoryResult result_of(const Scene& scene, Run made) {
     result.curve.push_back({run.time ? point.time : point.load_factor, measured(point.measures)});
   result.stiffness = run.measures.stiffness_matrix;
   if (!run.snapshots.empty()) set_last_state(scene.specimen.body, run.snapshots.back(), result);
+  for (const Snapshot& kept : run.snapshots) result.states.push_back({kept.at, kept.positions});
   result.warnings = record.warnings;
   result.solver = run.solver;
   result.newton_iterations = run.newton_iterations;
@@ -85,6 +88,7 @@ void load_in_full(const Scene& scene, const std::shared_ptr<Rig>& rig, Model& mo
 
 struct Laboratory::Impl {
   Catalog catalog;
+  std::vector<std::string> overrides;
   std::shared_ptr<Scene> scene;  // simulations keep it
 };
 
@@ -96,7 +100,7 @@ double LaboratoryResult::get(const std::string& name) const {
 
 Laboratory::Laboratory(const std::string& scene, const std::vector<std::string>& overrides, Catalog catalog,
                        const ExperimentCatalog& experiments)
-    : impl_(new Impl{std::move(catalog), nullptr}) {
+    : impl_(new Impl{std::move(catalog), overrides, nullptr}) {
   impl_->scene = load_scene(scene, impl_->catalog, overrides, kMostMolecules, experiments);
 }
 Laboratory::~Laboratory() = default;
@@ -118,8 +122,9 @@ std::vector<std::string> Laboratory::strategies() const {
 
 std::vector<Stated> Laboratory::references() const {
   std::vector<Stated> list;
-  for (const Reference& reference : impl_->scene->references)
-    list.push_back({"", measured(reference.measure, reference.value), reference.source});
+  for (const auto* references : {&impl_->scene->references, &impl_->scene->specimen.references})
+    for (const Reference& reference : *references)
+      list.push_back({"", measured(reference.measure, reference.value), reference.source});
   return list;
 }
 
@@ -131,6 +136,18 @@ std::vector<Stated> Laboratory::expectations() const {
   return list;
 }
 
+void Laboratory::compute_reference(const std::string& option, const RunWatch& watch) {
+  Scene& scene = *impl_->scene;
+  if (!wants_computed_references(scene, option)) return;
+  ReferenceStore store;
+  ComputedReferences found =
+      compute_references(scene, impl_->catalog, impl_->overrides, store, watch.progress, watch.stop);
+  scene.specimen.references = std::move(found.references);
+  scene.no_computed_reference = std::move(found.trouble);
+  if (!scene.no_computed_reference.empty())
+    scene.warnings.push_back("no reference was computed: " + scene.no_computed_reference);
+}
+
 LaboratoryResult Laboratory::run(const std::string& strategy, const RunWatch& watch) {
   Scene& scene = *impl_->scene;
   const StrategyChoice choice = choose(scene, impl_->catalog, strategy);
@@ -138,10 +155,13 @@ LaboratoryResult Laboratory::run(const std::string& strategy, const RunWatch& wa
   RunOptions options;
   options.statics = scene.statics;
   options.time = scene.time;
-  options.keep_snapshots = options.last_snapshot = true;
+  options.keep_snapshots = true;
+  options.last_snapshot = !watch.keep_states;
   options.progress = watch.progress;
   options.stop = watch.stop;
-  return result_of(scene, run_strategy(scene.specimen, *scene.experiment, choice, options));
+  LaboratoryResult result = result_of(scene, run_strategy(scene.specimen, *scene.experiment, choice, options));
+  if (!watch.keep_states) result.states.clear();
+  return result;
 }
 
 Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions options) {
@@ -175,7 +195,8 @@ Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions
 }
 
 Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings) {
-  const Reader reader = open_scene_text("body", yaml, {}, kMostMolecules);
+  const Reader reader =
+      held_scene(yaml) ? open_scene_file(yaml, {}, kMostMolecules) : open_scene_text("body", yaml, {}, kMostMolecules);
   std::vector<std::string> notes;
   Body body = read_body(reader, material, {warnings, notes});
   check_material(reader, material, body);

@@ -9,6 +9,11 @@ Quantities are in SI units. Arrays of places are (n, 3), one row a molecule; vie
     elastin.sweep("scenes/tension/cube-1000.yaml", "material.youngs_modulus", [1e3, 5e3, 1e4])
     elastin.identify("scenes/identify/treloar-ogden.yaml")        # the material of measured curves
 
+    bar = elastin.body({"tetrahedra": {"kind": "kuhn", "cubes": [2, 2, 6], "size": ["4 mm", "4 mm", "12 mm"]}})
+    mine = elastin.law("mine", lambda I1, J, mu, lam: mu/2*(I1 - 3) - mu*numpy.log(J) + lam/2*(J - 1)**2)
+    elastin.compare(bar, ["neo_hookean", mine], experiment=elastin.Tension(axis="z", strain=0.15, grips="clamped"),
+                    material=elastin.Material(5e3, 0.3))          # no file: bodies, dicts, laws of one's own
+
     body = elastin.lattice((5, 5, 5), spacing=1e-3)
     tissue = elastin.Simulation(body, "lattice", elastin.Material(5e3))
     tissue.add_load("gravity", acceleration=(0, 0, -9.81))
@@ -23,13 +28,19 @@ if "OMP_WAIT_POLICY" not in _os.environ:
     _os.environ.setdefault("GOMP_SPINCOUNT", "3000")
 
 from ._elastin import (Body, Catalog, InputError, Material, Parameter, Result, Row, Simulation, SimulationState,
-                       StaticResult, StepResult, Strategy, __version__, linear_solvers, loads, material_laws, measures,
-                       set_threads, steppers, threads)
+                       StaticResult, StepError, StepResult, Strategy, __version__, linear_solvers, loads, material_laws,
+                       measures, set_threads, steppers, threads)
+from . import _bodies, _simulation  # the methods that Python adds to classes of C++
 from ._bodies import body, lattice, read_mesh
-from ._laboratory import Comparison, Laboratory, compare, identify, run, strategies
+from ._experiments import CLASSES as _experiments, Experiment, experiments
+from ._laboratory import Comparison, Laboratory, Verdicts, compare, identify, run, strategies, verify
+from ._law import law, where
 from ._sweep import Sweep, sweep
 
-__all__ = ["Body", "Catalog", "Comparison", "InputError", "Laboratory", "Material", "Parameter", "Result", "Row",
-           "Simulation", "SimulationState", "StaticResult", "StepResult", "Strategy", "Sweep", "body", "compare",
-           "identify", "lattice", "linear_solvers", "loads", "material_laws", "measures", "read_mesh", "run", "set_threads",
-           "steppers", "strategies", "sweep", "threads"]
+globals().update(_experiments)
+
+__all__ = ["Body", "Catalog", "Comparison", "Experiment", "InputError", "Laboratory", "Material", "Parameter", "Result",
+           "Row", "Simulation", "SimulationState", "StaticResult", "StepError", "StepResult", "Strategy", "Sweep",
+           "Verdicts", "body", "compare", "experiments", "identify", "lattice", "law", "linear_solvers", "loads",
+           "material_laws", "measures", "read_mesh", "run", "set_threads", "steppers", "strategies", "sweep", "threads",
+           "verify", "where", *_experiments]

@@ -8,56 +8,109 @@ __version__: str
 
 Path = Union[str, PathLike[str]]
 Changes = Union[Mapping[str, Any], Sequence[str], None]
+Scene = Union[Path, Mapping[str, Any], "Body"]
 Outcome = Literal["converged", "limit_reached", "inverted", "diverged", "mechanism", "interrupted", "unsuited"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-class InputError(ValueError): ...
+class InputError(ValueError):
+    """Wrong use or wrong input: file:line:column, the key, what was given, what is allowed, the nearest name."""
+class StepError(RuntimeError):
+    """A step that failed, or an equilibrium that was not found: outcome and cause. `result` is the StepResult or
+    StaticResult."""
+    result: "StepResult | StaticResult"
 
 class Body:
+    """A piece of tissue at rest: molecules joined by connections. It never changes; its arrays are views that cannot be
+    written to."""
     def __init__(self, positions: ArrayLike, connections: ArrayLike | None = None, *,
                  triangles: ArrayLike | None = None, tetrahedra: ArrayLike | None = None,
-                 rest_lengths: ArrayLike | None = None, masses: ArrayLike | None = None,
-                 radii: ArrayLike | None = None, density: float = 1000.0, thickness: float = 0.0) -> None: ...
+                 cells: Mapping[str, ArrayLike] = ..., rest_lengths: ArrayLike | None = None,
+                 masses: ArrayLike | None = None, radii: ArrayLike | None = None, density: float = 1000.0,
+                 thickness: float = 0.0) -> None:
+        """positions (n, 3) [m]; connections (m, 2), numbers of molecules, by default the sides of the cells; triangles
+        (k, 3); tetrahedra (k, 4); cells of other shapes by name, {'hexahedron8': (k, 8), …}, nodes as in VTK;
+        rest_lengths (m,) [m], by default the distances; masses (n,) [kg], by default from density [kg/m^3] and the
+        cells (triangles: thickness [m]) or the bounding box; radii (n,) [m], by default half the shortest
+        connection. Arrays are copied."""
     @property
-    def positions(self) -> Floats: ...
+    def positions(self) -> Floats:
+        """Positions at rest [m], (n, 3)."""
     @property
-    def masses(self) -> Floats: ...
+    def masses(self) -> Floats:
+        """[kg], (n,)."""
     @property
-    def radii(self) -> Floats: ...
+    def radii(self) -> Floats:
+        """[m], (n,)."""
     @property
-    def connections(self) -> Ints: ...
+    def connections(self) -> Ints:
+        """The two molecules of each connection, (m, 2); sides of cells only come last."""
     @property
-    def rest_lengths(self) -> Floats: ...
+    def rest_lengths(self) -> Floats:
+        """Unstressed lengths of the connections [m], (m,)."""
     @property
-    def triangles(self) -> Ints: ...
+    def triangles(self) -> Ints:
+        """(k, 3)."""
     @property
-    def tetrahedra(self) -> Ints: ...
+    def tetrahedra(self) -> Ints:
+        """(k, 4), turned to positive volume."""
     @property
-    def proper_connections(self) -> int: ...
+    def cells(self) -> dict[str, Ints]:
+        """Every cell by its shape: {'tetrahedron4': (k, 4), 'hexahedron20': (k, 20), …}, copies; triangles only where
+        there are no solids."""
+    @property
+    def proper_connections(self) -> int:
+        """How many connections are more than sides of cells; they come first."""
     def __len__(self) -> int: ...
+    @staticmethod
+    def from_meshio(mesh: Any, length_unit: Literal["m", "cm", "mm", "um", "nm"] = "m", **options: Any) -> Body:
+        """The body of a meshio.Mesh, or of a file that meshio reads, in length_unit "m", "cm", "mm", "um" or "nm". Its
+        solid cells; where there are none its surface cells; where there are none its lines as connections. Points
+        that nothing uses are left out. Options go to Body: density, thickness."""
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """The body at rest in 3D. Options go to Line3DCollection."""
+    def to_vtu(self, path: Path) -> None:
+        """Writes the body at rest as a VTU file: its cells, its connections as lines, mass and radius of its molecules."""
+    def to_meshio(self) -> Any:
+        """A meshio.Mesh of the body at rest."""
+    def to_pyvista(self) -> Any:
+        """A pyvista.UnstructuredGrid of the body at rest."""
 
 class Material:
+    """What a body should behave like; SI units."""
     def __init__(self, youngs_modulus: float | None = None, poissons_ratio: float = 0.25, density: float = 1000.0, *,
                  thickness: float = 0.0, bending_rigidity: float = 0.0,
                  curve: Sequence[tuple[float, float]] | None = None, fibre_direction: ArrayLike | None = None,
                  fibre_modulus: float | None = None, law: Mapping[str, Any] | None = None,
-                 relaxation: Sequence[tuple[float, float]] | None = None, instantaneous: bool = False) -> None: ...
+                 relaxation: Sequence[tuple[float, float]] | None = None, instantaneous: bool = False) -> None:
+        """youngs_modulus [Pa] > 0 or `curve`, pairs (strain, stress [Pa]) in uniaxial stress; poissons_ratio from -0.99
+        to 0.5; density [kg/m^3]; of sheets their thickness [m] and bending_rigidity [N m]; of fibres their direction
+        and modulus [Pa]; law: a dict of the law's name and its constants as scenes have them, {'law': 'ogden',
+        'terms': [[6.3e5, 1.3]], 'bulk_modulus': 1e9}, and youngs_modulus and poissons_ratio follow; relaxation:
+        pairs (share, time [s]) of strategies 'prony:NAME', of long-term moduli or of instantaneous ones."""
     @property
-    def youngs_modulus(self) -> float: ...
+    def youngs_modulus(self) -> float:
+        """E [Pa]; of a curve its slope at no strain, of a law at rest."""
     @property
-    def poissons_ratio(self) -> float: ...
+    def poissons_ratio(self) -> float:
+        """Poisson's ratio."""
     @property
-    def density(self) -> float: ...
+    def density(self) -> float:
+        """[kg/m^3]"""
     @property
-    def thickness(self) -> float: ...
+    def thickness(self) -> float:
+        """[m], of a membrane."""
     @property
-    def bending_rigidity(self) -> float: ...
+    def bending_rigidity(self) -> float:
+        """[N m]; 0 = no bending stiffness."""
     @property
-    def law(self) -> str | None: ...
+    def law(self) -> str | None:
+        """Name of the law whose constants it has, or None."""
 
 class Parameter:
-    def __init__(self, name: str, default: float, *, low: float = ..., high: float = ..., text: str = "") -> None: ...
+    """A value that a strategy, a stepper or a load takes, described once."""
+    def __init__(self, name: str, default: float, *, low: float = ..., high: float = ..., text: str = "") -> None:
+        """Of a strategy of one's own, in SI units; low and high are allowed, too."""
     @property
     def name(self) -> str: ...
     @property
@@ -71,11 +124,13 @@ class Parameter:
     @property
     def required(self) -> bool: ...
     @property
-    def kind(self) -> str: ...
+    def kind(self) -> str:
+        """'number', 'whole number', 'vector', 'direction' or 'molecules'."""
     @property
     def unit(self) -> str: ...
 
 class Row:
+    """What a stepper, a linear solver or a load says of itself."""
     @property
     def name(self) -> str: ...
     @property
@@ -86,9 +141,12 @@ class Row:
     def parameters(self) -> list[Parameter]: ...
 
 class Strategy:
+    """One way to give a body's connections their stiffness."""
     def __init__(self, name: str, constants: Callable[..., ArrayLike], *, summary: str = "", source: str = "",
                  parameters: Sequence[Parameter] = ...,
-                 unsuited: Callable[[Body], str | None] | None = None) -> None: ...
+                 unsuited: Callable[[Body], str | None] | None = None) -> None:
+        """A spring rule of one's own: constants(body, material, **parameters) gives the spring constants [N/m], one a
+        connection; unsuited(body) says why it cannot run on a body, or None."""
     @property
     def name(self) -> str: ...
     @property
@@ -96,14 +154,19 @@ class Strategy:
     @property
     def source(self) -> str: ...
     @property
-    def kind(self) -> str: ...
+    def kind(self) -> str:
+        """'spring rule', 'spring rule, updated', 'cell law' or 'wrapper'."""
     @property
     def parameters(self) -> list[Parameter]: ...
-    def constants(self, body: Body, material: Material, parameters: Mapping[str, float] = ...) -> Floats: ...
+    def constants(self, body: Body, material: Material, parameters: Mapping[str, float] = ...) -> Floats:
+        """The spring constants [N/m] that a spring rule gives a body, (m,)."""
 
 class Catalog:
-    def __init__(self) -> None: ...
-    def add(self, strategy: Strategy) -> None: ...
+    """Strategies by name: those of Elastin, and one's own."""
+    def __init__(self) -> None:
+        """Those that come with Elastin."""
+    def add(self, strategy: Strategy) -> None:
+        """Its name must be new."""
     @property
     def names(self) -> list[str]: ...
     def __getitem__(self, name: str) -> Strategy: ...
@@ -111,12 +174,15 @@ class Catalog:
     def __iter__(self) -> Iterator[Strategy]: ...
 
 class StepResult:
+    """How a step ended; true if it went well."""
     @property
     def outcome(self) -> Outcome: ...
     @property
-    def cause(self) -> str: ...
+    def cause(self) -> str:
+        """Why it did not get there; the state then stayed as it was."""
     @property
-    def substeps(self) -> int: ...
+    def substeps(self) -> int:
+        """Into how many substeps it was divided."""
     @property
     def newton_iterations(self) -> int: ...
     @property
@@ -124,6 +190,7 @@ class StepResult:
     def __bool__(self) -> bool: ...
 
 class StaticResult:
+    """How the search for an equilibrium ended; true if it was found."""
     @property
     def outcome(self) -> Outcome: ...
     @property
@@ -135,74 +202,131 @@ class StaticResult:
     @property
     def linear_iterations(self) -> int: ...
     @property
-    def residual(self) -> float: ...
+    def residual(self) -> float:
+        """Unbalanced force over the size of loads and reactions."""
     def __bool__(self) -> bool: ...
 
 class SimulationState:
+    """All that a simulation changes while it runs."""
     @property
-    def time(self) -> float: ...
+    def time(self) -> float:
+        """[s]"""
     @property
-    def positions(self) -> Floats: ...
+    def positions(self) -> Floats:
+        """[m], (n, 3)."""
 
 class Simulation:
+    """A body that moves. Steps let other Python threads run; each simulation may run in a thread of its own. Views
+    never copy: they stay where they are, and keep the simulation alive."""
     def __init__(self, body: Body, strategy: str | Strategy, material: Material, *,
                  scheme: str = "symplectic_euler", safety: float = 0.8, max_substeps: int = 1000,
                  scheme_parameters: Mapping[str, float] = ..., parameters: Mapping[str, float] = ...,
-                 catalog: Catalog | None = None) -> None: ...
+                 catalog: Catalog | None = None) -> None:
+        """strategy: a name ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule to
+        the material by the body's homogenised stiffness, as the experiment `material` of a scene does; the body is
+        of tetrahedra, or a box. What strategy and material need of the body is added: pairs of molecules for
+        bending_rigidity, sides of cells, Voronoi cells. scheme: one of steppers(), and scheme_parameters its own by
+        name: {'newton_iterations': 1}. Explicit schemes part a step so that each part is at most `safety` of the
+        body's stable step; a step that would take more than max_substeps is not taken. parameters: of the strategy,
+        by name."""
     @property
     def body(self) -> Body: ...
     @property
-    def time(self) -> float: ...
+    def time(self) -> float:
+        """[s]"""
     @property
-    def positions(self) -> Floats: ...
+    def positions(self) -> Floats:
+        """[m], (n, 3): a view that changes with each step."""
     @property
-    def velocities(self) -> Floats: ...
+    def velocities(self) -> Floats:
+        """[m/s], (n, 3): a view that changes with each step."""
     @property
-    def forces(self) -> Floats: ...
+    def forces(self) -> Floats:
+        """All forces of the state reached [N], (n, 3): a view. Asking for it fills it: a view that was asked for before
+        a step shows that earlier state until someone asks again."""
     @property
-    def tensions(self) -> Floats: ...
+    def tensions(self) -> Floats:
+        """Of each connection [N], pulling is positive, (m,): a view, as forces."""
     @property
-    def host_forces(self) -> Floats: ...
-    def step(self, dt: float, count: int = 1) -> StepResult: ...
-    def settle(self) -> StaticResult: ...
-    def observe(self, see: Callable[[Simulation], object], every: int = 1) -> None: ...
-    def save(self) -> SimulationState: ...
+    def host_forces(self) -> Floats:
+        """Forces of one's own [N], (n, 3): a view to write to. They act from the next step on until changed."""
+    def step(self, dt: float, count: int = 1, *, check: bool = True) -> StepResult:
+        """Brings the body forward by dt [s], `count` times, and gives the last step's result. A step that fails leaves
+        the state as it was and raises StepError; with check=False its result says so, and no step follows."""
+    def settle(self, *, check: bool = True) -> StaticResult:
+        """Goes to the equilibrium of all that acts now, at rest: a start. Raises StepError where none is found, unless
+        check=False."""
+    def observe(self, see: Callable[[Simulation], object], every: int = 1) -> None:
+        """Calls see(simulation) after every so many steps that went well. It must not step; what it raises ends the
+        step() that it came from."""
+    def save(self) -> SimulationState:
+        """The state to go on from, with the same bits."""
     def restore(self, saved: SimulationState) -> None: ...
-    def fix(self, molecule: int, free: str | ArrayLike = "") -> None: ...
-    def release(self, molecule: int) -> None: ...
-    def move_to(self, molecule: int, position: ArrayLike) -> None: ...
-    def reaction(self, molecule: int) -> Floats: ...
-    def couple(self, molecule: int, position: ArrayLike, stiffness: float, damping: float = 0.0) -> int: ...
-    def move_coupling(self, coupling: int, position: ArrayLike, velocity: ArrayLike = ...) -> None: ...
-    def coupling_force(self, coupling: int) -> Floats: ...
+    def fix(self, molecule: int, free: str | ArrayLike = "") -> None:
+        """Holds a molecule where it is, but in the directions that `free` names: 'z', 'xy', or a 3 x 3 projector."""
+    def release(self, molecule: int) -> None:
+        """Lets a held molecule go."""
+    def move_to(self, molecule: int, position: ArrayLike) -> None:
+        """Where a held molecule is to be at the end of the next step [m]."""
+    def reaction(self, molecule: int) -> Floats:
+        """Force of its support on a held molecule [N]; zero where nothing holds it."""
+    def couple(self, molecule: int, position: ArrayLike, stiffness: float, damping: float = 0.0) -> int:
+        """A spring [N/m] and damper [N s/m] between a molecule and a position [m]: a tool. Gives the coupling's number."""
+    def move_coupling(self, coupling: int, position: ArrayLike, velocity: ArrayLike = ...) -> None:
+        """[m], [m/s]"""
+    def coupling_force(self, coupling: int) -> Floats:
+        """Force of the coupling on its molecule [N] in the state reached."""
     def decouple(self, coupling: int) -> None: ...
-    def add_load(self, load: str, **kwargs: float | ArrayLike) -> None: ...
+    def add_load(self, load: str, **kwargs: float | ArrayLike) -> None:
+        """Adds a load or damping, one of loads(), before the first step: add_load('gravity', acceleration=(0, 0,
+        -9.81))."""
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """The body as it is now, its connections coloured by their tension. Options go to Line3DCollection."""
+    def animate(self, dt: float, frames: int, *, scale: float = 1.0, interval: float = 40,
+                act: Callable[[Simulation], object] | None = None, **options: Any) -> Any:
+        """Steps `frames` times by dt [s] and gives a matplotlib animation of it, displacements times `scale`,
+        `interval` [ms] a frame; act(simulation), if given, is called before each step. Options go to
+        Line3DCollection."""
 
 class Result:
+    """What came of one strategy on a scene; SI units."""
     @property
     def scene(self) -> str: ...
     @property
     def strategy(self) -> str: ...
     @property
-    def outcome(self) -> Outcome: ...
+    def outcome(self) -> Outcome:
+        """'converged', or how it stopped: 'limit_reached', 'inverted', 'diverged', 'mechanism', 'interrupted';
+        'unsuited': the strategy cannot run on this body."""
     @property
-    def cause(self) -> str: ...
+    def cause(self) -> str:
+        """Why it did not converge; '' if it did."""
     @property
-    def good(self) -> bool: ...
+    def good(self) -> bool:
+        """As the command's exit code 0: no failure, and all that the scene expects holds."""
     @property
-    def measures(self) -> dict[str, float]: ...
+    def measures(self) -> dict[str, float]:
+        """Value by name, of the last load step, or of the course of a run in time."""
     @property
-    def main(self) -> list[str]: ...
+    def main(self) -> list[str]:
+        """Names of the measures by which strategies are compared, the most telling first."""
     @property
-    def errors(self) -> dict[str, float]: ...
+    def errors(self) -> dict[str, float]:
+        """By measure, against what the material asks for: relative, or the difference of a ratio; MEASURE_to_reference:
+        relative to the scene's reference."""
     @property
-    def curve(self) -> dict[str, Floats]: ...
+    def curve(self) -> dict[str, Floats]:
+        """Columns, one row a load step or frame: 'at' (part of the load, or time [s]) and every measure.
+        pandas.DataFrame takes it as it is."""
     @property
-    def positions(self) -> Floats: ...
+    def positions(self) -> Floats:
+        """Of the last state [m], (n, 3); (0, 3) where none was reached."""
     @property
-    def tensions(self) -> Floats: ...
+    def tensions(self) -> Floats:
+        """Of the last state [N], one a connection, pulling is positive."""
     @property
-    def stiffness(self) -> Floats | None: ...
+    def stiffness(self) -> Floats | None:
+        """6 x 6 [Pa], xx yy zz yz xz xy, of the experiment `material`; else None."""
     @property
     def warnings(self) -> list[str]: ...
     @property
@@ -218,12 +342,39 @@ class Result:
     @property
     def body(self) -> Body: ...
     def __getitem__(self, measure: str) -> float: ...
-    def get(self, measure: str, default: Any = None) -> Any: ...
-    def plot(self, ax: Any = None, **options: Any) -> Any: ...
-    def plot_curve(self, x: str | None = None, y: str | None = None, ax: Any = None, **options: Any) -> Any: ...
+    def get(self, measure: str, default: Any = None) -> Any:
+        """The measure of this name, or `default` if it was not taken."""
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """The body in its last state, its connections coloured by their tension. Options go to Line3DCollection."""
+    def plot_curve(self, x: str | None = None, y: str | None = None, ax: Any = None, **options: Any) -> Any:
+        """One measure of the curve over another: by default the stress–strain curve, or what there is over the load or
+        time."""
+    @property
+    def states(self) -> list[tuple[float, Floats]]:
+        """Where the molecules were at rest and after each load step or frame: pairs (load factor or time [s], positions
+        (n, 3) [m]); empty unless it was run with keep_states=True."""
+    def animate(self, scale: float = 1.0, interval: float = 100, **options: Any) -> Any:
+        """A matplotlib animation of the states that were kept, displacements times `scale`, `interval` [ms] a state; in
+        a notebook HTML(animation.to_jshtml()) plays it. Options go to Line3DCollection."""
+    def to_frame(self) -> Any:
+        """The curve as a pandas DataFrame: a row a load step or frame, a column a measure, and `at`, the load factor or
+        time [s]."""
+    def to_vtu(self, path: Path) -> None:
+        """Writes the last state as a VTU file, with displacements [m] and the tensions of the connections [N]. Where
+        states were kept, also each of them, PATH-000.vtu …, and PATH.pvd with their load factors or times."""
+    def to_meshio(self) -> Any:
+        """A meshio.Mesh of the last state, with displacements and tensions."""
+    def to_pyvista(self) -> Any:
+        """A pyvista.UnstructuredGrid of the last state, with displacements and tensions."""
 
 class Laboratory:
-    def __init__(self, scene: Path, *, set: Changes = None, catalog: Catalog | None = None) -> None: ...
+    """A scene, read, checked and built: the path of a file, a dict as its YAML would be, or a Body. Beside a dict or a
+    Body `experiment` (elastin.Tension(…)), `material` and all other keys of a scene may stand: contact={…},
+    loads=[…], time={…}. `set` changes keys, as the command's --set: {"material.youngs_modulus": 5e3,
+    "experiment.force": "1 mN"}. With a Catalog, strategies of one's own may be named."""
+    def __init__(self, scene: Scene, *, experiment: Experiment | Mapping[str, Any] | None = None,
+                 material: Material | Mapping[str, Any] | None = None, set: Changes = None,
+                 catalog: Catalog | None = None, **keys: Any) -> None: ...
     @property
     def name(self) -> str: ...
     @property
@@ -233,25 +384,55 @@ class Laboratory:
     @property
     def material(self) -> Material: ...
     @property
-    def strategy(self) -> str: ...
+    def strategy(self) -> str:
+        """The scene's own."""
     @property
-    def strategies(self) -> list[str]: ...
+    def strategies(self) -> list[str]:
+        """Those that the scene compares."""
     @property
-    def references(self) -> list[dict[str, Any]]: ...
+    def references(self) -> list[dict[str, Any]]:
+        """Values of the same problem from elsewhere: dicts of measure, value, unit, source."""
     @property
-    def expectations(self) -> list[dict[str, Any]]: ...
+    def expectations(self) -> list[dict[str, Any]]:
+        """Values that the scene says must come out: dicts as references, with the strategy."""
     @property
     def warnings(self) -> list[str]: ...
-    def run(self, strategy: str = "", *, progress: Callable[[str], object] | None = None) -> Result: ...
+    def compute_reference(self, option: Literal["", "computed", "none"] = "", *,
+                          progress: Callable[[str], object] | None = None) -> None:
+        """Computes the reference of the scene as the command `compare` does: what its own problem comes to on finer and
+        finer cells. '' does it where the scene says so, 'computed' in any case, 'none' not at all. Runs after it
+        have errors to it."""
+    def run(self, strategy: str = "", *, progress: Callable[[str], object] | None = None,
+            keep_states: bool = False) -> Result:
+        """Runs the experiment with a strategy by name ('calibrated:angles', 'lattice+volume'); '' takes the scene's
+        own. progress(doing) is told before each load step or frame; what it raises ends the run. keep_states: the
+        result has the positions of each load step or frame. Numerical trouble is an outcome in the result."""
     def simulation(self, strategy: str = "", *, scheme: str = "symplectic_euler", safety: float = 0.8,
                    max_substeps: int = 1000, scheme_parameters: Mapping[str, float] = ...,
-                   parameters: Mapping[str, float] = ...) -> Simulation: ...
+                   parameters: Mapping[str, float] = ...) -> Simulation:
+        """The scene's body at rest, or at time 0, with its strategy, loads, damping and contact, held by its experiment
+        and loaded in full at once, to be stepped."""
+
+class Verdicts(list[dict[str, Any]]):
+    """What came of scenes against what they expect: a list of dicts that shows itself as a table."""
+    @property
+    def passed(self) -> bool:
+        """Whether nothing failed."""
+    def to_frame(self) -> Any:
+        """A pandas DataFrame, one row an expectation."""
 
 class Comparison(list[Result]):
+    """Results of one scene, a strategy each: a list that can be asked by name, and shows itself as a table."""
     def __getitem__(self, key: Any) -> Any: ...
-    def plot(self, measure: str | None = None, ax: Any = None) -> Any: ...
+    def to_frame(self) -> Any:
+        """A pandas DataFrame, one row a strategy: its outcome, measures, errors (error_MEASURE) and seconds."""
+    def plot_curves(self, x: str | None = None, y: str | None = None, ax: Any = None, **options: Any) -> Any:
+        """The curves of all results in one picture; see Result.plot_curve."""
+    def plot(self, measure: str | None = None, ax: Any = None) -> Any:
+        """Error of a measure, by default the most telling one, against the seconds that it took."""
 
 class Sweep(list[Result]):
+    """."""
     changes: list[dict[str, Any]]
     def __init__(self, changes: Iterable[dict[str, Any]], results: Iterable[Result]) -> None: ...
     @property
@@ -262,28 +443,336 @@ class Sweep(list[Result]):
     def columns(self) -> dict[str, Any]: ...
     def plot(self, measure: str | None = None, ax: Any = None, **options: Any) -> Any: ...
 
-def body(description: Mapping[str, Any] | str, material: Material | None = None) -> Body: ...
+def body(description: Mapping[str, Any] | str, material: Material | None = None) -> Body:
+    """A body as a scene has it under `body:`: elastin.body({"lattice": {"kind": "cubic", "molecules": [5, 5, 5],
+    "spacing": 1e-3}}), a dict or its YAML. Every shape of the scenes is there, with the same keys and messages;
+    files are named from the working directory. The material, by default one of 1000 kg/m^3, gives it its mass."""
 def lattice(molecules: Sequence[int], spacing: float | Sequence[float],
             connections: Sequence[Literal["axis", "face", "space"]] = ("axis", "face"), *, radius: float | None = None,
-            density: float = 1000.0) -> Body: ...
+            density: float = 1000.0) -> Body:
+    """A cubic lattice of (nx, ny, nz) molecules, `spacing` [m] apart (a number, or one along x, y and z), joined along
+    "axis", "face" and "space" diagonals. radius [m], by default half the shortest connection; density [kg/m^3]."""
 def read_mesh(path: Path, length_unit: Literal["m", "cm", "mm", "um", "nm"], *, radius: float | None = None,
-              density: float = 1000.0, thickness: float = 0.0) -> Body: ...
-def run(scene: Path, strategy: str | Strategy = "", *, set: Changes = None, catalog: Catalog | None = None,
-        progress: Callable[[str], object] | None = None) -> Result: ...
-def compare(scene: Path, strategies: Sequence[str | Strategy] | None = None, *, set: Changes = None,
-            catalog: Catalog | None = None, progress: Callable[[str], object] | None = None) -> Comparison: ...
-def sweep(scene: Path, key: str | Mapping[str, Iterable[Any]], values: Iterable[Any] | None = None, *,
+              density: float = 1000.0, thickness: float = 0.0) -> Body:
+    """The body of a mesh file, .msh, .vtk or .vtu of tetrahedra or triangles, or .obj, .stl, .ply, whose numbers are in
+    length_unit "m", "cm", "mm", "um" or "nm"; triangles have a thickness [m]."""
+def law(name: str, energy: Callable[..., Any], *, summary: str = "", source: str = "") -> Strategy:
+    """A cell law of one's own for compare, run and Simulation, from its energy density W [J/m^3]:
+
+        elastin.law("mine", lambda I1, J, mu, lam: mu / 2 * (I1 - 3) - mu * numpy.log(J) + lam / 2 * (J - 1)**2)
+
+    The names of the function's arguments say what they are: of the right Cauchy-Green tensor C the invariants I1 =
+    tr C, I2, I3 = J^2, J and those of J^(-2/3) C, I1_bar and I2_bar, all at the rest values 3, 3, 1; of the material
+    E, nu, mu, lam and kappa [Pa]. Every other argument is a parameter that a scene may set and has a default, a
+    number or a Parameter. The function is called once, with values that record what it computes by + - * / **,
+    numpy's functions and elastin.where; slopes and second slopes follow by the rules of differentiation, so they are
+    exact, and run in C++. Raises InputError where W has a stress at rest, or is unstable there, as soon as the law
+    meets a material."""
+def where(condition: Any, one: Any, other: Any) -> Any:
+    """In an energy of elastin.law: `one` where the condition holds (J < 1), else `other`. Elsewhere as numpy.where."""
+def run(scene: Scene, strategy: str | Strategy = "", *, experiment: Experiment | Mapping[str, Any] | None = None,
+        material: Material | Mapping[str, Any] | None = None, reference: Literal["", "computed", "none"] = "none",
+        set: Changes = None, catalog: Catalog | None = None, progress: Callable[[str], object] | None = None,
+        keep_states: bool = False, **keys: Any) -> Result:
+    """Runs a scene with a strategy (a name, or a Strategy; "" is the scene's own) and gives its Result. The scene is a
+    file, a dict or a Body, with what may stand beside it, as for Laboratory. Numbers equal those of the command to
+    the last bit. reference: "computed" computes first what errors are measured against; keep_states: the result has
+    the positions of every load step or frame."""
+def compare(scene: Scene, strategies: Sequence[str | Strategy] | None = None, *,
+            experiment: Experiment | Mapping[str, Any] | None = None,
+            material: Material | Mapping[str, Any] | None = None, reference: Literal["", "computed", "none"] = "",
+            set: Changes = None, catalog: Catalog | None = None, progress: Callable[[str], object] | None = None,
+            **keys: Any) -> Comparison:
+    """Runs a scene (a file, a dict or a Body, as for Laboratory) with several strategies: names and strategies of one's
+    own; by default those that it compares itself, of a Body all. Where the scene says so, or nothing else shows what
+    is right, its reference is computed first, as the command does: reference="none" leaves that out, "computed" does
+    it in any case."""
+def verify(scene: Scene | Sequence[Scene], *, experiment: Experiment | Mapping[str, Any] | None = None,
+           material: Material | Mapping[str, Any] | None = None, set: Changes = None, catalog: Catalog | None = None,
+           progress: Callable[[str], object] | None = None, **keys: Any) -> Verdicts:
+    """Compares a scene, or each of a list, with what it expects: Verdicts, a dict a run with "scene", "strategy",
+    "verdict" ("passed", "failed" or "not judged"), "outcome", "cause", "measures", "seconds" and "expectations"."""
+def sweep(scene: Scene, key: str | Mapping[str, Iterable[Any]], values: Iterable[Any] | None = None, *,
           strategy: str | Strategy | Sequence[str | Strategy] = "", set: Changes = None,
           catalog: Catalog | None = None, progress: Callable[[str], object] | None = None, client: Any = None,
           **keys: Any) -> Sweep: ...
-def identify(scene: Path, data: Mapping[str, Path] | None = None, *, tests: Sequence[str] = (),
+def identify(scene: Scene, data: Mapping[str, Path] | None = None, *, tests: Sequence[str] = (),
              laws: Sequence[str] = (), strategies: Sequence[str] = (), set: Changes = None,
-             progress: Callable[[str], object] | None = None) -> Any: ...
-def strategies(catalog: Catalog | None = None) -> list[Strategy]: ...
-def steppers() -> list[Row]: ...
-def linear_solvers() -> list[Row]: ...
-def loads() -> list[Row]: ...
-def material_laws() -> list[Row]: ...
-def measures() -> list[tuple[str, str, str]]: ...
-def set_threads(threads: int) -> None: ...
-def threads() -> int: ...
+             progress: Callable[[str], object] | None = None, **keys: Any) -> Any:
+    """Fits the material of a scene's `identify` section to its measured tests and gives what the command writes as
+    JSON: "parameters" (name, value, unit, low, high), "correlation", "relative_rms", "warnings" and more; SI units.
+    The scene is a file, a dict or a Body, as for Laboratory. `data` names other CSV files, {test: path}; of `tests`
+    alone are fitted, the others predicted; `laws` are compared (["all"]); of several `strategies` of the specimens a
+    list, one each."""
+def strategies(catalog: Catalog | None = None) -> list[Strategy]:
+    """Every strategy there is, with summary, source and parameters."""
+def steppers() -> list[Row]:
+    """What a simulation takes as its scheme."""
+def linear_solvers() -> list[Row]:
+    """What scenes name under solver.linear_solver."""
+def loads() -> list[Row]:
+    """What Simulation.add_load takes, and scenes under loads."""
+def material_laws() -> list[Row]:
+    """What Material takes as its law."""
+def measures() -> list[tuple[str, str, str]]:
+    """Every measure that an experiment can take: (name, SI unit, what it is)."""
+def set_threads(threads: int) -> None:
+    """How many threads loops over large bodies take; 0 = one a core. Results are bitwise identical with any."""
+def threads() -> int:
+    """How many threads loops over large bodies take."""
+def experiments() -> list[type[Experiment]]:
+    """Every kind of experiment, a class each."""
+
+class Experiment:
+    """What is done to a body, and what is read: an experiment of the scenes with its keys. Quantities are plain numbers
+    in SI units or text with a unit, "3 mm". Where the ends have grips, `grips` sets both; where an end is displaced,
+    `strain` says it over the length."""
+    kind: str
+    in_time: bool
+    table: dict[str, dict[str, str]]
+    def __init__(self, **keys: Any) -> None:
+        """Initialize self. See help(type(self)) for accurate signature."""
+    @classmethod
+    def allowed(cls) -> list[str]:
+        """The names of its keys."""
+    def keys(self, scene: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """As a scene has it: a dict with `kind`. A strain needs the scene's body."""
+
+# --- experiments: made from the table of scenes by tools/stubs; below nothing is kept ---
+
+class Tension(Experiment):
+    """A bar is pulled along its axis: effective modulus, Poisson's ratio, stress–strain curve.
+    axis: axis of the bar, from the fixed end to the loaded one (direction; default: z).
+    force [N]: force on the loaded end; not 0 (quantity; default: needed, or displacement).
+    displacement [m]: displacement of the loaded end; not 0 (quantity; default: needed, or force).
+    fixed_grip: whether the end is also fixed sideways (clamped, sliding; default: sliding).
+    loaded_grip: whether the end is also fixed sideways (clamped, sliding; default: sliding).
+    load_sharing: how the molecules of the loaded end share a force: by tributary areas, or equally (area, molecules;
+    default: area).
+    reading: elongation of the loaded end, or of one corner molecule (mean, corner; default: mean).
+    cross_section [m^2]: section A that carries the load (quantity; default: volume over length of the cells, between
+    the planes of gauge if there are any; without cells the hull of the molecules along the axis).
+    gauge_length [m]: length l₀ to which the strain refers (quantity; default: between the end layers).
+    gauge [m]: planes, measured from the fixed end, between which an extensometer reads (two quantities; default:
+    none).
+    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    load_steps: equal steps in which the load grows (whole; default: 1).
+    cycle: parts of the load that are reached one after the other, each in `load_steps`: [1, 0, 1] (list of numbers;
+    default: [1])."""
+    def __init__(self, *, axis: Any = None, force: Any = None, displacement: Any = None, fixed_grip: Any = None,
+                 loaded_grip: Any = None, load_sharing: Any = None, reading: Any = None, cross_section: Any = None,
+                 gauge_length: Any = None, gauge: Any = None, grip_depth: Any = None, load_steps: Any = None, cycle: Any
+                 = None, grips: Any = None, strain: Any = None) -> None: ...
+
+class Compression(Experiment):
+    """A bar is pressed along its axis and measured as in tension.
+    axis: axis of the bar, from the fixed end to the loaded one (direction; default: z).
+    force [N]: force on the loaded end; not 0 (quantity; default: needed, or displacement).
+    displacement [m]: displacement of the loaded end; not 0 (quantity; default: needed, or force).
+    fixed_grip: whether the end is also fixed sideways (clamped, sliding; default: sliding).
+    loaded_grip: whether the end is also fixed sideways (clamped, sliding; default: sliding).
+    load_sharing: how the molecules of the loaded end share a force: by tributary areas, or equally (area, molecules;
+    default: area).
+    reading: elongation of the loaded end, or of one corner molecule (mean, corner; default: mean).
+    cross_section [m^2]: section A that carries the load (quantity; default: volume over length of the cells, between
+    the planes of gauge if there are any; without cells the hull of the molecules along the axis).
+    gauge_length [m]: length l₀ to which the strain refers (quantity; default: between the end layers).
+    gauge [m]: planes, measured from the fixed end, between which an extensometer reads (two quantities; default:
+    none).
+    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    load_steps: equal steps in which the load grows (whole; default: 1).
+    cycle: parts of the load that are reached one after the other, each in `load_steps`: [1, 0, 1] (list of numbers;
+    default: [1])."""
+    def __init__(self, *, axis: Any = None, force: Any = None, displacement: Any = None, fixed_grip: Any = None,
+                 loaded_grip: Any = None, load_sharing: Any = None, reading: Any = None, cross_section: Any = None,
+                 gauge_length: Any = None, gauge: Any = None, grip_depth: Any = None, load_steps: Any = None, cycle: Any
+                 = None, grips: Any = None, strain: Any = None) -> None: ...
+
+class Shear(Experiment):
+    """Planes across the axis slide along a direction, at constant height: shear modulus.
+    axis: axis of the body, from the fixed end to the loaded one (direction; default: z).
+    direction: direction of the displacement, perpendicular to `axis` (direction; default: needed).
+    displacement [m]: displacement of the loaded end; not 0 (quantity; default: one of three needed).
+    strain: displacement over height; not 0 (number; default: one of three needed).
+    angle: angle of shear; not 0 (angle; default: one of three needed).
+    sides: whether two rigid plates carry the shear, or the whole surface follows it (free, affine; default: free).
+    cross_section [m^2]: section A that carries the load (quantity; default: volume over length of the cells, between
+    the planes of gauge if there are any; without cells the hull of the molecules along the axis).
+    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    load_steps: equal steps in which the load grows (whole; default: 1)."""
+    def __init__(self, *, axis: Any = None, direction: Any = None, displacement: Any = None, strain: Any = None, angle:
+                 Any = None, sides: Any = None, cross_section: Any = None, grip_depth: Any = None, load_steps: Any =
+                 None) -> None: ...
+
+class Torsion(Experiment):
+    """One end of a clamped bar is turned about its axis at constant height: torque, shear modulus of a rectangle.
+    [Timoshenko & Goodier 1970, section 109]
+    axis: axis of the body, from the fixed end to the loaded one (direction; default: z).
+    angle: rotation of the turned end; not 0 (angle; default: needed).
+    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    load_steps: equal steps in which the load grows (whole; default: 1)."""
+    def __init__(self, *, axis: Any = None, angle: Any = None, grip_depth: Any = None, load_steps: Any =
+                 None) -> None: ...
+
+class Hydrostatic(Experiment):
+    """Equal strain along all directions: bulk modulus.
+    strain: strain of each side; negative compresses; not 0 (number; default: needed).
+    sides: whether six smooth walls carry the strain, or the whole surface follows it (sliding, affine; default:
+    sliding).
+    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    load_steps: equal steps in which the load grows (whole; default: 1)."""
+    def __init__(self, *, strain: Any = None, sides: Any = None, grip_depth: Any = None, load_steps: Any =
+                 None) -> None: ...
+
+class Bending(Experiment):
+    """A cantilever bends under its own weight or a force on its tip: effective modulus, deflection. [Timoshenko 1921,
+    Cowper 1966]
+    axis: from the clamped root to the tip (direction; default: x).
+    direction: direction of the load, perpendicular to `axis` (direction; default: needed).
+    gravity [m/s^2]: acceleration that gives the weight; not 0 (quantity; default: this, force or both).
+    force [N]: force on the tip; not 0 (quantity; default: this, gravity or both).
+    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    load_steps: equal steps in which the load grows (whole; default: 1)."""
+    def __init__(self, *, axis: Any = None, direction: Any = None, gravity: Any = None, force: Any = None, grip_depth:
+                 Any = None, load_steps: Any = None) -> None: ...
+
+class Inflation(Experiment):
+    """A closed membrane is inflated by pressure, by volume or by gas: radius, wall stress.
+    pressure [Pa]: pressure inside over that outside; not 0 (quantity; default: one of three needed).
+    volume_ratio: enclosed volume over that at rest (number; default: one of three needed).
+    gas: gas that is let in; its keys stand below (map; default: one of three needed).
+    symmetry: normals of planes through the origin that cut the body, each perpendicular to the others (list of
+    directions; default: none).
+    load_steps: equal steps in which the load grows (whole; default: 1)."""
+    def __init__(self, *, pressure: Any = None, volume_ratio: Any = None, gas: Any = None, symmetry: Any = None,
+                 load_steps: Any = None) -> None: ...
+
+class MaterialExperiment(Experiment):
+    """Six small strains of the surface: the body's 6 × 6 stiffness matrix and its isotropic means.
+    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane)."""
+    def __init__(self, *, grip_depth: Any = None) -> None: ...
+
+class Bubble(Experiment):
+    """A flat disc, fixed at its rim, is inflated from one side: height, stretch and stress at the pole. [[TP], eqs
+    18-25]
+    pressure [Pa]: the pressure that `load_steps` reach, or one pressure for each step, ascending (quantity, or list;
+    default: this, or measured).
+    load_steps: equal steps in which the load grows (whole; default: 1).
+    measured [Pa, m]: `[pressure, height]`, ascending; a file has one pair in each line, with units (list of pairs,
+    or file beside the scene; default: this, or pressure).
+    identify.degree: finds the secant modulus E(ε) from the measured heights: degree of the polynomial (whole;
+    default: 2).
+    identify.up_to: strain up to which it counts (number; default: 1.5 × the cap's strain)."""
+    def __init__(self, *, pressure: Any = None, load_steps: Any = None, measured: Any = None, identify: Any =
+                 None) -> None: ...
+
+class Indentation(Experiment):
+    """A rigid indenter is pressed into a body that stands on its far end: force, indentation modulus; needs `contact`.
+    [Johnson 1985, ch. 3, 4]
+    axis: direction of the motion (direction; default: -z).
+    indenter: what is pressed into the body (map, or an obstacle's name; default: needed).
+    indenter.sphere.radius [m]: radius of a sphere (quantity; default: this, or flat).
+    indenter.flat.radius [m]: radius of a flat punch (quantity; default: this, or sphere).
+    depth [m]: depth from the first contact point (quantity; default: this, or force).
+    force [N]: force, of the whole body, that ends the motion; not of an obstacle (quantity; default: this, or
+    depth).
+    at [m]: a position on the indenter's axis; not of an obstacle (vector; default: the middle).
+    bottom: how the far end is fixed (clamped, sliding; default: clamped).
+    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    symmetry: normals of planes through the origin that cut the body, each perpendicular to the others (list of
+    directions; default: none).
+    load_steps: equal steps in which the load grows (whole; default: 1)."""
+    def __init__(self, *, axis: Any = None, indenter: Any = None, depth: Any = None, force: Any = None, at: Any = None,
+                 bottom: Any = None, grip_depth: Any = None, symmetry: Any = None, load_steps: Any = None) -> None: ...
+
+class Press(Experiment):
+    """A body, or the near end of one, is pressed onto what lies before it: force, contact area; needs `contact`.
+    axis: direction of the motion (direction; default: -z).
+    displacement [m]: displacement of what is moved (quantity; default: this, or force).
+    force [N]: force that ends the motion (quantity; default: this, or displacement).
+    move: what is moved (a body's name; default: the near end).
+    fix: what is fixed (a body's name; default: the far end, or rigid bodies).
+    grip: how both are fixed across the axis (clamped, sliding; default: clamped).
+    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    load_steps: equal steps in which the load grows (whole; default: 1)."""
+    def __init__(self, *, axis: Any = None, displacement: Any = None, force: Any = None, move: Any = None, fix: Any =
+                 None, grip: Any = None, grip_depth: Any = None, load_steps: Any = None, strain: Any =
+                 None) -> None: ...
+
+class Sliding(Experiment):
+    """A body lies on a plane that is tilted, or slides along it: friction, slip angle; needs `contact`.
+    up: normal of the plane (direction; default: z).
+    along: direction down the slope, perpendicular to `up` (direction; default: x).
+    gravity [m/s^2]: acceleration of the weight (quantity; default: 9.81).
+    floor: what the body stands on (an obstacle's name; default: a plane of its own).
+    incline.angle: constant slope (angle; default: one of three needed).
+    sled.speed [m/s]: initial speed along a level floor (quantity; default: one of three needed).
+    threshold.from: slope at time 0, which grows (angle; default: one of three needed).
+    threshold.rate [1/s]: rate at which the slope grows (quantity; default: needed with from)."""
+    def __init__(self, *, up: Any = None, along: Any = None, gravity: Any = None, floor: Any = None, incline: Any =
+                 None, sled: Any = None, threshold: Any = None) -> None: ...
+
+class Motion(Experiment):
+    """A body, free or fixed and loaded by a fixture, is observed as it moves.
+    fixture: how the body is fixed and loaded (experiment at rest; default: free body).
+    in_time: factor of the fixture's load (time function; default: constant)."""
+    def __init__(self, *, fixture: Any = None, in_time: Any = None) -> None: ...
+
+class Release(Experiment):
+    """A loaded body is released, or loaded at once: free vibration, its frequency and damping.
+    fixture: how the body is fixed, and loaded before it is released (experiment at rest; default: needed).
+    load: whether the load is taken away at time 0, or put on at once (removed, applied; default: removed)."""
+    def __init__(self, *, fixture: Any = None, load: Any = None) -> None: ...
+
+class Creep(Experiment):
+    """A force is applied and stays: displacement over time, retardation time.
+    fixture: how the body is fixed, with the force that stays (experiment at rest; default: needed)."""
+    def __init__(self, *, fixture: Any = None) -> None: ...
+
+class Relaxation(Experiment):
+    """A displacement grows and stays: force over time, relaxation time.
+    fixture: how the body is fixed, with the displacement that stays (experiment at rest; default: needed).
+    ramp [s]: time in which the displacement grows (quantity; default: needed)."""
+    def __init__(self, *, fixture: Any = None, ramp: Any = None) -> None: ...
+
+class Cyclic(Experiment):
+    """A displacement oscillates: storage and loss modulus over the last period.
+    fixture: how the body is fixed, with the displacement that is the amplitude (experiment at rest; default:
+    needed).
+    frequency [1/s]: frequency of the oscillation (quantity; default: needed)."""
+    def __init__(self, *, fixture: Any = None, frequency: Any = None) -> None: ...
+
+class Shake(Experiment):
+    """The clamped end of a body oscillates: amplitude ratio and phase of the far end.
+    axis: from the clamped end to the far one (direction; default: x).
+    direction: direction of the oscillation (direction; default: axis).
+    amplitude [m]: amplitude of the clamped end (quantity; default: needed).
+    frequency [1/s]: frequency of the oscillation (quantity; default: needed).
+    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane)."""
+    def __init__(self, *, axis: Any = None, direction: Any = None, amplitude: Any = None, frequency: Any = None,
+                 grip_depth: Any = None) -> None: ...
+
+class Drop(Experiment):
+    """A free body falls on a floor, or on the scene's obstacles: restitution, duration of contact.
+    direction: direction of the fall (direction; default: -z).
+    gravity [m/s^2]: acceleration of the fall (quantity; default: 0).
+    height [m]: height of the lowest sphere above the floor; not with `contact` (quantity; default: 0).
+    speed [m/s]: speed along `direction` at time 0 (quantity; default: 0).
+    stiffness [N/m]: stiffness of the floor for each molecule; not with `contact` (quantity; default: E × mean
+    diameter).
+    damping [N s/m]: damping of the floor; not with `contact` (quantity; default: 0)."""
+    def __init__(self, *, direction: Any = None, gravity: Any = None, height: Any = None, speed: Any = None, stiffness:
+                 Any = None, damping: Any = None) -> None: ...
+
+class Parachute(Experiment):
+    """A canopy with a load on `lines` falls through air: how it opens, largest force in a line.
+    direction: direction of the fall (direction; default: -z).
+    gravity [m/s^2]: acceleration of the fall (quantity; default: 9.81).
+    speed [m/s]: speed along `direction` at time 0 (quantity; default: 0)."""
+    def __init__(self, *, direction: Any = None, gravity: Any = None, speed: Any = None) -> None: ...
+
+class Vibration(Experiment):
+    """Natural frequencies of a body, free or fixed by a fixture; at rest.
+    fixture: how the body is fixed (experiment at rest; default: free body).
+    count: number of frequencies (whole; default: 6)."""
+    def __init__(self, *, fixture: Any = None, count: Any = None) -> None: ...

@@ -3,14 +3,21 @@
 import os
 import warnings
 
-from . import _elastin, _yaml
+from . import _elastin, _exchange, _pictures, _scenes, _tables
+from ._elastin import Body
 
 
 def body(description, material=None):
     """A body as a scene has it under `body:`: elastin.body({"lattice": {"kind": "cubic", "molecules": [5, 5, 5],
-    "spacing": 1e-3}}). Every shape of the scenes is there, with the same keys and messages; files are named from the
-    working directory. The material, by default one of 1000 kg/m^3, gives it its mass."""
-    made, remarks = _elastin._body_of_scene(_yaml.text(description), material or _elastin.Material(1.0))
+    "spacing": 1e-3}}), a dict or its YAML. Every shape of the scenes is there, with the same keys and messages; files are
+    named from the working directory. The material, by default one of 1000 kg/m^3, gives it its mass."""
+    given = material or _elastin.Material(1.0)
+    if isinstance(description, str):
+        made, remarks = _elastin._body_of_scene(description, given)
+    else:
+        held = _scenes.Held(description, "body")
+        with held.messages():
+            made, remarks = _elastin._body_of_scene(held.path, given)
     for remark in remarks:
         warnings.warn(remark, stacklevel=2)
     return made
@@ -27,7 +34,21 @@ def lattice(molecules, spacing, connections=("axis", "face"), *, radius=None, de
 def read_mesh(path, length_unit, *, radius=None, density=1000.0, thickness=0.0):
     """The body of a mesh file, .msh, .vtk or .vtu of tetrahedra or triangles, or .obj, .stl, .ply, whose numbers are in
     length_unit "m", "cm", "mm", "um" or "nm"; triangles have a thickness [m]."""
-    described = {"mesh": {"file": _yaml.quoted(os.fspath(path)), "length_unit": length_unit}}
+    described = {"mesh": {"file": os.fspath(path), "length_unit": length_unit}}
     if radius is not None:
         described["radius"] = radius
     return body(described, _elastin.Material(1.0, density=density, thickness=thickness))
+
+
+def _plot(body, ax=None, **options):
+    """The body at rest in 3D. Options go to Line3DCollection."""
+    from . import _plots
+    return _plots.state(body.positions, body, None, "", ax, options)
+
+
+Body._repr_html_ = lambda body: _tables.with_picture(_tables.of_body(body), _pictures.of_body(body))
+Body.from_meshio = staticmethod(_exchange.body_from_meshio)
+for _name, _method in (("plot", _plot), ("to_vtu", _exchange.body_to_vtu), ("to_meshio", _exchange.body_to_meshio),
+                       ("to_pyvista", _exchange.body_to_pyvista)):
+    _method.__name__, _method.__qualname__ = _name, f"Body.{_name}"
+    setattr(Body, _name, _method)

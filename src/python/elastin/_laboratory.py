@@ -3,20 +3,35 @@
 import json
 import os
 
-from . import _elastin, _tables, _yaml
+from . import _elastin, _exchange, _pictures, _scenes, _tables, _yaml
 from ._elastin import Catalog, Strategy
 
 
 class Laboratory(_elastin._Laboratory):
-    """A scene file, read, checked and built. `set` changes its keys, as the command's --set:
-    {"material.youngs_modulus": 5e3, "experiment.force": "1 mN"}. With a Catalog, strategies of one's own may be
-    named."""
+    """A scene, read, checked and built: the path of a file, a dict as its YAML would be, or a Body. Beside a dict or a
+    Body `experiment` (elastin.Tension(…)), `material` and all other keys of a scene may stand: contact={…}, loads=[…],
+    time={…}. `set` changes keys, as the command's --set: {"material.youngs_modulus": 5e3, "experiment.force": "1 mN"}.
+    With a Catalog, strategies of one's own may be named."""
 
-    def __init__(self, scene, *, set=None, catalog=None):
-        super().__init__(os.fspath(scene), _yaml.overrides(set), catalog)
+    def __init__(self, scene, *, experiment=None, material=None, set=None, catalog=None, **keys):
+        opened = _scenes.opened(scene, (), experiment, material, keys)
+        self._made_of = scene, {"experiment": experiment, "material": material, "set": set, "catalog": catalog, **keys}
+        self._opened = opened
+        with opened.messages():
+            super().__init__(opened.path, _yaml.overrides(set), catalog)
+
+    def __reduce__(self):
+        return _laboratory_again, (type(self), *self._made_of)
 
     def __repr__(self):
         return f"<elastin.Laboratory {self.name}: {self.title}>"
+
+    def _repr_html_(self):
+        return _tables.of_laboratory(self)
+
+
+def _laboratory_again(kind, scene, options):
+    return kind(scene, **options)
 
 
 def _named(choices, catalog):
@@ -25,41 +40,90 @@ def _named(choices, catalog):
     if own:
         chosen, catalog = catalog, Catalog()
         known = _elastin.Catalog().names
-        for strategy in list(chosen or []) + own:
+        for strategy in list(getattr(chosen, "_own", [])) + own:
             if strategy.name not in known:
                 catalog.add(strategy)
                 known.append(strategy.name)
     return [getattr(choice, "name", choice) for choice in choices], catalog
 
 
-def run(scene, strategy="", *, set=None, catalog=None, progress=None):
-    """Runs a scene with a strategy (a name, or a Strategy; "" is the scene's own) and gives its Result. Numbers equal
-    those of the command to the last bit."""
+def run(scene, strategy="", *, experiment=None, material=None, reference="none", set=None, catalog=None, progress=None,
+        keep_states=False, **keys):
+    """Runs a scene with a strategy (a name, or a Strategy; "" is the scene's own) and gives its Result. The scene is a
+    file, a dict or a Body, with what may stand beside it, as for Laboratory. Numbers equal those of the command to the
+    last bit. reference: "computed" computes first what errors are measured against; keep_states: the result has the
+    positions of every load step or frame."""
     (name,), catalog = _named([strategy], catalog)
-    return Laboratory(scene, set=set, catalog=catalog).run(name, progress=progress)
+    opened = _scenes.opened(scene, [name] if name else [], experiment, material, keys)
+    laboratory = Laboratory(opened, set=set, catalog=catalog)
+    laboratory.compute_reference(reference, progress=progress)
+    return laboratory.run(name, progress=progress, keep_states=keep_states)
 
 
-def compare(scene, strategies=None, *, set=None, catalog=None, progress=None):
-    """Runs a scene with several strategies, by default those that it compares itself."""
+def compare(scene, strategies=None, *, experiment=None, material=None, reference="", set=None, catalog=None,
+            progress=None, **keys):
+    """Runs a scene (a file, a dict or a Body, as for Laboratory) with several strategies: names and strategies of one's
+    own; by default those that it compares itself, of a Body all. Where the scene says so, or nothing else shows what is
+    right, its reference is computed first, as the command does: reference="none" leaves that out, "computed" does it in
+    any case."""
     names, catalog = _named(strategies or [], catalog)
-    laboratory = Laboratory(scene, set=set, catalog=catalog)
+    opened = _scenes.opened(scene, names, experiment, material, keys)
+    laboratory = Laboratory(opened, set=set, catalog=catalog)
+    laboratory.compute_reference(reference, progress=progress)
     return Comparison([laboratory.run(name, progress=progress) for name in names or laboratory.strategies])
 
 
-def identify(scene, data=None, *, tests=(), laws=(), strategies=(), set=None, progress=None):
+def verify(scene, *, experiment=None, material=None, set=None, catalog=None, progress=None, **keys):
+    """Compares a scene, or each of a list, with what it expects: Verdicts, a dict a run with "scene", "strategy",
+    "verdict" ("passed", "failed" or "not judged"), "outcome", "cause", "measures", "seconds" and "expectations"."""
+    cases = []
+    for one in scene if isinstance(scene, (list, tuple)) else [scene]:
+        opened = _scenes.opened(one, (), experiment, material, keys)
+        with opened.messages():
+            cases += _elastin._verify(opened.path, _yaml.overrides(set), catalog, progress)
+    return Verdicts(cases)
+
+
+def identify(scene, data=None, *, tests=(), laws=(), strategies=(), set=None, progress=None, **keys):
     """Fits the material of a scene's `identify` section to its measured tests and gives what the command writes as JSON:
-    "parameters" (name, value, unit, low, high), "correlation", "relative_rms", "warnings" and more; SI units. `data`
-    names other CSV files, {test: path}; of `tests` alone are fitted, the others predicted; `laws` are compared
-    (["all"]); of several `strategies` of the specimens a list, one each."""
+    "parameters" (name, value, unit, low, high), "correlation", "relative_rms", "warnings" and more; SI units. The scene is
+    a file, a dict or a Body, as for Laboratory. `data` names other CSV files, {test: path}; of `tests` alone are fitted,
+    the others predicted; `laws` are compared (["all"]); of several `strategies` of the specimens a list, one each."""
     files = [f"{test}={os.fspath(path)}" for test, path in (data or {}).items()]
-    found = json.loads(_elastin._identify(os.fspath(scene), _yaml.overrides(set), files, list(tests), ",".join(laws),
-                                          ",".join(strategies), progress))
+    opened = _scenes.opened(scene, (), keys=keys)
+    with opened.messages():
+        found = json.loads(_elastin._identify(opened.path, _yaml.overrides(set), files, list(tests), ",".join(laws),
+                                              ",".join(strategies), progress))
     return found.get("identifications", found)
 
 
 def strategies(catalog=None):
     """Every strategy there is, with summary, source and parameters."""
     return list(catalog or Catalog())
+
+
+class Verdicts(list):
+    """What came of scenes against what they expect: a list of dicts that shows itself as a table."""
+
+    @property
+    def passed(self):
+        """Whether nothing failed."""
+        return all(case["verdict"] != "failed" for case in self)
+
+    def to_frame(self):
+        """A pandas DataFrame, one row an expectation."""
+        columns = ("scene", "strategy", "verdict", "outcome", "cause", "seconds")
+        return _exchange.frame([{name: case[name] for name in columns} | expectation for case in self
+                                for expectation in case["expectations"] or [{}]])
+
+    def _table(self):
+        return _tables.of_verdicts(self)
+
+    def __repr__(self):
+        return self._table().text()
+
+    def _repr_html_(self):
+        return self._table().html()
 
 
 class Comparison(list):
@@ -82,6 +146,18 @@ class Comparison(list):
     def _repr_html_(self):
         return self._table().html()
 
+    def to_frame(self):
+        """A pandas DataFrame, one row a strategy: its outcome, measures, errors (error_MEASURE) and seconds."""
+        return _exchange.frame_of_results(self)
+
+    def plot_curves(self, x=None, y=None, ax=None, **options):
+        """The curves of all results in one picture; see Result.plot_curve."""
+        from . import _plots
+        for result in self:
+            if result.curve:
+                ax = _plots.curve(result, x, y, ax, options)
+        return ax
+
     def plot(self, measure=None, ax=None):
         """Error of a measure, by default the most telling one, against the seconds that it took."""
         from . import _plots
@@ -93,6 +169,17 @@ def _measure_of(result, measure):
     if measure not in result.measures:
         raise KeyError(_elastin._missing_measure(measure, list(result.measures)))
     return result.measures[measure]
+
+
+def _get(result, measure, default=None):
+    """The measure of this name, or `default` if it was not taken."""
+    return result.measures.get(measure, default)
+
+
+def _states(result):
+    """Where the molecules were at rest and after each load step or frame: pairs (load factor or time [s], positions (n, 3)
+    [m]); empty unless it was run with keep_states=True."""
+    return result._states
 
 
 def _plot(result, ax=None, **options):
@@ -107,13 +194,20 @@ def _plot_curve(result, x=None, y=None, ax=None, **options):
     return _plots.curve(result, x, y, ax, options)
 
 
+def _animate(result, scale=1.0, interval=100, **options):
+    """A matplotlib animation of the states that were kept, displacements times `scale`, `interval` [ms] a state; in a
+    notebook HTML(animation.to_jshtml()) plays it. Options go to Line3DCollection."""
+    from . import _plots
+    return _plots.animation(result.body, [positions for _, positions in result.states], scale, interval, options)
+
+
 Result = _elastin.Result
-Result.__getitem__ = _measure_of
-Result.get = lambda result, measure, default=None: result.measures.get(measure, default)
+Result.states = property(_states)
 Result.__repr__ = lambda result: _tables.of_result(result).text()
-Result._repr_html_ = lambda result: _tables.of_result(result).html()
-Result.plot = _plot
-Result.plot_curve = _plot_curve
-for _method, _name in ((_measure_of, "__getitem__"), (_plot, "plot"), (_plot_curve, "plot_curve"), (Result.get, "get")):
+Result._repr_html_ = lambda result: _tables.with_picture(_tables.of_result(result), _pictures.of_result(result))
+for _name, _method in (("__getitem__", _measure_of), ("get", _get), ("plot", _plot), ("plot_curve", _plot_curve),
+                       ("animate", _animate), ("to_frame", _exchange.frame_of_curve),
+                       ("to_vtu", _exchange.result_to_vtu), ("to_meshio", _exchange.result_to_meshio),
+                       ("to_pyvista", _exchange.result_to_pyvista)):
     _method.__name__, _method.__qualname__ = _name, f"Result.{_name}"
-Result.get.__doc__ = "The measure of this name, or `default` if it was not taken."
+    setattr(Result, _name, _method)

@@ -23,25 +23,61 @@ def label(name):
     return name.replace("_", " ") + (f" [{unit}]" if unit else "")
 
 
-def body(result, ax, options):
-    positions, tensions, ends = result.positions, result.tensions, result.body.connections
-    if len(positions) == 0:
-        raise ValueError(f"there is no state to show: {result.outcome}: {result.cause}")
-    ax = figure(ax, projection="3d")
+def lines_of(positions, body, tensions, options):
+    """The connections as a collection of lines, coloured by their tension where it is known."""
     from mpl_toolkits.mplot3d.art3d import Line3DCollection
-    largest = max(abs(tensions).max(), 1e-300) if len(tensions) else 1
-    settings = {"cmap": "coolwarm", "linewidths": 1.0} | options
-    lines = Line3DCollection(positions[ends], array=tensions, **settings)
+    known = tensions is not None and len(tensions) > 0
+    ends = numpy.asarray(body.connections)[: len(tensions)] if known else body.connections
+    if not known:
+        return Line3DCollection(positions[ends], **{"colors": "0.4", "linewidths": 1.0} | options)
+    largest = max(abs(tensions).max(), 1e-300)
+    lines = Line3DCollection(positions[ends], array=tensions, **{"cmap": "coolwarm", "linewidths": 1.0} | options)
     lines.set_clim(-largest, largest)
-    ax.add_collection3d(lines)
-    low, high = positions.min(axis=0), positions.max(axis=0)
+    return lines
+
+
+def space(ax, low, high):
+    """Equal scales around the middle of a box."""
     middle, half = (low + high) / 2, max((high - low).max() / 2, 1e-12)
     for axis, centre in zip("xyz", middle):
         getattr(ax, f"set_{axis}lim")(centre - half, centre + half)
         getattr(ax, f"set_{axis}label")(f"{axis} [m]")
-    ax.figure.colorbar(lines, ax=ax, label="tension [N]", shrink=0.7, pad=0.12)
-    ax.set_title(f"{result.scene}, {result.strategy}")
+
+
+def state(positions, body, tensions, title, ax, options):
+    ax = figure(ax, projection="3d")
+    lines = lines_of(positions, body, tensions, options)
+    ax.add_collection3d(lines)
+    space(ax, positions.min(axis=0), positions.max(axis=0))
+    if lines.get_array() is not None:
+        ax.figure.colorbar(lines, ax=ax, label="tension [N]", shrink=0.7, pad=0.12)
+    ax.set_title(title)
     return ax
+
+
+def body(result, ax, options):
+    if len(result.positions) == 0:
+        raise ValueError(f"there is no state to show: {result.outcome}: {result.cause}")
+    return state(result.positions, result.body, result.tensions, f"{result.scene}, {result.strategy}", ax, options)
+
+
+def animation(shown, states, scale, interval, options):
+    """States after one another, displacements times `scale`."""
+    if not states:
+        raise ValueError("there are no states to show: run it with keep_states=True, or record some")
+    ax = figure(None, projection="3d")
+    from matplotlib.animation import FuncAnimation
+    moved = [shown.positions + scale * (positions - shown.positions) for positions in states]
+    lines = lines_of(moved[0], shown, None, options)
+    ax.add_collection3d(lines)
+    space(ax, numpy.min(moved, axis=(0, 1)), numpy.max(moved, axis=(0, 1)))
+    ends = numpy.asarray(shown.connections)
+
+    def show(number):
+        lines.set_segments(moved[number][ends])
+        return (lines,)
+
+    return FuncAnimation(ax.figure, show, frames=len(moved), interval=interval, blit=False)
 
 
 def curve(result, x, y, ax, options):

@@ -39,6 +39,41 @@ class Table:
         return f"<table>{caption}<thead><tr>{cells('th', self.head)}</tr></thead><tbody>{rows}</tbody></table>"
 
 
+def with_picture(table, picture):
+    """HTML of a table with a picture beside it."""
+    return (f'<div style="display:flex;gap:1.5em;align-items:flex-start;flex-wrap:wrap">{table.html()}'
+            f"<div>{picture}</div></div>")
+
+
+def of_body(body):
+    rows = [["molecules", str(len(body))], ["connections", str(body.proper_connections)]]
+    rows += [[name.replace("_", " "), str(len(cells))] for name, cells in body.cells.items()]
+    size = body.positions.max(axis=0) - body.positions.min(axis=0)
+    rows += [["size", " × ".join(f"{1e3 * side:.4g}" for side in size) + " mm"],
+             ["mass", f"{1e3 * body.masses.sum():.4g} g"]]
+    return Table(["body", ""], rows)
+
+
+def of_laboratory(laboratory):
+    from . import _pictures
+    rows = [["strategy", laboratory.strategy], ["compares", ", ".join(laboratory.strategies)]]
+    rows += [["warning", warning] for warning in laboratory.warnings]
+    rows += of_body(laboratory.body).rows
+    return with_picture(Table(["scene", laboratory.title], rows), _pictures.of_body(laboratory.body))
+
+
+def of_verdicts(cases):
+    rows = []
+    for case in cases:
+        worst = max(case["expectations"], key=lambda one: abs(one["difference"]) if one["judged"] else -1, default=None)
+        told = case["cause"]
+        if worst and worst["measure"] and not told:
+            told = f"{worst['measure']} {percent(worst['difference'])}"
+        rows.append([f"{case['scene']}, {case['strategy']}", case["verdict"], readable_seconds(case["seconds"]), told])
+    passed = sum(case["verdict"] == "passed" for case in cases)
+    return Table(["case", "verdict", "seconds", ""], rows, f"{passed} of {len(cases)} passed")
+
+
 def notes_of(result):
     trouble = [] if result.outcome == "converged" else [result.outcome.replace("_", " ") + ": " + result.cause]
     return "; ".join(trouble + [warning.split(";")[0].split("(")[0].strip() for warning in result.warnings])

@@ -10,7 +10,9 @@ struct BodyArrays {
   Positions positions;                          ///< at rest [m], 3 × n
   std::vector<std::array<int, 2>> connections;  ///< pairs of molecules; empty: the sides of the cells
   Cells<3> triangles;
-  Cells<4> tetrahedra;   ///< inverted where their volume is negative
+  Cells<4> tetrahedra;  ///< inverted where their volume is negative
+  /// Cells of other shapes and orders; then neither triangles nor tetrahedra of their own, for they make these.
+  std::vector<CellBlock> blocks = {};
   VectorX rest_lengths;  ///< [m] > 0, one a connection; empty: the distances
   VectorX masses;        ///< [kg] > 0, one a molecule; empty: see set_matter below
   VectorX radii;         ///< [m] > 0, one a molecule; empty: as masses

@@ -44,6 +44,12 @@ struct LaboratoryResult {
   std::optional<Eigen::Matrix<double, 6, 6>> stiffness;  ///< [Pa], xx yy zz yz xz xy; of the experiment `material`
   Positions positions;  ///< [m], 3 × n, of the last state; empty where none was reached
   VectorX tensions;     ///< [N], one a connection, pulling is positive; as positions
+  /// Where the molecules were in each state that was kept, [m], 3 × n; see RunWatch::keep_states.
+  struct Kept {
+    double at = 0;  ///< load factor, or time [s]
+    Positions positions;
+  };
+  std::vector<Kept> states;
   std::vector<std::string> warnings;
   std::string solver;  ///< "newton pcg"; of a run in time its scheme
   int newton_iterations = 0, linear_iterations = 0;
@@ -58,6 +64,7 @@ struct RunWatch {
   std::function<void(const std::string& doing)> progress = {};
   /// Asked after each frame of a run in time; true ends it as `interrupted`.
   std::function<bool()> stop = {};
+  bool keep_states = false;  ///< at rest and after each load step or frame
 };
 
 /// A scene file, read, checked and built: the laboratory for programs of their own. For one thread at a time.
@@ -82,6 +89,11 @@ class Laboratory {
   std::vector<Stated> expectations() const;     ///< values that the scene says must come out
   const std::vector<std::string>& warnings() const;
 
+  /// Computes the reference of the scene, what its own problem comes to on finer and finer cells, as `elastin compare`
+  /// does: as the scene says ("" here), or always ("computed"), or never ("none"). Runs after it have errors to it, and
+  /// calibrate to it. Says in one of the warnings why there is none where there should be one.
+  void compute_reference(const std::string& option = "", const RunWatch& watch = {});
+
   /// Runs the experiment with a strategy by name ("calibrated:angles", "lattice+volume"); "" takes the scene's own. A
   /// strategy that the scene names keeps the scene's parameters. Equal to the command's numbers to the last bit. Throws
   /// InputError; numerical trouble is an outcome.
@@ -96,9 +108,9 @@ class Laboratory {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A body as scenes describe one under `body:`, in YAML: "lattice: {kind: cubic, molecules: [5, 5, 5], spacing: 1 mm}".
-/// Files are named from the working directory. What is to be said of it is added to `warnings`. Throws InputError:
-/// body:line:column.
+/// A body as scenes describe one under `body:`, in YAML: "lattice: {kind: cubic, molecules: [5, 5, 5], spacing: 1 mm}",
+/// or the path of a HeldScene of that. Files are named from the working directory. What is to be said of it is added to
+/// `warnings`. Throws InputError: body:line:column.
 Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings);
 
 }  // namespace elastin::lab

@@ -1,0 +1,38 @@
+"""What Python adds to simulations: pictures and animations."""
+
+import numpy
+
+from . import _pictures, _tables
+from ._elastin import Simulation
+
+
+def _plot(simulation, ax=None, **options):
+    """The body as it is now, its connections coloured by their tension. Options go to Line3DCollection."""
+    from . import _plots
+    return _plots.state(numpy.array(simulation.positions), simulation.body, numpy.array(simulation.tensions),
+                        f"t = {simulation.time:g} s", ax, options)
+
+
+def _animate(simulation, dt, frames, *, scale=1.0, interval=40, act=None, **options):
+    """Steps `frames` times by dt [s] and gives a matplotlib animation of it, displacements times `scale`, `interval` [ms] a
+    frame; act(simulation), if given, is called before each step. Options go to Line3DCollection."""
+    from . import _plots
+    states = [numpy.array(simulation.positions)]
+    for _ in range(frames):
+        if act:
+            act(simulation)
+        simulation.step(dt)
+        states.append(numpy.array(simulation.positions))
+    return _plots.animation(simulation.body, states, scale, interval, options)
+
+
+def _html(simulation):
+    table = _tables.of_body(simulation.body)
+    table.head = ["simulation", f"{simulation.time:g} s"]
+    return _tables.with_picture(table, _pictures.of_body(simulation.body, simulation.positions, simulation.tensions))
+
+
+Simulation._repr_html_ = _html
+for _name, _method in (("plot", _plot), ("animate", _animate)):
+    _method.__name__, _method.__qualname__ = _name, f"Simulation.{_name}"
+    setattr(Simulation, _name, _method)
