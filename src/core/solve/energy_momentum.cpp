@@ -45,10 +45,7 @@ class EnergyMomentum final : public Implicit {
     dt_ = dt;
     set_end(model, state.positions, begin_);
     set_first_guess(model, state);
-    if (!balance(model, state, result)) {
-      result.outcome = Outcome::limit_reached;
-      return;
-    }
+    if (!balance(model, state, result)) return;
     if (model.supports.empty()) keep_momentum(model, state);
     next_.positions = now_.positions;
     next_.velocities = 2 / dt * (now_.positions - state.positions) - state.velocities;
@@ -151,8 +148,10 @@ class EnergyMomentum final : public Implicit {
   /// Newton's method with half the stiffness at the step's end, turned half-way back, as the matrix: not quite the
   /// derivative, so each motion is mixed with the last ones.                                     [Anderson 1965]
   bool balance(Model& model, const State& state, StepResult& result) {
+    if (model.supports.empty()) keep_momentum(model, state);
     evaluate(model, state, now_);
     used_ = 0;
+    cut_ = false;
     for (int iteration = 0; iteration <= kMostIterations; ++iteration) {
       if (!std::isfinite(now_.norm + now_.scale)) break;
       middle_.positions = now_.positions;
@@ -164,7 +163,7 @@ class EnergyMomentum final : public Implicit {
       const double floor = rounding_floor(*workspace_.tangent, now_.positions);
       if (now_.norm <= std::max(newton_.tolerance * now_.scale, 2 * floor)) return true;
       if (iteration == kMostIterations) break;
-      forces_ = 2 * turn_ * now_.unbalanced;
+      forces_.noalias() = 2 * turn_ * now_.unbalanced;
       keep_free(model.supports, forces_);
       UsedSolver used;
       const LinearResult solved = solve_linear(*workspace_.tangent, model.supports, forces_, 1e-3, newton_, true,
@@ -173,7 +172,9 @@ class EnergyMomentum final : public Implicit {
       result.linear_iterations += solved.iterations;
       if (!motion_.allFinite() || !move(model, state)) break;
     }
-    result.cause = "no balance within " + std::to_string(kMostIterations) + " iterations";
+    result.outcome = cut_ ? Outcome::inverted : Outcome::limit_reached;
+    result.cause = cut_ ? "every further step would turn a cell over"
+                        : "no balance within " + std::to_string(kMostIterations) + " iterations";
     return false;
   }
 
@@ -187,7 +188,8 @@ class EnergyMomentum final : public Implicit {
     last_ = motion_;
     before_ = now_.positions;
     for (double part = 1; part > 1e-3; part /= 2) {
-      now_.positions = before_ + (part == 1 ? mixed_ : Positions(part * motion_));
+      now_.positions = before_ + part * (part == 1 ? mixed_ : motion_);
+      cut_ = !model.admissible(now_.positions) || (cut_ && part < 1);
       if (!model.admissible(now_.positions)) continue;
       evaluate(model, state, now_);
       if (!std::isfinite(now_.norm)) continue;
@@ -239,6 +241,7 @@ class EnergyMomentum final : public Implicit {
   Positions spare_, forces_, motion_, mixed_, last_, before_;
   std::array<Past, kMemory> pasts_;
   int used_ = 0;
+  bool cut_ = false;  ///< whether the last iteration went less far, for a cell that would turn over
 };
 
 std::string unsuited_for_energy_momentum(const Model& model) {

@@ -73,8 +73,8 @@ TEST_CASE("energy_momentum is of order 2", "[steppers]") {
     return block.state.positions;
   };
   const Positions exact = place_after("velocity_verlet", 4000);
-  const double coarse = (place_after("energy_momentum", 20) - exact).norm();
-  const double fine = (place_after("energy_momentum", 40) - exact).norm();
+  const double coarse = (place_after("energy_momentum", 100) - exact).norm();
+  const double fine = (place_after("energy_momentum", 200) - exact).norm();
   CHECK(coarse / fine == Approx(4).epsilon(0.1));
 }
 
