@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "contact/thickness.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin::contact {
@@ -12,23 +12,6 @@ namespace {
 std::vector<Sample> samples_of(const Body& body, ContactSurface surface, const Cells<3>& triangles) {
   if (surface == ContactSurface::spheres) return sphere_samples(body, surface_molecules(body));
   return triangle_samples(body, triangles);
-}
-
-/// How deep a point may get into an obstacle before the shortest way out is another than it came [m].
-double half_thickness(const ObstacleShape& obstacle) {
-  struct Visitor {
-    double operator()(const shape::Plane&) const { return std::numeric_limits<double>::infinity(); }
-    double operator()(const shape::Box& box) const { return box.size.minCoeff() / 2; }
-    double operator()(const shape::Sphere& sphere) const { return sphere.radius; }
-    double operator()(const shape::Cylinder& cylinder) const { return std::min(cylinder.radius, cylinder.length / 2); }
-    double operator()(const shape::Capsule& capsule) const { return capsule.radius; }
-    double operator()(const shape::Convex& convex) const { return of(convex.points); }
-    double operator()(const shape::Mesh& mesh) const { return of(mesh.points); }
-    static double of(const Positions& points) {
-      return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).minCoeff() / 2;
-    }
-  };
-  return std::visit(Visitor{}, obstacle);
 }
 
 void add(const ContactResponse& response, const Vector3& normal, const Vector3& tangential, Positions& forces) {

@@ -38,14 +38,16 @@ bool meet(fcl::CollisionObjectd* one, fcl::CollisionObjectd* other, void* contex
 
 std::vector<Overlap> find_overlaps(const Body& body, const Positions& positions, double tolerance) {
   std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects;
-  fcl::DynamicAABBTreeCollisionManagerd tree;
+  std::vector<fcl::CollisionObjectd*> pointers;
   for (int molecule = 0; molecule < body.size(); ++molecule) {
     auto sphere = std::make_shared<fcl::Sphered>(body.radius[molecule]);
     const fcl::Vector3d position = positions.col(molecule);
     objects.push_back(std::make_unique<fcl::CollisionObjectd>(sphere, fcl::Matrix3d::Identity(), position));
     objects.back()->setUserData(reinterpret_cast<void*>(static_cast<std::intptr_t>(molecule)));
-    tree.registerObject(objects.back().get());
+    pointers.push_back(objects.back().get());
   }
+  fcl::DynamicAABBTreeCollisionManagerd tree;
+  tree.registerObjects(pointers);  // one by one a chain would make the tree a chain
   tree.setup();
   Query query{body, positions, tolerance, {}};
   tree.collide(&query, &meet);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 
 #include "elastin/core/forces/floor.h"
 
@@ -45,6 +46,13 @@ class FloorPenalty final : public Load, private HalfSpace {
     for (int molecule = 0; molecule < body_.size(); ++molecule)
       if (const double k = slope(state, molecule); k > 0)
         visit(molecule, molecule, k * floor_.normal * floor_.normal.transpose());
+  }
+  double square_frequency(const State& state, double ahead) const override {
+    double least = std::numeric_limits<double>::infinity();  // mass of what touches by then
+    for (int molecule = 0; molecule < body_.size(); ++molecule)
+      if (depth(state, molecule) + 1.5 * ahead * state.velocities.col(molecule).norm() > 0)
+        least = std::min(least, body_.mass[molecule]);
+    return floor_.stiffness / least;
   }
 
  private:

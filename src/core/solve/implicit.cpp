@@ -111,10 +111,13 @@ StaticResult Implicit::balance_parted(Model& model, const State& state, double d
   set_kinematics(state, state.accelerations, dt);
   set_first_guess(model, state, dt);
   const bool may_part = newmark() && std::any_of(model.loads().begin(), model.loads().end(), may_push);
-  if (may_part) set_push(model, state, push_);
+  if (may_part) {
+    set_push(model, state, push_);
+    pushed_ = push_;  // room for both, before any step needs it
+    withheld_ = state.accelerations;
+  }
   StaticResult solved = balance(model, next_, kinematics_);
   if (!may_part || push_.forces.isZero(0)) return solved;
-  withheld_ = state.accelerations;
   for (const double share : {0., 0.5})  // first what has parted, then what has nearly
     while (solved.outcome == Outcome::converged && withhold_pushes(model, state, share)) {
       set_kinematics(state, withheld_, dt);

@@ -226,20 +226,31 @@ class Search {
       const double threshold = 1e-9 * std::max(eigen.values[size - 1], 1e-9);
       mode.count = static_cast<int>((eigen.values.array() <= threshold).count());
       if (mode.count == 0) return;
-      Positions motion = Positions::Zero(3, body_.size());
-      VectorX reach = VectorX::Zero(body_.size());  // how far a molecule goes in all the group's modes together
+      // Of the group's own molecules alone: a long chain has as many groups as molecules.
+      std::vector<int> own;
+      for (const int u : unknowns)
+        if (own.empty() || own.back() != molecule_of[u]) own.push_back(molecule_of[u]);
+      const auto count = static_cast<Eigen::Index>(own.size());
+      Positions motion;
+      VectorX reach = VectorX::Zero(count);  // how far a molecule goes in all the group's modes together
       for (int k = 0; k < mode.count; ++k) {
-        Positions one = Positions::Zero(3, body_.size());
+        Positions one = Positions::Zero(3, count);
+        Eigen::Index column = 0;
         for (int i = 0; i < size; ++i) {
           const int m = molecule_of[unknowns[i]];
-          one.col(m) += eigen.vectors(i, k) * free_basis_[m].col(unknowns[i] - first_unknown[m]);
+          if (own[static_cast<std::size_t>(column)] != m) ++column;
+          one.col(column) += eigen.vectors(i, k) * free_basis_[m].col(unknowns[i] - first_unknown[m]);
         }
         if (k == 0) motion = one;
         reach += one.colwise().squaredNorm().transpose();
       }
-      for (int m = 0; m < body_.size(); ++m)
-        if (reach[m] > 1e-12) mode.molecules.push_back(m);
-      mode.direction = common_direction(motion, mode);
+      std::vector<Eigen::Index> moving;
+      for (Eigen::Index column = 0; column < count; ++column)
+        if (reach[column] > 1e-12) {
+          mode.molecules.push_back(own[static_cast<std::size_t>(column)]);
+          moving.push_back(column);
+        }
+      mode.direction = common_direction(motion(Eigen::all, moving), mode);
     } else {
       if (size > sparse_limit) {
         report.counted = false;
@@ -264,11 +275,11 @@ class Search {
     report.modes.push_back(std::move(mode));
   }
 
-  /// The direction in which all molecules of a single mode move alike, or zero.
+  /// The direction in which all molecules of a single mode move alike, or zero; `motion` has a column for each.
   static Vector3 common_direction(const Positions& motion, const ZeroEnergyMode& mode) {
     if (mode.count != 1) return Vector3::Zero();
-    const Vector3 first = motion.col(mode.molecules.front());
-    for (const int m : mode.molecules)
+    const Vector3 first = motion.col(0);
+    for (Eigen::Index m = 0; m < motion.cols(); ++m)
       if ((motion.col(m) - first).norm() > 1e-6 * first.norm()) return Vector3::Zero();
     const Vector3 unit = first.normalized();
     int largest = 0;

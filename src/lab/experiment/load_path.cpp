@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "contact/thickness.h"
 #include "lab/experiment/contact_measures.h"
 
 namespace elastin::lab {
@@ -14,6 +15,10 @@ constexpr int kCorrections = 10;
 
 /// Newton iterations after which a load step is halved: most steps take fewer than ten.
 constexpr int kPatience = 25;
+
+/// Of an obstacle's half thickness: no further in one part.
+constexpr double kObstaclePart = 0.25;
+constexpr double kMostObstacleParts = 1000;
 
 void add_cost(StaticResult& result, const StaticResult& cost) {
   result.newton_iterations += cost.newton_iterations;
@@ -45,10 +50,31 @@ State LoadPath::start_of(double factor) const {
   return std::isfinite(gain) && !(loaded && gain > 0) ? next : state_;
 }
 
+/// In how many parts obstacles go to the load `factor`.
+int LoadPath::parts_for_obstacles(double factor) {
+  contact::Contact* contact = contact_of(model_);
+  if (!contact) return 1;
+  const auto poses_at = [&](double at) {
+    contact->set_moment(at);
+    rig_.set_load(at);
+    return contact->poses(state_.time);
+  };
+  const std::vector<contact::Pose> after = poses_at(factor), before = poses_at(factor_);
+  double most = 1;
+  for (std::size_t o = 0; o < before.size(); ++o) {
+    double displacement = (after[o].position - before[o].position).norm();
+    if (const double turned = (after[o].turn - before[o].turn).norm(); turned > 0)
+      displacement += turned * (state_.positions.colwise() - before[o].position).colwise().norm().maxCoeff();
+    most = std::max(most, displacement / (kObstaclePart * contact::half_thickness(contact->obstacles()[o].shape)));
+  }
+  return static_cast<int>(std::ceil(std::min(most, kMostObstacleParts) - 1e-9));
+}
+
 StaticResult LoadPath::advance(double factor) {
   const double way = factor - factor_;
-  const int parts =
-      options_.linear ? 1 : std::max(1, static_cast<int>(std::ceil(std::abs(way) / rig_.longest_step() - 1e-9)));
+  const int parts = options_.linear ? 1
+                                    : std::max(static_cast<int>(std::ceil(std::abs(way) / rig_.longest_step() - 1e-9)),
+                                               parts_for_obstacles(factor));
   StaticResult solved;
   for (int part = parts; part > 0 && solved.outcome == Outcome::converged; --part) {
     const StaticResult before = solved;

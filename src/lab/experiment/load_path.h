@@ -10,7 +10,8 @@ class LoadPath {
   LoadPath(Model& model, StaticRig& rig, const StaticOptions& options, State start);
 
   /// Brings the load to `factor` (0 … 1; less than before: the body is unloaded). Where that would turn a cell over, or
-  /// leads nowhere, it goes in halves, and those in halves, down to 1/64 of the way. The state stays at the last
+  /// leads nowhere, it goes in halves, and those in halves, down to 1/64 of the way. An obstacle goes no further in one
+  /// part than an eighth of its thickness, or what it meets would leave it by its back. The state stays at the last
   /// equilibrium if that fails. The result is that of the last part, with the iterations of all.
   StaticResult advance(double factor);
 
@@ -19,6 +20,7 @@ class LoadPath {
 
  private:
   StaticResult advance(double factor, double smallest);
+  int parts_for_obstacles(double factor);
   State start_of(double factor) const;
 
   Model& model_;

@@ -20,6 +20,7 @@
 #include "elastin/lab/experiment/protocol.h"
 #include "elastin/mesh/voronoi.h"
 #include "lab/experiment/calibration.h"
+#include "lab/experiment/findings.h"
 #include "lab/experiment/load_curve.h"
 #include "lab/experiment/run_in_time.h"
 
@@ -230,6 +231,7 @@ Run run_strategy(const Specimen& specimen, const Protocol& experiment, const Str
     run.suited = run.cause.empty();
     if (!run.suited) return run;
   }
+  for (std::string& finding : findings_at_start(at_work, model)) run.warnings.push_back(std::move(finding));
   run.build_seconds = build.seconds();
   if (!experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0)) count_modes(model, run);
 
@@ -239,6 +241,7 @@ Run run_strategy(const Specimen& specimen, const Protocol& experiment, const Str
   else
     solve_load_curve(model, *experiment.at_rest(), *held->rig->at_rest(), at_work.material, options, run,
                      specimen.start);
+  for (std::string& finding : findings_at_end(specimen, run)) run.warnings.push_back(std::move(finding));
   if (run.identified) note_identified(*run.identified, run);
   run.solve_seconds = solve.seconds();
   return run;

@@ -132,3 +132,18 @@ TEST_CASE("large lattices are settled without a factorisation", "[modes]") {
   CHECK(report.rigid_motions == 3);
   CHECK(report.zero_energy_modes == 0);
 }
+
+TEST_CASE("each inner molecule of a straight chain has its two motions across, of any length", "[modes]") {
+  // What the chain does not hold: 3 n free directions, n − 1 connections, 5 motions of the whole (none about its line).
+  for (const int n : {3, 40001}) {
+    std::vector<Vector3> positions;
+    std::vector<std::array<int, 2>> pairs;
+    for (int i = 0; i < n; ++i) positions.emplace_back(0, 0, i);
+    for (int i = 0; i + 1 < n; ++i) pairs.push_back({i, i + 1});
+    const ModeReport report = find_zero_energy_modes(listed_body(positions, pairs), {});
+    CHECK(report.counted);
+    CHECK(report.rigid_motions == 5);
+    CHECK(report.zero_energy_modes == 3 * n - (n - 1) - 5);
+    CHECK(report.modes.back().molecules.size() == 1);
+  }
+}

@@ -68,6 +68,17 @@ TEST_CASE("an obstacle of the scene serves as indenter, and all of it turns with
             .measures.get("force") == Approx(own).epsilon(1e-6));
 }
 
+TEST_CASE("a tool that is pressed in deeper than its own half in one step meets what it meets in many",
+          "[indentation]") {
+  for (const std::string shape : {"sphere: {radius: 8 mm}", "box: {size: [15 mm, 15 mm, 16 mm]}"}) {
+    const std::string tool = "obstacles: [{name: tool, " + shape + ", at: [20 mm, 20 mm, 28.01 mm]}]";
+    const double steps = run_of(kWhole, "indenter: tool, depth: 6 mm, load_steps: 6", tool).measures.get("force");
+    INFO(shape);
+    CHECK(steps > 0);
+    CHECK(run_of(kWhole, "indenter: tool, depth: 6 mm", tool).measures.get("force") == Approx(steps).epsilon(1e-6));
+  }
+}
+
 TEST_CASE("a sphere on a block converges to the force that finite elements give", "[indentation]") {
   // The block of scenes/contact/indentation-sphere.yaml, coarser.
   double last = 1;
