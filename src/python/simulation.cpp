@@ -161,6 +161,18 @@ void add_results(py::module_& module) {
       .def_readonly("substeps", &StepResult::substeps, "Into how many substeps it was divided.")
       .def_readonly("newton_iterations", &StepResult::newton_iterations)
       .def_readonly("linear_iterations", &StepResult::linear_iterations)
+      .def(py::pickle(
+          [](const StepResult& r) {
+            return py::make_tuple(static_cast<int>(r.outcome), r.cause, r.substeps, r.newton_iterations,
+                                  r.linear_iterations);
+          },
+          [](const py::tuple& state) {
+            StepResult r;
+            r.outcome = static_cast<Outcome>(state[0].cast<int>()), r.cause = state[1].cast<std::string>();
+            r.substeps = state[2].cast<int>(), r.newton_iterations = state[3].cast<int>();
+            r.linear_iterations = state[4].cast<int>();
+            return r;
+          }))
       .def("__bool__", [](const StepResult& r) { return r.outcome == Outcome::converged; })
       .def("__repr__", [](const StepResult& r) { return end_text("StepResult", r); });
   py::class_<StaticResult>(module, "StaticResult", "How the search for an equilibrium ended; true if it was found.")
@@ -170,6 +182,18 @@ void add_results(py::module_& module) {
       .def_readonly("newton_iterations", &StaticResult::newton_iterations)
       .def_readonly("linear_iterations", &StaticResult::linear_iterations)
       .def_readonly("residual", &StaticResult::residual, "Unbalanced force over the size of loads and reactions.")
+      .def(py::pickle(
+          [](const StaticResult& r) {
+            return py::make_tuple(static_cast<int>(r.outcome), r.cause, r.solver, r.newton_iterations,
+                                  r.linear_iterations, r.residual);
+          },
+          [](const py::tuple& state) {
+            StaticResult r;
+            r.outcome = static_cast<Outcome>(state[0].cast<int>()), r.cause = state[1].cast<std::string>();
+            r.solver = state[2].cast<std::string>(), r.newton_iterations = state[3].cast<int>();
+            r.linear_iterations = state[4].cast<int>(), r.residual = state[5].cast<double>();
+            return r;
+          }))
       .def("__bool__", [](const StaticResult& r) { return r.outcome == Outcome::converged; })
       .def("__repr__", [](const StaticResult& r) { return end_text("StaticResult", r); });
   py::class_<SimulationState>(module, "SimulationState", "All that a simulation changes while it runs.")

@@ -91,7 +91,19 @@ class BesideBuiltIn(unittest.TestCase):
         material = elastin.Material(law={"law": "yeoh", "terms": c, "bulk_modulus": 2e5})
         self.same(elastin.law("mine", written), "yeoh", material=material, delta=1e-8)
 
-    def test_in_a_membrane_of_names(self):
+    def test_membranes(self):
+        """In plane stress, where the built-in one finds the thickness by a method of its own."""
+        mine = elastin.law("mine", neo_hookean, membrane=True)
+        sheet = elastin.Material(120e3, 0.3, thickness=1e-3)
+        disc = elastin.body({"disc": {"radius": 1e-2, "rings": 3}}, sheet)
+        for amount in (0.05, 0.4):
+            positions = strained(disc, amount)
+            expected = forces_of(disc, "neo_hookean_membrane", positions, sheet)
+            self.assertLess(abs(forces_of(disc, mine, positions, sheet) - expected).max(), 1e-9 * abs(expected).max())
+        result = elastin.run(BAR, mine, experiment=PULL, material=RUBBER)
+        self.assertEqual(result.outcome, "unsuited")
+
+    def test_relaxing(self):
         """prony: goes with it, as with every law."""
         material = elastin.Material(120e3, 0.3, relaxation=[(0.5, 1.0)])
         mine = elastin.law("mine", neo_hookean)

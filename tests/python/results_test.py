@@ -121,6 +121,7 @@ class Steps(unittest.TestCase):
         with self.assertRaisesRegex(elastin.StepError, "limit_reached: ") as caught:
             simulation.step(10)
         self.assertEqual(caught.exception.result.outcome, "limit_reached")
+        self.assertEqual(again(caught.exception).result.cause, caught.exception.result.cause)
         self.assertTrue((simulation.positions == before).all())
         self.assertFalse(simulation.step(10, check=False))
 

@@ -45,13 +45,14 @@ class Dicts(unittest.TestCase):
             self.skipTest("python3-yaml is missing")
         folder = os.getcwd()
         self.addCleanup(os.chdir, folder)
-        for name in ("contact/patch-test", "dynamics/drag-stokes", "material/shear", "contact/table-sphere"):
+        for name in ("contact/patch-test", "contact/tied-blocks", "contact/sled", "dynamics/drag-stokes",
+                     "material/shear", "tissue/muscle", "membrane/sphere-corners-type-1"):
             path = f"{SOURCE}/scenes/{name}.yaml"
-            if not os.path.exists(path):
-                continue
             os.chdir(os.path.dirname(path))
             with self.subTest(scene=name):
-                self.assertEqual(elastin.run(dict_of(path)).measures, elastin.run(path).measures)
+                file, given = elastin.run(path), elastin.run(dict_of(path))
+                self.assertEqual(given.measures, file.measures)
+                self.assertEqual((given.outcome, given.errors), (file.outcome, file.errors))
 
     def test_plain_numbers_are_si_beside_units(self):
         plain = {**CUBE_AS_DICT, "material": {"youngs_modulus": 5e3},

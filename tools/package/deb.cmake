@@ -58,7 +58,7 @@ if(TARGET elastin_python)
   string(REGEX MATCH "cpython-3([0-9]+)" found "${suffix}")
   math(EXPR next "${CMAKE_MATCH_1} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.${CMAKE_MATCH_1}), python3 (<< 3.${next}), python3-numpy")
-  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, python3-meshio, python3-pandas")
   set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Soft tissue as a molecular model: Python bindings
 ${about}
 import elastin: scenes run and bodies stepped, their positions as numpy arrays without a copy.")

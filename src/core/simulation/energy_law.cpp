@@ -1,6 +1,7 @@
 #include "elastin/core/simulation/energy_law.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "elastin/core/base/error.h"
@@ -21,13 +22,61 @@ double of_material(const std::string& name, const Material& material) {
   return name == "lam" ? lambda : lambda + 2 * mu / 3;
 }
 
+/// An isotropic solid in plane stress: C₃₃ is such that S₃₃ = 0. Stress and tangent are condensed, times the thickness.
+class PlaneStress {
+ public:
+  PlaneStress(EnergyExpression::Point law, double thickness) : law_(std::move(law)), thickness_(thickness) {}
+
+  Tensor<2> stress(const Tensor<2>& A) const { return thickness_ * law_.stress(whole(A)).topLeftCorner<2, 2>(); }
+
+  TangentModuli<2> tangent(const Tensor<2>& A) const {
+    static constexpr int plane[] = {0, 1, 3}, across = 2;  // 11 22 12 and 33 among 11 22 33 12 13 23
+    const TangentModuli<3> T = law_.tangent(whole(A));
+    TangentModuli<2> result;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column)
+        result(row, column) =
+            T(plane[row], plane[column]) - T(plane[row], across) * T(across, plane[column]) / T(across, across);
+    return thickness_ * result;
+  }
+
+  double energy(const Tensor<2>& A) const { return thickness_ * law_.energy(whole(A)); }
+
+ private:
+  /// Newton's method from where the volume stays; a step changes C₃₃ by a factor of 4 at most.
+  Matrix3 whole(const Tensor<2>& A) const {
+    const double area = 1 + A.trace() + A.determinant();  // det C in the plane
+    double across = std::clamp(1 / area, 1e-6, 1e6);
+    if (!(area > 0)) across = 1;
+    Matrix3 result = Matrix3::Zero();
+    result.topLeftCorner<2, 2>() = A;
+    for (int iteration = 0; iteration < 50; ++iteration) {
+      result(2, 2) = across - 1;
+      const double S = law_.stress(result)(2, 2), slope = law_.tangent(result)(2, 2);
+      const double next =
+          slope > 0 ? std::clamp(across - S / slope, across / 4, across * 4) : (S > 0 ? across / 2 : across * 2);
+      const bool there = std::abs(next - across) <= 1e-15 * across;
+      across = next;
+      if (there) break;
+    }
+    result(2, 2) = across - 1;
+    return result;
+  }
+
+  EnergyExpression::Point law_;
+  double thickness_;
+};
+
 bool comes_from_material(const std::string& name) {
   return std::find(kOfMaterial.begin(), kOfMaterial.end(), name) != kOfMaterial.end();
 }
 
 }  // namespace
 
-Strategy make_energy_law(const std::string& name, EnergyExpression energy, std::vector<ParameterInfo> parameters) {
+Strategy make_energy_law(const std::string& name, EnergyExpression energy, std::vector<ParameterInfo> parameters,
+                         int dimensions) {
+  if (dimensions != 2 && dimensions != 3)
+    throw InputError("law '" + name + "': has " + std::to_string(dimensions) + " dimensions; allowed: 2, 3");
   std::vector<std::string> known = kOfMaterial;
   for (const ParameterInfo& parameter : parameters) {
     if (comes_from_material(parameter.name))
@@ -41,22 +90,28 @@ Strategy make_energy_law(const std::string& name, EnergyExpression energy, std::
   law.name = name;
   law.parameters = std::move(parameters);
   law.kind = StrategyKind::cell_law;
-  law.dimensions = 3;
-  law.unsuited = &no_cells<3>;
-  law.make = [name, energy, described = law.parameters](const Body& body, const Material& material,
-                                                        const ParameterValues& given) {
+  law.dimensions = dimensions;
+  law.unsuited = dimensions == 3 ? &no_cells<3> : &no_cells<2>;
+  law.make = [name, energy, dimensions, described = law.parameters](const Body& body, const Material& material,
+                                                                    const ParameterValues& given) {
     const ParameterValues own = complete_values(name, described, given);
     std::vector<double> values;
     for (const std::string& parameter : energy.parameters())
       values.push_back(comes_from_material(parameter) ? of_material(parameter, material) : own.at(parameter));
     const auto make = [name, energy, values, modulus = material.youngs_modulus](const Material& here) {
       try {
-        return SplitPoint<AnyPoint<3>>{AnyPoint<3>(energy.at(values, here.youngs_modulus / modulus)), {}};
+        return energy.at(values, here.youngs_modulus / modulus);
       } catch (const InputError& error) {
         throw InputError("law '" + name + "': " + error.what());
       }
     };
-    return make_cells<3>(body, material, AnySolid{make});
+    if (dimensions == 2)
+      return make_cells<2>(body, material, AnyMembrane{[make](const Material& here) {
+                             return AnyPoint<2>(PlaneStress(make(here), here.thickness));
+                           }});
+    return make_cells<3>(body, material, AnySolid{[make](const Material& here) {
+                           return SplitPoint<AnyPoint<3>>{AnyPoint<3>(make(here)), {}};
+                         }});
   };
   return law;
 }

@@ -456,7 +456,8 @@ def read_mesh(path: Path, length_unit: Literal["m", "cm", "mm", "um", "nm"], *, 
               density: float = 1000.0, thickness: float = 0.0) -> Body:
     """The body of a mesh file, .msh, .vtk or .vtu of tetrahedra or triangles, or .obj, .stl, .ply, whose numbers are in
     length_unit "m", "cm", "mm", "um" or "nm"; triangles have a thickness [m]."""
-def law(name: str, energy: Callable[..., Any], *, summary: str = "", source: str = "") -> Strategy:
+def law(name: str, energy: Callable[..., Any], *, summary: str = "", source: str = "",
+        membrane: bool = False) -> Strategy:
     """A cell law of one's own for compare, run and Simulation, from its energy density W [J/m^3]:
 
         elastin.law("mine", lambda I1, J, mu, lam: mu / 2 * (I1 - 3) - mu * numpy.log(J) + lam / 2 * (J - 1)**2)
@@ -466,8 +467,8 @@ def law(name: str, energy: Callable[..., Any], *, summary: str = "", source: str
     E, nu, mu, lam and kappa [Pa]. Every other argument is a parameter that a scene may set and has a default, a
     number or a Parameter. The function is called once, with values that record what it computes by + - * / **,
     numpy's functions and elastin.where; slopes and second slopes follow by the rules of differentiation, so they are
-    exact, and run in C++. Raises InputError where W has a stress at rest, or is unstable there, as soon as the law
-    meets a material."""
+    exact, and run in C++. With membrane=True it is a law of membranes, which thin so that there is no stress across.
+    Raises InputError where W has a stress at rest, or is unstable there, as soon as the law meets a material."""
 def where(condition: Any, one: Any, other: Any) -> Any:
     """In an energy of elastin.law: `one` where the condition holds (J < 1), else `other`. Elsewhere as numpy.where."""
 def run(scene: Scene, strategy: str | Strategy = "", *, experiment: Experiment | Mapping[str, Any] | None = None,

@@ -144,7 +144,7 @@ class Comparison(list):
         return self._table().text()
 
     def _repr_html_(self):
-        return self._table().html()
+        return _tables.with_picture(self._table(), next(filter(None, map(_pictures.of_result, self)), ""))
 
     def to_frame(self):
         """A pandas DataFrame, one row a strategy: its outcome, measures, errors (error_MEASURE) and seconds."""

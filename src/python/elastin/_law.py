@@ -175,7 +175,7 @@ def operations_of(value):
     return operations
 
 
-def law(name, energy, *, summary="", source=""):
+def law(name, energy, *, summary="", source="", membrane=False):
     """A cell law of one's own for compare, run and Simulation, from its energy density W [J/m^3]:
 
         elastin.law("mine", lambda I1, J, mu, lam: mu / 2 * (I1 - 3) - mu * numpy.log(J) + lam / 2 * (J - 1)**2)
@@ -185,6 +185,7 @@ def law(name, energy, *, summary="", source=""):
     lam and kappa [Pa]. Every other argument is a parameter that a scene may set and has a default, a number or a
     Parameter. The function is called once, with values that record what it computes by + - * / **, numpy's functions and
     elastin.where; slopes and second slopes follow by the rules of differentiation, so they are exact, and run in C++.
+    With membrane=True it is a law of membranes, which thin so that there is no stress across.
     Raises InputError where W has a stress at rest, or is unstable there, as soon as the law meets a material."""
     known, parameters, arguments = invariants(), [], {}
     for argument, described in inspect.signature(energy).parameters.items():
@@ -203,16 +204,13 @@ def law(name, energy, *, summary="", source=""):
     made = energy(**arguments)
     if not isinstance(made, Value):
         raise InputError(f"law '{name}': the energy is {made!r}, and depends on no invariant")
-    given = (name, operations_of(made), parameters, summary, source)
-    strategy = _elastin._energy_law(*given)
-    strategy._made_by = (_made, (name, given[1], [(one.name, one.default, one.low, one.high, one.text)
-                                                  for one in parameters], summary, source))
-    return strategy
+    described = [(one.name, one.default, one.low, one.high, one.text) for one in parameters]
+    return _made(name, operations_of(made), described, summary, source, 2 if membrane else 3)
 
 
-def _made(name, operations, parameters, summary, source):
-    """The law again, of what it was pickled to."""
+def _made(name, operations, parameters, summary, source, dimensions):
+    """The law of what it is pickled to."""
     described = [Parameter(one, default, low=low, high=high, text=text) for one, default, low, high, text in parameters]
-    strategy = _elastin._energy_law(name, operations, described, summary, source)
-    strategy._made_by = (_made, (name, operations, parameters, summary, source))
+    strategy = _elastin._energy_law(name, operations, described, summary, source, dimensions)
+    strategy._made_by = (_made, (name, operations, parameters, summary, source, dimensions))
     return strategy

@@ -4,9 +4,11 @@
 
 namespace elastin {
 
-/// A law of solids that a program makes as it runs, from its energy density, on cells of any shape of three dimensions.
-/// Of the expression's parameters E, nu, mu, lam and kappa (= λ + ⅔ μ) follow from the material; the others are those
-/// of `parameters`. In stiffer regions of a body all of W is larger. Throws InputError on a parameter that is neither.
-Strategy make_energy_law(const std::string& name, EnergyExpression energy, std::vector<ParameterInfo> parameters = {});
+/// A law that a program makes as it runs, from its energy density, on cells of any shape: of solids, or with
+/// `dimensions` 2 of membranes, which thin so that there is no stress across (W is per volume there too). Of the
+/// expression's parameters E, nu, mu, lam and kappa (= λ + ⅔ μ) follow from the material; the others are those of
+/// `parameters`. In stiffer regions of a body all of W is larger. Throws InputError on a parameter that is neither.
+Strategy make_energy_law(const std::string& name, EnergyExpression energy, std::vector<ParameterInfo> parameters = {},
+                         int dimensions = 3);
 
 }  // namespace elastin
