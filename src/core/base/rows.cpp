@@ -1,8 +1,11 @@
 #include "core/base/rows.h"
 
+#include "core/base/count.h"
+
 namespace elastin {
 
 Rows rows_by_target(int rows, std::span<const int> targets) {
+  numbered(static_cast<std::int64_t>(targets.size()), "ends of connections or corners of cells");
   Rows result;
   result.start.assign(static_cast<std::size_t>(rows) + 1, 0);
   for (const int target : targets) ++result.start[target + 1];

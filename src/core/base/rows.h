@@ -13,7 +13,7 @@ struct Rows {
   }
 };
 
-/// The slots that write to each target, ascending; targets[slot] in 0 … rows−1.
+/// The slots that write to each target, ascending; targets[slot] in 0 … rows−1. Throws InputError beyond 2³¹ − 1 slots.
 Rows rows_by_target(int rows, std::span<const int> targets);
 
 }  // namespace elastin

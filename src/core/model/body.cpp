@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/count.h"
 #include "core/geometry/point_buckets.h"
 #include "core/model/block_geometry.h"
 #include "elastin/core/base/error.h"
@@ -17,6 +18,7 @@ namespace {
 Connections with_present_lengths(const Positions& positions, std::vector<std::array<int, 2>> ends) {
   std::sort(ends.begin(), ends.end());
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  numbered(static_cast<std::int64_t>(ends.size()), "connections");
   Connections connections{std::move(ends), {}, 0};
   connections.rest_length.reserve(connections.ends.size());
   for (const auto& [a, b] : connections.ends)
@@ -72,6 +74,7 @@ Connections connections_of_cells(const Positions& positions, const Cells<3>& tri
 
 void set_present_lengths(Body& body) {
   auto& [ends, lengths, _] = body.connections;
+  numbered(static_cast<std::int64_t>(ends.size()), "connections");
   lengths.resize(ends.size());
   for (std::size_t c = 0; c < ends.size(); ++c)
     lengths[c] = (body.rest.col(ends[c][1]) - body.rest.col(ends[c][0])).norm();

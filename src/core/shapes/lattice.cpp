@@ -1,5 +1,9 @@
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 
+#include "core/base/count.h"
 #include "elastin/core/shapes/shapes.h"
 
 namespace elastin {
@@ -70,9 +74,19 @@ Body cubic_lattice(const std::array<int, 3>& molecules, double spacing, const Cu
     if (wanted)
       for (const auto& offset : half_neighbours(nonzero)) offsets.push_back(offset);
 
+  numbered(std::int64_t{numbered(std::int64_t{nx} * ny, "molecules")} * nz, "molecules");
+  const auto pairs_along = [&](const Eigen::Vector3i& o) {
+    return std::int64_t{std::max(0, nx - std::abs(o.x()))} * std::max(0, ny - std::abs(o.y())) *
+           std::max(0, nz - std::abs(o.z()));
+  };
+  std::int64_t connections = 0;
+  for (const auto& offset : offsets) connections += pairs_along(offset);
+
   Body body;
   body.grid = molecules;
   body.rest.resize(3, static_cast<Eigen::Index>(nx) * ny * nz);
+  body.connections.ends.reserve(static_cast<std::size_t>(numbered(connections, "connections")));
+  body.cubes.reserve(static_cast<std::size_t>(pairs_along({1, 1, 1})));
   for (int z = 0; z < nz; ++z)
     for (int y = 0; y < ny; ++y)
       for (int x = 0; x < nx; ++x) {

@@ -114,9 +114,9 @@ bool line_search(const Problem& problem, const Positions& motion, bool with_ener
                  TrialWorkspace& workspace) {
   const double slope = -work(now.forces, motion);
   inverted = false;
-  set_state(now.state, 1, motion, workspace.whole);
   Trial& trial = workspace.next;
-  for (double step = problem.model.max_step_fraction(now.state, workspace.whole); step > 1e-9; step /= 2) {
+  set_state(now.state, 1, motion, trial.state);
+  for (double step = problem.model.max_step_fraction(now.state, trial.state); step > 1e-9; step /= 2) {
     set_state(now.state, step, motion, trial.state);
     evaluate(problem, with_energy, trial, workspace);
     inverted |= std::isinf(trial.energy);

@@ -43,7 +43,6 @@ struct Trial {
 /// Room for what trials compute on the way; it only grows.
 struct TrialWorkspace {
   Trial next;
-  State whole;
   Positions loads, one, supported;
   VectorX force_densities;
   Workspace force_pass;
