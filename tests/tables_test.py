@@ -15,9 +15,11 @@ import re
 import shlex
 import subprocess
 import sys
+import tempfile
 
 PAPER = "elastin compare scenes/tension/table1-*.yaml scenes/tension/table2.yaml"
 HARD = "elastin verify scenes/hard/*.yaml --choices --markdown"
+SLIPS = "elastin check, on each slip of tests/lab/scene/slips.txt"
 NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]\d+)?")
 
 
@@ -77,6 +79,39 @@ def same_cases(written, made):
     return len(rows) == len(wanted) and all(len(a) == len(b) and all(map(same_text, a, b)) for a, b in zip(rows, wanted))
 
 
+def written(text):
+    """The bytes that a line of slips.txt stands for: \\t, \\n, \\r, \\\\ and \\xNN."""
+    signs = {b"t": b"\t", b"n": b"\n", b"r": b"\r", b"\\": b"\\"}
+    return re.sub(rb"\\(x..|.)", lambda match: signs.get(match[1]) or bytes([int(match[1][1:], 16)]), text.encode())
+
+
+def slips_table(elastin):
+    """What the command answers to a scene with one slip: its message, or that the scene is taken as it is."""
+    with open("tests/lab/scene/slips.txt", encoding="utf-8") as stream:
+        scene, *groups = [part for part in stream.read().split("\n\n") if not part.startswith("# Slips")]
+    lines = []
+    with tempfile.TemporaryDirectory() as folder:
+        for group in groups:
+            title, *slips = group.strip("\n").split("\n")
+            lines += ["", f"| {title[2:].lower()} | answer |", "|---|---|"]
+            for slip in slips:
+                right, wrong = slip.split(" => ")
+                text = (scene + "\n").encode()
+                if written(right) not in text:
+                    sys.exit(f"slips.txt: the scene has no '{right}'")
+                with open(os.path.join(folder, "scene.yaml"), "wb") as stream:
+                    stream.write(text.replace(written(right), written(wrong), 1))
+                ran = subprocess.run([elastin, "check", "scene.yaml"], cwd=folder, stdout=subprocess.DEVNULL,
+                                     stderr=subprocess.PIPE, check=False)
+                answer = ran.stderr.decode().strip().replace("elastin: scene.yaml:", "", 1)
+                if ran.returncode != 2:
+                    answer = "*taken as it is meant*" + (": " + answer if answer else "")
+                allowed = re.sub(r"allowed( here)?: [^()]*", r"allowed\1: …", answer)
+                lines.append("| `" + wrong.replace("|", "\\|") + "` | " + allowed.replace("|", "\\|").replace("*", "\\*").replace(
+                    "\\*taken as it is meant\\*", "*taken as it is meant*") + " |")
+    return "\n".join(lines[1:]) + "\n"
+
+
 def block(text, begin, end):
     """Where the text between two lines begins and ends."""
     start = text.find(begin + "\n")
@@ -93,7 +128,9 @@ def main(root, elastin, write):
               ("tests/README.md", f"<!-- table: {PAPER} -->", "<!-- table: end -->",
                lambda: paper_table(elastin), lambda old, new: old == new),
               ("tests/README.md", f"<!-- table: {HARD} -->", "<!-- table: end -->",
-               lambda: output(elastin, HARD if write else HARD.replace(" --choices", "")), same_cases)]
+               lambda: output(elastin, HARD if write else HARD.replace(" --choices", "")), same_cases),
+              ("tests/README.md", f"<!-- table: {SLIPS} -->", "<!-- table: end -->",
+               lambda: slips_table(elastin), lambda old, new: old == new)]
     stale = []
     for document, begin, end, make, same in checks:
         with open(document, encoding="utf-8") as stream:

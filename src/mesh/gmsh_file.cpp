@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <map>
 #include <utility>
 
 #include "mesh/mesh_formats.h"
@@ -7,7 +9,7 @@
 namespace elastin::mesh::format {
 namespace {
 
-// The MSH file format, versions 2.2 and 4.1: Gmsh reference manual, chapter "File formats". The names say what Gmsh
+// The MSH file format, versions 1, 2.2 and 4.1: Gmsh reference manual, chapter "File formats". The names say what Gmsh
 // counts.
 constexpr int kTetrahedron10[] = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
 constexpr int kHexahedron20[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15};
@@ -168,13 +170,58 @@ void read_points_41(Cursor& in, const Format& format, Tags& tags, MeshBuilder& m
                           ", not " + std::to_string(total));
 }
 
-/// Reads the corners of one cell, which started at `at`, and adds it.
-void read_cell(Cursor& in, std::size_t at, long long name, long long code, NumberType width, const Tags& tags,
-               MeshBuilder& mesh) {
+/// The names of physical groups, by dimension and number; of version 4 also which of them each entity is in.
+struct Groups {
+  using Key = std::pair<long long, long long>;  ///< dimension, number
+  std::map<Key, std::string> names;
+  std::map<Key, std::vector<long long>> of_entity;
+
+  void add(MeshBuilder& mesh, long long dimension, long long number, std::span<const int> points) const {
+    if (const auto found = names.find({dimension, number}); found != names.end())
+      mesh.add_to_set(found->second, points);
+  }
+};
+
+/// How many dimensions a cell has by its use, for the groups of versions 1 and 2.
+long long dimension_of(const CellType& type) {
+  if (type.use == CellUse::cell) return cell_kind(type.shape).dimensions;
+  return type.use == CellUse::tetrahedron ? 3 : type.use == CellUse::triangle ? 2 : type.use == CellUse::line ? 1 : 0;
+}
+
+void read_group_names(Cursor& in, Groups& groups) {
+  const std::size_t count = in.count("the number of physical names");
+  for (std::size_t i = 0; i < count; ++i) {
+    const long long dimension = in.integer("the dimension of a group"), number = in.integer("the number of a group");
+    const std::string_view rest = in.line();
+    const std::size_t first = rest.find('"'), last = rest.rfind('"');
+    if (first == std::string_view::npos || last == first) in.fail(in.at(), "expected a group's name in quotes");
+    groups.names[{dimension, number}] = rest.substr(first + 1, last - first - 1);
+  }
+}
+
+void read_entities(Cursor& in, const Format& format, Groups& groups) {
+  begin_data(in, format);
+  std::array<std::size_t, 4> counts{};
+  for (std::size_t& count : counts) count = in.count("the number of entities", uint64);
+  for (long long dimension = 0; dimension < 4; ++dimension)
+    for (std::size_t entity = 0; entity < counts[static_cast<std::size_t>(dimension)]; ++entity) {
+      const long long tag = in.integer("the number of an entity");
+      in.skip_numbers(dimension == 0 ? 3 : 6, float64);  // where it lies
+      const std::size_t physical = in.count("the number of groups", uint64);
+      for (std::size_t i = 0; i < physical; ++i)
+        groups.of_entity[{dimension, tag}].push_back(in.integer("the number of a group"));
+      if (dimension > 0) in.skip_numbers(in.count("the number of bounding entities", uint64), int32);
+    }
+  in.begin_text();
+  in.expect("$EndEntities");
+}
+
+/// Reads the corners of one cell, which started at `at`, and adds it; its points are left in `corners`.
+const CellType& read_cell(Cursor& in, std::size_t at, long long name, long long code, NumberType width,
+                          const Tags& tags, MeshBuilder& mesh, std::array<int, 27>& corners) {
   const CellType& type = find_cell_type(gmsh_cell_types, code);
   const auto cell = [&] { return "cell " + std::to_string(name); };
   if (type.use == CellUse::refused) in.fail(at, cell() + refusal(type, code));
-  std::array<int, 27> corners{};
   for (int corner = 0; corner < type.points; ++corner) {
     const std::size_t corner_at = in.next_at();
     const long long tag = in.integer("a point of a cell", width);
@@ -184,9 +231,11 @@ void read_cell(Cursor& in, std::size_t at, long long name, long long code, Numbe
   }
   const std::string problem = mesh.add_cell(type, {corners.data(), static_cast<std::size_t>(type.points)});
   if (!problem.empty()) in.fail(at, cell() + problem);
+  return type;
 }
 
-void read_cells_22(Cursor& in, const Format& format, const Tags& tags, MeshBuilder& mesh) {
+void read_cells_22(Cursor& in, const Format& format, const Tags& tags, const Groups& groups, MeshBuilder& mesh) {
+  std::array<int, 27> corners{};
   const std::size_t total_at = in.next_at();
   const std::size_t total = in.count("the number of cells");
   begin_data(in, format);
@@ -203,13 +252,16 @@ void read_cells_22(Cursor& in, const Format& format, const Tags& tags, MeshBuild
         at = in.at();
         name = in.integer("a cell's number");
       }
-      in.skip_numbers(labels, int32);
-      read_cell(in, at, name, code, int32, tags, mesh);
+      const long long group = labels > 0 ? in.integer("the group of a cell") : 0;
+      in.skip_numbers(labels > 0 ? labels - 1 : 0, int32);
+      const CellType& type = read_cell(in, at, name, code, int32, tags, mesh, corners);
+      groups.add(mesh, dimension_of(type), group, {corners.data(), static_cast<std::size_t>(type.points)});
     }
   }
 }
 
-void read_cells_41(Cursor& in, const Format& format, const Tags& tags, MeshBuilder& mesh) {
+void read_cells_41(Cursor& in, const Format& format, const Tags& tags, const Groups& groups, MeshBuilder& mesh) {
+  std::array<int, 27> corners{};
   begin_data(in, format);
   const std::size_t blocks = in.count("the number of blocks", uint64);
   const std::size_t total_at = in.next_at();
@@ -217,13 +269,18 @@ void read_cells_41(Cursor& in, const Format& format, const Tags& tags, MeshBuild
   in.skip_numbers(2, uint64);  // least and greatest tag
   std::size_t read = 0;
   for (std::size_t block = 0; block < blocks; ++block) {
-    in.skip_numbers(2, int32);  // dimension and tag of the entity
+    const long long dimension = in.integer("the dimension of a block's entity"),
+                    entity = in.integer("the number of a block's entity");
+    const auto own = groups.of_entity.find({dimension, entity});
     const long long code = in.integer("the type of a block's cells");
     const std::size_t count = in.count("the number of cells of a block", uint64);
     for (std::size_t cell = 0; cell < count; ++cell, ++read) {
       const std::size_t at = in.next_at();
       const long long name = in.integer("a cell's number", uint64);
-      read_cell(in, at, name, code, uint64, tags, mesh);
+      const CellType& type = read_cell(in, at, name, code, uint64, tags, mesh, corners);
+      if (own == groups.of_entity.end()) continue;
+      for (const long long group : own->second)
+        groups.add(mesh, dimension, group, {corners.data(), static_cast<std::size_t>(type.points)});
     }
   }
   if (read != total)
@@ -231,9 +288,35 @@ void read_cells_41(Cursor& in, const Format& format, const Tags& tags, MeshBuild
                           std::to_string(total));
 }
 
+/// Version 1: $NOD and $ELM, text alone.
+void read_version_1(Cursor& in, MeshBuilder& mesh) {
+  Tags tags;
+  in.expect("$NOD");
+  read_points_22(in, {}, tags, mesh);
+  tags.sort(in);
+  in.expect("$ENDNOD");
+  in.expect("$ELM");
+  std::array<int, 27> corners{};
+  const std::size_t count = in.count("the number of cells");
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    const std::size_t at = in.next_at();
+    const long long name = in.integer("a cell's number"), code = in.integer("the type of a cell");
+    in.skip_numbers(2, int32);  // the groups, which have no names here
+    const std::size_t nodes_at = in.next_at();
+    const auto nodes = static_cast<int>(in.count("the number of a cell's points"));
+    const CellType& type = find_cell_type(gmsh_cell_types, code);
+    if (type.use != CellUse::refused && nodes != type.points)
+      in.fail(nodes_at, "a " + std::string(type.name) + " has " + std::to_string(type.points) + " points");
+    read_cell(in, at, name, code, int32, tags, mesh, corners);
+  }
+  in.expect("$ENDELM");
+}
+
 }  // namespace
 
 void read_gmsh(Cursor in, MeshBuilder& mesh) {
+  if (Cursor ahead = in; ahead.word("$MeshFormat") == "$NOD") return read_version_1(in, mesh);
+  Groups groups;
   const Format format = read_format(in);
   Tags tags;
   bool have_points = false;
@@ -245,10 +328,17 @@ void read_gmsh(Cursor in, MeshBuilder& mesh) {
       tags.sort(in);
       have_points = true;
     } else if (section == "$Elements" && have_points) {
-      (format.is_4 ? read_cells_41 : read_cells_22)(in, format, tags, mesh);
+      (format.is_4 ? read_cells_41 : read_cells_22)(in, format, tags, groups, mesh);
       in.begin_text();
       in.expect("$EndElements");
       return;
+    } else if (section == "$PhysicalNames") {
+      read_group_names(in, groups);
+      in.expect("$EndPhysicalNames");
+      continue;
+    } else if (section == "$Entities" && format.is_4) {
+      read_entities(in, format, groups);
+      continue;
     } else if (section[0] != '$' || section == "$Nodes" || section == "$Elements") {
       in.fail(at, std::string("expected ") + (have_points ? "$Elements" : "$Nodes") + ", found " + quoted(section));
     } else {

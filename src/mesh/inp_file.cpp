@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -32,13 +33,6 @@ constexpr std::pair<std::string_view, CellType> inp_cell_types[] = {
     {"B31", {0, CellUse::line, 2, "B31"}},
 };
 
-std::string_view trimmed(std::string_view text) {
-  const auto is_blank = [](char letter) { return std::isspace(static_cast<unsigned char>(letter)) != 0; };
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 std::string upper_case(std::string_view text) {
   std::string result(text);
   for (char& letter : result) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
@@ -59,12 +53,24 @@ class InpReader {
         read_node(line);
       else if (section_ == Section::elements)
         read_element(line);
+      else if (section_ == Section::node_set || section_ == Section::element_set)
+        read_set(line);
     }
     if (!nodes_of_cell_.empty()) in_.fail(in_.at(), "cell " + std::to_string(name_) + " ends before its last point");
   }
 
  private:
-  enum class Section { other, nodes, elements };
+  enum class Section { other, nodes, elements, node_set, element_set };
+
+  /// "TOP" of "*NSET, NSET=TOP"; "" where the line has no such part.
+  static std::string value_of(const std::vector<std::string_view>& parts, std::string_view key) {
+    for (const std::string_view part : parts) {
+      const std::size_t equals = part.find('=');
+      if (equals != std::string_view::npos && upper_case(trimmed(part.substr(0, equals))) == key)
+        return std::string(trimmed(part.substr(equals + 1)));
+    }
+    return "";
+  }
 
   std::size_t offset(std::string_view part) const { return static_cast<std::size_t>(part.data() - in_.data().data()); }
 
@@ -97,7 +103,14 @@ class InpReader {
       in_.fail(offset(text), "cell " + std::to_string(name_) + " ends before its last point");
     const auto parts = fields(text);
     const std::string keyword = upper_case(parts.front());
-    section_ = keyword == "*NODE" ? Section::nodes : keyword == "*ELEMENT" ? Section::elements : Section::other;
+    section_ = keyword == "*NODE"      ? Section::nodes
+               : keyword == "*ELEMENT" ? Section::elements
+               : keyword == "*NSET"    ? Section::node_set
+               : keyword == "*ELSET"   ? Section::element_set
+                                       : Section::other;
+    set_ = value_of(parts, keyword == "*NODE" || keyword == "*NSET" ? "NSET" : "ELSET");
+    generated_ =
+        std::any_of(parts.begin(), parts.end(), [](std::string_view part) { return upper_case(part) == "GENERATE"; });
     if (keyword == "*INCLUDE") in_.fail(offset(text), "*INCLUDE is not read: put the mesh into one file");
     if (section_ != Section::elements) return;
     type_ = nullptr;
@@ -117,6 +130,30 @@ class InpReader {
     if (!type_) in_.fail(offset(text), "*ELEMENT: expected TYPE=…");
   }
 
+  /// Numbers, or names of sets before; generated ones as first, last, step.
+  void read_set(std::string_view line) {
+    const auto parts = fields(line);
+    std::vector<long long> members;
+    for (const std::string_view part : parts) {
+      const bool digits = part.find_first_not_of("0123456789") == std::string_view::npos;
+      if (digits && !part.empty()) members.push_back(number<long long>(part, "a member of a set"));
+    }
+    if (generated_ && members.size() >= 2) {
+      const long long first = members[0], last = members[1], step = members.size() > 2 ? members[2] : 1;
+      if (step < 1 || last < first || last - first > 100000000)
+        in_.fail(offset(line), "expected first, last and step of the generated set");
+      members.clear();
+      for (long long member = first; member <= last; member += step) members.push_back(member);
+    }
+    for (const long long member : members)
+      if (section_ == Section::node_set) {
+        const auto found = nodes_.find(member);
+        if (found != nodes_.end()) mesh_.add_to_set(set_, {&found->second, 1});
+      } else if (const auto found = elements_.find(member); found != elements_.end()) {
+        mesh_.add_to_set(set_, found->second);
+      }
+  }
+
   void read_node(std::string_view line) {
     const auto parts = fields(line);
     if (parts.size() < 4) in_.fail(offset(line), "expected a node's number and its three coordinates");
@@ -127,6 +164,7 @@ class InpReader {
     for (std::size_t k = 0; k < 3; ++k)
       position[static_cast<Eigen::Index>(k)] = number<double>(parts[k + 1], "a coordinate, a finite number");
     mesh_.add_point(position);
+    if (const int point = mesh_.point_count() - 1; !set_.empty()) mesh_.add_to_set(set_, {&point, 1});
   }
 
   void read_element(std::string_view line) {
@@ -150,6 +188,8 @@ class InpReader {
     if (static_cast<int>(nodes_of_cell_.size()) < type_->points) return;
     const std::string problem = mesh_.add_cell(*type_, nodes_of_cell_);
     if (!problem.empty()) in_.fail(at_, "cell " + std::to_string(name_) + problem);
+    if (!set_.empty()) mesh_.add_to_set(set_, nodes_of_cell_);
+    elements_[name_] = std::move(nodes_of_cell_);
     nodes_of_cell_.clear();
   }
 
@@ -158,9 +198,12 @@ class InpReader {
   Section section_ = Section::other;
   const CellType* type_ = nullptr;
   std::map<long long, int> nodes_;
-  long long name_ = 0;              ///< of the element that is being read
-  std::size_t at_ = 0;              ///< where it starts
-  std::vector<int> nodes_of_cell_;  ///< its nodes so far, where some are still to come
+  std::map<long long, std::vector<int>> elements_;  ///< for sets of them
+  std::string set_;                                 ///< to which the section's nodes or elements belong
+  bool generated_ = false;                          ///< the set is told by first, last, step
+  long long name_ = 0;                              ///< of the element that is being read
+  std::size_t at_ = 0;                              ///< where it starts
+  std::vector<int> nodes_of_cell_;                  ///< its nodes so far, where some are still to come
 };
 
 }  // namespace

@@ -198,6 +198,11 @@ Mesh MeshBuilder::finish(const std::string& path) const {
   for (std::size_t point = 0; point < points_.size(); ++point)
     if (new_number[point] >= 0) mesh.points.col(new_number[point]) = points_[point];
 
+  for (const auto& [name, points] : sets_)
+    for (const int point : points)
+      if (const int own = new_number[static_cast<std::size_t>(point)]; own >= 0) mesh.sets[name].push_back(own);
+  for (auto& [name, points] : mesh.sets) std::sort(points.begin(), points.end());
+
   const std::size_t unused = points_.size() - static_cast<std::size_t>(used);
   std::size_t faces = solid ? triangles_.size() : 0;
   for (const CellBlock& block : blocks_)
@@ -224,8 +229,8 @@ using Reader = void (*)(Cursor, MeshBuilder&);
 
 std::pair<std::string, Reader> reader_for(const std::string& path) {
   static constexpr std::pair<const char*, Reader> readers[] = {
-      {".msh", read_gmsh}, {".vtk", read_vtk}, {".vtu", read_vtu}, {".inp", read_inp},
-      {".ply", read_ply},  {".obj", nullptr},  {".stl", nullptr}};
+      {".msh", read_gmsh}, {".vtk", read_vtk}, {".vtu", read_vtu}, {".inp", read_inp}, {".bdf", read_bdf},
+      {".nas", read_bdf},  {".unv", read_unv}, {".ply", read_ply}, {".obj", nullptr},  {".stl", nullptr}};
   const std::string name = path.substr(path.find_last_of('/') + 1);
   std::string ending = name.find('.') == std::string::npos ? "" : name.substr(name.rfind('.'));
   for (char& letter : ending) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));

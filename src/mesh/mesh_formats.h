@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -40,6 +41,10 @@ class MeshBuilder {
   /// wrong with it (" is a flat triangle: …"), or "".
   std::string add_cell(const CellType& type, std::span<const int> points);
   std::string add_triangle(const std::array<int, 3>& corners);
+  /// Puts points into a named group.
+  void add_to_set(const std::string& name, std::span<const int> points) {
+    sets_[name].insert(points.begin(), points.end());
+  }
   /// Leaves out what is not used. Throws InputError where there are neither tetrahedra nor triangles.
   Mesh finish(const std::string& path) const;
 
@@ -52,6 +57,7 @@ class MeshBuilder {
   Cells<3> triangles_;
   Cells<4> tetrahedra_;
   std::vector<CellBlock> blocks_;
+  std::map<std::string, std::set<int>> sets_;
   std::size_t lines_ = 0;
   std::size_t single_points_ = 0;
 };
@@ -73,6 +79,11 @@ void add_vtk_cells(const VtkCells& cells, int first_point, MeshBuilder& mesh);
 
 /// Abaqus: *NODE and *ELEMENT of its input files.
 void read_inp(Cursor in, MeshBuilder& mesh);
+
+/// Nastran: GRID and cells of its bulk data, in free and in fixed fields.
+void read_bdf(Cursor in, MeshBuilder& mesh);
+/// I-DEAS: datasets 2411 and 2412 of universal files.
+void read_unv(Cursor in, MeshBuilder& mesh);
 
 void read_gmsh(Cursor in, MeshBuilder& mesh);
 void read_vtk(Cursor in, MeshBuilder& mesh);

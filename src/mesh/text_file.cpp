@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <climits>
@@ -44,6 +45,13 @@ File load_file(const std::string& path) {
     throw InputError(SourceLocation{path, 0, 0}, (stream ? "cannot read: " : "cannot open: ") + reason);
   }
   return file;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const auto is_blank = [](char letter) { return std::isspace(static_cast<unsigned char>(letter)) != 0; };
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
 }
 
 std::string quoted(std::string_view text) {

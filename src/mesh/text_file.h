@@ -101,6 +101,9 @@ struct Integers {
   [[noreturn]] void fail(std::size_t number, const std::string& message) const;
 };
 
+/// Without the blanks at both ends.
+std::string_view trimmed(std::string_view text);
+
 /// What stands in the file, fit for a message: in quotes, cut to 40 letters, unprintable bytes as '?'.
 std::string quoted(std::string_view text);
 

@@ -180,6 +180,111 @@ TEST_CASE("every format and encoding gives the same box", "[mesh_file]") {
   }
 }
 
+TEST_CASE("Gmsh 1, Nastran and I-DEAS files that Gmsh wrote give the same box", "[mesh_file]") {
+  const auto sorted = [](Cells<4> cells) {
+    for (auto& cell : cells) std::sort(cell.begin(), cell.end());
+    std::sort(cells.begin(), cells.end());
+    return cells;
+  };
+  const Mesh box = load_mesh(fixture_path("gmsh_41.msh"));
+  for (const std::string name : {"gmsh_1.msh", "gmsh.bdf", "gmsh.unv"}) {
+    INFO(name);
+    const Mesh mesh = load_mesh(fixture_path(name));
+    CHECK(mesh.points == box.points);
+    CHECK(sorted(mesh.tetrahedra) == sorted(box.tetrahedra));
+    CHECK(sound(mesh));
+  }
+  for (const std::string name : {"gmsh_order_2.bdf", "gmsh_order_2.unv"}) {
+    INFO(name);
+    const Mesh mesh = load_mesh(fixture_path(name));
+    REQUIRE(mesh.blocks.size() == 1);
+    const CellBlock& block = mesh.blocks[0];
+    REQUIRE(block.kind->name == "tetrahedron10");
+    REQUIRE(block.size() == 6);
+    for (int cell = 0; cell < block.size(); ++cell)  // straight edges: their nodes lie in the middle
+      for (std::size_t edge = 0; edge < 6; ++edge) {
+        const auto nodes = block.cell(cell);
+        const auto [i, j] = block.kind->edges[edge];
+        const Vector3 ends =
+            mesh.points.col(nodes[static_cast<std::size_t>(i)]) + mesh.points.col(nodes[static_cast<std::size_t>(j)]);
+        CHECK((2 * mesh.points.col(nodes[edge + 4]) - ends).norm() < 1e-9);
+      }
+  }
+}
+
+TEST_CASE("named groups of Gmsh and Abaqus are sets of points", "[mesh_file]") {
+  for (const std::string name : {"gmsh_groups_22.msh", "gmsh_groups_41.msh", "gmsh_groups_41_binary.msh"}) {
+    INFO(name);
+    const Mesh mesh = load_mesh(fixture_path(name));
+    REQUIRE(mesh.sets.size() == 3);
+    CHECK(mesh.sets.at("whole body").size() == 8);
+    const std::vector<int>& base = mesh.sets.at("base");
+    REQUIRE(base.size() == 4);
+    for (const int point : base) CHECK(mesh.points(2, point) == 0);
+    REQUIRE(mesh.sets.at("corner").size() == 1);
+    CHECK(mesh.points.col(mesh.sets.at("corner")[0]) == Vector3(0, 0, 0));
+  }
+  const Mesh inp =
+      read_mesh({"a.inp",
+                 "*NODE, NSET=ALL\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4, ELSET=BODY\n"
+                 "7,1,2,3,4\n*NSET, NSET=BASE, GENERATE\n1, 3, 1\n*NSET, NSET=TOP\n4,\n*ELSET, ELSET=E\n7\n"});
+  CHECK(inp.sets.at("BASE") == std::vector{0, 1, 2});
+  CHECK(inp.sets.at("TOP") == std::vector{3});
+  for (const char* all : {"ALL", "BODY", "E"}) CHECK(inp.sets.at(all) == std::vector{0, 1, 2, 3});
+}
+
+TEST_CASE("Nastran files in free, small and large fields", "[mesh_file]") {
+  const Mesh small =
+      read_mesh({"a.bdf",
+                 "SOL 101\nCEND\nBEGIN BULK\n$ a comment\nGRID    1               0.0     0.0     0.0\n"
+                 "GRID    2               1.5+0   0.0     0.0\nGRID    3               0.0     2.-0    0.0\n"
+                 "GRID    4               0.0     0.0     3.D0\nCTETRA  9       1       1       2       3       "
+                 "4\nENDDATA\n"});
+  const Mesh free = read_mesh({"a.bdf",
+                               "GRID,1,,0.,0.,0.\nGRID,2,,1.5,0.,0.\nGRID,3,,0.,2.,0.\nGRID,4,,0.,0.,3.\n"
+                               "CTETRA,9,1,1,2,3,4\n"});
+  const Mesh large = read_mesh({"a.nas",
+                                "GRID*                  1                              0.              0.*\n"
+                                "*                     0.\nGRID,2,,1.5,0.,0.\nGRID,3,,0.,2.,0.\nGRID,4,,0.,0.,3.\n"
+                                "CTETRA,9,1,1,2,3\n,4\n"});
+  for (const Mesh* mesh : {&small, &free, &large}) {
+    REQUIRE(mesh->tetrahedra.size() == 1);
+    CHECK(signed_volume(mesh->points, mesh->tetrahedra[0]) == Approx(1.5));
+  }
+}
+
+TEST_CASE("Nastran and I-DEAS files: what is wrong is told by line and column", "[mesh_file]") {
+  const std::string nodes = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n";
+  for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
+           {nodes + "CTETRA,9,1,1,2,3,5\n", "a.bdf:5:18: cell 9 uses node 5, which no GRID has"},
+           {nodes + "CTETRA,9,1,1,2,3\n", "a.bdf:5:8: CTETRA: expected 4 or 10 nodes, found 3"},
+           {nodes + "CQUAD4,9,1,1,2,3,4\n", "a.bdf:5:8: CQUAD4 is not used; allowed: CTETRA"},
+           {nodes + "GRID,4,,0.,0.,2.\n", "a.bdf:5:6: node 4 stands here a second time"},
+           {"GRID,1,,O.,0.,0.\n", "a.bdf:1:9: expected a coordinate, a finite number, found 'O.'"},
+           {"GRID,1,3,0.,0.,0.\n", "a.bdf:1:8: GRID: coordinates of the basic system alone are read"},
+           {nodes, "a.bdf: no tetrahedra and no triangles"}}) {
+    INFO(text);
+    CHECK_THAT(message_of({"a.bdf", text}), Catch::Matchers::StartsWith(message));
+  }
+  const std::string points =
+      "    -1\n  2411\n1 1 1 11\n0 0 0\n2 1 1 11\n1.D+00 0 0\n3 1 1 11\n0 1 0\n4 1 1 11\n0 0 1\n    -1\n";
+  for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
+           {points + "    -1\n  2412\n7 111 1 1 7 4\n1 2 3 5\n    -1\n",
+            "a.unv:15:7: cell 7 uses node 5, which no dataset before has"},
+           {points + "    -1\n  2412\n7 94 1 1 7 4\n1 2 3 4\n    -1\n",
+            "a.unv:14:1: cell 7 is of descriptor 94; allowed: "},
+           {points + "    -1\n  2412\n7 111 1 1 7 3\n1 2 3\n    -1\n",
+            "a.unv:14:1: a tetrahedron has 4 nodes, and this one 3"},
+           {points + "    -1\n  2412\n7 111 1 1 7 4\n1 2 3 4\n", "a.unv:15:8: expected -1, which ends a dataset"},
+           {"2411\n", "a.unv:1:1: expected -1, which begins a dataset"}}) {
+    INFO(text);
+    CHECK_THAT(message_of({"a.unv", text}), Catch::Matchers::StartsWith(message));
+  }
+  CHECK(read_mesh({"a.unv",
+                   points + "    -1\n   164\n 1 any words\n    -1\n    -1\n  2412\n7 111 1 1 7 4\n1 2 3 4\n    -1\n"})
+            .tetrahedra.size() == 1);
+}
+
 TEST_CASE("one tetrahedron in every dialect gives the same mesh", "[mesh_file]") {
   const Mesh one = read_mesh({"one.msh", one_41});
   REQUIRE(one.points == (Positions(3, 4) << 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1).finished());

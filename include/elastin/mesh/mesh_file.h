@@ -1,5 +1,7 @@
 #pragma once
+#include <map>
 #include <string>
+#include <vector>
 
 #include "elastin/core/model/body.h"
 
@@ -13,16 +15,20 @@ struct Mesh {
   /// All cells, where the file has others than tetrahedra or triangles of first order; then `triangles` and
   /// `tetrahedra` are the simplices that their nodes make, as in Body.
   std::vector<CellBlock> blocks;
+  /// Points, ascending, of the file's named groups: physical groups of Gmsh, *NSET and *ELSET of Abaqus.
+  std::map<std::string, std::vector<int>> sets = {};
   std::string comment;  ///< what was left out, e.g. "12 lines, 3 points and 4 unused points left out"; empty if nothing
 };
 
-/// Reads Gmsh .msh (2.2 and 4.1, ASCII and binary), legacy VTK .vtk (unstructured grid, ASCII and binary) and VTK XML
-/// .vtu (ASCII, base64 and raw appended, plain and zlib-compressed), and surfaces of triangles from .ply (ASCII and
+/// Reads Gmsh .msh (1, 2.2 and 4.1, ASCII and binary), legacy VTK .vtk (unstructured grid, ASCII and binary) and VTK
+/// XML .vtu (ASCII, base64 and raw appended, plain and zlib-compressed), and surfaces of triangles from .ply (ASCII and
 /// binary), .obj and .stl (corners at the same position are one point, in single precision; errors of the last two name
-/// the face), and Abaqus .inp (*NODE, *ELEMENT), chosen by the file's ending. Cells of the table of shapes are used;
-/// others (pyramids, quadrangles, prisms of second order) are refused by name; points, lines ignored. Throws InputError
-/// with file:line:column and what was expected: missing file, unknown ending or version, a truncated section, an index
-/// that names no point, a coordinate that is not finite, no triangle and no tetrahedron, a flat cell.
+/// the face), and Abaqus .inp (*NODE, *ELEMENT), Nastran .bdf or .nas (GRID,
+/// CTETRA, CHEXA, CPENTA, CTRIA3, CTRIA6) and I-DEAS .unv (datasets 2411 and 2412), chosen by the file's ending. Cells
+/// of the table of shapes are used; others (pyramids, quadrangles, prisms of second order) are refused by name; points,
+/// lines ignored. Throws InputError with file:line:column and what was expected: missing file, unknown ending or
+/// version, a truncated section, an index that names no point, a coordinate that is not finite, no triangle and no
+/// tetrahedron, a flat cell.
 Mesh load_mesh(const std::string& path);
 
 }  // namespace elastin::mesh

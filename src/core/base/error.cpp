@@ -21,6 +21,15 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return table[a.size()][b.size()];
 }
 
+/// Without capitals, and without the blanks, hyphens and underscores behind its first letter.
+std::string without_marks(std::string_view word) {
+  std::string letters;
+  for (const char letter : word)
+    if (letters.empty() || (letter != ' ' && letter != '-' && letter != '_'))
+      letters += letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
+  return letters;
+}
+
 }  // namespace
 
 std::string SourceLocation::text() const {
@@ -31,6 +40,8 @@ std::string SourceLocation::text() const {
 }
 
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates) {
+  for (const std::string& candidate : candidates)
+    if (!word.empty() && without_marks(candidate) == without_marks(word)) return candidate;
   std::string best;
   std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const std::string& candidate : candidates) {

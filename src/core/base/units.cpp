@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/unit_table.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin {
@@ -36,6 +37,8 @@ constexpr std::array kUnits{Unit{"m", 1, dimension::length, true},
                             Unit{"mmHg", 133.322387415, dimension::pressure, false},
                             Unit{"rad", 1, dimension::none, false},
                             Unit{"deg", std::numbers::pi / 180, dimension::none, false},
+                            Unit{"degree", std::numbers::pi / 180, dimension::none, false},
+                            Unit{"degrees", std::numbers::pi / 180, dimension::none, false},
                             Unit{"°", std::numbers::pi / 180, dimension::none, false},
                             Unit{"%", 1e-2, dimension::none, false}};
 constexpr std::array<std::pair<std::string_view, double>, 11> kPrefixes{{{"n", 1e-9},
@@ -50,6 +53,8 @@ constexpr std::array<std::pair<std::string_view, double>, 11> kPrefixes{{{"n", 1
                                                                          {"M", 1e6},
                                                                          {"G", 1e9}}};
 
+}  // namespace
+
 /// A unit's factor and dimension; names without prefix come first, so that "m" is metre and "min" minute.
 std::optional<std::pair<double, Dimension>> find_unit(std::string_view name) {
   for (const Unit& unit : kUnits)
@@ -62,9 +67,151 @@ std::optional<std::pair<double, Dimension>> find_unit(std::string_view name) {
   return std::nullopt;
 }
 
-std::string with_examples(std::string message, const Dimension& wanted) {
-  return std::move(message) + "; write " + (wanted == dimension::none ? "a number" : "a number and its unit") +
-         ", for example " + unit_examples(wanted);
+namespace {
+
+/// What is written out in words.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kUnitWords{{{"metre", "m"},
+                                                                                    {"meter", "m"},
+                                                                                    {"gramme", "g"},
+                                                                                    {"gram", "g"},
+                                                                                    {"second", "s"},
+                                                                                    {"sec", "s"},
+                                                                                    {"newton", "N"},
+                                                                                    {"pascal", "Pa"},
+                                                                                    {"joule", "J"},
+                                                                                    {"litre", "l"},
+                                                                                    {"liter", "l"},
+                                                                                    {"hertz", "Hz"},
+                                                                                    {"minute", "min"}}};
+constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kPrefixWords{{{"nano", "n"},
+                                                                                     {"micro", "u"},
+                                                                                     {"milli", "m"},
+                                                                                     {"centi", "c"},
+                                                                                     {"hecto", "h"},
+                                                                                     {"kilo", "k"},
+                                                                                     {"mega", "M"},
+                                                                                     {"giga", "G"}}};
+/// Units that are not read, with what one of them is.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kForeignUnits{{{"psi", "6.8948 kPa"},
+                                                                                       {"ksi", "6.8948 MPa"},
+                                                                                       {"atm", "101.325 kPa"},
+                                                                                       {"Torr", "133.32 Pa"},
+                                                                                       {"cmH2O", "98.067 Pa"},
+                                                                                       {"in", "25.4 mm"},
+                                                                                       {"inch", "25.4 mm"},
+                                                                                       {"ft", "0.3048 m"},
+                                                                                       {"lb", "0.45359 kg"},
+                                                                                       {"lbf", "4.4482 N"},
+                                                                                       {"kgf", "9.8067 N"},
+                                                                                       {"dyn", "10 uN"},
+                                                                                       {"h", "3600 s"}}};
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& letter : lower)
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  return lower;
+}
+
+/// "kPa" of "kilopascals"; "" where the word is none that is known.
+std::string abbreviated(std::string_view name) {
+  std::string word = lower_case(name);
+  if (word.size() > 3 && word.ends_with('s')) word.pop_back();
+  for (const auto& [unit, symbol] : kUnitWords) {
+    if (!word.ends_with(unit)) continue;
+    const std::string_view before = std::string_view(word).substr(0, word.size() - unit.size());
+    if (before.empty()) return std::string(symbol);
+    for (const auto& [prefix, letter] : kPrefixWords)
+      if (before == prefix) return std::string(letter) + std::string(symbol);
+  }
+  return "";
+}
+
+/// The unit with other capitals that has the wanted dimension; "" where there is none. Of several, the one of k, M, G.
+std::string with_other_capitals(std::string_view name, const Dimension& wanted) {
+  std::string found;
+  for (const Unit& unit : kUnits) {
+    if (unit.dimension != wanted) continue;
+    if (lower_case(unit.name) == lower_case(name)) found = unit.name;
+    for (const auto& [prefix, factor] : kPrefixes)
+      if (unit.prefixed && lower_case(std::string(prefix) + std::string(unit.name)) == lower_case(name))
+        found = std::string(prefix) + std::string(unit.name);
+  }
+  return found;
+}
+
+/// "; did you mean 'kPa'?" or what the unit is in others; "" where nothing is known of it.
+std::string hint_of_unit(std::string_view name, const Dimension& wanted) {
+  for (const auto& [foreign, is] : kForeignUnits)
+    if (foreign == name) return "; 1 " + std::string(foreign) + " is " + std::string(is);
+  std::string meant = abbreviated(name);
+  if (meant.empty()) meant = with_other_capitals(name, wanted);
+  while (meant.empty() && !name.empty() && (name.back() == '.' || name.back() == ',' || name.back() == ';')) {
+    name.remove_suffix(1);
+    if (find_unit(name)) meant = name;
+  }
+  return meant.empty() ? "" : "; did you mean '" + meant + "'?";
+}
+
+bool is_digit(char letter) { return letter >= '0' && letter <= '9'; }
+
+/// A number that was written as other programs and languages do: with a decimal comma, marks between thousands, a power
+/// of ten, a sum of several. What it should be, or "".
+std::string hint_of_number(std::string_view text) {
+  const std::size_t begin = text.find_first_of("0123456789");
+  if (begin == std::string_view::npos) return "";
+  if (begin > 0 && text.find_first_of("<>~=") < begin)
+    return "write the number alone: " + std::string(text.substr(begin));
+  std::size_t end = begin;  // of the digits, points and marks
+  std::string digits;
+  int commas = 0, points = 0, marks = 0;
+  const auto digits_from = [&](std::size_t at) {
+    return std::min(text.find_first_not_of("0123456789", at), text.size()) - at;
+  };
+  for (; end < text.size(); ++end) {
+    const char letter = text[end];
+    const std::size_t next = digits_from(end + 1);
+    const bool mark = (letter == ' ' || letter == '\'' || letter == '_') && next == 3;  // between thousands
+    if (!is_digit(letter) && !mark && !((letter == ',' || letter == '.') && next > 0)) break;
+    if (!mark) digits += letter;
+    marks += mark, commas += letter == ',', points += letter == '.';
+  }
+  const std::string rest(text.substr(end)), sign(text.substr(0, begin));
+  const auto without = [](std::string from, char mark) {
+    std::erase(from, mark);
+    return from;
+  };
+  if (commas == 1 && points == 0 && marks == 0) {
+    std::string point = digits;
+    point[point.find(',')] = '.';
+    const bool thousands = digits.size() - digits.find(',') == 4 && digits.find(',') < 4;
+    return "a decimal point is needed where a comma stands: write " + sign + point + rest +
+           (thousands ? ", or " + sign + without(digits, ',') + rest + " if thousands are meant" : "");
+  }
+  if (commas + marks > 0) return "thousands are not set apart: write " + sign + without(digits, ',') + rest;
+  for (const char* power : {"*10^", " * 10^", "x10^", " x 10^", "·10^", " · 10^", "×10^", " × 10^", "*10**", " 10^"})
+    if (rest.starts_with(power)) {
+      std::string exponent = rest.substr(std::string_view(power).size());
+      if (exponent.starts_with('+')) exponent.erase(0, 1);
+      return "write " + sign + digits + "e" + exponent;
+    }
+  if (rest.size() > 1 && (rest[0] == '/' || rest[0] == '*') && is_digit(rest[1])) {
+    const std::size_t unit = std::min(rest.find_first_not_of("0123456789.", 1), rest.size());
+    return "a formula begins with =: write = " + sign + digits + rest.substr(unit) + " " + rest[0] + " " +
+           rest.substr(1, unit - 1);
+  }
+  if (rest.starts_with(" - ") || rest.starts_with(" to ") || rest.starts_with("..") || rest.starts_with(" ± ") ||
+      rest.starts_with(" +- ") || rest.starts_with("±"))
+    return "one number is needed, not a range";
+  if (const std::size_t bracket = rest.find(" ("); bracket != std::string::npos)
+    return "what is said about a value is a comment: write " + sign + digits + rest.substr(0, bracket) + "  #" +
+           rest.substr(bracket);
+  return "";
+}
+
+std::string with_examples(const std::string& message, const Dimension& wanted) {
+  return message + (message.ends_with('?') ? " Write " : "; write ") +
+         (wanted == dimension::none ? "a number" : "a number and its unit") + ", for example " + unit_examples(wanted);
 }
 
 /// Value and dimension of "kg/m^3", "N s/m", "cm2": factors joined by blanks, '*' or '·', '/' turns the next one over.
@@ -74,7 +221,7 @@ std::pair<double, Dimension> parse_unit(std::string_view text, const Dimension& 
   int sign = 1;
   std::size_t at = 0;
   const auto unknown = [&](std::string_view name) {
-    return InputError(with_examples("unknown unit '" + std::string(name) + "'", wanted));
+    return InputError(with_examples("unknown unit '" + std::string(name) + "'" + hint_of_unit(name, wanted), wanted));
   };
   while (at < text.size()) {
     if (text[at] == ' ' || text[at] == '*' || text.substr(at, 2) == "·") {
@@ -127,17 +274,38 @@ std::from_chars_result read_number(std::string_view text, double& number) {
 
 }  // namespace
 
-Quantity parse_quantity(std::string_view text, const Dimension& wanted) {
+namespace {
+
+/// Blanks of other widths and the minus sign of printed text stand for those of a keyboard.
+std::string with_plain_signs(std::string text) {
+  for (const auto& [sign, plain] : {std::pair<std::string_view, std::string_view>{"\u00a0", " "},
+                                    {"\u202f", " "},
+                                    {"\u2009", " "},
+                                    {"\u2212", "-"}})
+    for (std::size_t at = 0; (at = text.find(sign, at)) != std::string::npos;) text.replace(at, sign.size(), plain);
+  return text;
+}
+
+}  // namespace
+
+Quantity parse_quantity(std::string_view given, const Dimension& wanted) {
+  const std::string plain = with_plain_signs(std::string(given));
+  std::string_view text = plain;
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
   while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
   const bool plus = text.starts_with('+') && !text.starts_with("+-");
   double number = 0;
   const auto [end, problem] = read_number(text.substr(plus), number);
+  const std::string hint = hint_of_number(text);
+  const auto refuse = [&](const std::string& message) {
+    return InputError(with_examples(message + (hint.empty() ? "" : "; " + hint), wanted));
+  };
   if (problem != std::errc() || !std::isfinite(number))
-    throw InputError(with_examples("'" + std::string(text) + "' does not start with a finite number", wanted));
+    throw refuse("'" + std::string(text) + "' does not start with a finite number");
   std::string_view unit = text.substr(static_cast<std::size_t>(end - text.data()));
   while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
   if (unit.empty()) return {number, false};
+  if (!hint.empty()) throw refuse("'" + std::string(text) + "' is not one number and its unit");
   const auto [factor, dimension] = parse_unit(unit, wanted);
   if (dimension != wanted)
     throw InputError(with_examples("'" + std::string(unit) + "' cannot be converted to " +

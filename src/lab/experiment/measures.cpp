@@ -22,6 +22,7 @@ const std::vector<MeasureInfo>& measure_list() {
       {"force", force, "F on the loaded end, along the axis (negative in compression) or the shear"},
       {"axial_force", force, "force of shear or torsion along the axis; positive = the plate pulls the body up"},
       {"stress", pressure, "F / A; true stress of a bubble as a spherical cap that keeps its volume"},
+      {"stress_across", pressure, "nominal stress along the second direction of biaxial and planar tension"},
       {"strain", none, "dl / l0; shear: lateral displacement / height; bubble: stretch - 1"},
       {"lateral_strain", none, "mean in-plane strain of the molecules at mid height"},
       {"torque", dimension::energy, "about the axis, on the turned end", {}, "N m"},

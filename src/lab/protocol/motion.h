@@ -61,8 +61,8 @@ struct ParachuteSetup {
 std::unique_ptr<TimedProtocol> make_parachute(const Body& body, const ParachuteSetup& setup);
 
 /// Natural frequencies of a body held as an experiment at rest says, or free, about its equilibrium under the scene's
-/// own loads. At rest: it takes no time.
+/// own loads and, if `loaded`, the fixture's. At rest: it takes no time.
 std::unique_ptr<StaticProtocol> make_vibration(const Body& body, std::unique_ptr<const StaticProtocol> fixture,
-                                               int count);
+                                               int count, bool loaded = false);
 
 }  // namespace elastin::lab

@@ -1,5 +1,6 @@
 #include "lab/protocol/tension.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 #include "lab/experiment/section.h"
+#include "lab/protocol/supported.h"
 
 namespace elastin::lab {
 namespace {
@@ -30,6 +32,10 @@ class Tension final : public StaticProtocol {
     const Points2 seen = plane_.transpose() * body.rest;
     choose_corner(seen);
     choose_gauge(height_.minCoeff());
+    if (setup.strain) {
+      setup_.displacement = *setup.strain * (mean_height(loaded_, share_) - mean_height(fixed_, fixed_share_));
+      setup_.strain.reset();
+    }
     choose_section();
     choose_middle((height_.minCoeff() + height_.maxCoeff()) / 2);
     for (const Part& part : body.parts)
@@ -216,11 +222,17 @@ class Tension final : public StaticProtocol {
       positions.row(i) << (plane_.transpose() * body_.rest.col(molecule)).transpose(), 1;
       moves.row(i) = (plane_.transpose() * motion.col(molecule)).transpose();
     }
-    if (count < 3) return std::numeric_limits<double>::quiet_NaN();
+    if (count < 2) return std::numeric_limits<double>::quiet_NaN();
     const Eigen::RowVector2d middle = positions.leftCols<2>().colwise().mean();
     positions.leftCols<2>().rowwise() -= middle;
     const Eigen::Matrix2d spread = positions.leftCols<2>().transpose() * positions.leftCols<2>();
-    if (!(spread.determinant() > 1e-12 * std::pow(spread.trace(), 2))) return std::numeric_limits<double>::quiet_NaN();
+    if (!(spread.determinant() > 1e-12 * std::pow(spread.trace(), 2))) {  // a sheet: they lie in a line
+      if (!(spread.trace() > 0)) return std::numeric_limits<double>::quiet_NaN();
+      const Eigen::Vector2d line = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvectors().col(1);
+      const Eigen::Vector2d slope =
+          moves.transpose() * positions.leftCols<2>() * line / spread.trace();  // of the motion along the line
+      return small ? slope.dot(line) : (line + slope).norm() - 1;
+    }
     const Eigen::Matrix2d gradient = spread.inverse() * positions.leftCols<2>().transpose() * moves;
     const double sum = gradient.trace(), turn = small ? 0 : gradient(0, 1) - gradient(1, 0);
     return (sum * (4 + sum) + turn * turn) / (2 * (std::hypot(2 + sum, turn) + 2));
@@ -362,7 +374,7 @@ std::unique_ptr<StaticRig> Tension::static_rig(Model& model) const {
 }  // namespace
 
 const TensionSetup* tension_setup(const Protocol& experiment) {
-  const auto* tension = dynamic_cast<const Tension*>(&experiment);
+  const auto* tension = dynamic_cast<const Tension*>(&without_supports(experiment));
   return tension ? &tension->setup() : nullptr;
 }
 

@@ -15,6 +15,8 @@ struct TensionSetup {
   Vector3 axis = Vector3::UnitZ();
   std::optional<double> force;         ///< [N] on the loaded end, as dead forces; negative = compression
   std::optional<double> displacement;  ///< [m] of the loaded end, the other way to load; negative = compression
+  /// The displacement over the distance of the ends' molecules, in place of it; negative = compression
+  std::optional<double> strain;
   Grip fixed_grip = Grip::sliding, loaded_grip = Grip::sliding;
   LoadSharing sharing = LoadSharing::area;
   Reading reading = Reading::mean;

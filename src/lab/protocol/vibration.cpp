@@ -6,11 +6,15 @@ namespace {
 
 class Vibration final : public StaticProtocol {
  public:
-  Vibration(std::unique_ptr<const StaticProtocol> fixture, int count) : fixture_(std::move(fixture)), count_(count) {}
+  Vibration(std::unique_ptr<const StaticProtocol> fixture, int count, bool loaded)
+      : fixture_(std::move(fixture)), count_(count), loaded_(loaded) {}
 
   std::string name() const override { return "vibration"; }
   std::unique_ptr<StaticRig> static_rig(Model& model) const override;
   const StaticProtocol* calibration() const override { return fixture_.get(); }
+  bool stiffened_by_load() const override { return loaded_; }
+  int load_steps() const override { return loaded_ ? fixture_->load_steps() : 1; }
+  double load_factor(int step) const override { return loaded_ ? fixture_->load_factor(step) : 1; }
 
   std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {
     return {{"frequency_1"}, {"frequency_2"}, {"frequency_3"}, {"frequency_4"}};
@@ -20,18 +24,22 @@ class Vibration final : public StaticProtocol {
   friend class VibrationRig;
   std::unique_ptr<const StaticProtocol> fixture_;
   int count_;
+  bool loaded_;  ///< about the equilibrium under the fixture's load
 };
 
 class VibrationRig final : public StaticRig {
  public:
-  /// The fixture's own load stays away: what it holds is held.
+  /// What the fixture holds is held; its load stays away until set_load, if it counts at all.
   VibrationRig(const Vibration& protocol, Model& model) : protocol_(protocol), model_(model) {
     if (!protocol_.fixture_) return;
     fixture_ = protocol_.fixture_->static_rig(model);
     fixture_->set_load(0);
   }
 
-  void set_load(double) override {}
+  void set_load(double factor) override {
+    if (protocol_.loaded_) fixture_->set_load(factor);
+  }
+  double longest_step() const override { return protocol_.loaded_ ? fixture_->longest_step() : 1; }
 
   Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
     const Vibrations found = find_vibrations(model_, state, protocol_.count_);
@@ -58,8 +66,9 @@ std::unique_ptr<StaticRig> Vibration::static_rig(Model& model) const {
 
 }  // namespace
 
-std::unique_ptr<StaticProtocol> make_vibration(const Body&, std::unique_ptr<const StaticProtocol> fixture, int count) {
-  return std::make_unique<Vibration>(std::move(fixture), count);
+std::unique_ptr<StaticProtocol> make_vibration(const Body&, std::unique_ptr<const StaticProtocol> fixture, int count,
+                                               bool loaded) {
+  return std::make_unique<Vibration>(std::move(fixture), count, loaded);
 }
 
 }  // namespace elastin::lab

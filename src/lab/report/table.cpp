@@ -182,6 +182,7 @@ std::string with_prefix(double value, const std::string& unit, int digits) {
   // Prefixes fit units that stand alone: not m^2 or kg/m^3.
   if (unit != "m" && unit != "Pa" && unit != "N" && unit != "J" && unit != "N/m" && unit != "N m")
     return fmt::format("{:.{}g} {}", value, digits, unit);
+  if (std::abs(value) >= 1e15) return fmt::format("{:.{}g} {}", value, digits, unit);
   static constexpr std::pair<double, const char*> prefixes[]{{1e9, "G"},  {1e6, "M"},  {1e3, "k"}, {1, ""},
                                                              {1e-3, "m"}, {1e-6, "µ"}, {1e-9, "n"}};
   for (const auto& [factor, prefix] : prefixes)

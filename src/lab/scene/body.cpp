@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "elastin/core/shapes/arrays.h"
@@ -7,6 +9,7 @@
 #include "elastin/hull/delaunay.h"
 #include "elastin/mesh/mesh_file.h"
 #include "lab/scene/parts.h"
+#include "lab/scene/pick.h"
 
 namespace elastin::lab {
 namespace {
@@ -37,10 +40,10 @@ std::optional<double> read_reach(std::optional<Reader> connections) {
 using Order = std::optional<Reader>;
 
 Body read_lattice(Reader reader, Order& order) {
-  order = reader.find("order");
   enum class Kind { cubic, body_centred, face_centred };
   const Kind kind = reader.at("kind").choice<Kind>(
       {{"cubic", Kind::cubic}, {"body_centred", Kind::body_centred}, {"face_centred", Kind::face_centred}});
+  order = reader.find("order");
   const Reader spacings = reader.at("spacing");  // one for all directions, or [x, y, z]
   const bool equal = spacings.is_text();
   const double spacing = equal ? spacings.quantity(dimension::length, kPositive) : 1;
@@ -77,9 +80,9 @@ Body read_packing(Reader reader) {
 }
 
 Body read_tetrahedra(Reader reader, Order& order) {
-  order = reader.find("order");
   const BlockKind kind = reader.at("kind").choice<BlockKind>(
       {{"kuhn", BlockKind::kuhn}, {"alternating", BlockKind::alternating}, {"body_centred", BlockKind::body_centred}});
+  order = reader.find("order");
   const auto cubes = read_counts(reader.at("cubes"), 2);
   const Vector3 size = reader.at("size").vector(dimension::length, kPositive);
   reader.finish();
@@ -87,8 +90,9 @@ Body read_tetrahedra(Reader reader, Order& order) {
 }
 
 Body read_mesh(Reader reader, Order& order) {
-  order = reader.find("order");
   mesh::Mesh mesh = read_mesh_file(reader);
+  order = reader.find("order");
+  reader.set_mesh_sets(std::move(mesh.sets));
   reader.finish();
   Body body;
   body.rest = std::move(mesh.points);
@@ -179,8 +183,20 @@ Body read_shape(Reader& reader, VectorX& volumes, Order& order, Remarks remarks)
 void read_grade(Reader reader, Body& body) {
   const int axis = reader.at("axis").choice<int>({{"x", 0}, {"y", 1}, {"z", 2}});
   const double ratio = reader.at("ratio").quantity(dimension::none, {0.01, 100});
+  const auto ends = reader.find("ends");
+  const bool both = ends && ends->choice<bool>({{"one", false}, {"both", true}});
   reader.finish();
-  grade(body, axis, ratio);
+  if (!both) return grade(body, axis, ratio);
+  // The half beyond the middle is the mirror image of the other, which is graded as a body of its own would be.
+  const double low = body.rest.row(axis).minCoeff(), length = body.rest.row(axis).maxCoeff() - low;
+  const double growth = std::log(ratio);
+  if (!(length > 0) || growth == 0) return;
+  for (double& position : body.rest.row(axis)) {
+    const double at = 2 * (position - low) / length - 1, depth = 1 - std::abs(at);
+    const double graded = std::expm1(growth * depth) / std::expm1(growth);
+    position = low + length * (1 + std::copysign(1 - graded, at)) / 2;
+  }
+  set_present_lengths(body);
 }
 
 /// cells: delaunay. The sides that are no connections of the body's own become sides of cells only; all of them its
@@ -207,8 +223,43 @@ void choose_order(const Reader& reader, Body& body, VectorX& volumes) {
   volumes.resize(0);
 }
 
-/// {from: [x, y, z], to: [x, y, z], stiffness: 1e6, mass: 10}
+/// Gives what lies between picked molecules alone other stiffness, and these other mass.
+void set_picked_region(Body& body, const std::vector<int>& molecules, double stiffness, double mass) {
+  const auto picked = [&](int molecule) { return std::binary_search(molecules.begin(), molecules.end(), molecule); };
+  const auto set = [&](std::ptrdiff_t count, const auto& molecules_of_member, VectorX& factors) {
+    if (factors.size() == 0) factors = VectorX::Ones(count);
+    for (std::ptrdiff_t member = 0; member < count; ++member) {
+      const auto& corners = molecules_of_member(member);
+      if (std::all_of(corners.begin(), corners.end(), picked)) factors[member] = stiffness;
+    }
+  };
+  const auto set_cells = [&](const auto& cells, VectorX& factors) {
+    set(
+        static_cast<std::ptrdiff_t>(cells.size()),
+        [&](std::ptrdiff_t cell) -> const auto& { return cells[static_cast<std::size_t>(cell)]; }, factors);
+  };
+  set_cells(body.connections.ends, body.connection_stiffness);
+  body.tetrahedra.empty() ? set_cells(body.triangles, body.cell_stiffness)
+                          : set_cells(body.tetrahedra, body.cell_stiffness);
+  for (CellBlock& block : body.blocks)
+    set(
+        block.size(), [&](std::ptrdiff_t cell) { return block.cell(static_cast<int>(cell)); }, block.stiffness);
+  for (const int molecule : molecules) body.mass[molecule] *= mass;
+}
+
+/// {from: [x, y, z], to: [x, y, z], stiffness: 1e6, mass: 10}, or {molecules: …, stiffness: 1e6}
 void read_region(Reader reader, Body& body) {
+  const auto molecules = reader.find("molecules");
+  if (molecules) {
+    std::vector<int> picked = read_molecules(*molecules, body, Matrix3::Identity());
+    std::sort(picked.begin(), picked.end());
+    const auto stiffness = reader.find("stiffness"), mass = reader.find("mass");
+    reader.finish();
+    const auto factor = [](const std::optional<Reader>& value) {
+      return value ? value->quantity(dimension::none, {1e-12, 1e12, false}) : 1;
+    };
+    return set_picked_region(body, picked, factor(stiffness), factor(mass));
+  }
   const Reader to = reader.at("to");
   const Vector3 low = reader.at("from").vector(dimension::length), high = to.vector(dimension::length);
   const auto factor = [&](const char* key) {
@@ -241,9 +292,11 @@ mesh::Mesh read_mesh_file(Reader& reader) {
   const Reader file = reader.at("file");
   const double unit =
       reader.at("length_unit").choice<double>({{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}});
-  const std::string path = (std::filesystem::path(reader.file_path()).parent_path() / file.text()).string();
+  const std::string path = (std::filesystem::path(file.file_path()).parent_path() / file.text()).string();
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) file.fail("'" + file.text() + "': " + missing_file(path));
+  if (!std::filesystem::exists(path, ignored))
+    file.fail("'" + file.text() + "': " + missing_file(path) +
+              (file.text().find('\\') != std::string::npos ? "; folders are set apart by /" : ""));
   try {
     mesh::Mesh mesh = mesh::load_mesh(path);
     mesh.points *= unit;
@@ -303,11 +356,15 @@ std::vector<KeySection> body_keys() {
         {"jitter.seed", "whole", "", "≥ 0", "1", "seed of the random numbers"},
         {"grade", "map, or list of maps", "", "", "none", "lets the spacing grow along an axis"},
         {"grade.axis", "`x`, `y`, `z`", "", "", "needed", "the axis"},
-        {"grade.ratio", "number", "", "0.01 … 100", "needed", "spacing at the far end over that at the near end"},
+        {"grade.ratio", "number", "", "0.01 … 100", "needed",
+         "spacing at the far end over that at the near end; with `ends: both` in the middle over that at both ends"},
+        {"grade.ends", "`one`, `both`", "", "", "`one`", "whether the spacing grows from one end, or from both"},
         {"cells", "`delaunay`", "", "", "none", "tetrahedra between the molecules, which fill the convex hull"},
         {"regions", "list of maps", "", "", "none", "boxes of other stiffness or mass; not with `curve` or `fibre`"},
-        {"regions.from", "vector", "m", "", "needed", "lowest corner of the box"},
-        {"regions.to", "vector", "m", "", "needed", "highest corner of the box"},
+        {"regions.from", "vector", "m", "", "needed, or `molecules`", "lowest corner of the box"},
+        {"regions.to", "vector", "m", "", "needed, or `molecules`", "highest corner of the box"},
+        {"regions.molecules", "list of molecules, or [pick](#picked-molecules)", "", "0 … last molecule",
+         "needed, or `from` and `to`", "the region is what lies between these alone"},
         {"regions.stiffness", "number", "", "1e-12 … 1e+12", "1", "factor of the material's stiffness"},
         {"regions.mass", "number", "", "1e-12 … 1e+12", "1", "factor of the material's mass"},
         {"lines", "map", "", "", "none", "a load that hangs on cables from a body of triangles"},
@@ -348,7 +405,7 @@ std::vector<KeySection> body_keys() {
        "",
        "Shape `mesh`, cells from a file: triangles, tetrahedra, prisms, hexahedra, of first or second order:",
        {{"file", "file beside the scene", "", "", "needed",
-         "`.msh` 2.2 and 4.1, `.vtk`, `.vtu`, `.inp`, `.stl`, `.obj`, `.ply`"},
+         "`.msh` 1, 2.2 and 4.1, `.vtk`, `.vtu`, `.inp`, `.bdf`, `.unv`, `.stl`, `.obj`, `.ply`"},
         {"length_unit", kLengthUnits, "", "", "needed", "unit of the file's coordinates"},
         order}},
       {"body",

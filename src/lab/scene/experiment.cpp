@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "lab/protocol/bending.h"
+#include "lab/protocol/biaxial.h"
 #include "lab/protocol/homogenisation.h"
 #include "lab/protocol/hydrostatic.h"
 #include "lab/protocol/inflation.h"
@@ -51,7 +52,9 @@ double read_angle(const Reader& value, const Range& range = {}) { return not_zer
 std::unique_ptr<Protocol> read_bar(Reader reader, const ExperimentContext& context, bool compression) {
   TensionSetup setup;
   setup.axis = read_axis(reader, setup.axis, context);
-  const auto force = reader.find("force"), displacement = reader.find("displacement");
+  const auto force = reader.find("force"), displacement = reader.find("displacement"), strain = reader.find("strain");
+  if (displacement && displacement->is_text() && displacement->text().ends_with('%'))
+    displacement->fail("'" + displacement->text() + "' is no length; write strain: " + displacement->text());
   const auto load = [&](const Reader& value, const Dimension& dimension) {
     const double amount = value.quantity(dimension);
     if (amount == 0) value.fail("a load of zero stretches nothing: no modulus can be measured");
@@ -62,6 +65,8 @@ std::unique_ptr<Protocol> read_bar(Reader reader, const ExperimentContext& conte
   };
   if (force) setup.force = load(*force, dimension::force);
   if (displacement) setup.displacement = load(*displacement, dimension::length);
+  if (strain) setup.strain = load(*strain, dimension::none);
+  if (strain && *setup.strain <= -1) strain->fail("'" + strain->text() + "' leaves nothing of the body's length");
   const std::vector<std::pair<std::string, Grip>> grips{{"clamped", Grip::clamped}, {"sliding", Grip::sliding}};
   if (auto grip = reader.find("fixed_grip")) setup.fixed_grip = grip->choice(grips);
   if (auto grip = reader.find("loaded_grip")) setup.loaded_grip = grip->choice(grips);
@@ -88,7 +93,10 @@ std::unique_ptr<Protocol> read_bar(Reader reader, const ExperimentContext& conte
   setup.thickness = context.material.thickness;
   reader.finish();
   if (force && displacement) displacement->fail("there is a force already; give one of them");
-  if (!force && !displacement) reader.fail("give a force or a displacement");
+  if ((force || displacement) && strain)
+    strain->fail(std::string("there is a ") + (force ? "force" : "displacement") + " already; give one of them");
+  if (!force && !displacement && !strain)
+    reader.fail("give a force or a displacement, or a strain, for example strain: 10 %");
   return reader.located([&] { return make_tension(context.body, setup); });
 }
 
@@ -98,6 +106,39 @@ std::unique_ptr<Protocol> read_tension(Reader& reader, const ExperimentContext& 
 
 std::unique_ptr<Protocol> read_compression(Reader& reader, const ExperimentContext& context) {
   return read_bar(reader, context, true);
+}
+
+/// Of biaxial tension two strains or one for both; of planar tension the second is 0.
+std::unique_ptr<Protocol> read_two_axes(Reader& reader, const ExperimentContext& context, bool planar) {
+  BiaxialSetup setup;
+  const auto axis = reader.find("axis"), across = reader.find("across");
+  setup.first = context.rotation * (axis ? read_direction(*axis) : setup.first);
+  setup.second = across ? read_across(*across, setup.first, context) : Vector3(context.rotation * setup.second);
+  if (std::abs(setup.first.dot(setup.second)) > 1e-6)
+    (across ? *across : *axis).fail("must be perpendicular to the other axis; give both `axis` and `across`");
+  const Reader strain = reader.at("strain");
+  const Range range{-1, 100, true};
+  if (planar || strain.is_text()) {
+    setup.first_strain = read_amount(strain, dimension::none, range);
+    setup.second_strain = planar ? 0 : setup.first_strain;
+  } else {
+    const auto both = strain.items(2);
+    setup.first_strain = read_amount(both[0], dimension::none, range);
+    setup.second_strain = both[1].quantity(dimension::none, range);
+  }
+  setup.thickness = context.material.thickness;
+  setup.grip_depth = read_depth(reader);
+  setup.load_steps = read_steps(reader);
+  reader.finish();
+  return reader.located([&] { return make_biaxial(context.body, setup, planar ? "planar" : "biaxial"); });
+}
+
+std::unique_ptr<Protocol> read_biaxial(Reader& reader, const ExperimentContext& context) {
+  return read_two_axes(reader, context, false);
+}
+
+std::unique_ptr<Protocol> read_planar(Reader& reader, const ExperimentContext& context) {
+  return read_two_axes(reader, context, true);
 }
 
 std::unique_ptr<Protocol> read_shear(Reader reader, const ExperimentContext& context) {
@@ -196,8 +237,10 @@ const SceneKey kSectionKey{
 std::vector<SceneKey> tension_keys() {
   const std::string grip = "whether the end is also fixed sideways";
   return {{"axis", "direction", "", "", "`z`", "axis of the bar, from the fixed end to the loaded one"},
-          {"force", "quantity", "N", "", "needed, or `displacement`", "force on the loaded end; not 0"},
-          {"displacement", "quantity", "m", "", "needed, or `force`", "displacement of the loaded end; not 0"},
+          {"force", "quantity", "N", "", "one of three needed", "force on the loaded end; not 0"},
+          {"displacement", "quantity", "m", "", "one of three needed", "displacement of the loaded end; not 0"},
+          {"strain", "number", "", "", "one of three needed",
+           "that displacement over the distance of the end layers; not 0"},
           {"fixed_grip", "`clamped`, `sliding`", "", "", "`sliding`", grip},
           {"loaded_grip", "`clamped`, `sliding`", "", "", "`sliding`", grip},
           {"load_sharing", "`area`, `molecules`", "", "", "`area`",
@@ -217,6 +260,8 @@ std::vector<SceneKey> tension_keys() {
 
 std::vector<ExperimentInfo> static_experiments() {
   const SceneKey axis{"axis", "direction", "", "", "`z`", "axis of the body, from the fixed end to the loaded one"};
+  const SceneKey along{"axis", "direction", "", "", "`x`", "first direction, in which the body is stretched"};
+  const SceneKey across{"across", "direction", "", "", "`y`", "second direction, perpendicular to it"};
   return {
       {.name = "tension",
        .summary = "a bar is pulled along its axis: effective modulus, Poisson's ratio, stress–strain curve",
@@ -228,6 +273,25 @@ std::vector<ExperimentInfo> static_experiments() {
        .source = "",
        .keys = tension_keys(),
        .read = read_compression},
+      {.name = "biaxial",
+       .summary = "a block or sheet is stretched along two directions between smooth grips, free along the third",
+       .source = "Timoshenko & Goodier 1970, section 6",
+       .keys = {along,
+                across,
+                {"strain", "number, or two numbers", "", "> −1 … 100", "needed",
+                 "nominal strain along both, or along each; the first is not 0"},
+                kDepthKey,
+                kStepsKey},
+       .read = read_biaxial},
+      {.name = "planar",
+       .summary = "a block or sheet is stretched along one direction and keeps its width along another: pure shear",
+       .source = "Timoshenko & Goodier 1970, section 6",
+       .keys = {along,
+                across,
+                {"strain", "number", "", "> −1 … 100", "needed", "nominal strain along `axis`; not 0"},
+                kDepthKey,
+                kStepsKey},
+       .read = read_planar},
       {.name = "shear",
        .summary = "planes across the axis slide along a direction, at constant height: shear modulus",
        .source = "",

@@ -6,6 +6,7 @@
 #include "elastin/core/base/error.h"
 #include "lab/scene/experiments.h"
 #include "lab/scene/keys.h"
+#include "lab/scene/other_names.h"
 
 namespace elastin::lab {
 namespace {
@@ -43,7 +44,7 @@ const ExperimentInfo& ExperimentCatalog::find(const std::string& name) const {
     if (info.name == name) return info;
     names.push_back(info.name);
   }
-  throw InputError("'" + name + "' is not known here" + suggestion(name, names));
+  throw InputError("'" + name + "' is not known here" + suggested_word(name, names));
 }
 
 ExperimentCatalog built_in_experiments() {

@@ -60,7 +60,7 @@ DataTest read_test(Reader reader, bool relative) {
     if (auto ramp = reader.find("ramp")) test.ramp = ramp->quantity(dimension::time, kNotNegative);
   } else if (!test.kind->homogeneous) {
     if (auto scene = reader.find("scene")) test.scene = beside(*scene);
-    if (test.scene.empty()) test.scene = reader.file_path();
+    if (test.scene.empty()) test.scene = reader.scene_path();
   }
   reader.finish();
   return test;
@@ -152,6 +152,7 @@ const std::vector<DataTestKind>& data_test_kinds() {
 IdentifyTask load_identify_task(const std::string& path, const Catalog& catalog,
                                 const std::vector<std::string>& overrides, KeyUses* uses) {
   Reader reader = open_scene_file(path, overrides, kMostMolecules, uses);
+  read_preamble(reader);
   IdentifyTask task;
   task.path = path;
   task.name = std::filesystem::path(path).stem().string();

@@ -7,6 +7,7 @@
 #include "elastin/core/base/units.h"
 #include "lab/scene/identify.h"
 #include "lab/scene/parts.h"
+#include "lab/scene/pick.h"
 
 namespace elastin::lab {
 namespace {
@@ -77,7 +78,7 @@ SceneKey key_of(const ParameterInfo& info, const std::string& owner) {
       key.type = "direction";
       break;
     case ValueKind::molecules:
-      key.type = "list of molecules";
+      key.type = "list of molecules, or [pick](#picked-molecules)";
       key.range = "0 … last molecule";
       break;
   }
@@ -89,10 +90,26 @@ std::vector<KeySection> key_sections(const Catalog& catalog, const ExperimentCat
   std::vector<KeySection> all;
   for (const auto& sections :
        {scene_keys(), body_keys(), surface_keys(), fill_keys(), bodies_keys(), material_keys(catalog),
-        strategy_keys(catalog), experiment_sections(experiments), gas_keys(), time_keys(catalog), load_keys(catalog),
-        initial_keys(), contact_keys(), solver_keys(catalog), expectation_keys(), study_keys(), identify_keys()})
+        strategy_keys(catalog), experiment_sections(experiments), gas_keys(), support_keys(), time_keys(catalog),
+        load_keys(catalog), pick_keys(), initial_keys(), contact_keys(), solver_keys(catalog), expectation_keys(),
+        study_keys(), identify_keys()})
     all.insert(all.end(), sections.begin(), sections.end());
   return all;
+}
+
+std::vector<std::string> owners_of(const std::string& key, const std::vector<KeySection>& sections) {
+  std::vector<std::string> owners;
+  for (const KeySection& section : sections) {
+    const bool has =
+        std::any_of(section.keys.begin(), section.keys.end(), [&](const SceneKey& own) { return own.name == key; });
+    if (!has) continue;
+    const std::string owner = section.path.starts_with("experiment.") ? "experiment"
+                              : section.path.empty()                  ? "the scene"
+                                                                      : section.path;
+    if (std::find(owners.begin(), owners.end(), owner) == owners.end()) owners.push_back(owner);
+  }
+  if (owners.size() > 3) owners.resize(3);
+  return owners;
 }
 
 std::string key_reference(const Catalog& catalog, const ExperimentCatalog& experiments) {

@@ -37,6 +37,9 @@ SceneKey key_of(const ParameterInfo& info, const std::string& owner = "");
 /// "`a`, `b`, `c`", of the names of rows.
 std::string words_text(const std::vector<std::string>& names);
 
+/// The maps that have a key, by their paths: "experiment", "body.lattice".
+std::vector<std::string> owners_of(const std::string& key, const std::vector<KeySection>& sections);
+
 /// All tables in the order of the reference.
 std::vector<KeySection> key_sections(const Catalog& catalog, const ExperimentCatalog& experiments);
 

@@ -5,6 +5,7 @@
 #include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "lab/scene/parts.h"
+#include "lab/scene/pick.h"
 
 namespace elastin::lab {
 namespace {
@@ -39,8 +40,7 @@ void read_value(const Reader& reader, const ParameterInfo& info, const Body& bod
   } else if (info.kind == ValueKind::vector) {
     values.vectors[info.name] = rotation * reader.vector(info.unit, {info.low, info.high, info.above_low});
   } else if (info.kind == ValueKind::molecules) {
-    std::vector<int>& molecules = values.molecules[info.name];
-    for (const Reader& item : reader.items()) molecules.push_back(item.molecule(body.size()));
+    values.molecules[info.name] = read_molecules(reader, body, rotation);
   } else {
     values.numbers[info.name] = read_parameter(reader, info);
   }

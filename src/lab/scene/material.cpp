@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <limits>
 
 #include "elastin/core/base/text.h"
@@ -220,12 +222,35 @@ StressStrain spring_curve(const Reader& reader, const Material& material) {
   return StressStrain::through(points);
 }
 
+/// The material of this name in a file of materials, a map of names; `base` where no file is named.
+std::optional<Material> read_named(Reader& reader, const Table<MaterialLaw>& laws) {
+  const auto file = reader.find("file"), name = reader.find("name");
+  if (name && !file) name->fail("names a material of a file: key 'file' is missing");
+  if (!file) return std::nullopt;
+  if (!name) reader.fail("key 'name' is missing: which material of '" + file->text() + "'?");
+  const auto path = std::filesystem::path(file->file_path()).parent_path() / file->text();
+  Reader library = file->located([&] {
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored))
+      throw InputError("'" + file->text() + "': " + missing_file(path.string()));
+    return open_scene_file(path.string(), {}, file->most_molecules());
+  });
+  read_preamble(library);
+  std::vector<std::string> names = library.keys();
+  std::erase_if(names, [](const std::string& key) { return key == "extends" || key == "values" || key == "title"; });
+  if (std::find(names.begin(), names.end(), name->text()) == names.end())
+    name->fail("'" + file->text() + "' has no material '" + name->text() + "'" + suggestion(name->text(), names));
+  return read_material(library.at(name->text()), laws);
+}
+
 }  // namespace
 
 Material read_material(Reader reader, const Table<MaterialLaw>& laws, const Material* base) {
   reader.set_section("material");
   const auto given = reader.given_material("given");
   if (given) base = given.get();
+  const std::optional<Material> named = read_named(reader, laws);
+  if (named) base = &*named;
   Material material = base ? *base : Material{};
   const auto law = reader.find("law");
   const bool derived = law && !law->located([&] { return laws.find(law->text()); })->from_moduli;
@@ -310,7 +335,10 @@ std::vector<KeySection> material_keys(const Catalog& catalog) {
       {"material",
        "Material",
        "",
-       {{"law", words_text(catalog.material_laws.names()), "", "", "none",
+       {{"file", "file beside the scene", "", "", "none",
+         "a YAML file of materials by name; the keys here count before the material's"},
+        {"name", "text", "", "", "needed with `file`", "which of them"},
+        {"law", words_text(catalog.material_laws.names()), "", "", "none",
          "a law with constants of its own, listed below; E and ν at rest follow from them"},
         {"youngs_modulus", "quantity", "Pa", "> 0", "needed, or a curve or law", "Young's modulus E"},
         {"poissons_ratio", "number", "", "−0.99 … 0.5", "0.25",

@@ -12,6 +12,9 @@ double read_parameter(const Reader& reader, const ParameterInfo& info) {
 }
 
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
+  if (reader.is_text() && reader.text().find(", ") != std::string::npos)
+    reader.fail("'" + reader.text() + "' are several strategies; write strategies: [" + reader.text() +
+                "] for `compare`, and one of them as stiffness");
   if (reader.is_text()) return reader.located([&] { return choose_strategy(catalog, reader.text()); });
   reader.set_section("stiffness");
   const Reader name = reader.at("strategy");
@@ -45,6 +48,11 @@ Vector3 read_direction(const Reader& reader) {
                                  {"-x", -Vector3::UnitX()},
                                  {"-y", -Vector3::UnitY()},
                                  {"-z", -Vector3::UnitZ()}});
+}
+
+void read_preamble(Reader& reader) {
+  reader.find("extends");
+  reader.find("values");
 }
 
 Matrix3 read_rotation(Reader reader) {

@@ -72,6 +72,10 @@ void read_integrator(Reader reader, const elastin::Table<Stepper>& steppers, Tim
 std::function<void(State&)> read_initial(Reader reader, const Body& body, const Matrix3& rotation, bool timed);
 GasSetup read_gas(Reader reader);
 Matrix3 read_rotation(Reader reader);
+/// What stays where it is besides the experiment's own grips; at most one a molecule.
+std::vector<Support> read_supports(const Reader& reader, const Body& body, const Matrix3& rotation);
+/// `extends` and `values`, which were put in when the file was opened.
+void read_preamble(Reader& reader);
 
 inline constexpr const char* kLengthUnits = "`m`, `cm`, `mm`, `um`, `nm`";
 /// The keys that these functions read, for the key reference.
@@ -86,6 +90,7 @@ std::vector<KeySection> material_keys(const Catalog& catalog);
 std::vector<KeySection> strategy_keys(const Catalog& catalog);
 std::vector<KeySection> solver_keys(const Catalog& catalog);
 std::vector<KeySection> gas_keys();
+std::vector<KeySection> support_keys();
 std::vector<KeySection> time_keys(const Catalog& catalog);
 std::vector<KeySection> load_keys(const Catalog& catalog);
 std::vector<KeySection> initial_keys();

@@ -1,6 +1,5 @@
 #include "lab/scene/reader.h"
 
-#include <yaml-cpp/eventhandler.h>
 #include <string_view>
 
 #include <algorithm>
@@ -21,96 +20,6 @@
 namespace elastin::lab {
 namespace {
 
-/// Keys and values that came from --set carry this tag: their marks are not places in the file.
-constexpr const char* kOverrideTag = "\001override";  // no file can write this one
-
-std::string kind_of(const YAML::Node& node) {
-  return node.IsMap() ? "a map of keys" : node.IsSequence() ? "a list" : node.IsScalar() ? "a single value" : "nothing";
-}
-
-/// Refuses what YAML forbids or never ends, and yaml-cpp lets pass: a key that stands twice in a map, an alias inside
-/// its own anchor, aliases that multiply without end.
-class TreeCheck {
- public:
-  /// `location_of` says where a value stands; `size` of the text in letters: a value of its own takes at least one.
-  TreeCheck(std::function<SourceLocation(const YAML::Node&)> location_of, std::size_t size)
-      : location_of_(std::move(location_of)), left_(size + 1000000) {}
-
-  void check(const YAML::Node& node, int depth = 0) {
-    if (depth > 40)
-      throw InputError(location_of_(node), "nested too deeply; does an alias stand inside its own anchor?");
-    if (left_-- == 0) throw InputError(location_of_(node), "too many values; do aliases stand in what aliases name?");
-    if (node.IsMap()) {
-      std::set<std::string> seen;
-      for (const auto& entry : node) {
-        const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
-        if (key.empty()) throw InputError(location_of_(entry.first), "a key must be a word");
-        if (!seen.insert(key).second)
-          throw InputError(location_of_(entry.first), "key '" + key + "' stands here twice");
-        check(entry.second, depth + 1);
-      }
-    } else if (node.IsSequence()) {
-      for (const auto& item : node) check(item, depth + 1);
-    }
-  }
-
- private:
-  std::function<SourceLocation(const YAML::Node&)> location_of_;
-  std::size_t left_;
-};
-
-void mark_override(YAML::Node node) {
-  node.SetTag(kOverrideTag);
-  for (auto entry : node) {
-    if (!node.IsMap()) {
-      mark_override(entry);
-      continue;
-    }
-    entry.first.SetTag(kOverrideTag);
-    mark_override(entry.second);
-  }
-}
-
-/// Which item of a list a key means: its `name`, or its number from 0.
-std::size_t item_of(const YAML::Node& list, const std::string& key, const SourceLocation& location) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const bool named = list[i].IsMap() && list[i]["name"] && list[i]["name"].IsScalar();
-    names.push_back(named ? list[i]["name"].Scalar() : std::to_string(i));
-    if (key == names.back() || key == std::to_string(i)) return i;
-  }
-  throw InputError(location, "'" + key + "' is no item of the list" + suggestion(key, names));
-}
-
-void put_override(YAML::Node root, const std::string& assignment) {
-  const std::size_t equals = assignment.find('=');
-  const SourceLocation location{"--set " + assignment};
-  std::string path = assignment.substr(0, equals);
-  if (equals == std::string::npos || ("." + path + ".").find("..") != std::string::npos)
-    throw InputError(location, "write key=value, for example --set material.youngs_modulus='10 kPa'");
-  YAML::Node value;
-  try {
-    value = YAML::Load(assignment.substr(equals + 1));
-  } catch (const YAML::Exception& error) {
-    throw InputError(location, "the value is not valid YAML: " + error.msg);
-  }
-  TreeCheck([&](const YAML::Node&) { return location; }, assignment.size()).check(value);
-  mark_override(value);
-  YAML::Node node = root;
-  for (std::size_t dot; (dot = path.find('.')) != std::string::npos; path = path.substr(dot + 1)) {
-    const std::string key = path.substr(0, dot);
-    YAML::Node next = node.IsSequence() ? node[item_of(node, key, location)] : node[key];
-    if (next.IsDefined() && !next.IsMap() && !next.IsSequence())
-      throw InputError(location, "'" + key + "' is " + kind_of(next) + " in the scene, not a map of keys");
-    if (!next.IsDefined()) node[key] = next = YAML::Node(YAML::NodeType::Map);
-    node.reset(next);
-  }
-  if (node.IsSequence())
-    node[item_of(node, path, location)] = value;
-  else
-    node[path] = value;
-}
-
 /// A key that older scenes wrote under another name. The old name must not stand for anything else in that map.
 struct RenamedKey {
   std::string_view old_name, name;
@@ -120,52 +29,6 @@ constexpr RenamedKey kRenamedKeys[] = {
     {"hold", "fixture"},  // of experiments in time: how the body is fixed and loaded
     {"hold", "fix"},      // of a press: the parts that stay
 };
-
-/// Where a text's second YAML document begins.
-class SecondDocument final : public YAML::EventHandler {
- public:
-  std::optional<YAML::Mark> find(const std::string& text) {
-    std::istringstream stream(text);
-    YAML::Parser parser(stream);
-    while (begun_ < 2 && parser.HandleNextDocument(*this)) {
-    }
-    return begun_ < 2 ? std::nullopt : std::optional(second_);
-  }
-  void OnDocumentStart(const YAML::Mark& mark) override { ++begun_, second_ = mark; }
-  void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
-  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
-  void OnSequenceEnd() override {}
-  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
-  void OnMapEnd() override {}
-
- private:
-  int begun_ = 0;
-  YAML::Mark second_;
-};
-
-/// The only document of a scene's text. yaml-cpp's LoadAll finds documents without end in some texts that are none.
-YAML::Node load_document(const std::string& path, const std::string& text) {
-  const SourceLocation start{path, 1, 1};
-  if (text.empty()) throw InputError(start, "the scene is empty");
-  YAML::Node document;
-  try {
-    if (const auto second = SecondDocument().find(text))
-      throw InputError(SourceLocation{path, second->line + 1, second->column + 1},
-                       "a scene is one YAML document; a second one begins here");
-    document = YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw InputError(SourceLocation{path, error.mark.line + 1, error.mark.column + 1}, "not valid YAML: " + error.msg);
-  }
-  if (!document.IsMap()) throw InputError(start, "a scene is a map of keys (body, material, experiment, …)");
-  const auto location_of = [&](const YAML::Node& node) {
-    return SourceLocation{path, node.Mark().line + 1, node.Mark().column + 1};
-  };
-  TreeCheck(location_of, text.size()).check(document);
-  return document;
-}
 
 /// "at least 0 m and at most 1 m"
 std::string allowed_text(const Range& range, const Dimension& dimension) {
@@ -192,12 +55,12 @@ Reader::Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string pat
 
 SourceLocation Reader::location_of(const YAML::Node& node) const {
   const YAML::Mark mark = node.Mark();
-  if (node.Tag() == kOverrideTag || mark.is_null()) return {"--set"};
-  return {file_->path, mark.line + 1, mark.column + 1};
+  if (lab::is_override(node) || mark.is_null()) return {"--set"};
+  return {file_->files[file_of(node)], mark.line + 1, mark.column + 1};
 }
 
 SourceLocation Reader::location() const {
-  if (node_.IsNull() && node_.Tag() != kOverrideTag) return key_location_.value_or(SourceLocation{file_->path, 1, 1});
+  if (node_.IsNull() && !is_override()) return key_location_.value_or(SourceLocation{file_->path, 1, 1});
   return location_of(node_);
 }
 
@@ -208,7 +71,11 @@ void Reader::fail(const std::string& message) const {
 bool Reader::has(const std::string& key) { return find(key).has_value(); }
 
 std::optional<Reader> Reader::find(const std::string& key) {
-  if (!node_.IsMap()) fail("expected a map of keys, found " + kind_of(node_));
+  if (!node_.IsMap()) {
+    const std::string own = path_.substr(path_.find_last_of('.') + 1);
+    fail("expected a map of keys, found " + kind_of(node_) +
+         (own.empty() || own.ends_with(']') ? "" : "; write " + own + ": {" + key + ": …}"));
+  }
   requested_->keys.push_back(key);
   if (file_->uses && section_) (*file_->uses)[below(*section_, key)];
   refuse_old_name(key);
@@ -233,7 +100,8 @@ std::optional<Reader> Reader::value_of(const std::string& given, const std::stri
     if (entry.first.Scalar() == given) {
       Reader found(file_, entry.second, below(path_, key), location_of(entry.first));
       found.section_ = section_ ? std::optional(below(*section_, key)) : std::nullopt;
-      if (entry.second.IsNull()) found.fail("has no value");
+      if (entry.second.IsNull())
+        found.fail("has no value; write it behind the colon, or its own keys below it, two blanks further in");
       return found;
     }
   return std::nullopt;
@@ -246,7 +114,18 @@ Reader Reader::at(const std::string& key) {
   for (const std::string& given : keys())
     if (std::find(requested_->keys.begin(), requested_->keys.end(), given) == requested_->keys.end())
       unknown.push_back(given);
-  const std::string misspelt = nearest_name(key, unknown);
+  std::string misspelt;
+  for (const std::string& given : unknown) {
+    if (given.starts_with(key + ":") && given.size() > key.size() + 1)
+      throw InputError(location_of_key(given), (path_.empty() ? "" : path_ + ": ") +
+                                                   "a blank stands behind the colon of a key: write " + key + ": " +
+                                                   given.substr(key.size() + 1));
+    if (misspelt.empty() && meant_key(given, {key}) == key) misspelt = given;
+    if (const std::string instead = instead_of_key(given); !instead.empty())
+      throw InputError(location_of_key(given),
+                       (path_.empty() ? "" : path_ + ": ") + "unknown key '" + given + "'; " + instead);
+  }
+  if (misspelt.empty()) misspelt = nearest_name(key, unknown);
   if (misspelt.empty()) fail("key '" + key + "' is missing");
   requested_->misspelt.emplace_back(misspelt, key);
   return *value_of(misspelt, key);
@@ -260,10 +139,40 @@ void Reader::finish() const {
   for (const auto& entry : node_) {
     const std::string key = entry.first.Scalar();
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    throw InputError(location_of(entry.first),
-                     (path_.empty() ? "" : path_ + ": ") + "unknown key '" + key + "'" + suggestion(key, known));
+    throw InputError(location_of(entry.first), (path_.empty() ? "" : path_ + ": ") + "unknown key '" + key + "'" +
+                                                   instead_of(key, entry.second, known));
   }
   for (const auto& [misspelt, key] : requested_->misspelt) fail("key '" + key + "' is missing");
+}
+
+/// "; write density: 1000 kg/m3 (allowed: …)": what a key that nobody knows should be, or where it belongs.
+std::string Reader::instead_of(const std::string& key, const YAML::Node& value,
+                               const std::vector<std::string>& known) const {
+  std::string allowed;
+  for (const std::string& name : known) allowed += (allowed.empty() ? "" : ", ") + name;
+  const bool short_value = value.IsScalar() && value.Scalar().size() < 40;
+  if (const std::string meant = meant_key(key, known); !meant.empty())
+    return "; did you mean '" + meant + "'? Write " + meant + ": " + (short_value ? value.Scalar() : "…") +
+           " (allowed: " + allowed + ")";
+  if (const std::string instead = instead_of_key(key); !instead.empty()) return "; " + instead;
+  if (nearest_name(key, known).empty() && file_->owners) {
+    std::string owners;
+    const std::vector<std::string> maps = file_->owners(key);
+    // A parameter of another strategy or kind has its place here already.
+    const bool here = section_ && std::any_of(maps.begin(), maps.end(), [&](const std::string& map) {
+                        return *section_ == map || section_->starts_with(map + ".");
+                      });
+    for (const std::string& owner : here ? std::vector<std::string>() : maps)
+      owners += (owners.empty() ? "" : " or ") + ("`" + owner + "`");
+    if (!owners.empty()) return "; it is a key of " + owners + ": write it there (allowed here: " + allowed + ")";
+  }
+  return suggestion(key, known);
+}
+
+SourceLocation Reader::location_of_key(const std::string& key) const {
+  for (const auto& entry : node_)
+    if (entry.first.Scalar() == key) return location_of(entry.first);
+  return location();
 }
 
 std::vector<std::string> Reader::keys() const {
@@ -300,7 +209,15 @@ std::vector<std::pair<std::string, Reader>> Reader::entries() const {
 }
 
 std::vector<Reader> Reader::items() const {
-  if (!node_.IsSequence()) fail("expected a list, found " + kind_of(node_));
+  if (!node_.IsSequence()) {
+    const std::string own = path_.substr(path_.find_last_of('.') + 1) + ": ";
+    const std::string list = node_.IsScalar() ? as_list(node_.Scalar()) : "";
+    fail("expected a list, found " + kind_of(node_) +
+         (!list.empty()      ? "; write " + own + list
+          : node_.IsMap()    ? "; begin each item with '- ' below the key, or write " + own + "[{…}]"
+          : node_.IsScalar() ? "; write " + own + "[" + node_.Scalar() + "]"
+                             : ""));
+  }
   std::vector<Reader> items;
   if (KeyUse* noted = use()) noted->kinds.insert("list");
   for (const auto& item : node_) {
@@ -312,24 +229,31 @@ std::vector<Reader> Reader::items() const {
 
 std::vector<Reader> Reader::items(std::size_t count) const {
   std::vector<Reader> list = items();
-  if (list.size() != count) fail("expected " + std::to_string(count) + " values, found " + std::to_string(list.size()));
-  return list;
+  if (list.size() == count) return list;
+  std::vector<std::string> given;
+  for (const Reader& item : list) given.push_back(item.is_text() ? item.text() : "");
+  std::string hint = with_decimal_points(given, count);
+  if (const std::string several = given.size() == 1 ? as_list(given[0]) : ""; !several.empty())
+    hint = "; commas stand between them: write " + several;
+  fail("expected " + std::to_string(count) + " values, found " + std::to_string(list.size()) + hint);
 }
 
 std::string Reader::text() const {
-  if (!node_.IsScalar()) fail("expected a single value, found " + kind_of(node_));
+  if (!node_.IsScalar())
+    fail("expected a single value, found " + kind_of(node_) +
+         (node_.IsSequence() && node_.size() > 0 && node_[0].IsScalar() ? "; write for example " + node_[0].Scalar()
+                                                                        : ""));
   return node_.Scalar();
 }
 
 std::string Reader::line() const {
   YAML::Emitter emitter;
-  emitter << YAML::Flow << node_;
+  emitter << YAML::Flow << without_origin(node_);
   return emitter.c_str();
 }
 
 std::string Reader::content() const {
   std::string text = line();
-  const std::filesystem::path folder = std::filesystem::path(file_->path).parent_path();
   const std::function<void(const YAML::Node&)> add_files = [&](const YAML::Node& node) {
     if (!node.IsMap() && !node.IsSequence()) return;
     for (const auto& entry : node) {
@@ -339,6 +263,7 @@ std::string Reader::content() const {
       }
       add_files(entry.second);
       if (entry.first.Scalar() != "file" || !entry.second.IsScalar()) continue;
+      const auto folder = std::filesystem::path(file_->files[file_of(entry.second)]).parent_path();
       std::ifstream stream(folder / entry.second.Scalar(), std::ios::binary);
       text += "\n" + std::string(std::istreambuf_iterator<char>(stream), {});
     }
@@ -352,6 +277,15 @@ void Reader::check_size(double molecules) const {
   char text[100];
   std::snprintf(text, sizeof text, "that is %.3g molecules; at most %g are allowed", molecules, file_->most_molecules);
   fail(text);
+}
+
+const std::vector<int>& Reader::mesh_set() const {
+  const std::string name = text();
+  std::vector<std::string> names;
+  for (const auto& [known, members] : file_->sets) names.push_back(known);
+  if (names.empty()) fail("the body has no sets: only a `mesh` may, and its file names none");
+  if (!file_->sets.contains(name)) fail("the mesh has no set '" + name + "'" + suggestion(name, names));
+  return file_->sets.at(name);
 }
 
 KeyUse* Reader::use() const { return file_->uses && section_ ? &(*file_->uses)[*section_] : nullptr; }
@@ -378,7 +312,11 @@ double Reader::number(const Dimension& dimension, const Range& range) const {
   const std::string given = text();
   const Quantity quantity = located([&] { return parse_quantity(given, dimension); });
   if (quantity.value < range.low || quantity.value > range.high || (range.open_low && quantity.value == range.low))
-    fail("'" + given + "' is out of range: must be " + allowed_text(range, dimension));
+    fail("'" + given + "' is out of range: must be " + allowed_text(range, dimension) +
+         (dimension == dimension::none && !quantity.has_unit && quantity.value > range.high &&
+                  quantity.value / 100 <= range.high && range.high <= 1
+              ? "; is " + given + " % meant?"
+              : ""));
   if (dimension == dimension::none || is_override()) return quantity.value;
   if (quantity.has_unit)
     note_unit();
@@ -397,7 +335,9 @@ double Reader::angle(const Range& range) const {
   return value;
 }
 
-bool Reader::is_override() const { return node_.Tag() == kOverrideTag; }
+bool Reader::is_override() const { return lab::is_override(node_); }
+
+const std::string& Reader::file_path() const { return file_->files[file_of(node_)]; }
 
 void Reader::note_unit() const {
   if (!file_->first_unit) file_->first_unit = location();
@@ -439,11 +379,18 @@ int Reader::whole_number(int low, int high) const {
   const auto [end, problem] = std::from_chars(given.data(), given.data() + given.size(), value);
   if (problem != std::errc() || end != given.data() + given.size() || value < low || value > high)
     fail("'" + given + "' is not a whole number of at least " + std::to_string(low) +
-         (high < std::numeric_limits<int>::max() ? " and at most " + std::to_string(high) : ""));
+         (high < std::numeric_limits<int>::max() ? " and at most " + std::to_string(high) : "") +
+         (end != given.data() && std::string_view(end).find_first_not_of(".0") == std::string_view::npos &&
+                  value >= low && value <= high && *end
+              ? "; write " + std::to_string(value)
+              : ""));
   return value;
 }
 
 Vector3 Reader::vector(const Dimension& dimension, const Range& range) const {
+  if (is_text() && as_list(text()).empty())
+    fail("expected a list of three values along x, y, z, found a single value; write for example [0, 0, " + text() +
+         "]");
   const auto list = items(3);
   if (KeyUse* noted = use()) noted->kinds.insert("vector");
   return {list[0].quantity(dimension, range), list[1].quantity(dimension, range), list[2].quantity(dimension, range)};
@@ -454,42 +401,27 @@ std::array<int, 3> Reader::wholes(int low) const {
   return {list[0].whole(low), list[1].whole(low), list[2].whole(low)};
 }
 
-std::string missing_file(const std::string& path) {
-  const std::filesystem::path wanted(path);
-  std::vector<std::string> names;
-  std::error_code ignored;
-  const auto folder = wanted.has_parent_path() ? wanted.parent_path() : std::filesystem::path(".");
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
-    names.push_back(entry.path().filename().string());
-  std::sort(names.begin(), names.end());
-  const std::string near = nearest_name(wanted.filename().string(), names);
-  return "no such file" + (near.empty() ? "" : "; did you mean '" + near + "'?");
+namespace {
+
+Reader reader_of(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
+                 SceneFile file) {
+  SceneTree tree = load_scene_tree(name, text, overrides);
+  file.files = std::move(tree.files);
+  return {std::make_shared<SceneFile>(std::move(file)), tree.root, ""};
 }
+
+}  // namespace
 
 Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules,
                        KeyUses* uses) {
-  if (const auto held = held_scene(path)) {
-    const YAML::Node root = load_document("scene", held->yaml);
-    for (const std::string& assignment : overrides) put_override(root, assignment);
-    return {std::make_shared<SceneFile>(SceneFile{"scene", {}, {}, most_molecules, uses, held}), root, ""};
-  }
-  const SourceLocation location{path};
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) throw InputError(location, missing_file(path));
-  if (std::filesystem::is_directory(path, ignored)) throw InputError(location, "is a folder; name a scene file in it");
-  if (std::filesystem::is_character_file(path, ignored) || std::filesystem::is_block_file(path, ignored))
-    throw InputError(location, "is a device; a scene is a file or a pipe");
-  std::ifstream stream(path);
-  if (!stream) throw InputError(location, std::string("cannot read the scene: ") + std::strerror(errno));
-  const std::string text((std::istreambuf_iterator<char>(stream)), {});
-  return open_scene_text(path, text, overrides, most_molecules, uses);
+  if (const auto held = held_scene(path))
+    return reader_of("scene", held->yaml, overrides, SceneFile{"scene", {}, {}, most_molecules, uses, held});
+  return open_scene_text(path, text_of_scene(path), overrides, most_molecules, uses);
 }
 
 Reader open_scene_text(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
                        double most_molecules, KeyUses* uses) {
-  const YAML::Node root = load_document(name, text);
-  for (const std::string& assignment : overrides) put_override(root, assignment);
-  return {std::make_shared<SceneFile>(SceneFile{name, {}, {}, most_molecules, uses, {}}), root, ""};
+  return reader_of(name, text, overrides, SceneFile{name, {}, {}, most_molecules, uses});
 }
 
 }  // namespace elastin::lab

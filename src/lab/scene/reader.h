@@ -2,7 +2,9 @@
 #include <yaml-cpp/yaml.h>
 
 #include <array>
+#include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +16,8 @@
 #include "elastin/core/base/units.h"
 #include "elastin/lab/scene/held_scene.h"
 #include "lab/scene/keys.h"
+#include "lab/scene/other_names.h"
+#include "lab/scene/scene_tree.h"
 
 namespace elastin::lab {
 
@@ -26,6 +30,10 @@ struct SceneFile {
   double most_molecules = std::numeric_limits<double>::infinity();  ///< that a body may have
   KeyUses* uses = nullptr;                              ///< where readers note what they ask for; null: nowhere
   std::shared_ptr<const HeldScene::Content> held = {};  ///< of a scene in memory: its plain numbers are in SI units
+  std::map<std::string, std::vector<int>> sets = {};    ///< of molecules, ascending, as the body's mesh names them
+  std::vector<std::string> files = {};                  ///< the scene's own, and those that it extends
+  /// The sections of the key reference that have a key; none where nobody knows.
+  std::function<std::vector<std::string>(const std::string& key)> owners = {};
 };
 
 struct Range {
@@ -41,6 +49,10 @@ class Reader {
  public:
   Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path,
          std::optional<SourceLocation> key_location = {});
+  /// Who knows which sections have which keys: for messages about a key in the wrong place.
+  void set_owners(std::function<std::vector<std::string>(const std::string& key)> owners) {
+    file_->owners = std::move(owners);
+  }
 
   bool has(const std::string& key);
   /// The value of a key that must be there; throws InputError if it is not. A misspelt one is read too: finish() names
@@ -89,8 +101,12 @@ class Reader {
     note_words(names);
     for (const auto& [name, value] : choices)
       if (name == word) return value;
-    fail("'" + word + "' is not known here" + suggestion(word, names));
+    fail("'" + word + "' is not known here" + suggested_word(word, names));
   }
+
+  /// The molecules of the mesh's set of this name; a scene has that of its one body.
+  const std::vector<int>& mesh_set() const;
+  void set_mesh_sets(std::map<std::string, std::vector<int>> sets) { file_->sets = std::move(sets); }
 
   /// Fails where a body would have more molecules than are allowed, before memory is allocated for them.
   void check_size(double molecules) const;
@@ -108,7 +124,9 @@ class Reader {
     }
   }
   const std::string& path() const { return path_; }
-  const std::string& file_path() const { return file_->path; }
+  /// The file that this value stands in: the scene's, or one that it extends.
+  const std::string& file_path() const;
+  const std::string& scene_path() const { return file_->path; }
 
  private:
   /// Keys that were asked for, and those that stood in for a missing one: as written, and as meant.
@@ -119,6 +137,8 @@ class Reader {
   template <class Thing>
   std::shared_ptr<const Thing> given(const std::string& key, const std::vector<std::shared_ptr<const Thing>>& list);
   SourceLocation location() const;
+  SourceLocation location_of_key(const std::string& key) const;
+  std::string instead_of(const std::string& key, const YAML::Node& value, const std::vector<std::string>& known) const;
   SourceLocation location_of(const YAML::Node& node) const;
   void refuse_old_name(const std::string& key) const;
   std::optional<Reader> value_of(const std::string& given, const std::string& key) const;
@@ -140,9 +160,6 @@ class Reader {
   std::optional<SourceLocation> key_location_;
   std::shared_ptr<Requested> requested_ = std::make_shared<Requested>();
 };
-
-/// "no such file; did you mean 'x'?", of the files that stand beside it.
-std::string missing_file(const std::string& path);
 
 /// Reads a YAML file and puts `key.path=value` overrides in. Throws InputError: file:line:column.
 Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules,

@@ -10,6 +10,7 @@
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/simulation/prepare.h"
 #include "lab/febio/model.h"
+#include "lab/protocol/supported.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
@@ -105,7 +106,8 @@ std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const 
                                             const Catalog& catalog, const Specimen& specimen) {
   if (!reader) return {stiffness};
   if (reader->is_text() && reader->text() == "all") return all_strategies(catalog, specimen);
-  if (reader->is_text()) reader->fail("write a list of strategies, or all");
+  if (reader->is_text())
+    reader->fail("write a list of strategies, or all; one alone is strategies: [" + reader->text() + "]");
   std::vector<StrategyChoice> strategies;
   std::optional<std::size_t> all;  // where in the list it stands
   for (const Reader& item : reader->items()) {
@@ -153,7 +155,7 @@ using BodyChange = std::function<void(Body&, const Material&)>;
 /// What makes the scene's problem, but for its body.
 std::string problem_text(Reader& reader, const Scene& scene) {
   std::string text = scene.statics.linear ? "small" : "large";
-  for (const char* key : {"material", "experiment", "loads", "rotate", "contact", "initial"})
+  for (const char* key : {"material", "experiment", "supports", "loads", "rotate", "contact", "initial"})
     if (const auto value = reader.find(key)) text += std::string("\n") + key + ": " + value->content();
   if (scene.specimen.body.cell_stiffness.size()) text += "\nbody: " + reader.at("body").content();
   return text;
@@ -197,6 +199,8 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
                                   const ExperimentCatalog& experiments, KeyUses* uses, const BodyChange& change = {}) {
   const auto start = std::chrono::steady_clock::now();
   Reader reader = open_scene_file(path, overrides, most_molecules, uses);
+  reader.set_owners([&](const std::string& key) { return owners_of(key, key_sections(catalog, experiments)); });
+  read_preamble(reader);
   auto scene = std::make_unique<Scene>();
   scene->path = path;
   scene->name = std::filesystem::path(path).stem().string();
@@ -224,6 +228,13 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
                 (timed ? "alone, and a " + scene->experiment->name() + " experiment runs through time"
                        : "without contact, which stays on one process") +
                 "; write engine: threads");
+  }
+  if (const auto supports = reader.find("supports")) {
+    if (timed) supports->fail("goes with experiments at rest; a " + scene->experiment->name() + " runs through time");
+    std::vector<Support> held = read_supports(*supports, scene->specimen.body, rotation);
+    const StaticProtocol* at_rest = scene->experiment->at_rest();
+    scene->experiment.release();
+    scene->experiment = with_supports(std::unique_ptr<const StaticProtocol>(at_rest), std::move(held));
   }
   if (contact && !timed && scene->statics.linear)
     reader.at("solver")
@@ -343,6 +354,10 @@ std::vector<KeySection> scene_keys() {
        "Scene",
        "",
        {{"title", "text", "", "", "the file's name", "heading of tables and pages"},
+        {"extends", "file beside the scene", "", "", "none",
+         "a scene whose keys count where this one has none; an empty value takes a key away, another `kind` the whole "
+         "map"},
+        {"values", "map of quantities", "", "", "none", "names for [formulas](#formulas): `spacing: = side / 9`"},
         {"body", "map", "", "", "needed, or `bodies`", "[the body](#body)"},
         {"bodies", "list of maps", "", "", "none", "[several bodies](#bodies)"},
         {"ties", "list of maps", "", "", "none", "[joints between bodies](#bodies)"},
@@ -352,6 +367,8 @@ std::vector<KeySection> scene_keys() {
          "the strategies of `compare`; `all` in the list adds those not named before it, with `+volume` where "
          "the body's cells and Poisson's ratio allow it"},
         {"experiment", "map", "", "", "needed", "[the experiment](#experiment)"},
+        {"supports", "list of maps", "", "", "none",
+         "[planes of symmetry, rims and others](#supports) that stay; with experiments at rest"},
         {"time", "map", "", "", "needed in time", "[duration, steps and frames](#time) of an experiment in time"},
         {"loads", "list of maps", "", "", "none", "[loads](#loads) besides the experiment's"},
         {"initial", "map", "", "", "rest", "[where the search or the run begins](#initial-state)"},

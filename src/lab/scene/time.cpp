@@ -7,6 +7,7 @@
 #include "elastin/core/forces/floor.h"
 #include "lab/protocol/motion.h"
 #include "lab/scene/parts.h"
+#include "lab/scene/pick.h"
 
 namespace elastin::lab {
 namespace {
@@ -127,8 +128,11 @@ std::unique_ptr<Protocol> read_vibration(Reader reader, const ExperimentContext&
   std::unique_ptr<const StaticProtocol> fixture;
   if (auto value = reader.find("fixture")) fixture = read_fixture(*value, context);
   const int count = reader.has("count") ? reader.at("count").whole(1, 10) : 6;
+  const auto load = reader.find("load");
+  const bool loaded = load && load->choice<bool>({{"removed", false}, {"applied", true}});
   reader.finish();
-  return reader.located([&] { return make_vibration(context.body, std::move(fixture), count); });
+  if (loaded && !fixture) load->fail("there is no load: key 'fixture' is missing");
+  return reader.located([&] { return make_vibration(context.body, std::move(fixture), count, loaded); });
 }
 
 /// Uniform in −1 … 1: the same on every machine.
@@ -240,6 +244,8 @@ std::vector<ExperimentInfo> timed_experiments() {
        .summary = "natural frequencies of a body, free or fixed by a fixture; at rest",
        .source = "",
        .keys = {fixture("free body", "how the body is fixed"),
+                {"load", "`removed`, `applied`", "", "", "`removed`",
+                 "whether the body vibrates about rest, or about its equilibrium under the fixture's load"},
                 {"count", "whole", "", "1 … 10", "6", "number of frequencies"}},
        .read = read_vibration},
   };
@@ -256,8 +262,8 @@ std::function<void(State&)> read_initial(Reader reader, const Body& body, const 
   if (auto value = reader.find("throw"))
     for (Reader item : value->items()) {
       const Vector3 speed = rotation * item.at("velocity").vector(dimension::velocity);
-      for (const Reader& molecule : item.at("molecules").items())
-        thrown.emplace_back(molecule.molecule(body.size()), speed);
+      for (const int molecule : read_molecules(item.at("molecules"), body, rotation))
+        thrown.emplace_back(molecule, speed);
       item.finish();
     }
   if (auto value = reader.find("spin")) spin = rotation * value->vector({0, 0, -1});
@@ -274,7 +280,7 @@ std::function<void(State&)> read_initial(Reader reader, const Body& body, const 
   }
   if (auto value = reader.find("move")) {
     Reader map = *value;
-    for (const Reader& item : map.at("molecules").items()) molecules.push_back(item.molecule(body.size()));
+    molecules = read_molecules(map.at("molecules"), body, rotation);
     move = rotation * map.at("by").vector(dimension::length);
     map.finish();
   }
@@ -330,14 +336,16 @@ std::vector<KeySection> initial_keys() {
        {{"velocity", "vector", "m/s", "", "0", "velocity of the body"},
         {"spin", "vector", "1/s", "", "0", "rotation of the body about its middle"},
         {"throw", "list of maps", "", "", "none", "velocities of some molecules"},
-        {"throw.molecules", "list of molecules", "", "0 … last molecule", "needed", "which molecules"},
+        {"throw.molecules", "list of molecules, or [pick](#picked-molecules)", "", "0 … last molecule", "needed",
+         "which molecules"},
         {"throw.velocity", "vector", "m/s", "", "needed", "their velocity"},
         {"stretch", "vector", "", "", "1",
          "factors along x, y, z about the middle; 0 flattens, negative values mirror"},
         {"turn", "rotation", "", "", "none", "rotation about the middle"},
         {"scatter.amount", "quantity", "m", "> 0", "needed", "random displacement of each molecule in each direction"},
         {"scatter.seed", "whole", "", "≥ 0", "1", "seed of the random numbers"},
-        {"move.molecules", "list of molecules", "", "0 … last molecule", "needed", "which molecules are displaced"},
+        {"move.molecules", "list of molecules, or [pick](#picked-molecules)", "", "0 … last molecule", "needed",
+         "which molecules are displaced"},
         {"move.by", "vector", "m", "", "needed", "their displacement"}}}};
 }
 

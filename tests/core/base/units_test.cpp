@@ -110,21 +110,49 @@ TEST_CASE("a unit of another dimension is refused, with examples of what fits", 
 }
 
 TEST_CASE("an unknown unit is refused and named", "[units]") {
-  for (const auto& [text, name] : std::vector<std::pair<std::string, std::string>>{{"5 kPaa", "kPaa"},
-                                                                                   {"5 pascal", "pascal"},
-                                                                                   {"5 kmmHg", "kmmHg"},
-                                                                                   {"1 Kpa", "Kpa"},
-                                                                                   {"5 e", "e"},
-                                                                                   {"1,5 kPa", ","},
-                                                                                   {"5 kPa/", "kPa/"},
-                                                                                   {"5 kPa//m", "kPa//m"},
-                                                                                   {"5 m^0", "m"},
-                                                                                   {"5 m^10", "m"},
-                                                                                   {"5 m^99999999999", "m^99999999999"},
-                                                                                   {"1 000 Pa", "000 Pa"}}) {
+  for (const auto& [text, name] :
+       std::vector<std::pair<std::string, std::string>>{{"5 kPaa", "kPaa"},
+                                                        {"5 pascal", "pascal"},
+                                                        {"5 kmmHg", "kmmHg"},
+                                                        {"1 Kpa", "Kpa"},
+                                                        {"5 e", "e"},
+
+                                                        {"5 kPa/", "kPa/"},
+                                                        {"5 kPa//m", "kPa//m"},
+                                                        {"5 m^0", "m"},
+                                                        {"5 m^10", "m"},
+                                                        {"5 m^99999999999", "m^99999999999"}}) {
     INFO(text);
     CHECK_THAT(error_of(text, dimension::pressure), Catch::StartsWith("unknown unit '" + name + "'"));
   }
+}
+
+TEST_CASE("a number written as elsewhere is refused with what to write", "[units]") {
+  for (const auto& [text, hint] : std::vector<std::pair<std::string, std::string>>{
+           {"1,5 kPa", "write 1.5 kPa;"},
+           {"-0,5 kPa", "write -0.5 kPa;"},
+           {"1,100 kPa", "write 1.100 kPa, or 1100 kPa if thousands are meant;"},
+           {"1,100.5 kPa", "write 1100.5 kPa;"},
+           {"1 000 Pa", "write 1000 Pa;"},
+           {"1'000'000 Pa", "write 1000000 Pa;"},
+           {"1.2*10^6 Pa", "write 1.2e6 Pa;"},
+           {"1.2 x 10^+6 Pa", "write 1.2e6 Pa;"},
+           {"6/2 kPa", "write = 6 kPa / 2;"},
+           {"1.0 - 1.4 MPa", "one number is needed, not a range;"},
+           {"~1.2 MPa", "write the number alone: 1.2 MPa;"},
+           {"1.2 MPa (skin)", "write 1.2 MPa  # (skin);"},
+           {"5 Kpa", "did you mean 'kPa'?"},
+           {"5 MPA", "did you mean 'MPa'?"},
+           {"5 kilopascals", "did you mean 'kPa'?"},
+           {"5 kPa.", "did you mean 'kPa'?"},
+           {"5 psi", "1 psi is 6.8948 kPa;"},
+       }) {
+    INFO(text);
+    CHECK_THAT(error_of(text, dimension::pressure), Catch::Contains(hint));
+  }
+  // Signs of printed text are those of a keyboard.
+  CHECK(parse_quantity("\u22121.5\u00a0kPa", dimension::pressure).value == -1500);
+  CHECK(parse_quantity("30 degrees", dimension::none).value == Approx(std::numbers::pi / 6));
 }
 
 TEST_CASE("what is no finite number is refused", "[units]") {

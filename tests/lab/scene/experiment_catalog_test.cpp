@@ -28,6 +28,8 @@ const std::string kBody =
 const std::map<std::string, std::string> kNeeded{
     {"tension", ""},
     {"compression", ""},
+    {"biaxial", "strain: 1 %"},
+    {"planar", "strain: 1 %"},
     {"shear", "direction: x"},
     {"torsion", "angle: 1 deg"},
     {"hydrostatic", "strain: 1 %"},

@@ -126,7 +126,7 @@ TEST_CASE("a plane angle has its unit where other values have one", "[scene]") {
 
 TEST_CASE("slips in an experiment are named with their place", "[scene]") {
   check_refusal("kind: @shaer, strain: 0.1", "experiment.kind: 'shaer' is not known here",
-                "did you mean 'shear'? (allowed: tension, compression, shear, torsion, hydrostatic, bending, ");
+                "did you mean 'shear'? (allowed: tension, compression, biaxial, planar, shear, torsion, ");
   check_refusal("kind: shear, axis: x, direction: @x, strain: 0.1",
                 "experiment.direction: must be perpendicular to the axis", "");
   check_refusal("kind: shear, axis: x, direction: @[1, 1, 0], strain: 0.1", "experiment.direction: ", "perpendicular");

@@ -84,6 +84,18 @@ const std::vector<std::string> kRest{
         "experiment: {kind: tension, force: 1}\nreference: {computed: {uncertainty: 0.01, most_cells: 1000, seconds: 9,"
         " strategy: neo_hookean}}\n",
     "body: {sheet: {size: [1, 1], squares: [2, 2]}}\n" + kMembrane + kFree + "loads: [{pressure: {pressure: 1}}]\n",
+    kBlock +
+        "experiment: {kind: tension, strain: 0.1}\nsupports: [{molecules: [0], fix: [x]}, {molecules: {side: z}},"
+        " {molecules: {box: {from: [0, 0, 0], to: [1, 1, 1]}}}, {molecules: {nearest: [0, 0, 0]}},"
+        " {molecules: {plane: {point: [0, 0, 0], normal: z, within: 0.1}}},"
+        " {molecules: {sphere: {centre: [0, 0, 0], radius: 0.1}}}]\n",
+    "body: {tetrahedra: {kind: kuhn, cubes: [2, 1, 1], size: [2, 1, 1]}, grade: {axis: x, ratio: 2, ends: both},"
+    " regions: [{molecules: [0, 1], stiffness: 2}]}\n" +
+        kSolid + kFree,
+    "body: {sheet: {size: [1, 1], squares: [2, 2]}}\n" + kMembrane +
+        "experiment: {kind: vibration}\nsupports: [{molecules: {rim: true}}]\n",
+    "body: {mesh: {file: " ELASTIN_TEST_DATA "/mesh/data/gmsh_groups_41.msh, length_unit: m}}\n" + kSolid +
+        "experiment: {kind: vibration}\nsupports: [{molecules: {set: base}}]\n",
     "body: {sphere: {radius: 1, divisions: 2}}\n" + kMembrane +
         "experiment: {kind: inflation, gas: {amount: 1e6}}\nloads: [{gas: {amount: 1e6}}]\n",
 };

@@ -21,6 +21,12 @@ Extrude {0, 2, 0} { Curve{1}; Layers{1}; }
 Extrude {0, 0, 0.5} { Surface{5}; Layers{1}; }
 """
 
+GROUPS = """
+Physical Surface("base", 7) = {5};
+Physical Volume("whole body", 8) = {1};
+Physical Point("corner", 9) = {1};
+"""
+
 
 def gmsh_files():
     geo = here / "box.geo"
@@ -31,8 +37,20 @@ def gmsh_files():
         "gmsh_41.msh": ["-format", "msh41"],
         "gmsh_41_binary.msh": ["-format", "msh41", "-bin"],
         "gmsh_order_2.msh": ["-format", "msh41", "-order", "2"],
+        "gmsh_1.msh": ["-format", "msh1", "-save_all"],
+        "gmsh.unv": ["-format", "unv", "-save_all"],
+        "gmsh.bdf": ["-format", "bdf", "-save_all"],
+        "gmsh_order_2.unv": ["-format", "unv", "-order", "2", "-save_all"],
+        "gmsh_order_2.bdf": ["-format", "bdf", "-order", "2", "-save_all"],
         "gmsh_20.vtk": ["-format", "vtk"],
         "gmsh_20_binary.vtk": ["-format", "vtk", "-bin"],
+    }.items():
+        subprocess.run(["gmsh", geo, "-3", "-v", "1", *options, "-o", here / name], check=True)
+    geo.write_text(GEO + GROUPS)
+    for name, options in {
+        "gmsh_groups_22.msh": ["-format", "msh22"],
+        "gmsh_groups_41.msh": ["-format", "msh41"],
+        "gmsh_groups_41_binary.msh": ["-format", "msh41", "-bin"],
     }.items():
         subprocess.run(["gmsh", geo, "-3", "-v", "1", *options, "-o", here / name], check=True)
     geo.unlink()
