@@ -9,7 +9,7 @@ namespace elastin::petsc {
 namespace {
 
 /// Steps of the polynomial that smooths before and after each coarser grid.
-constexpr int kSmoothing = 2;
+constexpr int kSmoothing = 1;
 
 /// A grid is the last one where it is small, or so thin that larger boxes would be thicker than the body; as Multigrid.
 bool is_last(const BoxGrid& grid) {
@@ -139,7 +139,7 @@ void set_smoother(KSP smoother, Mat matrix) {
   check(PCSetOperators(blocks, matrix, matrix));
   check(PCSetUp(blocks));
   const double largest = 1.1 * largest_eigenvalue(matrix, blocks);
-  check(KSPChebyshevSetEigenvalues(smoother, largest, 0.15 * largest));
+  check(KSPChebyshevSetEigenvalues(smoother, largest, 0.5 * largest));
 }
 
 }  // namespace

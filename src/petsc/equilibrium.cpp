@@ -46,6 +46,9 @@ DeadLoads dead_loads(const Model& model, const SharedBody& body) {
   return loads;
 }
 
+/// Saddles that one solve goes down from.
+constexpr int kSaddles = 3;
+
 /// Size of the fixed components of owned molecules' vectors, of all.
 double fixed_norm(const SharedModel& model, const Positions& owned) {
   double sum = 0;
@@ -85,6 +88,8 @@ class Newton {
       return result;
     }
     std::string preconditioner = "pcg";
+    bool stable_start = false;
+    int saddles = 0;
     double forcing = 1e-3, last = now.norm;
     while (true) {
       if (!std::isfinite(now.norm + now.scale)) {
@@ -95,7 +100,14 @@ class Newton {
       result.scale = now.scale;
       result.residual = now.scale > 0 ? now.norm / now.scale : 0;
       const double goal = std::max(options_.tolerance * now.scale, 2 * tangent.rounding_floor());
-      if (now.norm <= goal) break;
+      if (now.norm <= goal) {
+        if (!options_.probe || saddles == kSaddles || !may_buckle(now.local)) break;
+        result.unstable = find_negative_direction(tangent, motion_, result.linear_iterations);
+        if (!result.unstable || !stable_start || !leave_saddle(now)) break;
+        ++saddles;
+        result.left_saddle = true;
+        continue;
+      }
       if (result.newton_iterations == options_.newton_limit) {
         stop(Outcome::limit_reached, "no equilibrium within " + counted(options_.newton_limit, "Newton iteration"),
              result);
@@ -111,6 +123,7 @@ class Newton {
       result.linear_iterations += linear.iterations;
       ++result.newton_iterations;
       result.unstable = linear.status == LinearStatus::negative_mode;
+      if (result.newton_iterations == 1) stable_start = !result.unstable;
       if (linear.status != LinearStatus::solved && linear.residual > 0.9) limit_motion();
       bool inverted = false;
       const bool found = line_search(now, inverted);
@@ -200,6 +213,39 @@ class Newton {
         return true;
       }
     }
+    return false;
+  }
+
+  /// Whether the body may be strained enough to buckle; as solve_newton.
+  bool may_buckle(const Positions& x) const {
+    const Positions& rest = whole_.body().rest;
+    const Vector3 size = rest.rowwise().maxCoeff() - rest.rowwise().minCoeff();
+    const double thin = size.minCoeff() / size.maxCoeff(), limit = std::min(1e-4, 0.1 * thin * thin);
+    const Connections& connections = body_.own().body.connections;
+    bool strained = false;
+    for (int c = 0; c < connections.size() && !strained; ++c) {
+      const auto& [a, b] = connections.ends[static_cast<std::size_t>(c)];
+      const double length = connections.rest_length[static_cast<std::size_t>(c)];
+      strained = !(std::abs((x.col(b) - x.col(a)).norm() - length) < limit * length);
+    }
+    return !body_.all(!strained);
+  }
+
+  /// Goes along the motion, or against it, as far as the energy falls by more than its rounding.
+  bool leave_saddle(Point& now) {
+    Positions direction;
+    body_.spread(motion_, direction);
+    const double furthest = body_.largest(direction.cols() ? direction.colwise().norm().maxCoeff() : 0);
+    const double length = 0.1 * mean_length(whole_.body()) / furthest;
+    Point trial;
+    for (double step = length; step > 1e-6 * length; step /= 4)
+      for (const double factor : {step, -step}) {
+        trial.local = now.local + factor * direction;
+        evaluate(trial);
+        if (!(now.energy - trial.energy > 10 * std::max(now.noise, trial.noise))) continue;
+        std::swap(now, trial);
+        return true;
+      }
     return false;
   }
 

@@ -18,8 +18,7 @@ struct SharedSetting {
 StaticResponse respond(Model& model, SharedSetting& setting, const Positions& at, const Positions& load_change,
                        const Positions& displacement, const StaticOptions& options);
 
-/// Newton's method with a line search on the energy, as elastin::solve_newton of a static problem, but that it does not
-/// test an equilibrium for being a minimum.
+/// Newton's method with a line search on the energy, as elastin::solve_newton of a static problem.
 StaticResult balance(Model& model, SharedSetting& setting, State& state, const StaticOptions& options);
 
 }  // namespace elastin::petsc

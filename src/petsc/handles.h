@@ -34,5 +34,6 @@ class Handle {
 using Vector = Handle<Vec, VecDestroy>;
 using Matrix = Handle<Mat, MatDestroy>;
 using Solver = Handle<KSP, KSPDestroy>;
+using PreconditionerHandle = Handle<PC, PCDestroy>;
 
 }  // namespace elastin::petsc

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/linear/block_inverse.h"
 #include "elastin/core/base/dense.h"
@@ -11,63 +12,6 @@ namespace elastin::petsc {
 namespace {
 
 constexpr const char* kPrefix = "elastin_";
-
-/// What multiplies residuals: the inverse blocks of owned molecules, and a cycle over the boxes.
-struct Preconditioner {
-  const SharedTangent& tangent;
-  std::vector<Matrix3> inverses;
-  std::unique_ptr<BoxCycle> boxes;
-
-  explicit Preconditioner(const SharedTangent& a_tangent, const BoxHierarchy* hierarchy) : tangent(a_tangent) {
-    for (const Matrix3& block : tangent.diagonal()) inverses.push_back(positive_inverse(block));
-    SharedModel& model = tangent.model();
-    for (const Support& support : model.supports()) {
-      const auto molecule = static_cast<std::size_t>(support.molecule);
-      inverses[molecule] = positive_inverse(support.free * tangent.diagonal()[molecule] * support.free);
-    }
-    if (hierarchy) boxes = std::make_unique<BoxCycle>(*hierarchy, tangent.local(), model.local().supports);
-  }
-
-  void apply(Vec force, Vec motion) const {
-    const PetscScalar* f = nullptr;
-    PetscScalar* x = nullptr;
-    check(VecGetArrayRead(force, &f));
-    check(VecGetArrayWrite(motion, &x));
-    for (std::size_t i = 0; i < inverses.size(); ++i)
-      Eigen::Map<Vector3>(x + 3 * i) = inverses[i] * Eigen::Map<const Vector3>(f + 3 * i);
-    check(VecRestoreArrayWrite(motion, &x));
-    check(VecRestoreArrayRead(force, &f));
-    if (boxes) boxes->add(force, motion);
-    tangent.model().keep_free(motion);
-  }
-};
-
-/// Nothing is thrown through PETSc.
-template <class Call>
-PetscErrorCode guarded(Call&& call) {
-  try {
-    call();
-    return 0;
-  } catch (...) {
-    return PETSC_ERR_LIB;
-  }
-}
-
-PetscErrorCode multiply(Mat matrix, Vec x, Vec y) {
-  return guarded([&] {
-    const SharedTangent* tangent = nullptr;
-    check(MatShellGetContext(matrix, &tangent));
-    tangent->apply(x, y);
-  });
-}
-
-PetscErrorCode precondition(PC pc, Vec x, Vec y) {
-  return guarded([&] {
-    const Preconditioner* preconditioner = nullptr;
-    check(PCShellGetContext(pc, &preconditioner));
-    preconditioner->apply(x, y);
-  });
-}
 
 /// The stiffness as a matrix, for preconditioners of PETSc: rows of owned molecules, unit blocks in fixed directions.
 Matrix assembled(const SharedTangent& tangent) {
@@ -112,6 +56,88 @@ void set_rigid_motions(const SharedTangent& tangent, Mat matrix) {
   check(MatNullSpaceCreateRigidBody(coordinates, &motions));
   check(MatSetNearNullSpace(matrix, motions));
   check(MatNullSpaceDestroy(&motions));
+}
+
+/// What multiplies residuals: the inverse blocks of owned molecules, and a cycle over the boxes; or one of PETSc's.
+struct Preconditioner {
+  const SharedTangent& tangent;
+  std::vector<Matrix3> inverses;
+  std::unique_ptr<BoxCycle> boxes;
+  Matrix matrix;
+  PreconditionerHandle asked;
+
+  explicit Preconditioner(const SharedTangent& a_tangent, const BoxHierarchy* hierarchy) : tangent(a_tangent) {
+    for (const Matrix3& block : tangent.diagonal()) inverses.push_back(positive_inverse(block));
+    SharedModel& model = tangent.model();
+    for (const Support& support : model.supports()) {
+      const auto molecule = static_cast<std::size_t>(support.molecule);
+      inverses[molecule] = positive_inverse(support.free * tangent.diagonal()[molecule] * support.free);
+    }
+    if (hierarchy) boxes = std::make_unique<BoxCycle>(*hierarchy, tangent.local(), model.local().supports);
+  }
+
+  explicit Preconditioner(const SharedTangent& a_tangent) : tangent(a_tangent), matrix(assembled(a_tangent)) {
+    set_rigid_motions(tangent, matrix);
+    // What supports leave free as a whole the last grid's own factorisation cannot take.
+    PetscBool named = PETSC_FALSE;
+    check(PetscOptionsHasName(nullptr, kPrefix, "-mg_coarse_sub_pc_type", &named));
+    if (!named) check(PetscOptionsSetValue(nullptr, "-elastin_mg_coarse_sub_pc_type", "svd"));
+    check(PCCreate(tangent.model().body().communicator(), asked.out()));
+    check(PCSetOptionsPrefix(asked, kPrefix));
+    check(PCSetOperators(asked, matrix, matrix));
+    check(PCSetFromOptions(asked));
+    check(PCSetUp(asked));
+  }
+
+  std::string name() const {
+    const char* type = nullptr;
+    if (asked) check(PCGetType(asked, &type));
+    return type ? type : boxes ? "multigrid" : "pcg";
+  }
+
+  void apply(Vec force, Vec motion) const {
+    if (asked) {
+      check(PCApply(asked, force, motion));
+      return tangent.model().keep_free(motion);  // aggregates join fixed directions to free ones
+    }
+    const PetscScalar* f = nullptr;
+    PetscScalar* x = nullptr;
+    check(VecGetArrayRead(force, &f));
+    check(VecGetArrayWrite(motion, &x));
+    for (std::size_t i = 0; i < inverses.size(); ++i)
+      Eigen::Map<Vector3>(x + 3 * i) = inverses[i] * Eigen::Map<const Vector3>(f + 3 * i);
+    check(VecRestoreArrayWrite(motion, &x));
+    check(VecRestoreArrayRead(force, &f));
+    if (boxes) boxes->add(force, motion);
+    tangent.model().keep_free(motion);
+  }
+};
+
+/// Nothing is thrown through PETSc.
+template <class Call>
+PetscErrorCode guarded(Call&& call) {
+  try {
+    call();
+    return 0;
+  } catch (...) {
+    return PETSC_ERR_LIB;
+  }
+}
+
+PetscErrorCode multiply(Mat matrix, Vec x, Vec y) {
+  return guarded([&] {
+    const SharedTangent* tangent = nullptr;
+    check(MatShellGetContext(matrix, &tangent));
+    tangent->apply(x, y);
+  });
+}
+
+PetscErrorCode precondition(PC pc, Vec x, Vec y) {
+  return guarded([&] {
+    const Preconditioner* preconditioner = nullptr;
+    check(PCShellGetContext(pc, &preconditioner));
+    preconditioner->apply(x, y);
+  });
 }
 
 /// Tells the operator of the motions as a whole that supports and forces leave to the body: what rounding on the last
@@ -227,9 +253,9 @@ SharedLinearResult solve_linear(const SharedTangent& tangent, const BoxHierarchy
   check(VecSet(solution, 0));
   PetscBool asked = PETSC_FALSE;
   check(PetscOptionsHasName(nullptr, kPrefix, "-pc_type", &asked));
-  result.preconditioner = asked ? "" : boxes ? "multigrid" : "pcg";
+  result.preconditioner = boxes ? "multigrid" : "pcg";
   if (size == 0) return result;
-  Matrix operation, matrix;
+  Matrix operation;
   const PetscInt rows = 3 * body.owned();
   check(MatCreateShell(body.communicator(), rows, rows, PETSC_DETERMINE, PETSC_DETERMINE,
                        const_cast<SharedTangent*>(&tangent), operation.out()));
@@ -238,7 +264,6 @@ SharedLinearResult solve_linear(const SharedTangent& tangent, const BoxHierarchy
   if (boxes || asked) set_free_motions(tangent, operation);
   Solver solver;
   check(KSPCreate(body.communicator(), solver.out()));
-  check(KSPSetOptionsPrefix(solver, kPrefix));
   check(KSPSetType(solver, KSPCG));
   check(KSPSetNormType(solver, KSP_NORM_UNPRECONDITIONED));
   PetscInt all = 0;
@@ -246,26 +271,12 @@ SharedLinearResult solve_linear(const SharedTangent& tangent, const BoxHierarchy
   check(KSPSetTolerances(solver, tolerance, 1e-300, 1e8, 10000 + all / 10));
   PC pc = nullptr;
   check(KSPGetPC(solver, &pc));
-  std::unique_ptr<Preconditioner> own;
-  if (asked) {
-    matrix = assembled(tangent);
-    set_rigid_motions(tangent, matrix);
-    check(KSPSetOperators(solver, operation, matrix));
-    // What supports leave free as a whole the last grid's own factorisation cannot take.
-    PetscBool named = PETSC_FALSE;
-    check(PetscOptionsHasName(nullptr, kPrefix, "-mg_coarse_sub_pc_type", &named));
-    if (!named) check(PetscOptionsSetValue(nullptr, "-elastin_mg_coarse_sub_pc_type", "svd"));
-    check(KSPSetFromOptions(solver));
-    const char* type = nullptr;
-    check(PCGetType(pc, &type));
-    result.preconditioner = type ? type : "";
-  } else {
-    own = std::make_unique<Preconditioner>(tangent, boxes);
-    check(KSPSetOperators(solver, operation, operation));
-    check(PCSetType(pc, PCSHELL));
-    check(PCShellSetContext(pc, own.get()));
-    check(PCShellSetApply(pc, precondition));
-  }
+  const Preconditioner preconditioner = asked ? Preconditioner(tangent) : Preconditioner(tangent, boxes);
+  result.preconditioner = preconditioner.name();
+  check(KSPSetOperators(solver, operation, operation));
+  check(PCSetType(pc, PCSHELL));
+  check(PCShellSetContext(pc, const_cast<Preconditioner*>(&preconditioner)));
+  check(PCShellSetApply(pc, precondition));
   check(KSPSolve(solver, rhs, solution));
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   PetscInt iterations = 0;
@@ -283,13 +294,43 @@ SharedLinearResult solve_linear(const SharedTangent& tangent, const BoxHierarchy
   result.residual = left / size;
   double reached = 0;
   check(VecNorm(solution, NORM_2, &reached));
-  if (reason < 0 && !(reached > 0)) {  // the force itself leads downhill
-    if (own)
-      own->apply(rhs, solution);
-    else
-      check(VecCopy(rhs, solution));
-  }
+  if (reason < 0 && !(reached > 0)) preconditioner.apply(rhs, solution);  // the force itself leads downhill
   return result;
+}
+
+bool find_negative_direction(const SharedTangent& tangent, Vec direction, int& iterations) {
+  constexpr double tolerance = 1e-5;
+  const SharedBody& body = tangent.model().body();
+  const Preconditioner preconditioner(tangent, nullptr);
+  const Positions all = scattered_directions(body.own().whole->size());
+  Positions local;
+  body.take(all, local);
+  Vector r = body.make_vector(), z = body.make_vector(), kp = body.make_vector();
+  const Vec p = direction;
+  body.write(local, r);
+  tangent.model().keep_free(r);
+  const auto dot = [](Vec a, Vec b) {
+    double product = 0;
+    check(VecDot(a, b, &product));
+    return product;
+  };
+  const double first = dot(r, r);
+  preconditioner.apply(r, z);
+  check(VecCopy(z, p));
+  double now = dot(r, z), size_of_p = now;  // pᵀ M p, M the preconditioner: what pᵀ K p is small or large against
+  for (double limit = 10000 + 0.3 * static_cast<double>(all.cols()); first > 0 && limit > 0; --limit) {
+    tangent.apply(p, kp);
+    const double curvature = dot(p, kp);
+    if (!(curvature > 1e-13 * size_of_p)) return curvature < -1e-10 * size_of_p;
+    check(VecAXPY(r, -now / curvature, kp));
+    ++iterations;
+    if (dot(r, r) <= tolerance * tolerance * first) break;
+    preconditioner.apply(r, z);
+    const double before = std::exchange(now, dot(r, z)), beta = now / before;
+    check(VecAYPX(p, beta, z));
+    size_of_p = now + beta * beta * size_of_p;
+  }
+  return false;
 }
 
 }  // namespace elastin::petsc

@@ -68,13 +68,14 @@ def command(processes, *arguments):
     return (["mpiexec", "-n", str(processes)] if processes else []) + [ELASTIN, *arguments]
 
 
-def run(processes, *arguments, seconds=300):
-    return subprocess.run(command(processes, *arguments), env=environment(), capture_output=True, text=True,
-                          timeout=seconds)
+def run(processes, *arguments, seconds=300, **variables):
+    return subprocess.run(command(processes, *arguments), env=dict(environment(), **variables), capture_output=True,
+                          text=True, timeout=seconds)
 
 
-def runs_of(processes, files):
-    done = run(processes, "run", *files, "--json", "-", *(["--set", "solver.engine=petsc"] if processes == 1 else []))
+def runs_of(processes, files, **variables):
+    engine = ["--set", "solver.engine=petsc"] if processes == 1 else []
+    done = run(processes, "run", *files, "--json", "-", *engine, **variables)
     check(done.returncode == 0, f"{processes} processes: exit code {done.returncode}: {done.stderr.strip()}")
     return {one["scene"]: one for one in json.loads(done.stdout)["runs"]} if done.returncode == 0 else {}
 
@@ -105,6 +106,22 @@ def check_measures(folder):
             iterations = [run[name]["linear_iterations"] for run in (one, shared)]
             check(abs(iterations[1] - iterations[0]) <= max(1, one[name]["iterations"]),
                   f"{name}: {iterations} linear iterations on 1 and {processes} processes")
+
+
+def check_preconditioner(folder):
+    """Whatever PETSc preconditions with, the equilibrium is the same."""
+    names = ["springs-small", "volume-small", "solid-large"]
+    files = [os.path.join(folder, name + ".yaml") for name in names]
+    plain, shared = runs_of(0, files), runs_of(2, files, PETSC_OPTIONS="-elastin_pc_type gamg")
+    for name in names if plain and shared else []:
+        check("gamg" in shared[name]["solver"], f"{name}: solver {shared[name]['solver']}, not by gamg")
+        compare(name, shared[name], plain[name], OTHER_ENGINE, "by gamg")
+
+
+def check_buckling():
+    """The straight column is an equilibrium and no minimum: the force that the scene expects is that of the bent one."""
+    done = run(1, "run", os.path.join(ROOT, "scenes/hard/buckling.yaml"), "--set", "solver.engine=petsc")
+    check(done.returncode == 0, f"buckling: exit code {done.returncode}, {done.stdout}{done.stderr}")
 
 
 def check_refusals(folder):
@@ -164,6 +181,8 @@ def main():
         sys.exit(77)
     with tempfile.TemporaryDirectory() as folder:
         check_measures(folder)
+        check_preconditioner(folder)
+        check_buckling()
         check_refusals(folder)
         check_files(folder)
         check_kill(folder)

@@ -12,7 +12,7 @@ struct Launch {
 Launch launch();
 
 /// Starts MPI and PETSc, unless they run already; make_engine() does it by itself. PETSc reads its options from
-/// PETSC_OPTIONS; those of our solver begin with -elastin_ (-elastin_pc_type gamg).
+/// PETSC_OPTIONS; those of a preconditioner instead of ours begin with -elastin_ (-elastin_pc_type gamg).
 void start();
 
 /// To be called last, by every process, where start() or make_engine() was: ends PETSc and MPI and returns `code`, the
@@ -27,8 +27,7 @@ int end(int code, void (*last_words)() = nullptr);
 ///
 /// Every process hands over the same whole model and gets the same whole result: the body itself, and what is read off
 /// it, is not shared out. Models with loads that change as the body moves, with laws that remember, and with cells that
-/// are driven at their nodes are not taken; see StaticEngine::unsuited. An equilibrium is not tested for being a
-/// minimum.
+/// are driven at their nodes are not taken; see StaticEngine::unsuited.
 std::shared_ptr<StaticEngine> make_engine();
 
 /// Makes the engine `petsc` of a catalog one that works.
