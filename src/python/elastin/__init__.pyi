@@ -432,16 +432,24 @@ class Comparison(list[Result]):
         """Error of a measure, by default the most telling one, against the seconds that it took."""
 
 class Sweep(list[Result]):
-    """."""
+    """Results of one scene, one for each combination of the values of its keys; sweep["effective_modulus"] gives a
+    measure as an array, NaN where a row has none. `changes` has what each row has under the keys."""
     changes: list[dict[str, Any]]
-    def __init__(self, changes: Iterable[dict[str, Any]], results: Iterable[Result]) -> None: ...
+    def __init__(self, changes: Iterable[dict[str, Any]], results: Iterable[Result]) -> None:
+        """Initialize self. See help(type(self)) for accurate signature."""
     @property
-    def key(self) -> str: ...
+    def key(self) -> str:
+        """The first of the keys."""
     @property
-    def values(self) -> list[Any]: ...
+    def values(self) -> list[Any]:
+        """What each row has under the first key."""
     def __getitem__(self, key: Any) -> Any: ...
-    def columns(self) -> dict[str, Any]: ...
-    def plot(self, measure: str | None = None, ax: Any = None, **options: Any) -> Any: ...
+    def columns(self) -> dict[str, Any]:
+        """A column for each key, then strategy, outcome, each measure that some row has, and seconds to build and to
+        solve. pandas.DataFrame takes it as it is."""
+    def plot(self, measure: str | None = None, ax: Any = None, **options: Any) -> Any:
+        """A measure, by default the most telling one, over the values of the first key: a line for each strategy and
+        each combination of the other keys. Options go to matplotlib's plot."""
 
 def body(description: Mapping[str, Any] | str, material: Material | None = None) -> Body:
     """A body as a scene has it under `body:`: elastin.body({"lattice": {"kind": "cubic", "molecules": [5, 5, 5],
@@ -496,7 +504,16 @@ def verify(scene: Scene | Sequence[Scene], *, experiment: Experiment | Mapping[s
 def sweep(scene: Scene, key: str | Mapping[str, Iterable[Any]], values: Iterable[Any] | None = None, *,
           strategy: str | Strategy | Sequence[str | Strategy] = "", set: Changes = None,
           catalog: Catalog | None = None, progress: Callable[[str], object] | None = None, client: Any = None,
-          **keys: Any) -> Sweep: ...
+          **keys: Any) -> Sweep:
+    """Runs a scene once for each value of one of its keys, sweep(scene, "material.poissons_ratio", [0.1, 0.2, 0.3]), or
+    for each combination of the values of several, the last key fastest: sweep(scene, {"body.lattice.molecules": [[5,
+    5, 5], [9, 9, 9]], "material.poissons_ratio": [0.1, 0.2]}). `strategy` may be a list: each of them runs in every
+    combination. `set` and what else `run` takes hold for all rows.
+
+    With a `client` its workers compute the rows: a dask.distributed.Client, or an executor of concurrent.futures.
+    The rows are the same to the last bit but for times. A scene file must be there under the same path for all
+    workers. Of a dask.distributed.Client a row whose worker dies goes to another one. `progress` is told what a row
+    is doing, or with a client how many rows are there."""
 def identify(scene: Scene, data: Mapping[str, Path] | None = None, *, tests: Sequence[str] = (),
              laws: Sequence[str] = (), strategies: Sequence[str] = (), set: Changes = None,
              progress: Callable[[str], object] | None = None, **keys: Any) -> Any:
@@ -544,8 +561,9 @@ class Experiment:
 class Tension(Experiment):
     """A bar is pulled along its axis: effective modulus, Poisson's ratio, stress–strain curve.
     axis: axis of the bar, from the fixed end to the loaded one (direction; default: z).
-    force [N]: force on the loaded end; not 0 (quantity; default: needed, or displacement).
-    displacement [m]: displacement of the loaded end; not 0 (quantity; default: needed, or force).
+    force [N]: force on the loaded end; not 0 (quantity; default: one of three needed).
+    displacement [m]: displacement of the loaded end; not 0 (quantity; default: one of three needed).
+    strain: that displacement over the distance of the end layers; not 0 (number; default: one of three needed).
     fixed_grip: whether the end is also fixed sideways (clamped, sliding; default: sliding).
     loaded_grip: whether the end is also fixed sideways (clamped, sliding; default: sliding).
     load_sharing: how the molecules of the loaded end share a force: by tributary areas, or equally (area, molecules;
@@ -560,16 +578,17 @@ class Tension(Experiment):
     load_steps: equal steps in which the load grows (whole; default: 1).
     cycle: parts of the load that are reached one after the other, each in `load_steps`: [1, 0, 1] (list of numbers;
     default: [1])."""
-    def __init__(self, *, axis: Any = None, force: Any = None, displacement: Any = None, fixed_grip: Any = None,
-                 loaded_grip: Any = None, load_sharing: Any = None, reading: Any = None, cross_section: Any = None,
-                 gauge_length: Any = None, gauge: Any = None, grip_depth: Any = None, load_steps: Any = None, cycle: Any
-                 = None, grips: Any = None, strain: Any = None) -> None: ...
+    def __init__(self, *, axis: Any = None, force: Any = None, displacement: Any = None, strain: Any = None, fixed_grip:
+                 Any = None, loaded_grip: Any = None, load_sharing: Any = None, reading: Any = None, cross_section: Any
+                 = None, gauge_length: Any = None, gauge: Any = None, grip_depth: Any = None, load_steps: Any = None,
+                 cycle: Any = None, grips: Any = None) -> None: ...
 
 class Compression(Experiment):
     """A bar is pressed along its axis and measured as in tension.
     axis: axis of the bar, from the fixed end to the loaded one (direction; default: z).
-    force [N]: force on the loaded end; not 0 (quantity; default: needed, or displacement).
-    displacement [m]: displacement of the loaded end; not 0 (quantity; default: needed, or force).
+    force [N]: force on the loaded end; not 0 (quantity; default: one of three needed).
+    displacement [m]: displacement of the loaded end; not 0 (quantity; default: one of three needed).
+    strain: that displacement over the distance of the end layers; not 0 (number; default: one of three needed).
     fixed_grip: whether the end is also fixed sideways (clamped, sliding; default: sliding).
     loaded_grip: whether the end is also fixed sideways (clamped, sliding; default: sliding).
     load_sharing: how the molecules of the loaded end share a force: by tributary areas, or equally (area, molecules;
@@ -584,10 +603,32 @@ class Compression(Experiment):
     load_steps: equal steps in which the load grows (whole; default: 1).
     cycle: parts of the load that are reached one after the other, each in `load_steps`: [1, 0, 1] (list of numbers;
     default: [1])."""
-    def __init__(self, *, axis: Any = None, force: Any = None, displacement: Any = None, fixed_grip: Any = None,
-                 loaded_grip: Any = None, load_sharing: Any = None, reading: Any = None, cross_section: Any = None,
-                 gauge_length: Any = None, gauge: Any = None, grip_depth: Any = None, load_steps: Any = None, cycle: Any
-                 = None, grips: Any = None, strain: Any = None) -> None: ...
+    def __init__(self, *, axis: Any = None, force: Any = None, displacement: Any = None, strain: Any = None, fixed_grip:
+                 Any = None, loaded_grip: Any = None, load_sharing: Any = None, reading: Any = None, cross_section: Any
+                 = None, gauge_length: Any = None, gauge: Any = None, grip_depth: Any = None, load_steps: Any = None,
+                 cycle: Any = None, grips: Any = None) -> None: ...
+
+class Biaxial(Experiment):
+    """A block or sheet is stretched along two directions between smooth grips, free along the third. [Timoshenko &
+    Goodier 1970, section 6]
+    axis: first direction, in which the body is stretched (direction; default: x).
+    across: second direction, perpendicular to it (direction; default: y).
+    strain: nominal strain along both, or along each; the first is not 0 (number, or two numbers; default: needed).
+    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    load_steps: equal steps in which the load grows (whole; default: 1)."""
+    def __init__(self, *, axis: Any = None, across: Any = None, strain: Any = None, grip_depth: Any = None, load_steps:
+                 Any = None) -> None: ...
+
+class Planar(Experiment):
+    """A block or sheet is stretched along one direction and keeps its width along another: pure shear. [Timoshenko &
+    Goodier 1970, section 6]
+    axis: first direction, in which the body is stretched (direction; default: x).
+    across: second direction, perpendicular to it (direction; default: y).
+    strain: nominal strain along `axis`; not 0 (number; default: needed).
+    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
+    load_steps: equal steps in which the load grows (whole; default: 1)."""
+    def __init__(self, *, axis: Any = None, across: Any = None, strain: Any = None, grip_depth: Any = None, load_steps:
+                 Any = None) -> None: ...
 
 class Shear(Experiment):
     """Planes across the axis slide along a direction, at constant height: shear modulus.
@@ -775,5 +816,7 @@ class Parachute(Experiment):
 class Vibration(Experiment):
     """Natural frequencies of a body, free or fixed by a fixture; at rest.
     fixture: how the body is fixed (experiment at rest; default: free body).
+    load: whether the body vibrates about rest, or about its equilibrium under the fixture's load (removed, applied;
+    default: removed).
     count: number of frequencies (whole; default: 6)."""
-    def __init__(self, *, fixture: Any = None, count: Any = None) -> None: ...
+    def __init__(self, *, fixture: Any = None, load: Any = None, count: Any = None) -> None: ...
