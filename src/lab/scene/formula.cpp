@@ -199,16 +199,21 @@ class Formula {
       if (unit.length % 2 || unit.mass % 2 || unit.time % 2) fail("no unit is the square root of " + name_of(unit));
       return {std::sqrt(first.number), {unit.length / 2, unit.mass / 2, unit.time / 2}, false};
     }
-    using Plain = double (*)(double);
-    static const std::map<std::string, Plain> functions{
-        {"round", [](double x) { return std::round(x); }}, {"floor", [](double x) { return std::floor(x); }},
-        {"ceil", [](double x) { return std::ceil(x); }},   {"sin", [](double x) { return std::sin(x); }},
-        {"cos", [](double x) { return std::cos(x); }},     {"tan", [](double x) { return std::tan(x); }},
-        {"exp", [](double x) { return std::exp(x); }},     {"log", [](double x) { return std::log(x); }}};
+    using Plain = std::map<std::string, double (*)(double)>;
+    static const Plain of_angles{{"sin", [](double x) { return std::sin(x); }},
+                                 {"cos", [](double x) { return std::cos(x); }},
+                                 {"tan", [](double x) { return std::tan(x); }}};
+    static const Plain of_numbers{{"round", [](double x) { return std::round(x); }},
+                                  {"floor", [](double x) { return std::floor(x); }},
+                                  {"ceil", [](double x) { return std::ceil(x); }},
+                                  {"exp", [](double x) { return std::exp(x); }},
+                                  {"log", [](double x) { return std::log(x); }}};
+    const Plain& functions = of_angles.contains(name) ? of_angles : of_numbers;
     const auto found = functions.find(name);
     if (found == functions.end()) {
       std::vector<std::string> known{"sqrt", "abs", "min", "max"};
-      for (const auto& [own, unused] : functions) known.push_back(own);
+      for (const Plain* some : {&of_numbers, &of_angles})
+        for (const auto& [own, unused] : *some) known.push_back(own);
       fail("there is no function '" + name + "'" + suggestion(name, known));
     }
     if (first.unit != dimension::none) fail(name + " needs a plain number, and this is " + name_of(first.unit));

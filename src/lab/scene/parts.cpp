@@ -119,7 +119,8 @@ std::vector<KeySection> strategy_keys(const Catalog& catalog) {
       keys.back().text = "of `" + strategy.name + "`: " + info.text;
     }
   return {{"stiffness", "Stiffness",
-           "A word is a strategy's name: `lattice`, `\"calibrated:patch+volume\"`, `hencky_energy_membrane+wrinkling`. A map "
+           "A word is a strategy's name: `lattice`, `\"calibrated:patch+volume\"`, `hencky_energy_membrane+wrinkling`. "
+           "A map "
            "has the name and parameters:",
            std::move(keys)}};
 }

@@ -198,7 +198,8 @@ TEST_CASE("a bubble turns with its disc, and wants one that is flat and round", 
   rotate(specimen.body, turn);
   const auto bubble = make_bubble(specimen.body, {{4000}, {}}, specimen.material);
   const double turned = solve(specimen, *bubble, "hencky_energy_membrane").measures.get("height");
-  CHECK(turned == Approx(blow_up(5, 1.8e6, 0.4, "hencky_energy_membrane", {4000}).measures.get("height")).epsilon(1e-8));
+  CHECK(turned ==
+        Approx(blow_up(5, 1.8e6, 0.4, "hencky_energy_membrane", {4000}).measures.get("height")).epsilon(1e-8));
 
   Body bent = disc(1, 4), square = rectangular_sheet({1, 1}, {4, 4}, SheetPattern::alternating),
        closed = sphere(1, SphereMesh::icosahedron, 2);
