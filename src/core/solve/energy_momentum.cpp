@@ -49,6 +49,7 @@ class EnergyMomentum final : public Implicit {
     if (model.supports.empty()) keep_momentum(model, state);
     next_.positions = now_.positions;
     next_.velocities = 2 / dt * (now_.positions - state.positions) - state.velocities;
+    if (model.supports.empty()) keep_momentum_of(model, state);
     move_with_supports(model.supports, next_.velocities);
     next_.accelerations = (next_.velocities - state.velocities) / dt;
     next_.carry_over(state);
@@ -226,6 +227,16 @@ class EnergyMomentum final : public Implicit {
     evaluate(model, state, now_);
     const Vector3 missing = now_.unbalanced.rowwise().sum() / model.body().mass.sum();
     now_.positions.colwise() += dt_ * dt_ / 2 * missing;
+  }
+
+  /// Positions have the rounding of where the body is, which their differences in time would hand on.
+  void keep_momentum_of(const Model& model, const State& state) {
+    const VectorX& mass = model.body().mass;
+    spare_.setZero(3, mass.size());
+    model.add_other_forces(middle_, spare_, workspace_.trials.force_pass);  // those within the body cancel
+    const Vector3 change = dt_ * spare_.rowwise().sum();
+    const Vector3 missing = change - (next_.velocities - state.velocities) * mass;
+    next_.velocities.colwise() += missing / mass.sum();
   }
 
   struct Past {

@@ -51,7 +51,9 @@ std::string below(const std::string& path, const std::string& key) { return path
 
 Reader::Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path,
                std::optional<SourceLocation> key_location)
-    : file_(std::move(file)), node_(std::move(node)), path_(std::move(path)), key_location_(std::move(key_location)) {}
+    : file_(std::move(file)), node_(std::move(node)), path_(std::move(path)), key_location_(std::move(key_location)) {
+  if (file_->files.empty()) file_->files = {file_->path};
+}
 
 SourceLocation Reader::location_of(const YAML::Node& node) const {
   const YAML::Mark mark = node.Mark();

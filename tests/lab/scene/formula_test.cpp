@@ -71,7 +71,7 @@ TEST_CASE("a formula gives a number with its unit", "[scene][formula]") {
   CHECK(of("[= n, = 2 * n, 5]").items(3)[1].whole(1) == 20);
 }
 
-TEST_CASE("--set changes the values that formulas are made of", "[scene][formula]") {
+TEST_CASE("the option --set changes the values that formulas are made of", "[scene][formula]") {
   CHECK(of("= gap", {"values.side=60 mm"}).quantity(dimension::length) == Approx(6e-3));
   CHECK(of("1", {"x== side / 3"}).quantity(dimension::length) == Approx(0.01));
 }
