@@ -13,7 +13,8 @@ namespace elastin {
 namespace {
 
 constexpr int kMostIterations = 60;
-constexpr int kMemory = 5;  ///< last iterations that the next one is mixed of
+constexpr int kPatience = 12;  ///< iterations in which the unbalanced force must halve
+constexpr int kMemory = 5;     ///< last iterations that the next one is mixed of
 
 /// What an elastic law says at one end of a step.
 struct End {
@@ -153,6 +154,7 @@ class EnergyMomentum final : public Implicit {
     evaluate(model, state, now_);
     used_ = 0;
     cut_ = false;
+    double last_norm = 0;
     for (int iteration = 0; iteration <= kMostIterations; ++iteration) {
       if (!std::isfinite(now_.norm + now_.scale)) break;
       middle_.positions = now_.positions;
@@ -164,6 +166,10 @@ class EnergyMomentum final : public Implicit {
       const double floor = rounding_floor(*workspace_.tangent, now_.positions);
       if (now_.norm <= std::max(newton_.tolerance * now_.scale, 2 * floor)) return true;
       if (iteration == kMostIterations) break;
+      if (iteration % kPatience == 0) {  // a shorter step gets there sooner
+        if (iteration > 0 && now_.norm > 0.5 * last_norm) break;
+        last_norm = now_.norm;
+      }
       forces_.noalias() = 2 * turn_ * now_.unbalanced;
       keep_free(model.supports, forces_);
       UsedSolver used;
@@ -174,8 +180,7 @@ class EnergyMomentum final : public Implicit {
       if (!motion_.allFinite() || !move(model, state)) break;
     }
     result.outcome = cut_ ? Outcome::inverted : Outcome::limit_reached;
-    result.cause = cut_ ? "every further step would turn a cell over"
-                        : "no balance within " + std::to_string(kMostIterations) + " iterations";
+    result.cause = cut_ ? "every further step would turn a cell over" : "the iterations find no balance";
     return false;
   }
 
