@@ -49,9 +49,10 @@ template <int d>
 class BlockCells final : public Elasticity, public LocalElasticity {
   using Gradient = Eigen::Matrix<double, 3, d>;  ///< F, δF, F S
   using Square = Eigen::Matrix<double, d, d>;
+  using Direction = Eigen::Matrix<double, d, 1>;
   using Moduli = TangentModuli<d>;
-  /// The change of C's components, those off the diagonal twice, for each of the 3 d components of δF.
-  using Changes = Eigen::Matrix<double, d*(d + 1) / 2, 3 * d>;
+  /// The change of C's components, those off the diagonal twice, for δF = e_i ⊗ B, a column for each i.
+  using Changes = Eigen::Matrix<double, d*(d + 1) / 2, 3>;
 
  public:
   BlockCells(const Body& body, const CellBlock& block, std::shared_ptr<const PointLaws<d>> laws,
@@ -91,7 +92,7 @@ class BlockCells final : public Elasticity, public LocalElasticity {
       set_strains(positions, cell, now);
       for (int g = 0; g < points_; ++g) {
         const auto at = static_cast<std::size_t>(g);
-        const Eigen::Matrix<double, d, 1> B = rest(cell, g).inverse.transpose() * reference_slope(g, node);
+        const Direction B = slope(cell, g, node);
         most = std::max(most, motion.norm() * B.norm());
         if constexpr (d == 3) {
           const double before = 1 + now.swelling[at], after = before + motion.dot(cofactors(now.F[at]) * B);
@@ -162,13 +163,18 @@ class BlockCells final : public Elasticity, public LocalElasticity {
         state.strain += weight / 2 * E * now.A[at] * E.transpose();
         state.stress += weight * now.F[at] * now.S[at] * now.F[at].transpose();
         rest_size += weight, size += weight * std::sqrt(std::max(0., C.determinant()));
-        const Eigen::Matrix<double, d, Eigen::Dynamic> B = rest_gradients(cell, g);
-        const Eigen::Matrix<double, d, Eigen::Dynamic> SB = now.S[at] * B;
+        std::array<Direction, kMostNodes> B, SB;
+        for (int a = 0; a < kind_.nodes; ++a) {
+          const auto own = static_cast<std::size_t>(a);
+          B[own] = slope(cell, g, a), SB[own] = now.S[at] * B[own];
+        }
         std::size_t pair =
             static_cast<std::size_t>(cell) * static_cast<std::size_t>(kind_.nodes * (kind_.nodes - 1) / 2);
         for (int a = 0; a < kind_.nodes; ++a)
           for (int b = a + 1; b < kind_.nodes; ++b, ++pair)
-            if (connections[pair] >= 0) force_densities[connections[pair]] -= weight * B.col(a).dot(SB.col(b));
+            if (connections[pair] >= 0)
+              force_densities[connections[pair]] -=
+                  weight * B[static_cast<std::size_t>(a)].dot(SB[static_cast<std::size_t>(b)]);
       }
       state.strain /= rest_size;
       if (size > 0) state.stress /= size;
@@ -244,63 +250,51 @@ class BlockCells final : public Elasticity, public LocalElasticity {
 
   void visit_blocks(const BlockVisitor& visit) const override {
     const int n = kind_.nodes;
-    Eigen::MatrixXd K(3 * n, 3 * n), V, DV, gradients;
+    std::vector<Matrix3> K(static_cast<std::size_t>(n * n));
     for (int cell = 0; cell < block_.size(); ++cell) {
-      K.setZero();
+      std::fill(K.begin(), K.end(), Matrix3::Zero());
       for (int g = 0; g < points_; ++g) {
-        const Now& now = this->now(cell, g);
-        const Eigen::Matrix<double, d, Eigen::Dynamic> B = rest_gradients(cell, g);
-        V.resize(Components<d>::RowsAtCompileTime, 3 * n);
-        for (int a = 0; a < n; ++a) V.middleCols(3 * a, 3) = changes_of(now.F, B.col(a));
-        DV = now.D * V;
-        K.noalias() += 0.5 * (V.transpose() * DV);
-        const Eigen::MatrixXd stress = B.transpose() * now.S * B;
+        std::array<Acting, kMostNodes> at;
+        for (int a = 0; a < n; ++a) at[static_cast<std::size_t>(a)] = acting(this->now(cell, g), slope(cell, g, a));
         for (int a = 0; a < n; ++a)
-          for (int b = 0; b < n; ++b) K.block<3, 3>(3 * a, 3 * b).diagonal().array() += stress(a, b);
+          for (int b = 0; b < n; ++b)
+            add_pair(at[static_cast<std::size_t>(a)], at[static_cast<std::size_t>(b)],
+                     K[static_cast<std::size_t>(a * n + b)]);
       }
       if constexpr (d == 3)
         if (!volume_.empty()) {
-          const Eigen::MatrixXd G = pressure_gradients(cell);
-          const int m = kind_.pressures;
-          K.noalias() +=
-              G * stiffness_of_pressures_[static_cast<std::size_t>(cell)].topLeftCorner(m, m) * G.transpose();
+          const std::vector<PressureGradient> G = pressure_gradients(cell);
+          for (int a = 0; a < n; ++a)
+            for (int b = 0; b < n; ++b)
+              add_pressures(G[static_cast<std::size_t>(a)], stiffness_of_pressures_[static_cast<std::size_t>(cell)],
+                            G[static_cast<std::size_t>(b)], K[static_cast<std::size_t>(a * n + b)]);
         }
       const auto nodes = block_.cell(cell);
       for (int a = 0; a < n; ++a)
         for (int b = 0; b < n; ++b)
           visit(nodes[static_cast<std::size_t>(a)], nodes[static_cast<std::size_t>(b)],
-                K.template block<3, 3>(3 * a, 3 * b));
+                K[static_cast<std::size_t>(a * n + b)]);
     }
   }
 
   void visit_diagonal(const DiagonalVisitor& visit) const override {
     for (int cell = 0; cell < block_.size(); ++cell) {
-      const auto nodes = block_.cell(cell);
-      Eigen::MatrixXd G, Q;
-      if constexpr (d == 3)
-        if (!volume_.empty()) {
-          const int m = kind_.pressures;
-          G = pressure_gradients(cell);
-          Q = stiffness_of_pressures_[static_cast<std::size_t>(cell)].topLeftCorner(m, m);
-        }
       std::array<Matrix3, kMostNodes> own;
       own.fill(Matrix3::Zero());
-      for (int g = 0; g < points_; ++g) {
-        const Now& now = this->now(cell, g);
-        const Square to_rest = rest(cell, g).inverse.transpose();
+      for (int g = 0; g < points_; ++g)
         for (int a = 0; a < kind_.nodes; ++a) {
-          const Eigen::Matrix<double, d, 1> B = to_rest * reference_slope(g, a);
-          const Eigen::Matrix<double, Components<d>::RowsAtCompileTime, 3> V = changes_of(now.F, B);
-          Matrix3& block = own[static_cast<std::size_t>(a)];
-          block.noalias() += 0.5 * (V.transpose() * (now.D * V));
-          block.diagonal().array() += B.dot(now.S * B);
+          const Acting at = acting(now(cell, g), slope(cell, g, a));
+          add_pair(at, at, own[static_cast<std::size_t>(a)]);
         }
-      }
-      for (int a = 0; a < kind_.nodes; ++a) {
-        if (G.size())
-          own[static_cast<std::size_t>(a)] += G.middleRows(3 * a, 3) * Q * G.middleRows(3 * a, 3).transpose();
-        visit(nodes[static_cast<std::size_t>(a)], own[static_cast<std::size_t>(a)]);
-      }
+      if constexpr (d == 3)
+        if (!volume_.empty()) {
+          const std::vector<PressureGradient> G = pressure_gradients(cell);
+          for (int a = 0; a < kind_.nodes; ++a)
+            add_pressures(G[static_cast<std::size_t>(a)], stiffness_of_pressures_[static_cast<std::size_t>(cell)],
+                          G[static_cast<std::size_t>(a)], own[static_cast<std::size_t>(a)]);
+        }
+      const auto nodes = block_.cell(cell);
+      for (int a = 0; a < kind_.nodes; ++a) visit(nodes[static_cast<std::size_t>(a)], own[static_cast<std::size_t>(a)]);
     }
   }
 
@@ -310,16 +304,17 @@ class BlockCells final : public Elasticity, public LocalElasticity {
       std::vector<std::pair<int, Vector3>> gradient;
       for (int cell = 0; cell < (volume_.empty() ? 0 : block_.size()); ++cell) {
         const int m = kind_.pressures;
-        const Eigen::MatrixXd G = pressure_gradients(cell);
+        const std::vector<PressureGradient> G = pressure_gradients(cell);
         const SymmetricEigen eigen =
             symmetric_eigen(stiffness_of_pressures_[static_cast<std::size_t>(cell)].topLeftCorner(m, m));
         for (int k = 0; k < m; ++k) {
           if (!(eigen.values[k] > 0)) continue;
-          const VectorX along = G * eigen.vectors.col(k);
+          Pressures along = Pressures::Zero();
+          for (int j = 0; j < m; ++j) along[j] = eigen.vectors(j, k);
           gradient.clear();
           const auto nodes = block_.cell(cell);
           for (int a = 0; a < kind_.nodes; ++a)
-            gradient.emplace_back(nodes[static_cast<std::size_t>(a)], along.template segment<3>(3 * a));
+            gradient.emplace_back(nodes[static_cast<std::size_t>(a)], G[static_cast<std::size_t>(a)] * along);
           visit(gradient, eigen.values[k]);
         }
       }
@@ -332,13 +327,17 @@ class BlockCells final : public Elasticity, public LocalElasticity {
     for (int cell = 0; cell < block_.size(); ++cell) {
       const NodeVectors own = gathered(body_.rest, cell);
       for (int g = 0; g < points_; ++g) {
-        const Now& now = this->now(cell, g);
-        Changes V;
-        for (int p = 0; p < d; ++p) V.template middleCols<3>(3 * p) = changes_of(now.F, Square::Identity().col(p));
-        stiffness.noalias() = 0.5 * (V.transpose() * (now.D * V));
+        std::array<Acting, d> at;
+        for (int p = 0; p < d; ++p) at[static_cast<std::size_t>(p)] = acting(now(cell, g), Direction::Unit(p));
         for (int p = 0; p < d; ++p)
-          for (int q = 0; q < d; ++q) stiffness.block<3, 3>(3 * p, 3 * q).diagonal().array() += now.S(p, q);
-        visit(own * kind_.values.col(g), frame(cell, g), stiffness);
+          for (int q = 0; q < d; ++q) {
+            Matrix3 block = Matrix3::Zero();
+            add_pair(at[static_cast<std::size_t>(p)], at[static_cast<std::size_t>(q)], block);
+            stiffness.block<3, 3>(3 * p, 3 * q) = block;
+          }
+        Vector3 place = Vector3::Zero();
+        for (int a = 0; a < kind_.nodes; ++a) place += kind_.values(a, g) * own.col(a);
+        visit(place, frame(cell, g), stiffness);
       }
     }
   }
@@ -379,6 +378,7 @@ class BlockCells final : public Elasticity, public LocalElasticity {
   static constexpr int kCellThreshold = 200;
   using Pressures = Eigen::Matrix<double, kMostPressures, 1>;
   using PressureMatrix = Eigen::Matrix<double, kMostPressures, kMostPressures>;
+  using PressureGradient = Eigen::Matrix<double, 3, kMostPressures>;  ///< ∂(∫ φ_k J)/∂x of one node
 
   struct Rest {
     Square inverse;  ///< of ∂X/∂ξ, in the frame of the point
@@ -440,24 +440,23 @@ class BlockCells final : public Elasticity, public LocalElasticity {
     set_stresses(positions, cell, now);
     std::array<Moduli, kMostPoints> D;
     laws_->tangents(cell, span(now.A), {D.data(), static_cast<std::size_t>(points_)});
-    Eigen::Matrix<double, 3, kMostPressures> G = Eigen::Matrix<double, 3, kMostPressures>::Zero();
+    PressureGradient G = PressureGradient::Zero();
     for (int g = 0; g < points_; ++g) {
       const auto at = static_cast<std::size_t>(g);
       const double weight = rest(cell, g).weight;
-      const Eigen::Matrix<double, d, 1> B = rest(cell, g).inverse.transpose() * reference_slope(g, node);
+      const Direction B = slope(cell, g, node);
       if constexpr (d == 3)
         if (!volume_.empty()) {
           const Vector3 of_volume = weight * cofactors(now.F[at]) * B;
           G += of_volume * functions_[at].transpose();
           add_pressure(now.p[at], now.A[at], now.S[at], D[at]);
         }
-      block.gradient += weight * now.F[at] * (now.S[at] * B);
-      const Eigen::Matrix<double, Components<d>::RowsAtCompileTime, 3> V = changes_of(now.F[at], B);
-      block.hessian.noalias() += weight / 2 * (V.transpose() * (D[at] * V));
-      block.hessian.diagonal().array() += weight * B.dot(now.S[at] * B);
+      const Acting here = acting({now.F[at], weight * now.S[at], weight * D[at]}, B);
+      block.gradient += now.F[at] * here.SB;
+      add_pair(here, here, block.hessian);
     }
     if constexpr (d == 3)
-      if (!volume_.empty()) block.hessian += G * stiffness_of_pressures(cell, now) * G.transpose();
+      if (!volume_.empty()) add_pressures(G, stiffness_of_pressures(cell, now), G, block.hessian);
   }
 
   const Rest& rest(int cell, int g) const { return rest_[static_cast<std::size_t>(cell * points_ + g)]; }
@@ -479,7 +478,7 @@ class BlockCells final : public Elasticity, public LocalElasticity {
     for (int cell = 0; cell < block_.size(); ++cell) {
       const NodeVectors own = gathered(body_.rest, cell);
       for (int g = 0; g < points_; ++g) {
-        const Gradient edges = own * kind_.slopes[static_cast<std::size_t>(g)].transpose();
+        const Gradient edges = reference_gradient(g, own);
         Square in_frame;
         if constexpr (d == 3) {
           in_frame = edges;
@@ -503,22 +502,25 @@ class BlockCells final : public Elasticity, public LocalElasticity {
     return own;
   }
 
-  Eigen::Matrix<double, d, 1> reference_slope(int g, int a) const {
-    return kind_.slopes[static_cast<std::size_t>(g)].col(a);
+  Direction reference_slope(int g, int a) const {
+    return Eigen::Map<const Direction>(kind_.slopes[static_cast<std::size_t>(g)].data() + d * a);
   }
-  Eigen::Matrix<double, d, Eigen::Dynamic> rest_gradients(int cell, int g) const {
-    return rest(cell, g).inverse.transpose() * kind_.slopes[static_cast<std::size_t>(g)];
-  }
+  /// B_a at a point.
+  Direction slope(int cell, int g, int a) const { return rest(cell, g).inverse.transpose() * reference_slope(g, a); }
 
-  /// Σ v_a ⊗ B_a. By hand: matrices of unknown size have no fast product so small.
+  /// Σ v_a ⊗ B_a.
   Gradient gradient(int cell, int g, const NodeVectors& values) const {
+    return reference_gradient(g, values) * rest(cell, g).inverse;
+  }
+  /// Σ v_a ⊗ ∂N_a/∂ξ. By hand: matrices of unknown size have no fast product so small, and take seconds to compile.
+  Gradient reference_gradient(int g, const NodeVectors& values) const {
     const double* slopes = kind_.slopes[static_cast<std::size_t>(g)].data();
     const double* v = values.data();
     Gradient sum = Gradient::Zero();
     for (int a = 0; a < kind_.nodes; ++a, v += 3, slopes += d)
       for (int i = 0; i < d; ++i)
         for (int k = 0; k < 3; ++k) sum(k, i) += v[k] * slopes[i];
-    return sum * rest(cell, g).inverse;
+    return sum;
   }
   /// own.col(a) += P B_a.
   void spread(int cell, int g, const Gradient& P, NodeVectors& own) const {
@@ -638,16 +640,34 @@ class BlockCells final : public Elasticity, public LocalElasticity {
     return now.inverted;
   }
 
-  /// δC for δF = e_i ⊗ B, a column for each i.
-  static Eigen::Matrix<double, Components<d>::RowsAtCompileTime, 3> changes_of(const Gradient& F,
-                                                                               const Eigen::Matrix<double, d, 1>& B) {
-    Eigen::Matrix<double, Components<d>::RowsAtCompileTime, 3> V;
+  static Changes changes_of(const Gradient& F, const Direction& B) {
+    Changes V;
     constexpr auto order = components<d>();
     for (int k = 0; k < V.rows(); ++k) {
       const auto [p, q] = order[static_cast<std::size_t>(k)];
       for (int i = 0; i < 3; ++i) V(k, i) = (F(i, p) * B[q] + F(i, q) * B[p]) * (p == q ? 1 : 2);
     }
     return V;
+  }
+
+  /// What a motion e_i ⊗ B of the point meets: the change of C, its stress, and S B.
+  struct Acting {
+    Direction B, SB;
+    Changes V, DV;
+  };
+  static Acting acting(const Now& now, const Direction& B) {
+    const Changes V = changes_of(now.F, B);
+    return {B, now.S * B, V, now.D * V};
+  }
+  /// The stiffness between the motions a and b.
+  static void add_pair(const Acting& a, const Acting& b, Matrix3& block) {
+    block.noalias() += 0.5 * (a.V.transpose() * b.DV);
+    block.diagonal().array() += a.B.dot(b.SB);
+  }
+  static void add_pressures(const PressureGradient& a, const PressureMatrix& Q, const PressureGradient& b,
+                            Matrix3& block) {
+    const PressureGradient aQ = a * Q;
+    block.noalias() += aQ * b.transpose();
   }
 
   // ------------------------------------------------------------------------------------- pressures of the whole cell
@@ -719,17 +739,15 @@ class BlockCells final : public Elasticity, public LocalElasticity {
     const PressureMatrix& M = inverse_mass_[static_cast<std::size_t>(cell)];
     return relaxing_ ? PressureMatrix(relaxing_.factor() * M * sum * M) : PressureMatrix(M * sum * M);
   }
-  /// ∂(∫ φ_k J)/∂x, 3 n × m.
-  Eigen::MatrixXd pressure_gradients(int cell) const {
-    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(3 * kind_.nodes, kind_.pressures);
+  /// Of each node.
+  std::vector<PressureGradient> pressure_gradients(int cell) const {
+    std::vector<PressureGradient> G(static_cast<std::size_t>(kind_.nodes), PressureGradient::Zero());
     if constexpr (d == 3)
       for (int g = 0; g < points_; ++g) {
-        const Matrix3 to_node = rest(cell, g).weight * cofactors(now(cell, g).F) * rest(cell, g).inverse.transpose();
-        for (int a = 0; a < kind_.nodes; ++a) {
-          const Vector3 own = to_node * reference_slope(g, a);
-          for (int k = 0; k < kind_.pressures; ++k)
-            G.block<3, 1>(3 * a, k) += functions_[static_cast<std::size_t>(g)][k] * own;
-        }
+        const Matrix3 to_node = rest(cell, g).weight * cofactors(now(cell, g).F);
+        for (int a = 0; a < kind_.nodes; ++a)
+          G[static_cast<std::size_t>(a)] +=
+              (to_node * slope(cell, g, a)) * functions_[static_cast<std::size_t>(g)].transpose();
       }
     return G;
   }

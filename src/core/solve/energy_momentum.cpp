@@ -215,16 +215,15 @@ class EnergyMomentum final : public Implicit {
       return ordered_sum(
           static_cast<int>(a.cols()), [&](int i) { return a.col(i).dot(b.col(i)); }, 0., kMoleculeThreshold);
     };
-    Eigen::Matrix<double, kMemory, kMemory> products = Eigen::Matrix<double, kMemory, kMemory>::Identity();
-    Eigen::Matrix<double, kMemory, 1> right = Eigen::Matrix<double, kMemory, 1>::Zero();
+    MatrixX products = MatrixX::Identity(count, count), right = MatrixX::Zero(count, 1);
     for (int i = 0; i < count; ++i) {
       for (int j = 0; j <= i; ++j) products(i, j) = products(j, i) = dot(pasts_[i].change, pasts_[j].change);
       products(i, i) *= 1 + 1e-12;
-      right[i] = dot(pasts_[i].change, motion_);
+      right(i, 0) = dot(pasts_[i].change, motion_);
     }
-    const Eigen::Matrix<double, kMemory, 1> parts = products.inverse() * right;
+    const MatrixX parts = product(inverse(products), right);
     if (!parts.allFinite()) return;
-    for (int i = 0; i < count; ++i) mixed_ -= parts[i] * (pasts_[i].step + pasts_[i].change);
+    for (int i = 0; i < count; ++i) mixed_ -= parts(i, 0) * (pasts_[i].step + pasts_[i].change);
   }
 
   /// What iterations leave unbalanced of a free body's whole force would add up over the steps: it moves as one.

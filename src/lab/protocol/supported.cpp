@@ -1,8 +1,9 @@
 #include "lab/protocol/supported.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <utility>
+
+#include "elastin/core/base/dense.h"
 
 namespace elastin::lab {
 namespace {
@@ -10,10 +11,10 @@ namespace {
 /// Projector on the directions that both leave free.
 Matrix3 free_in_both(const Matrix3& a, const Matrix3& b) {
   const Matrix3 held = (Matrix3::Identity() - a) + (Matrix3::Identity() - b);
-  const Eigen::SelfAdjointEigenSolver<Matrix3> modes(held);
+  const SymmetricEigen3 modes = symmetric_eigen3(held);
   Matrix3 free = Matrix3::Zero();
   for (Eigen::Index k = 0; k < 3; ++k)
-    if (modes.eigenvalues()[k] < 1e-9) free += modes.eigenvectors().col(k) * modes.eigenvectors().col(k).transpose();
+    if (modes.values[k] < 1e-9) free += modes.vectors.col(k) * modes.vectors.col(k).transpose();
   return free;
 }
 

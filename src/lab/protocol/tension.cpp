@@ -1,6 +1,5 @@
 #include "lab/protocol/tension.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -228,7 +227,8 @@ class Tension final : public StaticProtocol {
     const Eigen::Matrix2d spread = positions.leftCols<2>().transpose() * positions.leftCols<2>();
     if (!(spread.determinant() > 1e-12 * std::pow(spread.trace(), 2))) {  // a sheet: they lie in a line
       if (!(spread.trace() > 0)) return std::numeric_limits<double>::quiet_NaN();
-      const Eigen::Vector2d line = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvectors().col(1);
+      const double angle = std::atan2(2 * spread(0, 1), spread(0, 0) - spread(1, 1)) / 2;
+      const Eigen::Vector2d line(std::cos(angle), std::sin(angle));
       const Eigen::Vector2d slope =
           moves.transpose() * positions.leftCols<2>() * line / spread.trace();  // of the motion along the line
       return small ? slope.dot(line) : (line + slope).norm() - 1;
