@@ -47,17 +47,20 @@ inline std::vector<double> numbers_of(const pugi::xml_node& array) {
     REQUIRE(size == data.size());
   }
   const std::string type = array.attribute("type").value();
-  const std::size_t width = type == "Float64" ? 8 : type == "Int32" ? 4 : 1;
-  std::vector<double> values;
-  for (std::size_t at = 0; at < data.size(); at += width) {
-    double real = 0;
-    std::int32_t whole = 0;
-    if (width == 8) std::memcpy(&real, data.data() + at, 8);
-    if (width == 4) std::memcpy(&whole, data.data() + at, 4);
-    if (width == 1) whole = static_cast<unsigned char>(data[at]);
-    values.push_back(width == 8 ? real : whole);
-  }
-  return values;
+  const auto read = [&]<class Number>(Number) {
+    std::vector<double> values;
+    for (std::size_t at = 0; at < data.size(); at += sizeof(Number)) {
+      Number value;
+      std::memcpy(&value, data.data() + at, sizeof value);
+      values.push_back(static_cast<double>(value));
+    }
+    return values;
+  };
+  if (type == "Float64") return read(double());
+  if (type == "Int64") return read(std::int64_t());
+  if (type == "Int32") return read(std::int32_t());
+  REQUIRE(type == "UInt8");
+  return read(std::uint8_t());
 }
 
 /// Whether every number of every array of a VTU file is finite.

@@ -13,11 +13,13 @@ namespace elastin::lab {
 class VtuArrays {
  public:
   explicit VtuArrays(std::string& out) : out_(out) {}
-  /// `type`: Float64, Int32 or UInt8; value(i, component) of `count` points or cells.
-  template <class Value>
-  void add(const char* name, std::string_view type, int components, int count, Value&& value) {
+  /// `type`: Float64, Int64, Int32 or UInt8; value(i, component) of `count` points or cells, i as large as the count.
+  template <class Count, class Value>
+  void add(const char* name, std::string_view type, int components, Count count, Value&& value) {
     if (type == "Float64")
       add_as<double>(name, type, components, count, value);
+    else if (type == "Int64")
+      add_as<std::int64_t>(name, type, components, count, value);
     else if (type == "Int32")
       add_as<std::int32_t>(name, type, components, count, value);
     else
@@ -25,11 +27,11 @@ class VtuArrays {
   }
 
  private:
-  template <class Number, class Value>
-  void add_as(const char* name, std::string_view type, int components, int count, Value&& value) {
+  template <class Number, class Count, class Value>
+  void add_as(const char* name, std::string_view type, int components, Count count, Value&& value) {
     std::vector<Number> numbers;
     numbers.reserve(static_cast<std::size_t>(count) * static_cast<std::size_t>(components));
-    for (int i = 0; i < count; ++i)
+    for (Count i = 0; i < count; ++i)
       for (int component = 0; component < components; ++component)
         numbers.push_back(static_cast<Number>(value(i, component)));
     add_bytes(name, type, components, {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number)});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
@@ -78,11 +79,12 @@ struct FileCells {
 
 /// Connections as lines, then triangles, tetrahedra and the cells of blocks by VTK's types.
 void add_cells(VtuArrays& arrays, std::string& out, const Body& body) {
-  std::vector<int> corners, ends, types;
+  std::vector<int> corners, types;
+  std::vector<std::int64_t> ends;  // of a billion connections there are more corners than 32 bits count
   const auto add = [&](const auto& cells, int type) {
     for (const auto& cell : cells) {
       corners.insert(corners.end(), cell.begin(), cell.end());
-      ends.push_back(static_cast<int>(corners.size()));
+      ends.push_back(static_cast<std::int64_t>(corners.size()));
       types.push_back(type);
     }
   };
@@ -92,13 +94,12 @@ void add_cells(VtuArrays& arrays, std::string& out, const Body& body) {
   if (written.tetrahedra) add(body.tetrahedra, 10);
   for (const CellBlock& block : body.blocks)
     for (int cell = 0; cell < block.size(); ++cell) add(std::array{block.cell(cell)}, block.kind->vtk);
-  const auto list = [&](const char* name, const char* type, const std::vector<int>& values) {
-    arrays.add(name, type, 1, static_cast<int>(values.size()),
-               [&](int i, int) { return values[static_cast<std::size_t>(i)]; });
+  const auto list = [&](const char* name, const char* type, const auto& values) {
+    arrays.add(name, type, 1, values.size(), [&](std::size_t i, int) { return values[i]; });
   };
   out += "<Cells>\n";
   list("connectivity", "Int32", corners);
-  list("offsets", "Int32", ends);
+  list("offsets", "Int64", ends);
   list("types", "UInt8", types);
   out += "</Cells>\n";
 }
