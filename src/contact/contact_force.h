@@ -1,5 +1,7 @@
 #pragma once
+#include <algorithm>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "contact/contact_response.h"
@@ -8,8 +10,20 @@
 
 namespace elastin::contact {
 
+/// Which of its molecules a sample is nearest to: of a triangle's three samples each to another.
+inline int nearest_of(const Sample& sample) {
+  return static_cast<int>(std::max_element(sample.weights.begin(), sample.weights.end()) - sample.weights.begin());
+}
+
+/// What a molecule's share of the surface is pressed with by one target, beyond the penalty.
+struct MoleculePressure {
+  int molecule = 0, target = 0;
+  double pressure = 0;  ///< [Pa], ≥ 0
+};
+
 /// The one kind of Contact. Its files: contact_force.cpp what a load does; contact_state.cpp the touches of a state,
-/// and what is remembered of them; max_step_fraction.cpp what keeps steps short; contact_report.cpp.
+/// and what is remembered of them; multipliers.cpp what bounds the depth; max_step_fraction.cpp what keeps steps short;
+/// contact_report.cpp.
 class ContactForce final : public Contact {
  public:
   ContactForce(const Body& body, const ContactOptions& options, const Cells<3>& triangles);
@@ -68,6 +82,24 @@ class ContactForce final : public Contact {
   void store(const State& state) const;
   void evaluate(const State& state, double reach, bool all) const;
   ContactSetting setting_of(const State& state, const ContactPoint& contact_point, const ContactHistory* memory) const;
+  /// Of the area over which a touch is pressed [m²]: of spheres the smaller counts; triangles press on each other from
+  /// both sides, each with half.
+  double area_of(const ContactPoint& contact_point) const;
+
+  int molecule_of(const ContactHistory& memory) const {
+    const Sample& sample = search_.samples()[memory.sample];
+    return sample.molecules[nearest_of(sample)];
+  }
+  /// Sets pressures_ to what the state's history says.
+  void set_pressures(const State& state) const;
+  double pressure_at(int molecule, int target) const;
+  /// What the molecules' multipliers press a touch with [N].
+  double multiplier_of(const ContactPoint& contact_point) const;
+  /// Adds to next_history_ an entry of a sample that has none yet; its anchor moves with what the contact point lies
+  /// on.
+  void add_entry(const State& state, int sample, const ContactPoint& contact_point) const;
+  /// Gives next_history_ all pressures of molecules about what touches: each needs a sample that keeps it.
+  void keep_pressures(const State& state) const;
   void set_sides(const ContactPoint& contact_point, const ContactHistory* memory, ContactResponse& response) const;
 
   const Body& body_;
@@ -84,13 +116,19 @@ class ContactForce final : public Contact {
   mutable ContactSearch search_;
   mutable bool cached_ = false;
   mutable std::vector<Pose> poses_, begin_;
-  mutable std::vector<ContactPoint> found_, contact_points_;  // near; of these, those that were answered
-  mutable std::vector<double> multipliers_;
+  mutable std::vector<ContactPoint> found_, contact_points_;          // near; of these, those that were answered
+  mutable std::vector<double> multipliers_;                           // of contact_points_ [N]
+  mutable std::vector<MoleculePressure> pressures_, next_pressures_;  // sorted by (molecule, target)
   mutable std::vector<ContactResponse> responses_;
   mutable Positions cached_positions_, cached_velocities_;
   mutable double cached_time_ = 0;
   mutable std::vector<ContactHistory> cached_memory_, next_history_;
 };
+
+/// Order of the touches, of what is remembered of them and of molecules' pressures.
+inline std::pair<int, int> key_of(const ContactPoint& point) { return {point.sample, point.target}; }
+inline std::pair<int, int> key_of(const ContactHistory& memory) { return {memory.sample, memory.target}; }
+inline std::pair<int, int> key_of(const MoleculePressure& held) { return {held.molecule, held.target}; }
 
 /// Σ weight · place.
 inline Vector3 position_of(const std::array<int, 3>& molecules, const std::array<double, 3>& weights, int count,

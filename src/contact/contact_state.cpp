@@ -7,14 +7,6 @@
 namespace elastin::contact {
 namespace {
 
-bool before(const ContactHistory& memory, const ContactPoint& contact_point) {
-  return std::pair{memory.sample, memory.target} < std::pair{contact_point.sample, contact_point.target};
-}
-
-bool before_entry(const ContactPoint& contact_point, const ContactHistory& memory) {
-  return std::pair{contact_point.sample, contact_point.target} < std::pair{memory.sample, memory.target};
-}
-
 bool same(const ContactHistory& a, const ContactHistory& b) {
   return a.sample == b.sample && a.target == b.target && a.molecules == b.molecules && a.weights == b.weights &&
          a.offset == b.offset && a.multiplier == b.multiplier;
@@ -88,10 +80,10 @@ void ContactForce::store(const State& state) const {
 }
 
 void ContactForce::evaluate(const State& state, double reach, bool all) const {
-  reach = std::max(reach, 1e-9 * mean_size_);                 // what just touches counts
-  for (const ContactHistory& memory : state.contact_history)  // what was held back beyond its penalty lets go at a gap
-    if (memory.multiplier > 0)
-      reach = std::max(reach, memory.multiplier / (options_.stiffness * search_.samples()[memory.sample].area / 2));
+  reach = std::max(reach, 1e-9 * mean_size_);  // what just touches counts
+  set_pressures(state);
+  for (const MoleculePressure& held : pressures_)  // what is held back beyond its penalty lets go at a gap
+    reach = std::max(reach, held.pressure / options_.stiffness);
   set_poses(state.time);
   search_.find(state.positions, poses_, reach, found_);
   responses_.clear();
@@ -99,9 +91,9 @@ void ContactForce::evaluate(const State& state, double reach, bool all) const {
   multipliers_.clear();
   std::size_t known = 0;
   for (const ContactPoint& contact_point : found_) {
-    while (known < state.contact_history.size() && before(state.contact_history[known], contact_point)) ++known;
-    const bool match =
-        known < state.contact_history.size() && !before_entry(contact_point, state.contact_history[known]);
+    const std::pair<int, int> key = key_of(contact_point);
+    while (known < state.contact_history.size() && key_of(state.contact_history[known]) < key) ++known;
+    const bool match = known < state.contact_history.size() && key_of(state.contact_history[known]) == key;
     const ContactHistory* memory = match ? &state.contact_history[known] : nullptr;
     const ContactSetting setting = setting_of(state, contact_point, memory);
     ContactResponse& response = responses_.emplace_back();
@@ -119,11 +111,17 @@ void ContactForce::evaluate(const State& state, double reach, bool all) const {
   }
 }
 
+double ContactForce::area_of(const ContactPoint& contact_point) const {
+  const double area = search_.samples()[contact_point.sample].area;
+  if (contact_point.count == 0) return area;
+  return spheres_ ? std::min(area, area_[contact_point.molecules[0]]) : area / 2;
+}
+
 ContactSetting ContactForce::setting_of(const State& state, const ContactPoint& contact_point,
                                         const ContactHistory* memory) const {
   const Sample& sample = search_.samples()[contact_point.sample];
   ContactSetting setting;
-  double area = sample.area, inverse_mass = 0;
+  double inverse_mass = 0;
   const bool resisting = resists();  // else velocities may be anything: see feels_velocity
   for (int i = 0; i < sample.count; ++i) {
     inverse_mass += sample.weights[i] * sample.weights[i] / body_.mass[sample.molecules[i]];
@@ -136,19 +134,15 @@ ContactSetting ContactForce::setting_of(const State& state, const ContactPoint& 
       inverse_mass += contact_point.weights[i] * contact_point.weights[i] / body_.mass[contact_point.molecules[i]];
       if (resisting) setting.velocity -= contact_point.weights[i] * state.velocities.col(contact_point.molecules[i]);
     }
-    // Of spheres the smaller counts; triangles press on each other from both sides, each with half.
-    area = spheres_ ? std::min(area, area_[contact_point.molecules[0]]) : area / 2;
   }
-  setting.stiffness = options_.stiffness * area;
+  setting.stiffness = options_.stiffness * area_of(contact_point);
+  setting.multiplier = multiplier_of(contact_point);
   setting.mass = 1 / inverse_mass;
   setting.damping_ratio = damping_ratio_;
   setting.friction =
       contact_point.count == 0 ? friction_of(options_.obstacles[contact_point.target]) : options_.friction;
   setting.onset = 1e-3 * std::sqrt(sample.area);
-  if (memory) {
-    setting.multiplier = memory->multiplier;
-    setting.slip = slip_from(state, contact_point, *memory);
-  }
+  if (memory) setting.slip = slip_from(state, contact_point, *memory);
   return setting;
 }
 
@@ -185,38 +179,12 @@ void ContactForce::commit_step(State& state) const {
   for (const ContactResponse& response : responses_) {
     ContactHistory memory{response.sample, response.target};
     const ContactPoint& contact_point = contact_points_[next_history_.size()];
-    memory.multiplier = response.elastic > 0 ? multipliers_[next_history_.size()] : 0;
     anchor(state, contact_point, sample_position(state, contact_point.sample) - response.slip, memory);
     next_history_.push_back(memory);
   }
+  keep_pressures(state);
   state.contact_history = next_history_;
   cached_ = false;
-}
-
-bool ContactForce::update_multipliers(State& state) const {
-  if (options_.penetration == 0) return false;
-  double deepest = 0;
-  for (const ContactResponse& response : responses(state)) deepest = std::max(deepest, -response.gap);
-  if (deepest <= options_.penetration) return false;
-  set_poses(state.time);
-  next_history_.clear();
-  std::size_t known = 0;
-  for (std::size_t i = 0; i < responses_.size(); ++i) {
-    const ContactPoint& contact_point = contact_points_[i];
-    while (known < state.contact_history.size() && before(state.contact_history[known], contact_point))
-      next_history_.push_back(state.contact_history[known++]);
-    if (known < state.contact_history.size() && !before_entry(contact_point, state.contact_history[known])) {
-      next_history_.push_back(state.contact_history[known++]);
-    } else {
-      next_history_.push_back({contact_point.sample, contact_point.target});
-      anchor(state, contact_point, sample_position(state, contact_point.sample), next_history_.back());
-    }
-    next_history_.back().multiplier = responses_[i].elastic;
-  }
-  next_history_.insert(next_history_.end(), state.contact_history.begin() + static_cast<std::ptrdiff_t>(known),
-                       state.contact_history.end());
-  state.contact_history = next_history_;
-  return true;
 }
 
 }  // namespace elastin::contact

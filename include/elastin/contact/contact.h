@@ -20,8 +20,9 @@ struct ContactOptions {
   double stiffness = 0;
   double friction = 0;     ///< μ ≥ 0, Coulomb's
   double restitution = 1;  ///< of two molecules, or one and an obstacle, that meet alone: 0 < e ≤ 1; 1 = no damping
-  /// Largest depth that may remain [m], by augmented Lagrange multipliers; 0 = what the penalty leaves. Of equilibria
-  /// and implicit steps.
+  /// Largest depth that may remain [m], by augmented Lagrange multipliers, one for each molecule; 0 = what the penalty
+  /// leaves. Of triangles it is the mean over a molecule's share of the surface: on a round obstacle points between the
+  /// molecules lie as much deeper as flat triangles must. Of equilibria and implicit steps.
   double penetration = 0;
   bool self = false;  ///< whether a piece touches itself
   std::vector<Obstacle> obstacles;

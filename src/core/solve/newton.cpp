@@ -34,11 +34,16 @@ LinearSolver& solver_of(const LinearMethod& method, bool symmetric, CachedSolver
 }
 
 /// A way out of an equilibrium that is no minimum, which no force leads out of: a direction of negative stiffness, met
-/// on the way to the answer for a load that has a part in all of them. Null columns where there is none.
-Positions way_down(const Tangent& tangent, const std::vector<Support>& supports, int& iterations) {
+/// on the way to the answer for a load that has a part in all of them. Null columns where there is none. By conjugate
+/// gradients, which meet it with any preconditioner; a factorisation would only count.
+Positions way_down(const Tangent& tangent, const std::vector<Support>& supports, const StaticOptions& options,
+                   int& iterations) {
+  constexpr double tolerance = 1e-5;
   Positions load = scattered_directions(tangent.model().body().size()), ignored;
   keep_free(supports, load);
-  const LinearResult found = make_pcg()->solve(tangent, supports, load, 1e-5, ignored);
+  const LinearMethod method = choose_linear_solver(tangent, options.method, tolerance).method;
+  const auto solver = method->factorises || !method->needs_symmetry ? make_pcg() : method->make();
+  const LinearResult found = solver->solve(tangent, supports, load, tolerance, ignored);
   iterations += found.iterations;
   return found.negative_direction;
 }
@@ -172,7 +177,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     if (now.forces.norm <= goal) {
       const bool probe = options.probe && !kinematics && problem.with_energy && saddles < kSaddles;
       if (!probe || !may_buckle(model.body(), now.state.positions)) break;
-      const Positions down = way_down(tangent, model.supports, result.linear_iterations);
+      const Positions down = way_down(tangent, model.supports, options, result.linear_iterations);
       result.unstable = down.size() > 0;
       if (!result.unstable || !stable_start || !leave_saddle(problem, down, now, workspace.trials)) break;
       ++saddles;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "contact/thickness.h"
+#include "core/solve/trial.h"
 #include "elastin/core/base/text.h"
 #include "lab/experiment/contact_measures.h"
 
@@ -61,13 +62,6 @@ double width_of(const Obstacle& obstacle) {
   return std::visit(Visitor{}, obstacle.shape);
 }
 
-/// Mean length of the connections [m].
-double spacing_of(const Body& body) {
-  double sum = 0;
-  for (const double length : body.connections.rest_length) sum += length;
-  return body.connections.size() > 0 ? sum / body.connections.size() : 0;
-}
-
 std::string length_text(double meters) { return number(1e3 * meters, 3) + " mm"; }
 
 /// How deep a molecule may get into an obstacle before it leaves it by the other side [m].
@@ -78,12 +72,12 @@ double passing_depth(const Specimen& specimen, const Obstacle& obstacle) {
 
 }  // namespace
 
-std::vector<std::string> findings_at_start(const Specimen& specimen, const Model& model) {
+std::vector<std::string> findings_at_start(const Specimen& specimen, const Model& model, bool uses_cells) {
   std::vector<std::string> found;
   const Body& body = specimen.body;
   if (const int doubles = cells_given_twice(body); doubles > 0)
-    found.push_back(counted(doubles, "cell") + (doubles == 1 ? " is" : " are") +
-                    " given twice: there the body is twice as stiff");
+    found.push_back(counted(doubles, "cell") + (doubles == 1 ? " is" : " are") + " given twice" +
+                    (uses_cells ? ": there the body is twice as stiff" : ""));
   const contact::Contact* contact = contact_of(model);
   if (!contact) return found;
   const contact::ContactReport report = contact->report(state_at_rest(body));
@@ -93,7 +87,7 @@ std::vector<std::string> findings_at_start(const Specimen& specimen, const Model
                     length_text(report.largest_penetration) + ": it is pushed apart with the energy of that");
   const bool triangles = specimen.contact->surface == contact::ContactSurface::triangles;
   for (const Obstacle& obstacle : specimen.contact->obstacles)
-    if (const double width = width_of(obstacle), apart = spacing_of(body); triangles && width < apart / 2)
+    if (const double width = width_of(obstacle), apart = mean_length(body); triangles && width < apart / 2)
       found.push_back("the obstacle '" + obstacle.name + "' is " + length_text(width) +
                       " wide, and what it meets is felt at points some " + length_text(apart / 2) +
                       " apart: it may pass between them; refine the surface");

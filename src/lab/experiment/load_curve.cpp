@@ -129,6 +129,19 @@ void note_compression(const Model& model, const Positions& positions, const Mate
   run.warnings.push_back(text);
 }
 
+/// Under preload: forces, displacements and energy as what the experiment adds, and as what there is in all.
+void note_preload(const Model& model, const StaticRig& rig, const Start& start, const State& state,
+                  const RunOptions& options, StaticResult solved, Measures& measures) {
+  const Positions& rest = model.body().rest;
+  if (start.positions == rest && start.reactions.isZero(0)) return;
+  if (std::isfinite(measures.get("energy")))
+    measures.set("energy_increase", measures.get("energy") - model.elastic_energy(start.positions));
+  const Measures whole =
+      rig.measure({rest, Positions::Zero(3, start.reactions.cols())}, state, options.statics, solved);
+  for (const char* name : {"force", "torque", "elongation"})
+    measures.set(std::string("total_") + name, whole.get(name));
+}
+
 }  // namespace
 
 void solve_load_curve(Model& model, const StaticProtocol& experiment, StaticRig& rig, const Material& material,
@@ -154,6 +167,7 @@ void solve_load_curve(Model& model, const StaticProtocol& experiment, StaticRig&
     Measures measures;
     if (solved.outcome == Outcome::converged) {
       measures = rig.measure(start, path.state(), options.statics, solved);
+      note_preload(model, rig, start, path.state(), options, solved, measures);
       if (const contact::Contact* contact = contact_of(model)) {
         run.contact = contact->report(path.state());
         note_contact(*run.contact, experiment.copies(), measures);

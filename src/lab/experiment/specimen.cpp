@@ -231,7 +231,8 @@ Run run_strategy(const Specimen& specimen, const Protocol& experiment, const Str
     run.suited = run.cause.empty();
     if (!run.suited) return run;
   }
-  for (std::string& finding : findings_at_start(at_work, model)) run.warnings.push_back(std::move(finding));
+  for (std::string& finding : findings_at_start(at_work, model, run.uses_cells))
+    run.warnings.push_back(std::move(finding));
   run.build_seconds = build.seconds();
   if (!experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0)) count_modes(model, run);
 

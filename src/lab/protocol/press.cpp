@@ -101,16 +101,17 @@ class PressRig final : public StaticRig {
       if (setup_.grip == Grip::sliding) protocol_.keep_in_plane(model, first);
     }
     contact_ = contact_of(model);
+    if (setup_.force) approach_ = approach();
   }
 
   void set_load(double factor) override {
     if (setup_.force) control_.aim(factor);
-    move_to(factor == 0 ? 0 : setup_.force ? control_.displacement() : factor * *setup_.displacement);
+    move_to(factor == 0 ? 0 : setup_.force ? approach_ + control_.displacement() : factor * *setup_.displacement);
   }
 
   bool adjust(const State& state) override {
     if (!setup_.force || displacement_ == 0 || !control_.adjust(resistance(state))) return false;
-    move_to(control_.displacement());
+    move_to(approach_ + control_.displacement());
     return true;
   }
 
@@ -135,6 +136,33 @@ class PressRig final : public StaticRig {
   }
 
  private:
+  /// How far what is moved goes, rigid with all that it is joined to, before it touches [m]. 0 where it touches
+  /// already, is one with what is fixed, or meets nothing.
+  double approach() const {
+    const Body& body = model_.body();
+    const BodyFindings findings = inspect(body);
+    std::vector<char> moves(static_cast<std::size_t>(findings.pieces), 0);
+    for (const int molecule : protocol_.moved_) moves[findings.piece_of[molecule]] = 1;
+    for (const int molecule : protocol_.fixed_)
+      if (moves[findings.piece_of[molecule]]) return 0;
+    const VectorX height = body.rest.transpose() * setup_.axis;
+    const double step = body.radius.mean(), most = 2 * (height.maxCoeff() - height.minCoeff());
+    contact_->set_moment(0);
+    const auto touches = [&](double displacement) {
+      State state = state_at_rest(body);
+      for (int molecule = 0; molecule < body.size(); ++molecule)
+        if (moves[findings.piece_of[molecule]]) state.positions.col(molecule) += displacement * setup_.axis;
+      return contact_->report(state).pairs > 0;
+    };
+    double apart = 0, near = 0;
+    while (!touches(near)) {
+      apart = near, near += step;
+      if (near > most) return 0;
+    }
+    while (near - apart > 1e-6 * step) (touches((apart + near) / 2) ? near : apart) = (apart + near) / 2;
+    return near;
+  }
+
   void move_to(double displacement) {
     displacement_ = displacement;
     for (std::size_t i = protocol_.fixed_.size(); i < protocol_.fixed_.size() + protocol_.moved_.size(); ++i)
@@ -155,6 +183,7 @@ class PressRig final : public StaticRig {
   Model& model_;
   contact::Contact* contact_ = nullptr;  // owned by the model
   double displacement_ = 0;              // of what is moved [m]
+  double approach_ = 0;                  // of it, before it touches [m]; the control begins there
   ForceControl control_;
 };
 

@@ -222,7 +222,7 @@ std::vector<KeySection> contact_keys() {
         {"friction", "number", "", "≥ 0", "0", "coefficient of Coulomb friction; sticking contact does not creep"},
         {"restitution", "number", "", "0.01 … 1", "1", "coefficient of restitution of two molecules that meet alone"},
         {"penetration", "quantity", "m", "> 0", "what the penalty leaves",
-         "largest depth, by multipliers; at rest and in implicit steps"},
+         "largest depth, in the mean about a molecule, by multipliers; at rest and in implicit steps"},
         {"self", "`true`, `false`", "", "", "`false`", "whether contact of a piece with itself counts"},
         {"obstacles", "list of maps", "", "", "none", "rigid bodies, each with one shape"}}},
       {"contact.obstacles",

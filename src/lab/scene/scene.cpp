@@ -268,7 +268,12 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   known.push_back(scene->stiffness);
   check_volume_range(reader.at("material"), scene->specimen, known);
   if (auto expect = reader.find("expect"))
-    for (const Reader& item : expect->items()) scene->expectations.push_back(read_expectation(item, known, catalog));
+    for (const Reader& item : expect->items()) {
+      const Expectation& wanted = scene->expectations.emplace_back(read_expectation(item, known, catalog));
+      if (!wanted.strategy.empty() && !find_strategy(known, wanted.strategy))
+        scene->warnings.push_back(item.path() + ": no run of this scene is with " + wanted.strategy +
+                                  ", so that `run` and `compare` do not check it; add it to `strategies`");
+    }
   if (auto references = reader.find("reference")) read_references(*references, catalog, *scene);
   scene->problem = problem_text(reader, *scene);
   if (auto study = reader.find("study")) scene->study = read_study(*study, known);

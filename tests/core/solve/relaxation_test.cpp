@@ -72,3 +72,33 @@ TEST_CASE("a straight column beyond its buckling load is left for the bent one",
   CHECK(compressed(45, true) < 1e-4);  // below k/2 = 50 N: straight, to what is left unbalanced
   CHECK(compressed(60, true) > 0.01);
 }
+
+TEST_CASE("a strut is probed for buckling at the cost of a solve, and buckles with any preconditioner", "[statics]") {
+  // 25 times as long as thick, held at both ends: it buckles at a strain of π²/3 (1/25)² = 0.5 % [Euler].
+  Body body = tetrahedral_block(BlockKind::kuhn, {2, 2, 50}, {0.002, 0.002, 0.05});
+  set_matter(body, 0.0005, 1000, 0, 2e-7);
+  const auto strained = [&](double strain, const char* solver, bool probe) {
+    Model model(body);
+    model.add(kCatalog.find("neo_hookean").make(body, {.youngs_modulus = 1e4, .poissons_ratio = 0.3}, {}));
+    for (int molecule = 0; molecule < body.size(); ++molecule) {
+      const double z = body.rest(2, molecule);
+      if (z < 1e-9) model.supports.push_back({molecule});
+      if (z > 0.05 - 1e-9) model.supports.push_back({molecule, Matrix3::Zero(), {0, 0, strain * 0.05}});
+    }
+    State state = state_at_rest(body);
+    StaticOptions options;
+    options.probe = probe;
+    options.method = solver;
+    const StaticResult result = solve_static(model, state, options);
+    INFO(solver << ": " << result.cause);
+    REQUIRE(result.outcome == Outcome::converged);
+    const double aside = (state.positions - body.rest).topRows<2>().cwiseAbs().maxCoeff();
+    return std::pair(result.linear_iterations, aside);
+  };
+  CHECK(strained(0.01, "multigrid", true).first < 3 * strained(0.01, "multigrid", false).first);
+  for (const char* solver : {"pcg", "multigrid"}) {
+    CHECK(strained(-0.002, solver, true).second < 2e-5);
+    // What is too much of 1 % goes into the bent length: ∫ y'²/2 = π² a²/(4 L) for y = a (1 − cos 2πz/L)/2, a = 3 mm.
+    CHECK(strained(-0.015, solver, true).second > 1e-3);
+  }
+}

@@ -49,6 +49,25 @@ TEST_CASE("a quarter of a block resists as the whole one does", "[indentation]")
   }
 }
 
+TEST_CASE("area and pressure do not depend on the depth that contact allows", "[indentation]") {
+  const std::string body = "tetrahedra: {kind: body_centred, cubes: [7, 7, 7], size: [20 mm, 20 mm, 20 mm]}",
+                    experiment = "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm, symmetry: [x, y]";
+  const auto allowed = [&](const std::string& depth) {
+    return run_of(body, experiment, "penetration: " + depth).measures;
+  };
+  // 20 µm are a hundredth of the way, and the force is known to that.
+  const Measures penalty = run_of(body, experiment).measures, near = allowed("20 um");
+  CHECK(near.get("contact_area") == Approx(penalty.get("contact_area")).epsilon(0.15));
+  CHECK(near.get("largest_pressure") == Approx(penalty.get("largest_pressure")).epsilon(0.15));
+  for (const char* depth : {"5 um", "2 um"}) {
+    CAPTURE(depth);
+    const Measures firm = allowed(depth);
+    CHECK(firm.get("contact_area") == Approx(near.get("contact_area")).epsilon(1e-6));
+    CHECK(firm.get("force") == Approx(near.get("force")).epsilon(0.02));
+    CHECK(firm.get("largest_pressure") == Approx(near.get("largest_pressure")).epsilon(0.02));
+  }
+}
+
 TEST_CASE("an indenter goes as deep as its force asks for", "[indentation]") {
   const Run deep = run_of(kQuarter, "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm, symmetry: [x, y]");
   const std::string force = std::to_string(deep.measures.get("force"));

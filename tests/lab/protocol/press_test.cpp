@@ -57,6 +57,18 @@ TEST_CASE("two blocks are pressed with a force", "[press]") {
   CHECK(by_force.remark == "");
 }
 
+TEST_CASE("a force closes a gap first", "[press]") {
+  const std::string far =
+      "{name: above, at: [0, 0, 25 mm], tetrahedra: {kind: body_centred, cubes: [2, 2, 1], size: [20 mm, 20 mm, 10 "
+      "mm]}}";
+  const Run near = run_of(kBelow + std::string(", ") + kAbove, "force: 40 mN");
+  const Run across = run_of(kBelow + std::string(", ") + far, "force: 40 mN");
+  CHECK(across.measures.get("force") == Approx(0.04).epsilon(1e-5));
+  CHECK(across.measures.get("depth") == Approx(near.measures.get("depth") + 15e-3).epsilon(1e-6));
+  CHECK(across.remark == "");
+  CHECK(across.newton_iterations <= near.newton_iterations + 10);
+}
+
 TEST_CASE("a rigid part is pressed by its name", "[press]") {
   const Run run = run_of(kBelow + std::string(", ") + kBone, "displacement: 0.1 mm, move: bone");
   // The lower block alone at a stretch of 0.99: clamped below, so above that of a free bar, below that of one whose

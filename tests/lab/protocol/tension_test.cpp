@@ -285,6 +285,39 @@ TEST_CASE("the scene's own loads are there before the experiment: weight does no
   }
 }
 
+TEST_CASE("under preload both are named: what the experiment adds, and what there is in all", "[tension]") {
+  // Three molecules in a row on two springs k, pulled by their weights m g: the first spring by two, the other by one.
+  Specimen specimen;
+  specimen.material.youngs_modulus = 1e5;
+  specimen.body = cubic_lattice({1, 1, 3}, 1, {});
+  set_matter(specimen.body, 0.1, 1000, 0, 1);
+  specimen.body.mass = VectorX::Constant(3, 2);
+  const double weight = 2 * 9.81;
+  TensionSetup setup;
+  setup.force = 10;
+  setup.cross_section = 1;
+  const auto run = [&] {
+    const auto experiment = make_tension(specimen.body, setup);
+    Run done = run_strategy(specimen, *experiment, choose_strategy(kCatalog, "standard"), {});
+    INFO(done.cause);
+    REQUIRE(done.outcome == Outcome::converged);
+    return done;
+  };
+  const Run free = run();
+  CHECK_FALSE(std::isfinite(free.measures.get("total_elongation")));
+  CHECK_FALSE(std::isfinite(free.measures.get("energy_increase")));
+  specimen.loads.push_back({[](Model& model) { model.add(make_gravity(model.body(), {0, 0, 9.81})); }});
+  const Measures measures = run().measures;
+  const double k = free.constants[0];
+  CHECK(measures.get("elongation") == Approx(2 * 10 / k).epsilon(1e-6));
+  CHECK(measures.get("total_elongation") == Approx((2 * 10 + 3 * weight) / k).epsilon(1e-6));
+  const auto energy = [&](double force) {
+    return (std::pow(force + weight, 2) + std::pow(force + 2 * weight, 2)) / (2 * k);
+  };
+  CHECK(measures.get("energy") == Approx(energy(10)).epsilon(1e-6));
+  CHECK(measures.get("energy_increase") == Approx(energy(10) - energy(0)).epsilon(1e-6));
+}
+
 TEST_CASE("a body pressed through itself is no result", "[tension]") {
   const Specimen specimen = cube(3, {true, false, false});
   TensionSetup setup;

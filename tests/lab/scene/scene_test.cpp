@@ -597,6 +597,16 @@ TEST_CASE("a mesh file that is missing or broken is named with the place that na
             "m, cm, mm, um, nm)");
 }
 
+TEST_CASE("an expectation that no run of the scene meets is a warning", "[scene]") {
+  const TemporaryFolder folder;
+  const auto named = load(folder.write("named.yaml", kScene));
+  for (const std::string& warning : named->warnings) CHECK_THAT(warning, !Contains("expect"));
+  const auto scene = load(folder.write("scene.yaml", replaced(kScene, "strategy: halved", "strategy: patch")));
+  REQUIRE_FALSE(scene->warnings.empty());
+  CHECK_THAT(scene->warnings.back(),
+             Contains("expect[0]: no run of this scene is with patch") && Contains("strategies"));
+}
+
 TEST_CASE("a scene file that is none is refused", "[scene]") {
   const TemporaryFolder folder;
   CHECK(refusal(folder.path("cube.yaml")) == folder.path("cube.yaml") + ": no such file");

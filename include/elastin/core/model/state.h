@@ -18,7 +18,7 @@ struct ContactHistory {
   std::array<double, 3> weights{0, 0, 0};
   int count = 0;
   Vector3 offset = Vector3::Zero();  ///< [m]
-  double multiplier = 0;             ///< [N]
+  double multiplier = 0;             ///< pressure on the molecule that the sample is nearest to [Pa]
 };
 
 /// The history of a law or a load from one accepted step to the next: numbers under a name of its own.
