@@ -108,16 +108,20 @@ int verify_scenes(const Options& options, const Catalog& catalog) {
   return std::any_of(cases.begin(), cases.end(), failed) ? 1 : 0;
 }
 
+/// --resume DIR is --out DIR with what is there already.
+void continue_in_folder(Options& options) {
+  if (options.resume_from.empty()) return;
+  if (!options.out.empty() && options.out != options.resume_from)
+    throw InputError("--resume continues in its own folder; leave out --out");
+  options.out = options.resume_from;
+  options.resume = true;
+}
+
 /// `compare` and `run`. The first interrupt ends the run under way and leaves whole files; see note_interrupt.
 int run_all(Options& options, const Catalog& catalog, bool compare) {
   options.compare = compare;
   options.interrupted = [] { return interrupted != 0; };
-  if (!options.resume_from.empty()) {
-    if (!options.out.empty() && options.out != options.resume_from)
-      throw InputError("--resume continues in its own folder; leave out --out");
-    options.out = options.resume_from;
-    options.resume = true;
-  }
+  continue_in_folder(options);
   if (!options.shard_text.empty()) {
     options.shard = read_shard(options.shard_text);
     if (options.out.empty())
@@ -184,6 +188,7 @@ int check_scenes(const Options& options, const Catalog& catalog) {
 int identify_all(Options& options, const Catalog& catalog) {
   options.interrupted = [] { return interrupted != 0; };
   std::signal(SIGINT, note_interrupt);
+  continue_in_folder(options);
   return identify_scenes(options, options.identify, catalog) ? 0 : 1;
 }
 
@@ -354,6 +359,8 @@ void add_identify_options(CLI::App& command, Options& options) {
                      "Strategies of the specimens instead of their scenes' own, separated by commas: each is fitted");
   command.add_option("--json", options.json, "JSON file; - for standard output, and nothing else there");
   command.add_option("--out", options.out, "Folder for the page, JSON, every point, and the scene with its numbers");
+  command.add_option("--resume", options.resume_from,
+                     "Continue in a folder of --out: searches that ended there are not repeated");
 }
 
 void add_run_options(CLI::App& command, Options& options) {

@@ -8,10 +8,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 
 #include "lab/identify/report.h"
 #include "lab/report/files.h"
 #include "lab/report/progress.h"
+#include "lab/scene/moved_scene.h"
 #include "lab/study/compare.h"
 
 namespace elastin::command {
@@ -26,7 +28,9 @@ void write_scene(const Request& request, const std::string& path, const Answer& 
   std::filesystem::create_directories(request.out);
   std::ifstream stream(path, std::ios::binary);
   const std::string scene = with_material({std::istreambuf_iterator<char>(stream), {}}, answer.material);
-  if (!scene.empty() && answer.succeeded()) write_whole(path_of(request, answer) + ".yaml", scene);
+  if (scene.empty() || !answer.succeeded()) return;
+  const std::string from = std::filesystem::path(path).parent_path().string();
+  write_whole(path_of(request, answer) + ".yaml", moved_scene(scene, from, request.out));
 }
 
 void write_files(const Request& request, const std::vector<Answer>& answers) {
@@ -47,6 +51,8 @@ bool identify_scenes(const Request& request, IdentifyRequest wanted, const Catal
   wanted.overrides = request.overrides, wanted.strategies = request.strategies;
   wanted.progress = [&](const std::string& doing) { progress.set(doing); };
   wanted.stop = request.interrupted;
+  std::optional<FitJournal> journal;
+  if (!request.out.empty()) wanted.journal = &journal.emplace(request.out, request.resume);
   std::vector<Answer> all;
   for (const std::string& path : request.scenes) {
     if (wanted.stop && wanted.stop()) break;

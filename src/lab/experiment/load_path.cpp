@@ -28,6 +28,20 @@ void add_cost(StaticResult& result, const StaticResult& cost) {
 
 }  // namespace
 
+void set_load(Model& model, StaticRig& rig, double factor) {
+  if (contact::Contact* contact = contact_of(model)) contact->set_moment(factor);
+  rig.set_load(factor);
+}
+
+void adjust_load(Model& model, StaticRig& rig, const StaticOptions& options, State& state, StaticResult& solved) {
+  for (int correction = 0; correction < kCorrections; ++correction) {
+    if (solved.outcome != Outcome::converged || !rig.adjust(state)) return;
+    StaticResult again = solve_static(model, state, options);
+    add_cost(again, solved);
+    solved = std::move(again);
+  }
+}
+
 LoadPath::LoadPath(Model& model, StaticRig& rig, const StaticOptions& options, State start)
     : model_(model), rig_(rig), options_(options), state_(std::move(start)) {
   options_.probe = rig.leaves_saddles();
@@ -85,8 +99,7 @@ StaticResult LoadPath::advance(double factor) {
 }
 
 StaticResult LoadPath::advance(double factor, double smallest) {
-  if (contact::Contact* contact = contact_of(model_)) contact->set_moment(factor);
-  rig_.set_load(factor);
+  set_load(model_, rig_, factor);
   State next = start_of(factor);
   // A step that can be halved is not worth many iterations.
   StaticOptions options = options_;
@@ -99,12 +112,7 @@ StaticResult LoadPath::advance(double factor, double smallest) {
     const StaticResult before = std::exchange(solved, solve_static(model_, next, options));
     add_cost(solved, before);
   }
-  for (int correction = 0; correction < kCorrections; ++correction) {
-    if (solved.outcome != Outcome::converged || !rig_.adjust(next)) break;
-    StaticResult again = solve_static(model_, next, options);
-    add_cost(again, solved);
-    solved = std::move(again);
-  }
+  adjust_load(model_, rig_, options, next, solved);
   if (solved.outcome == Outcome::converged) {
     model_.commit_step(next);
     displacement_ = next.positions - state_.positions;

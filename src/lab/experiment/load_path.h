@@ -3,6 +3,12 @@
 
 namespace elastin::lab {
 
+/// Brings rig and obstacles to a part of the load (0 … 1).
+void set_load(Model& model, StaticRig& rig, double factor);
+
+/// Solves again, from the equilibrium that was found, as long as the rig seeks its load.
+void adjust_load(Model& model, StaticRig& rig, const StaticOptions& options, State& state, StaticResult& solved);
+
 /// The way of a body as its load grows: one equilibrium after the other, each started where the last way leads.
 class LoadPath {
  public:

@@ -25,15 +25,15 @@ void add_law_numbers(const MaterialLaw& row, const LawConstants& constants, std:
     }
 }
 
-std::optional<Material> admissible(const MaterialLaw* row, const Material& material,
-                                   const std::vector<MaterialNumber>& numbers, const VectorX& values) {
+std::optional<Trial> admissible(const MaterialLaw* row, const Trial& trial, const std::vector<MaterialNumber>& numbers,
+                                const VectorX& values) {
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const double value = values[static_cast<Eigen::Index>(i)];
     if (value < numbers[i].low || value > numbers[i].high || (numbers[i].above_low && value == numbers[i].low))
       return std::nullopt;
   }
   try {
-    return with_numbers(row, material, numbers, values);
+    return with_numbers(row, trial, numbers, values);
   } catch (const InputError&) {
     return std::nullopt;
   }
@@ -41,14 +41,21 @@ std::optional<Material> admissible(const MaterialLaw* row, const Material& mater
 
 }  // namespace
 
-std::vector<MaterialNumber> material_numbers(const MaterialLaw* row, const Material& material) {
+std::vector<MaterialNumber> material_numbers(const MaterialLaw* row, const Trial& trial) {
+  const Material& material = trial.material;
   std::vector<MaterialNumber> numbers;
-  if (!row || row->from_moduli) {
+  if (!row && trial.curve)
+    for (std::size_t i = 0; i < trial.curve->numbers.size(); ++i) {
+      const CurveNumbers::Number& number = trial.curve->numbers[i];
+      numbers.push_back(
+          {number.name, number.unit, -kUnbounded, kUnbounded, false, number.value, Kind::curve_number, i});
+    }
+  if ((!row || row->from_moduli) && !material.curve)
     numbers.push_back(
         {"youngs_modulus", dimension::pressure, 0, kUnbounded, true, material.youngs_modulus, Kind::youngs_modulus});
+  if (!row || row->from_moduli)
     numbers.push_back(
         {"poissons_ratio", dimension::none, -0.99, 0.4999, false, material.poissons_ratio, Kind::poissons_ratio});
-  }
   if (row && material.law) add_law_numbers(*row, *material.law, numbers);
   if (material.relaxation)
     for (std::size_t term = 0; term < material.relaxation->terms.size(); ++term) {
@@ -61,48 +68,63 @@ std::vector<MaterialNumber> material_numbers(const MaterialLaw* row, const Mater
   return numbers;
 }
 
-Material with_numbers(const MaterialLaw* row, const Material& material, const std::vector<MaterialNumber>& numbers,
-                      const VectorX& values) {
-  Material result = material;
+Trial with_numbers(const MaterialLaw* row, const Trial& trial, const std::vector<MaterialNumber>& numbers,
+                   const VectorX& values) {
+  Trial result = trial;
+  Material& material = result.material;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const MaterialNumber& number = numbers[i];
     const double value = values[static_cast<Eigen::Index>(i)];
     switch (number.kind) {
       case Kind::law_number:
-        result.law->numbers[number.name] = value;
+        material.law->numbers[number.name] = value;
         break;
       case Kind::law_term:
-        result.law->terms.at(number.term).at(number.column) = value;
+        material.law->terms.at(number.term).at(number.column) = value;
+        break;
+      case Kind::curve_number:
+        result.curve->numbers.at(number.term).value = value;
         break;
       case Kind::youngs_modulus:
-        result.youngs_modulus = value;
+        material.youngs_modulus = value;
         break;
       case Kind::poissons_ratio:
-        result.poissons_ratio = value;
+        material.poissons_ratio = value;
         break;
       case Kind::share:
-        result.relaxation->terms.at(number.term).share = value;
+        material.relaxation->terms.at(number.term).share = value;
         break;
       case Kind::relaxation_time:
-        result.relaxation->terms.at(number.term).time = value;
+        material.relaxation->terms.at(number.term).time = value;
+        break;
+      case Kind::rule_parameter:
+        result.rule[number.name] = value;
+        break;
+      case Kind::friction:
+        result.friction = value;
         break;
     }
   }
-  return row && result.law ? with_law(*row, *result.law, result) : result;
+  if (result.curve) {
+    material.curve = result.curve->curve();
+    material.youngs_modulus = material.curve->modulus(0);
+  }
+  if (row && material.law) material = with_law(*row, *material.law, material);
+  return result;
 }
 
-std::vector<MaterialChange> material_changes(const MaterialLaw* row, const Material& material,
-                                             const std::vector<MaterialNumber>& numbers, const VectorX& values,
-                                             const VectorX& steps) {
+std::vector<TrialChange> trial_changes(const MaterialLaw* row, const Trial& trial,
+                                       const std::vector<MaterialNumber>& numbers, const VectorX& values,
+                                       const VectorX& steps) {
   // Offsets in steps, and weights: central, then to either side, all of second order.
   struct Stencil {
     std::array<double, 3> offsets, weights;
   };
   constexpr Stencil stencils[] = {
       {{1, -1, 0}, {0.5, -0.5, 0}}, {{1, 2, 0}, {2, -0.5, -1.5}}, {{-1, -2, 0}, {-2, 0.5, 1.5}}};
-  std::vector<MaterialChange> changes;
+  std::vector<TrialChange> changes;
   for (Eigen::Index i = 0; i < values.size(); ++i) {
-    MaterialChange change;
+    TrialChange change;
     for (const Stencil& stencil : stencils) {
       change = {};
       bool all = true;
@@ -110,10 +132,10 @@ std::vector<MaterialChange> material_changes(const MaterialLaw* row, const Mater
         if (stencil.weights[point] == 0) continue;
         VectorX at = values;
         at[i] += stencil.offsets[point] * steps[i];
-        std::optional<Material> other = admissible(row, material, numbers, at);
+        std::optional<Trial> other = admissible(row, trial, numbers, at);
         all &= other.has_value();
         if (!all) break;
-        change.materials.push_back(std::move(*other));
+        change.trials.push_back(std::move(*other));
         change.weights.push_back(stencil.weights[point] / steps[i]);
       }
       if (all) break;
@@ -122,6 +144,16 @@ std::vector<MaterialChange> material_changes(const MaterialLaw* row, const Mater
     changes.push_back(std::move(change));
   }
   return changes;
+}
+
+std::vector<MaterialChange> material_changes(const std::vector<TrialChange>& changes) {
+  std::vector<MaterialChange> of_materials;
+  for (const TrialChange& change : changes) {
+    MaterialChange& own = of_materials.emplace_back();
+    for (const Trial& trial : change.trials) own.materials.push_back(trial.material);
+    own.weights = change.weights;
+  }
+  return of_materials;
 }
 
 Matrix3 axes_of_law(const MaterialLaw& row, const Material& material) {

@@ -12,9 +12,10 @@ bool RepeatedCurve::solve(Model& model, StaticRig& rig, const Visit& visit) {
 
 bool RepeatedCurve::from_last(Model& model, StaticRig& rig, const Visit& visit) {
   for (std::size_t step = 0; step < states_.size(); ++step) {
-    rig.set_load(factors_[step]);
+    set_load(model, rig, factors_[step]);
     State state = states_[step];
     StaticResult solved = solve_static(model, state, options_);
+    adjust_load(model, rig, options_, state, solved);
     if (solved.outcome != Outcome::converged || !visit(step, state, solved)) return false;
     states_[step] = std::move(state);
   }

@@ -19,6 +19,9 @@ class RepeatedCurve {
 
   /// False where an equilibrium was not found or a visit ended the curve.
   bool solve(Model& model, StaticRig& rig, const Visit& visit);
+  double factor(std::size_t step) const { return factors_[step]; }
+  /// The next curve begins at rest, as where the way there counts.
+  void forget() { states_.clear(); }
   /// Why the last curve ended early; "" where a visit ended it.
   const std::string& cause() const { return cause_; }
 

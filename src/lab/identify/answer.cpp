@@ -19,7 +19,8 @@ constexpr int kStabilityPoints = 40;
 constexpr int kLinePoints = 80;
 
 std::vector<FoundNumber> found_numbers(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const Fit& fit,
-                                       const Uncertainty& known, bool profiles) {
+                                       const Uncertainty& known, bool profiles, const std::function<bool()>& stop) {
+  const auto stopped = [&] { return stop && stop(); };
   std::vector<FoundNumber> numbers;
   for (std::size_t i = 0; i < unknown.unknowns.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
@@ -32,9 +33,10 @@ std::vector<FoundNumber> found_numbers(const UnknownMaterial& unknown, std::vect
     const double half = (number.high - number.low) / 2, size = std::abs(number.value);
     const bool wide = !(half <= kProfiled * size);
     if (profiles && wide && known.freedom > 0 && unknown.unknowns.size() > 1 &&
-        fit.outcome != FitOutcome::flat_valley) {
-      std::tie(number.low, number.high) = profile_interval(unknown, tests, fit, known, i);
-      number.profiled = true;
+        fit.outcome != FitOutcome::flat_valley && !stopped()) {
+      const auto ends = profile_interval(unknown, tests, fit, known, i, stop);
+      number.profiled = !stopped();
+      if (number.profiled) std::tie(number.low, number.high) = ends;
     }
     number.determined = number.high - number.low <= 2 * kWide * size;
     numbers.push_back(std::move(number));
@@ -51,13 +53,11 @@ double relative_rms(const WeightedTest& test, const VectorX& fitted) {
 std::vector<std::pair<double, double>> curve_of(const UnknownMaterial& unknown, const Fit& fit,
                                                 const WeightedTest& test) {
   std::vector<std::pair<double, double>> line;
-  if (!test.stated->kind->homogeneous) return line;
   const VectorX& x = test.test->data().x;
   const double low = std::min(0., x.minCoeff()), high = std::max(0., x.maxCoeff());
   const VectorX at = VectorX::LinSpaced(kLinePoints, low, high);
-  const auto found = homogeneous_stresses(*unknown.row, fit.material, *test.stated->kind->homogeneous, at, {},
-                                          axes_of_law(*unknown.row, fit.material));
-  for (Eigen::Index i = 0; found && i < at.size(); ++i) line.emplace_back(at[i], found->stresses[i]);
+  const auto found = test.test->line({unknown.row, fit.trial, {}}, at);
+  for (Eigen::Index i = 0; found && i < at.size(); ++i) line.emplace_back(at[i], (*found)[i]);
   return line;
 }
 
@@ -114,10 +114,10 @@ std::vector<StabilityAnswer> stabilities(const UnknownMaterial& unknown, const s
     if (!answer.measured) answer.low = shear ? 0 : all_low, answer.high = all_high;
     for (const double end : {answer.high, answer.low}) {
       if (end == 0) continue;
-      const double within = first_unstable(*unknown.row, fit.material, kind, 0, end);
+      const double within = first_unstable(*unknown.row, fit.trial.material, kind, 0, end);
       if (std::isfinite(within)) {
         answer.unstable_within = within;
-      } else if (const double beyond = first_unstable(*unknown.row, fit.material, kind, end, twice(end, shear));
+      } else if (const double beyond = first_unstable(*unknown.row, fit.trial.material, kind, end, twice(end, shear));
                  std::isfinite(beyond)) {
         answer.unstable_beyond = beyond;
       }
@@ -208,7 +208,8 @@ void warn_of_stability(const Answer& answer, std::vector<std::string>& warnings)
 
 }  // namespace
 
-std::string material_yaml(const MaterialLaw* row, const Material& material) {
+std::string material_yaml(const MaterialLaw* row, const Trial& trial) {
+  const Material& material = trial.material;
   const auto value = [](double number, const Dimension& unit) {
     const std::string name = si_unit(unit);
     return fmt::format("{:.9g}{}{}", number, name.empty() ? "" : " ", name);
@@ -217,8 +218,9 @@ std::string material_yaml(const MaterialLaw* row, const Material& material) {
   std::string out = "material:\n";
   const auto add = [&](const std::string& key, const std::string& text) { out += "  " + key + ": " + text + "\n"; };
   if (row) add("law", row->name);
+  if (trial.curve) out += "  " + trial.curve->yaml() + "\n";
   if (!row || row->from_moduli) {
-    add("youngs_modulus", value(material.youngs_modulus, dimension::pressure));
+    if (!trial.curve) add("youngs_modulus", value(material.youngs_modulus, dimension::pressure));
     add("poissons_ratio", value(material.poissons_ratio, dimension::none));
   }
   if (row && material.law) {
@@ -254,7 +256,8 @@ std::string material_yaml(const MaterialLaw* row, const Material& material) {
   return out;
 }
 
-Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const Fit& fit, bool profiles) {
+Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const Fit& fit, bool profiles,
+                   const std::function<bool()>& stop) {
   Answer answer;
   answer.law = unknown.row ? unknown.row->name : "";
   answer.outcome = fit.outcome, answer.cause = fit.cause;
@@ -263,10 +266,10 @@ Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& te
   const Uncertainty known = uncertainty(fit.residuals, fit.jacobian, fit.values);
   answer.freedom = known.freedom, answer.condition = known.condition, answer.correlation = known.correlation;
   answer.criterion = small_sample_criterion(fit.squares, fit.residuals.size(), fit.values.size());
-  answer.numbers = found_numbers(unknown, tests, fit, known, profiles);
+  answer.numbers = found_numbers(unknown, tests, fit, known, profiles, stop);
   answer.tests = test_answers(unknown, tests, fit);
   if (unknown.row) answer.stability = stabilities(unknown, tests, fit);
-  answer.material = material_yaml(unknown.row, fit.material);
+  answer.material = material_yaml(unknown.row, fit.trial) + unknown.kept;
   if (fit.outcome != FitOutcome::converged)
     answer.warnings.push_back(std::string(name_of(fit.outcome)) + ": " + fit.cause);
   if (known.freedom <= 0)

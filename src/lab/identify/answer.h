@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <limits>
 #include <string>
 #include <utility>
@@ -68,12 +69,14 @@ struct Answer {
 
 /// What a fit says, with intervals, stability and warnings.
 /// @param profiles whether wide intervals are those of the likelihood profile, which takes a search for each end
-Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const Fit& fit, bool profiles);
+/// @param stop asked on the way to these, which are then left as they are; may be empty
+Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const Fit& fit, bool profiles,
+                   const std::function<bool()>& stop = {});
 
 /// Of one among several laws.
 LawAnswer law_answer(const Answer& answer);
 
 /// The `material:` block of a scene.
-std::string material_yaml(const MaterialLaw* row, const Material& material);
+std::string material_yaml(const MaterialLaw* row, const Trial& trial);
 
 }  // namespace elastin::lab

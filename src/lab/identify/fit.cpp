@@ -1,5 +1,7 @@
 #include "lab/identify/fit.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -21,6 +23,7 @@ constexpr double kSameLeast = 1e-2;   // relative difference of sums of squares 
 constexpr double kRough = 1e-4;       // relative change of squares at which one of several searches ends
 constexpr int kRoughIterations = 60;
 constexpr double kLeaning = 1e-2;  // cosine of residuals and a slope beyond which it is no least
+constexpr double kExact = 1e-7;    // rms below which residuals are rounding, of equilibria too
 constexpr double kFlat = 1e7;      // condition beyond which rounding of the residuals decides
 constexpr int kMostDraws = 60;     // of random numbers until a law admits them
 
@@ -40,7 +43,7 @@ class Scaling {
     low = VectorX::Ones(start.size()), high = low;
     for (Eigen::Index i = 0; i < start.size(); ++i) {
       const MaterialNumber& number = unknown.unknowns[static_cast<std::size_t>(i)];
-      const double typical = number.unit == dimension::pressure ? 0.1 * unknown.material.youngs_modulus : 1;
+      const double typical = number.unit == dimension::pressure ? 0.1 * unknown.trial.material.youngs_modulus : 1;
       size[i] = start[i] != 0 ? std::abs(start[i]) : typical;
       if (logarithmic && start[i] != 0) sign_[i] = start[i] > 0 ? 1 : -1;
       const double margin = number.above_low ? 1e-9 * size[i] : 0;
@@ -128,10 +131,10 @@ class Residuals {
 
   std::optional<TestedMaterial> material_at(const VectorX& values, bool slopes) {
     try {
-      TestedMaterial tested{unknown_.row, with_numbers(unknown_.row, unknown_.material, unknown_.unknowns, values), {}};
+      TestedMaterial tested{unknown_.row, with_numbers(unknown_.row, unknown_.trial, unknown_.unknowns, values), {}};
       if (slopes)
-        tested.changes = material_changes(unknown_.row, unknown_.material, unknown_.unknowns, values,
-                                          kDifference * values.cwiseAbs().cwiseMax(0.1 * scaling.size));
+        tested.changes = trial_changes(unknown_.row, unknown_.trial, unknown_.unknowns, values,
+                                       kDifference * values.cwiseAbs().cwiseMax(0.1 * scaling.size));
       return tested;
     } catch (const InputError& error) {
       why = error.what();
@@ -190,10 +193,11 @@ void find_bounds(const UnknownMaterial& unknown, const Residuals& residuals, Fit
 }
 
 /// How much of the residuals, at most, the change of one unknown could still take away: the largest cosine of r and a
-/// column of J; 0 at a least.
+/// column of J; 0 at a least, and where they are rounding.
 double leaning(const Fit& fit) {
   double largest = 0;
   const double size = fit.residuals.norm();
+  if (size < kExact * std::sqrt(static_cast<double>(fit.residuals.size()))) return 0;
   for (Eigen::Index i = 0; i < fit.jacobian.cols(); ++i) {
     const double length = fit.jacobian.col(i).norm();
     if (length > 0 && size > 0)
@@ -202,10 +206,10 @@ double leaning(const Fit& fit) {
   return largest;
 }
 
-void judge(const UnknownMaterial& unknown, bool converged, const std::string& message, Fit& fit) {
+void judge(const UnknownMaterial& unknown, Fit& fit) {
   const Uncertainty known = uncertainty(fit.residuals, fit.jacobian, fit.values);
-  if (!converged) {
-    fit.outcome = FitOutcome::not_converged, fit.cause = "the search did not end: " + message;
+  if (!fit.converged) {
+    fit.outcome = FitOutcome::not_converged, fit.cause = "the search did not end: " + fit.message;
   } else if (known.condition > kFlat) {
     fit.outcome = FitOutcome::flat_valley;
     std::string names;
@@ -223,6 +227,55 @@ void judge(const UnknownMaterial& unknown, bool converged, const std::string& me
   } else {
     fit.outcome = FitOutcome::converged;
   }
+}
+
+/// The best end of several searches, gone on with to the last digit.
+SearchEnd searched(const UnknownMaterial& unknown, Residuals& residuals, const FitOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  LeastSquaresProblem problem = problem_of(residuals, options);
+  const bool several = options.starts > 1;
+  problem.tolerance = several ? kRough : options.tolerance;
+  if (several) problem.iterations = kRoughIterations;
+  std::mt19937_64 generator(20);
+  SearchEnd end;
+  LeastSquaresResult best;
+  std::vector<double> ends;
+  const auto search = [&](const VectorX& from, const std::string& which) {
+    if (options.progress)
+      problem.progress = [&, which](int iteration, double squares) {
+        options.progress(fmt::format("{}, {}, iteration {}, rms {:.3g} %", unknown.label, which, iteration,
+                                     100 * std::sqrt(squares / static_cast<double>(residuals.count))));
+      };
+    LeastSquaresResult found = minimise_squares(problem, from);
+    if (residuals.thrown) std::rethrow_exception(residuals.thrown);
+    end.iterations += found.iterations, end.evaluations += found.evaluations;
+    return found;
+  };
+  const bool known = options.known && options.known->values.size() == residuals.scaling.low.size();
+  for (int start = 0; start < options.starts && !(start > 0 && options.stop && options.stop()); ++start) {
+    const auto from = start > 0 ? random_start(unknown, residuals, generator)
+                                : std::optional(known ? options.known->values : starts_of(unknown.unknowns));
+    if (residuals.thrown) std::rethrow_exception(residuals.thrown);
+    if (!from) continue;
+    const LeastSquaresResult found =
+        search(residuals.scaling.scaled(*from), fmt::format("search {} of {}", start + 1, options.starts));
+    if (!found.usable || !std::isfinite(found.squares)) continue;
+    ends.push_back(found.squares);
+    if (!best.usable || found.squares < best.squares) best = found;
+  }
+  if (best.usable && several) {
+    problem.tolerance = options.tolerance, problem.iterations = LeastSquaresProblem{}.iterations;
+    const LeastSquaresResult last = search(best.unknowns, "the best search to its end");
+    if (last.usable) best = last;
+  }
+  end.starts = static_cast<int>(ends.size());
+  end.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (!best.usable) return end;
+  for (const double squares : ends)
+    if (squares <= best.squares * (1 + kSameLeast) + 1e-30) ++end.agreeing;
+  end.values = residuals.scaling.values(best.unknowns);
+  end.converged = best.converged, end.message = best.message;
+  return end;
 }
 
 }  // namespace
@@ -250,65 +303,30 @@ const char* name_of(FitOutcome outcome) {
 }
 
 Fit fit_material(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const FitOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
   Residuals residuals(unknown, tests, options.keep_signs);
-  LeastSquaresProblem problem = problem_of(residuals, options);
-  const bool several = options.starts > 1;
-  problem.tolerance = several ? kRough : options.tolerance;
-  if (several) problem.iterations = kRoughIterations;
-  std::mt19937_64 generator(20);
   Fit fit;
-  LeastSquaresResult best;
-  std::vector<double> ends;
-  const auto search = [&](const VectorX& from) {
-    LeastSquaresResult found = minimise_squares(problem, from);
-    if (residuals.thrown) std::rethrow_exception(residuals.thrown);
-    fit.iterations += found.iterations, fit.evaluations += found.evaluations;
-    return found;
-  };
-  for (int start = 0; start < options.starts && !(start > 0 && options.stop && options.stop()); ++start) {
-    if (options.progress)
-      options.progress(unknown.label + ", search " + std::to_string(start + 1) + " of " +
-                       std::to_string(options.starts));
-    const auto from =
-        start == 0 ? std::optional(starts_of(unknown.unknowns)) : random_start(unknown, residuals, generator);
-    if (residuals.thrown) std::rethrow_exception(residuals.thrown);
-    if (!from) continue;
-    const LeastSquaresResult found = search(residuals.scaling.scaled(*from));
-    if (!found.usable || !std::isfinite(found.squares)) continue;
-    ends.push_back(found.squares);
-    if (!best.usable || found.squares < best.squares) best = found;
-  }
-  if (best.usable && several) {
-    problem.tolerance = options.tolerance, problem.iterations = LeastSquaresProblem{}.iterations;
-    const LeastSquaresResult last = search(best.unknowns);
-    if (last.usable) best = last;
-  }
-  fit.starts = static_cast<int>(ends.size());
-  fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (!best.usable) {
+  static_cast<SearchEnd&>(fit) =
+      options.known && options.known->converged ? *options.known : searched(unknown, residuals, options);
+  if (fit.values.size() == 0) {
     fit.cause = "no start could be solved" + (residuals.why.empty() ? "" : ": " + residuals.why);
     return fit;
   }
-  for (const double squares : ends)
-    if (squares <= best.squares * (1 + kSameLeast) + 1e-30) ++fit.agreeing;
-  fit.values = residuals.scaling.values(best.unknowns);
-  fit.squares = best.squares;
   const auto tested = residuals.material_at(fit.values, true);
   if (!tested || !residuals.try_evaluate(fit.values, fit.residuals, &fit.jacobian)) {
     fit.cause = "the material found could not be evaluated again: " + residuals.why;
     return fit;
   }
-  fit.material = tested->material;
+  fit.squares = fit.residuals.squaredNorm();
+  fit.trial = tested->trial;
   for (WeightedTest& test : tests) fit.predictions.push_back(test.test->predict(*tested).value_or(Prediction{}));
   find_bounds(unknown, residuals, fit);
-  judge(unknown, best.converged, best.message, fit);
-  fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  judge(unknown, fit);
   return fit;
 }
 
 std::pair<double, double> profile_interval(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests,
-                                           const Fit& fit, const Uncertainty& known, std::size_t number) {
+                                           const Fit& fit, const Uncertainty& known, std::size_t number,
+                                           const std::function<bool()>& stop) {
   const auto at = static_cast<Eigen::Index>(number);
   const double t = student_quantile(0.95, known.freedom);
   const double most = fit.squares * (1 + t * t / known.freedom);
@@ -318,12 +336,13 @@ std::pair<double, double> profile_interval(const UnknownMaterial& unknown, std::
   const MaterialNumber own = others.unknowns[number];
   others.unknowns.erase(others.unknowns.begin() + static_cast<std::ptrdiff_t>(number));
   FitOptions once;
-  once.starts = 1, once.tolerance = 1e-9, once.keep_signs = true;
+  once.starts = 1, once.tolerance = 1e-7, once.keep_signs = true, once.stop = stop;
   const auto squares = [&](double value) -> std::optional<double> {
+    if (stop && stop()) return std::nullopt;
     try {
       VectorX only(1);
       only << value;
-      others.material = with_numbers(unknown.row, fit.material, {own}, only);
+      others.trial = with_numbers(unknown.row, fit.trial, {own}, only);
     } catch (const InputError&) {
       return std::nullopt;
     }

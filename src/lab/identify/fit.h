@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,9 +14,10 @@ namespace elastin::lab {
 /// A law with the numbers of it that are to be found.
 struct UnknownMaterial {
   std::string label;                     ///< "ogden/3"
-  const MaterialLaw* row = nullptr;      ///< null: E and ν alone
-  Material material;                     ///< with the numbers from which the search begins
+  const MaterialLaw* row = nullptr;      ///< null: no law
+  Trial trial;                           ///< with the numbers from which the search begins
   std::vector<MaterialNumber> unknowns;  ///< their bounds, and where they begin
+  std::string kept = {};                 ///< of the scene's material, what no number of it changes: lines of YAML
 };
 
 /// One test beside what it counts.
@@ -35,19 +37,25 @@ enum class FitOutcome {
 };
 const char* name_of(FitOutcome outcome);
 
-struct Fit {
+/// Where searches came to an end, and what they took.
+struct SearchEnd {
+  VectorX values;                ///< of the unknowns, SI; empty: none of the starts could be solved
+  bool converged = false;        ///< no change of the unknowns makes the squares smaller
+  std::string message;           ///< why they ended
+  int starts = 0, agreeing = 0;  ///< searches that came somewhere, and of them those near the same least
+  int iterations = 0, evaluations = 0;
+  double seconds = 0;
+};
+
+struct Fit : SearchEnd {
   FitOutcome outcome = FitOutcome::failed;
   std::string cause;  ///< in words, where it did not converge
-  VectorX values;     ///< of the unknowns, SI
-  Material material;  ///< with them
+  Trial trial;        ///< with them
   double squares = 0;
   VectorX residuals;                    ///< of the tests that count, weighted
   MatrixX jacobian;                     ///< of them by the unknowns
   std::vector<Prediction> predictions;  ///< of all tests, in their order
   std::vector<std::size_t> at_bound;    ///< unknowns that lie at one
-  int starts = 0, agreeing = 0;         ///< searches that came somewhere, and of them those near the same least
-  int iterations = 0, evaluations = 0;
-  double seconds = 0;
 };
 
 struct FitOptions {
@@ -56,6 +64,9 @@ struct FitOptions {
   bool keep_signs = false;   ///< whether no number may pass through 0: searched by their logarithms
   std::function<void(const std::string& doing)> progress = {};  ///< may be empty
   std::function<bool()> stop = {};                              ///< may be empty
+  /// An earlier end of the same searches: of one that converged nothing is searched again, another is where the first
+  /// begins.
+  std::optional<SearchEnd> known = {};
 };
 
 /// The numbers of the material with the least weighted Σ of squared residuals over all tests whose weight is not 0: of
@@ -66,6 +77,7 @@ Fit fit_material(const UnknownMaterial& unknown, std::vector<WeightedTest>& test
 /// The ends of the interval of one unknown by its profile (see profile_end), from a search for the others at each
 /// value.
 std::pair<double, double> profile_interval(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests,
-                                           const Fit& fit, const Uncertainty& known, std::size_t number);
+                                           const Fit& fit, const Uncertainty& known, std::size_t number,
+                                           const std::function<bool()>& stop = {});
 
 }  // namespace elastin::lab

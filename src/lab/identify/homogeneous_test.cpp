@@ -7,7 +7,10 @@ namespace elastin::lab {
 namespace {
 
 void need_law(const DataTest& test, const MaterialLaw* row) {
-  if (!row) test.fail("a homogeneous test needs a `law` in the material, for example neo_hookean");
+  if (!row)
+    test.fail(
+        "a homogeneous test needs a `law` in the material, for example neo_hookean; a `curve` serves uniaxial "
+        "ones alone");
 }
 
 class HomogeneousDataTest final : public MeasuredTest {
@@ -16,7 +19,8 @@ class HomogeneousDataTest final : public MeasuredTest {
       : MeasuredTest(std::move(data)), test_(test), axes_(axes) {}
 
   std::optional<Prediction> predict(const TestedMaterial& tested) override {
-    auto found = homogeneous_stresses(*tested.row, tested.material, test_, data_.x, tested.changes, axes_);
+    auto found = homogeneous_stresses(*tested.row, tested.trial.material, test_, data_.x,
+                                      material_changes(tested.changes), axes_);
     if (!found) {
       why_ = std::string("no equilibrium in the ") + name_of(test_) + " test";
       return std::nullopt;
@@ -24,9 +28,32 @@ class HomogeneousDataTest final : public MeasuredTest {
     return Prediction{std::move(found->stresses), std::move(found->slopes)};
   }
 
+  std::optional<VectorX> line(const TestedMaterial& tested, const VectorX& along) const override {
+    const auto found = homogeneous_stresses(*tested.row, tested.trial.material, test_, along, {}, axes_);
+    return found ? std::optional(found->stresses) : std::nullopt;
+  }
+
  private:
   HomogeneousTest test_;
   Matrix3 axes_;
+};
+
+/// A stress-strain curve under uniaxial stress, which is what it is.
+class CurveTest final : public MeasuredTest {
+ public:
+  using MeasuredTest::MeasuredTest;
+
+  std::optional<Prediction> predict(const TestedMaterial& tested) override {
+    return by_differences(tested, [&](const Trial& trial) { return stresses(trial.material, data_.x); });
+  }
+  std::optional<VectorX> line(const TestedMaterial& tested, const VectorX& along) const override {
+    return stresses(tested.trial.material, along);
+  }
+
+ private:
+  static std::optional<VectorX> stresses(const Material& material, const VectorX& strains) {
+    return VectorX(strains.unaryExpr([&](double strain) { return material.curve->stress(strain); }));
+  }
 };
 
 class RelaxationTest final : public MeasuredTest {
@@ -38,18 +65,7 @@ class RelaxationTest final : public MeasuredTest {
   }
 
   std::optional<Prediction> predict(const TestedMaterial& tested) override {
-    const auto values = history(*tested.row, tested.material);
-    if (!values) return std::nullopt;
-    Prediction result{*values, MatrixX::Zero(values->size(), static_cast<Eigen::Index>(tested.changes.size()))};
-    for (std::size_t change = 0; change < tested.changes.size(); ++change) {
-      const MaterialChange& by = tested.changes[change];
-      for (std::size_t i = 0; i < by.materials.size(); ++i) {
-        const auto other = history(*tested.row, by.materials[i]);
-        if (!other) return std::nullopt;
-        result.slopes.col(static_cast<Eigen::Index>(change)) += by.weights[i] * *other;
-      }
-    }
-    return result;
+    return by_differences(tested, [&](const Trial& trial) { return history(*tested.row, trial.material); });
   }
 
  private:
@@ -96,8 +112,13 @@ class RelaxationTest final : public MeasuredTest {
 
 std::unique_ptr<MeasuredTest> make_homogeneous_test(const DataTest& test, const MaterialLaw* row,
                                                     const Material& material) {
-  need_law(test, row);
+  const bool of_curve = !row && material.curve && test.kind->homogeneous == HomogeneousTest::uniaxial;
+  if (!of_curve) need_law(test, row);
   const MeasuredData read = load_data(test);
+  if (of_curve) {
+    if (read.up->name == "true_stress") test.fail("a curve is over the section at rest: give nominal_stress");
+    return std::make_unique<CurveTest>(as_strain_and_stress(test, read));
+  }
   if (read.up->name == "true_stress" && (row->from_moduli || material.law->numbers.contains("bulk_modulus")))
     test.fail("true_stress is that of an incompressible law alone; give nominal_stress, or leave out bulk_modulus");
   return std::make_unique<HomogeneousDataTest>(as_strain_and_stress(test, read), *test.kind->homogeneous,
@@ -110,14 +131,6 @@ std::unique_ptr<MeasuredTest> make_relaxation_test(const DataTest& test, const M
   if (!material.relaxation) test.fail("needs `relaxation` with its terms in the material: where the search begins");
   return std::make_unique<RelaxationTest>(as_strain_and_stress(test, load_data(test)), test,
                                           axes_of_law(*row, material));
-}
-
-std::unique_ptr<MeasuredTest> make_measured_test(const DataTest& test, const Catalog& catalog, const MaterialLaw* row,
-                                                 const Material& material, const std::vector<std::string>& overrides,
-                                                 const std::string& strategy) {
-  if (test.kind->homogeneous) return make_homogeneous_test(test, row, material);
-  if (test.kind->in_time) return make_relaxation_test(test, row, material);
-  return make_specimen_test(test, catalog, overrides, strategy);
 }
 
 }  // namespace elastin::lab

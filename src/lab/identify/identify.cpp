@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <optional>
 
 #include "elastin/core/base/text.h"
+#include "lab/scene/reader.h"
 #include "lab/scene/scene.h"
 
 namespace elastin::lab {
@@ -57,7 +60,7 @@ const MaterialLaw* row_of(const Catalog& catalog, const Material& material) {
 }
 
 std::string label_of(const MaterialLaw* row, const Material& material) {
-  if (!row) return "";
+  if (!row) return material.curve ? "curve" : "E and nu";
   return row->columns.empty() ? row->name : row->name + "/" + std::to_string(material.law->terms.size());
 }
 
@@ -77,11 +80,19 @@ std::vector<std::string> names_of(const std::vector<MaterialNumber>& numbers) {
   return names;
 }
 
-/// The numbers that the scene leaves unknown, of its own law.
-UnknownMaterial stated_unknowns(const IdentifyTask& task, const Catalog& catalog) {
+/// The material that the scene states, where the search begins.
+Trial trial_of(const IdentifyTask& task) {
+  Trial trial = task.material;
+  trial.curve = task.curve;
+  return trial;
+}
+
+/// The numbers that the scene leaves unknown, of its own law; of spring rules and contact those that it names.
+UnknownMaterial stated_unknowns(const IdentifyTask& task, const Catalog& catalog,
+                                const std::vector<WeightedTest>& tests) {
   const MaterialLaw* row = row_of(catalog, task.material);
-  UnknownMaterial unknown{label_of(row, task.material), row, task.material, {}};
-  const std::vector<MaterialNumber> all = material_numbers(row, task.material);
+  UnknownMaterial unknown{label_of(row, task.material), row, trial_of(task), {}, task.kept};
+  std::vector<MaterialNumber> all = material_numbers(row, unknown.trial);
   for (const std::string& name : task.fixed)
     if (std::none_of(all.begin(), all.end(), [&](const auto& number) { return number.name == name; }))
       throw InputError(task.path + ": identify.fixed: the material has no number '" + name + "'" +
@@ -91,11 +102,15 @@ UnknownMaterial stated_unknowns(const IdentifyTask& task, const Catalog& catalog
       if (unknown_by_itself(number, task)) unknown.unknowns.push_back(number);
     return unknown;
   }
+  for (const WeightedTest& test : tests)
+    for (const MaterialNumber& number : test.test->own_numbers())
+      if (std::none_of(all.begin(), all.end(), [&](const auto& other) { return other.name == number.name; }))
+        all.push_back(number);
   for (const UnknownChoice& choice : task.unknowns) {
     const auto found =
         std::find_if(all.begin(), all.end(), [&](const auto& number) { return number.name == choice.name; });
     if (found == all.end())
-      choice.fail("the material has no number '" + choice.name + "'" + suggestion(choice.name, names_of(all)));
+      choice.fail("there is no number '" + choice.name + "' here" + suggestion(choice.name, names_of(all)));
     MaterialNumber number = *found;
     if (choice.low)
       number.low = std::max(number.low, choice.low(number.unit)),
@@ -177,7 +192,7 @@ UnknownMaterial named_unknowns(const std::string& label, const IdentifyTask& tas
   const auto material = row->from_moduli ? std::nullopt : usual_material(*row, terms, modulus, task.material);
   if (!material)
     throw InputError("law '" + label + "' cannot be compared here: it has directions, or follows from E and nu");
-  UnknownMaterial unknown{label_of(row.get(), *material), row.get(), *material, {}};
+  UnknownMaterial unknown{label_of(row.get(), *material), row.get(), *material, {}, task.kept};
   for (const MaterialNumber& number : material_numbers(row.get(), *material))
     if (number.name != kBulkModulus && unknown_by_itself(number, task)) unknown.unknowns.push_back(number);
   return unknown;
@@ -226,15 +241,31 @@ void check_count(const UnknownMaterial& unknown, const std::vector<WeightedTest>
                          ": measure more, or fix some by identify.fixed");
 }
 
+/// All that the searches of a task follow from: its scenes with what they name, its data, and what counts.
+std::string content_of(const IdentifyTask& task, const IdentifyRequest& request) {
+  std::vector<std::string> parts = request.overrides;
+  const auto add = [&](const std::string& path) {
+    parts.push_back(open_scene_file(path, request.overrides, kMostMolecules).content());
+  };
+  add(task.path);
+  for (const DataTest& test : task.tests) {
+    if (!test.scene.empty() && test.scene != task.path) add(test.scene);
+    std::ifstream data(test.file, std::ios::binary);
+    parts.emplace_back(std::istreambuf_iterator<char>(data), std::istreambuf_iterator<char>());
+    parts.push_back(test.weight > 0 ? test.name : "");
+  }
+  return key_of(parts);
+}
+
 Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const IdentifyRequest& request,
                     const std::string& strategy) {
   std::vector<WeightedTest> tests = make_tests(task, catalog, request, strategy);
   const bool slow = std::any_of(task.tests.begin(), task.tests.end(),
                                 [](const auto& test) { return !test.kind->homogeneous && !test.kind->in_time; });
-  const FitOptions options{task.starts > 0 ? task.starts
-                           : slow          ? 1
-                                           : 8,
-                           FitOptions{}.tolerance, false, request.progress, request.stop};
+  FitOptions options;
+  options.starts = task.starts > 0 ? task.starts : slow ? 1 : 8;
+  options.progress = request.progress, options.stop = request.stop;
+  const std::string content = request.journal ? content_of(task, request) : "";
   struct Fitted {
     UnknownMaterial unknown;
     Fit fit;
@@ -243,12 +274,17 @@ Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const Iden
   std::vector<Fitted> all;
   const auto add = [&](const UnknownMaterial& unknown) {
     check_count(unknown, tests, task);
-    Fit fit = fit_material(unknown, tests, options);
+    FitOptions own_options = options;
+    const std::string key = request.journal ? key_of({content, unknown.label, strategy}) : "";
+    if (request.journal) own_options.known = request.journal->find(key);
+    Fit fit = fit_material(unknown, tests, own_options);
+    if (request.journal && !(own_options.known && own_options.known->converged))
+      request.journal->add(key, task.name + ", " + unknown.label + (strategy.empty() ? "" : ", " + strategy), fit);
     LawAnswer law = law_answer(make_answer(unknown, tests, fit, false));
     law.label = unknown.label;
     all.push_back({unknown, std::move(fit), std::move(law)});
   };
-  const UnknownMaterial own = stated_unknowns(task, catalog);
+  const UnknownMaterial own = stated_unknowns(task, catalog, tests);
   if (task.laws.empty()) {
     add(own);
   } else {
@@ -268,7 +304,7 @@ Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const Iden
     });
   }
   if (request.progress) request.progress(all.front().unknown.label + ", intervals");
-  Answer best = make_answer(all.front().unknown, tests, all.front().fit, true);
+  Answer best = make_answer(all.front().unknown, tests, all.front().fit, true, request.stop);
   if (!task.laws.empty())
     for (const Fitted& fitted : all) best.laws.push_back(fitted.law);
   best.scene = task.name, best.title = task.title, best.strategy = strategy;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lab/identify/answer.h"
+#include "lab/identify/fit_journal.h"
 
 namespace elastin::lab {
 
@@ -16,6 +17,7 @@ struct IdentifyRequest {
   std::string strategies = {};              ///< of specimens, separated by commas; empty = as their scenes say
   std::function<void(const std::string& doing)> progress = {};
   std::function<bool()> stop = {};
+  FitJournal* journal = nullptr;  ///< where ends of searches are noted, and found that were made before
 };
 
 /// The material of a scene's `identify:` section fitted to its measured tests; several answers where strategies are

@@ -39,15 +39,16 @@ class AllResiduals final : public ceres::CostFunction {
   mutable int evaluations_ = 0;
 };
 
-class Stop final : public ceres::IterationCallback {
+class Watch final : public ceres::IterationCallback {
  public:
-  explicit Stop(const std::function<bool()>& stop) : stop_(stop) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
-    return stop_ && stop_() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  explicit Watch(const LeastSquaresProblem& problem) : problem_(problem) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    if (problem_.progress) problem_.progress(summary.iteration, 2 * summary.cost);
+    return problem_.stop && problem_.stop() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
  private:
-  const std::function<bool()>& stop_;
+  const LeastSquaresProblem& problem_;
 };
 
 /// Ceres tells the log of a search that cannot begin, which is an outcome here.
@@ -76,7 +77,7 @@ LeastSquaresResult minimise_squares(const LeastSquaresProblem& problem, const Ve
     if (std::isfinite(problem.low[i])) all.SetParameterLowerBound(result.unknowns.data(), i, problem.low[i]);
     if (std::isfinite(problem.high[i])) all.SetParameterUpperBound(result.unknowns.data(), i, problem.high[i]);
   }
-  Stop stop(problem.stop);
+  Watch watch(problem);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = problem.iterations;
@@ -86,7 +87,7 @@ LeastSquaresResult minimise_squares(const LeastSquaresProblem& problem, const Ve
   options.max_num_consecutive_invalid_steps = 20;
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
-  options.callbacks.push_back(&stop);
+  options.callbacks.push_back(&watch);
   ceres::Solver::Summary summary;
   const Quiet quiet;
   ceres::Solve(options, &all, &summary);
@@ -95,7 +96,7 @@ LeastSquaresResult minimise_squares(const LeastSquaresProblem& problem, const Ve
   result.evaluations = function.evaluations();
   result.usable = summary.IsSolutionUsable();
   result.converged = summary.termination_type == ceres::CONVERGENCE;
-  result.message = summary.message;
+  result.message = summary.termination_type == ceres::USER_SUCCESS ? "interrupted" : summary.message;
   return result;
 }
 

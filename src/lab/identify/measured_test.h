@@ -1,8 +1,10 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <optional>
 
 #include "elastin/core/simulation/catalog.h"
+#include "lab/experiment/material_numbers.h"
 #include "lab/identify/data.h"
 
 namespace elastin::lab {
@@ -13,11 +15,11 @@ struct Prediction {
   MatrixX slopes;  ///< ∂value/∂θ of each change of the material, points × changes
 };
 
-/// A material on its way to a test, with what the test needs of it.
+/// A trial on its way to a test, with what the test needs of it.
 struct TestedMaterial {
-  const MaterialLaw* row = nullptr;  ///< of its law; null: E and ν alone
-  Material material;
-  std::vector<MaterialChange> changes;  ///< one a number; none: no slopes are wanted
+  const MaterialLaw* row = nullptr;  ///< of its law; null: none
+  Trial trial;
+  std::vector<TrialChange> changes;  ///< one a number; none: no slopes are wanted
 };
 
 /// A test that predicts its measured points for any material.
@@ -28,6 +30,12 @@ class MeasuredTest {
   const MeasuredData& data() const { return data_; }
   /// None where the material has no equilibrium; why() then says it.
   virtual std::optional<Prediction> predict(const TestedMaterial& tested) = 0;
+  /// What the material answers between and beyond the measured points; none where that is no closed form.
+  virtual std::optional<VectorX> line(const TestedMaterial& /*tested*/, const VectorX& /*along*/) const {
+    return std::nullopt;
+  }
+  /// Numbers beside the material that its scene has, and that can be unknown.
+  virtual std::vector<MaterialNumber> own_numbers() const { return {}; }
   const std::string& why() const { return why_; }
 
  protected:
@@ -35,7 +43,12 @@ class MeasuredTest {
   std::string why_;
 };
 
-/// Every point of the body in the same state. Throws InputError for a material without a law.
+/// What a function of the trial gives, with its slopes by differences of whole values.
+std::optional<Prediction> by_differences(const TestedMaterial& tested,
+                                         const std::function<std::optional<VectorX>(const Trial&)>& values_of);
+
+/// Every point of the body in the same state, of a law; or of a curve in uniaxial stress. Throws InputError for a
+/// material that has neither.
 std::unique_ptr<MeasuredTest> make_homogeneous_test(const DataTest& test, const MaterialLaw* row,
                                                     const Material& material);
 
@@ -45,7 +58,9 @@ std::unique_ptr<MeasuredTest> make_relaxation_test(const DataTest& test, const M
                                                    const Material& material);
 
 /// The specimen of a scene in its grips: one equilibrium a point, started from the one that the material before had
-/// there. Slopes by one linear solve a number, K dx = ∂f/∂θ at the positions kept, and the measure along dx.
+/// there. Slopes by one linear solve a number, K dx = ∂f/∂θ at the positions kept, and the measure along dx. Where the
+/// way there counts (friction, multipliers of contact) or the load is sought (an indenter's force), each curve begins
+/// at rest, and slopes are differences of whole ones.
 /// @param strategy instead of the scene's own; empty = that
 /// Throws InputError where the scene is in time, takes small displacements, or prescribes something else than the data.
 std::unique_ptr<MeasuredTest> make_specimen_test(const DataTest& test, const Catalog& catalog,

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
+#include "lab/experiment/load_path.h"
 #include "lab/experiment/repeated_curve.h"
 #include "lab/identify/measured_test.h"
 #include "lab/scene/scene.h"
@@ -33,21 +35,59 @@ class SpecimenTest final : public MeasuredTest {
     prepare(scene_->specimen, choice_.strategy);
     if (const std::string reason = unsuited(scene_->specimen, *protocol_, choice_); !reason.empty())
       test.fail("scene: " + choice_.label + " " + reason);
+    const Specimen& specimen = scene_->specimen;
+    follows_modulus_ = specimen.contact && specimen.contact->stiffness ==
+                                               contact::default_contact_stiffness(specimen.body, own_.youngs_modulus);
     curve_.emplace(load_factors(test), options_.statics);
+    remembers_ =
+        specimen.contact && (specimen.contact->friction > 0 || specimen.contact->penetration > 0 || along_ == "force");
   }
 
   std::optional<Prediction> predict(const TestedMaterial& tested) override {
-    scene_->specimen.material = on_specimen(tested.material, own_);
-    const std::optional<HeldModel> held = model();
+    const bool friction = tested.trial.friction.has_value();
+    if (remembers_ || friction)
+      return by_differences(tested, [&](const Trial& trial) {
+        curve_->forget();
+        const std::optional<Prediction> found = curve_of({tested.row, trial, {}});
+        return found ? std::optional(found->values) : std::nullopt;
+      });
+    return curve_of(tested);
+  }
+
+  std::vector<MaterialNumber> own_numbers() const override {
+    std::vector<MaterialNumber> numbers;
+    for (const ParameterInfo& info : choice_.strategy.parameters) {
+      const auto given = choice_.values.find(info.name);
+      const double value = given != choice_.values.end() ? given->second : info.fallback;
+      if (info.kind == ValueKind::number && std::isfinite(value))
+        numbers.push_back(
+            {info.name, info.unit, info.low, info.high, info.above_low, value, MaterialNumber::Kind::rule_parameter});
+    }
+    if (const auto& contact = scene_->specimen.contact)
+      numbers.push_back({"friction", dimension::none, 0, std::numeric_limits<double>::infinity(), false,
+                         contact->friction, MaterialNumber::Kind::friction});
+    return numbers;
+  }
+
+ private:
+  /// Slopes by one linear solve each at every equilibrium.
+  std::optional<Prediction> curve_of(const TestedMaterial& tested) {
+    const std::optional<HeldModel> held = model(tested.trial);
     if (!held) return std::nullopt;
-    const std::vector<std::vector<HeldModel>> changed = changed_models(tested);
-    scene_->specimen.material = own_;
-    if (!changed_) return std::nullopt;
+    std::vector<std::vector<HeldModel>> changed;
+    for (const TrialChange& change : tested.changes) {
+      std::vector<HeldModel>& models = changed.emplace_back();
+      for (const Trial& other : change.trials) {
+        auto beside = model(other);
+        if (!beside) return std::nullopt;
+        models.push_back(std::move(*beside));
+      }
+    }
     Model& own = *held->model;
     StaticRig& rig = *held->rig->at_rest();
     Prediction result{VectorX::Zero(data_.y.size()),
                       MatrixX::Zero(data_.y.size(), static_cast<Eigen::Index>(tested.changes.size()))};
-    const Start start{scene_->specimen.body.rest, Positions::Zero(3, static_cast<Eigen::Index>(own.supports.size()))};
+    const Start start = start_at(own);
     const auto visit = [&](std::size_t step, const State& state, StaticResult& solved) {
       const Measures measures = rig.measure(start, state, options_.statics, solved);
       const Eigen::Index point = order_[step];
@@ -58,6 +98,8 @@ class SpecimenTest final : public MeasuredTest {
                          "; the data must be over what the scene prescribes");
       result.values[point] = response;
       for (std::size_t change = 0; change < changed.size(); ++change) {
+        for (const HeldModel& other : changed[change])
+          set_load(*other.model, *other.rig->at_rest(), curve_->factor(step));
         const auto slope = slope_of(own, rig, start, state, solved, changed[change], tested.changes[change]);
         if (!slope) {
           why_ = "the stiffness at an equilibrium could not be solved";
@@ -72,27 +114,25 @@ class SpecimenTest final : public MeasuredTest {
     return std::nullopt;
   }
 
- private:
-  std::optional<HeldModel> model() {
-    Run run;
-    auto held = make_model(scene_->specimen, *protocol_, choice_, options_, run);
-    if (!held) why_ = run.cause;
-    return held;
+  Start start_at(const Model& model) const {
+    return {scene_->specimen.body.rest, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
   }
 
-  std::vector<std::vector<HeldModel>> changed_models(const TestedMaterial& tested) {
-    std::vector<std::vector<HeldModel>> changed;
-    changed_ = true;
-    for (const MaterialChange& change : tested.changes) {
-      std::vector<HeldModel> models;
-      for (const Material& other : change.materials) {
-        scene_->specimen.material = on_specimen(other, own_);
-        if (auto held = model()) models.push_back(std::move(*held));
-      }
-      changed_ &= models.size() == change.materials.size();
-      changed.push_back(std::move(models));
-    }
-    return changed;
+  /// The specimen with what is tried in the place of its own; contact that follows from the modulus follows it.
+  std::optional<HeldModel> model(const Trial& trial) {
+    Specimen& specimen = scene_->specimen;
+    specimen.material = on_specimen(trial.material, own_);
+    StrategyChoice choice = choice_;
+    for (const auto& [name, value] : trial.rule) choice.values[name] = value;
+    const auto contact = specimen.contact;
+    if (contact && trial.friction) specimen.contact->friction = *trial.friction;
+    if (follows_modulus_)
+      specimen.contact->stiffness = contact::default_contact_stiffness(specimen.body, specimen.material.youngs_modulus);
+    Run run;
+    auto held = make_model(specimen, *protocol_, choice, options_, run);
+    specimen.material = own_, specimen.contact = contact;
+    if (!held) why_ = run.cause;
+    return held;
   }
 
   /// Where a number changes the supports' forces alone, what is left on free molecules is rounding, which no motion
@@ -106,13 +146,23 @@ class SpecimenTest final : public MeasuredTest {
     if ((forces - fixed).norm() < 1e-8 * forces.norm()) forces = fixed;
   }
 
-  /// ∂f/∂θ at the positions kept, then K dx = ∂f/∂θ, then the measure at both sides along dx.
+  /// ∂f/∂θ at the positions kept, then K dx = ∂f/∂θ, then the measure at both sides along dx, and what the number makes
+  /// of the measure itself.
   std::optional<double> slope_of(Model& own, const StaticRig& rig, const Start& start, const State& state,
                                  const StaticResult& solved, const std::vector<HeldModel>& models,
-                                 const MaterialChange& change) const {
+                                 const TrialChange& change) const {
+    if (models.empty()) return std::nullopt;
     Positions forces = Positions::Zero(3, state.positions.cols());
-    for (std::size_t i = 0; i < models.size(); ++i)
-      forces += change.weights[i] * models[i].model->elastic_forces(state.positions);
+    double slope = 0;
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      const Model& model = *models[i].model;
+      forces += change.weights[i] * model.elastic_forces(state.positions);
+      if (!scene_->specimen.contact) continue;
+      forces += change.weights[i] * model.load_forces(state);
+      StaticResult same = solved;
+      const StaticRig& other = *models[i].rig->at_rest();
+      slope += change.weights[i] * other.measure(start, state, options_.statics, same).get(up_);
+    }
     leave_out_rounding(own, forces);
     StaticOptions options = options_.statics;
     options.tolerance = std::max(options.tolerance, 1e-8);  // differences of forces are known to some 1e-10
@@ -120,7 +170,6 @@ class SpecimenTest final : public MeasuredTest {
         static_response(own, state.positions, forces, Positions::Zero(3, forces.cols()), options);
     if (response.result.outcome != Outcome::converged) return std::nullopt;
     const double step = 0.5 / std::abs(change.weights.front());
-    double slope = 0;
     for (const double side : {1., -1.}) {
       State at = state;
       StaticResult beside = solved;
@@ -131,33 +180,45 @@ class SpecimenTest final : public MeasuredTest {
     return slope;
   }
 
-  /// The name of the first of a quantity's measures that the scene shows.
-  static std::string measure_of(const DataTest& test, const DataQuantity& quantity, const Measures& shown) {
+  /// The name of the first of a quantity's measures that the scene shows; "" where it shows none.
+  static std::string measure_of(const DataQuantity& quantity, const Measures& shown) {
     for (const std::string& name : quantity.measures)
       if (std::isfinite(shown.get(name))) return name;
-    test.fail("scene: it shows no " + quantity.name + "; the data have one");
     return "";
   }
 
-  /// What part of the scene's load each point is: what it prescribes is proportional to its load, which one solve for
-  /// small displacements shows.
+  /// What part of the scene's load each point is. What a rig prescribes it may know by itself, at rest: a pressure, an
+  /// indenter's depth. Else it is proportional to the load, which one solve for small displacements shows.
   std::vector<double> load_factors(const DataTest& test) {
-    const std::optional<HeldModel> held = model();
+    const std::optional<HeldModel> held = model(own_);
     if (!held) test.fail("scene: " + why_);
+    Model& own = *held->model;
     StaticRig& rig = *held->rig->at_rest();
-    rig.set_load(0);
-    if (!held->model->load_forces(state_at_rest(scene_->specimen.body)).isZero(0))
+    const State rest = state_at_rest(scene_->specimen.body);
+    set_load(own, rig, 0);
+    if (!own.load_forces(rest).isZero(0))
       test.fail("scene: " + scene_->path + " has loads of its own besides the experiment's; they are not taken");
-    rig.set_load(1);
-    StaticOptions small = options_.statics;
-    small.linear = true;
-    State state = state_at_rest(scene_->specimen.body);
-    StaticResult solved = solve_static(*held->model, state, small);
-    if (solved.outcome != Outcome::converged) test.fail("scene: its body cannot be solved: " + solved.cause);
-    const Start start{scene_->specimen.body.rest,
-                      Positions::Zero(3, static_cast<Eigen::Index>(held->model->supports.size()))};
-    const Measures shown = rig.measure(start, state, small, solved);
-    along_ = measure_of(test, *data_.along, shown), up_ = measure_of(test, *data_.up, shown);
+    const Start start = start_at(own);
+    const auto at_rest = [&](double factor) {
+      set_load(own, rig, factor);
+      StaticResult unloaded;
+      unloaded.reactions = start.reactions;
+      return rig.measure(start, rest, options_.statics, unloaded);
+    };
+    Measures shown = at_rest(1);
+    along_ = measure_of(*data_.along, shown), up_ = measure_of(*data_.up, shown);
+    const bool known = !along_.empty() && !up_.empty() && shown.get(along_) != 0;
+    if (!known) {
+      StaticOptions small = options_.statics;
+      small.linear = true;
+      State state = rest;
+      StaticResult solved = solve_static(own, state, small);
+      if (solved.outcome != Outcome::converged) test.fail("scene: its body cannot be solved: " + solved.cause);
+      shown = rig.measure(start, state, small, solved);
+      along_ = measure_of(*data_.along, shown), up_ = measure_of(*data_.up, shown);
+      for (const auto& [name, quantity] : {std::pair{along_, data_.along}, std::pair{up_, data_.up}})
+        if (name.empty()) test.fail("scene: it shows no " + quantity->name + "; the data have one");
+    }
     whole_ = shown.get(along_);
     leave_out_rest();
     order_.resize(static_cast<std::size_t>(data_.x.size()));
@@ -166,16 +227,28 @@ class SpecimenTest final : public MeasuredTest {
                      [&](auto a, auto b) { return std::abs(data_.x[a]) < std::abs(data_.x[b]); });
     std::vector<double> factors;
     for (const Eigen::Index point : order_) {
-      const double factor = data_.x[point] / whole_;
-      if (factor < 0 || factor > 1 + kAgreement)
+      const double part = data_.x[point] / whole_;
+      if (part < 0 || part > 1 + kAgreement)
         throw InputError(
             SourceLocation{data_.file, data_.lines[static_cast<std::size_t>(point)]},
             fmt::format("{} of {:.6g} is beyond what {} prescribes, {:.6g} (SI): change its load, or cut the "
                         "data by `from` and `to`",
                         data_.along->name, data_.x[point], scene_->path, whole_));
-      factors.push_back(std::min(factor, 1.));
+      factors.push_back(known ? bisected(part, [&](double at) { return at_rest(at).get(along_) / whole_; })
+                              : std::min(part, 1.));
     }
     return factors;
+  }
+
+  /// Where a function that rises from 0 to 1 has a value: at that value itself, if it is straight.
+  template <class Function>
+  static double bisected(double value, const Function& function) {
+    double low = 0, high = 1, middle = std::min(value, 1.);
+    for (int i = 0; i < 60 && std::abs(function(middle) - value) > 1e-12; ++i) {
+      (function(middle) < value ? low : high) = middle;
+      middle = (low + high) / 2;
+    }
+    return middle;
   }
 
   /// At rest there is nothing to be measured.
@@ -201,7 +274,8 @@ class SpecimenTest final : public MeasuredTest {
   double whole_ = 0;        ///< what the scene's whole load prescribes, SI
   std::vector<Eigen::Index> order_;
   std::optional<RepeatedCurve> curve_;
-  bool changed_ = true;  ///< whether all changed materials could be set up
+  bool follows_modulus_ = false;  ///< whether the stiffness of contact follows from the modulus
+  bool remembers_ = false;        ///< whether a state depends on how it was reached, or its load is sought
 };
 
 }  // namespace

@@ -159,7 +159,11 @@ IdentifyTask load_identify_task(const std::string& path, const Catalog& catalog,
   const auto title = reader.find("title");
   task.title = title ? title->text() : task.name;
   const bool has_body = reader.has("body") || reader.has("bodies");
-  task.material = read_material(reader.at("material"), catalog.material_laws);
+  Reader material = reader.at("material");
+  task.material = read_material(material, catalog.material_laws);
+  if (!task.material.law) task.curve = read_curve_numbers(material);
+  for (const char* key : {"spring_curve", "bending", "fibre", "active", "around", "softening"})
+    if (const auto value = material.find(key)) task.kept += std::string("  ") + key + ": " + value->line() + "\n";
   read_identify(reader.at("identify"), task);
   if (has_body)  // the rest is the specimen's
     load_scene(path, catalog, overrides);
@@ -186,7 +190,10 @@ std::vector<KeySection> identify_keys() {
        "homogeneous tests alone needs no body, stiffness and experiment.",
        {{"tests", "list of maps", "", "", "needed", "the tests, below"},
         {"unknowns", "list, or map", "", "", "all numbers of the law but `bulk_modulus`; of E and ν, E",
-         "names of the numbers that are to be found, or a map with their bounds, below"},
+         "names of the numbers that are to be found, or a map with their bounds, below: of a law, a term (`mu_1`), a "
+         "curve "
+         "(`stress_1`, `c_0` …) or relaxation (`g_1`, `tau_1`), of a spring rule its parameters, of contact "
+         "`friction`"},
         {"fixed", "list", "", "", "none", "names of numbers that stay as the material states them"},
         {"residuals", "`relative`, `absolute`", "", "", "`relative`",
          "difference over each measured value, or over the largest one of the test"},

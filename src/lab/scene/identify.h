@@ -6,6 +6,7 @@
 
 #include "elastin/core/laws/homogeneous.h"
 #include "elastin/core/simulation/catalog.h"
+#include "lab/experiment/curve_numbers.h"
 #include "lab/scene/keys.h"
 
 namespace elastin::lab {
@@ -60,6 +61,8 @@ struct UnknownChoice {
 struct IdentifyTask {
   std::string path, name, title;
   Material material;
+  std::optional<CurveNumbers> curve;  ///< by which its curve is stated
+  std::string kept;                   ///< lines of its block that a search does not write anew: fibres, muscle …
   std::vector<DataTest> tests;
   std::vector<UnknownChoice> unknowns;  ///< empty = all numbers of the law but those in `fixed`
   std::vector<std::string> fixed;

@@ -14,62 +14,75 @@ namespace elastin::lab {
 namespace {
 
 /// points: [[0, 0 Pa], [2 %, 1 kPa], …]
-StressStrain read_points(const Reader& reader) {
+CurveNumbers read_points(const Reader& reader) {
+  CurveNumbers stated;
   std::vector<StressStrain::Point> points;
   const std::vector<Reader> items = reader.items();
   for (const Reader& item : items) {
     const auto pair = item.items(2);
     points.push_back({pair[0].quantity(dimension::none), pair[1].quantity(dimension::pressure)});
+    stated.strains.push_back(points.back().strain);
+    if (points.back().strain != 0)
+      stated.numbers.push_back(
+          {"stress_" + std::to_string(stated.numbers.size() + 1), dimension::pressure, points.back().stress});
   }
   if (const auto wrong = StressStrain::fault(points))
     (wrong->first < items.size() ? items[wrong->first] : reader).fail(wrong->second);
-  return StressStrain::through(points);
+  return stated;
 }
 
 /// {points: …} | {toe_strain, toe_modulus, modulus} | {tension, compression, smoothing}
-StressStrain read_curve(Reader reader) {
+CurveNumbers read_curve(Reader reader) {
   reader.set_section("material.curve");
   if (!reader.is_map())
     reader.fail(
         "write {points: [[strain, stress], ...]}, {toe_strain, toe_modulus, modulus} or {tension, compression}");
-  const auto modulus = [&](const char* key) { return reader.at(key).quantity(dimension::pressure, kPositive); };
-  const auto finished = [&](const StressStrain& curve) {
-    reader.finish();
-    return curve;
+  const auto points = reader.find("points");
+  CurveNumbers stated = points ? read_points(*points) : CurveNumbers{};
+  const auto add = [&](const char* name, const Dimension& unit) {
+    stated.numbers.push_back({name, unit, reader.at(name).quantity(unit, kPositive)});
   };
-  if (auto points = reader.find("points")) return finished(read_points(*points));
-  if (auto tension = reader.find("tension")) {
+  if (!points && reader.find("tension")) {
+    stated.form = CurveNumbers::Form::two_moduli;
+    add("tension", dimension::pressure), add("compression", dimension::pressure);
     const auto smoothing = reader.find("smoothing");
-    return finished(StressStrain::bilinear(tension->quantity(dimension::pressure, kPositive), modulus("compression"),
-                                           smoothing ? smoothing->quantity(dimension::none, {1e-9, 1, false}) : 1e-4));
+    stated.strains = {smoothing ? smoothing->quantity(dimension::none, {1e-9, 1, false}) : 1e-4};
+  } else if (!points) {
+    stated.form = CurveNumbers::Form::toe;
+    add("toe_strain", dimension::none), add("toe_modulus", dimension::pressure), add("modulus", dimension::pressure);
   }
-  const double toe = reader.at("toe_strain").quantity(dimension::none, kPositive);
-  return finished(StressStrain::toe(toe, modulus("toe_modulus"), modulus("modulus")));
+  reader.finish();
+  return stated;
 }
 
 /// {polynomial: [c0, c1, …], up_to: 80 %} | {points: [[ε, E], …]}
-StressStrain read_secant_modulus(Reader reader) {
+CurveNumbers read_secant_modulus(Reader reader) {
   if (!reader.is_map()) reader.fail("write {polynomial: [c0, c1, ...], up_to: strain} or {points: [[strain, E], ...]}");
   const auto polynomial = reader.find("polynomial"), points = reader.find("points");
   if (polynomial.has_value() == points.has_value()) {
     reader.finish();
     reader.fail("give one of polynomial and points");
   }
+  CurveNumbers stated;
+  const auto add = [&](const std::string& name, int from, double value) {
+    const std::string number = std::to_string(static_cast<int>(stated.numbers.size()) + from);
+    stated.numbers.push_back({name + number, dimension::pressure, value});
+  };
   if (polynomial) {
-    std::vector<double> coefficients;
-    for (const Reader& item : polynomial->items()) coefficients.push_back(item.quantity(dimension::pressure));
-    const double up_to = reader.at("up_to").quantity(dimension::none, kPositive);
-    reader.finish();
-    return polynomial->located([&] { return StressStrain::secant_polynomial(coefficients, up_to); });
-  }
-  std::vector<StressStrain::SecantPoint> table;
-  for (const Reader& item : points->items()) {
-    const auto pair = item.items(2);
-    table.push_back(
-        {pair[0].quantity(dimension::none, kNotNegative), pair[1].quantity(dimension::pressure, kPositive)});
+    stated.form = CurveNumbers::Form::secant_polynomial;
+    for (const Reader& item : polynomial->items()) add("c_", 0, item.quantity(dimension::pressure));
+    stated.strains = {reader.at("up_to").quantity(dimension::none, kPositive)};
+  } else {
+    stated.form = CurveNumbers::Form::secant_table;
+    for (const Reader& item : points->items()) {
+      const auto pair = item.items(2);
+      stated.strains.push_back(pair[0].quantity(dimension::none, kNotNegative));
+      add("modulus_", 1, pair[1].quantity(dimension::pressure, kPositive));
+    }
   }
   reader.finish();
-  return points->located([&] { return StressStrain::secant_table(table); });
+  (polynomial ? polynomial : points)->located([&] { return stated.curve(); });
+  return stated;
 }
 
 Fibre read_fibre(Reader reader) {
@@ -78,7 +91,7 @@ Fibre read_fibre(Reader reader) {
   const auto modulus = curve ? reader.find("youngs_modulus") : std::optional(reader.at("youngs_modulus"));
   if (modulus && curve) curve->fail("there is a youngs_modulus already; give one of them");
   const StressStrain own =
-      curve ? read_curve(*curve) : StressStrain::linear(modulus->quantity(dimension::pressure, kPositive));
+      curve ? read_curve(*curve).curve() : StressStrain::linear(modulus->quantity(dimension::pressure, kPositive));
   const bool compression = !pressed || pressed->choice<bool>({{"true", true}, {"false", false}});
   reader.finish();
   return {direction, compression ? own : own.without_compression()};
@@ -260,10 +273,10 @@ Material read_material(Reader reader, const Table<MaterialLaw>& laws, const Mate
   if (own_law) material.curve.reset(), material.law.reset();
   if (!law && material.law && reader.has("poissons_ratio"))
     reader.at("poissons_ratio").fail("follows from the constants of the law; leave it out");
-  if (auto curve = reader.find("curve")) material.curve = read_curve(*curve);
+  if (auto curve = reader.find("curve")) material.curve = read_curve(*curve).curve();
   if (auto secant = reader.find("secant_modulus")) {
     if (material.curve) secant->fail("there is a curve already; give one of them");
-    material.curve = read_secant_modulus(*secant);
+    material.curve = read_secant_modulus(*secant).curve();
   }
   const bool needed = !material.curve && !derived && !(base && !own_law);
   const auto modulus = needed ? std::optional(reader.at("youngs_modulus")) : reader.find("youngs_modulus");
@@ -289,6 +302,12 @@ Material read_material(Reader reader, const Table<MaterialLaw>& laws, const Mate
   if (auto softening = reader.find("softening")) material.softening = read_softening(*softening);
   reader.finish();
   return material;
+}
+
+std::optional<CurveNumbers> read_curve_numbers(Reader material) {
+  if (auto curve = material.find("curve")) return read_curve(*curve);
+  if (auto secant = material.find("secant_modulus")) return read_secant_modulus(*secant);
+  return std::nullopt;
 }
 
 void check_material(Reader reader, const Material& material, const Body& body) {

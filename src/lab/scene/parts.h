@@ -3,6 +3,7 @@
 #include "elastin/core/forces/time_function.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/mesh/mesh_file.h"
+#include "lab/experiment/curve_numbers.h"
 #include "lab/experiment/specimen.h"
 #include "lab/protocol/inflation.h"
 #include "lab/scene/experiments.h"
@@ -15,6 +16,8 @@ namespace elastin::lab {
 /// The parts of a scene, each from its own key. All throw InputError with position and key.
 /// What it leaves out is that of `base`, if there is one.
 Material read_material(Reader reader, const elastin::Table<MaterialLaw>& laws, const Material* base = nullptr);
+/// What the `curve` or `secant_modulus` of a material is stated by; none without them.
+std::optional<CurveNumbers> read_curve_numbers(Reader material);
 /// Throws where a membrane has no thickness, or a solid is incompressible: above ν = 0.4999.
 void check_material(Reader reader, const Material& material, const Body& body);
 /// Warnings and notes from reading a body.

@@ -53,12 +53,13 @@ TEST_CASE("slopes of homogeneous stresses are those of whole solutions, in every
       const Matrix3 axes = axes_of_law(*row, material);
       for (const HomogeneousTest test : kHomogeneousTests) {
         const auto stresses = [&](const VectorX& at) {
-          return homogeneous_stresses(*row, with_numbers(row.get(), material, numbers, at), test, amounts, {}, axes)
+          return homogeneous_stresses(*row, with_numbers(row.get(), material, numbers, at).material, test, amounts, {},
+                                      axes)
               ->stresses;
         };
         const auto found = homogeneous_stresses(
             *row, material, test, amounts,
-            material_changes(row.get(), material, numbers, values, 1e-5 * values.cwiseAbs()), axes);
+            material_changes(trial_changes(row.get(), material, numbers, values, 1e-5 * values.cwiseAbs())), axes);
         REQUIRE(found.has_value());
         const double size = found->stresses.norm();
         for (Eigen::Index i = 0; i < values.size(); ++i) {
@@ -76,38 +77,48 @@ TEST_CASE("slopes of a specimen in its grips are those of whole solutions, under
           "[identify]") {
   const TemporaryFolder folder;
   struct Case {
-    std::string material, stiffness, experiment, data;
+    std::string material, stiffness, experiment, data, more = "";
   };
   const std::string law = "{law: mooney_rivlin, c1: 3 kPa, c2: 1 kPa, bulk_modulus: 40 kPa}";
   const std::string pulled = "{kind: tension, axis: z, displacement: 2 mm, fixed_grip: clamped, loaded_grip: clamped}";
-  for (const Case& given : {Case{law, "mooney_rivlin", pulled, "displacement [mm],force [N]\n1,0.1\n2,0.2\n"},
-                            Case{law, "mooney_rivlin", "{kind: tension, axis: z, force: 0.5 N, fixed_grip: clamped}",
-                                 "force [N],displacement [mm]\n0.25,0.5\n0.5,1\n"},
-                            Case{law, "mooney_rivlin", "{kind: torsion, axis: z, angle: 40 deg}",
-                                 "angle [deg],torque [N m]\n20,0.0001\n40,0.0002\n"},
-                            Case{"{youngs_modulus: 10 kPa, poissons_ratio: 0.3}", "neo_hookean", pulled,
-                                 "displacement [mm],force [N]\n1,0.1\n2,0.2\n"},
-                            Case{"{youngs_modulus: 10 kPa, poissons_ratio: 0.3}", "van_gelder", pulled,
-                                 "displacement [mm],force [N]\n1,0.1\n2,0.2\n"}}) {
+  for (const Case& given :
+       {Case{law, "mooney_rivlin", pulled, "displacement [mm],force [N]\n1,0.1\n2,0.2\n"},
+        Case{law, "mooney_rivlin", "{kind: tension, axis: z, force: 0.5 N, fixed_grip: clamped}",
+             "force [N],displacement [mm]\n0.25,0.5\n0.5,1\n"},
+        Case{law, "mooney_rivlin", "{kind: torsion, axis: z, angle: 40 deg}",
+             "angle [deg],torque [N m]\n20,0.0001\n40,0.0002\n"},
+        Case{"{youngs_modulus: 10 kPa, poissons_ratio: 0.3}", "neo_hookean", pulled,
+             "displacement [mm],force [N]\n1,0.1\n2,0.2\n"},
+        Case{"{youngs_modulus: 10 kPa, poissons_ratio: 0.3}", "van_gelder", pulled,
+             "displacement [mm],force [N]\n1,0.1\n2,0.2\n"},
+        Case{"{curve: {points: [[-30 %, -5 kPa], [0, 0 kPa], [10 %, 1 kPa], [40 %, 8 kPa]]}}",
+             "{strategy: angles, exponent: 0.5}", pulled, "displacement [mm],force [N]\n1,0.1\n2,0.2\n"},
+        Case{"{youngs_modulus: 10 kPa, poissons_ratio: 0.3}", "neo_hookean",
+             "{kind: indentation, indenter: {sphere: {radius: 8 mm}}, depth: 1 mm}",
+             "displacement [mm],force [N]\n0.5,0.1\n1,0.2\n", "contact: {friction: 0}\n"}}) {
     folder.write("data.csv", given.data);
     const std::string path = folder.write(
         "scene.yaml", "body: {tetrahedra: {kind: kuhn, cubes: [2, 2, 3], size: [10 mm, 10 mm, 15 mm]}}\nmaterial: " +
                           given.material + "\nstiffness: " + given.stiffness + "\nexperiment: " + given.experiment +
-                          "\nidentify: {tests: [{kind: specimen, file: data.csv}]}\n");
+                          "\n" + given.more + "identify: {tests: [{kind: specimen, file: data.csv}]}\n");
     INFO(given.stiffness << " " << given.experiment);
     const IdentifyTask task = load_identify_task(path, kCatalog);
     const MaterialLaw* row = task.material.law ? kCatalog.material_laws.find(task.material.law->law).get() : nullptr;
     const auto test = make_measured_test(task.tests.front(), kCatalog, row, task.material, {});
-    std::vector<MaterialNumber> numbers = material_numbers(row, task.material);
-    if (given.stiffness == "van_gelder") numbers.pop_back();  // springs do not feel nu
+    Trial trial = task.material;
+    trial.curve = task.curve;
+    std::vector<MaterialNumber> numbers = material_numbers(row, trial);
+    if (!row && given.stiffness != "neo_hookean") numbers.pop_back();  // springs do not feel nu
+    for (const MaterialNumber& number : test->own_numbers())
+      if (number.kind == MaterialNumber::Kind::rule_parameter) numbers.push_back(number);
     const VectorX values = values_of(numbers);
-    const auto found = test->predict(
-        {row, task.material, material_changes(row, task.material, numbers, values, 1e-5 * values.cwiseAbs())});
+    const auto found =
+        test->predict({row, trial, trial_changes(row, trial, numbers, values, 1e-5 * values.cwiseAbs())});
     REQUIRE(found.has_value());
     for (Eigen::Index i = 0; i < values.size(); ++i) {
       INFO(numbers[static_cast<std::size_t>(i)].name);
       const VectorX expected = difference(values, i, [&](const VectorX& at) {
-        return test->predict({row, with_numbers(row, task.material, numbers, at), {}})->values;
+        return test->predict({row, with_numbers(row, trial, numbers, at), {}})->values;
       });
       CHECK((found->slopes.col(i) - expected).norm() < 1e-6 * expected.norm());
     }

@@ -25,6 +25,22 @@ TEST_CASE("a dog-bone in its clamps gives E to 0.1 per cent, where section and l
   CHECK(answer.tests[1].relative_rms > 0.02);  // what the material gives without clamps, beside the force
 }
 
+TEST_CASE("a bubble gives E to 0.5 per cent from the heights of the exact membrane", "[identify]") {
+  const Answer answer = identify(kScenes + "bubble.yaml", kCatalog, {}).front();
+  INFO(answer.cause);
+  REQUIRE(answer.outcome == FitOutcome::converged);
+  CHECK(answer.numbers.front().value == Approx(1.8e6).epsilon(5e-3));
+  CHECK(answer.tests.front().relative_rms < 2e-3);
+}
+
+TEST_CASE("an indentation gives E to 0.5 per cent from the forces of a finer body", "[identify]") {
+  const Answer answer =
+      identify(kScenes + "indentation.yaml", kCatalog, {.overrides = {"material.youngs_modulus=11 kPa"}}).front();
+  INFO(answer.cause);
+  REQUIRE(answer.outcome == FitOutcome::converged);
+  CHECK(answer.numbers.front().value == Approx(12e3).epsilon(5e-3));
+}
+
 TEST_CASE("relaxation gives the law and its Prony terms", "[identify]") {
   const Answer answer = identify(kScenes + "relaxation.yaml", kCatalog, {}).front();
   const double made_with[] = {400, 0.3, 1, 0.25, 12};

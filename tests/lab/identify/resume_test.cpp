@@ -1,0 +1,111 @@
+// Identification that is interrupted, goes on, and leaves scenes that work where they are put.
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "lab/identify/identify.h"
+#include "lab/scene/moved_scene.h"
+#include "support/shell.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+
+namespace {
+
+const Catalog kCatalog = built_in_catalog();
+const std::string kTreloar = std::string(ELASTIN_SOURCE_DIR) + "/scenes/identify/treloar-ogden.yaml";
+
+}  // namespace
+
+TEST_CASE("an interrupted search is told as such, keeps its best, and goes on from there", "[identify]") {
+  const TemporaryFolder folder;
+  const Answer whole = identify(kTreloar, kCatalog, {.laws = "yeoh/3"}).front();
+  {
+    FitJournal journal(folder.path("o"), false);
+    int told = 0;
+    const Answer half = identify(kTreloar, kCatalog,
+                                 {.laws = "yeoh/3",
+                                  .progress = [&](const std::string&) { ++told; },
+                                  .stop = [&] { return told > 3; },
+                                  .journal = &journal})
+                            .front();
+    CHECK(half.outcome == FitOutcome::not_converged);
+    CHECK(half.cause == "the search did not end: interrupted");
+    REQUIRE(half.numbers.size() == 3);
+  }
+  for (const bool again : {false, true}) {
+    FitJournal journal(folder.path("o"), true);
+    int iterations = 0;
+    const Answer rest =
+        identify(
+            kTreloar, kCatalog,
+            {.laws = "yeoh/3",
+             .progress = [&](const std::string& doing) { iterations += doing.find("iteration") != std::string::npos; },
+             .journal = &journal})
+            .front();
+    CHECK(rest.outcome == FitOutcome::converged);
+    for (std::size_t i = 0; i < 3; ++i) CHECK(rest.numbers[i].value == Approx(whole.numbers[i].value).epsilon(1e-6));
+    CHECK((iterations == 0) == again);  // what has ended is not searched again
+  }
+  CHECK(lines_of(folder.path("o/fits.jsonl")).size() == 2);
+}
+
+TEST_CASE("another scene, data or --set is another search", "[identify]") {
+  const TemporaryFolder folder;
+  folder.write("data.csv", "stretch,nominal_stress [Pa]\n1.1,270\n1.2,520\n1.3,710\n1.4,900\n");
+  const std::string scene = folder.write(
+      "scene.yaml", "material: {law: yeoh, terms: [300 Pa]}\nidentify: {tests: [{kind: uniaxial, file: data.csv}]}\n");
+  const auto lines_after = [&](IdentifyRequest request) {
+    FitJournal journal(folder.path("o"), true);
+    request.journal = &journal;
+    identify(scene, kCatalog, request);
+    return lines_of(folder.path("o/fits.jsonl")).size();
+  };
+  CHECK(lines_after({}) == 1);
+  CHECK(lines_after({}) == 1);
+  CHECK(lines_after({.overrides = {"identify.residuals=absolute"}}) == 2);
+  folder.write("data.csv", "stretch,nominal_stress [Pa]\n1.1,270\n1.2,520\n1.3,710\n1.4,901\n");
+  CHECK(lines_after({}) == 3);
+}
+
+TEST_CASE("a line that is no search is named", "[identify]") {
+  const TemporaryFolder folder;
+  folder.write("fits.jsonl", "{\"key\": 1}\n");
+  const std::string path = folder.path("fits.jsonl");
+  CHECK_THROWS_WITH(FitJournal(std::filesystem::path(path).parent_path().string(), true),
+                    Catch::Matchers::Contains("fits.jsonl:1") && Catch::Matchers::Contains("no") &&
+                        Catch::Matchers::Contains("search of `identify`"));
+}
+
+TEST_CASE("the scene that identify writes finds its data from where it lies", "[identify][command]") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path("lab/data"));
+  folder.write("lab/data/pull.csv", "stretch,nominal_stress [Pa]\n1.1,270\n1.2,520\n1.3,710\n1.4,900\n");
+  folder.write(
+      "lab/scene.yaml",
+      "title: Ähnlich wie data/pull.csv\nmaterial: {law: yeoh, terms: [300 Pa], softening: {r: 2, beta: 0.1}}\n"
+      "identify: {tests: [{kind: uniaxial, file: data/pull.csv, name: pull}]}\n");
+  REQUIRE(shell(folder, "$elastin identify lab/scene.yaml --quiet --out found") == 0);
+  REQUIRE(shell(folder, "$elastin identify found/scene.yaml --quiet --json again.json") == 0);
+  const auto first = nlohmann::json::parse(text_of_file(folder.path("found/identify.json"))),
+             again = nlohmann::json::parse(text_of_file(folder.path("again.json")));
+  CHECK(again["parameters"][0]["value"].get<double>() ==
+        Approx(first["parameters"][0]["value"].get<double>()).epsilon(1e-6));
+  const std::string scene = text_of_file(folder.path("found/scene.yaml"));
+  CHECK(scene.find("file: ../lab/data/pull.csv, name: pull}") != std::string::npos);
+  CHECK(scene.find("title: Ähnlich wie data/pull.csv") != std::string::npos);  // a title is no file
+  CHECK(scene.find("softening: {r: 2, beta: 0.1}") != std::string::npos);      // what is not searched stays
+}
+
+TEST_CASE("files of a scene are named from its new folder", "[identify]") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path("a/b"));
+  folder.write("a/d.csv", "");
+  folder.write("a/b.yaml", "");
+  const std::string from = folder.path("a"), to = folder.path("a/b/c d");
+  CHECK(moved_scene("x: {file: d.csv}\nextends: 'b.yaml'\n", from, to) ==
+        "x: {file: ../../d.csv}\nextends: '../../b.yaml'\n");
+  CHECK(moved_scene("files: [other.csv, d.csv]", from, folder.path("z")) == "files: [other.csv, ../a/d.csv]");
+}

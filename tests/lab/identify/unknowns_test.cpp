@@ -1,0 +1,109 @@
+// Unknowns that no law has: points of a curve, parameters of spring rules, friction; each found again from data made
+// with it.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "lab/experiment/run.h"
+#include "lab/identify/identify.h"
+#include "lab/scene/scene.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+
+namespace {
+
+const Catalog kCatalog = built_in_catalog();
+
+/// What a scene shows, as data: a line a load step.
+std::string data_of(const std::string& scene, const std::string& head, const std::string& along,
+                    const std::string& up) {
+  const auto built = load_scene(scene, kCatalog);
+  RunOptions options;
+  options.statics = built->statics;
+  const Run run = run_strategy(built->specimen, *built->experiment, built->stiffness, options);
+  REQUIRE(run.outcome == Outcome::converged);
+  std::string data = head + "\n";
+  for (const CurvePoint& point : run.curve) {
+    char line[80];
+    std::snprintf(line, sizeof line, "%.12g,%.12g\n", point.measures.get(along), point.measures.get(up));
+    data += line;
+  }
+  return data;
+}
+
+}  // namespace
+
+TEST_CASE("points of a curve are found from uniaxial data", "[identify]") {
+  const TemporaryFolder folder;
+  const StressStrain truth = StressStrain::through({{-0.2, -3e3}, {0, 0}, {0.1, 1e3}, {0.3, 6e3}});
+  std::string data = "nominal_strain,nominal_stress [Pa]\n";
+  for (int i = -8; i <= 12; ++i)
+    if (i != 0) data += std::to_string(0.025 * i) + "," + std::to_string(truth.stress(0.025 * i)) + "\n";
+  folder.write("data.csv", data);
+  const Answer answer =
+      identify(folder.write("scene.yaml",
+                            "material: {curve: {points: [[-20 %, -2 kPa], [0, 0 kPa], [10 %, 2 kPa], [30 %, 5 kPa]]}}\n"
+                            "identify: {starts: 1, tests: [{kind: uniaxial, file: data.csv}]}\n"),
+               kCatalog, {})
+          .front();
+  INFO(answer.cause);
+  REQUIRE(answer.outcome == FitOutcome::converged);
+  REQUIRE(answer.numbers.size() == 3);
+  CHECK(answer.numbers[0].name == "stress_1");
+  const double made_with[] = {-3e3, 1e3, 6e3};
+  for (std::size_t i = 0; i < 3; ++i) CHECK(answer.numbers[i].value == Approx(made_with[i]).epsilon(1e-6));
+  // The block that comes out states the curve that was found, and is read again.
+  const IdentifyTask again = load_identify_task(
+      folder.write("found.yaml", answer.material + "identify: {tests: [{kind: uniaxial, file: data.csv}]}\n"),
+      kCatalog);
+  CHECK(again.material.curve->stress(0.2) == Approx(truth.stress(0.2)).epsilon(1e-6));
+}
+
+TEST_CASE("a parameter of a spring rule is found from the force of its specimen", "[identify]") {
+  const TemporaryFolder folder;
+  const auto scene = [](const std::string& exponent, const std::string& more) {
+    return "body: {lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 5 mm, connections: [axis, face]}}\n"
+           "material: {youngs_modulus: 10 kPa}\nstiffness: {strategy: angles, exponent: " +
+           exponent + "}\nexperiment: {kind: tension, axis: z, displacement: 1 mm, load_steps: 2}\n" + more;
+  };
+  folder.write("data.csv", data_of(folder.write("made.yaml", scene("-0.5", "")), "displacement [m],force [N]",
+                                   "elongation", "force"));
+  const std::string unknown = "identify: {unknowns: [exponent], tests: [{kind: specimen, file: data.csv}]}\n";
+  const Answer answer = identify(folder.write("scene.yaml", scene("1", unknown)), kCatalog, {}).front();
+  INFO(answer.cause);
+  REQUIRE(answer.outcome == FitOutcome::converged);
+  CHECK(answer.numbers.at(0).value == Approx(-0.5).epsilon(1e-6));
+}
+
+TEST_CASE("friction is found from the force of an indenter that slides", "[identify]") {
+  const TemporaryFolder folder;
+  const auto scene = [](const std::string& friction, const std::string& more) {
+    return "body: {tetrahedra: {kind: body_centred, cubes: [3, 3, 2], size: [10 mm, 10 mm, 6 mm]}}\n"
+           "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+           "experiment: {kind: indentation, indenter: {sphere: {radius: 6 mm}}, depth: 1.5 mm, load_steps: 3}\n"
+           "contact: {friction: " +
+           friction + "}\n" + more;
+  };
+  folder.write("data.csv",
+               data_of(folder.write("made.yaml", scene("0.12", "")), "displacement [m],force [N]", "depth", "force"));
+  const std::string unknown =
+      "identify: {unknowns: {friction: {low: 0, high: 1}}, tests: [{kind: specimen, file: data.csv}]}\n";
+  const Answer answer = identify(folder.write("scene.yaml", scene("0.05", unknown)), kCatalog, {}).front();
+  INFO(answer.cause);
+  REQUIRE(answer.succeeded());
+  CHECK(answer.numbers.at(0).value == Approx(0.12).epsilon(1e-3));
+}
+
+TEST_CASE("an unknown that is nowhere is named with its neighbour", "[identify]") {
+  const TemporaryFolder folder;
+  folder.write("data.csv", "displacement [mm],force [N]\n1,0.1\n2,0.2\n");
+  const std::string scene =
+      folder.write("scene.yaml",
+                   "body: {lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 5 mm}}\nmaterial: {youngs_modulus: 10 "
+                   "kPa}\nstiffness: angles\nexperiment: {kind: tension, axis: z, displacement: 2 mm}\nidentify: "
+                   "{unknowns: [exponnt], tests: [{kind: specimen, file: data.csv}]}\n");
+  CHECK_THROWS_WITH(identify(scene, kCatalog, {}), Catch::Matchers::Contains("no number 'exponnt' here") &&
+                                                       Catch::Matchers::Contains("did you mean 'exponent'"));
+}
