@@ -46,14 +46,17 @@ StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
   if (auto volume = reader.find("volume")) {
     if (choice.strategy.volume_modulus) volume->fail("'" + choice.label + "' has a volume term already");
     enum class Term { none, automatic, mean_dilatation, linear_pressure };
-    const auto term = volume->choice<Term>({{"automatic", Term::automatic},
-                                            {"mean_dilatation", Term::mean_dilatation},
-                                            {"linear_pressure", Term::linear_pressure},
-                                            {"none", Term::none},
-                                            {"true", Term::automatic},
-                                            {"averaged", Term::automatic},
-                                            {"false", Term::none},
-                                            {"cells", Term::none}});
+    using Words = std::vector<std::pair<std::string, Term>>;
+    const bool springs = choice.strategy.kind != StrategyKind::cell_law;
+    Words words{{springs ? "true" : "averaged", Term::automatic},
+                {springs ? "false" : "cells", Term::none},
+                {"automatic", Term::automatic},
+                {"none", Term::none}};
+    if (!springs) {
+      words.emplace_back("mean_dilatation", Term::mean_dilatation);
+      words.emplace_back("linear_pressure", Term::linear_pressure);
+    }
+    const Term term = volume->choice(words);
     if (term != Term::none) choice = volume->located([&] { return with_volume(std::move(choice)); });
     if (term == Term::mean_dilatation) choice.strategy = with_pressures(std::move(choice.strategy), 1);
     if (term == Term::linear_pressure) choice.strategy = with_pressures(std::move(choice.strategy), 4);
@@ -131,12 +134,15 @@ StaticOptions read_solver(Reader reader, const Catalog& catalog) {
 std::vector<KeySection> strategy_keys(const Catalog& catalog) {
   std::vector<SceneKey> keys{
       {"strategy", "word", "", "", "needed", "name of the strategy; `elastin list` prints all"},
-      {"volume", "`none`, `automatic`, `mean_dilatation`, `linear_pressure`, also `false`, `true`, `cells`, `averaged`",
+      {"volume",
+       "`none`, `automatic`; of laws `mean_dilatation`, `linear_pressure`, `cells`, `averaged`; of springs `false`, "
+       "`true`",
        "", "", "`none`",
-       "how the volume is kept near ν = ½: `automatic` (`true`, `averaged`) as `+volume` by what the body's cells "
-       "have; "
-       "`mean_dilatation` by one pressure in each cell of a block, `linear_pressure` by one that is linear in each "
-       "`hexahedron27`; `none` (`false`, `cells`) at each point alone"},
+       "how the volume is kept near ν = ½: `automatic` (`true`, `averaged`) as `+volume`, by what the body's cells "
+       "have: "
+       "`linear_pressure` in hexahedra of 27 nodes, `mean_dilatation` in other hexahedra, prisms and tetrahedra of "
+       "second "
+       "order, else volumes around molecules or in cubes; `none` (`false`, `cells`) at each point alone"},
       {"wrinkling", "`drop`, `keep`", "", "", "`keep`",
        "`drop`: a membrane law without compressive stress, as `+wrinkling`"},
       {"label", "text", "", "", "the name", "name in tables"}};

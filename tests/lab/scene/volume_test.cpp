@@ -33,24 +33,23 @@ TEST_CASE("volume: chooses what the cells have to keep their volume", "[scene]")
                     lattice = "lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 5 mm, order: ",
                     springs = "lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 5 mm, connections: [axis, face]}",
                     with = "neo_hookean+volume";
-  for (const char* word : {"automatic", "true", "averaged"}) {
+  for (const char* word : {"automatic", "averaged"}) {
     CHECK(chosen(tetrahedra + "1}", "neo_hookean", word) == with);
     CHECK(chosen(lattice + "2}", "neo_hookean", word) == with);
   }
-  for (const char* word : {"none", "false", "cells"})
-    CHECK(chosen(lattice + "2}", "neo_hookean", word) == "neo_hookean");
+  for (const char* word : {"none", "cells"}) CHECK(chosen(lattice + "2}", "neo_hookean", word) == "neo_hookean");
   CHECK(chosen(lattice + "1}", "neo_hookean", "mean_dilatation") == with);
   CHECK(chosen(tetrahedra + "2}", "neo_hookean", "mean_dilatation") == with);
   CHECK(chosen(lattice + "2}", "neo_hookean", "linear_pressure") == with);
-  CHECK(chosen(springs, "lattice", "true") == "lattice+volume");
+  for (const char* word : {"true", "automatic"}) CHECK(chosen(springs, "lattice", word) == "lattice+volume");
   CHECK_THAT(chosen(lattice + "2}", "neo_hookean", "mean_dilatation"),
              Contains("hexahedra of 27 nodes have no mean_dilatation") && Contains("linear_pressure"));
   CHECK_THAT(chosen(lattice + "1}", "neo_hookean", "linear_pressure"),
              Contains("hexahedra have no linear_pressure") && Contains("mean_dilatation"));
   CHECK_THAT(chosen(tetrahedra + "1}", "neo_hookean", "mean_dilatation"), Contains("volume: automatic"));
-  CHECK_THAT(chosen(springs, "lattice", "linear_pressure"), Contains("volume: automatic"));
+  CHECK_THROWS_WITH(chosen(springs, "lattice", "linear_pressure"), Contains("allowed: true, false, automatic, none"));
   CHECK_THROWS_WITH(chosen(lattice + "2}", "neo_hookean", "mean_dilation"),
                     Contains("scene.yaml") && Contains("mean_dilatation"));
-  CHECK_THROWS_WITH(chosen(lattice + "2}", with, "true"), Contains("has a volume term already"));
-  CHECK_THROWS_WITH(chosen(lattice + "2}", "st_venant_kirchhoff", "true"), Contains("volume term goes with"));
+  CHECK_THROWS_WITH(chosen(lattice + "2}", with, "automatic"), Contains("has a volume term already"));
+  CHECK_THROWS_WITH(chosen(lattice + "2}", "st_venant_kirchhoff", "automatic"), Contains("volume term goes with"));
 }
