@@ -20,6 +20,8 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/openmp/openmp.h"
+#include "lab/export/calculix_run.h"
+#include "lab/export/formats.h"
 #include "lab/live/live.h"
 #include "lab/report/files.h"
 #include "lab/report/json.h"
@@ -58,6 +60,8 @@ Examples:
   {0} verify scenes/hard/*.yaml --choices                   hard cases compared with their known results
   {0} identify scenes/identify/treloar-ogden.yaml           the material of a measured curve, and how sure its numbers are
   {0} lab scenes/tension/cube-1000.yaml --out lab.html      the body in a browser: drag it, change its strategy, test it
+  {0} export scenes/tension/dogbone.yaml --to vtu --out bone.vtu    the body, or all of the problem, for another program
+  {0} compare scenes/study/clamped-block.yaml --against calculix    a row by CalculiX beside them
   {0} list                                                  strategies and their parameters
   {0} new strip --size '40 x 10 x 4 mm' --modulus '20 kPa'  a commented scene to begin with; without options it asks
 
@@ -65,7 +69,7 @@ Exit codes: 0 all expectations hold; 1 an expectation or a run failed; 2 wrong u
 )";
 
 struct Options : Request {
-  std::string resume_from, shard_text, x_column, y_column, page, module;
+  std::string resume_from, shard_text, x_column, y_column, page, module, format;
   IdentifyRequest identify;
   int threads = 0;
   double stretch = 1.5;
@@ -217,6 +221,26 @@ int write_lab(const Options& options, const Catalog& catalog) {
   return 0;
 }
 
+/// The scene with its own strategy as a file of another program.
+int export_scene(const Options& options, const Catalog& catalog) {
+  if (options.scenes.size() != 1) throw InputError("export: name one scene");
+  const auto format = export_formats().find(options.format);
+  const auto scene = load_scene(options.scenes.front(), catalog, options.overrides);
+  std::vector<std::string> notes;
+  const std::string text = format->text(*scene, notes);
+  if (options.page == "-") {
+    fmt::print("{}", text);
+    return 0;
+  }
+  if (!options.page.ends_with(format->ending))
+    throw InputError("--out " + options.page + ": files of " + format->name + " end in " + format->ending);
+  write_whole(options.page, text);
+  if (options.quiet) return 0;
+  fmt::print("{}: {}, {:.3g} MB\n", options.page, format->summary, 1e-6 * static_cast<double>(text.size()));
+  for (const std::string& note : notes) fmt::print("  {}\n", note);
+  return 0;
+}
+
 int list_catalog(const Options& options, const Catalog& catalog) {
   if (options.keys)
     fmt::print("{}", key_reference(catalog, built_in_experiments()));
@@ -325,6 +349,10 @@ void add_study_options(CLI::App& command, Options& options) {
       ->allow_extra_args(false);
   command.add_option("--steppers", options.steppers,
                      "Compare time-stepping schemes on the scene's own strategy: names separated by commas, or all");
+  command
+      .add_option("--against", options.against,
+                  "calculix: a row by CalculiX too, with its error and seconds, where ccx is installed")
+      ->check(CLI::IsMember({kCalculix}));
   command.add_option("--repeats", options.repeats, "Run everything this often, in turn; the fastest run counts")
       ->check(CLI::Range(1, 1000));
   command.add_option("--resume", options.resume_from, "Continue in a folder of --out: finished runs are not repeated");
@@ -396,7 +424,7 @@ std::string unknown_word(const CLI::App& app, int argc, const char* const* argv)
 /// The commands of the command line; what they are given goes to `options`.
 struct Commands {
   CLI::App app;
-  CLI::App *run, *compare, *merge, *verify, *check, *identify, *list, *plot, *lab, *create;
+  CLI::App *run, *compare, *merge, *verify, *check, *identify, *list, *plot, *lab, *other, *create;
 
   Commands(const std::string& name, Options& options)
       : app("Elastin: soft tissue as molecules and connections, and the modulus it really has.", name),
@@ -410,6 +438,7 @@ struct Commands {
         list(app.add_subcommand("list", "List strategies, their parameters, and measures")),
         plot(app.add_subcommand("plot", "Draw two columns of a CSV file, or the curves of a scene's material: SVG")),
         lab(app.add_subcommand("lab", "Write a scene's body as a page that moves it under a hand in a browser")),
+        other(app.add_subcommand("export", "Write a scene's body or whole problem as a file of another program")),
         create(app.add_subcommand("new", "Write a commented scene for a specimen, from options or three questions")) {
     app.set_version_flag("--version", std::string("elastin ") + ELASTIN_VERSION);
     app.require_subcommand(1);
@@ -440,9 +469,15 @@ struct Commands {
     lab->add_option("--out", options.page, "The HTML file; - for standard output")->required();
     lab->add_option("--module", options.module,
                     "Folder of elastin.js and elastin.wasm, as tools/setup --web builds them");
+    add_scene_options(*other, options);
+    std::string formats;
+    for (const auto& format : export_formats())
+      formats += fmt::format("{}{}: {}", formats.empty() ? "" : "; ", format->name, format->summary);
+    other->add_option("--to", options.format, formats)->required();
+    other->add_option("--out", options.page, "The file; - for standard output")->required();
     add_new_options(*create, options);
     const std::string examples = fmt::format(kExamples, name);
-    for (CLI::App* command : {&app, run, compare, merge, verify, check, identify, list, plot, lab, create})
+    for (CLI::App* command : {&app, run, compare, merge, verify, check, identify, list, plot, lab, other, create})
       command->footer(examples);
   }
 };
@@ -458,6 +493,7 @@ int run_chosen(const Commands& commands, Options& options, const Catalog& catalo
   if (*commands.check) return check_scenes(options, catalog);
   if (*commands.identify) return identify_all(options, catalog);
   if (*commands.lab) return write_lab(options, catalog);
+  if (*commands.other) return export_scene(options, catalog);
   if (*commands.plot)
     return options.scenes.front() == "material" ? plot_materials(options, catalog) : plot_columns(options);
   return run_all(options, catalog, static_cast<bool>(*commands.compare));

@@ -1,9 +1,13 @@
+#include "mesh/gmsh_file.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <map>
 #include <utility>
 
+#include "elastin/core/base/error.h"
 #include "mesh/mesh_formats.h"
 
 namespace elastin::mesh::format {
@@ -351,3 +355,79 @@ void read_gmsh(Cursor in, MeshBuilder& mesh) {
 }
 
 }  // namespace elastin::mesh::format
+
+namespace elastin::mesh {
+namespace {
+
+std::string gmsh_digits(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+/// Cells of one shape, as a line each.
+class GmshElements {
+ public:
+  /// Cells of a dimension belong to an entity of that dimension, and to the physical group if it is not 0.
+  void add(const format::CellType& type, std::span<const int> nodes, int group, int entity) {
+    text_ += std::to_string(++count_) + " " + std::to_string(type.code) + " 2 " + std::to_string(group) + " " +
+             std::to_string(entity);
+    std::vector<int> in_file(nodes.begin(), nodes.end());
+    for (std::size_t a = 0; a < type.order.size(); ++a) in_file[static_cast<std::size_t>(type.order[a])] = nodes[a];
+    for (const int node : in_file) text_ += " " + std::to_string(node + 1);
+    text_ += '\n';
+  }
+  std::string text() const { return "$Elements\n" + std::to_string(count_) + "\n" + text_ + "$EndElements\n"; }
+
+ private:
+  std::string text_;
+  int count_ = 0;
+};
+
+const format::CellType& gmsh_type_of(std::string_view shape) {
+  for (const format::CellType& type : format::gmsh_cell_types)
+    if (shape == (type.use == format::CellUse::tetrahedron ? "tetrahedron4"
+                  : type.use == format::CellUse::triangle  ? "triangle3"
+                                                           : type.shape))
+      return type;
+  throw InputError("Gmsh: " + std::string(shape) + " cannot be written");
+}
+
+}  // namespace
+
+std::string gmsh_text(const Body& body, const std::map<std::string, std::vector<int>>& groups) {
+  std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
+  if (!groups.empty()) {
+    text += "$PhysicalNames\n" + std::to_string(groups.size()) + "\n";
+    int number = 0;
+    for (const auto& [name, molecules] : groups) text += "0 " + std::to_string(++number) + " \"" + name + "\"\n";
+    text += "$EndPhysicalNames\n";
+  }
+  text += "$Nodes\n" + std::to_string(body.size()) + "\n";
+  for (int molecule = 0; molecule < body.size(); ++molecule) {
+    text += std::to_string(molecule + 1);
+    for (int axis = 0; axis < 3; ++axis) text += " " + gmsh_digits(body.rest(axis, molecule));
+    text += '\n';
+  }
+  text += "$EndNodes\n";
+  GmshElements elements;
+  int group = 0;
+  for (const auto& [name, molecules] : groups) {
+    ++group;
+    for (const int molecule : molecules)
+      elements.add(format::find_cell_type(format::gmsh_cell_types, 15), {&molecule, 1}, group, group);
+  }
+  const auto add_cells = [&](std::string_view shape, const auto& cells) {
+    for (const auto& nodes : cells) elements.add(gmsh_type_of(shape), nodes, 0, 1);
+  };
+  for (const CellBlock& block : body.blocks)
+    for (int cell = 0; cell < block.size(); ++cell)
+      elements.add(gmsh_type_of(block.kind->name), block.cell(cell), 0, 1);
+  if (!has_blocks(body, 3)) add_cells("tetrahedron4", body.tetrahedra);
+  if (!has_blocks(body, 2)) add_cells("triangle3", body.triangles);
+  if (count_cells(body) == 0)
+    for (const auto& ends : body.connections.ends)
+      elements.add(format::find_cell_type(format::gmsh_cell_types, 1), ends, 0, 1);
+  return text + elements.text();
+}
+
+}  // namespace elastin::mesh

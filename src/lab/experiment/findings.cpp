@@ -94,6 +94,21 @@ std::vector<std::string> findings_at_start(const Specimen& specimen, const Model
   return found;
 }
 
+std::string locking_finding(const Specimen& specimen, const Strategy& strategy) {
+  if (strategy.kind != StrategyKind::cell_law || strategy.dimensions != 3 || strategy.volume_modulus) return "";
+  double most = specimen.material.poissons_ratio;
+  for (const Material& material : specimen.materials) most = std::max(most, material.poissons_ratio);
+  const bool can = strategy.make_without_volume || strategy.make_mixed, blocks = has_blocks(specimen.body, 3);
+  if (!(most > kLocking) || (!can && blocks)) return "";
+  const std::string with = "stiffness: " + strategy.name + "+volume",
+                    found =
+                        "nu = " + number(most, 4) + ": cells without a volume term may lock, and are then too stiff; ";
+  if (strategy.make_without_volume || (strategy.make_mixed && blocks)) return found + "write " + with;
+  if (strategy.make_mixed) return found + "write `order: 2` in the body and " + with;
+  return found + (strategy.has_history ? "give the law behind the colon one: neo_hookean+volume"
+                                       : "neo_hookean+volume has one");
+}
+
 std::vector<std::string> findings_at_end(const Specimen& specimen, const Run& run) {
   std::vector<std::string> found;
   if (const double restitution = run.measures.get("restitution"); restitution > kRebound)

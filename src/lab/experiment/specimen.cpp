@@ -202,6 +202,8 @@ Run run_strategy(const Specimen& specimen, const Protocol& experiment, const Str
     return run;
   }
   note_lost_faces(specimen.body, choice.strategy, run);
+  if (std::string found = locking_finding(specimen, any.strategy); !found.empty())
+    run.warnings.push_back(std::move(found));
   run.uses_cells = needs_cells(choice.strategy, specimen.body);
   if (run.uses_cells) {
     const std::vector<int> cells = flat_or_inverted_cells(specimen.body, specimen.body.rest);

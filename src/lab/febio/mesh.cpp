@@ -6,17 +6,10 @@
 #include "elastin/core/base/text.h"
 
 namespace elastin::lab::febio {
-namespace {
-
-struct Shape {
-  const char *febio, *name;
-  /// Where a node of the file stands among those of the shape, if elsewhere.
-  std::vector<int> order = {};
-};
 
 /// Faces of hex27 come round the sides first, then below and above.
-const std::vector<Shape>& solid_shapes() {
-  static const std::vector<Shape> shapes{
+const std::vector<ShapeName>& solid_shapes() {
+  static const std::vector<ShapeName> shapes{
       {"hex8", "hexahedron8"},
       {"hex20", "hexahedron20"},
       {"tet4", "tetrahedron4"},
@@ -27,18 +20,20 @@ const std::vector<Shape>& solid_shapes() {
   return shapes;
 }
 
-const std::vector<Shape>& face_shapes() {
-  static const std::vector<Shape> shapes{{"quad4", "quadrilateral4"},
-                                         {"quad8", "quadrilateral8"},
-                                         {"quad9", "quadrilateral9"},
-                                         {"tri3", "triangle3"},
-                                         {"tri6", "triangle6"}};
+namespace {
+
+const std::vector<ShapeName>& face_shapes() {
+  static const std::vector<ShapeName> shapes{{"quad4", "quadrilateral4"},
+                                             {"quad8", "quadrilateral8"},
+                                             {"quad9", "quadrilateral9"},
+                                             {"tri3", "triangle3"},
+                                             {"tri6", "triangle6"}};
   return shapes;
 }
 
-const Shape& find_shape(const Element& element, const std::string& type, const std::vector<Shape>& shapes) {
+const ShapeName& find_shape(const Element& element, const std::string& type, const std::vector<ShapeName>& shapes) {
   std::vector<std::string> names;
-  for (const Shape& shape : shapes) {
+  for (const ShapeName& shape : shapes) {
     if (type == shape.febio) return shape;
     names.emplace_back(shape.febio);
   }
@@ -46,7 +41,7 @@ const Shape& find_shape(const Element& element, const std::string& type, const s
 }
 
 /// FEBio's numbers to those of the shape.
-std::vector<int> in_order(const std::vector<int>& nodes, const Shape& shape) {
+std::vector<int> in_order(const std::vector<int>& nodes, const ShapeName& shape) {
   if (shape.order.empty()) return nodes;
   std::vector<int> result(nodes.size());
   for (std::size_t a = 0; a < nodes.size(); ++a) result[static_cast<std::size_t>(shape.order[a])] = nodes[a];
@@ -82,7 +77,7 @@ MeshReader::MeshReader(const Element& mesh) {
       }
     if (kind == "Surface")
       for (const Element& face : child.children()) {
-        const Shape& shape = find_shape(face, face.name(), face_shapes());
+        const ShapeName& shape = find_shape(face, face.name(), face_shapes());
         Facet facet{&cell_kind(shape.name), face.integers()};
         if (static_cast<int>(facet.nodes.size()) != facet.kind->nodes)
           face.fail("needs " + std::to_string(facet.kind->nodes) + " nodes, not " + std::to_string(facet.nodes.size()));
@@ -113,7 +108,7 @@ void MeshReader::read_nodes(const Element& nodes) {
 
 void MeshReader::read_cells(const Element& cells) {
   cells.allow({"elem"});
-  const Shape& shape = find_shape(cells, cells.needed_attribute("type"), solid_shapes());
+  const ShapeName& shape = find_shape(cells, cells.needed_attribute("type"), solid_shapes());
   const CellKind& kind = cell_kind(shape.name);
   const std::string name = cells.needed_attribute("name");
   Numbers all, ids;

@@ -1,6 +1,7 @@
 #pragma once
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "elastin/core/model/body.h"
@@ -8,6 +9,16 @@
 #include "lab/febio/loads.h"
 
 namespace elastin::lab::febio {
+
+/// What FEBio calls a shape of the table of shapes.
+struct ShapeName {
+  const char* febio;
+  std::string_view name;
+  /// Where a node of the file stands among those of the shape, if elsewhere.
+  std::vector<int> order = {};
+};
+/// Its solids.
+const std::vector<ShapeName>& solid_shapes();
 
 /// The mesh of a model file: molecules are the nodes that cells or springs use, in the file's order.
 class MeshReader {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "core/model/block_geometry.h"
 #include "elastin/core/base/text.h"
@@ -377,8 +378,14 @@ void ModelReader::read_nodal_load(const Element& load) {
   } else {
     load.refuse("type=\"" + type + "\"", "nodal_load and nodal_force are");
   }
-  for (const int molecule : mesh_.node_set(load, load.needed_attribute("node_set"))) dead.forces.col(molecule) = force;
-  setup_->dead_loads.push_back(std::move(dead));
+  // Loads that go with time alike are one: a model may have one for each node.
+  auto& all = setup_->dead_loads;
+  const auto alike = std::find_if(all.begin(), all.end(), [&](const DeadLoad& other) {
+    return other.factor.number == 1 && other.factor.controller == dead.factor.controller;
+  });
+  force *= std::exchange(dead.factor.number, 1);
+  DeadLoad& own = alike == all.end() ? all.emplace_back(std::move(dead)) : *alike;
+  for (const int molecule : mesh_.node_set(load, load.needed_attribute("node_set"))) own.forces.col(molecule) += force;
 }
 
 /// FEBio counts a body force against its own direction: the load is −∫ N ρ b dV.

@@ -11,6 +11,28 @@ double read_parameter(const Reader& reader, const ParameterInfo& info) {
   return reader.quantity(info.unit, {info.low, info.high, info.above_low});
 }
 
+namespace {
+
+/// A strategy with a volume term that is unsuited for cells which keep their volume in another way than by so many
+/// pressures each.
+Strategy with_pressures(Strategy strategy, int pressures) {
+  strategy.unsuited = [before = strategy.unsuited, pressures,
+                       mixed = static_cast<bool>(strategy.make_mixed)](const Body& body) -> std::string {
+    if (std::string why = before(body); !why.empty()) return why;
+    const std::string word = pressures == 1 ? "mean_dilatation" : "linear_pressure";
+    if (!mixed || !has_blocks(body, 3))
+      return "has no " + word + ", but volumes around molecules or in cubes: write `volume: automatic`";
+    for (const CellBlock& block : body.blocks)
+      if (block.kind->dimensions == 3 && block.kind->pressures != pressures)
+        return std::string(block.kind->plural) + " have no " + word +
+               ": write `volume: " + (pressures == 1 ? "linear_pressure`" : "mean_dilatation`");
+    return "";
+  };
+  return strategy;
+}
+
+}  // namespace
+
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
   if (reader.is_text() && reader.text().find(", ") != std::string::npos)
     reader.fail("'" + reader.text() + "' are several strategies; write strategies: [" + reader.text() +
@@ -22,11 +44,22 @@ StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
   for (const ParameterInfo& info : choice.strategy.parameters)
     if (auto value = reader.find(info.name)) choice.values[info.name] = read_parameter(*value, info);
   if (auto volume = reader.find("volume")) {
-    const bool springs = choice.strategy.kind != StrategyKind::cell_law;
-    const auto words = springs ? std::vector<std::pair<std::string, bool>>{{"true", true}, {"false", false}}
-                               : std::vector<std::pair<std::string, bool>>{{"averaged", true}, {"cells", false}};
     if (choice.strategy.volume_modulus) volume->fail("'" + choice.label + "' has a volume term already");
-    if (volume->choice(words)) choice = volume->located([&] { return with_volume(std::move(choice)); });
+    enum class Term { none, automatic, mean_dilatation, linear_pressure };
+    using Words = std::vector<std::pair<std::string, Term>>;
+    const bool springs = choice.strategy.kind != StrategyKind::cell_law;
+    Words words{{springs ? "true" : "averaged", Term::automatic},
+                {springs ? "false" : "cells", Term::none},
+                {"automatic", Term::automatic},
+                {"none", Term::none}};
+    if (!springs) {
+      words.emplace_back("mean_dilatation", Term::mean_dilatation);
+      words.emplace_back("linear_pressure", Term::linear_pressure);
+    }
+    const Term term = volume->choice(words);
+    if (term != Term::none) choice = volume->located([&] { return with_volume(std::move(choice)); });
+    if (term == Term::mean_dilatation) choice.strategy = with_pressures(std::move(choice.strategy), 1);
+    if (term == Term::linear_pressure) choice.strategy = with_pressures(std::move(choice.strategy), 4);
   }
   if (auto wrinkling = reader.find("wrinkling");
       wrinkling && wrinkling->choice<bool>({{"drop", true}, {"keep", false}}))
@@ -101,9 +134,15 @@ StaticOptions read_solver(Reader reader, const Catalog& catalog) {
 std::vector<KeySection> strategy_keys(const Catalog& catalog) {
   std::vector<SceneKey> keys{
       {"strategy", "word", "", "", "needed", "name of the strategy; `elastin list` prints all"},
-      {"volume", "`true`, `false`, or `averaged`, `cells`", "", "", "`false`, `cells`",
-       "`true`: a spring rule with a volume term; `averaged`: `neo_hookean` with its volume change averaged around "
-       "molecules; both as `+volume`"},
+      {"volume",
+       "`none`, `automatic`; of laws `mean_dilatation`, `linear_pressure`, `cells`, `averaged`; of springs `false`, "
+       "`true`",
+       "", "", "`none`",
+       "how the volume is kept near ν = ½: `automatic` (`true`, `averaged`) as `+volume`, by what the body's cells "
+       "have: "
+       "`linear_pressure` in hexahedra of 27 nodes, `mean_dilatation` in other hexahedra, prisms and tetrahedra of "
+       "second "
+       "order, else volumes around molecules or in cubes; `none` (`false`, `cells`) at each point alone"},
       {"wrinkling", "`drop`, `keep`", "", "", "`keep`",
        "`drop`: a membrane law without compressive stress, as `+wrinkling`"},
       {"label", "text", "", "", "the name", "name in tables"}};

@@ -15,6 +15,7 @@
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
+#include "lab/export/calculix_run.h"
 #include "lab/report/comparison.h"
 #include "lab/report/files.h"
 #include "lab/report/json.h"
@@ -52,6 +53,7 @@ class Comparison {
   void run_combination(ScenePlan& plan, const std::vector<std::pair<std::string, std::string>>& combination,
                        std::size_t first_row, int repeat);
   Record run_one(Scene& scene, const StrategyChoice& choice, const PlannedRow& row);
+  Record run_elsewhere(const Scene& scene, const PlannedRow& row);
   Record failed_run(const PlannedRow& row, const std::string& why) const;
   void finish_run(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene, int repeat);
   RunSource source_of(const ScenePlan& plan) const { return {plan.name, plan.content, request_.overrides}; }
@@ -162,6 +164,16 @@ Record Comparison::run_one(Scene& scene, const StrategyChoice& choice, const Pla
   return record;
 }
 
+Record Comparison::run_elsewhere(const Scene& scene, const PlannedRow& row) {
+  progress_.set(scene.name + ", " + row.strategy);
+  OtherRun other = run_calculix(scene, catalog_, overrides_of(request_.overrides, *row.combination));
+  Record record = make_record(other.scene ? *other.scene : scene, std::move(other.run));
+  record.variant = *row.combination;
+  record.verdicts.clear();  // they are about Elastin
+  if (row.plan->repeats > 1) record.repeats = {{record.run.build_seconds, record.run.solve_seconds}};
+  return record;
+}
+
 void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<std::string, std::string>>& combination,
                                  std::size_t first_row, int repeat) {
   std::unique_ptr<Scene> scene;
@@ -194,7 +206,9 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
       if (count > 0) set_threads(count);
       Record record;
       const StrategyChoice* choice = find_strategy(choices, strategy);
-      if (!choice) {
+      if (scene && !choice && strategy == request_.against) {
+        record = run_elsewhere(*scene, row);
+      } else if (!choice) {
         record = failed_run(row, trouble.empty() ? "the changed scene has no such strategy" : trouble);
       } else if (plan.varied()) {
         try {

@@ -12,6 +12,7 @@
 #include "elastin/core/base/text.h"
 #include "elastin/core/base/units.h"
 #include "elastin/mesh/mesh_file.h"
+#include "lab/experiment/findings.h"
 
 namespace elastin::lab {
 namespace {
@@ -219,7 +220,7 @@ std::string new_scene_text(const NewScene& wanted, const std::string& folder) {
   if (!(wanted.poissons_ratio >= 0 && wanted.poissons_ratio < 0.5))
     throw InputError(fmt::format("--poissons-ratio: {} is not from 0 to below 0.5", wanted.poissons_ratio));
   Words words;
-  const bool soft_volume = wanted.poissons_ratio > 0.4;
+  const bool soft_volume = wanted.poissons_ratio > kLocking;
   add(words, "modulus", wanted.modulus);
   add(words, "nu", fmt::format("{:g}", wanted.poissons_ratio));
   add(words, "solid", soft_volume ? "neo_hookean+volume" : "neo_hookean");

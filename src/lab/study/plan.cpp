@@ -6,6 +6,8 @@
 #include <sstream>
 
 #include "elastin/core/base/error.h"
+#include "lab/export/calculix_run.h"
+#include "lab/febio/model.h"
 #include "lab/report/json.h"
 #include "lab/scene/reader.h"
 #include "lab/study/journal.h"
@@ -27,7 +29,8 @@ ScenePlan plan_scene(const Request& request, const Catalog& catalog, const std::
   ScenePlan plan;
   plan.path = path;
   plan.scene = load_scene(path, catalog, request.overrides);
-  plan.content = key_of(std::vector{text_of(path), open_scene_file(path, {}, kMostMolecules).content()});
+  const std::string with = is_febio_model(path) ? "" : open_scene_file(path, {}, kMostMolecules).content();
+  plan.content = key_of(std::vector{text_of(path), with});
   plan.warnings = plan.scene->warnings;
   plan.name = plan.scene->name;
   plan.title = plan.scene->title;
@@ -38,6 +41,7 @@ ScenePlan plan_scene(const Request& request, const Catalog& catalog, const std::
   plan.repeats = request.repeats > 0 ? request.repeats : study.repeats;
   for (const StrategyChoice& choice : chosen_strategies(request, catalog, *plan.scene))
     plan.strategies.push_back(choice.label);
+  if (!request.against.empty()) plan.strategies.push_back(request.against);
   plan.own_reference = study.own_reference;
   if (!study.axes.empty()) load_scene(path, catalog, overrides_of(request.overrides, plan.combinations.front()));
   return plan;
@@ -96,6 +100,7 @@ std::vector<StrategyChoice> chosen_strategies(const Request& request, const Cata
 }
 
 std::vector<ScenePlan> plan_of(const Request& request, const Catalog& catalog) {
+  if (!request.against.empty()) check_calculix();
   std::vector<ScenePlan> plans;
   for (const std::string& path : request.scenes) {
     plans.push_back(plan_scene(request, catalog, path));

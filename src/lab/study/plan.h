@@ -14,8 +14,8 @@ struct ScenePlan {
   std::string path, content;     ///< the scene's file; key_of its text and of the files that it names
   std::unique_ptr<Scene> scene;  ///< as it stands; released after its first runs where a study changes it
   std::vector<std::vector<std::pair<std::string, std::string>>> combinations;
-  std::vector<int> threads;  ///< 0 = as the command says
-  std::vector<std::string> strategies;
+  std::vector<int> threads;             ///< 0 = as the command says
+  std::vector<std::string> strategies;  ///< labels, and the name of another program behind them
   int repeats = 1;
   std::string name, title, own_reference;
   std::vector<std::string> warnings;  ///< of the scene as it stands

@@ -19,6 +19,7 @@
 #include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/refinement.h"
 #include "elastin/hull/delaunay.h"
+#include "lab/experiment/findings.h"
 #include "lab/report/files.h"
 #include "lab/report/ranking.h"
 #include "lab/report/study.h"
@@ -31,8 +32,6 @@ namespace {
 constexpr int kVersion = 2;
 /// Of the unbalanced force: far below any uncertainty that a scene may ask for.
 constexpr double kTolerance = 1e-7;
-/// From here on cells need pressures of their own, or they lock.
-constexpr double kLocking = 0.4;
 /// How much longer a body takes with twice as many cells along each side.
 constexpr double kGrowth = 12;
 

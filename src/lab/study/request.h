@@ -18,6 +18,7 @@ struct Request {
   std::vector<std::string> scenes, overrides, vary;
   std::string strategies, steppers, out, json, restart, peers;
   std::string baseline;   ///< folder of an earlier comparison
+  std::string against;    ///< another program whose row stands in each table, "calculix"; empty: none
   std::string reference;  ///< "computed" or "none" for all scenes; empty: as each scene says
   std::string command;    ///< as it was typed, for the page
   Shard shard = {};       ///< of the rows of a comparison: what is run here

@@ -82,3 +82,24 @@ TEST_CASE("an obstacle that is too soft for its thickness is said", "[findings]"
   CHECK(warnings_of(falling("6 mm", "1 m/s", foil, "0.01 ms"), "passed through") == 0);
   CHECK(warnings_of(falling("6 mm", "10 m/s", kPlane, "0.01 ms"), "passed through") == 0);
 }
+
+TEST_CASE("Cells that may lock near nu = 1/2 are said, with what to write", "[findings]") {
+  const std::string tetrahedra = "tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [5 mm, 5 mm, 5 mm]}",
+                    lattice = "lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 5 mm, order: 2}";
+  struct Case {
+    std::string body, law, nu;
+    int locks, remedies;
+  };
+  for (const Case& c :
+       {Case{tetrahedra, "neo_hookean", "0.45", 1, 1}, Case{lattice, "neo_hookean", "0.45", 1, 1},
+        Case{tetrahedra, "st_venant_kirchhoff", "0.45", 1, 0}, Case{tetrahedra, "neo_hookean", "0.4", 0, 0},
+        Case{tetrahedra, "neo_hookean+volume", "0.499", 0, 0}, Case{tetrahedra, "van_gelder", "0.45", 0, 0}}) {
+    INFO(c.law << " on " << c.body << ", " << c.nu);
+    const std::string scene = "title: a block\nbody: {" + c.body +
+                              "}\nmaterial: {youngs_modulus: 5 kPa, poissons_ratio: " + c.nu +
+                              "}\nstiffness: " + c.law +
+                              "\nexperiment: {kind: tension, axis: z, strain: 1 %}\nsolver: {displacements: small}\n";
+    CHECK(warnings_of(scene, "may lock") == c.locks);
+    CHECK(warnings_of(scene, "write stiffness: neo_hookean+volume") == c.remedies);
+  }
+}

@@ -1,0 +1,172 @@
+#include "lab/export/calculix_run.h"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/parallel/threads.h"
+#include "elastin/core/shapes/orders.h"
+#include "lab/export/calculix.h"
+
+namespace elastin::lab {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// A folder that goes with its owner.
+class JobFolder {
+ public:
+  JobFolder() {
+    static std::atomic<int> number = 0;
+    path_ = std::filesystem::temp_directory_path() / fmt::format("elastin-calculix-{}-{}", getpid(), ++number);
+    std::filesystem::create_directories(path_);
+  }
+  ~JobFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  JobFolder(const JobFolder&) = delete;
+  JobFolder& operator=(const JobFolder&) = delete;
+  std::string file(const char* name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+Body second_order(const Body& body) {
+  if (has_blocks(body, 3)) return body;
+  return with_cells(body, cell_kind(body.cubes.empty() ? "tetrahedron10" : "hexahedron20"));
+}
+
+/// What CalculiX has printed at the end of the last step.
+struct Printed {
+  Positions displacements, forces;  ///< [m], [N]; forces on the held molecules, loads included
+  bool complete = false;
+};
+
+Printed read_printed(const std::string& path, int molecules) {
+  Printed result{Positions::Zero(3, molecules), Positions::Zero(3, molecules)};
+  std::ifstream file(path);
+  Positions* target = nullptr;
+  int read = 0;
+  for (std::string line; std::getline(file, line);) {
+    if (line.find("displacements") != std::string::npos) target = &result.displacements, read = 0;
+    if (line.find("forces") != std::string::npos) target = &result.forces;
+    std::istringstream numbers(line);
+    int number = 0;
+    Vector3 values;
+    if (!(target && numbers >> number >> values[0] >> values[1] >> values[2])) continue;
+    if (number < 1 || number > molecules || !values.allFinite()) return result;
+    target->col(number - 1) = values;
+    if (target == &result.displacements) ++read;
+  }
+  result.complete = read == molecules;
+  return result;
+}
+
+/// The last line of what it said that names an error, or the last of all.
+std::string complaint(const std::string& path) {
+  std::ifstream file(path);
+  std::string last, error;
+  for (std::string line; std::getline(file, line);) {
+    if (line.find_first_not_of(" \t") == std::string::npos) continue;
+    last = line.substr(line.find_first_not_of(" \t"));
+    if (last.find("ERROR") != std::string::npos) error = last;
+  }
+  return error.empty() ? last : error;
+}
+
+/// Reads the experiment's measures off a state that another program has found.
+void measure(const Scene& scene, const StaticProblem& problem, const Printed& printed, Run& run) {
+  const Specimen& specimen = scene.specimen;
+  Model model(specimen.body);
+  model.add(scene.stiffness.strategy.make(specimen.body, specimen.material, scene.stiffness.values));
+  const auto rig = scene.experiment->at_rest()->static_rig(model);
+  State state = state_at_rest(specimen.body);
+  const Start start{state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
+  rig->set_load(problem.steps.back());
+  state.positions += printed.displacements;
+  StaticResult solved;
+  solved.linear = scene.statics.linear;
+  solved.reactions = start.reactions;
+  const Positions reactions = printed.forces - problem.forces.back();
+  for (std::size_t i = 0; i < model.supports.size(); ++i) {
+    const Support& support = model.supports[i];
+    solved.reactions.col(static_cast<Eigen::Index>(i)) =
+        (Matrix3::Identity() - support.free) * reactions.col(support.molecule);
+  }
+  solved.scale = solved.reactions.norm();
+  run.measures = rig->measure(start, state, scene.statics, solved);
+  run.curve.push_back({problem.steps.back(), run.measures, 0, 0, 0});
+}
+
+void solve(const Scene& scene, Run& run) {
+  const auto begin = Clock::now();
+  if (!scene.specimen.loads.empty()) throw InputError("loads beside the experiment's are not measured apart");
+  StaticProblem problem = problem_of(scene);
+  const std::string deck = calculix_deck(problem, {true, false});
+  const JobFolder folder;
+  std::ofstream(folder.file("job.inp")) << deck;
+  run.warnings = problem.notes;
+  run.build_seconds = seconds_since(begin);
+  const auto start = Clock::now();
+  const std::string command =
+      fmt::format("cd '{}' && OMP_NUM_THREADS={} ccx -i job > job.log 2>&1",
+                  std::filesystem::path(folder.file("job.log")).parent_path().string(), threads());
+  const int status = std::system(command.c_str());
+  run.solve_seconds = seconds_since(start);
+  const Printed printed = read_printed(folder.file("job.dat"), scene.specimen.body.size());
+  if (status != 0 || !printed.complete) {
+    run.outcome = WIFSIGNALED(status) ? Outcome::interrupted : Outcome::diverged;
+    run.cause = "CalculiX: " + complaint(folder.file("job.log"));
+    return;
+  }
+  measure(scene, problem, printed, run);
+}
+
+}  // namespace
+
+void check_calculix() {
+  if (std::system("command -v ccx > /dev/null 2>&1") != 0)
+    throw InputError(
+        "--against calculix: there is no `ccx` on the PATH; apt-get install calculix-ccx, or leave it out");
+}
+
+OtherRun run_calculix(const Scene& scene, const Catalog& catalog, const std::vector<std::string>& overrides) {
+  OtherRun result;
+  Run& run = result.run;
+  try {
+    result.scene = load_scene_on(scene.path, catalog, overrides, [](Body& body, const Material&) {
+      if (has_blocks(body, 3) || !body.tetrahedra.empty() || !body.cubes.empty()) body = second_order(body);
+    });
+    Scene& own = *result.scene;
+    own.specimen.references = scene.specimen.references;
+    const Material& material = own.specimen.material;
+    const std::string& stated = scene.stiffness.strategy.name;
+    own.stiffness = choose_strategy(catalog, material.law                      ? material.law->law
+                                             : stated == "st_venant_kirchhoff" ? stated
+                                                                               : "neo_hookean");
+    run.solver =
+        "ccx on " +
+        std::string(own.specimen.body.blocks.empty() ? "cells" : own.specimen.body.blocks.front().kind->plural);
+    solve(own, run);
+  } catch (const InputError& error) {
+    run.suited = false;
+    run.cause = error.what();
+  }
+  run.strategy = kCalculix;
+  run.warnings.emplace_back("computed by CalculiX: shown beside the others, never recommended");
+  return result;
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,71 @@
+#include "lab/export/formats.h"
+
+#include <algorithm>
+#include <map>
+
+#include "lab/report/files.h"
+#include "mesh/gmsh_file.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Molecules that the experiment holds, and those that it moves or loads.
+std::map<std::string, std::vector<int>> groups_of(const Scene& scene) {
+  std::map<std::string, std::vector<int>> groups;
+  const Body& body = scene.specimen.body;
+  if (!scene.experiment->at_rest()) return groups;
+  Model model(body);
+  const auto rig = scene.experiment->at_rest()->static_rig(model);
+  rig->set_load(1);
+  std::vector<char> loaded(static_cast<std::size_t>(body.size()), 0);
+  if (!scene.specimen.contact) {
+    const Positions forces = model.load_forces(state_at_rest(body));
+    for (int molecule = 0; molecule < body.size(); ++molecule)
+      loaded[static_cast<std::size_t>(molecule)] = !forces.col(molecule).isZero(0);
+  }
+  for (const Support& support : model.supports)
+    if (support.displacement.isZero(0))
+      groups["held"].push_back(support.molecule);
+    else
+      loaded[static_cast<std::size_t>(support.molecule)] = 1;
+  for (int molecule = 0; molecule < body.size(); ++molecule)
+    if (loaded[static_cast<std::size_t>(molecule)]) groups["loaded"].push_back(molecule);
+  for (auto& [name, molecules] : groups) std::sort(molecules.begin(), molecules.end());
+  return groups;
+}
+
+std::string gmsh_text_of(const Scene& scene, std::vector<std::string>& notes) {
+  notes.emplace_back("the body alone, with the groups `held` and `loaded` of points: Gmsh has no materials or loads");
+  return mesh::gmsh_text(scene.specimen.body, groups_of(scene));
+}
+
+std::string vtu_text_of(const Scene& scene, std::vector<std::string>& notes) {
+  notes.emplace_back("the body at rest alone; `elastin run --out` writes its states");
+  const Body& body = scene.specimen.body;
+  Snapshot rest;
+  rest.positions = body.rest;
+  rest.force_densities = VectorX::Zero(body.connections.size());
+  rest.block_states.resize(cells_in_blocks(body));
+  return vtu_text(body, rest, {});
+}
+
+}  // namespace
+
+const elastin::Table<ExportFormat>& export_formats() {
+  static const auto table = [] {
+    elastin::Table<ExportFormat> rows("format");
+    rows.add({{"calculix", "input of CalculiX: the whole problem", "CalculiX CrunchiX User's Manual"},
+              ".inp",
+              calculix_text});
+    rows.add({{"febio", "model of FEBio 4.0: the whole problem", "FEBio User's Manual 4.0"}, ".feb", febio_text});
+    rows.add({{"gmsh", "mesh of Gmsh, MSH 2.2: the body and what is held and loaded", "Gmsh reference manual"},
+              ".msh",
+              gmsh_text_of});
+    rows.add(
+        {{"vtu", "VTK's XML of unstructured grids, for ParaView: the body", "VTK File Formats"}, ".vtu", vtu_text_of});
+    return rows;
+  }();
+  return table;
+}
+
+}  // namespace elastin::lab

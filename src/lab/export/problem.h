@@ -1,0 +1,49 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lab/scene/scene.h"
+
+namespace elastin::lab {
+
+/// Cells of one shape and one material of a problem.
+struct ExportedCells {
+  const CellKind* kind = nullptr;
+  std::vector<int> nodes;  ///< molecules, kind->nodes each
+  int material = 0;
+  int size() const { return static_cast<int>(nodes.size()) / kind->nodes; }
+};
+
+/// A component of a molecule's displacement that is prescribed, [m] at the end of each step.
+struct DrivenComponent {
+  int molecule = 0, axis = 0;
+  std::vector<double> displacements;
+};
+
+/// An equilibrium problem without anything of Elastin's own in it: what other programs are given. It refers to a scene.
+struct StaticProblem {
+  const Scene* scene = nullptr;
+  std::vector<ExportedCells> cells;
+  std::vector<Material> materials;
+  std::string law;            ///< the strategy's, without ending: "neo_hookean"
+  bool whole_cell = false;    ///< the volume is kept by pressures of the whole cell
+  bool small = false;         ///< small displacements
+  std::vector<double> steps;  ///< the part of the load at the end of each, 0 … 1
+  std::vector<DrivenComponent> driven;
+  std::vector<Positions> forces;   ///< dead forces on the molecules [N] at the end of each step
+  std::vector<std::string> notes;  ///< what was done to the problem so that another program takes it
+  const Body& body() const { return scene->specimen.body; }
+};
+
+/// The problem of a scene with its own strategy. Throws InputError, with the scene's path, for what no other program is
+/// told of: springs, membranes, contact, ties, cables, fibres, muscle, regions, supports askew to the axes, loads that
+/// follow the body, runs in time.
+StaticProblem problem_of(const Scene& scene);
+
+/// Components that hold the whole body in what the problem leaves free of its three ways and three turns; they bear no
+/// force. Programs that factor the stiffness need them.
+std::vector<DrivenComponent> missing_supports(const StaticProblem& problem);
+
+}  // namespace elastin::lab

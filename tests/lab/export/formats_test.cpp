@@ -1,0 +1,228 @@
+// What is written for other programs: read back by our own readers it is the same body and the same equilibrium, and
+// what a format cannot say is refused by name.
+
+#include "lab/export/formats.h"
+
+#include <catch2/catch.hpp>
+
+#include "elastin/mesh/mesh_file.h"
+#include "lab/experiment/specimen.h"
+#include "lab/export/calculix_run.h"
+#include "lab/export/problem.h"
+#include "lab/study/compare.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const Catalog kCatalog = built_in_catalog();
+const std::string kLattice = "lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 5 mm, order: ";
+const std::string kRubber =
+    "{density: 1000 kg/m3, law: mooney_rivlin, c1: 1 kPa, c2: 0.2 kPa, bulk_modulus: 40 kPa, volumetric: ";
+const std::string kPull = "{kind: tension, axis: z, strain: 20 %, fixed_grip: clamped, loaded_grip: clamped}";
+
+struct Problem {
+  std::string body = kLattice + "1}";
+  std::string material = "{youngs_modulus: 5 kPa, poissons_ratio: 0.3}";
+  std::string stiffness = "neo_hookean_log";
+  std::string experiment = kPull;
+  std::string solver = "{tolerance: 1e-13}";
+
+  std::unique_ptr<Scene> load(const TemporaryFolder& folder) const {
+    return load_scene(folder.write("scene.yaml", "title: a block\nbody: {" + body + "}\nmaterial: " + material +
+                                                     "\nstiffness: " + stiffness + "\nexperiment: " + experiment +
+                                                     "\nsolver: " + solver + "\n"),
+                      kCatalog);
+  }
+};
+
+Run run_of(Scene& scene) {
+  prepare(scene.specimen, scene.stiffness.strategy);
+  RunOptions options;
+  options.statics = scene.statics;
+  options.statics.tolerance = 1e-13;
+  options.keep_snapshots = options.last_snapshot = true;
+  Run run = run_strategy(scene.specimen, *scene.experiment, scene.stiffness, options);
+  INFO(run.cause);
+  REQUIRE(run.outcome == Outcome::converged);
+  return run;
+}
+
+/// Distances of the molecules from three of them: what no motion as a whole changes.
+Eigen::MatrixXd distances(const Positions& positions) {
+  Eigen::MatrixXd result(3, positions.cols());
+  for (const int row : {0, 1, 2})
+    result.row(row) = (positions.colwise() - Vector3(positions.col(row * (positions.cols() - 1) / 2))).colwise().norm();
+  return result;
+}
+
+std::string exported(const Scene& scene, const char* format) {
+  std::vector<std::string> notes;
+  return export_formats().find(format)->text(scene, notes);
+}
+
+std::string refusal(const Problem& problem, const char* format) {
+  const TemporaryFolder folder;
+  try {
+    exported(*problem.load(folder), format);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+int count(const std::string& text, const std::string& word) {
+  int times = 0;
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++times;
+  return times;
+}
+
+}  // namespace
+
+TEST_CASE("A problem written for FEBio and read back has the same equilibrium", "[export]") {
+  const std::string rubber = kRubber + "quadratic}",
+                    tetrahedra = "tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [5 mm, 5 mm, 10 mm], order: ";
+  const std::vector<Problem> problems{
+      {},
+      {tetrahedra + "2}", "{youngs_modulus: 5 kPa, poissons_ratio: 0.2}", "st_venant_kirchhoff"},
+      {kLattice + "2}", kRubber + "mixed}", "mooney_rivlin"},
+      {kLattice + "1}", rubber, "mooney_rivlin+volume",
+       "{kind: tension, axis: z, force: 0.1 N, fixed_grip: clamped, load_steps: 2}"},
+      {kLattice + "1}", rubber, "mooney_rivlin", "{kind: tension, axis: z, force: 0.05 N}"},  // sliding grips
+      {kLattice + "1}", "{youngs_modulus: 5 kPa, poissons_ratio: 0.3}", "neo_hookean_log",
+       "{kind: torsion, axis: z, angle: 120 deg}"},
+      {tetrahedra + "1}", "{youngs_modulus: 50 kPa, poissons_ratio: 0.3, density: 1000 kg/m3}", "neo_hookean_log",
+       "{kind: bending, axis: z, gravity: 9.81 m/s2, direction: x}"},
+      {kLattice + "1}",
+       "{law: ogden, terms: [[1 kPa, 3], [-0.5 kPa, -2]], convention: abaqus, "
+       "bulk_modulus: "
+       "50 kPa}",
+       "ogden"},
+      {kLattice + "1}", "{law: yeoh, terms: [1 kPa, 0.2 kPa], bulk_modulus: 50 kPa}", "yeoh"},
+      {kLattice + "1}",
+       "{law: transversely_isotropic, c1: 1 kPa, c4: 10, c5: 20 kPa, lambda_max: 1.1, direction: [1, 0, 2], "
+       "bulk_modulus: 50 kPa}",
+       "transversely_isotropic"}};
+  for (const Problem& problem : problems) {
+    INFO(problem.stiffness << " on " << problem.body << ", " << problem.experiment);
+    const TemporaryFolder folder;
+    const auto scene = problem.load(folder);
+    const auto back = load_scene(folder.write("model.feb", exported(*scene, "febio")), kCatalog);
+    const Run own = run_of(*scene), other = run_of(*back);
+    REQUIRE(own.snapshots.back().positions.cols() == other.snapshots.back().positions.cols());
+    const Eigen::MatrixXd before = distances(own.snapshots.back().positions),
+                          after = distances(other.snapshots.back().positions);
+    CHECK((before - after).cwiseAbs().maxCoeff() < 1e-9 * before.maxCoeff());
+    const Positions& rest = scene->specimen.body.rest;
+    CHECK((before - distances(rest)).cwiseAbs().maxCoeff() > 1e-3 * before.maxCoeff());  // it did move
+  }
+}
+
+TEST_CASE("The command runs what was exported to FEBio", "[export]") {
+  const TemporaryFolder folder;
+  const auto scene = Problem{}.load(folder);
+  Request request;
+  request.scenes = {folder.write("model.feb", exported(*scene, "febio"))};
+  request.quiet = true;
+  CHECK(run_scenes(request, kCatalog));
+}
+
+TEST_CASE("A body written for Gmsh and for VTK and read back is the same", "[export]") {
+  for (const char* body : {"tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [5 mm, 5 mm, 5 mm], order: 1}",
+                           "tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [5 mm, 5 mm, 5 mm], order: 2}",
+                           "lattice: {kind: cubic, molecules: [3, 2, 2], spacing: 5 mm, order: 1}",
+                           "lattice: {kind: cubic, molecules: [3, 2, 2], spacing: 5 mm, order: 2}"})
+    for (const char* format : {"gmsh", "vtu"}) {
+      INFO(body << " to " << format);
+      const TemporaryFolder folder;
+      const auto scene = Problem{body}.load(folder);
+      const Body& own = scene->specimen.body;
+      const std::string ending = export_formats().find(format)->ending;
+      const mesh::Mesh back = mesh::load_mesh(folder.write("body" + ending, exported(*scene, format)));
+      REQUIRE(back.points.cols() == own.size());
+      CHECK((back.points - own.rest).cwiseAbs().maxCoeff() < 1e-17);
+      CHECK(back.tetrahedra == own.tetrahedra);
+      REQUIRE(back.blocks.size() == own.blocks.size());
+      for (std::size_t block = 0; block < own.blocks.size(); ++block) {
+        CHECK(back.blocks[block].kind == own.blocks[block].kind);
+        CHECK(back.blocks[block].nodes == own.blocks[block].nodes);
+      }
+      if (std::string(format) == "gmsh") {
+        CHECK(back.sets.at("held").size() == back.sets.at("loaded").size());
+        for (const int molecule : back.sets.at("held")) CHECK(own.rest(2, molecule) == own.rest.row(2).minCoeff());
+      }
+    }
+}
+
+TEST_CASE("An input of CalculiX says what the scene says", "[export]") {
+  const TemporaryFolder folder;
+  const std::string text =
+      exported(*Problem{kLattice + "1}", "{youngs_modulus: 5 kPa, poissons_ratio: 0.3}", "st_venant_kirchhoff",
+                        "{kind: tension, axis: z, strain: 20 %, fixed_grip: clamped, load_steps: 2}"}
+                    .load(folder),
+               "calculix");
+  CHECK_THAT(text, Contains("*ELEMENT, TYPE=C3D8, ELSET=CELLS1\n1,"));
+  CHECK_THAT(text, Contains("*ELASTIC\n5.000000000000e+03,3.000000000000e-01\n"));
+  CHECK(count(text, "*STEP, NLGEOM") == 2);
+  // The lower end's 9 molecules in three directions, the upper end's 9 along z, in both steps.
+  CHECK(count(text, ",3,3,1.500000000000e-03\n") == 9);
+  CHECK(count(text, ",3,3,3.000000000000e-03\n") == 9);
+  for (const char* axis : {",1,1,0.000000000000e+00\n", ",2,2,0.000000000000e+00\n", ",3,3,0.000000000000e+00\n"})
+    CHECK(count(text, axis) == 2 * 9);
+  CHECK(count(text, "*CLOAD") == 0);
+}
+
+TEST_CASE("What a format cannot say is refused by name", "[export]") {
+  const std::string rubber = kRubber + "logarithmic}";
+  CHECK_THAT(refusal({kLattice + "1}", "{youngs_modulus: 5 kPa}", "neo_hookean"}, "febio"),
+             Contains("scene.yaml") && Contains("--set stiffness=neo_hookean_log"));
+  CHECK_THAT(
+      refusal({kLattice + "1}", "{youngs_modulus: 5 kPa}", "neo_hookean"}, "calculix"),
+      Contains("no law 'neo_hookean' under large displacements") && Contains("--set stiffness=st_venant_kirchhoff"));
+  CHECK_THAT(refusal({kLattice + "1}", rubber, "mooney_rivlin"}, "calculix"), Contains("volumetric: quadratic"));
+  CHECK_THAT(refusal({kLattice + "2}"}, "calculix"), Contains("hexahedra of 27 nodes") || Contains("neo_hookean_log"));
+  CHECK_THAT(refusal({kLattice + "2}", rubber, "mooney_rivlin+volume"}, "febio"), Contains("leave out +volume"));
+  CHECK_THAT(refusal({kLattice + "1}", "{youngs_modulus: 5 kPa}", "standard"}, "febio"), Contains("springs"));
+  CHECK_THAT(refusal({kLattice + "1}", "{youngs_modulus: 5 kPa}", "neo_hookean_log", kPull, "{displacements: small}"},
+                     "febio"),
+             Contains("large displacements alone"));
+  CHECK_THROWS_WITH(export_formats().find("calculx"), Contains("calculix"));
+}
+
+TEST_CASE("A body that slides is held as a whole, and no further", "[export]") {
+  const TemporaryFolder folder;
+  const auto scene =
+      Problem{kLattice + "1}", "{youngs_modulus: 5 kPa}", "neo_hookean_log", "{kind: tension, axis: z, force: 1 mN}"}
+          .load(folder);
+  StaticProblem problem = problem_of(*scene);
+  CHECK(problem.notes.size() == 1);
+  CHECK(problem.driven.size() == 9 + 3);  // the lower end along z; two ways and a turn
+  CHECK(missing_supports(problem).empty());
+  problem.driven.clear();
+  CHECK(missing_supports(problem).size() == 6);
+}
+
+TEST_CASE("CalculiX, where it is installed, finds what the same cells find", "[export][calculix]") {
+  try {
+    check_calculix();
+  } catch (const InputError& error) {
+    WARN(error.what());
+    return;
+  }
+  // Tetrahedra of 10 nodes with the same 4 points, small displacements; 7 digits are printed of each number.
+  const TemporaryFolder folder;
+  const auto scene = Problem{"tetrahedra: {kind: kuhn, cubes: [2, 2, 2], size: [10 mm, 10 mm, 10 mm], order: 2}",
+                             "{youngs_modulus: 5 kPa, poissons_ratio: 0.3}", "neo_hookean",
+                             "{kind: tension, axis: z, strain: 10 %, fixed_grip: clamped, loaded_grip: clamped}",
+                             "{displacements: small}"}
+                         .load(folder);
+  const OtherRun other = run_calculix(*scene, kCatalog, {});
+  INFO(other.run.cause);
+  REQUIRE(other.run.suited);
+  REQUIRE(other.run.outcome == Outcome::converged);
+  CHECK(other.run.measures.get("effective_modulus") ==
+        Approx(run_of(*scene).measures.get("effective_modulus")).epsilon(1e-5));
+}

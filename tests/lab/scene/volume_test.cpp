@@ -1,0 +1,55 @@
+// The key `volume` of a strategy: what each shape of cell has, and what it has not.
+
+#include <catch2/catch.hpp>
+
+#include "lab/scene/scene.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Why the strategy cannot run on the body, or its name.
+std::string chosen(const std::string& body, const std::string& strategy, const std::string& volume) {
+  static const Catalog catalog = built_in_catalog();
+  const TemporaryFolder folder;
+  const auto scene =
+      load_scene(folder.write("scene.yaml", "title: a block\nbody: {" + body +
+                                                "}\nmaterial: {youngs_modulus: 5 kPa, poissons_ratio: 0.45}\n"
+                                                "stiffness: {strategy: " +
+                                                strategy + ", volume: " + volume +
+                                                "}\nexperiment: {kind: tension, axis: z, strain: 1 %}\n"),
+                 catalog);
+  const std::string why = scene->stiffness.strategy.unsuited(scene->specimen.body);
+  return why.empty() ? scene->stiffness.strategy.name : why;
+}
+
+}  // namespace
+
+TEST_CASE("volume: chooses what the cells have to keep their volume", "[scene]") {
+  const std::string tetrahedra = "tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [5 mm, 5 mm, 5 mm], order: ",
+                    lattice = "lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 5 mm, order: ",
+                    springs = "lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 5 mm, connections: [axis, face]}",
+                    with = "neo_hookean+volume";
+  for (const char* word : {"automatic", "averaged"}) {
+    CHECK(chosen(tetrahedra + "1}", "neo_hookean", word) == with);
+    CHECK(chosen(lattice + "2}", "neo_hookean", word) == with);
+  }
+  for (const char* word : {"none", "cells"}) CHECK(chosen(lattice + "2}", "neo_hookean", word) == "neo_hookean");
+  CHECK(chosen(lattice + "1}", "neo_hookean", "mean_dilatation") == with);
+  CHECK(chosen(tetrahedra + "2}", "neo_hookean", "mean_dilatation") == with);
+  CHECK(chosen(lattice + "2}", "neo_hookean", "linear_pressure") == with);
+  for (const char* word : {"true", "automatic"}) CHECK(chosen(springs, "lattice", word) == "lattice+volume");
+  CHECK_THAT(chosen(lattice + "2}", "neo_hookean", "mean_dilatation"),
+             Contains("hexahedra of 27 nodes have no mean_dilatation") && Contains("linear_pressure"));
+  CHECK_THAT(chosen(lattice + "1}", "neo_hookean", "linear_pressure"),
+             Contains("hexahedra have no linear_pressure") && Contains("mean_dilatation"));
+  CHECK_THAT(chosen(tetrahedra + "1}", "neo_hookean", "mean_dilatation"), Contains("volume: automatic"));
+  CHECK_THROWS_WITH(chosen(springs, "lattice", "linear_pressure"), Contains("allowed: true, false, automatic, none"));
+  CHECK_THROWS_WITH(chosen(lattice + "2}", "neo_hookean", "mean_dilation"),
+                    Contains("scene.yaml") && Contains("mean_dilatation"));
+  CHECK_THROWS_WITH(chosen(lattice + "2}", with, "automatic"), Contains("has a volume term already"));
+  CHECK_THROWS_WITH(chosen(lattice + "2}", "st_venant_kirchhoff", "automatic"), Contains("volume term goes with"));
+}
