@@ -39,7 +39,8 @@ std::unique_ptr<elastin_simulation> simulate(const elastin_body& body, const cha
   std::unique_ptr<CallbackRunner> runner;
   SimulationOptions chosen = options_of(options, runner);
   Simulation simulation(body.body, strategy, made_of, std::move(chosen));
-  return std::make_unique<elastin_simulation>(elastin_simulation{std::move(runner), std::move(simulation)});
+  return std::make_unique<elastin_simulation>(
+      elastin_simulation{std::move(runner), std::move(simulation), made_of.youngs_modulus});
 }
 
 }  // namespace
@@ -64,7 +65,6 @@ elastin_status elastin_step(elastin_simulation* simulation, double dt, elastin_s
   return guarded([&] {
     elastin_simulation& handle = given(simulation, "simulation");
     if (result) elastin::c::checked_copy(result, "elastin_step_result");
-    handle.stepped = true;
     const elastin::StepResult reached = handle.simulation.step(dt);
     return elastin::c::told(reached, reached.substeps, result);
   });
@@ -74,7 +74,6 @@ elastin_status elastin_settle(elastin_simulation* simulation, elastin_step_resul
   return guarded([&] {
     elastin_simulation& handle = given(simulation, "simulation");
     if (result) elastin::c::checked_copy(result, "elastin_step_result");
-    handle.stepped = true;
     return elastin::c::told(handle.simulation.settle(), 1, result);
   });
 }

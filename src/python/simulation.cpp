@@ -45,9 +45,9 @@ py::tuple reduced_simulation(Moving& self) {
 
 py::object simulation_again(const py::tuple& recipe, const py::bytes& state) {
   const py::object made = recipe[0](*recipe[1].cast<py::tuple>(), **recipe[2].cast<py::dict>());
-  for (const py::handle load : recipe[3]) {
-    const auto [name, values] = load.cast<std::pair<std::string, py::dict>>();
-    made.attr("add_load")(name, **values);
+  for (const py::handle call : recipe[3]) {
+    const auto [method, keywords] = call.cast<std::pair<std::string, py::dict>>();
+    made.attr(method.c_str())(**keywords);
   }
   const auto text = static_cast<std::string>(state);
   made.cast<Moving&>().in_turn([&](Simulation& s) { s.restore(simulation_state_of(text.data(), text.size())); });
@@ -138,13 +138,20 @@ auto in_turn(Act act) {
   return [act](Moving& self) { return self.in_turn(act); };
 }
 
+/// What a view holds on to: the simulation, and its arrays of the present topology.
+py::capsule owner_of_views(const py::object& self) {
+  using Owner = std::pair<py::object, std::shared_ptr<Moving::Generation>>;
+  auto owner = std::make_unique<Owner>(self, self.cast<Moving&>().generation);
+  return {owner.release(), [](void* held) { delete static_cast<Owner*>(held); }};
+}
+
 /// A view of what a simulation shows; `show` may have to compute it.
 template <class Show>
 auto shown(Show show) {
   return [show](const py::object& self) {
     auto& moving = self.cast<Moving&>();
     const auto* values = moving.in_turn([&](Simulation& simulation) { return &show(simulation); });
-    return view(*values, self);
+    return view(*values, owner_of_views(self));
   };
 }
 
@@ -217,13 +224,15 @@ void add_results(py::module_& module) {
       });
 }
 
-using Class = py::class_<Moving, std::shared_ptr<Moving>>;
+using Class = MovingClass;
 
 void add_views(Class& simulation) {
   simulation
       .def_property_readonly("body",
                              [](const std::shared_ptr<Moving>& self) {
-                               return std::shared_ptr<Body>(self, const_cast<Body*>(&self->simulation.body()));
+                               using Owner = std::pair<std::shared_ptr<Moving>, std::shared_ptr<Moving::Generation>>;
+                               const auto owner = std::make_shared<Owner>(self, self->generation);
+                               return std::shared_ptr<Body>(owner, const_cast<Body*>(&self->simulation.body()));
                              })
       .def_property_readonly(
           "time", [](const Moving& self) { return self.simulation.time(); }, "[s]")
@@ -240,7 +249,7 @@ void add_views(Class& simulation) {
           "host_forces",
           [](const py::object& self) {
             Positions& forces = *self.cast<Moving&>().in_turn([](Simulation& s) { return &s.host_forces(); });
-            return view(forces, self, true);
+            return view(forces, owner_of_views(self), true);
           },
           "Forces of one's own [N], (n, 3): a view to write to. They act from the next step on until changed.");
 }
@@ -301,10 +310,12 @@ void add_loads(Class& simulation) {
         const LoadKind& kind = *built_in_loads().find(load);
         const LoadValues given = load_values(kind, values);
         self.in_turn([&](Simulation& s) { s.add_load(kind, given); });
-        if (self.recipe) (*self.recipe)[3].cast<py::list>().append(py::make_tuple(load, values));
+        py::dict keywords(values);
+        keywords["load"] = load;
+        self.record("add_load", keywords);
       },
       py::arg("load"),
-      "Adds a load or damping, one of loads(), before the first step: add_load('gravity', acceleration=(0, 0, "
+      "Adds a load or damping, one of loads(), at any time between steps: add_load('gravity', acceleration=(0, 0, "
       "-9.81)).");
 }
 
@@ -365,8 +376,11 @@ void add_simulation(py::module_& module) {
       .def("save", in_turn([](Simulation& s) { return s.save(); }), "The state to go on from, with the same bits.")
       .def(
           "restore",
-          [](Moving& self, const SimulationState& saved) { self.in_turn([&](Simulation& s) { s.restore(saved); }); },
-          py::arg("saved"))
+          [](Moving& self, const SimulationState& saved) {
+            if (auto before = self.in_turn([&](Simulation& s) { return s.restore(saved); }))
+              self.begin_generation(std::move(before));
+          },
+          py::arg("saved"), "Goes back, or on, to a saved state; across cuts, too.")
       .def("__reduce__", &reduced_simulation)
       .def("__repr__", [](const Moving& self) {
         return "<elastin.Simulation: " + std::to_string(self.simulation.body().size()) + " molecules at " +
@@ -375,6 +389,8 @@ void add_simulation(py::module_& module) {
   add_views(simulation);
   add_hands(simulation);
   add_loads(simulation);
+  add_contact(simulation);
+  add_topology(module, simulation);
 }
 
 }  // namespace elastin::python

@@ -174,7 +174,7 @@ ELASTIN_API elastin_status elastin_simulate(const elastin_body* body, const char
                                             elastin_simulation** simulation);
 ELASTIN_API void elastin_simulation_free(elastin_simulation* simulation); /* null is none */
 
-/* What acts on it, before the first step: a row of the table "loads" by name, as scenes have it under `loads`. A
+/* What acts on it, at any time between steps: a row of the table "loads" by name, as scenes have it under `loads`. A
  * vector's numbers go by NAME_x, NAME_y, NAME_z (0 where they are left out): gravity takes acceleration_z; of
  * molecules, the name once for each. */
 ELASTIN_API elastin_status elastin_add(elastin_simulation* simulation, const char* load, const elastin_value* values,
@@ -193,7 +193,7 @@ ELASTIN_API elastin_status elastin_step(elastin_simulation* simulation, double d
 ELASTIN_API elastin_status elastin_settle(elastin_simulation* simulation, elastin_step_result* result);
 ELASTIN_API elastin_status elastin_time(const elastin_simulation* simulation, double* time); /* [s] */
 
-/* Views: one address as long as the simulation lives; `count` numbers, may be null. */
+/* Views: one address as long as the simulation lives and its topology stays; `count` numbers, may be null. */
 ELASTIN_API elastin_status elastin_positions(const elastin_simulation*, const double** values, size_t* count); /* [m] */
 ELASTIN_API elastin_status elastin_velocities(const elastin_simulation*, const double** values,
                                               size_t* count); /* [m/s] */
@@ -219,6 +219,72 @@ ELASTIN_API elastin_status elastin_move_coupling(elastin_simulation*, int coupli
 ELASTIN_API elastin_status elastin_coupling_force(const elastin_simulation*, int coupling,
                                                   double force[3]); /* on the molecule */
 ELASTIN_API elastin_status elastin_decouple(elastin_simulation*, int coupling);
+
+/* A rigid thing that the host moves, an instrument, by a number from 1. turn: rotation, row by row; null: none. */
+ELASTIN_API elastin_status elastin_add_tool(elastin_simulation*, const double position[3], const double turn[9],
+                                            int* tool);
+/* Where it is to be at the end of the next step: it goes there at constant speed and spin, and stays. */
+ELASTIN_API elastin_status elastin_move_tool(elastin_simulation*, int tool, const double position[3],
+                                             const double turn[9]);
+
+/* A rigid thing that the body cannot pass. */
+typedef struct elastin_obstacle {
+  size_t size;                /* sizeof(elastin_obstacle) */
+  const char* shape;          /* "plane" (z < 0), "box", "sphere", "cylinder" or "capsule", about its own origin */
+  const elastin_value* sizes; /* [m] > 0: x, y, z of a box; radius; radius and length along z */
+  size_t size_count;
+  int tool;           /* that moves it; 0: it stays where `position` and `turn` say */
+  double position[3]; /* [m] */
+  double turn[9];     /* rotation, row by row; all zero: none */
+} elastin_obstacle;
+
+typedef struct elastin_contact {
+  size_t size;        /* sizeof(elastin_contact) */
+  int spheres;        /* 1: of its molecules' spheres, which pushes parts of a cut apart; 0: of its surface */
+  double stiffness;   /* pressure over depth [Pa/m]; 0: ten times E over a molecule's diameter */
+  double friction;    /* Coulomb's, >= 0 */
+  double restitution; /* 0.01 to 1; 0 = 1, no damping */
+  double penetration; /* largest depth that may remain [m]; 0: what the stiffness leaves */
+  int self;           /* whether a piece touches itself */
+  const elastin_obstacle* obstacles;
+  size_t obstacle_count;
+} elastin_contact;
+/* Contact with obstacles and between pieces, at any time between steps. */
+ELASTIN_API elastin_status elastin_add_contact(elastin_simulation*, const elastin_contact* contact);
+/* Force of the body on an obstacle [N], counted through all that elastin_add_contact was given, from 0. */
+ELASTIN_API elastin_status elastin_contact_force(const elastin_simulation*, size_t obstacle, double force[3]);
+
+/* ---- topology ---- */
+typedef struct elastin_topology_report {
+  size_t size; /* sizeof(elastin_topology_report) */
+  int changed; /* 0: nothing was parted */
+  int split_molecules, removed_connections, removed_cells;
+  size_t molecules, connections; /* of the body now */
+} elastin_topology_report;
+/* These part the body in its present positions, between its cells, or between molecules where it has none: a body of
+ * tetrahedra, a lattice, a sheet of triangles, springs. Volume and mass stay. Molecules keep their numbers, those that
+ * were split off come last. Views must be asked for anew: those from before are no longer there. The next step takes
+ * longer. report may be null. ELASTIN_WRONG_INPUT, and nothing changed, where something cannot follow: the message says
+ * what. */
+ELASTIN_API elastin_status elastin_cut_plane(elastin_simulation*, const double point[3], const double normal[3],
+                                             elastin_topology_report* report);
+/* What a straight blade sweeps whose two ends go from one position to another: 6 numbers [m] each. */
+ELASTIN_API elastin_status elastin_cut_blade(elastin_simulation*, const double from[6], const double to[6],
+                                             elastin_topology_report* report);
+/* Triangles of points [m]: 3 numbers, and 3 corners, each. */
+ELASTIN_API elastin_status elastin_cut_triangles(elastin_simulation*, const double* points, size_t point_count,
+                                                 const int* triangles, size_t triangle_count,
+                                                 elastin_topology_report* report);
+/* Parts it where it is strained above `strain` > 0; a crack through cells grows by one molecule a call. */
+ELASTIN_API elastin_status elastin_tear(elastin_simulation*, double strain, elastin_topology_report* report);
+/* Removes connections and cells by number, with the cells' mass; molecules that lose all are gone, and those behind
+ * them count anew. */
+ELASTIN_API elastin_status elastin_remove(elastin_simulation*, const int* connections, size_t connection_count,
+                                          const int* cells, size_t cell_count, elastin_topology_report* report);
+/* Of each molecule its number in the body that the simulation was made of: a view. */
+ELASTIN_API elastin_status elastin_origin(const elastin_simulation*, const int** molecules, size_t* count);
+/* A copy of the body as it is now, to be freed: what a renderer draws after a cut. */
+ELASTIN_API elastin_status elastin_current_body(const elastin_simulation*, elastin_body** body);
 
 /* Calls `see` after every so many steps that went well, with the simulation and the context; it must not step. */
 typedef void (*elastin_observer)(void* context, const elastin_simulation* simulation);
