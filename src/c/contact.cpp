@@ -34,7 +34,7 @@ contact::Obstacle obstacle_of(const elastin_simulation& handle, const elastin_ob
   return obstacle;
 }
 
-contact::ContactOptions options_of(const elastin_simulation& handle, const elastin_contact* given_one) {
+contact::ContactOptions contact_options(const elastin_simulation& handle, const elastin_contact* given_one) {
   const elastin_contact from = checked_copy(given_one, "elastin_contact");
   contact::ContactOptions options;
   options.surface = from.spheres ? contact::ContactSurface::spheres : contact::ContactSurface::triangles;
@@ -83,7 +83,7 @@ elastin_status elastin_move_tool(elastin_simulation* simulation, int tool, const
 elastin_status elastin_add_contact(elastin_simulation* simulation, const elastin_contact* contact) {
   return guarded([&] {
     elastin_simulation& handle = given(simulation, "simulation");
-    handle.simulation.add([options = elastin::c::options_of(handle, contact)](elastin::Model& model) {
+    handle.simulation.add([options = elastin::c::contact_options(handle, contact)](elastin::Model& model) {
       model.add(elastin::contact::make_contact(model.body(), options));
     });
   });

@@ -27,7 +27,8 @@ int main() {
     model.add(make_gravity(model.body(), {0, 0, -9.81}));
     model.add(make_mass_damping(model.body(), 20));
   });
-  contact::ContactOptions touch{.surface = contact::ContactSurface::triangles, .stiffness = 2e7};
+  contact::ContactOptions touch;
+  touch.surface = contact::ContactSurface::triangles, touch.stiffness = 2e7;
   touch.obstacles.push_back({"probe", contact::shape::Sphere{4e-3}, {}, tissue.tool_motion(probe)});
   tissue.add([touch](Model& model) { model.add(contact::make_contact(model.body(), touch)); });
 

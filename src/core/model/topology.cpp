@@ -54,8 +54,8 @@ class CellTear {
       if (!(volume > 0)) continue;
       const Matrix3 mean = sum / volume;
       const Eigen::SelfAdjointEigenSolver<Matrix3> principal(mean * mean.transpose());
-      stretch_[molecule] = std::sqrt(std::max(0., principal.eigenvalues()[2]));
       direction_.col(molecule) = principal.eigenvectors().col(2);
+      if (has_both_sides(molecule)) stretch_[molecule] = std::sqrt(std::max(0., principal.eigenvalues()[2]));
     }
     largest_.assign(static_cast<std::size_t>(body.size()), 1);
     for (const auto& [a, b] : body.connections.ends) {
@@ -67,15 +67,22 @@ class CellTear {
   bool parts(const SharedSide& side, double strain) const {
     for (const int molecule : side.molecules) {
       if (molecule < 0 || !largest_[static_cast<std::size_t>(molecule)] || !(stretch_[molecule] > 1 + strain)) continue;
-      const auto ahead = [&](int cell) {
-        return direction_.col(molecule).dot(cells_.middle(cell, positions_) - positions_.col(molecule)) >= 0;
-      };
-      if (ahead(side.cells[0]) != ahead(side.cells[1])) return true;
+      if (ahead(molecule, side.cells[0]) != ahead(molecule, side.cells[1])) return true;
     }
     return false;
   }
 
  private:
+  bool ahead(int molecule, int cell) const {
+    return direction_.col(molecule).dot(cells_.middle(cell, positions_) - positions_.col(molecule)) >= 0;
+  }
+  /// Nothing can open at an end that its cells lie to one side of.
+  bool has_both_sides(int molecule) const {
+    const auto own = cells_.cells_of[molecule];
+    return std::any_of(own.begin(), own.end(),
+                       [&](int cell) { return ahead(molecule, cell) != ahead(molecule, own[0]); });
+  }
+
   const Positions& positions_;
   const Neighbours& cells_;
   VectorX stretch_;      // the largest principal one

@@ -284,11 +284,15 @@ void Simulation::add(std::function<void(Model&)> add) {
   if (!add) throw InputError("add: there is no function to call");
   Impl& in = *impl_;
   Model trial(in.body);
+  for (const auto& law : in.model.elasticity()) trial.add(law->clone());
+  const auto has = [](const std::vector<HistoryBlock>& blocks, const std::string& name) {
+    return std::any_of(blocks.begin(), blocks.end(), [&](const HistoryBlock& block) { return block.name == name; });
+  };
+  const std::vector<HistoryBlock> of_laws = trial.history();
   add(trial);
   for (const HistoryBlock& block : trial.history())
-    for (const HistoryBlock& known : in.model.history())
-      if (block.name == known.name)
-        throw InputError("two loads remember something under the name '" + block.name + "'");
+    if (!has(of_laws, block.name) && has(in.model.history(), block.name))
+      throw InputError("two loads remember something under the name '" + block.name + "'");
   const std::size_t before = in.terms();
   add(in.model);
   in.known += in.terms() - before;
