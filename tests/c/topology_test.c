@@ -52,7 +52,7 @@ static void run(elastin_simulation* tissue, int from, int to, int tool) {
   for (step = from; step < to; ++step) {
     const double at[3] = {2.5e-3, 2.5e-3, 8e-3 - 2e-5 * step};
     elastin_topology_report report = {0};
-    const double point[3] = {2.5e-3, 0, 0}, normal[3] = {1, 0, 0};
+    const double point[3] = {2e-3, 0, 0}, normal[3] = {1, 0, 0};
     report.size = sizeof report;
     OK(elastin_move_tool(tissue, tool, at, NULL));
     if (step == 60) {
