@@ -1,3 +1,5 @@
+#include <tuple>
+
 #include "c/handles.h"
 #include "elastin/core/simulation/saved_state.h"
 
@@ -67,6 +69,22 @@ elastin_status elastin_step(elastin_simulation* simulation, double dt, elastin_s
     if (result) elastin::c::checked_copy(result, "elastin_step_result");
     const elastin::StepResult reached = handle.simulation.step(dt);
     return elastin::c::told(reached, reached.substeps, result);
+  });
+}
+
+elastin_status elastin_effort(const elastin_simulation* simulation, int* effort) {
+  return guarded([&] { given(effort, "effort") = given(simulation, "simulation").simulation.effort(); });
+}
+
+elastin_status elastin_set_effort(elastin_simulation* simulation, int effort) {
+  return guarded([&] { given(simulation, "simulation").simulation.set_effort(effort); });
+}
+
+elastin_status elastin_iteration_error(elastin_simulation* simulation, double dt, double* off, double* motion) {
+  return guarded([&] {
+    elastin_simulation& handle = given(simulation, "simulation");
+    given(off, "off"), given(motion, "motion");
+    std::tie(*off, *motion) = handle.simulation.iteration_error(dt);
   });
 }
 

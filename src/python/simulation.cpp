@@ -18,15 +18,16 @@ constexpr std::chrono::milliseconds kBetweenSignals{50};
 std::shared_ptr<Moving> make_simulation(const std::shared_ptr<Body>& body, const py::object& strategy,
                                         const Material& material, const std::string& scheme, double safety,
                                         int max_substeps, const ParameterValues& scheme_parameters,
-                                        const ParameterValues& parameters, const std::shared_ptr<Catalog>& given) {
+                                        const ParameterValues& parameters, double budget,
+                                        const std::shared_ptr<Catalog>& given) {
   const Catalog catalog = given ? *given : built_in_catalog();
-  const SimulationOptions options =
-      simulation_options(catalog, scheme, safety, max_substeps, scheme_parameters, parameters);
+  SimulationOptions options = simulation_options(catalog, scheme, safety, max_substeps, scheme_parameters, parameters);
+  options.budget = budget;
   const Strategy chosen = strategy_from(strategy, catalog);
   const py::object chosen_by = py::isinstance<py::str>(strategy) && given ? py::cast(chosen) : strategy;
   const py::dict keywords(py::arg("scheme") = scheme, py::arg("safety") = safety,
                           py::arg("max_substeps") = max_substeps, py::arg("scheme_parameters") = scheme_parameters,
-                          py::arg("parameters") = parameters);
+                          py::arg("parameters") = parameters, py::arg("budget") = budget);
   const auto recipe = keep(py::make_tuple(py::module_::import("elastin._elastin").attr("Simulation"),
                                           py::make_tuple(body, chosen_by, material), keywords, py::list()));
   const py::gil_scoped_release others_run;
@@ -348,7 +349,7 @@ void add_simulation(py::module_& module) {
       .def(py::init(&make_simulation), py::arg("body"), py::arg("strategy"), py::arg("material"), py::kw_only(),
            py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8, py::arg("max_substeps") = 1000,
            py::arg("scheme_parameters") = ParameterValues{}, py::arg("parameters") = ParameterValues{},
-           py::arg("catalog") = py::none(),
+           py::arg("budget") = 0., py::arg("catalog") = py::none(),
            "strategy: a name ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule "
            "to "
            "the material by the body's homogenised stiffness, as the experiment `material` of a scene does; the body "
@@ -357,7 +358,9 @@ void add_simulation(py::module_& module) {
            "scheme_parameters its own by name: {'newton_iterations': 1}. Explicit schemes part a step so that each "
            "part is at most `safety` of the "
            "body's stable step; a step that would take more than max_substeps is not taken. "
-           "parameters: of the strategy, by name.")
+           "parameters: of the strategy, by name. budget: by the clock, what a step may take [s]; 0: any. Of schemes "
+           "that take a number of sweeps or iterations: each step gets as many as the pace of the steps before leaves "
+           "time for; see effort.")
       .def("step", &step, py::arg("dt"), py::arg("count") = 1, py::kw_only(), py::arg("check") = true,
            "Brings the body forward by dt [s], `count` times, and gives the last step's result. A step that fails "
            "leaves the state as it was and raises StepError; with check=False its result says so, and no step "
@@ -370,6 +373,21 @@ void add_simulation(py::module_& module) {
           py::kw_only(), py::arg("check") = true,
           "Goes to the equilibrium of all that acts now, at rest: a start. Raises StepError where none is found, "
           "unless check=False.")
+      .def_property_readonly(
+          "effort", [](const Moving& self) { return self.simulation.effort(); },
+          "Sweeps or iterations of the last step; 0 where the scheme takes no number of them. With a budget it differs "
+          "from step to step and from machine to machine: who records it can give it to set_effort again.")
+      .def(
+          "set_effort", [](Moving& self, int effort) { self.in_turn([&](Simulation& s) { s.set_effort(effort); }); },
+          py::arg("effort"), "From now on so many, whatever the budget says: steps then have the same bits again.")
+      .def(
+          "iteration_error",
+          [](Moving& self, double dt) { return self.in_turn([&](Simulation& s) { return s.iteration_error(dt); }); },
+          py::arg("dt"),
+          "What so few sweeps or iterations would do to a next step by dt [s], which is tried and taken back: the "
+          "largest "
+          "distance of a molecule from where backward Euler's balance to the end has it, and the largest distance that "
+          "it goes there [m]. NaN where one of the two fails.")
       .def("observe", &observe, py::arg("see"), py::arg("every") = 1,
            "Calls see(simulation) after every so many steps that went well. It must not step; what it raises ends the "
            "step() that it came from.")

@@ -166,6 +166,9 @@ typedef struct elastin_options {
   int run_width;                          /* into how many tasks loops are parted, >= 1 */
   const elastin_value* scheme_parameters; /* "newton_iterations" of an implicit one … */
   size_t scheme_parameter_count;
+  /* By the clock, what a step may take [s]; 0: any. Of schemes that take a number of sweeps or iterations: each step
+   * gets as many as the pace of the steps before leaves time for; see elastin_effort. */
+  double budget;
 } elastin_options;
 
 /* A body at rest that a strategy gives its stiffness; options null = all as said there. */
@@ -189,6 +192,15 @@ typedef struct elastin_step_result {
 /* Brings it forward by dt > 0 [s]. ELASTIN_STOPPED: the state stays as it was and the message says why. Allocates
  * nothing after the first step, prints nothing, locks nothing. result may be null. */
 ELASTIN_API elastin_status elastin_step(elastin_simulation* simulation, double dt, elastin_step_result* result);
+/* Sweeps or iterations of the last step; 0 where the scheme takes no number of them. With a budget it differs from step
+ * to step and from machine to machine: who records it can give it again. */
+ELASTIN_API elastin_status elastin_effort(const elastin_simulation*, int* effort);
+/* From now on so many (>= 1), whatever the budget says: steps are then bitwise the same again. */
+ELASTIN_API elastin_status elastin_set_effort(elastin_simulation*, int effort);
+/* What so few of them would do to a next step by dt > 0 [s], which is tried and taken back: the largest distance of a
+ * molecule from where backward Euler's balance to the end has it, and the largest distance that it goes there [m]. NaN
+ * where one of the two fails. */
+ELASTIN_API elastin_status elastin_iteration_error(elastin_simulation*, double dt, double* off, double* motion);
 /* Goes to the equilibrium of all that acts now, at rest: a start. */
 ELASTIN_API elastin_status elastin_settle(elastin_simulation* simulation, elastin_step_result* result);
 ELASTIN_API elastin_status elastin_time(const elastin_simulation* simulation, double* time); /* [s] */

@@ -334,6 +334,8 @@ std::pair<double, double> Simulation::iteration_error(double dt) {
   const Stepper& scheme = *in.options.integrator.scheme;
   if (scheme.effort.empty())
     throw InputError("iteration_error: the scheme '" + scheme.name + "' takes no number of sweeps or iterations");
+  if (!(dt > 0 && std::isfinite(dt)))
+    throw InputError("iteration_error: a step of " + number(dt) + " s: a step must be above 0 s and finite");
   const ThreadScope scope(in.options.runner, in.options.threads);
   const ParameterValues values = complete_values(scheme.name, scheme.parameters, in.options.integrator.parameters);
   const auto own_parts = values.find("substeps");

@@ -215,13 +215,29 @@ class SimulationState:
     def positions(self) -> Floats:
         """[m], (n, 3)."""
 
+class TopologyReport:
+    """..."""
+    @property
+    def split_molecules(self) -> int: ...
+    @property
+    def removed_connections(self) -> int: ...
+    @property
+    def removed_cells(self) -> int: ...
+    @property
+    def molecule_from(self) -> Any:
+        """..."""
+    @property
+    def connection_from(self) -> Any:
+        """..."""
+    def __bool__(self) -> bool: ...
+
 class Simulation:
     """A body that moves. Steps let other Python threads run; each simulation may run in a thread of its own. Views
     never copy: they stay where they are, and keep the simulation alive."""
     def __init__(self, body: Body, strategy: str | Strategy, material: Material, *,
                  scheme: str = "symplectic_euler", safety: float = 0.8, max_substeps: int = 1000,
                  scheme_parameters: Mapping[str, float] = ..., parameters: Mapping[str, float] = ...,
-                 catalog: Catalog | None = None) -> None:
+                 budget: float = 0.0, catalog: Catalog | None = None) -> None:
         """strategy: a name ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule to
         the material by the body's homogenised stiffness, as the experiment `material` of a scene does; the body is
         of tetrahedra, or a box. What strategy and material need of the body is added: pairs of molecules for
@@ -261,7 +277,38 @@ class Simulation:
         step() that it came from."""
     def save(self) -> SimulationState:
         """The state to go on from, with the same bits."""
-    def restore(self, saved: SimulationState) -> None: ...
+    @property
+    def effort(self) -> int:
+        """..."""
+    def set_effort(self, effort: int) -> None:
+        """..."""
+    def iteration_error(self, dt: float) -> tuple[float, float]:
+        """..."""
+    def restore(self, saved: SimulationState) -> None:
+        """..."""
+    def cut_plane(self, point: ArrayLike, normal: ArrayLike) -> TopologyReport:
+        """..."""
+    def cut_blade(self, start: ArrayLike, end: ArrayLike) -> TopologyReport:
+        """..."""
+    def cut_triangles(self, points: ArrayLike, triangles: Sequence[Sequence[int]]) -> TopologyReport:
+        """..."""
+    def tear(self, strain: float) -> TopologyReport:
+        """..."""
+    def remove(self, connections: Sequence[int] = ..., cells: Sequence[int] = ...) -> TopologyReport:
+        """..."""
+    @property
+    def origin(self) -> list[int]:
+        """..."""
+    def add_tool(self, position: ArrayLike, turn: ArrayLike | None = None) -> int:
+        """..."""
+    def move_tool(self, tool: int, position: ArrayLike, turn: ArrayLike | None = None) -> None:
+        """..."""
+    def add_contact(self, stiffness: float, obstacles: Sequence[Mapping[str, Any]] = ..., *, friction: float = 0.0,
+                    restitution: float = 1.0, penetration: float = 0.0,
+                    surface: Literal["triangles", "spheres"] = "triangles", self_contact: bool = False) -> None:
+        """..."""
+    def contact_forces(self) -> dict[str, Floats]:
+        """..."""
     def fix(self, molecule: int, free: str | ArrayLike = "") -> None:
         """Holds a molecule where it is, but in the directions that `free` names: 'z', 'xy', or a 3 x 3 projector."""
     def release(self, molecule: int) -> None:
