@@ -216,7 +216,7 @@ class SimulationState:
         """[m], (n, 3)."""
 
 class TopologyReport:
-    """..."""
+    """What a cut did; true if it changed anything."""
     @property
     def split_molecules(self) -> int: ...
     @property
@@ -225,10 +225,10 @@ class TopologyReport:
     def removed_cells(self) -> int: ...
     @property
     def molecule_from(self) -> Any:
-        """..."""
+        """Of each molecule its number before, (n,); those that were split off come last."""
     @property
     def connection_from(self) -> Any:
-        """..."""
+        """Of each connection its number before, (m,)."""
     def __bool__(self) -> bool: ...
 
 class Simulation:
@@ -244,7 +244,8 @@ class Simulation:
         bending_rigidity, sides of cells, Voronoi cells. scheme: one of steppers(), and scheme_parameters its own by
         name: {'newton_iterations': 1}. Explicit schemes part a step so that each part is at most `safety` of the
         body's stable step; a step that would take more than max_substeps is not taken. parameters: of the strategy,
-        by name."""
+        by name. budget: by the clock, what a step may take [s]; 0: any. Of schemes that take a number of sweeps or
+        iterations: each step gets as many as the pace of the steps before leaves time for; see effort."""
     @property
     def body(self) -> Body: ...
     @property
@@ -279,36 +280,46 @@ class Simulation:
         """The state to go on from, with the same bits."""
     @property
     def effort(self) -> int:
-        """..."""
+        """Sweeps or iterations of the last step; 0 where the scheme takes no number of them. With a budget it differs
+        from step to step and from machine to machine: who records it can give it to set_effort again."""
     def set_effort(self, effort: int) -> None:
-        """..."""
+        """From now on so many, whatever the budget says: steps then have the same bits again."""
     def iteration_error(self, dt: float) -> tuple[float, float]:
-        """..."""
+        """What so few sweeps or iterations would do to a next step by dt [s], which is tried and taken back: the
+        largest distance of a molecule from where backward Euler's balance to the end has it, and the largest
+        distance that it goes there [m]. NaN where one of the two fails."""
     def restore(self, saved: SimulationState) -> None:
-        """..."""
+        """Goes back, or on, to a saved state; across cuts, too."""
     def cut_plane(self, point: ArrayLike, normal: ArrayLike) -> TopologyReport:
-        """..."""
+        """Parts the body by a plane in its present positions [m], between its cells, or between molecules where it has
+        none. Volume and mass stay. Molecules keep their numbers; those that were split off come last. Views show
+        what was before: ask for new ones. The next step takes longer."""
     def cut_blade(self, start: ArrayLike, end: ArrayLike) -> TopologyReport:
-        """..."""
+        """The same by what a straight blade sweeps: its two ends [m], (2, 3), where it starts and where it ends."""
     def cut_triangles(self, points: ArrayLike, triangles: Sequence[Sequence[int]]) -> TopologyReport:
-        """..."""
+        """The same by triangles of points [m]."""
     def tear(self, strain: float) -> TopologyReport:
-        """..."""
+        """Parts the body where it is strained above `strain`; a crack through cells grows by one molecule a call."""
     def remove(self, connections: Sequence[int] = ..., cells: Sequence[int] = ...) -> TopologyReport:
-        """..."""
+        """Removes connections and cells by number, with the cells' mass; molecules that lose all are gone, and those
+        behind them count anew."""
     @property
     def origin(self) -> list[int]:
-        """..."""
+        """Of each molecule its number in the body that the simulation was made of."""
     def add_tool(self, position: ArrayLike, turn: ArrayLike | None = None) -> int:
-        """..."""
+        """A rigid thing that one moves, an instrument: its position [m] and its rotation, a 3 x 3 matrix. Gives its
+        number, which obstacles of add_contact take as their tool."""
     def move_tool(self, tool: int, position: ArrayLike, turn: ArrayLike | None = None) -> None:
-        """..."""
+        """Where a tool is to be at the end of the next step [m]: it goes there at constant speed, and stays."""
     def add_contact(self, stiffness: float, obstacles: Sequence[Mapping[str, Any]] = ..., *, friction: float = 0.0,
                     restitution: float = 1.0, penetration: float = 0.0,
                     surface: Literal["triangles", "spheres"] = "triangles", self_contact: bool = False) -> None:
-        """..."""
+        """Contact with obstacles and between pieces, at any time between steps. stiffness [Pa/m]: pressure over depth.
+        Each obstacle is a dict: shape 'plane' (z < 0), 'box' (x, y, z), 'sphere' (radius), 'cylinder' or 'capsule'
+        (radius, length) [m]; where it is: tool, or position and turn; friction and name if one likes. surface:
+        'triangles', or 'spheres' of the molecules, which push the parts of a cut apart."""
     def contact_forces(self) -> dict[str, Floats]:
-        """..."""
+        """Force of the body on each obstacle by its name [N]."""
     def fix(self, molecule: int, free: str | ArrayLike = "") -> None:
         """Holds a molecule where it is, but in the directions that `free` names: 'z', 'xy', or a 3 x 3 projector."""
     def release(self, molecule: int) -> None:
@@ -325,7 +336,7 @@ class Simulation:
         """Force of the coupling on its molecule [N] in the state reached."""
     def decouple(self, coupling: int) -> None: ...
     def add_load(self, load: str, **kwargs: float | ArrayLike) -> None:
-        """Adds a load or damping, one of loads(), before the first step: add_load('gravity', acceleration=(0, 0,
+        """Adds a load or damping, one of loads(), at any time between steps: add_load('gravity', acceleration=(0, 0,
         -9.81))."""
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """The body as it is now, its connections coloured by their tension. Options go to Line3DCollection."""
