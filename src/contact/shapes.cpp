@@ -18,19 +18,19 @@ struct ShapeRow {
 
 const std::vector<ShapeRow>& rows() {
   static const std::vector<ShapeRow> all{
-      {"plane", {}, [](const std::vector<double>&) { return shape::Plane{}; }},
-      {"box",
+      {shape::Plane::name, {}, [](const std::vector<double>&) { return shape::Plane{}; }},
+      {shape::Box::name,
        {"x", "y", "z"},
        [](const std::vector<double>& s) {
          return shape::Box{{s[0], s[1], s[2]}};
        }},
-      {"sphere", {"radius"}, [](const std::vector<double>& s) { return shape::Sphere{s[0]}; }},
-      {"cylinder",
+      {shape::Sphere::name, {"radius"}, [](const std::vector<double>& s) { return shape::Sphere{s[0]}; }},
+      {shape::Cylinder::name,
        {"radius", "length"},
        [](const std::vector<double>& s) {
          return shape::Cylinder{s[0], s[1]};
        }},
-      {"capsule", {"radius", "length"}, [](const std::vector<double>& s) {
+      {shape::Capsule::name, {"radius", "length"}, [](const std::vector<double>& s) {
          return shape::Capsule{s[0], s[1]};
        }}};
   return all;

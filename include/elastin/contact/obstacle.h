@@ -13,23 +13,31 @@ using elastin::Pose;
 
 /// Shapes of obstacles, each in its own frame. All are solid: what is inside is pushed out.
 namespace shape {
-struct Plane {};  ///< the half-space z < 0
+struct Plane {  ///< the half-space z < 0
+  static constexpr const char* name = "plane";
+};
 struct Box {
+  static constexpr const char* name = "box";
   Vector3 size;  ///< full lengths of its sides [m], about the origin
 };
 struct Sphere {
+  static constexpr const char* name = "sphere";
   double radius;  ///< [m], about the origin
 };
 struct Cylinder {
+  static constexpr const char* name = "cylinder";
   double radius, length;  ///< [m], along z, about the origin; its rims are sharp
 };
 struct Capsule {
+  static constexpr const char* name = "capsule";
   double radius, length;  ///< [m], of the cylinder between its two half spheres; along z, about the origin
 };
 struct Convex {
+  static constexpr const char* name = "convex";
   Positions points;  ///< [m]; their hull is the obstacle
 };
 struct Mesh {
+  static constexpr const char* name = "mesh";
   Positions points;    ///< [m]
   Cells<3> triangles;  ///< closed, normals outwards; see check_surface
 };
