@@ -103,7 +103,8 @@ double Simulation::Impl::longest_substep() {
   if (!stable) {
     const auto saved_couplings = std::exchange(couplings, {});
     const auto saved_supports = std::exchange(model.supports, {});
-    stable = find_stable_step(model, state_at_rest(body));
+    // Somebody waits for the step after a cut: it does with a bound.
+    stable = original ? bounded_stable_step(model, state_at_rest(body)) : find_stable_step(model, state_at_rest(body));
     couplings = saved_couplings;
     model.supports = saved_supports;
   }
