@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <variant>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/simulation/parts.h"
 #include "elastin/core/simulation/saved_state.h"
 #include "elastin/mesh/voronoi.h"
 #include "python/bind.h"
@@ -16,10 +18,10 @@ namespace {
 constexpr std::chrono::milliseconds kBetweenSignals{50};
 
 std::shared_ptr<Moving> make_simulation(const std::shared_ptr<Body>& body, const py::object& strategy,
-                                        const Material& material, const std::string& scheme, double safety,
-                                        int max_substeps, const ParameterValues& scheme_parameters,
-                                        const ParameterValues& parameters, double budget,
-                                        const std::shared_ptr<Catalog>& given) {
+                                        const std::variant<Material, std::vector<Material>>& material,
+                                        const std::string& scheme, double safety, int max_substeps,
+                                        const ParameterValues& scheme_parameters, const ParameterValues& parameters,
+                                        double budget, const std::shared_ptr<Catalog>& given) {
   const Catalog catalog = given ? *given : built_in_catalog();
   SimulationOptions options = simulation_options(catalog, scheme, safety, max_substeps, scheme_parameters, parameters);
   options.budget = budget;
@@ -31,7 +33,11 @@ std::shared_ptr<Moving> make_simulation(const std::shared_ptr<Body>& body, const
   const auto recipe = keep(py::make_tuple(py::module_::import("elastin._elastin").attr("Simulation"),
                                           py::make_tuple(body, chosen_by, material), keywords, py::list()));
   const py::gil_scoped_release others_run;
-  auto made = std::make_shared<Moving>(Simulation(*body, chosen, material, options));
+  const auto* of_parts = std::get_if<std::vector<Material>>(&material);
+  if (of_parts && of_parts->empty()) throw InputError("material: the list of the parts' materials is empty");
+  const Strategy at_work = of_parts ? in_parts(chosen, *body, *of_parts) : chosen;
+  const Material& first = of_parts ? of_parts->front() : std::get<Material>(material);
+  auto made = std::make_shared<Moving>(Simulation(*body, at_work, first, options));
   made->recipe = recipe;
   return made;
 }
@@ -350,6 +356,7 @@ void add_simulation(py::module_& module) {
            py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8, py::arg("max_substeps") = 1000,
            py::arg("scheme_parameters") = ParameterValues{}, py::arg("parameters") = ParameterValues{},
            py::arg("budget") = 0., py::arg("catalog") = py::none(),
+           "material: one, or of a body of parts (see of_parts) a list, which the parts count from 0. "
            "strategy: a name ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule "
            "to "
            "the material by the body's homogenised stiffness, as the experiment `material` of a scene does; the body "

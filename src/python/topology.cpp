@@ -3,6 +3,7 @@
 #include <pybind11/eigen.h>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/model/parts.h"
 #include "python/bind.h"
 
 namespace elastin::python {
@@ -32,6 +33,25 @@ py::array_t<int> numbers(const std::vector<int>& values) {
 }  // namespace
 
 void add_topology(py::module_& module, MovingClass& simulation) {
+  module.def(
+      "of_parts",
+      [](const std::vector<std::tuple<std::string, std::shared_ptr<Body>, int>>& parts,
+         const std::vector<std::tuple<std::string, std::string, double, double>>& ties) {
+        Body whole;
+        for (const auto& [name, body, material] : parts) {
+          Part part;
+          part.name = name;
+          part.rigid = material < 0;
+          part.material = std::max(0, material);
+          add_part(whole, *body, std::move(part));
+        }
+        for (const auto& [first, second, within, stiffness] : ties) tie_parts(whole, first, second, within, stiffness);
+        return std::make_shared<Body>(std::move(whole));
+      },
+      py::arg("parts"), py::arg("ties") = py::list(),
+      "A body of several parts: (name, body, number of its material from 0; below 0: bone, which stays where it is "
+      "unless something moves it) each. ties: (first, second, within [m], stiffness [Pa]): where two parts are near to "
+      "each other, molecules in one place become one and others are tied to the surface.");
   py::class_<TopologyReport>(module, "TopologyReport", "What a cut did; true if it changed anything.")
       .def_readonly("split_molecules", &TopologyReport::split_molecules)
       .def_readonly("removed_connections", &TopologyReport::removed_connections)

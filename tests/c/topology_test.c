@@ -63,6 +63,44 @@ static void run(elastin_simulation* tissue, int from, int to, int tool) {
   }
 }
 
+/* A soft cube and a stiff one side by side, of which gravity makes the one hang further than the other. */
+static void two_materials(void) {
+  elastin_body *cube = NULL, *both = NULL;
+  elastin_simulation* tissue = NULL;
+  elastin_material soft = {0}, stiff = {0};
+  const elastin_material* materials[2];
+  elastin_part parts[2] = {{0}, {0}};
+  elastin_options options = {0};
+  const elastin_value down = {"acceleration_z", -9.81};
+  const double* positions = NULL;
+  int molecule;
+  soft.size = stiff.size = sizeof soft, options.size = sizeof options;
+  soft.youngs_modulus = 5e3, stiff.youngs_modulus = 5e4;
+  soft.poissons_ratio = stiff.poissons_ratio = 0.25;
+  materials[0] = &soft, materials[1] = &stiff;
+  OK(elastin_lattice(counts, spacing, ELASTIN_AXIS | ELASTIN_FACE, 1000, &cube));
+  parts[0].size = parts[1].size = sizeof parts[0];
+  parts[0].body = parts[1].body = cube;
+  parts[0].name = "soft", parts[1].name = "stiff";
+  parts[1].material = 1;
+  OK(elastin_body_of_parts(parts, 2, &both));
+  check(elastin_simulate_parts(both, "lattice", materials, 1, NULL, &tissue) == ELASTIN_WRONG_INPUT &&
+            strstr(elastin_message(), "'stiff' has material 1"),
+        "a material that is missing");
+  OK(elastin_simulate_parts(both, "lattice", materials, 2, &options, &tissue));
+  for (molecule = 180; molecule < 216; ++molecule) {
+    OK(elastin_fix(tissue, molecule, 0));
+    OK(elastin_fix(tissue, 216 + molecule, 0));
+  }
+  OK(elastin_add(tissue, "gravity", &down, 1));
+  OK(elastin_settle(tissue, NULL));
+  OK(elastin_positions(tissue, &positions, NULL));
+  check(fabs(positions[2] / positions[3 * 216 + 2] - 10) < 0.2, "ten times as stiff hangs a tenth as far");
+  elastin_simulation_free(tissue);
+  elastin_body_free(both);
+  elastin_body_free(cube);
+}
+
 int main(void) {
   elastin_simulation *tissue = lattice_of("backward_euler"), *other = lattice_of("backward_euler");
   const double above[3] = {2.5e-3, 2.5e-3, 8e-3};
@@ -118,5 +156,6 @@ int main(void) {
   REFUSED(elastin_cut_plane(tissue, above, (double[3]){0, 0, 0}, NULL), "normal");
   elastin_simulation_free(tissue);
   elastin_simulation_free(other);
+  two_materials();
   return failures != 0;
 }

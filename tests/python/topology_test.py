@@ -70,6 +70,18 @@ class Topology(unittest.TestCase):
         off, motion = tissue.iteration_error(1e-3)
         self.assertTrue(0 <= off < motion)
 
+    def test_two_materials(self):
+        cube = elastin.lattice((4, 4, 4), 1e-3)
+        tissue = elastin.Simulation(elastin.of_parts([("soft", cube, 0), ("stiff", cube, 1)]), "lattice",
+                                    [elastin.Material(5e3), elastin.Material(5e4)], scheme="backward_euler")
+        for molecule in [*range(48, 64), *range(112, 128)]:
+            tissue.fix(molecule)
+        tissue.add_load("gravity", acceleration=(0, 0, -9.81))
+        tissue.settle()
+        self.assertAlmostEqual(tissue.positions[0, 2] / tissue.positions[64, 2], 10, delta=0.2)
+        with self.assertRaisesRegex(ValueError, "several parts"):
+            tissue.cut_plane((1e-3, 0, 0), (1, 0, 0))
+
     def test_what_is_refused(self):
         tissue = hanging(3)
         with self.assertRaisesRegex(ValueError, "two ends of the blade"):

@@ -85,6 +85,20 @@ ELASTIN_API elastin_status elastin_body_from_mesh(const char* path, double lengt
                                                   double thickness, elastin_body** body);
 ELASTIN_API void elastin_body_free(elastin_body* body); /* null is none */
 
+/* A part of a body that is put together from several. */
+typedef struct elastin_part {
+  size_t size;              /* sizeof(elastin_part) */
+  const elastin_body* body; /* which is copied */
+  const char* name;         /* of its own */
+  int material;             /* its number in elastin_simulate_parts, from 0 */
+  int rigid;                /* 1: bone, which has no stiffness and stays where it is unless something moves it */
+} elastin_part;
+ELASTIN_API elastin_status elastin_body_of_parts(const elastin_part* parts, size_t count, elastin_body** body);
+/* Ties two parts where they are no more than `within` [m] apart: molecules that lie in one place become one, others are
+ * tied to the other's surface with `stiffness` [Pa]. Numbers of molecules and connections change. */
+ELASTIN_API elastin_status elastin_tie_parts(elastin_body*, const char* first, const char* second, double within,
+                                             double stiffness);
+
 typedef struct elastin_counts {
   size_t size; /* sizeof(elastin_counts) */
   size_t molecules, connections, triangles, tetrahedra;
@@ -175,6 +189,10 @@ typedef struct elastin_options {
 ELASTIN_API elastin_status elastin_simulate(const elastin_body* body, const char* strategy,
                                             const elastin_material* material, const elastin_options* options,
                                             elastin_simulation** simulation);
+/* The same of a body of parts, each with the material of its number. Its topology cannot change. */
+ELASTIN_API elastin_status elastin_simulate_parts(const elastin_body* body, const char* strategy,
+                                                  const elastin_material* const* materials, size_t material_count,
+                                                  const elastin_options* options, elastin_simulation** simulation);
 ELASTIN_API void elastin_simulation_free(elastin_simulation* simulation); /* null is none */
 
 /* What acts on it, at any time between steps: a row of the table "loads" by name, as scenes have it under `loads`. A

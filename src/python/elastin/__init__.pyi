@@ -234,17 +234,18 @@ class TopologyReport:
 class Simulation:
     """A body that moves. Steps let other Python threads run; each simulation may run in a thread of its own. Views
     never copy: they stay where they are, and keep the simulation alive."""
-    def __init__(self, body: Body, strategy: str | Strategy, material: Material, *,
+    def __init__(self, body: Body, strategy: str | Strategy, material: Material | Sequence[Material], *,
                  scheme: str = "symplectic_euler", safety: float = 0.8, max_substeps: int = 1000,
                  scheme_parameters: Mapping[str, float] = ..., parameters: Mapping[str, float] = ...,
                  budget: float = 0.0, catalog: Catalog | None = None) -> None:
-        """strategy: a name ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule to
-        the material by the body's homogenised stiffness, as the experiment `material` of a scene does; the body is
-        of tetrahedra, or a box. What strategy and material need of the body is added: pairs of molecules for
-        bending_rigidity, sides of cells, Voronoi cells. scheme: one of steppers(), and scheme_parameters its own by
-        name: {'newton_iterations': 1}. Explicit schemes part a step so that each part is at most `safety` of the
-        body's stable step; a step that would take more than max_substeps is not taken. parameters: of the strategy,
-        by name. budget: by the clock, what a step may take [s]; 0: any. Of schemes that take a number of sweeps or
+        """material: one, or of a body of parts (see of_parts) a list, which the parts count from 0. strategy: a name
+        ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule to the material by
+        the body's homogenised stiffness, as the experiment `material` of a scene does; the body is of tetrahedra, or
+        a box. What strategy and material need of the body is added: pairs of molecules for bending_rigidity, sides
+        of cells, Voronoi cells. scheme: one of steppers(), and scheme_parameters its own by name:
+        {'newton_iterations': 1}. Explicit schemes part a step so that each part is at most `safety` of the body's
+        stable step; a step that would take more than max_substeps is not taken. parameters: of the strategy, by
+        name. budget: by the clock, what a step may take [s]; 0: any. Of schemes that take a number of sweeps or
         iterations: each step gets as many as the pace of the steps before leaves time for; see effort."""
     @property
     def body(self) -> Body: ...
@@ -513,6 +514,11 @@ def body(description: Mapping[str, Any] | str, material: Material | None = None)
     """A body as a scene has it under `body:`: elastin.body({"lattice": {"kind": "cubic", "molecules": [5, 5, 5],
     "spacing": 1e-3}}), a dict or its YAML. Every shape of the scenes is there, with the same keys and messages;
     files are named from the working directory. The material, by default one of 1000 kg/m^3, gives it its mass."""
+def of_parts(parts: Sequence[tuple[str, Body, int]],
+             ties: Sequence[tuple[str, str, float, float]] = ...) -> Body:
+    """A body of several parts: (name, body, number of its material from 0; below 0: bone, which stays where it is
+    unless something moves it) each. ties: (first, second, within [m], stiffness [Pa]): where two parts are near to
+    each other, molecules in one place become one and others are tied to the surface."""
 def lattice(molecules: Sequence[int], spacing: float | Sequence[float],
             connections: Sequence[Literal["axis", "face", "space"]] = ("axis", "face"), *, radius: float | None = None,
             density: float = 1000.0) -> Body:
