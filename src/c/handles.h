@@ -34,7 +34,7 @@ struct elastin_body {
 struct elastin_simulation {
   std::unique_ptr<CallbackRunner> runner;  ///< outlives what runs on it
   elastin::Simulation simulation;
-  bool stepped = false;
+  double youngs_modulus = 0;  ///< [Pa] of its material; 0 where it is not known
 };
 
 namespace elastin::c {

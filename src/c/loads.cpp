@@ -46,7 +46,6 @@ extern "C" elastin_status elastin_add(elastin_simulation* simulation, const char
   using elastin::c::given;
   return elastin::c::guarded([&] {
     elastin_simulation& handle = given(simulation, "simulation");
-    if (handle.stepped) throw elastin::InputError("loads are added before the first step");
     const elastin::LoadKind& kind = *elastin::c::catalog().loads.find(&given(load, "load"));
     handle.simulation.add_load(kind, elastin::c::load_values(kind, values, value_count));
   });

@@ -1,3 +1,5 @@
+#include <tuple>
+
 #include "c/handles.h"
 #include "elastin/core/simulation/saved_state.h"
 
@@ -39,7 +41,8 @@ std::unique_ptr<elastin_simulation> simulate(const elastin_body& body, const cha
   std::unique_ptr<CallbackRunner> runner;
   SimulationOptions chosen = options_of(options, runner);
   Simulation simulation(body.body, strategy, made_of, std::move(chosen));
-  return std::make_unique<elastin_simulation>(elastin_simulation{std::move(runner), std::move(simulation)});
+  return std::make_unique<elastin_simulation>(
+      elastin_simulation{std::move(runner), std::move(simulation), made_of.youngs_modulus});
 }
 
 }  // namespace
@@ -64,9 +67,24 @@ elastin_status elastin_step(elastin_simulation* simulation, double dt, elastin_s
   return guarded([&] {
     elastin_simulation& handle = given(simulation, "simulation");
     if (result) elastin::c::checked_copy(result, "elastin_step_result");
-    handle.stepped = true;
     const elastin::StepResult reached = handle.simulation.step(dt);
     return elastin::c::told(reached, reached.substeps, result);
+  });
+}
+
+elastin_status elastin_effort(const elastin_simulation* simulation, int* effort) {
+  return guarded([&] { given(effort, "effort") = given(simulation, "simulation").simulation.effort(); });
+}
+
+elastin_status elastin_set_effort(elastin_simulation* simulation, int effort) {
+  return guarded([&] { given(simulation, "simulation").simulation.set_effort(effort); });
+}
+
+elastin_status elastin_iteration_error(elastin_simulation* simulation, double dt, double* off, double* motion) {
+  return guarded([&] {
+    elastin_simulation& handle = given(simulation, "simulation");
+    given(off, "off"), given(motion, "motion");
+    std::tie(*off, *motion) = handle.simulation.iteration_error(dt);
   });
 }
 
@@ -74,7 +92,6 @@ elastin_status elastin_settle(elastin_simulation* simulation, elastin_step_resul
   return guarded([&] {
     elastin_simulation& handle = given(simulation, "simulation");
     if (result) elastin::c::checked_copy(result, "elastin_step_result");
-    handle.stepped = true;
     return elastin::c::told(handle.simulation.settle(), 1, result);
   });
 }

@@ -107,6 +107,7 @@ SimulationOptions options_of(const elastin_options* given, std::unique_ptr<Callb
   if (values.max_substeps != 0)
     options.max_substeps = static_cast<int>(within(values.max_substeps, 1, 1e9, "max_substeps"));
   options.parameters = values_of(values.parameters, values.parameter_count, "parameters");
+  options.budget = within(values.budget, 0, 1e9, "budget");
   options.threads = static_cast<int>(within(values.threads, 0, 4096, "threads"));
   if (values.run) {
     const int width = static_cast<int>(within(values.run_width, 1, 4096, "run_width"));

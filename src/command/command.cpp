@@ -73,7 +73,7 @@ struct Options : Request {
   IdentifyRequest identify;
   int threads = 0;
   double stretch = 1.5;
-  bool others = false, markdown = false, keys = false;
+  bool others = false, each_stepper = false, markdown = false, keys = false;
   NewScene scene;
 };
 
@@ -94,7 +94,7 @@ int verify_scenes(const Options& options, const Catalog& catalog) {
   for (const std::string& path : options.scenes)
     load_scene(path, catalog, options.overrides);  // errors in scenes come before the first run
   write_tables(options, {});
-  VerifyOptions verify{options.overrides, options.others, !options.out.empty()};
+  VerifyOptions verify{options.overrides, options.others, options.each_stepper, !options.out.empty()};
   verify.progress = [&](const std::string& doing) { progress.set(doing); };
   verify.finished = [&](const Scene& scene, Record& record) { write_run(options, scene, record); };
   std::vector<Case> cases;
@@ -450,6 +450,7 @@ struct Commands {
     add_file_options(*verify, options);
     verify->add_flag("--choices", options.others,
                      "Also run each case with explicit steps, implicit steps, small displacements, plain springs");
+    verify->add_flag("--steppers", options.each_stepper, "Also run each case in time with every stepper");
     verify->add_flag("--markdown", options.markdown, "Print the table as Markdown, with titles");
     add_scene_options(*check, options);
     add_identify_options(*identify, options);

@@ -74,8 +74,21 @@ struct Moving {
   Simulation simulation;
   std::recursive_mutex busy;        ///< observers, which run within a step, may ask it things
   std::exception_ptr trouble = {};  ///< of an observer
-  /// How to make it again, for pickle: a callable, its arguments and keywords, and a list of loads added since.
+  /// How to make it again, for pickle: a callable, its arguments and keywords, and a list of calls since that added
+  /// something: a method's name and keywords.
   std::shared_ptr<py::tuple> recipe = {};
+  /// What keeps arrays alive that views show whose topology is no longer the simulation's: each view holds its own.
+  struct Generation {
+    std::shared_ptr<const void> kept = {};
+  };
+  std::shared_ptr<Generation> generation = std::make_shared<Generation>();
+  void begin_generation(std::shared_ptr<const void> before) {
+    generation->kept = std::move(before);
+    generation = std::make_shared<Generation>();
+  }
+  void record(const char* method, const py::dict& keywords) {
+    if (recipe) (*recipe)[3].cast<py::list>().append(py::make_tuple(method, keywords));
+  }
   bool stepping = false;
 
   /// Does it without the interpreter's lock, in its turn.
@@ -86,6 +99,10 @@ struct Moving {
     return act(simulation);
   }
 };
+
+using MovingClass = py::class_<Moving, std::shared_ptr<Moving>>;
+void add_topology(py::module_& module, MovingClass& simulation);
+void add_contact(MovingClass& simulation);
 
 /// As keyword arguments give them.
 SimulationOptions simulation_options(const Catalog& catalog, const std::string& scheme, double safety, int max_substeps,

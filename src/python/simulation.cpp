@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <variant>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/simulation/parts.h"
 #include "elastin/core/simulation/saved_state.h"
 #include "elastin/mesh/voronoi.h"
 #include "python/bind.h"
@@ -16,21 +18,26 @@ namespace {
 constexpr std::chrono::milliseconds kBetweenSignals{50};
 
 std::shared_ptr<Moving> make_simulation(const std::shared_ptr<Body>& body, const py::object& strategy,
-                                        const Material& material, const std::string& scheme, double safety,
-                                        int max_substeps, const ParameterValues& scheme_parameters,
-                                        const ParameterValues& parameters, const std::shared_ptr<Catalog>& given) {
+                                        const std::variant<Material, std::vector<Material>>& material,
+                                        const std::string& scheme, double safety, int max_substeps,
+                                        const ParameterValues& scheme_parameters, const ParameterValues& parameters,
+                                        double budget, const std::shared_ptr<Catalog>& given) {
   const Catalog catalog = given ? *given : built_in_catalog();
-  const SimulationOptions options =
-      simulation_options(catalog, scheme, safety, max_substeps, scheme_parameters, parameters);
+  SimulationOptions options = simulation_options(catalog, scheme, safety, max_substeps, scheme_parameters, parameters);
+  options.budget = budget;
   const Strategy chosen = strategy_from(strategy, catalog);
   const py::object chosen_by = py::isinstance<py::str>(strategy) && given ? py::cast(chosen) : strategy;
   const py::dict keywords(py::arg("scheme") = scheme, py::arg("safety") = safety,
                           py::arg("max_substeps") = max_substeps, py::arg("scheme_parameters") = scheme_parameters,
-                          py::arg("parameters") = parameters);
+                          py::arg("parameters") = parameters, py::arg("budget") = budget);
   const auto recipe = keep(py::make_tuple(py::module_::import("elastin._elastin").attr("Simulation"),
                                           py::make_tuple(body, chosen_by, material), keywords, py::list()));
   const py::gil_scoped_release others_run;
-  auto made = std::make_shared<Moving>(Simulation(*body, chosen, material, options));
+  const auto* of_parts = std::get_if<std::vector<Material>>(&material);
+  if (of_parts && of_parts->empty()) throw InputError("material: the list of the parts' materials is empty");
+  const Strategy at_work = of_parts ? in_parts(chosen, *body, *of_parts) : chosen;
+  const Material& first = of_parts ? of_parts->front() : std::get<Material>(material);
+  auto made = std::make_shared<Moving>(Simulation(*body, at_work, first, options));
   made->recipe = recipe;
   return made;
 }
@@ -45,9 +52,9 @@ py::tuple reduced_simulation(Moving& self) {
 
 py::object simulation_again(const py::tuple& recipe, const py::bytes& state) {
   const py::object made = recipe[0](*recipe[1].cast<py::tuple>(), **recipe[2].cast<py::dict>());
-  for (const py::handle load : recipe[3]) {
-    const auto [name, values] = load.cast<std::pair<std::string, py::dict>>();
-    made.attr("add_load")(name, **values);
+  for (const py::handle call : recipe[3]) {
+    const auto [method, keywords] = call.cast<std::pair<std::string, py::dict>>();
+    made.attr(method.c_str())(**keywords);
   }
   const auto text = static_cast<std::string>(state);
   made.cast<Moving&>().in_turn([&](Simulation& s) { s.restore(simulation_state_of(text.data(), text.size())); });
@@ -138,13 +145,20 @@ auto in_turn(Act act) {
   return [act](Moving& self) { return self.in_turn(act); };
 }
 
+/// What a view holds on to: the simulation, and its arrays of the present topology.
+py::capsule owner_of_views(const py::object& self) {
+  using Owner = std::pair<py::object, std::shared_ptr<Moving::Generation>>;
+  auto owner = std::make_unique<Owner>(self, self.cast<Moving&>().generation);
+  return {owner.release(), [](void* held) { delete static_cast<Owner*>(held); }};
+}
+
 /// A view of what a simulation shows; `show` may have to compute it.
 template <class Show>
 auto shown(Show show) {
   return [show](const py::object& self) {
     auto& moving = self.cast<Moving&>();
     const auto* values = moving.in_turn([&](Simulation& simulation) { return &show(simulation); });
-    return view(*values, self);
+    return view(*values, owner_of_views(self));
   };
 }
 
@@ -217,13 +231,15 @@ void add_results(py::module_& module) {
       });
 }
 
-using Class = py::class_<Moving, std::shared_ptr<Moving>>;
+using Class = MovingClass;
 
 void add_views(Class& simulation) {
   simulation
       .def_property_readonly("body",
                              [](const std::shared_ptr<Moving>& self) {
-                               return std::shared_ptr<Body>(self, const_cast<Body*>(&self->simulation.body()));
+                               using Owner = std::pair<std::shared_ptr<Moving>, std::shared_ptr<Moving::Generation>>;
+                               const auto owner = std::make_shared<Owner>(self, self->generation);
+                               return std::shared_ptr<Body>(owner, const_cast<Body*>(&self->simulation.body()));
                              })
       .def_property_readonly(
           "time", [](const Moving& self) { return self.simulation.time(); }, "[s]")
@@ -240,7 +256,7 @@ void add_views(Class& simulation) {
           "host_forces",
           [](const py::object& self) {
             Positions& forces = *self.cast<Moving&>().in_turn([](Simulation& s) { return &s.host_forces(); });
-            return view(forces, self, true);
+            return view(forces, owner_of_views(self), true);
           },
           "Forces of one's own [N], (n, 3): a view to write to. They act from the next step on until changed.");
 }
@@ -301,10 +317,12 @@ void add_loads(Class& simulation) {
         const LoadKind& kind = *built_in_loads().find(load);
         const LoadValues given = load_values(kind, values);
         self.in_turn([&](Simulation& s) { s.add_load(kind, given); });
-        if (self.recipe) (*self.recipe)[3].cast<py::list>().append(py::make_tuple(load, values));
+        py::dict keywords(values);
+        keywords["load"] = load;
+        self.record("add_load", keywords);
       },
       py::arg("load"),
-      "Adds a load or damping, one of loads(), before the first step: add_load('gravity', acceleration=(0, 0, "
+      "Adds a load or damping, one of loads(), at any time between steps: add_load('gravity', acceleration=(0, 0, "
       "-9.81)).");
 }
 
@@ -337,7 +355,8 @@ void add_simulation(py::module_& module) {
       .def(py::init(&make_simulation), py::arg("body"), py::arg("strategy"), py::arg("material"), py::kw_only(),
            py::arg("scheme") = "symplectic_euler", py::arg("safety") = 0.8, py::arg("max_substeps") = 1000,
            py::arg("scheme_parameters") = ParameterValues{}, py::arg("parameters") = ParameterValues{},
-           py::arg("catalog") = py::none(),
+           py::arg("budget") = 0., py::arg("catalog") = py::none(),
+           "material: one, or of a body of parts (see of_parts) a list, which the parts count from 0. "
            "strategy: a name ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule "
            "to "
            "the material by the body's homogenised stiffness, as the experiment `material` of a scene does; the body "
@@ -346,7 +365,9 @@ void add_simulation(py::module_& module) {
            "scheme_parameters its own by name: {'newton_iterations': 1}. Explicit schemes part a step so that each "
            "part is at most `safety` of the "
            "body's stable step; a step that would take more than max_substeps is not taken. "
-           "parameters: of the strategy, by name.")
+           "parameters: of the strategy, by name. budget: by the clock, what a step may take [s]; 0: any. Of schemes "
+           "that take a number of sweeps or iterations: each step gets as many as the pace of the steps before leaves "
+           "time for; see effort.")
       .def("step", &step, py::arg("dt"), py::arg("count") = 1, py::kw_only(), py::arg("check") = true,
            "Brings the body forward by dt [s], `count` times, and gives the last step's result. A step that fails "
            "leaves the state as it was and raises StepError; with check=False its result says so, and no step "
@@ -359,14 +380,32 @@ void add_simulation(py::module_& module) {
           py::kw_only(), py::arg("check") = true,
           "Goes to the equilibrium of all that acts now, at rest: a start. Raises StepError where none is found, "
           "unless check=False.")
+      .def_property_readonly(
+          "effort", [](const Moving& self) { return self.simulation.effort(); },
+          "Sweeps or iterations of the last step; 0 where the scheme takes no number of them. With a budget it differs "
+          "from step to step and from machine to machine: who records it can give it to set_effort again.")
+      .def(
+          "set_effort", [](Moving& self, int effort) { self.in_turn([&](Simulation& s) { s.set_effort(effort); }); },
+          py::arg("effort"), "From now on so many, whatever the budget says: steps then have the same bits again.")
+      .def(
+          "iteration_error",
+          [](Moving& self, double dt) { return self.in_turn([&](Simulation& s) { return s.iteration_error(dt); }); },
+          py::arg("dt"),
+          "What so few sweeps or iterations would do to a next step by dt [s], which is tried and taken back: the "
+          "largest "
+          "distance of a molecule from where backward Euler's balance to the end has it, and the largest distance that "
+          "it goes there [m]. NaN where one of the two fails.")
       .def("observe", &observe, py::arg("see"), py::arg("every") = 1,
            "Calls see(simulation) after every so many steps that went well. It must not step; what it raises ends the "
            "step() that it came from.")
       .def("save", in_turn([](Simulation& s) { return s.save(); }), "The state to go on from, with the same bits.")
       .def(
           "restore",
-          [](Moving& self, const SimulationState& saved) { self.in_turn([&](Simulation& s) { s.restore(saved); }); },
-          py::arg("saved"))
+          [](Moving& self, const SimulationState& saved) {
+            if (auto before = self.in_turn([&](Simulation& s) { return s.restore(saved); }))
+              self.begin_generation(std::move(before));
+          },
+          py::arg("saved"), "Goes back, or on, to a saved state; across cuts, too.")
       .def("__reduce__", &reduced_simulation)
       .def("__repr__", [](const Moving& self) {
         return "<elastin.Simulation: " + std::to_string(self.simulation.body().size()) + " molecules at " +
@@ -375,6 +414,8 @@ void add_simulation(py::module_& module) {
   add_views(simulation);
   add_hands(simulation);
   add_loads(simulation);
+  add_contact(simulation);
+  add_topology(module, simulation);
 }
 
 }  // namespace elastin::python

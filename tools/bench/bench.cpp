@@ -32,6 +32,7 @@ constexpr Case kCases[] = {
      "explicit steps (velocity Verlet) of the cube's springs; peers: the same by hand, LAMMPS (package lammps), Bullet",
      bench::run_steps},
     {"budget", "the largest bodies whose implicit step takes under 1 ms and under 16 ms", bench::run_budget},
+    {"cut", "a block of 20 250 cells that is cut while it moves: its steps, and the longest one", bench::run_cut},
     {"laws",
      "force and tangent pass of springs and of every cell law on some 1e5 cells; peer: a plain loop over springs",
      bench::run_laws},

@@ -110,6 +110,7 @@ std::vector<Row> run_calculix(const Settings& settings);
 std::vector<Row> run_accuracy(const Settings& settings);
 std::vector<Row> run_contact(const Settings& settings);
 std::vector<Row> run_core(const Settings& settings);
+std::vector<Row> run_cut(const Settings& settings);
 std::vector<Row> run_web(const Settings& settings);
 
 }  // namespace bench

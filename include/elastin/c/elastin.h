@@ -85,6 +85,20 @@ ELASTIN_API elastin_status elastin_body_from_mesh(const char* path, double lengt
                                                   double thickness, elastin_body** body);
 ELASTIN_API void elastin_body_free(elastin_body* body); /* null is none */
 
+/* A part of a body that is put together from several. */
+typedef struct elastin_part {
+  size_t size;              /* sizeof(elastin_part) */
+  const elastin_body* body; /* which is copied */
+  const char* name;         /* of its own */
+  int material;             /* its number in elastin_simulate_parts, from 0 */
+  int rigid;                /* 1: bone, which has no stiffness and stays where it is unless something moves it */
+} elastin_part;
+ELASTIN_API elastin_status elastin_body_of_parts(const elastin_part* parts, size_t count, elastin_body** body);
+/* Ties two parts where they are no more than `within` [m] apart: molecules that lie in one place become one, others are
+ * tied to the other's surface with `stiffness` [Pa]. Numbers of molecules and connections change. */
+ELASTIN_API elastin_status elastin_tie_parts(elastin_body*, const char* first, const char* second, double within,
+                                             double stiffness);
+
 typedef struct elastin_counts {
   size_t size; /* sizeof(elastin_counts) */
   size_t molecules, connections, triangles, tetrahedra;
@@ -166,15 +180,22 @@ typedef struct elastin_options {
   int run_width;                          /* into how many tasks loops are parted, >= 1 */
   const elastin_value* scheme_parameters; /* "newton_iterations" of an implicit one … */
   size_t scheme_parameter_count;
+  /* By the clock, what a step may take [s]; 0: any. Of schemes that take a number of sweeps or iterations: each step
+   * gets as many as the pace of the steps before leaves time for; see elastin_effort. */
+  double budget;
 } elastin_options;
 
 /* A body at rest that a strategy gives its stiffness; options null = all as said there. */
 ELASTIN_API elastin_status elastin_simulate(const elastin_body* body, const char* strategy,
                                             const elastin_material* material, const elastin_options* options,
                                             elastin_simulation** simulation);
+/* The same of a body of parts, each with the material of its number. Its topology cannot change. */
+ELASTIN_API elastin_status elastin_simulate_parts(const elastin_body* body, const char* strategy,
+                                                  const elastin_material* const* materials, size_t material_count,
+                                                  const elastin_options* options, elastin_simulation** simulation);
 ELASTIN_API void elastin_simulation_free(elastin_simulation* simulation); /* null is none */
 
-/* What acts on it, before the first step: a row of the table "loads" by name, as scenes have it under `loads`. A
+/* What acts on it, at any time between steps: a row of the table "loads" by name, as scenes have it under `loads`. A
  * vector's numbers go by NAME_x, NAME_y, NAME_z (0 where they are left out): gravity takes acceleration_z; of
  * molecules, the name once for each. */
 ELASTIN_API elastin_status elastin_add(elastin_simulation* simulation, const char* load, const elastin_value* values,
@@ -189,11 +210,20 @@ typedef struct elastin_step_result {
 /* Brings it forward by dt > 0 [s]. ELASTIN_STOPPED: the state stays as it was and the message says why. Allocates
  * nothing after the first step, prints nothing, locks nothing. result may be null. */
 ELASTIN_API elastin_status elastin_step(elastin_simulation* simulation, double dt, elastin_step_result* result);
+/* Sweeps or iterations of the last step; 0 where the scheme takes no number of them. With a budget it differs from step
+ * to step and from machine to machine: who records it can give it again. */
+ELASTIN_API elastin_status elastin_effort(const elastin_simulation*, int* effort);
+/* From now on so many (>= 1), whatever the budget says: steps are then bitwise the same again. */
+ELASTIN_API elastin_status elastin_set_effort(elastin_simulation*, int effort);
+/* What so few of them would do to a next step by dt > 0 [s], which is tried and taken back: the largest distance of a
+ * molecule from where backward Euler's balance to the end has it, and the largest distance that it goes there [m]. NaN
+ * where one of the two fails. */
+ELASTIN_API elastin_status elastin_iteration_error(elastin_simulation*, double dt, double* off, double* motion);
 /* Goes to the equilibrium of all that acts now, at rest: a start. */
 ELASTIN_API elastin_status elastin_settle(elastin_simulation* simulation, elastin_step_result* result);
 ELASTIN_API elastin_status elastin_time(const elastin_simulation* simulation, double* time); /* [s] */
 
-/* Views: one address as long as the simulation lives; `count` numbers, may be null. */
+/* Views: one address as long as the simulation lives and its topology stays; `count` numbers, may be null. */
 ELASTIN_API elastin_status elastin_positions(const elastin_simulation*, const double** values, size_t* count); /* [m] */
 ELASTIN_API elastin_status elastin_velocities(const elastin_simulation*, const double** values,
                                               size_t* count); /* [m/s] */
@@ -219,6 +249,72 @@ ELASTIN_API elastin_status elastin_move_coupling(elastin_simulation*, int coupli
 ELASTIN_API elastin_status elastin_coupling_force(const elastin_simulation*, int coupling,
                                                   double force[3]); /* on the molecule */
 ELASTIN_API elastin_status elastin_decouple(elastin_simulation*, int coupling);
+
+/* A rigid thing that the host moves, an instrument, by a number from 1. turn: rotation, row by row; null: none. */
+ELASTIN_API elastin_status elastin_add_tool(elastin_simulation*, const double position[3], const double turn[9],
+                                            int* tool);
+/* Where it is to be at the end of the next step: it goes there at constant speed and spin, and stays. */
+ELASTIN_API elastin_status elastin_move_tool(elastin_simulation*, int tool, const double position[3],
+                                             const double turn[9]);
+
+/* A rigid thing that the body cannot pass. */
+typedef struct elastin_obstacle {
+  size_t size;                /* sizeof(elastin_obstacle) */
+  const char* shape;          /* "plane" (z < 0), "box", "sphere", "cylinder" or "capsule", about its own origin */
+  const elastin_value* sizes; /* [m] > 0: x, y, z of a box; radius; radius and length along z */
+  size_t size_count;
+  int tool;           /* that moves it; 0: it stays where `position` and `turn` say */
+  double position[3]; /* [m] */
+  double turn[9];     /* rotation, row by row; all zero: none */
+} elastin_obstacle;
+
+typedef struct elastin_contact {
+  size_t size;        /* sizeof(elastin_contact) */
+  int spheres;        /* 1: of its molecules' spheres, which pushes parts of a cut apart; 0: of its surface */
+  double stiffness;   /* pressure over depth [Pa/m]; 0: ten times E over a molecule's diameter */
+  double friction;    /* Coulomb's, >= 0 */
+  double restitution; /* 0.01 to 1; 0 = 1, no damping */
+  double penetration; /* largest depth that may remain [m]; 0: what the stiffness leaves */
+  int self;           /* whether a piece touches itself */
+  const elastin_obstacle* obstacles;
+  size_t obstacle_count;
+} elastin_contact;
+/* Contact with obstacles and between pieces, at any time between steps. */
+ELASTIN_API elastin_status elastin_add_contact(elastin_simulation*, const elastin_contact* contact);
+/* Force of the body on an obstacle [N], counted through all that elastin_add_contact was given, from 0. */
+ELASTIN_API elastin_status elastin_contact_force(const elastin_simulation*, size_t obstacle, double force[3]);
+
+/* ---- topology ---- */
+typedef struct elastin_topology_report {
+  size_t size; /* sizeof(elastin_topology_report) */
+  int changed; /* 0: nothing was parted */
+  int split_molecules, removed_connections, removed_cells;
+  size_t molecules, connections; /* of the body now */
+} elastin_topology_report;
+/* These part the body in its present positions, between its cells, or between molecules where it has none: a body of
+ * tetrahedra, a lattice, a sheet of triangles, springs. Volume and mass stay. Molecules keep their numbers, those that
+ * were split off come last. Views must be asked for anew: those from before are no longer there. The next step takes
+ * longer. report may be null. ELASTIN_WRONG_INPUT, and nothing changed, where something cannot follow: the message says
+ * what. */
+ELASTIN_API elastin_status elastin_cut_plane(elastin_simulation*, const double point[3], const double normal[3],
+                                             elastin_topology_report* report);
+/* What a straight blade sweeps whose two ends go from one position to another: 6 numbers [m] each. */
+ELASTIN_API elastin_status elastin_cut_blade(elastin_simulation*, const double from[6], const double to[6],
+                                             elastin_topology_report* report);
+/* Triangles of points [m]: 3 numbers, and 3 corners, each. */
+ELASTIN_API elastin_status elastin_cut_triangles(elastin_simulation*, const double* points, size_t point_count,
+                                                 const int* triangles, size_t triangle_count,
+                                                 elastin_topology_report* report);
+/* Parts it where it is strained above `strain` > 0; a crack through cells grows by one molecule a call. */
+ELASTIN_API elastin_status elastin_tear(elastin_simulation*, double strain, elastin_topology_report* report);
+/* Removes connections and cells by number, with the cells' mass; molecules that lose all are gone, and those behind
+ * them count anew. */
+ELASTIN_API elastin_status elastin_remove(elastin_simulation*, const int* connections, size_t connection_count,
+                                          const int* cells, size_t cell_count, elastin_topology_report* report);
+/* Of each molecule its number in the body that the simulation was made of: a view. */
+ELASTIN_API elastin_status elastin_origin(const elastin_simulation*, const int** molecules, size_t* count);
+/* A copy of the body as it is now, to be freed: what a renderer draws after a cut. */
+ELASTIN_API elastin_status elastin_current_body(const elastin_simulation*, elastin_body** body);
 
 /* Calls `see` after every so many steps that went well, with the simulation and the context; it must not step. */
 typedef void (*elastin_observer)(void* context, const elastin_simulation* simulation);

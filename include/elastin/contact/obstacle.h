@@ -1,49 +1,54 @@
 #pragma once
 #include <functional>
+#include <map>
 #include <string>
 #include <variant>
 
+#include "elastin/core/geometry/pose.h"
 #include "elastin/core/model/body.h"
 
 namespace elastin::contact {
 
-/// Where a rigid thing is and how it moves. A point p of its own frame lies at turn · p + place.
-struct Pose {
-  Matrix3 turn = Matrix3::Identity();
-  Vector3 position = Vector3::Zero();  ///< [m]
-  Vector3 velocity = Vector3::Zero();  ///< of its own origin [m/s]
-  Vector3 spin = Vector3::Zero();      ///< [1/s]
-  Vector3 to_world(const Vector3& own) const;
-  Vector3 to_own(const Vector3& world) const;
-  /// Of the material point that is there now [m/s].
-  Vector3 velocity_at(const Vector3& world) const;
-};
+using elastin::Pose;
 
 /// Shapes of obstacles, each in its own frame. All are solid: what is inside is pushed out.
 namespace shape {
-struct Plane {};  ///< the half-space z < 0
+struct Plane {  ///< the half-space z < 0
+  static constexpr const char* name = "plane";
+};
 struct Box {
+  static constexpr const char* name = "box";
   Vector3 size;  ///< full lengths of its sides [m], about the origin
 };
 struct Sphere {
+  static constexpr const char* name = "sphere";
   double radius;  ///< [m], about the origin
 };
 struct Cylinder {
+  static constexpr const char* name = "cylinder";
   double radius, length;  ///< [m], along z, about the origin; its rims are sharp
 };
 struct Capsule {
+  static constexpr const char* name = "capsule";
   double radius, length;  ///< [m], of the cylinder between its two half spheres; along z, about the origin
 };
 struct Convex {
+  static constexpr const char* name = "convex";
   Positions points;  ///< [m]; their hull is the obstacle
 };
 struct Mesh {
+  static constexpr const char* name = "mesh";
   Positions points;    ///< [m]
   Cells<3> triangles;  ///< closed, normals outwards; see check_surface
 };
 }  // namespace shape
 using ObstacleShape =
     std::variant<shape::Plane, shape::Box, shape::Sphere, shape::Cylinder, shape::Capsule, shape::Convex, shape::Mesh>;
+
+/// A shape by name, for faces to other languages: plane; box (x, y, z); sphere (radius); cylinder and capsule (radius,
+/// length); sizes [m], above 0. Throws InputError with the nearest name, and on sizes that are missing, too many or out
+/// of range.
+ObstacleShape make_shape(const std::string& name, const std::map<std::string, double>& sizes);
 
 /// A rigid thing that molecules cannot pass, fixed or moved as it is told.
 struct Obstacle {

@@ -49,6 +49,8 @@ Cells<3> faces_of(const Cells<4>& tetrahedra) { return all_faces(tetrahedra, kFa
 
 Cells<3> boundary_of(const Cells<4>& tetrahedra) { return alone(faces_of(tetrahedra)); }
 
-std::vector<std::array<int, 4>> boundary_of(const Cells<8>& cubes) { return alone(all_faces(cubes, kFacesOfCube)); }
+std::vector<std::array<int, 4>> faces_of(const Cells<8>& cubes) { return all_faces(cubes, kFacesOfCube); }
+
+std::vector<std::array<int, 4>> boundary_of(const Cells<8>& cubes) { return alone(faces_of(cubes)); }
 
 }  // namespace elastin

@@ -39,10 +39,13 @@ void Simulation::Impl::ensure_host_forces() {
   if (std::exchange(has_host_forces, true)) return;
   host_forces.setZero(3, body.size());
   model.add(std::make_unique<HostForces>(body, host_forces));
+  ++known;
 }
 
 void Simulation::Impl::ensure_couplings() {
-  if (!std::exchange(has_couplings, true)) model.add(std::make_unique<Couplings>(couplings));
+  if (std::exchange(has_couplings, true)) return;
+  model.add(std::make_unique<Couplings>(couplings));
+  ++known;
 }
 
 Positions& Simulation::host_forces() noexcept {
@@ -111,13 +114,14 @@ void Simulation::observe(int every, std::function<void(const Simulation&)> see) 
 }
 
 SimulationState Simulation::save() const {
-  SimulationState saved{impl_->shown, impl_->model.supports, impl_->host_forces, impl_->couplings, {}, 0};
+  SimulationState saved{impl_->shown,      impl_->model.supports,    impl_->host_forces, impl_->couplings, {}, 0,
+                        impl_->tools->all, impl_->shared_topology(), impl_->effort};
   impl_->host_supports.save(saved);
   return saved;
 }
 
-void Simulation::restore(const SimulationState& saved) {
-  Impl& in = *impl_;
+void Simulation::Impl::restore(const SimulationState& saved) {
+  Impl& in = *this;
   check_state(saved.state, in.body.size(), in.model.history(), "the saved state");
   if (saved.host_forces.cols() > 0 && (saved.host_forces.cols() != in.body.size() || !saved.host_forces.allFinite()))
     throw InputError("the saved state has host forces on " + std::to_string(saved.host_forces.cols()) +
@@ -135,6 +139,9 @@ void Simulation::restore(const SimulationState& saved) {
     if (std::none_of(saved.supports.begin(), saved.supports.end(),
                      [&](const Support& support) { return support.molecule == one.molecule; }))
       throw InputError("the saved state fixes molecule " + std::to_string(one.molecule) + " without a support");
+  if (saved.tools.size() < in.tools->all.size())
+    throw InputError("the saved state has " + std::to_string(saved.tools.size()) + " tools; the simulation has " +
+                     std::to_string(in.tools->all.size()));
   if (!saved.couplings.empty()) in.ensure_couplings();
   if (saved.host_forces.cols() > 0) in.ensure_host_forces();
   in.work = in.shown = saved.state;
@@ -144,6 +151,9 @@ void Simulation::restore(const SimulationState& saved) {
   in.couplings = saved.couplings;
   for (const Coupling& coupling : in.couplings) in.next_coupling = std::max(in.next_coupling, coupling.id + 1);
   in.host_supports.restore(saved);
+  in.tools->all = saved.tools;
+  in.tools->start = in.tools->end = in.shown.time;
+  if (saved.effort > 0 && saved.effort != in.effort) in.set_effort(saved.effort);
   in.forces_known = in.tensions_known = false;
 }
 

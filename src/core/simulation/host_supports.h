@@ -28,6 +28,9 @@ class HostSupports {
   void arrive();
   void go_back();
 
+  /// Whether somebody else moves supports, too: those it knows by their place in the list.
+  bool has_others() const { return others_ || (model_.drive && !model_.drive.target<Driver>()); }
+
   void save(SimulationState& saved) const;
   void restore(const SimulationState& saved);
 

@@ -7,14 +7,14 @@
 
 #include "core/base/archive.h"
 #include "core/forces/visit_support.h"
-#include "core/model/visit_state.h"
+#include "core/model/visit_body.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin {
 namespace {
 
 /// Grows with every change of what follows. Read as a number it tells the byte order too.
-constexpr std::uint64_t kMark = 0x656c617374310002;  // "elast1", version 2
+constexpr std::uint64_t kMark = 0x656c617374310003;  // "elast1", version 3
 
 /// Stands before the state.
 struct Head {
@@ -41,6 +41,19 @@ void visit(Archive& archive, SimulationState::HostSupport& support) {
 }
 
 template <class Archive>
+void visit(Archive& archive, Tool& tool) {
+  const auto visit_pose = [&](Pose& pose) {
+    visit(archive, pose.turn);
+    visit(archive, pose.position);
+  };
+  visit_pose(tool.pose);
+  int moves = tool.next.has_value();
+  archive.whole(moves);
+  if (moves && !tool.next) tool.next.emplace();
+  if (moves) visit_pose(*tool.next);
+}
+
+template <class Archive>
 void visit(Archive& archive, SimulationState& saved) {
   visit(archive, saved.state);
   visit_all(archive, saved.supports);
@@ -48,6 +61,16 @@ void visit(Archive& archive, SimulationState& saved) {
   visit_all(archive, saved.couplings);
   visit_all(archive, saved.host_supports);
   archive.whole(saved.others_supports);
+  visit_all(archive, saved.tools);
+  archive.whole(saved.effort);
+  int changed = saved.topology != nullptr;
+  archive.whole(changed);
+  if (!changed) return;
+  Topology topology = saved.topology ? *saved.topology : Topology();
+  visit(archive, topology.body);
+  visit(archive, topology.constants);
+  visit_all(archive, topology.origin);
+  if constexpr (Archive::reads) saved.topology = std::make_shared<const Topology>(std::move(topology));
 }
 
 std::vector<char> bytes_of(const SimulationState& state) {

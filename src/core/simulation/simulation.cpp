@@ -1,6 +1,7 @@
 #include "elastin/core/simulation/simulation.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -8,8 +9,10 @@
 #include "core/parallel/parallel.h"
 #include "core/simulation/simulation_impl.h"
 #include "core/simulation/tensions.h"
+#include "core/solve/steppers.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/forces/volume.h"
 #include "elastin/core/simulation/fibres.h"
 #include "elastin/core/simulation/parts.h"
 
@@ -30,6 +33,11 @@ void check(const Body& body, const SimulationOptions& options) {
     throw InputError("safety " + number(options.safety) + " is out of range: above 0 to 1");
   if (options.max_substeps < 1)
     throw InputError("most_parts " + std::to_string(options.max_substeps) + " is out of range: 1 or more");
+  if (!(options.budget >= 0 && std::isfinite(options.budget)))
+    throw InputError("budget " + number(options.budget) + " s is out of range: 0 or more");
+  if (options.budget > 0 && options.integrator.scheme->effort.empty())
+    throw InputError("budget: the scheme '" + options.integrator.scheme->name +
+                     "' takes no number of sweeps or iterations that could be chosen");
   if (options.threads < 0)
     throw InputError("threads " + std::to_string(options.threads) + " is out of range: 0 or more");
 }
@@ -40,6 +48,27 @@ void check(const IntegratorOptions& options, const Model& model) {
     throw InputError("scheme '" + options.scheme->name + "': " + why);
 }
 
+/// Whether the spring constants are carried over when the topology changes: what is left keeps its stiffness.
+bool carries_constants(const Strategy& strategy) {
+  return strategy.kind == StrategyKind::spring_rule && strategy.constants && !strategy.by_parts;
+}
+
+std::unique_ptr<Elasticity> make_with(const Strategy& strategy, const Body& body, const Material& material,
+                                      const VectorX& constants) {
+  auto springs = make_springs(body, constants, material);
+  if (!strategy.volume_modulus) return springs;
+  return make_sum(std::move(springs), make_volume(body, strategy.volume_modulus(material)));
+}
+
+/// Why the strategy cannot follow a change of topology, or "".
+std::string fixed_topology(const Strategy& strategy, const Material& material) {
+  if (strategy.calibrates && strategy.volume_modulus)
+    return "'" + strategy.name + "' has fitted its volume term to the body as it was";
+  if (material.fibre && strategy.kind != StrategyKind::cell_law)
+    return "the fibres among springs have sections that belong to the body as it was";
+  return "";
+}
+
 StepResult refused(std::string cause) { return {Outcome::limit_reached, std::move(cause), 0, 0, 0, 0}; }
 
 }  // namespace
@@ -47,6 +76,24 @@ StepResult refused(std::string cause) { return {Outcome::limit_reached, std::mov
 Simulation::Impl::Impl(Body a_body, SimulationOptions some_options)
     : body(std::move(a_body)), options(std::move(some_options)), integrator(make_integrator(options.integrator)) {
   shown = work = state_at_rest(body);
+  const Stepper& scheme = *options.integrator.scheme;
+  if (!scheme.effort.empty()) {
+    const ParameterValues values = complete_values(scheme.name, scheme.parameters, options.integrator.parameters);
+    effort = static_cast<int>(values.at(scheme.effort));
+    // Of a scheme that iterates to the end unless it is told otherwise.
+    if (options.budget > 0) set_effort(std::max(1, effort));
+  }
+}
+
+void Simulation::Impl::set_effort(int number) {
+  effort = number;
+  dynamic_cast<HasEffort&>(*integrator).set_effort(number);
+}
+
+void Simulation::Impl::make_model() {
+  recipe.add_laws(*this);
+  for (const auto& add : recipe.added) add(model);
+  known = terms();
 }
 
 /// The longest part of an explicit step [s]. Grips add to the square of the fastest vibration's frequency, and to the
@@ -56,7 +103,8 @@ double Simulation::Impl::longest_substep() {
   if (!stable) {
     const auto saved_couplings = std::exchange(couplings, {});
     const auto saved_supports = std::exchange(model.supports, {});
-    stable = find_stable_step(model, state_at_rest(body));
+    // Somebody waits for the step after a cut: it does with a bound.
+    stable = original ? bounded_stable_step(model, state_at_rest(body)) : find_stable_step(model, state_at_rest(body));
     couplings = saved_couplings;
     model.supports = saved_supports;
   }
@@ -81,20 +129,35 @@ StepResult Simulation::Impl::step(double dt) {
   if (!(substeps <= options.max_substeps))
     return refused("a step of " + number(dt) + " s would take " + number(substeps) + " parts of at most " +
                    number(longest_substep()) + " s, " + std::to_string(options.max_substeps) + " are allowed");
-  host_supports.begin(shown.time, shown.time + dt);
+  begin_step(shown.time, shown.time + dt);
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begun = options.budget > 0 ? Clock::now() : Clock::time_point();
+  if (options.budget > 0 && !effort_is_given) set_effort(budget.next(options.budget, effort));
   StepResult result = substeps_of(dt, static_cast<int>(substeps));
+  if (options.budget > 0) budget.took(std::chrono::duration<double>(Clock::now() - begun).count(), effort);
   if (result.outcome == Outcome::converged) {
     work.time = shown.time + dt;
     shown = work;
     host_supports.arrive();
+    tools->arrive();
     forces_known = tensions_known = false;
   } else {
-    work = shown;
-    if (model.drive) model.drive(shown.time, model.supports);
-    host_supports.go_back();
+    go_back();
     if (const std::string odd = odd_input(); !odd.empty()) result.outcome = Outcome::diverged, result.cause = odd;
   }
   return result;
+}
+
+void Simulation::Impl::begin_step(double start, double end) {
+  host_supports.begin(start, end);
+  tools->start = start, tools->end = end;
+}
+
+void Simulation::Impl::go_back() {
+  work = shown;
+  if (model.drive) model.drive(shown.time, model.supports);
+  host_supports.go_back();
+  tools->go_back();
 }
 
 StepResult Simulation::Impl::substeps_of(double dt, int substeps) {
@@ -138,18 +201,30 @@ Simulation::Simulation(Body body, const Strategy& any, const Material& material,
     why += " (SimulationOptions::make_voronoi makes Voronoi cells)";
   if (!why.empty()) throw InputError("'" + strategy.name + "' cannot run on this body: " + why);
   impl_->material = material;
-  impl_->model.add(strategy.make(own, material, impl_->options.parameters));
-  add_companions(impl_->model, strategy, material);
-  fix_rigid_parts(impl_->model);
+  impl_->recipe.fixed = fixed_topology(strategy, material);
+  if (carries_constants(strategy))
+    impl_->recipe.constants = [strategy, material](const Impl& in) {
+      return strategy.constants(in.body, material, in.options.parameters);
+    };
+  impl_->recipe.add_laws = [strategy, material](Impl& in) {
+    in.model.add(in.constants.size() ? make_with(strategy, in.body, material, in.constants)
+                                     : strategy.make(in.body, material, in.options.parameters));
+    add_companions(in.model, strategy, material);
+    fix_rigid_parts(in.model);
+  };
+  impl_->make_model();
   check(impl_->options.integrator, impl_->model);
 }
 
 Simulation::Simulation(Body body, const MakeElasticity& make, SimulationOptions options) {
   check(body, options);
   impl_ = std::make_unique<Impl>(std::move(body), std::move(options));
-  auto elasticity = make(impl_->body);
-  if (!elasticity) throw InputError("the function that makes the elasticity returned none");
-  impl_->model.add(std::move(elasticity));
+  impl_->recipe.add_laws = [make](Impl& in) {
+    auto elasticity = make(in.body);
+    if (!elasticity) throw InputError("the function that makes the elasticity returned none");
+    in.model.add(std::move(elasticity));
+  };
+  impl_->make_model();
   check(impl_->options.integrator, impl_->model);
 }
 
@@ -184,7 +259,7 @@ StaticResult Simulation::settle(const StaticOptions& options) {
     in.model.begin_step(in.work, in.work.time);
     in.host_supports.go_back();
   };
-  in.host_supports.begin(in.shown.time, in.shown.time);
+  in.begin_step(in.shown.time, in.shown.time);
   in.host_supports.jump();
   in.work.velocities.setZero();
   in.work.accelerations.setZero();
@@ -205,8 +280,83 @@ StaticResult Simulation::settle(const StaticOptions& options) {
   }
 }
 
+/// A model takes nothing back: what `add` throws half-way is tried on one of its own first.
+void Simulation::add(std::function<void(Model&)> add) {
+  if (!add) throw InputError("add: there is no function to call");
+  Impl& in = *impl_;
+  Model trial(in.body);
+  for (const auto& law : in.model.elasticity()) trial.add(law->clone());
+  const auto has = [](const std::vector<HistoryBlock>& blocks, const std::string& name) {
+    return std::any_of(blocks.begin(), blocks.end(), [&](const HistoryBlock& block) { return block.name == name; });
+  };
+  const std::vector<HistoryBlock> of_laws = trial.history();
+  add(trial);
+  for (const HistoryBlock& block : trial.history())
+    if (!has(of_laws, block.name) && has(in.model.history(), block.name))
+      throw InputError("two loads remember something under the name '" + block.name + "'");
+  const std::size_t before = in.terms();
+  add(in.model);
+  in.known += in.terms() - before;
+  in.recipe.added.push_back(std::move(add));
+  // What remembered something still does.
+  std::vector<HistoryBlock> history = in.model.history();
+  for (HistoryBlock& block : history)
+    if (const HistoryBlock* own = in.shown.find_history(block.name); own && own->values.size() == block.values.size())
+      block = *own;
+  if (!in.shown.history.empty() || in.shown.time > 0) in.work.history = in.shown.history = std::move(history);
+  in.stable.reset();
+  in.integrator = make_integrator(in.options.integrator);
+  if (in.effort > 0) in.set_effort(in.effort);
+  in.budget.begin_anew();
+  in.forces_known = in.tensions_known = false;
+}
+
 void Simulation::add_load(const LoadKind& load, const LoadValues& values) {
-  elastin::add_load(impl_->model, load, values, impl_->material ? &*impl_->material : nullptr);
+  const LoadValues checked = checked_values(load, impl_->body, values);
+  add([load, checked, material = impl_->material](Model& model) {
+    elastin::add_load(model, load, checked, material ? &*material : nullptr);
+  });
+}
+
+int Simulation::effort() const noexcept { return impl_->effort; }
+
+void Simulation::set_effort(int effort) {
+  Impl& in = *impl_;
+  if (in.options.integrator.scheme->effort.empty())
+    throw InputError("set_effort: the scheme '" + in.options.integrator.scheme->name +
+                     "' takes no number of sweeps or iterations");
+  if (effort < 1) throw InputError("set_effort: " + std::to_string(effort) + " is out of range: 1 or more");
+  in.set_effort(effort);
+  in.effort_is_given = true;
+}
+
+std::pair<double, double> Simulation::iteration_error(double dt) {
+  Impl& in = *impl_;
+  const Stepper& scheme = *in.options.integrator.scheme;
+  if (scheme.effort.empty())
+    throw InputError("iteration_error: the scheme '" + scheme.name + "' takes no number of sweeps or iterations");
+  if (!(dt > 0 && std::isfinite(dt)))
+    throw InputError("iteration_error: a step of " + number(dt) + " s: a step must be above 0 s and finite");
+  const ThreadScope scope(in.options.runner, in.options.threads);
+  const ParameterValues values = complete_values(scheme.name, scheme.parameters, in.options.integrator.parameters);
+  const auto own_parts = values.find("substeps");
+  IntegratorOptions converged = {"backward_euler", {}, in.options.integrator.newton};
+  const auto reached = [&](int substeps) {
+    in.begin_step(in.shown.time, in.shown.time + dt);
+    const StepResult result = in.substeps_of(dt, substeps);
+    const Positions positions = in.work.positions;
+    in.go_back();
+    in.model.begin_step(in.work, in.work.time);
+    return result.outcome == Outcome::converged ? positions : Positions();
+  };
+  const Positions short_way = reached(1);
+  auto own = std::exchange(in.integrator, make_integrator(converged));
+  const Positions balance = reached(own_parts == values.end() ? 1 : static_cast<int>(own_parts->second));
+  in.integrator = std::move(own);
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  if (short_way.size() == 0 || balance.size() == 0) return {none, none};
+  return {(short_way - balance).colwise().norm().maxCoeff(),
+          (balance - in.shown.positions).colwise().norm().maxCoeff()};
 }
 
 const Positions& Simulation::forces() const noexcept {

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "core/simulation/budget.h"
 #include "core/simulation/host_supports.h"
+#include "core/simulation/tools.h"
 #include "elastin/core/simulation/simulation.h"
 #include "elastin/core/solve/stable_step.h"
 
@@ -17,20 +19,51 @@ struct Simulation::Impl {
   StepResult step(double dt);
   StepResult substeps_of(double dt, int substeps);
   double longest_substep();
+  void begin_step(double start, double end);
+  void go_back();
+  void set_effort(int number);
   std::string odd_input() const;
   void check_molecule(int molecule) const;
   Coupling* find(CouplingId id);
   void ensure_host_forces();
   void ensure_couplings();
+  void restore(const SimulationState& saved);
+
+  /// How its model is made again on another body.
+  struct Recipe {
+    std::function<void(Impl&)> add_laws;
+    /// Spring constants [N/m] that are carried over to it; empty: the laws are made of the body.
+    std::function<VectorX(const Impl&)> constants;
+    std::vector<std::function<void(Model&)>> added;
+    std::string fixed;  ///< why the strategy cannot follow a change of topology, or ""
+  };
+  /// Its laws and what was added, on its own body.
+  void make_model();
+  std::size_t terms() const { return model.elasticity().size() + model.viscosity().size() + model.loads().size(); }
+  /// The same simulation on another body, with its state at rest.
+  std::unique_ptr<Impl> on(Topology topology) const;
+  /// Throws InputError where what acts here cannot follow a change of topology.
+  void check_follows() const;
+  std::shared_ptr<const Topology> shared_topology() const;
 
   Body body;
-  std::optional<Material> material;  // of the strategy, where there is one
+  Recipe recipe;
+  VectorX constants;                                 // carried over; empty as long as the topology is the first
+  std::vector<int> origin;                           // of each molecule
+  std::size_t known = 0;                             // terms that the recipe has made, or host forces and couplings are
+  std::shared_ptr<const Topology> original;          // null as long as the topology is the first
+  mutable std::shared_ptr<const Topology> topology;  // as original; made when it is asked for
+  std::optional<Material> material;                  // of the strategy, where there is one
   SimulationOptions options;
   Model model{body};
   std::unique_ptr<Integrator> integrator;
   HostSupports host_supports{model};
-  State shown;  // what the host sees: its arrays stay where they are
-  State work;   // the same, between steps; integrators give it other arrays as they go
+  std::shared_ptr<Tools> tools = std::make_shared<Tools>();
+  Budget budget;
+  int effort = 0;                // of a scheme that takes a number of sweeps or iterations
+  bool effort_is_given = false;  // by the host, whatever the budget says
+  State shown;                   // what the host sees: its arrays stay where they are
+  State work;                    // the same, between steps; integrators give it other arrays as they go
   Positions host_forces;
   std::vector<Coupling> couplings;
   bool has_host_forces = false, has_couplings = false;

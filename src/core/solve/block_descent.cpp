@@ -61,6 +61,7 @@ struct DescentOptions {
 class BlockDescent final : public Implicit {
  public:
   explicit BlockDescent(const DescentOptions& options) : Implicit({}, 0, 0), options_(options) {}
+  void set_effort(int effort) override { options_.sweeps = effort; }
 
  private:
   StaticResult balance(Model& model, State& next, const Kinematics& kinematics) override {

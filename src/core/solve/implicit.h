@@ -1,5 +1,6 @@
 #pragma once
 #include "core/solve/newton.h"
+#include "core/solve/steppers.h"
 #include "elastin/core/solve/integrator.h"
 
 namespace elastin {
@@ -14,7 +15,7 @@ struct Push {
 /// A step of backward Euler's or Newmark's scheme: velocities and accelerations follow from the positions at its end,
 /// which balance() finds; here by Newton's method, in schemes that derive from it in other ways. A step that fails goes
 /// in halves.
-class Implicit : public Integrator {
+class Implicit : public Integrator, public HasEffort {
  public:
   /// Newmark's, or backward Euler where beta is 0.
   Implicit(const StaticOptions& newton, double beta, double gamma) : newton_(newton), beta_(beta), gamma_(gamma) {}
@@ -22,6 +23,7 @@ class Implicit : public Integrator {
 
   /// Whether a step ends after so many Newton iterations, balanced or not; 0: no.
   void cut_short(int iterations);
+  void set_effort(int effort) override { cut_short(effort); }
 
  protected:
   /// Brings `next` from a first guess to where forces and inertia balance, `kinematics` being that of the step. Where

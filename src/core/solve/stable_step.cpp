@@ -108,7 +108,30 @@ void name_block_cell(const Body& body, const Positions& mode, StableStep& found)
     }
 }
 
+bool resists(const Model& model) {
+  return !model.viscosity().empty() ||
+         std::any_of(model.loads().begin(), model.loads().end(), [](const auto& load) { return load->changes(); });
+}
+
+double longest(const StableStep& found) {
+  const double w = found.frequency, c = found.damping_rate, sum = std::sqrt(w * w + c * c) + c;
+  return sum > 0 ? 2 / sum : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
+
+StableStep bounded_stable_step(Model& model, const State& state) {
+  StableStep found;
+  const auto [square, molecule] = bound_of(Tangent(model, state));
+  found.frequency = found.bound = std::sqrt(square);
+  found.molecule = molecule;
+  if (resists(model)) {  // of K + w C alone, w so large that K adds a millionth of the frequency
+    const double weight = 1e6 * std::max(found.frequency, 1.);
+    found.damping_rate = bound_of(Tangent(model, state, {.velocity = weight})).first / weight;
+  }
+  found.step = longest(found);
+  return found;
+}
 
 StableStep find_stable_step(Model& model, const State& state) {
   StableStep found;
@@ -127,9 +150,7 @@ StableStep find_stable_step(Model& model, const State& state) {
   found.frequency = std::sqrt(
       largest_eigenvalue([&](const Positions& motion, Positions& result) { scaled(stiffness, motion, result); }, mode));
   const Positions fastest = mode * root.asDiagonal();
-  const bool resists = !model.viscosity().empty() || std::any_of(model.loads().begin(), model.loads().end(),
-                                                                 [](const auto& load) { return load->changes(); });
-  if (resists) {
+  if (resists(model)) {
     mode = start;
     Positions other(3, body.size());
     found.damping_rate = largest_eigenvalue(
@@ -140,8 +161,7 @@ StableStep find_stable_step(Model& model, const State& state) {
         },
         mode);
   }
-  const double w = found.frequency, c = found.damping_rate, sum = std::sqrt(w * w + c * c) + c;
-  found.step = sum > 0 ? 2 / sum : std::numeric_limits<double>::infinity();
+  found.step = longest(found);
   const auto [bound, molecule] = bound_of(stiffness);
   found.bound = std::sqrt(bound);
   found.molecule = molecule;

@@ -14,6 +14,13 @@ Stepper block_descent();
 Stepper xpbd();
 Stepper projective();
 
+/// An integrator that takes a number of sweeps or iterations, which may change from step to step.
+class HasEffort {
+ public:
+  virtual ~HasEffort() = default;
+  virtual void set_effort(int effort) = 0;
+};
+
 /// "cell 3 is flat or inverted", or the same without a number where no single cell is.
 std::string inverted_text(const Body& body, const Positions& positions);
 

@@ -85,6 +85,7 @@ struct XpbdOptions {
 class Xpbd final : public Implicit {
  public:
   explicit Xpbd(const XpbdOptions& options) : Implicit({}, 0, 0), options_(options) {}
+  void set_effort(int effort) override { options_.iterations = effort; }
 
  private:
   void try_step(Model& model, State& state, double dt, StepResult& result) override {

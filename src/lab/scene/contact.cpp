@@ -125,13 +125,14 @@ bool is_named(const std::vector<contact::Obstacle>& obstacles, const std::string
 }
 
 void read_obstacle(Reader reader, const Matrix3& rotation, SceneContact& contact) {
-  const std::vector<std::pair<std::string, Form (*)(Reader)>> kinds{{"plane", read_plane},
-                                                                    {"box", read_box},
-                                                                    {"sphere", read_sphere},
-                                                                    {"cylinder", read_round<contact::shape::Cylinder>},
-                                                                    {"capsule", read_round<contact::shape::Capsule>},
-                                                                    {"convex", read_convex},
-                                                                    {"mesh", read_surface_file}};
+  const std::vector<std::pair<std::string, Form (*)(Reader)>> kinds{
+      {contact::shape::Plane::name, read_plane},
+      {contact::shape::Box::name, read_box},
+      {contact::shape::Sphere::name, read_sphere},
+      {contact::shape::Cylinder::name, read_round<contact::shape::Cylinder>},
+      {contact::shape::Capsule::name, read_round<contact::shape::Capsule>},
+      {contact::shape::Convex::name, read_convex},
+      {contact::shape::Mesh::name, read_surface_file}};
   std::vector<std::pair<std::string, Form>> found;
   std::string names;
   for (const auto& [kind, read] : kinds) {

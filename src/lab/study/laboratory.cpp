@@ -179,7 +179,10 @@ Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions
   if (const auto wanted = identification_of(experiment);
       wanted && !identify_material(*wanted, *specimen, *experiment.at_rest(), choice, of_run, run))
     throw InputError(run.cause);
-  const auto make = [&](const Body&) {
+  const auto here = std::make_shared<bool>(true);  // what it refers to is there
+  const auto make = [&, here](const Body&) {
+    if (!*here)
+      throw InputError("a simulation of a scene has the strategy of the scene's body: it cannot have another");
     std::vector<std::unique_ptr<Elasticity>> terms;
     terms.push_back(make_elasticity(*specimen, experiment, choice, of_run, run));
     if (!terms.back()) throw InputError(run.cause);
@@ -191,6 +194,7 @@ Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions
   load_in_full(*scene, rig, simulation.model(), begin.state);
   begin.supports = simulation.model().supports;
   simulation.restore(begin);
+  *here = false;
   return simulation;
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 /// What a choice changes in a scene at rest and in one in time; nothing = it makes no sense there.
 struct Choice {
-  const char* name;
+  std::string name;
   std::vector<std::string> at_rest, in_time;
   bool plain_springs = false;
   bool with_contact = true;
@@ -27,6 +27,17 @@ const std::vector<Choice>& choices() {
       {"implicit", {"solver.method=implicit"}, {"time.integrator=newmark"}},
       {"linear", {"solver.displacements=small"}, {}, false, false},
       {"plain springs", {}, {}, true}};
+  return list;
+}
+
+/// Every stepper, in cases in time.
+std::vector<Choice> choices_of_steppers(const Catalog& catalog) {
+  std::vector<Choice> list;
+  for (const auto& stepper : catalog.steppers) {
+    Choice choice{stepper->name, {}, {"time.integrator=" + stepper->name}};
+    if (stepper->is_explicit) choice.in_time.emplace_back("time.step=automatic");
+    list.push_back(std::move(choice));
+  }
   return list;
 }
 
@@ -119,25 +130,36 @@ StrategyChoice uncalibrated_springs(const Catalog& catalog, const Body& body) {
   return choose_strategy(catalog, body.tetrahedra.empty() && body.triangles.empty() ? "standard" : "van_gelder");
 }
 
-std::vector<std::string> others_of(const std::string& path, const Catalog& catalog, const VerifyOptions& options,
-                                   const Scene& given) {
-  std::vector<std::string> texts;
-  for (const Choice& choice : choices()) {
-    const std::vector<std::string>& changes = given.time ? choice.in_time : choice.at_rest;
-    if ((changes.empty() && !choice.plain_springs) || (given.specimen.contact && !choice.with_contact)) {
-      texts.emplace_back("–");
-      continue;
+/// What came of a case with another choice, in words.
+std::string other_text(const Choice& choice, const std::string& path, const Catalog& catalog,
+                       const VerifyOptions& options, const Scene& given) {
+  const std::vector<std::string>& changes = given.time ? choice.in_time : choice.at_rest;
+  if ((changes.empty() && !choice.plain_springs) || (given.specimen.contact && !choice.with_contact)) return "–";
+  std::vector<std::string> overrides = options.overrides;
+  overrides.insert(overrides.end(), changes.begin(), changes.end());
+  const auto scene = load_scene(path, catalog, overrides);
+  const std::string doing = scene->name + ", " + choice.name;
+  const StrategyChoice strategy =
+      choice.plain_springs ? choose_strategy(catalog, "calibrated:standard") : scene->stiffness;
+  Record record = run_case(*scene, strategy, options, doing);
+  if (choice.plain_springs && !record.run.suited)
+    record = run_case(*scene, uncalibrated_springs(catalog, scene->specimen.body), options, doing);
+  return choice_text(*scene, record.run);
+}
+
+std::vector<std::pair<std::string, std::string>> others_of(const std::string& path, const Catalog& catalog,
+                                                           const VerifyOptions& options, const Scene& given) {
+  std::vector<Choice> all;
+  if (options.others) all = choices();
+  if (options.steppers)
+    for (Choice& choice : choices_of_steppers(catalog)) all.push_back(std::move(choice));
+  std::vector<std::pair<std::string, std::string>> texts;
+  for (const Choice& choice : all) {
+    try {
+      texts.emplace_back(choice.name, other_text(choice, path, catalog, options, given));
+    } catch (const InputError&) {  // the scene itself runs: what was changed does not suit it
+      texts.emplace_back(choice.name, "unsuited");
     }
-    std::vector<std::string> overrides = options.overrides;
-    overrides.insert(overrides.end(), changes.begin(), changes.end());
-    const auto scene = load_scene(path, catalog, overrides);
-    const std::string doing = scene->name + ", " + choice.name;
-    const StrategyChoice strategy =
-        choice.plain_springs ? choose_strategy(catalog, "calibrated:standard") : scene->stiffness;
-    Record record = run_case(*scene, strategy, options, doing);
-    if (choice.plain_springs && !record.run.suited)
-      record = run_case(*scene, uncalibrated_springs(catalog, scene->specimen.body), options, doing);
-    texts.push_back(choice_text(*scene, record.run));
   }
   return texts;
 }
@@ -180,15 +202,6 @@ std::string tally_text(const std::vector<Case>& cases) {
 
 }  // namespace
 
-const std::vector<std::string>& other_choices() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> list;
-    for (const Choice& choice : choices()) list.emplace_back(choice.name);
-    return list;
-  }();
-  return names;
-}
-
 std::vector<Case> verify_scene(const std::string& path, const Catalog& catalog, const VerifyOptions& options) {
   const auto scene = load_scene(path, catalog, options.overrides);
   std::vector<StrategyChoice> strategies{scene->stiffness};
@@ -203,7 +216,7 @@ std::vector<Case> verify_scene(const std::string& path, const Catalog& catalog, 
     cases.back().trouble = resumed(*scene, choice, cases.back().own);
     if (options.finished) options.finished(*scene, cases.back().own);
   }
-  if (options.others) cases.front().others = others_of(path, catalog, options, *scene);
+  cases.front().others = others_of(path, catalog, options, *scene);
   return cases;
 }
 
@@ -217,8 +230,9 @@ CaseResult result_of(const Case& a_case) {
 
 std::string verdicts_text(const std::vector<Case>& cases, bool colours, bool markdown) {
   std::vector<std::string> head{"case", "strategy", "verdict", "error, or cause", "time"};
-  const bool others = std::any_of(cases.begin(), cases.end(), [](const Case& c) { return !c.others.empty(); });
-  if (others) head.insert(head.end(), other_choices().begin(), other_choices().end());
+  const auto others = std::find_if(cases.begin(), cases.end(), [](const Case& c) { return !c.others.empty(); });
+  if (others != cases.end())
+    for (const auto& [choice, text] : others->others) head.push_back(choice);
   std::vector<std::vector<TableCell>> rows;
   for (const Case& a_case : cases) {
     const Run& run = a_case.own.run;
@@ -227,7 +241,7 @@ std::string verdicts_text(const std::vector<Case>& cases, bool colours, bool mar
                     {verdict_text(a_case), tone_of(result_of(a_case))},
                     {cut(detail_text(a_case), 64)},
                     {readable_seconds(run.build_seconds + run.solve_seconds), Tone::plain, true}});
-    for (const std::string& text : a_case.others)
+    for (const auto& [choice, text] : a_case.others)
       rows.back().push_back({text, text.starts_with("passed")   ? Tone::good
                                    : text.starts_with("failed") ? Tone::bad
                                                                 : Tone::poor});

@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lab/report/records.h"
@@ -11,16 +12,15 @@ namespace elastin::lab {
 /// and the same with other choices.
 struct Case {
   Record own;
-  std::string trouble;              ///< another fault: a resumed run that differs; empty = none
-  std::vector<std::string> others;  ///< verdicts in words, one for each name of other_choices(); empty = not requested
+  std::string trouble;  ///< another fault: a resumed run that differs; empty = none
+  /// Other choices by name, and their verdicts in words; empty = not requested.
+  std::vector<std::pair<std::string, std::string>> others;
 };
-
-/// Explicit steps, implicit steps, small displacements, plain springs: the columns beside a case's own.
-const std::vector<std::string>& other_choices();
 
 struct VerifyOptions {
   std::vector<std::string> overrides;  ///< KEY.PATH=VALUE, of every scene
-  bool others = false;                 ///< also run the other choices
+  bool others = false;    ///< also run explicit steps, implicit steps, small displacements and plain springs
+  bool steppers = false;  ///< also run cases in time with every stepper
   bool keep_snapshots = false;
   std::function<void(const std::string& doing)> progress = {};
   /// Called after each run of a case's own; may write files of it.

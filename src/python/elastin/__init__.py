@@ -28,8 +28,8 @@ if "OMP_WAIT_POLICY" not in _os.environ:
     _os.environ.setdefault("GOMP_SPINCOUNT", "3000")
 
 from ._elastin import (Body, Catalog, InputError, Material, Parameter, Result, Row, Simulation, SimulationState,
-                       StaticResult, StepError, StepResult, Strategy, __version__, linear_solvers, loads, material_laws,
-                       measures, set_threads, steppers, threads)
+                       StaticResult, StepError, StepResult, Strategy, TopologyReport, __version__, linear_solvers, loads,
+                       material_laws, measures, of_parts, set_threads, steppers, threads)
 from . import _bodies, _simulation  # the methods that Python adds to classes of C++
 from ._bodies import body, lattice, read_mesh
 from ._experiments import CLASSES as _experiments, Experiment, experiments
@@ -41,6 +41,6 @@ globals().update(_experiments)
 
 __all__ = ["Body", "Catalog", "Comparison", "Experiment", "InputError", "Laboratory", "Material", "Parameter", "Result",
            "Row", "Simulation", "SimulationState", "StaticResult", "StepError", "StepResult", "Strategy", "Sweep",
-           "Verdicts", "body", "compare", "experiments", "identify", "lattice", "law", "linear_solvers", "loads",
-           "material_laws", "measures", "read_mesh", "run", "set_threads", "steppers", "strategies", "sweep", "threads",
+           "TopologyReport", "Verdicts", "body", "compare", "experiments", "identify", "lattice", "law", "linear_solvers", "loads",
+           "material_laws", "measures", "of_parts", "read_mesh", "run", "set_threads", "steppers", "strategies", "sweep", "threads",
            "verify", "where", *_experiments]

@@ -215,20 +215,38 @@ class SimulationState:
     def positions(self) -> Floats:
         """[m], (n, 3)."""
 
+class TopologyReport:
+    """What a cut did; true if it changed anything."""
+    @property
+    def split_molecules(self) -> int: ...
+    @property
+    def removed_connections(self) -> int: ...
+    @property
+    def removed_cells(self) -> int: ...
+    @property
+    def molecule_from(self) -> Any:
+        """Of each molecule its number before, (n,); those that were split off come last."""
+    @property
+    def connection_from(self) -> Any:
+        """Of each connection its number before, (m,)."""
+    def __bool__(self) -> bool: ...
+
 class Simulation:
     """A body that moves. Steps let other Python threads run; each simulation may run in a thread of its own. Views
     never copy: they stay where they are, and keep the simulation alive."""
-    def __init__(self, body: Body, strategy: str | Strategy, material: Material, *,
+    def __init__(self, body: Body, strategy: str | Strategy, material: Material | Sequence[Material], *,
                  scheme: str = "symplectic_euler", safety: float = 0.8, max_substeps: int = 1000,
                  scheme_parameters: Mapping[str, float] = ..., parameters: Mapping[str, float] = ...,
-                 catalog: Catalog | None = None) -> None:
-        """strategy: a name ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule to
-        the material by the body's homogenised stiffness, as the experiment `material` of a scene does; the body is
-        of tetrahedra, or a box. What strategy and material need of the body is added: pairs of molecules for
-        bending_rigidity, sides of cells, Voronoi cells. scheme: one of steppers(), and scheme_parameters its own by
-        name: {'newton_iterations': 1}. Explicit schemes part a step so that each part is at most `safety` of the
-        body's stable step; a step that would take more than max_substeps is not taken. parameters: of the strategy,
-        by name."""
+                 budget: float = 0.0, catalog: Catalog | None = None) -> None:
+        """material: one, or of a body of parts (see of_parts) a list, which the parts count from 0. strategy: a name
+        ('lattice', 'lattice+volume', 'calibrated:patch') or a Strategy. calibrated: fits a rule to the material by
+        the body's homogenised stiffness, as the experiment `material` of a scene does; the body is of tetrahedra, or
+        a box. What strategy and material need of the body is added: pairs of molecules for bending_rigidity, sides
+        of cells, Voronoi cells. scheme: one of steppers(), and scheme_parameters its own by name:
+        {'newton_iterations': 1}. Explicit schemes part a step so that each part is at most `safety` of the body's
+        stable step; a step that would take more than max_substeps is not taken. parameters: of the strategy, by
+        name. budget: by the clock, what a step may take [s]; 0: any. Of schemes that take a number of sweeps or
+        iterations: each step gets as many as the pace of the steps before leaves time for; see effort."""
     @property
     def body(self) -> Body: ...
     @property
@@ -261,7 +279,48 @@ class Simulation:
         step() that it came from."""
     def save(self) -> SimulationState:
         """The state to go on from, with the same bits."""
-    def restore(self, saved: SimulationState) -> None: ...
+    @property
+    def effort(self) -> int:
+        """Sweeps or iterations of the last step; 0 where the scheme takes no number of them. With a budget it differs
+        from step to step and from machine to machine: who records it can give it to set_effort again."""
+    def set_effort(self, effort: int) -> None:
+        """From now on so many, whatever the budget says: steps then have the same bits again."""
+    def iteration_error(self, dt: float) -> tuple[float, float]:
+        """What so few sweeps or iterations would do to a next step by dt [s], which is tried and taken back: the
+        largest distance of a molecule from where backward Euler's balance to the end has it, and the largest
+        distance that it goes there [m]. NaN where one of the two fails."""
+    def restore(self, saved: SimulationState) -> None:
+        """Goes back, or on, to a saved state; across cuts, too."""
+    def cut_plane(self, point: ArrayLike, normal: ArrayLike) -> TopologyReport:
+        """Parts the body by a plane in its present positions [m], between its cells, or between molecules where it has
+        none. Volume and mass stay. Molecules keep their numbers; those that were split off come last. Views show
+        what was before: ask for new ones. The next step takes longer."""
+    def cut_blade(self, start: ArrayLike, end: ArrayLike) -> TopologyReport:
+        """The same by what a straight blade sweeps: its two ends [m], (2, 3), where it starts and where it ends."""
+    def cut_triangles(self, points: ArrayLike, triangles: Sequence[Sequence[int]]) -> TopologyReport:
+        """The same by triangles of points [m]."""
+    def tear(self, strain: float) -> TopologyReport:
+        """Parts the body where it is strained above `strain`; a crack through cells grows by one molecule a call."""
+    def remove(self, connections: Sequence[int] = ..., cells: Sequence[int] = ...) -> TopologyReport:
+        """Removes connections and cells by number, with the cells' mass; molecules that lose all are gone, and those
+        behind them count anew."""
+    @property
+    def origin(self) -> list[int]:
+        """Of each molecule its number in the body that the simulation was made of."""
+    def add_tool(self, position: ArrayLike, turn: ArrayLike | None = None) -> int:
+        """A rigid thing that one moves, an instrument: its position [m] and its rotation, a 3 x 3 matrix. Gives its
+        number, which obstacles of add_contact take as their tool."""
+    def move_tool(self, tool: int, position: ArrayLike, turn: ArrayLike | None = None) -> None:
+        """Where a tool is to be at the end of the next step [m]: it goes there at constant speed, and stays."""
+    def add_contact(self, stiffness: float, obstacles: Sequence[Mapping[str, Any]] = ..., *, friction: float = 0.0,
+                    restitution: float = 1.0, penetration: float = 0.0,
+                    surface: Literal["triangles", "spheres"] = "triangles", self_contact: bool = False) -> None:
+        """Contact with obstacles and between pieces, at any time between steps. stiffness [Pa/m]: pressure over depth.
+        Each obstacle is a dict: shape 'plane' (z < 0), 'box' (x, y, z), 'sphere' (radius), 'cylinder' or 'capsule'
+        (radius, length) [m]; where it is: tool, or position and turn; friction and name if one likes. surface:
+        'triangles', or 'spheres' of the molecules, which push the parts of a cut apart."""
+    def contact_forces(self) -> dict[str, Floats]:
+        """Force of the body on each obstacle by its name [N]."""
     def fix(self, molecule: int, free: str | ArrayLike = "") -> None:
         """Holds a molecule where it is, but in the directions that `free` names: 'z', 'xy', or a 3 x 3 projector."""
     def release(self, molecule: int) -> None:
@@ -278,7 +337,7 @@ class Simulation:
         """Force of the coupling on its molecule [N] in the state reached."""
     def decouple(self, coupling: int) -> None: ...
     def add_load(self, load: str, **kwargs: float | ArrayLike) -> None:
-        """Adds a load or damping, one of loads(), before the first step: add_load('gravity', acceleration=(0, 0,
+        """Adds a load or damping, one of loads(), at any time between steps: add_load('gravity', acceleration=(0, 0,
         -9.81))."""
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """The body as it is now, its connections coloured by their tension. Options go to Line3DCollection."""
@@ -455,6 +514,11 @@ def body(description: Mapping[str, Any] | str, material: Material | None = None)
     """A body as a scene has it under `body:`: elastin.body({"lattice": {"kind": "cubic", "molecules": [5, 5, 5],
     "spacing": 1e-3}}), a dict or its YAML. Every shape of the scenes is there, with the same keys and messages;
     files are named from the working directory. The material, by default one of 1000 kg/m^3, gives it its mass."""
+def of_parts(parts: Sequence[tuple[str, Body, int]],
+             ties: Sequence[tuple[str, str, float, float]] = ...) -> Body:
+    """A body of several parts: (name, body, number of its material from 0; below 0: bone, which stays where it is
+    unless something moves it) each. ties: (first, second, within [m], stiffness [Pa]): where two parts are near to
+    each other, molecules in one place become one and others are tied to the surface."""
 def lattice(molecules: Sequence[int], spacing: float | Sequence[float],
             connections: Sequence[Literal["axis", "face", "space"]] = ("axis", "face"), *, radius: float | None = None,
             density: float = 1000.0) -> Body:

@@ -92,6 +92,20 @@ TEST_CASE("every hard case comes out as its scene says, and nothing that is not 
   CHECK(count >= 40);
 }
 
+TEST_CASE("a case in time has a verdict for every stepper, one at rest for none", "[hard]") {
+  VerifyOptions options;
+  options.steppers = true;
+  const Case in_time = verify_scene(kHard + "inverted-in-time.yaml", kCatalog, options).front();
+  REQUIRE(in_time.others.size() ==
+          static_cast<std::size_t>(std::distance(kCatalog.steppers.begin(), kCatalog.steppers.end())));
+  for (const auto& [stepper, verdict] : in_time.others) {
+    INFO(stepper);
+    CHECK(verdict == "stopped: inverted");
+  }
+  const Case at_rest = verify_scene(kHard + "zero-length.yaml", kCatalog, options).front();
+  for (const auto& [stepper, verdict] : at_rest.others) CHECK(verdict == "–");
+}
+
 TEST_CASE("hard cases are bitwise identical on any number of threads", "[hard][threads]") {
   const std::string lattice = "body.lattice.molecules=[18, 18, 20]";
   const std::vector<std::pair<std::string, std::vector<std::string>>> cases{

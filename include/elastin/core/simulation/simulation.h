@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "elastin/core/forces/model.h"
+#include "elastin/core/geometry/pose.h"
 #include "elastin/core/model/material.h"
+#include "elastin/core/model/topology.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/simulation/prepare.h"
@@ -15,6 +17,8 @@ namespace elastin {
 
 /// Names a virtual coupling (see Simulation::couple); never used again after decouple.
 using CouplingId = int;
+/// Names a tool (see Simulation::add_tool), from 1.
+using ToolId = int;
 
 struct SimulationOptions {
   IntegratorOptions integrator = {"symplectic_euler"};
@@ -24,6 +28,9 @@ struct SimulationOptions {
   double safety = 0.8;
   /// A step that would take more parts ends as limit_reached and leaves the state as it was: real time has a limit.
   int max_substeps = 1000;
+  /// By the clock, what a step may take [s]; 0: any. Of schemes that take a number of sweeps or iterations (their row's
+  /// `effort`): each step gets as many as the pace of the steps before leaves time for; see Simulation::effort.
+  double budget = 0;
   /// Who runs the loops over large bodies (some 50 000 connections on): the host's task system, which must outlive the
   /// simulation; or, where it is null, so many threads of the common one (set_runner, use_openmp), 0 = as set_threads
   /// says. Bitwise identical with any.
@@ -43,6 +50,30 @@ struct Coupling {
   Vector3 velocity = Vector3::Zero();
 };
 
+/// A rigid thing that the host moves, from one pose to the next at constant speed and spin.
+struct Tool {
+  Pose pose = {};                 ///< at the beginning of the next step
+  std::optional<Pose> next = {};  ///< at its end; none: it stays
+};
+
+/// A simulation's body after its topology has changed, and what of it cannot be found anew.
+struct Topology {
+  Body body;
+  VectorX constants;        ///< [N/m] of a spring rule, as they were before and shared out; empty of other strategies
+  std::vector<int> origin;  ///< of each molecule: its number in the body that the simulation was made of
+};
+
+/// What a change of topology did.
+struct TopologyReport {
+  bool changed = false;
+  int split_molecules = 0, removed_connections = 0, removed_cells = 0;
+  /// Of each molecule and connection its number before. Molecules keep their numbers, unless one before them is gone;
+  /// those that were split off come last.
+  std::vector<int> molecule_from, connection_from;
+  /// Keeps alive what views showed before: let go of it when nobody looks at them any more.
+  std::shared_ptr<const void> before;
+};
+
 /// Everything that a simulation changes while it runs; restoring it goes on bitwise identically.
 struct SimulationState {
   State state;
@@ -56,6 +87,9 @@ struct SimulationState {
   };
   std::vector<HostSupport> host_supports;
   int others_supports = 0;  ///< so many of the supports come from elsewhere; they stand first
+  std::vector<Tool> tools;
+  std::shared_ptr<const Topology> topology;  ///< null: the body is as the simulation was made with it
+  int effort = 0;                            ///< of the last step; see Simulation::effort
 };
 
 /// A body that moves: what a simulator embeds. Any number may run in as many threads, each in one at a time.
@@ -65,7 +99,8 @@ struct SimulationState {
 ///   const CouplingId tool = tissue.couple(17, position, 200);
 ///   while (…) { tissue.move_coupling(tool, position); tissue.step(1e-3); push(-tissue.coupling_force(tool)); }
 ///
-/// The views (positions, velocities, forces, tensions) keep their address as long as the simulation lives. step(), the
+/// The views (positions, velocities, forces, tensions), the body and the model keep their address as long as the
+/// simulation lives and its topology stays. step(), the
 /// views and the calls that are noexcept allocate nothing after the first step and the first call of each, throw
 /// nothing, lock nothing and print nothing; what of that a step cannot promise is said at Integrator::advance.
 /// Functions that throw InputError do so before they change anything. One that was moved from can be assigned to and
@@ -84,11 +119,14 @@ class Simulation {
   Simulation& operator=(Simulation&&) noexcept;
 
   const Body& body() const noexcept;
-  /// What acts on the body: loads, damping and contact are added here before the first step.
+  /// What acts on the body. What is added to it directly cannot follow a change of topology: see add.
   Model& model() noexcept;
   const Model& model() const noexcept;
 
-  /// Adds a load, or damping, out of a table, before the first step; the strategy's material stands behind defaults.
+  /// Adds what acts on the body, now and again after each change of its topology: `add` puts it on a model, whose body
+  /// it must ask for what it needs. At any time between steps; what it throws leaves the simulation as it was.
+  void add(std::function<void(Model&)> add);
+  /// Adds a load, or damping, out of a table, as add; the strategy's material stands behind defaults.
   /// Throws InputError as checked_values.
   void add_load(const LoadKind& load, const LoadValues& values = {});
   /// Brings the body forward by dt > 0 [s]; numerical trouble is an outcome, and the state then stays as it was.
@@ -131,17 +169,58 @@ class Simulation {
   Vector3 coupling_force(CouplingId coupling) const noexcept;
   void decouple(CouplingId coupling) noexcept;
 
+  /// A rigid thing that the host moves, an instrument: contact takes tool_motion as the motion of an obstacle. Throws
+  /// InputError on a pose that is not finite or a turn that is no rotation.
+  ToolId add_tool(const Pose& pose);
+  /// Where the tool is to be at the end of the next step: it goes there at constant speed and spin, and stays. Of the
+  /// pose its position and turn count. Throws InputError as add_tool, and where there is no such tool.
+  void move_tool(ToolId tool, const Pose& pose);
+  /// Where it is now; throws InputError where there is no such tool.
+  Pose tool_pose(ToolId tool) const;
+  /// Its pose by time [s], to be asked within steps; outlives the simulation. Throws InputError as tool_pose.
+  std::function<Pose(double time)> tool_motion(ToolId tool) const;
+
+  /// Parts the body where the surface goes through it in its present positions; see elastin::cut. What is left goes on
+  /// with the same positions, velocities, masses and stiffness; supports of a molecule that is split hold
+  /// all that comes of it, host forces are shared out as its mass, couplings stay with what keeps its number. Contact,
+  /// colours, hierarchies and matrices are made anew, so the next step takes longer; points of contact forget where
+  /// they stuck. Throws InputError as elastin::cut, and changes nothing, where something cannot follow: a law or load
+  /// with a history, springs with fibres, calibrated:RULE+volume, supports that Model::drive moves, and what was added
+  /// to model() directly.
+  TopologyReport cut(const CutSurface& surface);
+  /// Parts it where it is strained above `strain` > 0; see elastin::tear. As cut.
+  TopologyReport tear(double strain);
+  /// Removes connections and cells by number; see elastin::without. As cut. What held or pulled a molecule that is gone
+  /// is gone, too.
+  TopologyReport remove(const std::vector<int>& connections, const std::vector<int>& cells);
+  /// Of each molecule its number in the body that the simulation was made of: what a host keeps beside it goes by
+  /// these.
+  const std::vector<int>& origin() const noexcept;
+
+  /// Sweeps or iterations of the last step, of a scheme that takes a number of them; else 0. With a budget it differs
+  /// from step to step and from machine to machine: who records it can give it again.
+  int effort() const noexcept;
+  /// From now on so many (≥ 1), whatever the budget says. Throws InputError where the scheme takes none.
+  void set_effort(int effort);
+  /// What its few sweeps or iterations would do to a next step by dt > 0 [s], which is tried and taken back: the
+  /// largest distance of a molecule from where backward Euler's balance to the end has it, and the largest distance
+  /// that it goes there [m]. NaN where one of the two fails. Throws InputError where the scheme takes no number of
+  /// them.
+  std::pair<double, double> iteration_error(double dt);
+
   /// Calls `see` after every so many (≥ 1) steps that went well. It must not step; what it throws ends in
   /// std::terminate.
   void observe(int every, std::function<void(const Simulation&)> see);
 
   /// The state to go on from; with the same model the steps after it are bitwise identical.
   SimulationState save() const;
-  /// Throws InputError where it is another body's.
-  void restore(const SimulationState& saved);
+  /// Throws InputError where it is another body's, or as cut where the topology has changed since. Gives back what keeps
+  /// alive what views showed before, as TopologyReport::before, if it had to change the topology; else null.
+  std::shared_ptr<const void> restore(const SimulationState& saved);
 
  private:
   struct Impl;
+  TopologyReport change(ChangedBody changed);
   std::unique_ptr<Impl> impl_;
 };
 

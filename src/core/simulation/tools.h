@@ -1,0 +1,23 @@
+#pragma once
+#include <vector>
+
+#include "elastin/core/simulation/simulation.h"
+
+namespace elastin {
+
+/// What the host moves, and between which times it does.
+struct Tools {
+  std::vector<Tool> all;
+  double start = 0, end = 0;  ///< of the step in progress, or the last one [s]
+
+  /// The tool's pose at a time.
+  Pose pose(ToolId tool, double time) const;
+  void arrive() {
+    for (Tool& tool : all)
+      if (tool.next) tool.pose = *std::exchange(tool.next, std::nullopt);
+    start = end;
+  }
+  void go_back() { end = start; }
+};
+
+}  // namespace elastin

@@ -1,0 +1,178 @@
+#include "elastin/core/model/topology.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "core/base/rows.h"
+#include "core/simulation/simulation_impl.h"
+#include "elastin/core/base/error.h"
+
+namespace elastin {
+namespace {
+
+/// What a simulation keeps, on what its body has become. `images` has the numbers of what each molecule has become.
+SimulationState carried_over(const SimulationState& before, const ChangedBody& changed, const Rows& images) {
+  SimulationState after;
+  after.state.time = before.state.time;
+  after.state.positions = before.state.positions(Eigen::all, changed.molecule_from);
+  after.state.velocities = before.state.velocities(Eigen::all, changed.molecule_from);
+  if (before.state.accelerations.cols() > 0)
+    after.state.accelerations = before.state.accelerations(Eigen::all, changed.molecule_from);
+  after.tools = before.tools;
+  after.effort = before.effort;
+  std::vector<Support> copies;
+  for (std::size_t number = 0; number < before.supports.size(); ++number) {
+    bool first = true;
+    for (const int image : images[before.supports[number].molecule]) {
+      Support support = before.supports[number];
+      support.molecule = image;
+      (std::exchange(first, false) ? after.supports : copies).push_back(support);
+    }
+    after.others_supports += !first && static_cast<int>(number) < before.others_supports;
+  }
+  after.supports.insert(after.supports.end(), copies.begin(), copies.end());
+  for (const SimulationState::HostSupport& one : before.host_supports)
+    for (const int image : images[one.molecule]) after.host_supports.push_back({image, one.next});
+  for (Coupling coupling : before.couplings) {
+    const auto own = images[coupling.molecule];
+    if (own.empty()) continue;
+    coupling.molecule = own.front();
+    after.couplings.push_back(coupling);
+  }
+  if (before.host_forces.cols() > 0) {
+    after.host_forces = before.host_forces(Eigen::all, changed.molecule_from);
+    for (Eigen::Index molecule = 0; molecule < after.host_forces.cols(); ++molecule)
+      after.host_forces.col(molecule) *= changed.molecule_share[static_cast<std::size_t>(molecule)];
+  }
+  return after;
+}
+
+/// Throws InputError where a body that was read somewhere cannot be one.
+void check_read(const Topology& topology, bool carries) {
+  const Body& body = topology.body;
+  const auto n = body.size();
+  bool fits = n > 0 && body.mass.size() == n && body.radius.size() == n && body.rest.allFinite() &&
+              topology.origin.size() == static_cast<std::size_t>(n) && (body.mass.array() > 0).all() &&
+              body.connections.rest_length.size() == body.connections.ends.size() &&
+              topology.constants.size() == (carries ? body.connections.size() : 0);
+  const auto check = [&](const auto& cells) {
+    for (const auto& cell : cells)
+      for (const int molecule : cell) fits = fits && molecule >= 0 && molecule < n;
+  };
+  check(body.connections.ends), check(body.triangles), check(body.tetrahedra), check(body.cubes);
+  for (const Cable& cable : body.cables)
+    fits = fits && cable.connection >= 0 && cable.connection < body.connections.size();
+  if (!fits) throw InputError("the saved state has a body that cannot be this simulation's");
+}
+
+}  // namespace
+
+void Simulation::Impl::check_follows() const {
+  const auto refuse = [](const std::string& why) { throw InputError("the topology cannot change: " + why); };
+  if (!recipe.fixed.empty()) refuse(recipe.fixed);
+  if (terms() != known)
+    refuse("something was added to model() directly; Simulation::add takes a function that adds it again");
+  if (!model.history().empty()) refuse("what '" + model.history().front().name + "' remembers cannot follow");
+  if (host_supports.has_others()) refuse("Model::drive moves supports, which it knows by their place in the list");
+}
+
+std::shared_ptr<const Topology> Simulation::Impl::shared_topology() const {
+  if (!topology && original) topology = std::make_shared<const Topology>(Topology{body, constants, origin});
+  return topology;
+}
+
+std::unique_ptr<Simulation::Impl> Simulation::Impl::on(Topology other) const {
+  auto made = std::make_unique<Impl>(std::move(other.body), options);
+  made->material = material;
+  made->recipe = recipe;
+  made->constants = std::move(other.constants);
+  made->origin = std::move(other.origin);
+  made->tools = tools;
+  made->effort_is_given = effort_is_given;
+  made->budget = budget;
+  made->budget.begin_anew();
+  made->next_coupling = next_coupling;
+  made->make_model();
+  if (const std::string why = unsuited_for(*options.integrator.scheme, made->model); !why.empty())
+    throw InputError("scheme '" + options.integrator.scheme->name + "': " + why);
+  return made;
+}
+
+TopologyReport Simulation::change(ChangedBody changed) {
+  Impl& in = *impl_;
+  TopologyReport report{changed.changed,
+                        changed.split_molecules,
+                        changed.removed_connections,
+                        changed.removed_cells,
+                        std::move(changed.molecule_from),
+                        std::move(changed.connection_from),
+                        nullptr};
+  if (!changed.changed) {
+    report.connection_from.resize(static_cast<std::size_t>(in.body.connections.size()));
+    std::iota(report.connection_from.begin(), report.connection_from.end(), 0);
+    return report;
+  }
+  in.check_follows();
+  if (in.recipe.constants && in.constants.size() == 0) in.constants = in.recipe.constants(in);
+  Topology next{std::move(changed.body), {}, std::vector<int>(report.molecule_from.size())};
+  for (std::size_t molecule = 0; molecule < next.origin.size(); ++molecule)
+    next.origin[molecule] = origin()[static_cast<std::size_t>(report.molecule_from[molecule])];
+  if (in.constants.size()) {
+    next.constants = in.constants(report.connection_from);
+    for (std::size_t c = 0; c < report.connection_from.size(); ++c)
+      next.constants[static_cast<Eigen::Index>(c)] *= changed.connection_share[c];
+  }
+  const Rows images = rows_by_target(in.body.size(), report.molecule_from);
+  changed.molecule_from = report.molecule_from;
+  auto made = in.on(std::move(next));
+  made->restore(carried_over(save(), changed, images));
+  made->original = in.original ? in.original : std::make_shared<const Topology>(Topology{in.body, {}, origin()});
+  made->observers = std::move(in.observers);
+  report.before = std::shared_ptr<const void>(std::move(impl_));
+  impl_ = std::move(made);
+  return report;
+}
+
+TopologyReport Simulation::cut(const CutSurface& surface) {
+  return change(elastin::cut(impl_->body, impl_->shown.positions, surface));
+}
+
+TopologyReport Simulation::tear(double strain) {
+  return change(elastin::tear(impl_->body, impl_->shown.positions, strain));
+}
+
+TopologyReport Simulation::remove(const std::vector<int>& connections, const std::vector<int>& cells) {
+  return change(without(impl_->body, connections, cells));
+}
+
+const std::vector<int>& Simulation::origin() const noexcept {
+  std::vector<int>& origin = impl_->origin;
+  if (origin.empty()) {
+    origin.resize(static_cast<std::size_t>(impl_->body.size()));
+    std::iota(origin.begin(), origin.end(), 0);
+  }
+  return origin;
+}
+
+std::shared_ptr<const void> Simulation::restore(const SimulationState& saved) {
+  Impl& in = *impl_;
+  if (saved.topology == in.shared_topology()) {
+    in.restore(saved);
+    return nullptr;
+  }
+  in.check_follows();
+  if (saved.topology) check_read(*saved.topology, static_cast<bool>(in.recipe.constants));
+  auto made = in.on(saved.topology ? *saved.topology : *in.original);
+  made->restore(saved);
+  if (saved.topology) {
+    made->original = in.original ? in.original : std::make_shared<const Topology>(Topology{in.body, {}, origin()});
+    made->topology = saved.topology;
+  }
+  made->observers = std::move(in.observers);
+  std::shared_ptr<const void> before(std::move(impl_));
+  impl_ = std::move(made);
+  return before;
+}
+
+}  // namespace elastin

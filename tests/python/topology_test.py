@@ -1,0 +1,101 @@
+"""Simulations that are cut, touched by tools and loaded at run time."""
+import os
+import pickle
+import runpy
+import unittest
+
+import numpy
+
+import elastin
+from helpers import SOURCE
+
+
+def hanging(molecules=6):
+    tissue = elastin.Simulation(elastin.lattice((molecules,) * 3, 1e-3), "lattice", elastin.Material(1e4),
+                                scheme="backward_euler")
+    for molecule in range(molecules ** 2):
+        tissue.fix(molecule)
+    return tissue
+
+
+class Topology(unittest.TestCase):
+    def test_what_a_cut_leaves(self):
+        tissue = hanging()
+        tissue.step(1e-3)
+        tissue.add_load("gravity", acceleration=(0, 2, -9.81))
+        tissue.step(1e-3, 5)
+        before, shown, mass = tissue.positions, numpy.array(tissue.positions), tissue.body.masses.sum()
+        body = tissue.body
+        cut = tissue.cut_plane((2e-3, 0, 0), (1, 0, 0))
+        self.assertTrue(cut)
+        self.assertEqual(cut.split_molecules, 36)
+        self.assertEqual(len(tissue.positions), 252)
+        self.assertAlmostEqual(tissue.body.masses.sum() / mass, 1, delta=1e-14)
+        self.assertEqual(list(cut.molecule_from[:216]), list(range(216)))
+        self.assertEqual(len(tissue.origin), 252)
+        tissue.step(1e-3, 3)
+        numpy.testing.assert_array_equal(before, shown)  # a view of what was
+        self.assertEqual(len(body.positions), 216)
+        self.assertFalse(tissue.cut_plane((1, 0, 0), (1, 0, 0)))
+
+    def test_a_cut_goes_through_pickle_and_back(self):
+        tissue = hanging()
+        tool = tissue.add_tool((2.5e-3, 2.5e-3, 7e-3))
+        tissue.add_contact(2e7, [{"shape": "sphere", "radius": 2e-3, "tool": tool}])
+        whole = tissue.save()
+        tissue.cut_blade([(-1, -1, 2e-3), (-1, 1, 2e-3)], [(2.1e-3, -1, 2e-3), (2.1e-3, 1, 2e-3)])
+        tissue.move_tool(tool, (2.5e-3, 2.5e-3, 6.9e-3))
+        tissue.step(1e-3, 5)
+        self.assertGreater(tissue.contact_forces()["sphere0"][2], 0)
+        again = pickle.loads(pickle.dumps(tissue))
+        for each in (tissue, again):
+            each.step(1e-3, 5)
+        numpy.testing.assert_array_equal(tissue.positions, again.positions)
+        tissue.restore(whole)
+        self.assertEqual(len(tissue.positions), 216)
+
+    def test_a_budget_is_recorded_and_replayed(self):
+        def swinging(budget):
+            tissue = elastin.Simulation(elastin.lattice((4, 4, 4), 1e-3), "lattice", elastin.Material(1e4),
+                                        scheme="block_descent", budget=budget)
+            tissue.add_load("gravity", acceleration=(0, 0, -9.81))
+            tissue.fix(0)
+            return tissue
+        tissue, replay = swinging(1e-3), swinging(0)
+        for _ in range(10):
+            tissue.step(1e-3)
+            replay.set_effort(tissue.effort)
+            replay.step(1e-3)
+        numpy.testing.assert_array_equal(tissue.positions, replay.positions)
+        off, motion = tissue.iteration_error(1e-3)
+        self.assertTrue(0 <= off < motion)
+
+    def test_two_materials(self):
+        cube = elastin.lattice((4, 4, 4), 1e-3)
+        tissue = elastin.Simulation(elastin.of_parts([("soft", cube, 0), ("stiff", cube, 1)]), "lattice",
+                                    [elastin.Material(5e3), elastin.Material(5e4)], scheme="backward_euler")
+        for molecule in [*range(48, 64), *range(112, 128)]:
+            tissue.fix(molecule)
+        tissue.add_load("gravity", acceleration=(0, 0, -9.81))
+        tissue.settle()
+        self.assertAlmostEqual(tissue.positions[0, 2] / tissue.positions[64, 2], 10, delta=0.2)
+        with self.assertRaisesRegex(ValueError, "several parts"):
+            tissue.cut_plane((1e-3, 0, 0), (1, 0, 0))
+
+    def test_what_is_refused(self):
+        tissue = hanging(3)
+        with self.assertRaisesRegex(ValueError, "two ends of the blade"):
+            tissue.cut_blade([(0, 0, 0)], [(0, 0, 0)])
+        with self.assertRaisesRegex(ValueError, "sphere"):
+            tissue.add_contact(1e7, [{"shape": "sphre", "radius": 1e-3}])
+        with self.assertRaisesRegex(ValueError, "radius"):
+            tissue.add_contact(1e7, [{"shape": "sphere", "radios": 1e-3}])
+        with self.assertRaisesRegex(ValueError, "strain of 0"):
+            tissue.tear(0)
+
+    def test_the_example(self):
+        runpy.run_path(os.path.join(SOURCE, "tests", "examples", "cut.py"))
+
+
+if __name__ == "__main__":
+    unittest.main()
