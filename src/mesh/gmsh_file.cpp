@@ -186,12 +186,6 @@ struct Groups {
   }
 };
 
-/// How many dimensions a cell has by its use, for the groups of versions 1 and 2.
-long long dimension_of(const CellType& type) {
-  if (type.use == CellUse::cell) return cell_kind(type.shape).dimensions;
-  return type.use == CellUse::tetrahedron ? 3 : type.use == CellUse::triangle ? 2 : type.use == CellUse::line ? 1 : 0;
-}
-
 void read_group_names(Cursor& in, Groups& groups) {
   const std::size_t count = in.count("the number of physical names");
   for (std::size_t i = 0; i < count; ++i) {
@@ -220,9 +214,12 @@ void read_entities(Cursor& in, const Format& format, Groups& groups) {
   in.expect("$EndEntities");
 }
 
+/// Cells by the number that the file gives them.
+using CellNumbers = std::map<long long, int>;
+
 /// Reads the corners of one cell, which started at `at`, and adds it; its points are left in `corners`.
 const CellType& read_cell(Cursor& in, std::size_t at, long long name, long long code, NumberType width,
-                          const Tags& tags, MeshBuilder& mesh, std::array<int, 27>& corners) {
+                          const Tags& tags, MeshBuilder& mesh, std::array<int, 27>& corners, CellNumbers& numbers) {
   const CellType& type = find_cell_type(gmsh_cell_types, code);
   const auto cell = [&] { return "cell " + std::to_string(name); };
   if (type.use == CellUse::refused) in.fail(at, cell() + refusal(type, code));
@@ -233,12 +230,14 @@ const CellType& read_cell(Cursor& in, std::size_t at, long long name, long long 
     if (point < 0) in.fail(corner_at, cell() + " uses point " + std::to_string(tag) + ", which $Nodes does not have");
     corners[static_cast<std::size_t>(corner)] = point;
   }
+  if (mesh.wanted_data()) numbers[name] = mesh.cell_count();
   const std::string problem = mesh.add_cell(type, {corners.data(), static_cast<std::size_t>(type.points)});
   if (!problem.empty()) in.fail(at, cell() + problem);
   return type;
 }
 
-void read_cells_22(Cursor& in, const Format& format, const Tags& tags, const Groups& groups, MeshBuilder& mesh) {
+void read_cells_22(Cursor& in, const Format& format, const Tags& tags, const Groups& groups, MeshBuilder& mesh,
+                   CellNumbers& numbers) {
   std::array<int, 27> corners{};
   const std::size_t total_at = in.next_at();
   const std::size_t total = in.count("the number of cells");
@@ -258,13 +257,14 @@ void read_cells_22(Cursor& in, const Format& format, const Tags& tags, const Gro
       }
       const long long group = labels > 0 ? in.integer("the group of a cell") : 0;
       in.skip_numbers(labels > 0 ? labels - 1 : 0, int32);
-      const CellType& type = read_cell(in, at, name, code, int32, tags, mesh, corners);
+      const CellType& type = read_cell(in, at, name, code, int32, tags, mesh, corners, numbers);
       groups.add(mesh, dimension_of(type), group, {corners.data(), static_cast<std::size_t>(type.points)});
     }
   }
 }
 
-void read_cells_41(Cursor& in, const Format& format, const Tags& tags, const Groups& groups, MeshBuilder& mesh) {
+void read_cells_41(Cursor& in, const Format& format, const Tags& tags, const Groups& groups, MeshBuilder& mesh,
+                   CellNumbers& numbers) {
   std::array<int, 27> corners{};
   begin_data(in, format);
   const std::size_t blocks = in.count("the number of blocks", uint64);
@@ -281,7 +281,7 @@ void read_cells_41(Cursor& in, const Format& format, const Tags& tags, const Gro
     for (std::size_t cell = 0; cell < count; ++cell, ++read) {
       const std::size_t at = in.next_at();
       const long long name = in.integer("a cell's number", uint64);
-      const CellType& type = read_cell(in, at, name, code, uint64, tags, mesh, corners);
+      const CellType& type = read_cell(in, at, name, code, uint64, tags, mesh, corners, numbers);
       if (own == groups.of_entity.end()) continue;
       for (const long long group : own->second)
         groups.add(mesh, dimension, group, {corners.data(), static_cast<std::size_t>(type.points)});
@@ -301,6 +301,7 @@ void read_version_1(Cursor& in, MeshBuilder& mesh) {
   in.expect("$ENDNOD");
   in.expect("$ELM");
   std::array<int, 27> corners{};
+  CellNumbers numbers;
   const std::size_t count = in.count("the number of cells");
   for (std::size_t cell = 0; cell < count; ++cell) {
     const std::size_t at = in.next_at();
@@ -311,9 +312,52 @@ void read_version_1(Cursor& in, MeshBuilder& mesh) {
     const CellType& type = find_cell_type(gmsh_cell_types, code);
     if (type.use != CellUse::refused && nodes != type.points)
       in.fail(nodes_at, "a " + std::string(type.name) + " has " + std::to_string(type.points) + " points");
-    read_cell(in, at, name, code, int32, tags, mesh, corners);
+    read_cell(in, at, name, code, int32, tags, mesh, corners, numbers);
   }
   in.expect("$ENDELM");
+}
+
+/// Numbers of words and reals that say what the data are; then for each cell its number and its values.
+void read_element_data(Cursor& in, const Format& format, const CellNumbers& numbers, MeshBuilder& mesh) {
+  std::string name;
+  const std::size_t texts = in.count("the number of texts");
+  in.line();
+  for (std::size_t i = 0; i < texts; ++i) {
+    const std::string_view text = trimmed(in.line());
+    if (i == 0) name = text.size() > 1 && text.front() == '"' ? text.substr(1, text.size() - 2) : text;
+  }
+  for (std::size_t left = in.count("the number of reals"); left > 0; --left) in.real("a real");
+  const std::size_t integers = in.count("the number of integers");
+  std::size_t components = 1, count = 0;
+  for (std::size_t i = 0; i < integers; ++i) {
+    const std::size_t value = in.count("an integer, no less than 0");
+    if (i == 1) components = value;
+    if (i == 2) count = value;
+  }
+  if (integers < 3 || components == 0) in.fail(in.at(), "expected 3 integers: step, values a cell, number of cells");
+  const bool wanted = mesh.is_wanted(name);
+  begin_data(in, format);
+  std::vector<double> values(components);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = in.next_at();
+    const auto cell = numbers.find(in.integer("a cell's number"));
+    for (double& value : values) value = in.real("a cell's value");
+    if (!wanted) continue;
+    if (cell == numbers.end()) in.fail(at, "data of a cell that $Elements does not have");
+    mesh.add_data(cell->second, values);
+  }
+  in.begin_text();
+  in.expect("$EndElementData");
+}
+
+void read_all_data(Cursor& in, const Format& format, const CellNumbers& numbers, MeshBuilder& mesh) {
+  while (in.more()) {
+    const std::string section(in.word("$ElementData"));
+    if (section == "$ElementData")
+      read_element_data(in, format, numbers, mesh);
+    else
+      in.skip_past("$End" + section.substr(1));
+  }
 }
 
 }  // namespace
@@ -332,9 +376,11 @@ void read_gmsh(Cursor in, MeshBuilder& mesh) {
       tags.sort(in);
       have_points = true;
     } else if (section == "$Elements" && have_points) {
-      (format.is_4 ? read_cells_41 : read_cells_22)(in, format, tags, groups, mesh);
+      CellNumbers numbers;
+      (format.is_4 ? read_cells_41 : read_cells_22)(in, format, tags, groups, mesh, numbers);
       in.begin_text();
       in.expect("$EndElements");
+      if (mesh.wanted_data()) read_all_data(in, format, numbers, mesh);
       return;
     } else if (section == "$PhysicalNames") {
       read_group_names(in, groups);

@@ -69,6 +69,11 @@ std::string refusal(const CellType& type, long long code) {
          "); allowed: triangles of 3 and 6 points, tetrahedra of 4 and 10, prisms of 6, hexahedra of 8, 20 and 27";
 }
 
+int dimension_of(const CellType& type) {
+  if (type.use == CellUse::cell) return cell_kind(type.shape).dimensions;
+  return type.use == CellUse::tetrahedron ? 3 : type.use == CellUse::triangle ? 2 : type.use == CellUse::line ? 1 : 0;
+}
+
 int MeshBuilder::point_at(const Vector3& position) {
   const Eigen::Vector3f at = position.cast<float>().array() + 0.F;  // −0 and 0 are one place
   const auto [found, fresh] = positions_.try_emplace({at.x(), at.y(), at.z()}, point_count());
@@ -77,6 +82,10 @@ int MeshBuilder::point_at(const Vector3& position) {
 }
 
 std::string MeshBuilder::add_cell(const CellType& type, std::span<const int> points) {
+  Vector3 middle = Vector3::Zero();
+  for (const int point : points)
+    middle += points_[static_cast<std::size_t>(point)] / static_cast<double>(points.size());
+  places_.push_back({middle, dimension_of(type)});
   switch (type.use) {
     case CellUse::tetrahedron:
       return add_tetrahedron({points[0], points[1], points[2], points[3]});
@@ -161,6 +170,46 @@ std::string MeshBuilder::add_tetrahedron(std::array<int, 4> corners) {
   if (std::abs(volume) > flat * longest * longest * longest) return "";
   return " is a flat tetrahedron: its volume " + number(std::abs(volume), 3) +
          " is not above 1e-12 of its longest side (" + number(longest, 3) + ") cubed; remove it, or mesh again";
+}
+
+void MeshBuilder::add_data(int cell, std::span<const double> values) {
+  with_data_.push_back(cell);
+  data_.insert(data_.end(), values.begin(), values.end());
+}
+
+CellData MeshBuilder::finish_data(const std::string& path) const {
+  const SourceLocation location{path, 0, 0};
+  const std::string name = wanted_.value_or("");
+  if (data_names_.empty()) throw InputError(location, "has no data of its cells");
+  if (!data_names_.contains(name))
+    throw InputError(location, "has no data " + quoted(name) + " of its cells" +
+                                   suggestion(name, {data_names_.begin(), data_names_.end()}));
+  int dimensions = 0;
+  for (const int cell : with_data_)
+    dimensions = std::max(dimensions, places_[static_cast<std::size_t>(cell)].dimensions);
+  if (dimensions < 2) throw InputError(location, "has data " + quoted(name) + ", but not of tetrahedra or triangles");
+  const auto components = static_cast<Eigen::Index>(data_.size() / with_data_.size());
+  const Eigen::Map<const Eigen::MatrixXd> all(data_.data(), components, static_cast<Eigen::Index>(with_data_.size()));
+  std::vector<int> rows, cells;
+  for (std::size_t row = 0; row < with_data_.size(); ++row)
+    if (places_[static_cast<std::size_t>(with_data_[row])].dimensions == dimensions)
+      rows.push_back(static_cast<int>(row)), cells.push_back(with_data_[row]);
+  CellData data{Positions(3, rows.size()), all(Eigen::all, rows)};
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    data.middles.col(static_cast<Eigen::Index>(i)) = places_[static_cast<std::size_t>(cells[i])].middle;
+  return data;
+}
+
+void read_data(Cursor& in, NumberType type, std::size_t components, int first_cell, std::size_t cells,
+               MeshBuilder& mesh) {
+  in.require_numbers(components * cells, "values of cells", type);
+  std::vector<double> values(components);
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    for (double& value : values)
+      value = type.kind == NumberType::real || !in.binary() ? in.real("a cell's value", type)
+                                                            : static_cast<double>(in.integer("a cell's value", type));
+    mesh.add_data(first_cell + static_cast<int>(cell), values);
+  }
 }
 
 Mesh MeshBuilder::finish(const std::string& path) const {
@@ -258,6 +307,17 @@ Mesh read_mesh(const File& file) {
 Mesh load_mesh(const std::string& path) {
   format::reader_for(path);  // an unknown ending is told first, whether the file exists or not
   return format::read_mesh(format::load_file(path));
+}
+
+CellData load_cell_data(const std::string& path, const std::string& name) {
+  const auto [ending, read] = format::reader_for(path);
+  if (ending != ".vtu" && ending != ".vtk" && ending != ".msh")
+    throw InputError(SourceLocation{path, 0, 0}, "data of cells are read from .vtu, .vtk and .msh");
+  const format::File file = format::load_file(path);
+  format::MeshBuilder mesh;
+  mesh.want_data(name);
+  read(format::Cursor(file), mesh);
+  return mesh.finish_data(path);
 }
 
 }  // namespace elastin::mesh

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -27,6 +28,9 @@ struct CellType {
 /// Where `types` has the code; a refused type with the name "cell of unknown type" otherwise.
 const CellType& find_cell_type(std::span<const CellType> types, long long code);
 
+/// How many dimensions a cell has by its use.
+int dimension_of(const CellType& type);
+
 /// " is a …; allowed: …", for cells that Elastin does not use.
 std::string refusal(const CellType& type, long long code);
 
@@ -45,6 +49,20 @@ class MeshBuilder {
   void add_to_set(const std::string& name, std::span<const int> points) {
     sets_[name].insert(points.begin(), points.end());
   }
+  /// Cells that were added, of any use.
+  int cell_count() const { return static_cast<int>(places_.size()); }
+  /// The name of the cells' data that the readers keep; null: none are wanted.
+  void want_data(const std::string& name) { wanted_ = name; }
+  const std::string* wanted_data() const { return wanted_ ? &*wanted_ : nullptr; }
+  /// Notes data of this name, and returns whether they are wanted.
+  bool is_wanted(const std::string& name) {
+    data_names_.insert(name);
+    return wanted_ && *wanted_ == name;
+  }
+  /// The next numbers of the data, those of cell `cell`, counted as they were added. Each cell has as many.
+  void add_data(int cell, std::span<const double> values);
+  /// Throws InputError where there are no data of the wanted name for any cell.
+  CellData finish_data(const std::string& path) const;
   /// Leaves out what is not used. Throws InputError where there are neither tetrahedra nor triangles.
   Mesh finish(const std::string& path) const;
 
@@ -58,6 +76,15 @@ class MeshBuilder {
   Cells<4> tetrahedra_;
   std::vector<CellBlock> blocks_;
   std::map<std::string, std::set<int>> sets_;
+  struct Place {
+    Vector3 middle;
+    int dimensions;
+  };
+  std::vector<Place> places_;  ///< of all cells
+  std::optional<std::string> wanted_;
+  std::set<std::string> data_names_;
+  std::vector<int> with_data_;  ///< cells
+  std::vector<double> data_;    ///< theirs, one cell after the other
   std::size_t lines_ = 0;
   std::size_t single_points_ = 0;
 };
@@ -73,6 +100,10 @@ struct VtkCells {
 /// Adds the next cell's range of corners, which ends at `offsets[number]`; `size` is the number of all corners.
 void add_range(const Integers& offsets, std::size_t number, std::size_t size, std::vector<std::size_t>& first,
                std::vector<std::size_t>& count);
+
+/// Keeps `components` numbers of this type for each of the cells from `first_cell` on.
+void read_data(Cursor& in, NumberType type, std::size_t components, int first_cell, std::size_t cells,
+               MeshBuilder& mesh);
 
 /// Adds the cells, whose corners count from the mesh's point `first_point` on.
 void add_vtk_cells(const VtkCells& cells, int first_point, MeshBuilder& mesh);

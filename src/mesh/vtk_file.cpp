@@ -85,7 +85,12 @@ class LegacyReader {
   void read_cells_with_counts(std::size_t count, std::size_t size);
   void read_cells_with_offsets(std::size_t count, std::size_t size);
   void read_cell_types();
-  void skip_field();
+  void read_field(std::optional<std::size_t> cells);
+  void read_attributes();
+  void read_numbers(const std::string& name, NumberType type, std::size_t components, std::size_t tuples,
+                    bool of_cells);
+  void skip_metadata();
+  NumberType read_any_type();
   NumberType read_type(NumberType::Kind kind);
   void begin_data();
   void once(bool there, const std::string& section, std::size_t at);
@@ -204,28 +209,83 @@ void LegacyReader::read_cell_types() {
   types_ = in_.integers(count, "the type of a cell", int32);
 }
 
+/// The name of a type of numbers of any kind.
+NumberType LegacyReader::read_any_type() {
+  const std::string_view name = in_.word("a type of numbers");
+  const std::optional<NumberType> type = number_type(name);
+  if (!type) in_.fail(in_.at() - name.size(), "an array of type " + quoted(name) + " is not read; leave it out");
+  return *type;
+}
+
+/// The numbers of an array; of cells they are kept if they are wanted.
+void LegacyReader::read_numbers(const std::string& name, NumberType type, std::size_t components, std::size_t tuples,
+                                bool of_cells) {
+  begin_data();
+  if (of_cells && mesh_.is_wanted(name))
+    read_data(in_, type, components, mesh_.cell_count() - static_cast<int>(tuples), tuples, mesh_);
+  else
+    in_.skip_numbers(components * tuples, type);
+  in_.begin_text();
+}
+
 /// FIELD name arrays, each: name components tuples type, then its numbers.
-void LegacyReader::skip_field() {
+void LegacyReader::read_field(std::optional<std::size_t> cells) {
   in_.word("the name of the field");
   const std::size_t arrays = in_.count("the number of arrays");
   for (std::size_t array = 0; array < arrays; ++array) {
-    in_.word("the name of an array");
+    const std::string name(in_.word("the name of an array"));
     const std::size_t components = in_.count("the number of components");
+    const std::size_t tuples_at = in_.next_at();
     const std::size_t tuples = in_.count("the number of tuples");
-    const std::string_view name = in_.word("a type of numbers");
-    const std::optional<NumberType> type = number_type(name);
-    if (!type) in_.fail(in_.at() - name.size(), "an array of type " + quoted(name) + " is not read; leave it out");
-    begin_data();
-    in_.skip_numbers(components * tuples, *type);
-    in_.begin_text();
+    if (cells && tuples != *cells) in_.fail(tuples_at, "expected values of " + std::to_string(*cells) + " cells");
+    read_numbers(name, read_any_type(), components, tuples, cells.has_value());
   }
+}
+
+/// CELL_DATA and POINT_DATA, up to the end of the file.
+void LegacyReader::read_attributes() {
+  std::optional<std::size_t> cells;
+  std::size_t tuples = 0;
+  while (in_.more()) {
+    const std::string kind = upper(in_.word("CELL_DATA"));
+    const std::size_t at = in_.at() - kind.size();
+    if (kind == "CELL_DATA" || kind == "POINT_DATA") {
+      tuples = in_.count("the number of values");
+      cells = kind == "CELL_DATA" ? std::optional(tuples) : std::nullopt;
+      if (cells && tuples != first_.size())
+        in_.fail(at, "data of " + std::to_string(tuples) + " cells, but there are " + std::to_string(first_.size()));
+    } else if (kind == "FIELD") {
+      read_field(cells);
+    } else if (kind == "METADATA") {
+      skip_metadata();
+    } else if (kind == "SCALARS") {
+      const std::string name(in_.word("the name of the values"));
+      const NumberType type = read_any_type();
+      const std::string_view rest = trimmed(in_.line());
+      if (rest.size() > 1 || (rest.size() == 1 && (rest[0] < '1' || rest[0] > '4')))
+        in_.fail(in_.at() - 1, "expected the number of values a cell, 1 to 4; found " + quoted(rest));
+      in_.expect("LOOKUP_TABLE");
+      in_.word("the name of a table");
+      read_numbers(name, type, rest.empty() ? 1 : static_cast<std::size_t>(rest[0] - '0'), tuples, cells.has_value());
+    } else if (kind == "VECTORS" || kind == "NORMALS" || kind == "TENSORS") {
+      const std::string name(in_.word("the name of the values"));
+      read_numbers(name, read_any_type(), kind == "TENSORS" ? 9 : 3, tuples, cells.has_value());
+    } else {
+      in_.fail(at, "expected SCALARS, VECTORS, NORMALS, TENSORS or FIELD; found " + quoted(kind));
+    }
+  }
+}
+
+void LegacyReader::skip_metadata() {  // up to an empty line
+  in_.line();
+  while (in_.left() > 0 && !in_.line().empty()) continue;
 }
 
 void LegacyReader::once(bool there, const std::string& section, std::size_t at) {
   if (there) in_.fail(at, section + " stands here a second time");
 }
 
-/// False where the cells' and points' own data begin, which nobody needs.
+/// False where the cells' and points' own data begin.
 bool LegacyReader::read_section() {
   const char* cells = polygons_ ? "POLYGONS" : "CELLS";
   const std::string name = upper(in_.word(!have_points_ ? "POINTS" : !corners_ ? cells : "CELL_TYPES"));
@@ -246,10 +306,9 @@ bool LegacyReader::read_section() {
     once(types_.has_value(), name, at);
     read_cell_types();
   } else if (name == "FIELD") {
-    skip_field();
-  } else if (name == "METADATA") {  // up to an empty line
-    in_.line();
-    while (in_.left() > 0 && !in_.line().empty()) continue;
+    read_field(std::nullopt);
+  } else if (name == "METADATA") {
+    skip_metadata();
   } else {
     in_.fail(at, std::string("expected POINTS, ") + (polygons_ ? "POLYGONS" : "CELLS, CELL_TYPES") +
                      ", FIELD or METADATA; found " + quoted(name));
@@ -260,14 +319,19 @@ bool LegacyReader::read_section() {
 
 void LegacyReader::read() {
   read_header();
-  while (!(have_points_ && corners_ && types_ && !in_.more()) && read_section()) continue;
+  Cursor before_data = in_;
+  while (!(have_points_ && corners_ && types_ && !in_.more()) && read_section()) before_data = in_;
   if (!have_points_ || !corners_ || !types_)
     in_.fail(in_.at(), std::string("expected ") +
                            (!have_points_ ? "POINTS"
                             : !corners_   ? (polygons_ ? "POLYGONS" : "CELLS")
                                           : "CELL_TYPES") +
                            " before this");
-  add_vtk_cells({std::move(*corners_), std::move(first_), std::move(count_), std::move(*types_)}, 0, mesh_);
+  const VtkCells cells{std::move(*corners_), first_, std::move(count_), std::move(*types_)};
+  add_vtk_cells(cells, 0, mesh_);
+  if (!mesh_.wanted_data()) return;
+  in_ = before_data;
+  read_attributes();
 }
 
 }  // namespace

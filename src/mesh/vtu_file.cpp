@@ -2,6 +2,7 @@
 #include <charconv>
 #include <climits>
 #include <list>
+#include <optional>
 #include <pugixml.hpp>
 #include <utility>
 
@@ -22,13 +23,14 @@ class VtuReader {
   void read_piece(pugi::xml_node piece);
   void read_points(pugi::xml_node points, std::size_t count);
   VtkCells read_cells(pugi::xml_node cells, std::size_t count);
+  void read_cell_data(pugi::xml_node data, int first_cell, std::size_t count);
   Cursor numbers(pugi::xml_node array, NumberType type, std::size_t count);
   WrappedRange inline_range(pugi::xml_node array) const;
   WrappedRange appended_range(pugi::xml_node array) const;
 
   pugi::xml_node child(pugi::xml_node parent, const char* name) const;
   pugi::xml_node array_named(pugi::xml_node parent, const std::string& name) const;
-  NumberType number_type(pugi::xml_node array, bool real) const;
+  NumberType number_type(pugi::xml_node array, std::optional<bool> real) const;
   std::size_t number_of(pugi::xml_node node, const char* attribute, std::size_t most) const;
   std::size_t at(pugi::xml_node node) const;
   [[noreturn]] void fail_attribute(pugi::xml_node node, const char* attribute, const std::string& allowed) const;
@@ -74,7 +76,8 @@ std::size_t VtuReader::number_of(pugi::xml_node node, const char* attribute, std
   return value;
 }
 
-NumberType VtuReader::number_type(pugi::xml_node array, bool real) const {
+/// @param real whether they must be real numbers, or integers; none = any
+NumberType VtuReader::number_type(pugi::xml_node array, std::optional<bool> real) const {
   static constexpr std::pair<const char*, NumberType> types[] = {
       {"Int8", {NumberType::signed_integer, 1}},  {"UInt8", {NumberType::unsigned_integer, 1}},
       {"Int16", {NumberType::signed_integer, 2}}, {"UInt16", {NumberType::unsigned_integer, 2}},
@@ -83,8 +86,8 @@ NumberType VtuReader::number_type(pugi::xml_node array, bool real) const {
       {"Float32", {NumberType::real, 4}},         {"Float64", {NumberType::real, 8}}};
   const std::string_view name = array.attribute("type").value();
   for (const auto& [known, type] : types)
-    if (name == known && (type.kind == NumberType::real) == real) return type;
-  fail_attribute(array, "type", real ? "Float32 or Float64" : "Int8 to Int64 or UInt8 to UInt64");
+    if (name == known && (type.kind == NumberType::real) == real.value_or(type.kind == NumberType::real)) return type;
+  fail_attribute(array, "type", real.value_or(true) ? "Float32 or Float64" : "Int8 to Int64 or UInt8 to UInt64");
 }
 
 /// Appended data are no XML where they are raw: what is parsed ends at the start tag of AppendedData.
@@ -198,7 +201,22 @@ void VtuReader::read_piece(pugi::xml_node piece) {
   const std::size_t cells = number_of(piece, "NumberOfCells", INT_MAX);
   if (points == 0 && cells == 0) return;
   read_points(child(piece, "Points"), points);
+  const int first_cell = mesh_.cell_count();
   if (cells > 0) add_vtk_cells(read_cells(child(piece, "Cells"), cells), first_point, mesh_);
+  if (mesh_.wanted_data()) read_cell_data(piece.child("CellData"), first_cell, cells);
+}
+
+void VtuReader::read_cell_data(pugi::xml_node data, int first_cell, std::size_t count) {
+  for (const pugi::xml_node array : data.children("DataArray")) {
+    if (!mesh_.is_wanted(array.attribute("Name").value())) continue;
+    const int components = array.attribute("NumberOfComponents").as_int(1);
+    if (components < 1 || components > 9) fail_attribute(array, "NumberOfComponents", "1 to 9");
+    const NumberType type = number_type(array, std::nullopt);
+    const std::size_t size = static_cast<std::size_t>(components) * count;
+    Cursor in = numbers(array, type, size);
+    read_data(in, type, static_cast<std::size_t>(components), first_cell, count, mesh_);
+    in.expect_end("values of cells");
+  }
 }
 
 void VtuReader::read() {

@@ -31,4 +31,16 @@ struct Mesh {
 /// tetrahedron, a flat cell.
 Mesh load_mesh(const std::string& path);
 
+/// Numbers that a mesh file has for its cells.
+struct CellData {
+  Positions middles;       ///< of the cells, the mean of their points, in the file's own length unit
+  Eigen::MatrixXd values;  ///< a column a cell, a row a component
+};
+
+/// Reads the data of this name of the file's solid cells, or where it has none of its triangles: from .vtu, from .vtk
+/// (CELL_DATA: SCALARS, VECTORS, FIELD) and from .msh 2.2 and 4.1 ($ElementData; cells without a value are left out).
+/// Throws InputError as load_mesh does, on data for another number of cells, and with the nearest name where the file
+/// has none of that name.
+CellData load_cell_data(const std::string& path, const std::string& name);
+
 }  // namespace elastin::mesh

@@ -60,6 +60,11 @@ class Tension final : public StaticProtocol {
   bool apparent() const override { return section_ && !section_->prism(); }
 
   std::string no_reference() const override {
+    const auto differs = [](const VectorX& factors) {
+      return factors.size() && factors.minCoeff() < factors.maxCoeff();
+    };
+    if (differs(body_.connection_stiffness) || differs(body_.cell_stiffness))
+      return "the body is not equally stiff everywhere, so its modulus is apparent; compare with " + solid();
     if (apparent()) return "the body is no prism along the axis, so its modulus is apparent; compare with " + solid();
     if (clamps_reach_gauge()) return "the grips clamp, so no specimen shows the material's E; compare with " + solid();
     return "";

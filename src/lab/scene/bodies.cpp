@@ -35,6 +35,8 @@ void read_one(Reader item, const elastin::Table<MaterialLaw>& laws, Specimen& sp
   for (const char* key : {"at", "turn"}) item.has(key);
   Body body = read_body(item, material, remarks);
   if (own) check_material(*own, material, body);
+  if (own)
+    if (const auto fields = own->find("fields")) set_fields(*fields, material, body);
   if (material.bending_rigidity > 0) (own ? *own : item).fail("bending needs a scene of one body, `body`");
   Material turned = material;
   const Vector3 before = body.rest.col(0);

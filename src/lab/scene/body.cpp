@@ -288,10 +288,13 @@ void read_lines(Reader reader, Body& body) {
 
 }  // namespace
 
+std::vector<std::pair<std::string, double>> length_units() {
+  return {{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}};
+}
+
 mesh::Mesh read_mesh_file(Reader& reader) {
   const Reader file = reader.at("file");
-  const double unit =
-      reader.at("length_unit").choice<double>({{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}});
+  const double unit = reader.at("length_unit").choice<double>(length_units());
   const std::string path = (std::filesystem::path(file.file_path()).parent_path() / file.text()).string();
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))

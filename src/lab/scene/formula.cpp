@@ -15,12 +15,7 @@
 namespace elastin::lab {
 namespace {
 
-/// A number in SI units, and what it measures.
-struct Value {
-  double number = 0;
-  Dimension unit;
-  bool angle = false;  ///< written with deg or rad
-};
+using Value = FormulaValue;
 
 std::string name_of(const Dimension& unit) { return unit == dimension::none ? "a plain number" : si_unit(unit); }
 
@@ -47,10 +42,15 @@ class Formula {
   Formula(std::string_view text, const Names& names) : text_(text), names_(names) {}
 
   Value value() {
+    const Value value = any_value();
+    if (!std::isfinite(value.number)) fail("its result is no finite number");
+    return value;
+  }
+
+  Value any_value() {
     const Value value = sum();
     skip();
     if (at_ < text_.size()) fail("'" + std::string(text_.substr(at_)) + "' is not expected there");
-    if (!std::isfinite(value.number)) fail("its result is no finite number");
     return value;
   }
 
@@ -127,13 +127,13 @@ class Formula {
       while (const auto unit = unit_here()) value = times(value, *unit);
       return value;
     }
+    const std::size_t before = at_;
     const std::string name = word();
     if (name.empty())
       fail(at_ < text_.size() ? "'" + std::string(text_.substr(at_)) + "' is not expected there" : "it has no end");
     if (take('(')) return function(name);
     if (name == "pi") return {std::numbers::pi, {}, false};
-    at_ -= name.size();
-    const std::size_t before = at_;
+    at_ = before;  // also where blanks stand behind the name
     if (const auto unit = unit_here()) return *unit;  // "1000 kg/m3"
     at_ = before + name.size();
     return names_(name);
@@ -269,12 +269,13 @@ class NamedValues {
     return known_[name];
   }
   const std::vector<std::string>& names() const { return names_; }
+  const FormulaValues& known() const { return known_; }
 
  private:
   YAML::Node map_;
   Locate locate_;
   std::vector<std::string> names_;
-  std::map<std::string, Value> known_;
+  FormulaValues known_;
   std::set<std::string> under_way_;
 };
 
@@ -289,10 +290,15 @@ std::string text_of(const Value& value) {
   return text;
 }
 
+/// Whether a key is one of those whose formulas are of the place, so that their numbers are known only there.
+bool is_of_place(const std::string& key) { return key.find("fields.") != std::string::npos; }
+
 void put_in(YAML::Node node, NamedValues& values, const NamedValues::Locate& locate, const std::string& key) {
   if (node.IsScalar()) {
     const std::string& tag = node.Tag();
-    if (!node.Scalar().starts_with('=') || tag == "!" || (tag.starts_with('\001') && tag.ends_with('!'))) return;
+    if (is_of_place(key) || !node.Scalar().starts_with('=') || tag == "!" ||
+        (tag.starts_with('\001') && tag.ends_with('!')))
+      return;
     const Names names = [&values](const std::string& name) { return values.of(name); };
     try {
       node = text_of(Formula(node.Scalar().substr(1), names).value());
@@ -311,11 +317,26 @@ void put_in(YAML::Node node, NamedValues& values, const NamedValues::Locate& loc
 
 }  // namespace
 
-void put_in_formulas(const YAML::Node& root, const std::function<SourceLocation(const YAML::Node&)>& location_of) {
+FormulaValues put_in_formulas(const YAML::Node& root,
+                              const std::function<SourceLocation(const YAML::Node&)>& location_of) {
   NamedValues values(root["values"], location_of);
   for (const std::string& name : values.names()) values.of(name);  // one that is wrong is told, used or not
   for (const auto& entry : root)
     if (entry.first.Scalar() != "values") put_in(entry.second, values, location_of, entry.first.Scalar());
+  return values.known();
+}
+
+FormulaValue formula_at(const std::string& text, const Vector3& place, const Dimension& of_place,
+                        const FormulaValues& values) {
+  const Names names = [&](const std::string& name) -> Value {
+    for (int axis = 0; axis < 3; ++axis)
+      if (name == std::string(1, static_cast<char>('x' + axis))) return {place[axis], of_place, false};
+    if (const auto found = values.find(name); found != values.end()) return found->second;
+    std::vector<std::string> known{"x", "y", "z"};
+    for (const auto& [own, value] : values) known.push_back(own);
+    throw InputError("the formula '" + text + "': there is no value '" + name + "'" + suggestion(name, known));
+  };
+  return Formula(text, names).any_value();
 }
 
 }  // namespace elastin::lab

@@ -253,7 +253,9 @@ std::optional<Material> read_named(Reader& reader, const Table<MaterialLaw>& law
   std::erase_if(names, [](const std::string& key) { return key == "extends" || key == "values" || key == "title"; });
   if (std::find(names.begin(), names.end(), name->text()) == names.end())
     name->fail("'" + file->text() + "' has no material '" + name->text() + "'" + suggestion(name->text(), names));
-  return read_material(library.at(name->text()), laws);
+  Reader material = library.at(name->text());
+  if (material.has("fields")) material.at("fields").fail("places are those of a body: write it in the scene");
+  return read_material(material, laws);
 }
 
 }  // namespace
@@ -300,6 +302,7 @@ Material read_material(Reader reader, const Table<MaterialLaw>& laws, const Mate
   if (auto around = reader.find("around")) material.around = read_around(*around);
   if (auto relaxation = reader.find("relaxation")) material.relaxation = read_relaxation(*relaxation);
   if (auto softening = reader.find("softening")) material.softening = read_softening(*softening);
+  reader.has("fields");  // set_fields() reads them, which knows the body
   reader.finish();
   return material;
 }
@@ -406,7 +409,11 @@ std::vector<KeySection> material_keys(const Catalog& catalog) {
         {"active.activation", "time function", "", "", "1", "which part is at work; below 0 counts as 0"},
         {"around.axis", "direction", "", "", "needed",
          "axis around which directions turn: those of fibres and law are along radius, circumference and axis"},
-        {"around.through", "vector", "m", "", "0", "a point of the axis"}}}};
+        {"around.through", "vector", "m", "", "0", "a point of the axis"},
+        {"fields.stiffness", "map", "", "", "none", "a factor of all moduli that differs from place to place"},
+        {"fields.youngs_modulus", "map", "", "", "none", "the same of E in Pa, of a material without a law"},
+        {"fields.density", "map", "", "", "none", "the same of the density in kg/m³"}}}};
+  for (KeySection& section : field_keys()) sections.push_back(std::move(section));
   for (const auto& law : catalog.material_laws) sections.push_back(law_keys(*law));
   return sections;
 }

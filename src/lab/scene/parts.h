@@ -81,6 +81,12 @@ std::vector<Support> read_supports(const Reader& reader, const Body& body, const
 void read_preamble(Reader& reader);
 
 inline constexpr const char* kLengthUnits = "`m`, `cm`, `mm`, `um`, `nm`";
+/// `fields` of a material: makes the body as stiff and as heavy as they say at the middles of its cells and
+/// connections, and at its molecules. The body is at rest where the scene's places mean it.
+void set_fields(const Reader& fields, const Material& material, Body& body);
+/// The words for units of a mesh file's coordinates, and what they are in metres.
+std::vector<std::pair<std::string, double>> length_units();
+
 /// The keys that these functions read, for the key reference.
 std::vector<KeySection> scene_keys();
 std::vector<KeySection> expectation_keys();
@@ -89,6 +95,7 @@ std::vector<KeySection> surface_keys();
 std::vector<KeySection> fill_keys();
 SceneKey order_key();
 std::vector<KeySection> bodies_keys();
+std::vector<KeySection> field_keys();
 std::vector<KeySection> material_keys(const Catalog& catalog);
 std::vector<KeySection> strategy_keys(const Catalog& catalog);
 std::vector<KeySection> solver_keys(const Catalog& catalog);

@@ -398,6 +398,45 @@ Vector3 Reader::vector(const Dimension& dimension, const Range& range) const {
   return {list[0].quantity(dimension, range), list[1].quantity(dimension, range), list[2].quantity(dimension, range)};
 }
 
+std::function<double(const Vector3&)> Reader::of_place(const Dimension& dimension, const Range& range) const {
+  note_use("formula", dimension::none, {});
+  std::string given = text();
+  if (given.starts_with('=')) given.erase(0, 1);
+  const FormulaValues& values = file_->values;
+  const auto unit_with = [&](const Dimension& of_place) {
+    return formula_at(given, Vector3(1.3e-3, 1.7e-3, 1.9e-3), of_place, values).unit;
+  };
+  const auto expected = [&](const Dimension& found) {
+    const auto name = [](const Dimension& unit) { return unit == dimension::none ? "a plain number" : si_unit(unit); };
+    fail("'" + given + "' gives " + name(found) + ", and it must give " + name(dimension) + "; x, y and z are lengths" +
+         (dimension == dimension::none ? ", for example x / 10 mm" : ""));
+  };
+  // x, y and z are lengths; in a scene of plain numbers they are those.
+  Dimension place = dimension::length;
+  if (file_->first_unit) {
+    if (const Dimension found = located([&] { return unit_with(place); }); !(found == dimension)) expected(found);
+  } else {
+    bool lengths = false;
+    try {
+      lengths = unit_with(place) == dimension;
+    } catch (const InputError&) {  // it may be of plain numbers
+    }
+    if (!lengths) place = dimension::none;
+    const Dimension found = located([&] { return unit_with(place); });
+    if (!(found == dimension) && !(found == dimension::none)) expected(found);
+    if (!(dimension == dimension::none)) lengths ? note_unit() : note_plain(given, "(1 + x / 10 mm) * 2 kPa");
+  }
+  return [own = *this, given, values, place, range, dimension](const Vector3& at) {
+    const double value = own.located([&] { return formula_at(given, at, place, values).number; });
+    if (std::isfinite(value) && value >= range.low && value <= range.high && !(range.open_low && value == range.low))
+      return value;
+    char text[120];
+    std::snprintf(text, sizeof text, "is %.6g at (%.6g, %.6g, %.6g) m; must be ", value, at.x(), at.y(), at.z());
+    const std::string allowed = allowed_text(range, dimension);
+    own.fail("'" + given + "' " + text + (allowed.empty() ? "finite" : allowed));
+  };
+}
+
 std::array<int, 3> Reader::wholes(int low) const {
   const auto list = items(3);
   return {list[0].whole(low), list[1].whole(low), list[2].whole(low)};
@@ -409,6 +448,7 @@ Reader reader_of(const std::string& name, const std::string& text, const std::ve
                  SceneFile file) {
   SceneTree tree = load_scene_tree(name, text, overrides);
   file.files = std::move(tree.files);
+  file.values = std::move(tree.values);
   return {std::make_shared<SceneFile>(std::move(file)), tree.root, ""};
 }
 

@@ -32,6 +32,7 @@ struct SceneFile {
   std::shared_ptr<const HeldScene::Content> held = {};  ///< of a scene in memory: its plain numbers are in SI units
   std::map<std::string, std::vector<int>> sets = {};    ///< of molecules, ascending, as the body's mesh names them
   std::vector<std::string> files = {};                  ///< the scene's own, and those that it extends
+  FormulaValues values = {};                            ///< of the section `values`
   /// The sections of the key reference that have a key; none where nobody knows.
   std::function<std::vector<std::string>(const std::string& key)> owners = {};
 };
@@ -92,6 +93,9 @@ class Reader {
   int molecule(int count) const;
   Vector3 vector(const Dimension& dimension, const Range& range = {}) const;
   std::array<int, 3> wholes(int low) const;
+  /// A formula of the place x, y, z at rest [m]: its value in SI units. The function throws InputError where that is
+  /// not in range.
+  std::function<double(const Vector3& place)> of_place(const Dimension& dimension, const Range& range = {}) const;
   /// A word out of a fixed set.
   template <class Value>
   Value choice(const std::vector<std::pair<std::string, Value>>& choices) const {

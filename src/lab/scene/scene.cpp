@@ -166,7 +166,9 @@ void read_whole_body(Reader& reader, const Catalog& catalog, Scene& scene, const
   Specimen& specimen = scene.specimen;
   const Remarks remarks{scene.warnings, scene.notes};
   auto ties = reader.find("ties");
+  const auto fields = reader.at("material").find("fields");
   if (auto several = reader.find("bodies")) {
+    if (fields) fields->fail("belongs to one body: give that a `material` with it");
     if (auto one = reader.find("body")) one->fail("there are `bodies` already; put it into that list, with a name");
     read_bodies(*several, ties, catalog.material_laws, specimen, remarks);
     for (const Part& part : specimen.body.parts)  // a rigid body needs no connections
@@ -181,6 +183,7 @@ void read_whole_body(Reader& reader, const Catalog& catalog, Scene& scene, const
   scene.bare_graph = (reader.at("body").has("molecules") || reader.at("body").given_body("given") ||
                       reader.at("body").given_body("given_shape")) &&
                      specimen.body.tetrahedra.empty() && specimen.body.triangles.empty();
+  if (fields) set_fields(*fields, specimen.material, specimen.body);
   if (change) change(specimen.body, specimen.material);
   check_material(reader.at("material"), specimen.material, specimen.body);
   const auto bending = reader.at("material").find("bending");

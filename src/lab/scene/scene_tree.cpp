@@ -277,7 +277,7 @@ SceneTree load_scene_tree(const std::string& name, const std::string& text, cons
   SceneTree tree{{}, {name}};
   tree.root = load_extended(text, tree.files);
   for (const std::string& assignment : overrides) put_override(tree.root, assignment);
-  put_in_formulas(tree.root, [&](const YAML::Node& node) { return place_of(node, tree.files); });
+  tree.values = put_in_formulas(tree.root, [&](const YAML::Node& node) { return place_of(node, tree.files); });
   return tree;
 }
 

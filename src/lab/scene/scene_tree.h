@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "elastin/core/base/error.h"
+#include "lab/scene/formula.h"
 
 namespace elastin::lab {
 
@@ -13,6 +14,7 @@ namespace elastin::lab {
 struct SceneTree {
   YAML::Node root;
   std::vector<std::string> files;  ///< the scene's own, and those that it extends
+  FormulaValues values = {};       ///< of the section `values`
 };
 
 /// Reads a scene's text; `name` stands for its file in messages, and files that it names lie beside that. `overrides`

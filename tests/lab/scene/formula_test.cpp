@@ -53,6 +53,7 @@ TEST_CASE("a formula gives a number with its unit", "[scene][formula]") {
                          {"= rho * free_fall * side", pressure, 294.3},
                          {"= 1.1 g/cm3", density, 1100},
                          {"= 2 N s/m", damping, 2},
+                         {"= 1000 kg/m3 * 3", density, 3000},
                          {"= E / 2 * 15 %", pressure, 375},
                          {"= 2 ^ 3 ^ 2", none, 512},
                          {"= 1 - 2 - 3", none, -4},

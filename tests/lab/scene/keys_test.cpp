@@ -96,6 +96,10 @@ const std::vector<std::string> kRest{
         "experiment: {kind: vibration}\nsupports: [{molecules: {rim: true}}]\n",
     "body: {mesh: {file: " ELASTIN_TEST_DATA "/mesh/data/gmsh_groups_41.msh, length_unit: m}}\n" + kSolid +
         "experiment: {kind: vibration}\nsupports: [{molecules: {set: base}}]\n",
+    "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [1, 1, 2]}}\nstiffness: neo_hookean\n"
+    "material: {youngs_modulus: 1000, fields: {stiffness: {expression: 2}, density: {expression: 900}, youngs_modulus:"
+    " {file: " ELASTIN_TEST_DATA "/mesh/data/layers.vtk, data: E, unit: Pa, length_unit: m}}}\n" +
+        kFree,
     "body: {sphere: {radius: 1, divisions: 2}}\n" + kMembrane +
         "experiment: {kind: inflation, gas: {amount: 1e6}}\nloads: [{gas: {amount: 1e6}}]\n",
 };
