@@ -42,6 +42,9 @@ case $what in
     mv -- "$work/first" "$work/prefix"  # the place it was installed to must not matter
     ! grep -rlF -e "$source" -e "$build" -e libvoro --include='*.cmake' --include='*.pc' "$work/prefix" ||
       fail "the installed package names a place on this machine"
+    if [[ -e $build/web/bin/elastin.wasm ]]; then  # goes with the command
+      "$work/prefix/bin/elastin" lab "$source/scenes/tension/table1-a.yaml" --out "$work/lab.html" >/dev/null
+    fi
     build_project "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix"
     ;;
   alone)

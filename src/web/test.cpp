@@ -56,6 +56,7 @@ lab::TensionSetup drawn_on(const lab::TensionSetup& scene, const Body& body, dou
   lab::TensionSetup setup = scene;
   const VectorX heights = body.rest.transpose() * setup.axis.normalized();
   setup.force.reset();
+  setup.gravity.reset();
   setup.displacement = strain * (heights.maxCoeff() - heights.minCoeff());
   setup.load_steps = steps;
   return setup;

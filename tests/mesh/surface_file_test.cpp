@@ -2,6 +2,7 @@
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cstdint>
+#include <cstdio>
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/pressure.h"
@@ -102,6 +103,33 @@ TEST_CASE("surfaces come from STL, OBJ and PLY with their corners joined", "[sur
   const Mesh square = load_mesh(folder.write("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"));
   CHECK(square.triangles.size() == 2);
   CHECK(square.points.cols() == 4);
+}
+
+TEST_CASE("corners that differ by rounding are one, and those further apart are not", "[surface_file]") {
+  const TemporaryFolder folder;
+  const auto points_with = [&](double noise) {  // each corner of each triangle somewhere else
+    std::string text = "solid corner\n";
+    int number = 0;
+    for (const auto& triangle : kTriangles) {
+      text += "facet normal 0 0 0\nouter loop\n";
+      for (const int corner : triangle) {
+        text += "vertex";
+        for (const float x : kPoints[static_cast<std::size_t>(corner)]) {
+          char word[32];
+          std::snprintf(word, sizeof word, " %.9g", x + noise * (++number - 18) / 18.);
+          text += word;
+        }
+        text += "\n";
+      }
+      text += "endloop\nendfacet\n";
+    }
+    const Mesh mesh = load_mesh(folder.write("noisy.stl", text + "endsolid corner\n"));
+    CHECK(mesh.triangles.size() == 4);
+    return mesh.points.cols();
+  };
+  CHECK(points_with(1e-15) == 4);
+  CHECK(points_with(8e-7) == 4);  // of an extent of 3
+  CHECK(points_with(1e-3) == 12);
 }
 
 TEST_CASE("a PLY file that is broken is refused where it is", "[surface_file]") {

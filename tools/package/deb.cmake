@@ -36,7 +36,8 @@ if(TARGET elastin)
   set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION science)
   set(CPACK_DEBIAN_COMMAND_DESCRIPTION "Soft tissue as a molecular model, and the modulus it really has
 ${about}
-The command, with its scenes in /usr/share/elastin/scenes.")
+The command, with its scenes in /usr/share/elastin/scenes, and the core for pages
+of `elastin lab` in /usr/share/elastin/web where it was built.")
 endif()
 
 if(TARGET elastin_c)

@@ -1,4 +1,4 @@
-# cmake --install: libraries with their CMake package and pkg-config files, headers, the command, the scenes.
+# cmake --install: libraries with their CMake package and pkg-config files, headers, the command, the scenes, and what was built for browsers.
 include(CMakePackageConfigHelpers)
 include(CheckCXXSourceCompiles)
 
@@ -75,4 +75,7 @@ endforeach()
 if(TARGET elastin)
   install(TARGETS elastin COMPONENT command)
   install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/elastin COMPONENT command)
+  # What `elastin lab` puts into its pages, where tools/setup --web has built it.
+  install(FILES ${PROJECT_BINARY_DIR}/web/bin/elastin.js ${PROJECT_BINARY_DIR}/web/bin/elastin.wasm
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/elastin/web COMPONENT command OPTIONAL)
 endif()

@@ -7,6 +7,7 @@
 
 #include "core/geometry/triangle_tree.h"
 #include "core/model/surface.h"
+#include "core/model/ties.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 
@@ -129,7 +130,8 @@ void renumber_parts(Body& body, const std::vector<int>& kept, const std::vector<
   }
 }
 
-void join(Body& body, const std::vector<std::array<int, 2>>& pairs) {
+/// Returns the new number of each molecule.
+std::vector<int> join(Body& body, const std::vector<std::array<int, 2>>& pairs) {
   std::vector<int> kept(static_cast<std::size_t>(body.size()));
   for (std::size_t m = 0; m < kept.size(); ++m) kept[m] = static_cast<int>(m);
   for (const auto& [a, b] : pairs) kept[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
@@ -156,6 +158,7 @@ void join(Body& body, const std::vector<std::array<int, 2>>& pairs) {
   renumber_parts(body, kept, number);
   body.rest = body.rest(Eigen::all, left).eval();
   body.mass = body.mass(left).eval(), body.radius = body.radius(left).eval();
+  return number;
 }
 
 /// Distance of the side's molecules from a surface, and where on it.
@@ -225,11 +228,12 @@ void tie_to(Body& body, const Side& slaves, const std::vector<TriangleTree::Near
   }
 }
 
-void tie_soft(Body& body, const Part& first, const Part& second, double within, double stiffness, TieReport& report) {
+void tie_soft(Body& body, const Part& first, const Part& second, double within, double stiffness, TieReport& report,
+              std::vector<int>& numbers) {
   const std::string one_name = first.name, other_name = second.name;
   const auto pairs = pairs_at_one_position(body, side_of(body, first), side_of(body, second));
   report.joined = static_cast<int>(pairs.size());
-  if (!pairs.empty()) join(body, pairs);
+  if (!pairs.empty()) numbers = join(body, pairs);
   Side slaves = side_of(body, find_part(body, one_name)), masters = side_of(body, find_part(body, other_name));
   if (slaves.triangles.empty() && masters.triangles.empty()) {
     if (pairs.empty()) throw InputError("neither has a surface to tie to: give one of them cells: delaunay");
@@ -248,6 +252,13 @@ void tie_soft(Body& body, const Part& first, const Part& second, double within, 
 }  // namespace
 
 TieReport tie_parts(Body& body, const std::string& first, const std::string& second, double within, double stiffness) {
+  std::vector<int> numbers;
+  return tie_parts(body, first, second, within, stiffness, numbers);
+}
+
+TieReport tie_parts(Body& body, const std::string& first, const std::string& second, double within, double stiffness,
+                    std::vector<int>& numbers) {
+  numbers.clear();
   const Part &one = find_part(body, first), &other = find_part(body, second);
   if (&one == &other) throw InputError("'" + first + "' cannot be tied to itself");
   if (one.rigid && other.rigid) throw InputError("'" + first + "' and '" + second + "' are both rigid");
@@ -256,7 +267,7 @@ TieReport tie_parts(Body& body, const std::string& first, const std::string& sec
     Part& rigid = body.parts[static_cast<std::size_t>((one.rigid ? &one : &other) - body.parts.data())];
     fix(body, rigid, side_of(body, one.rigid ? other : one), within, report);
   } else {
-    tie_soft(body, one, other, within, stiffness, report);
+    tie_soft(body, one, other, within, stiffness, report, numbers);
   }
   return report;
 }

@@ -62,6 +62,7 @@ void visit(Archive& archive, TensionSetup& setup) {
   visit(archive, setup.axis);
   visit(archive, setup.force);
   visit(archive, setup.displacement);
+  visit(archive, setup.gravity);
   visit_choice(archive, setup.fixed_grip);
   visit_choice(archive, setup.loaded_grip);
   visit_choice(archive, setup.sharing);

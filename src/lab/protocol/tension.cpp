@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numeric>
 
 #include "core/model/faces.h"
 #include "elastin/core/base/error.h"
@@ -36,9 +37,10 @@ class Tension final : public StaticProtocol {
       setup_.strain.reset();
     }
     choose_section();
+    choose_force();
     choose_middle((height_.minCoeff() + height_.maxCoeff()) / 2);
     for (const Part& part : body.parts)
-      if (setup.force && part.rigid && meets(part, loaded_))
+      if (force_ && part.rigid && meets(part, loaded_))
         throw InputError("body '" + part.name + "' at the loaded end is rigid: give a displacement instead of a force");
   }
 
@@ -132,6 +134,27 @@ class Tension final : public StaticProtocol {
       }
       if (crossings_[plane].empty()) throw InputError("gauge: no connection crosses the plane");
     }
+  }
+
+  /// The force that the section carries, and the molecules on which it acts. A weight's is its mean over what is
+  /// measured: each molecule pulls at what lies between it and the fixed end, Σ m g min(h, l₀) / l₀. A body that a
+  /// force on its end strains uniformly shows the same modulus under both, by reciprocity.             [Betti 1872]
+  void choose_force() {
+    if (!setup_.gravity) {
+      force_ = setup_.force;
+      pulled_ = loaded_;
+      pull_ = share_;
+      return;
+    }
+    const double low = setup_.gauge ? height_.minCoeff() + (*setup_.gauge)[0] : mean_height(fixed_, fixed_share_);
+    const double high = setup_.gauge ? height_.minCoeff() + (*setup_.gauge)[1] : mean_height(loaded_, share_);
+    const VectorX carried = ((height_.array() - low) / (high - low)).cwiseMax(0).cwiseMin(1);
+    const double mass = body_.mass.dot(carried);
+    if (!(mass > 0)) throw InputError("nothing that is measured carries weight");
+    force_ = *setup_.gravity * mass;
+    pulled_.resize(static_cast<std::size_t>(body_.size()));
+    std::iota(pulled_.begin(), pulled_.end(), 0);
+    pull_ = body_.mass / mass;
   }
 
   /// The scene's own area, or that of the body, between the gauge planes if there are any. An area that is stated makes
@@ -268,7 +291,10 @@ class Tension final : public StaticProtocol {
   Eigen::Matrix<double, 3, 2> plane_;
   VectorX height_;  // of each molecule along the axis
   std::vector<int> fixed_, loaded_, middle_;
-  VectorX share_, fixed_share_;  // of the load, sum 1
+  VectorX share_, fixed_share_;  // of an end, sum 1
+  std::optional<double> force_;  // that a section carries in the mean [N]
+  std::vector<int> pulled_;      // the molecules on which it acts
+  VectorX pull_;                 // on each of them, over that force
   double area_ = 0, gauge_length_ = 0;
   std::optional<Section> section_;  // none where the scene states it and the body has no cells to tell
   Eigen::Index corner_ = 0;         // index into loaded_
@@ -288,9 +314,9 @@ class TensionRig final : public StaticRig {
           model, protocol_.loaded_,
           (setup_.displacement ? nothing : along) + (setup_.loaded_grip == Grip::clamped ? nothing : sideways));
     end_of_loaded_supports_ = model.supports.size();
-    if (setup_.force) {
-      auto load = std::make_unique<PointLoads>(body_, protocol_.loaded_,
-                                               *setup_.force * setup_.axis * protocol_.share_.transpose());
+    if (protocol_.force_) {
+      auto load = std::make_unique<PointLoads>(body_, protocol_.pulled_,
+                                               *protocol_.force_ * setup_.axis * protocol_.pull_.transpose());
       load_ = load.get();
       model.add(std::move(load));
     }
@@ -320,7 +346,8 @@ class TensionRig final : public StaticRig {
   Measures measure(const Start& start, const State& state, const StaticOptions&, StaticResult& solved) const override {
     Measures measures;
     const Positions motion = state.positions - start.positions;
-    const double force = setup_.force ? factor_ * *setup_.force : loaded_reaction(solved.reactions - start.reactions);
+    const double force =
+        protocol_.force_ ? factor_ * *protocol_.force_ : loaded_reaction(solved.reactions - start.reactions);
     const double elongation = protocol_.read_elongation(motion), strain = elongation / protocol_.gauge_length_,
                  stress = force / protocol_.area_;
     const double lateral = protocol_.lateral_strain(motion, solved.linear);
@@ -341,14 +368,15 @@ class TensionRig final : public StaticRig {
   void measure_end(const State& state, const StaticOptions& options, Measures& measures,
                    int& iterations) const override {
     Positions load = Positions::Zero(3, body_.size()), displacement = load;
-    for (std::size_t i = 0; i < protocol_.loaded_.size(); ++i) {
-      if (setup_.force) load.col(protocol_.loaded_[i]) = protocol_.share_[static_cast<Eigen::Index>(i)] * setup_.axis;
-      if (setup_.displacement) displacement.col(protocol_.loaded_[i]) = protocol_.gauge_length_ * setup_.axis;
-    }
+    if (protocol_.force_)
+      for (std::size_t i = 0; i < protocol_.pulled_.size(); ++i)
+        load.col(protocol_.pulled_[i]) = protocol_.pull_[static_cast<Eigen::Index>(i)] * setup_.axis;
+    if (setup_.displacement)
+      for (const int molecule : protocol_.loaded_) displacement.col(molecule) = protocol_.gauge_length_ * setup_.axis;
     const StaticResponse response = static_response(model_, state.positions, load, displacement, options);
     iterations += response.result.linear_iterations;
     if (response.result.outcome != Outcome::converged) return;
-    const double force = setup_.force ? 1 : loaded_reaction(response.result.reactions);
+    const double force = protocol_.force_ ? 1 : loaded_reaction(response.result.reactions);
     measures.set("tangent_modulus",
                  force / protocol_.area_ / (protocol_.read_elongation(response.motion) / protocol_.gauge_length_));
   }

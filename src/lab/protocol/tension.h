@@ -17,6 +17,9 @@ struct TensionSetup {
   std::optional<double> displacement;  ///< [m] of the loaded end, the other way to load; negative = compression
   /// The displacement over the distance of the ends' molecules, in place of it; negative = compression
   std::optional<double> strain;
+  /// [m/s²] along the axis, in place of them: the body's own weight is the load; it hangs from its fixed end, or stands
+  /// on it where this is negative
+  std::optional<double> gravity;
   Grip fixed_grip = Grip::sliding, loaded_grip = Grip::sliding;
   LoadSharing sharing = LoadSharing::area;
   Reading reading = Reading::mean;

@@ -1,8 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
-#include "elastin/core/model/parts.h"
+#include "core/model/ties.h"
 #include "elastin/core/shapes/shapes.h"
 #include "lab/scene/parts.h"
 
@@ -55,8 +56,23 @@ void read_one(Reader item, const elastin::Table<MaterialLaw>& laws, Specimen& sp
   name.located([&] { add_part(specimen.body, body, std::move(part)); });
 }
 
+/// Puts the sets of a body whose molecules begin at `first` to those of the bodies before it.
+void add_sets(const MoleculeSets& own, int first, MoleculeSets& sets) {
+  for (const auto& [name, members] : own)
+    for (const int member : members) sets[name].push_back(first + member);
+}
+
+void renumber(const std::vector<int>& numbers, MoleculeSets& sets) {
+  if (numbers.empty()) return;
+  for (auto& [name, members] : sets) {
+    for (int& member : members) member = numbers[static_cast<std::size_t>(member)];
+    std::sort(members.begin(), members.end());
+    members.erase(std::unique(members.begin(), members.end()), members.end());
+  }
+}
+
 /// {between: [femur, cartilage], within: 0.5 mm}
-void read_tie(Reader item, Specimen& specimen, Remarks remarks) {
+void read_tie(Reader item, Specimen& specimen, MoleculeSets& sets, Remarks remarks) {
   const std::vector<Reader> names = item.at("between").items(2);
   double modulus = 0;
   for (const Reader& name : names) {
@@ -66,8 +82,10 @@ void read_tie(Reader item, Specimen& specimen, Remarks remarks) {
   const double within = item.at("within").quantity(dimension::length, kPositive);
   item.finish();
   const std::string one = names[0].text(), other = names[1].text();
+  std::vector<int> numbers;
   const TieReport report =
-      item.located([&] { return tie_parts(specimen.body, one, other, within, kTieStiffness * modulus); });
+      item.located([&] { return tie_parts(specimen.body, one, other, within, kTieStiffness * modulus, numbers); });
+  renumber(numbers, sets);
   std::string how;
   const auto add = [&](int count, const std::string& what) {
     if (count > 0) how += fmt::format("{}{} {}", how.empty() ? "" : ", ", count, what);
@@ -85,9 +103,19 @@ void read_bodies(const Reader& list, std::optional<Reader> ties, const elastin::
   specimen.materials = {specimen.material};
   const std::vector<Reader> items = list.items();
   if (items.empty()) list.fail("names no body; write a list of them");
-  for (const Reader& item : items) read_one(item, laws, specimen, remarks);
+  MoleculeSets sets;
+  Reader file = list;
+  for (const Reader& item : items) {
+    MoleculeSets own;
+    file.set_mesh_sets({});
+    const int first = specimen.body.size();
+    remarks.sets = &own;
+    read_one(item, laws, specimen, remarks);
+    add_sets(own, first, sets);
+  }
   if (ties)
-    for (const Reader& item : ties->items()) read_tie(item, specimen, remarks);
+    for (const Reader& item : ties->items()) read_tie(item, specimen, sets, remarks);
+  file.set_mesh_sets(std::move(sets));
 }
 
 std::vector<KeySection> bodies_keys() {

@@ -89,9 +89,10 @@ Body read_tetrahedra(Reader reader, Order& order) {
   return tetrahedral_block(kind, cubes, size);
 }
 
-Body read_mesh(Reader reader, Order& order) {
+Body read_mesh(Reader reader, Order& order, MoleculeSets* sets) {
   mesh::Mesh mesh = read_mesh_file(reader);
   order = reader.find("order");
+  if (sets) *sets = mesh.sets;
   reader.set_mesh_sets(std::move(mesh.sets));
   reader.finish();
   Body body;
@@ -166,7 +167,7 @@ Body read_shape(Reader& reader, VectorX& volumes, Order& order, Remarks remarks)
   if (name == "lattice") return read_lattice(*shape, order);
   if (name == "packing") return read_packing(*shape);
   if (name == "tetrahedra") return read_tetrahedra(*shape, order);
-  if (name == "mesh") return read_mesh(*shape, order);
+  if (name == "mesh") return read_mesh(*shape, order, remarks.sets);
   if (name == "fill") {
     for (const char* key : {"jitter", "grade", "cells", "connections"})
       if (auto other = reader.find(key))

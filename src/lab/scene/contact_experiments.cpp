@@ -50,8 +50,8 @@ std::unique_ptr<Protocol> read_indentation(Reader reader, const ExperimentContex
   IndentationSetup setup;
   setup.axis = read_direction_of_motion(reader, context);
   read_indenter(reader.at("indenter"), setup);
-  const auto depth = reader.find("depth"), force = reader.find("force"), at = reader.find("at");
-  if (depth) setup.depth = depth->quantity(dimension::length, kPositive);
+  setup.depth = read_travel(reader, "depth", context.body, setup.axis);
+  const auto force = reader.find("force"), at = reader.find("at");
   if (force) setup.force = force->quantity(dimension::force, kPositive);
   if (at) setup.at = context.rotation * at->vector(dimension::length);
   if (auto bottom = reader.find("bottom")) setup.bottom = read_grip(*bottom);
@@ -66,7 +66,7 @@ std::unique_ptr<Protocol> read_indentation(Reader reader, const ExperimentContex
     }
   if (auto steps = reader.find("load_steps")) setup.load_steps = steps->whole(1, 100000);
   reader.finish();
-  if (depth.has_value() == force.has_value()) reader.fail("give one of depth and force");
+  if (setup.depth.has_value() == force.has_value()) reader.fail("give one of depth, strain and force");
   if (force && setup.shape == IndenterShape::obstacle) force->fail("of an obstacle give the depth");
   if (at && setup.shape == IndenterShape::obstacle) at->fail("an obstacle begins where the scene has it");
   contact::ContactOptions& contact = contact_of_scene(reader, context);
@@ -76,8 +76,8 @@ std::unique_ptr<Protocol> read_indentation(Reader reader, const ExperimentContex
 std::unique_ptr<Protocol> read_press(Reader reader, const ExperimentContext& context) {
   PressSetup setup;
   setup.axis = read_direction_of_motion(reader, context);
-  const auto displacement = reader.find("displacement"), force = reader.find("force");
-  if (displacement) setup.displacement = displacement->quantity(dimension::length, kPositive);
+  setup.displacement = read_travel(reader, "displacement", context.body, setup.axis);
+  const auto force = reader.find("force");
   if (force) setup.force = force->quantity(dimension::force, kPositive);
   const auto move = reader.find("move"), fixed = reader.find("fix");
   if (move) setup.moved = molecules_named(*move, context.body);
@@ -89,7 +89,7 @@ std::unique_ptr<Protocol> read_press(Reader reader, const ExperimentContext& con
   if (auto grip = reader.find("grip_depth")) setup.grip_depth = grip->quantity(dimension::length, kPositive);
   if (auto steps = reader.find("load_steps")) setup.load_steps = steps->whole(1, 100000);
   reader.finish();
-  if (displacement.has_value() == force.has_value()) reader.fail("give one of displacement and force");
+  if (setup.displacement.has_value() == force.has_value()) reader.fail("give one of displacement, strain and force");
   contact_of_scene(reader, context);
   return reader.located([&] { return make_press(context.body, setup); });
 }
@@ -133,8 +133,9 @@ std::vector<ExperimentInfo> contact_experiments() {
                 {"indenter", "map, or an obstacle's name", "", "", "needed", "what is pressed into the body"},
                 {"indenter.sphere.radius", "quantity", "m", "> 0", "this, or `flat`", "radius of a sphere"},
                 {"indenter.flat.radius", "quantity", "m", "> 0", "this, or `sphere`", "radius of a flat punch"},
-                {"depth", "quantity", "m", "> 0", "this, or `force`", "depth from the first contact point"},
-                {"force", "quantity", "N", "> 0", "this, or `depth`",
+                {"depth", "quantity", "m", "> 0", "one of three needed", "depth from the first contact point"},
+                travel_strain_key("depth", "one of three needed"),
+                {"force", "quantity", "N", "> 0", "one of three needed",
                  "force, of the whole body, that ends the motion; not of an obstacle"},
                 {"at", "vector", "m", "", "the middle", "a position on the indenter's axis; not of an obstacle"},
                 {"bottom", "`clamped`, `sliding`", "", "", "`clamped`", "how the far end is fixed"},
@@ -147,8 +148,9 @@ std::vector<ExperimentInfo> contact_experiments() {
            "a body, or the near end of one, is pressed onto what lies before it: force, contact area; needs `contact`",
        .source = "",
        .keys = {axis,
-                {"displacement", "quantity", "m", "> 0", "this, or `force`", "displacement of what is moved"},
-                {"force", "quantity", "N", "> 0", "this, or `displacement`", "force that ends the motion"},
+                {"displacement", "quantity", "m", "> 0", "one of three needed", "displacement of what is moved"},
+                travel_strain_key("displacement", "one of three needed"),
+                {"force", "quantity", "N", "> 0", "one of three needed", "force that ends the motion"},
                 {"move", "a body's name", "", "", "the near end", "what is moved"},
                 {"fix", "a body's name", "", "", "the far end, or rigid bodies", "what is fixed"},
                 {"grip", "`clamped`, `sliding`", "", "", "`clamped`", "how both are fixed across the axis"},

@@ -52,9 +52,9 @@ double read_angle(const Reader& value, const Range& range = {}) { return not_zer
 std::unique_ptr<Protocol> read_bar(Reader reader, const ExperimentContext& context, bool compression) {
   TensionSetup setup;
   setup.axis = read_axis(reader, setup.axis, context);
-  const auto force = reader.find("force"), displacement = reader.find("displacement"), strain = reader.find("strain");
-  if (displacement && displacement->is_text() && displacement->text().ends_with('%'))
-    displacement->fail("'" + displacement->text() + "' is no length; write strain: " + displacement->text());
+  const auto force = reader.find("force"), displacement = reader.find("displacement"), strain = reader.find("strain"),
+             gravity = reader.find("gravity");
+  if (displacement) refuse_percent(*displacement);
   const auto load = [&](const Reader& value, const Dimension& dimension) {
     const double amount = value.quantity(dimension);
     if (amount == 0) value.fail("a load of zero stretches nothing: no modulus can be measured");
@@ -66,6 +66,7 @@ std::unique_ptr<Protocol> read_bar(Reader reader, const ExperimentContext& conte
   if (force) setup.force = load(*force, dimension::force);
   if (displacement) setup.displacement = load(*displacement, dimension::length);
   if (strain) setup.strain = load(*strain, dimension::none);
+  if (gravity) setup.gravity = load(*gravity, dimension::acceleration);
   if (strain && *setup.strain <= -1) strain->fail("'" + strain->text() + "' leaves nothing of the body's length");
   const std::vector<std::pair<std::string, Grip>> grips{{"clamped", Grip::clamped}, {"sliding", Grip::sliding}};
   if (auto grip = reader.find("fixed_grip")) setup.fixed_grip = grip->choice(grips);
@@ -92,11 +93,13 @@ std::unique_ptr<Protocol> read_bar(Reader reader, const ExperimentContext& conte
     }
   setup.thickness = context.material.thickness;
   reader.finish();
-  if (force && displacement) displacement->fail("there is a force already; give one of them");
-  if ((force || displacement) && strain)
-    strain->fail(std::string("there is a ") + (force ? "force" : "displacement") + " already; give one of them");
-  if (!force && !displacement && !strain)
-    reader.fail("give a force or a displacement, or a strain, for example strain: 10 %");
+  const char* first = nullptr;
+  for (const auto& [name, given] :
+       {std::pair{"force", &force}, {"displacement", &displacement}, {"strain", &strain}, {"gravity", &gravity}}) {
+    if (*given && first) (*given)->fail(std::string("there is a ") + first + " already; give one of them");
+    if (*given) first = name;
+  }
+  if (!first) reader.fail("give a force or a displacement, or a strain, for example strain: 10 %");
   return reader.located([&] { return make_tension(context.body, setup); });
 }
 
@@ -149,6 +152,7 @@ std::unique_ptr<Protocol> read_shear(Reader reader, const ExperimentContext& con
     setup.sides = sides->choice<Sides>({{"free", Sides::free}, {"affine", Sides::affine}});
   const auto displacement = reader.find("displacement"), strain = reader.find("strain"), angle = reader.find("angle");
   constexpr double upright = 1.57;  // a right angle shears without end
+  if (displacement) refuse_percent(*displacement);
   if (displacement) setup.displacement = read_amount(*displacement, dimension::length);
   if (strain) setup.strain = read_amount(*strain, dimension::none);
   if (angle) setup.strain = std::tan(read_angle(*angle, {-upright, upright, false}));
@@ -237,10 +241,13 @@ const SceneKey kSectionKey{
 std::vector<SceneKey> tension_keys() {
   const std::string grip = "whether the end is also fixed sideways";
   return {{"axis", "direction", "", "", "`z`", "axis of the bar, from the fixed end to the loaded one"},
-          {"force", "quantity", "N", "", "one of three needed", "force on the loaded end; not 0"},
-          {"displacement", "quantity", "m", "", "one of three needed", "displacement of the loaded end; not 0"},
-          {"strain", "number", "", "", "one of three needed",
+          {"force", "quantity", "N", "", "one of four needed", "force on the loaded end; not 0"},
+          {"displacement", "quantity", "m", "", "one of four needed", "displacement of the loaded end; not 0"},
+          {"strain", "number", "", "", "one of four needed",
            "that displacement over the distance of the end layers; not 0"},
+          {"gravity", "quantity", "m/s^2", "", "one of four needed",
+           "acceleration by which the body's own weight is the load: under tension it hangs from its fixed end, under "
+           "compression it stands on it; not 0"},
           {"fixed_grip", "`clamped`, `sliding`", "", "", "`sliding`", grip},
           {"loaded_grip", "`clamped`, `sliding`", "", "", "`sliding`", grip},
           {"load_sharing", "`area`, `molecules`", "", "", "`area`",
@@ -257,6 +264,23 @@ std::vector<SceneKey> tension_keys() {
 }
 
 }  // namespace
+
+void refuse_percent(const Reader& length) {
+  if (length.is_text() && length.text().ends_with('%'))
+    length.fail("'" + length.text() + "' is no length; write strain: " + length.text());
+}
+
+std::optional<double> read_travel(Reader& reader, const char* key, const Body& body, const Vector3& axis) {
+  const auto length = reader.find(key), strain = reader.find("strain");
+  if (length && strain) strain->fail(std::string("there is a ") + key + " already; give one of them");
+  if (length) refuse_percent(*length);
+  if (length) return length->quantity(dimension::length, kPositive);
+  if (!strain) return std::nullopt;
+  const VectorX heights = body.rest.transpose() * axis;
+  const double height = heights.maxCoeff() - heights.minCoeff();
+  if (!(height > 0)) strain->fail(std::string("the body has no height along the axis: give a ") + key);
+  return strain->quantity(dimension::none, kPositive) * height;
+}
 
 std::vector<ExperimentInfo> static_experiments() {
   const SceneKey axis{"axis", "direction", "", "", "`z`", "axis of the body, from the fixed end to the loaded one"};

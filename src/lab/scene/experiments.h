@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,19 @@ inline const SceneKey kSymmetryKey{
     "symmetry", "list of directions",
     "",         "",
     "none",     "normals of planes through the origin that cut the body, each perpendicular to the others"};
+
+/// Of read_travel.
+inline SceneKey travel_strain_key(const std::string& length, const std::string& fallback) {
+  return {"strain", "number", "",
+          "> 0",    fallback, "`" + length + "` over the height along the axis of the body, of all bodies together"};
+}
+
+/// Fails on a length that is given in percent.
+void refuse_percent(const Reader& length);
+
+/// How far something is moved [m]: `key`, or `strain` times the body's height along `axis` (unit), that of all bodies
+/// together. None: neither is given.
+std::optional<double> read_travel(Reader& reader, const char* key, const Body& body, const Vector3& axis);
 
 /// Rows of the table, each list beside the functions that read them.
 std::vector<ExperimentInfo> static_experiments();

@@ -20,9 +20,12 @@ Material read_material(Reader reader, const elastin::Table<MaterialLaw>& laws, c
 std::optional<CurveNumbers> read_curve_numbers(Reader material);
 /// Throws where a membrane has no thickness, or a solid is incompressible: above ν = 0.4999.
 void check_material(Reader reader, const Material& material, const Body& body);
-/// Warnings and notes from reading a body.
+/// Of molecules, ascending, by the names that mesh files give them.
+using MoleculeSets = std::map<std::string, std::vector<int>>;
+/// Warnings and notes from reading a body, and, where somebody wants them, the sets of its mesh file.
 struct Remarks {
   std::vector<std::string>&warnings, &notes;
+  MoleculeSets* sets = nullptr;
 };
 /// Masses and radii are set too. The body is as written: rotated later, with the experiment.
 Body read_body(Reader reader, const Material& material, Remarks remarks);

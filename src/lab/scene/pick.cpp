@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <utility>
 
+#include "elastin/core/model/parts.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
@@ -65,10 +67,20 @@ void keep_in_sphere(Reader sphere, Picked& picked) {
   picked.keep([&](int molecule) { return (picked.place(molecule) - centre).norm() <= radius; });
 }
 
+void keep_part(const Reader& name, const Body& body, Picked& picked) {
+  if (body.parts.empty()) name.fail("is one of several `bodies`; the scene has one");
+  const Part& part = name.located([&]() -> const Part& { return find_part(body, name.text()); });
+  const std::vector<int> own = molecules_of(part);
+  picked.keep([&](int molecule) { return std::binary_search(own.begin(), own.end(), molecule); });
+}
+
+/// The furthest of what is picked so far: of a body that was named, its own.
 void keep_side(const Reader& side, Picked& picked) {
   const Vector3 direction = read_direction(side);
   const VectorX height = picked.places().transpose() * direction;
-  const double end = height.maxCoeff() - 1e-6 * picked.size();
+  double end = -std::numeric_limits<double>::infinity();
+  for (const int molecule : picked.molecules()) end = std::max(end, height[molecule]);
+  end -= 1e-6 * picked.size();
   picked.keep([&](int molecule) { return height[molecule] >= end; });
 }
 
@@ -96,14 +108,15 @@ std::vector<int> read_molecules(const Reader& reader, const Body& body, const Ma
   map.set_section("pick");
   Picked picked(body, rotation);
   const auto box = map.find("box"), plane = map.find("plane"), sphere = map.find("sphere"), side = map.find("side"),
-             nearest = map.find("nearest"), rim = map.find("rim"), set = map.find("set");
+             nearest = map.find("nearest"), rim = map.find("rim"), set = map.find("set"), part = map.find("body");
   map.finish();
-  if (!box && !plane && !sphere && !side && !nearest && !rim && !set)
-    map.fail("names no place: give box, plane, sphere, side, nearest, rim or set");
+  if (!box && !plane && !sphere && !side && !nearest && !rim && !set && !part)
+    map.fail("names no place: give box, plane, sphere, side, nearest, rim, set or body");
+  if (part) keep_part(*part, body, picked);
+  if (side) keep_side(*side, picked);
   if (box) keep_in_box(*box, picked);
   if (plane) keep_in_plane(*plane, picked);
   if (sphere) keep_in_sphere(*sphere, picked);
-  if (side) keep_side(*side, picked);
   if (rim && rim->choice<bool>({{"true", true}, {"false", false}})) {
     if (body.triangles.empty() || !body.tetrahedra.empty()) rim->fail("is of bodies of triangles; this one is a solid");
     const std::vector<int> edge = rim_of(body);
@@ -141,10 +154,13 @@ std::vector<KeySection> pick_keys() {
         {"plane.within", "quantity", "m", "> 0", "1e-6 of the body", "distance from it that counts"},
         {"sphere.centre", "vector", "m", "", "needed", "middle of the sphere"},
         {"sphere.radius", "quantity", "m", "> 0", "needed", "its radius"},
-        {"side", "direction", "", "", "none", "the molecules furthest along this direction"},
+        {"side", "direction", "", "", "none", "the molecules furthest along this direction, of `body` if one is named"},
         {"rim", "`true`, `false`", "", "", "`false`", "the free edge of a body of triangles"},
         {"set", "text", "", "", "none",
-         "a set of the mesh file: a physical group of Gmsh, `*NSET` or `*ELSET` of Abaqus"},
+         "a set of the mesh file: a physical group of Gmsh, `*NSET` or `*ELSET` of Abaqus; of several bodies the sets "
+         "of "
+         "this name in all their files"},
+        {"body", "a body's name", "", "", "all", "the molecules of this one of several `bodies`"},
         {"nearest", "vector", "m", "", "none", "the molecule nearest to this point"}}}};
 }
 

@@ -83,8 +83,8 @@ std::unique_ptr<Protocol> read_shake(Reader reader, const ExperimentContext& con
   if (auto axis = reader.find("axis")) setup.axis = read_direction(*axis);
   setup.direction = context.rotation * (reader.has("direction") ? read_direction(reader.at("direction")) : setup.axis);
   setup.axis = context.rotation * setup.axis;
-  const Reader amplitude = reader.at("amplitude");
-  setup.amplitude = amplitude.quantity(dimension::length, kPositive);
+  const auto amplitude = read_travel(reader, "amplitude", context.body, setup.axis);
+  setup.amplitude = amplitude ? *amplitude : reader.at("amplitude").quantity(dimension::length, kPositive);
   setup.frequency = reader.at("frequency").quantity({0, 0, -1}, kPositive);
   if (auto depth = reader.find("grip_depth")) setup.grip_depth = depth->quantity(dimension::length, kPositive);
   reader.finish();
@@ -217,7 +217,8 @@ std::vector<ExperimentInfo> timed_experiments() {
        .in_time = true,
        .keys = {{"axis", "direction", "", "", "`x`", "from the clamped end to the far one"},
                 {"direction", "direction", "", "", "`axis`", "direction of the oscillation"},
-                {"amplitude", "quantity", "m", "> 0", "needed", "amplitude of the clamped end"},
+                {"amplitude", "quantity", "m", "> 0", "this, or `strain`", "amplitude of the clamped end"},
+                travel_strain_key("amplitude", "this, or `amplitude`"),
                 {"frequency", "quantity", "1/s", "> 0", "needed", "frequency of the oscillation"},
                 kDepthKey},
        .read = read_shake},

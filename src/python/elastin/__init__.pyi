@@ -607,8 +607,7 @@ def experiments() -> list[type[Experiment]]:
 
 class Experiment:
     """What is done to a body, and what is read: an experiment of the scenes with its keys. Quantities are plain numbers
-    in SI units or text with a unit, "3 mm". Where the ends have grips, `grips` sets both; where an end is displaced,
-    `strain` says it over the length."""
+    in SI units or text with a unit, "3 mm". Where the ends have grips, `grips` sets both."""
     kind: str
     in_time: bool
     table: dict[str, dict[str, str]]
@@ -617,17 +616,19 @@ class Experiment:
     @classmethod
     def allowed(cls) -> list[str]:
         """The names of its keys."""
-    def keys(self, scene: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """As a scene has it: a dict with `kind`. A strain needs the scene's body."""
+    def keys(self) -> dict[str, Any]:
+        """As a scene has it: a dict with `kind`."""
 
 # --- experiments: made from the table of scenes by tools/stubs; below nothing is kept ---
 
 class Tension(Experiment):
     """A bar is pulled along its axis: effective modulus, Poisson's ratio, stress–strain curve.
     axis: axis of the bar, from the fixed end to the loaded one (direction; default: z).
-    force [N]: force on the loaded end; not 0 (quantity; default: one of three needed).
-    displacement [m]: displacement of the loaded end; not 0 (quantity; default: one of three needed).
-    strain: that displacement over the distance of the end layers; not 0 (number; default: one of three needed).
+    force [N]: force on the loaded end; not 0 (quantity; default: one of four needed).
+    displacement [m]: displacement of the loaded end; not 0 (quantity; default: one of four needed).
+    strain: that displacement over the distance of the end layers; not 0 (number; default: one of four needed).
+    gravity [m/s^2]: acceleration by which the body's own weight is the load: under tension it hangs from its fixed
+    end, under compression it stands on it; not 0 (quantity; default: one of four needed).
     fixed_grip: whether the end is also fixed sideways (clamped, sliding; default: sliding).
     loaded_grip: whether the end is also fixed sideways (clamped, sliding; default: sliding).
     load_sharing: how the molecules of the loaded end share a force: by tributary areas, or equally (area, molecules;
@@ -642,35 +643,18 @@ class Tension(Experiment):
     load_steps: equal steps in which the load grows (whole; default: 1).
     cycle: parts of the load that are reached one after the other, each in `load_steps`: [1, 0, 1] (list of numbers;
     default: [1])."""
-    def __init__(self, *, axis: Any = None, force: Any = None, displacement: Any = None, strain: Any = None, fixed_grip:
-                 Any = None, loaded_grip: Any = None, load_sharing: Any = None, reading: Any = None, cross_section: Any
-                 = None, gauge_length: Any = None, gauge: Any = None, grip_depth: Any = None, load_steps: Any = None,
-                 cycle: Any = None, grips: Any = None) -> None: ...
+    def __init__(self, *, axis: Any = None, force: Any = None, displacement: Any = None, strain: Any = None, gravity:
+                 Any = None, fixed_grip: Any = None, loaded_grip: Any = None, load_sharing: Any = None, reading: Any =
+                 None, cross_section: Any = None, gauge_length: Any = None, gauge: Any = None, grip_depth: Any = None,
+                 load_steps: Any = None, cycle: Any = None, grips: Any = None) -> None: ...
 
 class Compression(Experiment):
     """A bar is pressed along its axis and measured as in tension.
-    axis: axis of the bar, from the fixed end to the loaded one (direction; default: z).
-    force [N]: force on the loaded end; not 0 (quantity; default: one of three needed).
-    displacement [m]: displacement of the loaded end; not 0 (quantity; default: one of three needed).
-    strain: that displacement over the distance of the end layers; not 0 (number; default: one of three needed).
-    fixed_grip: whether the end is also fixed sideways (clamped, sliding; default: sliding).
-    loaded_grip: whether the end is also fixed sideways (clamped, sliding; default: sliding).
-    load_sharing: how the molecules of the loaded end share a force: by tributary areas, or equally (area, molecules;
-    default: area).
-    reading: elongation of the loaded end, or of one corner molecule (mean, corner; default: mean).
-    cross_section [m^2]: section A that carries the load (quantity; default: volume over length of the cells, between
-    the planes of gauge if there are any; without cells the hull of the molecules along the axis).
-    gauge_length [m]: length l₀ to which the strain refers (quantity; default: between the end layers).
-    gauge [m]: planes, measured from the fixed end, between which an extensometer reads (two quantities; default:
-    none).
-    grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
-    load_steps: equal steps in which the load grows (whole; default: 1).
-    cycle: parts of the load that are reached one after the other, each in `load_steps`: [1, 0, 1] (list of numbers;
-    default: [1])."""
-    def __init__(self, *, axis: Any = None, force: Any = None, displacement: Any = None, strain: Any = None, fixed_grip:
-                 Any = None, loaded_grip: Any = None, load_sharing: Any = None, reading: Any = None, cross_section: Any
-                 = None, gauge_length: Any = None, gauge: Any = None, grip_depth: Any = None, load_steps: Any = None,
-                 cycle: Any = None, grips: Any = None) -> None: ...
+    The keys are those of Tension."""
+    def __init__(self, *, axis: Any = None, force: Any = None, displacement: Any = None, strain: Any = None, gravity:
+                 Any = None, fixed_grip: Any = None, loaded_grip: Any = None, load_sharing: Any = None, reading: Any =
+                 None, cross_section: Any = None, gauge_length: Any = None, gauge: Any = None, grip_depth: Any = None,
+                 load_steps: Any = None, cycle: Any = None, grips: Any = None) -> None: ...
 
 class Biaxial(Experiment):
     """A block or sheet is stretched along two directions between smooth grips, free along the third. [Timoshenko &
@@ -779,31 +763,35 @@ class Indentation(Experiment):
     indenter: what is pressed into the body (map, or an obstacle's name; default: needed).
     indenter.sphere.radius [m]: radius of a sphere (quantity; default: this, or flat).
     indenter.flat.radius [m]: radius of a flat punch (quantity; default: this, or sphere).
-    depth [m]: depth from the first contact point (quantity; default: this, or force).
-    force [N]: force, of the whole body, that ends the motion; not of an obstacle (quantity; default: this, or
-    depth).
+    depth [m]: depth from the first contact point (quantity; default: one of three needed).
+    strain: `depth` over the height along the axis of the body, of all bodies together (number; default: one of three
+    needed).
+    force [N]: force, of the whole body, that ends the motion; not of an obstacle (quantity; default: one of three
+    needed).
     at [m]: a position on the indenter's axis; not of an obstacle (vector; default: the middle).
     bottom: how the far end is fixed (clamped, sliding; default: clamped).
     grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
     symmetry: normals of planes through the origin that cut the body, each perpendicular to the others (list of
     directions; default: none).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
-    def __init__(self, *, axis: Any = None, indenter: Any = None, depth: Any = None, force: Any = None, at: Any = None,
-                 bottom: Any = None, grip_depth: Any = None, symmetry: Any = None, load_steps: Any = None) -> None: ...
+    def __init__(self, *, axis: Any = None, indenter: Any = None, depth: Any = None, strain: Any = None, force: Any =
+                 None, at: Any = None, bottom: Any = None, grip_depth: Any = None, symmetry: Any = None, load_steps: Any
+                 = None) -> None: ...
 
 class Press(Experiment):
     """A body, or the near end of one, is pressed onto what lies before it: force, contact area; needs `contact`.
     axis: direction of the motion (direction; default: -z).
-    displacement [m]: displacement of what is moved (quantity; default: this, or force).
-    force [N]: force that ends the motion (quantity; default: this, or displacement).
+    displacement [m]: displacement of what is moved (quantity; default: one of three needed).
+    strain: `displacement` over the height along the axis of the body, of all bodies together (number; default: one
+    of three needed).
+    force [N]: force that ends the motion (quantity; default: one of three needed).
     move: what is moved (a body's name; default: the near end).
     fix: what is fixed (a body's name; default: the far end, or rigid bodies).
     grip: how both are fixed across the axis (clamped, sliding; default: clamped).
     grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane).
     load_steps: equal steps in which the load grows (whole; default: 1)."""
-    def __init__(self, *, axis: Any = None, displacement: Any = None, force: Any = None, move: Any = None, fix: Any =
-                 None, grip: Any = None, grip_depth: Any = None, load_steps: Any = None, strain: Any =
-                 None) -> None: ...
+    def __init__(self, *, axis: Any = None, displacement: Any = None, strain: Any = None, force: Any = None, move: Any =
+                 None, fix: Any = None, grip: Any = None, grip_depth: Any = None, load_steps: Any = None) -> None: ...
 
 class Sliding(Experiment):
     """A body lies on a plane that is tilted, or slides along it: friction, slip angle; needs `contact`.
@@ -852,11 +840,13 @@ class Shake(Experiment):
     """The clamped end of a body oscillates: amplitude ratio and phase of the far end.
     axis: from the clamped end to the far one (direction; default: x).
     direction: direction of the oscillation (direction; default: axis).
-    amplitude [m]: amplitude of the clamped end (quantity; default: needed).
+    amplitude [m]: amplitude of the clamped end (quantity; default: this, or strain).
+    strain: `amplitude` over the height along the axis of the body, of all bodies together (number; default: this, or
+    amplitude).
     frequency [1/s]: frequency of the oscillation (quantity; default: needed).
     grip_depth [m]: molecules that are so near to an end belong to it (quantity; default: the end plane)."""
-    def __init__(self, *, axis: Any = None, direction: Any = None, amplitude: Any = None, frequency: Any = None,
-                 grip_depth: Any = None) -> None: ...
+    def __init__(self, *, axis: Any = None, direction: Any = None, amplitude: Any = None, strain: Any = None, frequency:
+                 Any = None, grip_depth: Any = None) -> None: ...
 
 class Drop(Experiment):
     """A free body falls on a floor, or on the scene's obstacles: restitution, duration of contact.

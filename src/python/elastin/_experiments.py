@@ -3,19 +3,16 @@ come from the same table."""
 
 import inspect
 
-import numpy
-
 from . import _elastin
-from ._elastin import Body, InputError
+from ._elastin import InputError
 
-# What stands for several keys, or for one that needs the body.
+# What stands for several keys.
 GRIPS = ("fixed_grip", "loaded_grip")
 
 
 class Experiment:
     """What is done to a body, and what is read: an experiment of the scenes with its keys. Quantities are plain numbers in
-    SI units or text with a unit, "3 mm". Where the ends have grips, `grips` sets both; where an end is displaced,
-    `strain` says it over the length."""
+    SI units or text with a unit, "3 mm". Where the ends have grips, `grips` sets both."""
 
     kind = ""
     in_time = False
@@ -36,17 +33,13 @@ class Experiment:
         names = list(dict.fromkeys(key.split(".")[0] for key in cls.table))
         if set(GRIPS) <= set(names):
             names.append("grips")
-        if "displacement" in names and "axis" in names and "strain" not in names:
-            names.append("strain")
         return names
 
-    def keys(self, scene=None):
-        """As a scene has it: a dict with `kind`. A strain needs the scene's body."""
+    def keys(self):
+        """As a scene has it: a dict with `kind`."""
         keys = {"kind": self.kind} | self.given
         if "grips" in keys:
             keys |= dict.fromkeys(GRIPS, keys.pop("grips"))
-        if "strain" in keys and "strain" not in self.table:
-            keys["displacement"] = keys.pop("strain") * length_along(scene or {}, keys.get("axis", "z"))
         return keys
 
     def __eq__(self, other):
@@ -54,24 +47,6 @@ class Experiment:
 
     def __repr__(self):
         return f"{type(self).__name__}({', '.join(f'{key}={value!r}' for key, value in self.given.items())})"
-
-
-def length_along(scene, axis):
-    """Of the body of a scene [m], from one end to the other."""
-    body = scene.get("body")
-    if isinstance(body, dict):
-        from . import _bodies
-        body = _bodies.body(body)
-    if not isinstance(body, Body):
-        raise InputError("strain: there is no one body whose length it could be of; give a displacement")
-    if isinstance(axis, str):
-        direction = numpy.eye(3)["xyz".index(axis[-1])] if axis[-1:] in "xyz" and axis else None
-    else:
-        direction = numpy.asarray(axis, float)
-    if direction is None:
-        raise InputError(f"axis: '{axis}' is no direction; allowed: x, y, z, -x … or three numbers")
-    along = body.positions @ (direction / numpy.linalg.norm(direction))
-    return float(along.max() - along.min())
 
 
 def class_name(kind):

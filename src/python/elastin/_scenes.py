@@ -138,7 +138,7 @@ def opened(scene, strategies=(), experiment=None, material=None, keys=None):
     elif strategies:
         tree = {"stiffness": strategies[0]} | tree
     if isinstance(tree.get("experiment"), Experiment):
-        tree["experiment"] = tree["experiment"].keys(tree)
+        tree["experiment"] = tree["experiment"].keys()
     return Held(tree)
 
 

@@ -68,6 +68,11 @@ TEST_CASE("area and pressure do not depend on the depth that contact allows", "[
   }
 }
 
+TEST_CASE("an indenter goes to a strain of the body's height", "[indentation]") {
+  const std::string indenter = "indenter: {sphere: {radius: 15 mm}}, symmetry: [x, y], ";
+  CHECK(run_of(kQuarter, indenter + "strain: 5 %").measures.get("depth") == Approx(1e-3).epsilon(1e-12));
+}
+
 TEST_CASE("an indenter goes as deep as its force asks for", "[indentation]") {
   const Run deep = run_of(kQuarter, "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm, symmetry: [x, y]");
   const std::string force = std::to_string(deep.measures.get("force"));

@@ -69,6 +69,15 @@ TEST_CASE("a force closes a gap first", "[press]") {
   CHECK(across.newton_iterations <= near.newton_iterations + 10);
 }
 
+TEST_CASE("a press by strain goes by the height of all bodies", "[press]") {
+  const std::string blocks = kBelow + std::string(", ") + kAbove;
+  CHECK(run_of(blocks, "strain: 1 %").measures.get("depth") == Approx(0.2e-3).epsilon(1e-12));
+  CHECK_THROWS_WITH(run_of(blocks, "strain: 1 %, displacement: 1 mm"),
+                    Catch::Matchers::Contains("there is a displacement already; give one of them"));
+  CHECK_THROWS_WITH(run_of(blocks, "displacement: 1 %"),
+                    Catch::Matchers::Contains("'1 %' is no length; write strain: 1 %"));
+}
+
 TEST_CASE("a rigid part is pressed by its name", "[press]") {
   const Run run = run_of(kBelow + std::string(", ") + kBone, "displacement: 0.1 mm, move: bone");
   // The lower block alone at a stretch of 0.99: clamped below, so above that of a free bar, below that of one whose

@@ -112,6 +112,58 @@ TEST_CASE("lattice: E and nu = 1/4 on cubes of any size, by force and by displac
     }
 }
 
+TEST_CASE("weight: a body that hangs shows the modulus that it shows under a force", "[tension]") {
+  // By reciprocity, of bodies that a force on their end strains uniformly; small displacements.
+  for (const auto& [rule, cells] : {std::pair{"lattice", false}, {"neo_hookean", true}}) {
+    Specimen specimen = cube(5, {true, true, false});
+    if (cells) {
+      specimen.body = tetrahedral_block(BlockKind::alternating, {4, 4, 4}, {0.04, 0.04, 0.04});
+      set_matter(specimen.body, 0.005, 1000, 0, 6.4e-5);
+    }
+    TensionSetup setup = gentle_pull(0.04 * 0.04);
+    const Run pulled = pull(specimen, setup, rule, {.linear = true});
+    for (const double gravity : {9.81, -9.81}) {
+      setup.force.reset(), setup.gravity = gravity;
+      const Run hanging = pull(specimen, setup, rule, {.linear = true});
+      INFO(rule << " under " << gravity << " m/s2");
+      CHECK(modulus(hanging) == Approx(modulus(pulled)).epsilon(1e-8));
+      CHECK(hanging.measures.get("force") == Approx(0.064 * gravity / 2).epsilon(1e-12));  // the mean section's
+      CHECK(hanging.measures.get("reaction_balance") < 1e-9);
+      if (cells) CHECK(hanging.measures.get("elongation") == Approx(1000 * gravity * 0.04 * 0.04 / 2e4).epsilon(1e-8));
+    }
+    // An extensometer far from the fixed end reads less of it.
+    setup.gravity = 9.81, setup.gauge = {0.02, 0.04};
+    const Run upper = pull(specimen, setup, rule, {.linear = true});
+    // Molecules of cells at an end have half of the mass; those of a lattice are all alike.
+    CHECK(upper.measures.get("force") == Approx((cells ? 0.25 : 0.3) * 0.064 * 9.81).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("weight: a slender bar follows its own curve", "[tension]") {
+  // Each section carries the dead weight below it: the elongation is the integral of the strains that such forces make.
+  const auto bar = [](const std::array<int, 3>& cubes, double length) {
+    Specimen specimen;
+    specimen.material.youngs_modulus = 1e3;
+    specimen.material.poissons_ratio = 0.3;
+    specimen.body = tetrahedral_block(BlockKind::alternating, cubes, {0.004, 0.004, length});
+    set_matter(specimen.body, 0.001, 1000, 0, 1.6e-5 * length);
+    return specimen;
+  };
+  TensionSetup hung;
+  hung.gravity = 9.81, hung.load_steps = 4;
+  const Run hanging = pull(bar({2, 2, 24}, 0.08), hung, "neo_hookean");
+  const Specimen section = bar({2, 2, 2}, 0.004);  // strained alike everywhere
+  double wanted = 0;
+  for (const auto& [at, weight] :
+       {std::pair{0.5 - std::sqrt(0.15), 5. / 18}, {0.5, 8. / 18}, {0.5 + std::sqrt(0.15), 5. / 18}}) {
+    TensionSetup pulled;  // Gauss's three points
+    pulled.force = 1.6e-5 * 1000 * 9.81 * 0.08 * at, pulled.load_steps = 4;
+    wanted += weight * pull(section, pulled, "neo_hookean").measures.get("strain");
+  }
+  CHECK(hanging.measures.get("strain") > 0.4);
+  CHECK(hanging.measures.get("strain") == Approx(wanted).epsilon(0.01));  // the grip and 24 layers
+}
+
 TEST_CASE("infinite lattices: standard and statistical tend to their closed forms", "[tension]") {
   // E over E A_mol/h² and nu of infinite lattices: axis + face 2.0938 (.227), with space 2.2480 (.317);
   // statistical .2991, .3459. Surfaces fade as 1/n: three sizes, extrapolated twice.

@@ -91,9 +91,10 @@ TEST_CASE("what picks nothing is told with the body's extent", "[scene][pick]") 
   CHECK_THAT(refusal("{sphere: {centre: [9 mm, 9 mm, 9 mm], radius: 1 mm}}"),
              StartsWith("a.yaml:1:4: x: no molecule lies there; the body reaches from [0, 0, 0] mm to [4, 4, 4] mm"));
   CHECK_THAT(refusal("{sphere: {center: [9 mm, 9 mm, 9 mm], radius: 1 mm}}"), Contains("did you mean 'centre'?"));
-  CHECK_THAT(refusal("{}"), Contains("names no place: give box, plane, sphere, side, nearest, rim or set"));
+  CHECK_THAT(refusal("{}"), Contains("names no place: give box, plane, sphere, side, nearest, rim, set or body"));
   CHECK_THAT(refusal("{rim: true}"), Contains("no molecule lies there") || Contains("is of bodies of triangles"));
   CHECK_THAT(refusal("{set: TOP}"), Contains("x.set: the body has no sets"));
+  CHECK_THAT(refusal("{body: bone}"), Contains("x.body: is one of several `bodies`; the scene has one"));
   CHECK_THAT(refusal("[125]"), Contains("x[0]: '125' is not a whole number of at least 0 and at most 124"));
 }
 
@@ -118,6 +119,41 @@ TEST_CASE("sets of a mesh file pick their molecules", "[scene][pick]") {
   CHECK(loaded("BODY") == std::vector{0, 1, 2, 3});
   CHECK(loaded("ALL") == std::vector{0, 1, 2, 3});
   CHECK_THROWS_WITH(loaded("TIP"), Contains("the mesh has no set 'TIP'; did you mean 'TOP'?"));
+}
+
+TEST_CASE("each of several bodies has sides and sets of its own", "[scene][pick]") {
+  const TemporaryFolder folder;
+  const auto cell = [](const std::string& base) {
+    return "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4, ELSET=BODY\n7,1,2,3,4\n*NSET, NSET=" +
+           base + ", GENERATE\n1, 3, 1\n*NSET, NSET=TOP\n4\n";
+  };
+  folder.write("one.inp", cell("FLOOR"));
+  folder.write("two.inp", cell("BASE"));
+  const auto picked_in = [&](const std::string& where, const std::string& ties = "") {
+    const auto scene = load_scene(
+        folder.write(
+            "a.yaml",
+            "bodies:\n- {name: one, mesh: {file: one.inp, length_unit: mm}}\n"
+            "- {name: block, at: [0, 0, 5 mm], tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [1 mm, 1 mm, 1 mm]}}\n"
+            "- {name: two, mesh: {file: two.inp, length_unit: mm}, at: [1 mm, 0, 0]}\n" +
+                ties +
+                "material: {youngs_modulus: 5 kPa}\nstiffness: neo_hookean\nexperiment: {kind: vibration}\n"
+                "loads: [{point: {molecules: " +
+                where + ", force: [0, 0, 1 uN]}}]\n"),
+        built_in_catalog());
+    return scene->specimen.loads.at(0).row.value().second.molecules.at("molecules");
+  };
+  CHECK(picked_in("{set: FLOOR}") == std::vector{0, 1, 2});
+  CHECK(picked_in("{set: BASE}") == std::vector{12, 13, 14});
+  CHECK(picked_in("{set: TOP}") == std::vector{3, 15});
+  CHECK(picked_in("{set: TOP, body: two}") == std::vector{15});
+  CHECK(picked_in("{body: one}") == std::vector{0, 1, 2, 3});
+  CHECK(picked_in("{side: z, body: two}") == std::vector{15});
+  CHECK(picked_in("{side: z}").size() == 4);  // the block stands highest
+  CHECK_THROWS_WITH(picked_in("{set: TOP, body: tow}"), Contains("did you mean 'two'?"));
+  CHECK_THROWS_WITH(picked_in("{set: BASE, body: block}"), Contains("no molecule lies there"));
+  // Molecule 1 of the first is at the place of molecule 0 of the last, and they become one.
+  CHECK(picked_in("{set: BASE}", "ties: [{between: [one, two], within: 1 um}]\n") == std::vector{1, 12, 13});
 }
 
 TEST_CASE("planes of symmetry make a quarter of a block measure as the whole of it", "[scene][supports]") {

@@ -6,24 +6,13 @@
 
 #include "elastin/core/base/error.h"
 #include "support/shell.h"
+#include "support/small_cube.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;
 using namespace elastin::lab;
 using Catch::Matchers::Contains;
-
-namespace {
-
-const std::string kCube = R"(title: A small cube
-body:
-  lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 7.5 mm, connections: [axis, face]}
-material: {youngs_modulus: 5 kPa}
-stiffness: lattice
-strategies: [standard, lattice, angles]
-experiment: {kind: tension, axis: z, force: 11.25 uN}
-)";
-
-}  // namespace
+using elastin::testing::kCube;
 
 TEST_CASE("a line that was cut off is no line", "[journal]") {
   const TemporaryFolder folder;

@@ -12,22 +12,15 @@
 #include "lab/study/journal.h"
 #include "lab/study/shards.h"
 #include "support/shell.h"
+#include "support/small_cube.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;
 using namespace elastin::lab;
 using Catch::Matchers::Contains;
+using elastin::testing::kCube;
 
 namespace {
-
-const std::string kCube = R"(title: A small cube
-body:
-  lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 7.5 mm, connections: [axis, face]}
-material: {youngs_modulus: 5 kPa}
-stiffness: lattice
-strategies: [standard, lattice, angles]
-experiment: {kind: tension, axis: z, force: 11.25 uN}
-)";
 
 /// One end clamped, so that its reference is computed.
 const std::string kClamped = R"(title: A clamped block
