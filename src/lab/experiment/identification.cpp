@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
-#include <unsupported/Eigen/NonLinearOptimization>
-#include <unsupported/Eigen/NumericalDiff>
 
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/simulation/parts.h"
+#include "lab/experiment/least_squares.h"
 #include "lab/experiment/repeated_curve.h"
 #include "lab/experiment/specimen.h"
 
@@ -79,24 +79,21 @@ class Curves {
   RepeatedCurve curve_;
 };
 
-/// What Eigen's Levenberg–Marquardt asks for.
-struct Functor {
-  using Scalar = double;
-  using InputType = VectorX;
-  using ValueType = VectorX;
-  using JacobianType = Eigen::MatrixXd;
-  enum { InputsAtCompileTime = Eigen::Dynamic, ValuesAtCompileTime = Eigen::Dynamic };
-
-  Curves* curves;
-  int unknowns, equations;
-  int inputs() const { return unknowns; }
-  int values() const { return equations; }
-  int operator()(const VectorX& scaled, VectorX& misfits) const {
-    constexpr double impossible = 10;  // a step to there is taken back
-    misfits = curves->misfits(scaled).value_or(VectorX::Constant(equations, impossible));
-    return 0;
+/// The misfits and, by forward differences, their slopes: equilibria are known to about 1e-9, so differences over 1e-4
+/// of a coefficient lose nothing in them. False where a material cannot be.
+bool evaluate(Curves& curves, const VectorX& scaled, VectorX& misfits, MatrixX* jacobian) {
+  const std::optional<VectorX> now = curves.misfits(scaled);
+  if (!now) return false;
+  misfits = *now;
+  for (Eigen::Index k = 0; jacobian && k < scaled.size(); ++k) {
+    VectorX moved = scaled;
+    moved[k] += scaled[k] == 0 ? 1e-4 : 1e-4 * std::abs(scaled[k]);
+    const std::optional<VectorX> there = curves.misfits(moved);
+    if (!there) return false;
+    jacobian->col(k) = (*there - *now) / (moved[k] - scaled[k]);
   }
-};
+  return true;
+}
 
 /// The guess as scaled coefficients, of the highest degree that can be solved.
 std::optional<VectorX> first_guess(const Identification& wanted, Curves& curves) {
@@ -161,25 +158,29 @@ bool identify_material(const Identification& wanted, Specimen& specimen, const S
   std::optional<VectorX> scaled = first_guess(wanted, curves);
   if (!scaled) return fail(Outcome::diverged, "no load curve could be solved for a first idea of the material");
 
-  // Equilibria are known to about 1e-9: differences over 1e-4 of a coefficient lose nothing in them.
-  Eigen::NumericalDiff<Functor> functor(Functor{&curves, unknowns, equations}, 1e-8);
-  Eigen::LevenbergMarquardt<Eigen::NumericalDiff<Functor>> fit(functor);
-  fit.parameters.ftol = fit.parameters.xtol = 1e-7;
-  fit.parameters.maxfev = 60 * unknowns;
-  fit.parameters.factor = 1;
-  const auto status = fit.minimize(*scaled);
-  if (status == Eigen::LevenbergMarquardtSpace::TooManyFunctionEvaluation)
-    run.warnings.push_back("the material was not settled within " + std::to_string(fit.nfev) + " load curves");
+  LeastSquaresProblem problem;
+  problem.residuals = equations;
+  problem.low = VectorX::Constant(unknowns, -std::numeric_limits<double>::infinity());
+  problem.high = -problem.low;
+  problem.evaluate = [&](const VectorX& at, VectorX& misfits, MatrixX* jacobian) {
+    return evaluate(curves, at, misfits, jacobian);
+  };
+  problem.tolerance = 1e-9;
+  problem.iterations = 60;
+  const LeastSquaresResult fit = minimise_squares(problem, *scaled);
+  if (!fit.converged)
+    run.warnings.push_back("the material was not settled within " + std::to_string(curves.evaluations) +
+                           " load curves");
 
   Identified found;
-  found.polynomial = curves.coefficients(*scaled);
+  found.polynomial = curves.coefficients(fit.unknowns);
   found.up_to = wanted.up_to;
-  Eigen::MatrixXd jacobian(equations, unknowns);
-  functor.df(*scaled, jacobian);
-  const std::optional<VectorX> misfits = curves.misfits(*scaled);
-  if (!misfits) return fail(Outcome::diverged, "the load curve of the material found could not be solved");
-  found.misfit = std::sqrt(misfits->squaredNorm() / equations);
-  found.standard_errors = standard_errors(jacobian, misfits->squaredNorm(), curves.modulus);
+  VectorX misfits(equations);
+  MatrixX jacobian(equations, unknowns);
+  if (!evaluate(curves, fit.unknowns, misfits, &jacobian))
+    return fail(Outcome::diverged, "the load curve of the material found could not be solved");
+  found.misfit = std::sqrt(misfits.squaredNorm() / equations);
+  found.standard_errors = standard_errors(jacobian, misfits.squaredNorm(), curves.modulus);
   found.evaluations = curves.evaluations;
   specimen.material.curve = StressStrain::secant_polynomial(found.polynomial, found.up_to);
   specimen.material.youngs_modulus = specimen.material.curve->modulus(0);

@@ -13,7 +13,7 @@
 #include "core/base/random.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
-#include "lab/identify/least_squares.h"
+#include "lab/experiment/least_squares.h"
 
 namespace elastin::lab {
 namespace {

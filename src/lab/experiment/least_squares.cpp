@@ -1,4 +1,4 @@
-#include "lab/identify/least_squares.h"
+#include "lab/experiment/least_squares.h"
 
 #include <ceres/ceres.h>
 #include <glog/logging.h>
