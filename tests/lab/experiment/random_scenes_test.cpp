@@ -3,6 +3,7 @@
 // force as the slope of the energy, the law's own closed form, no energy from nothing. A fifth of them runs always,
 // all of them by `elastin_tests [random]`.
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
@@ -282,18 +283,21 @@ void check_at_rest(const Drawn& drawn, int scene, const Run& run) {
 }
 
 void check_in_time(const Drawn& drawn, const Run& run) {
-  // Energy is kept, or lost by what may lose it; none is made.
+  // Energy is kept, or lost by what may lose it; where the steps make some from nothing, the run says so.
   double most = 0, largest = 0;
   for (const CurvePoint& row : run.curve) {
     const Measures& m = row.measures;
     most = std::max(most, m.get("energy_balance"));
     largest = std::max(largest, m.get("kinetic_energy") + m.get("energy"));
   }
-  CHECK(most < 0.05 * largest);
+  const bool said = std::any_of(run.warnings.begin(), run.warnings.end(), [](const std::string& warning) {
+    return warning.find("the steps make energy from nothing") != std::string::npos;
+  });
+  CHECK(said == (most > 0.05 * largest));
   const bool loses =
       drawn.time.find("backward_euler") != std::string::npos ||
       (std::isfinite(run.measures.get("restitution")) && drawn.time.find("newmark") != std::string::npos);
-  if (!loses) CHECK(run.measures.get("energy_drift") < 0.05);
+  if (!loses && !said) CHECK(run.measures.get("energy_drift") < 0.05);
   const double restitution = run.measures.get("restitution");
   if (std::isfinite(restitution)) CHECK(restitution < 1.02);
 }
