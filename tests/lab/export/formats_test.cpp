@@ -4,6 +4,9 @@
 #include "lab/export/formats.h"
 
 #include <catch2/catch.hpp>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
 
 #include "elastin/mesh/mesh_file.h"
 #include "lab/experiment/specimen.h"
@@ -225,4 +228,27 @@ TEST_CASE("CalculiX, where it is installed, finds what the same cells find", "[e
   REQUIRE(other.run.outcome == Outcome::converged);
   CHECK(other.run.measures.get("effective_modulus") ==
         Approx(run_of(*scene).measures.get("effective_modulus")).epsilon(1e-5));
+}
+
+TEST_CASE("A comparison against CalculiX has its row, or says what to install", "[export][calculix]") {
+  const TemporaryFolder folder;
+  Problem{kLattice + "1}", "{youngs_modulus: 5 kPa, poissons_ratio: 0.3}", "neo_hookean", kPull,
+          "{displacements: small}"}
+      .load(folder);
+  Request request;
+  request.scenes = {folder.path("scene.yaml")};
+  request.compare = request.quiet = true;
+  request.against = kCalculix;
+  request.reference = "none";
+  request.json = folder.path("runs.json");
+  const std::string path = std::getenv("PATH");
+  if (std::system("command -v ccx > /dev/null") == 0) {
+    CHECK(run_scenes(request, kCatalog));
+    std::ifstream file(request.json);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    CHECK_THAT(text, Contains("\"calculix\"") && Contains("never recommended"));
+  }
+  setenv("PATH", folder.path("nothing").c_str(), 1);
+  CHECK_THROWS_WITH(run_scenes(request, kCatalog), Contains("apt-get install calculix-ccx"));
+  setenv("PATH", path.c_str(), 1);
 }
