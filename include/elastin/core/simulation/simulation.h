@@ -221,6 +221,7 @@ class Simulation {
  private:
   struct Impl;
   TopologyReport change(ChangedBody changed);
+  void put(std::function<void(Model&)> add);
   std::unique_ptr<Impl> impl_;
 };
 
