@@ -21,6 +21,7 @@ namespace py = pybind11;
 void add_bodies(py::module_& module);
 void add_strategies(py::module_& module);
 void add_simulation(py::module_& module);
+void add_results(py::module_& module);
 void add_laboratory(py::module_& module);
 void add_identify(py::module_& module);
 void add_scenes(py::module_& module);

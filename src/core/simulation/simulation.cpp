@@ -294,6 +294,11 @@ void Simulation::add(std::function<void(Model&)> add) {
   for (const HistoryBlock& block : trial.history())
     if (!has(of_laws, block.name) && has(in.model.history(), block.name))
       throw InputError("two loads remember something under the name '" + block.name + "'");
+  put(std::move(add));
+}
+
+void Simulation::put(std::function<void(Model&)> add) {
+  Impl& in = *impl_;
   const std::size_t before = in.terms();
   add(in.model);
   in.known += in.terms() - before;
@@ -313,7 +318,7 @@ void Simulation::add(std::function<void(Model&)> add) {
 
 void Simulation::add_load(const LoadKind& load, const LoadValues& values) {
   const LoadValues checked = checked_values(load, impl_->body, values);
-  add([load, checked, material = impl_->material](Model& model) {
+  put([load, checked, material = impl_->material](Model& model) {
     elastin::add_load(model, load, checked, material ? &*material : nullptr);
   });
 }

@@ -95,7 +95,7 @@ export class Simulation {
   readonly tensions: Float64Array;
   /** The host's own forces [N], to be written: they act until they are changed. */
   readonly host_forces: Float64Array;
-  /** A row of the table "loads", before the first step: add('gravity', {acceleration_z: -9.81}). */
+  /** A row of the table "loads", at any time between steps: add('gravity', {acceleration_z: -9.81}). */
   add(load: string, values?: Record<string, number | number[]>): void;
   /** Brings it forward by dt [s]. */
   step(dt: number): void;

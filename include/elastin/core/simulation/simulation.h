@@ -214,13 +214,14 @@ class Simulation {
 
   /// The state to go on from; with the same model the steps after it are bitwise identical.
   SimulationState save() const;
-  /// Throws InputError where it is another body's, or as cut where the topology has changed since. Gives back what keeps
-  /// alive what views showed before, as TopologyReport::before, if it had to change the topology; else null.
+  /// Throws InputError where it is another body's, or as cut where the topology has changed since. Gives back what
+  /// keeps alive what views showed before, as TopologyReport::before, if it had to change the topology; else null.
   std::shared_ptr<const void> restore(const SimulationState& saved);
 
  private:
   struct Impl;
   TopologyReport change(ChangedBody changed);
+  void put(std::function<void(Model&)> add);
   std::unique_ptr<Impl> impl_;
 };
 
