@@ -1,5 +1,6 @@
 #include "c/handles.h"
 #ifdef ELASTIN_C_LAB
+#include "elastin/lab/study/laboratory.h"
 #include "elastin/mesh/voronoi.h"
 #endif
 
@@ -80,8 +81,24 @@ const Catalog& catalog() {
 
 Strategy strategy_of(const char* name) { return catalog().find(&given(name, "strategy")); }
 
+namespace {
+
+Material described_material(const elastin_material& values) {
+  if (values.youngs_modulus != 0 || values.poissons_ratio != 0 || values.thickness != 0 ||
+      values.bending_rigidity != 0 || values.law)
+    throw InputError("description: it says all of the material; leave the other values 0");
+#ifdef ELASTIN_C_LAB
+  return lab::make_material(values.description);
+#else
+  throw InputError("description: this library was built without scenes (ELASTIN_LAB)");
+#endif
+}
+
+}  // namespace
+
 Material material_of(const elastin_material* given) {
   const elastin_material values = checked_copy(given, "elastin_material");
+  if (values.description) return described_material(values);
   Material material;
   const bool law = values.law != nullptr;  // E may follow from it
   material.youngs_modulus =

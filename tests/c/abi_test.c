@@ -20,7 +20,7 @@ static int failures = 0;
 #define OK(call) CHECK((call) == ELASTIN_OK)
 #define REFUSED(call, words) CHECK((call) == ELASTIN_WRONG_INPUT && strstr(elastin_message(), words))
 
-static const elastin_material kSoft = {sizeof(elastin_material), 5000, 0.25, 0, 0, NULL};
+static const elastin_material kSoft = {sizeof(elastin_material), 5000, 0.25, 0, 0, NULL, NULL};
 
 static elastin_body* lattice(void) {
   const int counts[3] = {3, 3, 4};
@@ -52,8 +52,8 @@ static void layout(void) {
   CHECK(offsetof(elastin_arrays, triangle_count) == 80 && offsetof(elastin_arrays, tetrahedron_count) == 88);
   CHECK(offsetof(elastin_arrays, density) == 96 && offsetof(elastin_arrays, thickness) == 104);
   CHECK(sizeof(elastin_counts) == 40 && offsetof(elastin_counts, tetrahedra) == 32);
-  CHECK(sizeof(elastin_material) == 48 && offsetof(elastin_material, bending_rigidity) == 32);
-  CHECK(offsetof(elastin_material, law) == 40);
+  CHECK(sizeof(elastin_material) == 56 && offsetof(elastin_material, bending_rigidity) == 32);
+  CHECK(offsetof(elastin_material, law) == 40 && offsetof(elastin_material, description) == 48);
   CHECK(sizeof(elastin_law) == 32 && offsetof(elastin_law, constants) == 16);
   CHECK(sizeof(elastin_parameter) == 72 && offsetof(elastin_parameter, fallback) == 48);
   CHECK(sizeof(elastin_value) == 16 && offsetof(elastin_value, value) == 8);
@@ -79,7 +79,7 @@ static void laws(void) {
                                   {"alpha_2", -2}, {"bulk_modulus", 1e5}, {"volumetric_mixed", 1}},
                       misspelt[] = {{"alfa_1", 1}};
   elastin_law law = {sizeof law, "ogden", values, 6};
-  elastin_material material = {sizeof material, 0, 0, 0, 0, &law};
+  elastin_material material = {sizeof material, 0, 0, 0, 0, &law, NULL};
   elastin_body* body = NULL;
   elastin_simulation* simulation = NULL;
   OK(elastin_lattice(counts, spacing, ELASTIN_AXIS | ELASTIN_FACE, 1000, &body));
@@ -287,6 +287,58 @@ static void steps_of(elastin_simulation* simulation, int count, double* position
   memcpy(positions, now, numbers * sizeof *now);
 }
 
+/* A tetrahedron on three fixed corners that sinks under gravity: its loose corner after some steps. */
+static void sinking(const char* strategy, const elastin_material* material, double corner[3]) {
+  static const double places[12] = {0, 0, 0, 1e-2, 0, 0, 0, 1e-2, 0, 0, 0, 1e-2};
+  static const int tetrahedra[4] = {0, 1, 2, 3};
+  const elastin_value down[] = {{"acceleration_z", -9.81}};
+  elastin_arrays given = {sizeof given, places, NULL, NULL, NULL, NULL, NULL, tetrahedra, 4, 0, 0, 1, 1000, 0};
+  elastin_body* body = NULL;
+  elastin_simulation* simulation = NULL;
+  double all[12] = {0};
+  int molecule;
+  OK(elastin_body_from_arrays(&given, &body));
+  OK(elastin_simulate(body, strategy, material, NULL, &simulation));
+  OK(elastin_add(simulation, "gravity", down, 1));
+  for (molecule = 0; molecule < 3; ++molecule) OK(elastin_fix(simulation, molecule, 0));
+  steps_of(simulation, 20, all);
+  memcpy(corner, all + 9, 3 * sizeof *corner);
+  elastin_simulation_free(simulation);
+  elastin_body_free(body);
+}
+
+/* A material as a scene describes it is the one of the same constants, and relaxes and softens besides. */
+static void described(void) {
+  const elastin_value constants[] = {{"c_1", 1e3}, {"bulk_modulus", 1e5}};
+  const elastin_law law = {sizeof law, "yeoh", constants, 2};
+  const elastin_material by_law = {sizeof by_law, 0, 0, 0, 0, &law, NULL};
+  elastin_material in_words = {sizeof in_words,
+                               0,
+                               0,
+                               0,
+                               0,
+                               NULL,
+                               "{law: yeoh, terms: [1 kPa], bulk_modulus: 100 kPa, softening: {r: 2, m: 9 Pa},"
+                               " relaxation: {terms: [[0.5, 1 s]]}}"};
+  double one[3], other[3], relaxing[3];
+  elastin_body* body = NULL;
+  elastin_simulation* simulation = NULL;
+  const int counts[3] = {2, 2, 2};
+  const double spacing[3] = {1e-3, 1e-3, 1e-3};
+  sinking("yeoh", &by_law, one);
+  sinking("yeoh", &in_words, other);
+  sinking("prony:mullins:yeoh", &in_words, relaxing);
+  CHECK(one[2] < 1e-2 && memcmp(one, other, sizeof one) == 0);
+  CHECK(relaxing[2] > one[2] && relaxing[2] < 1e-2); /* the given moduli are those after a long time */
+  OK(elastin_lattice(counts, spacing, ELASTIN_AXIS | ELASTIN_FACE, 1000, &body));
+  REFUSED(elastin_simulate(body, "prony:lattice", &by_law, NULL, &simulation), "relaxation");
+  in_words.description = "{law: yeoh, terns: [1 kPa], bulk_modulus: 100 kPa}";
+  REFUSED(elastin_simulate(body, "lattice", &in_words, NULL, &simulation), "terns");
+  in_words.youngs_modulus = 5;
+  REFUSED(elastin_simulate(body, "lattice", &in_words, NULL, &simulation), "leave the other values 0");
+  elastin_body_free(body);
+}
+
 /* What a strategy or a material needs is prepared as in C++. */
 static void preparing(void) {
   static const char* const names[] = {"lattice+volume", "calibrated:standard", "calibrated:angles+volume", "voronoi",
@@ -295,7 +347,7 @@ static void preparing(void) {
   static const int triangles[6] = {0, 1, 2, 1, 3, 2};
   static double twin[3 * 36];
   elastin_arrays given = {sizeof given, sheet, NULL, NULL, NULL, NULL, triangles, NULL, 4, 0, 2, 0, 1000, 1e-3};
-  elastin_material material = {sizeof material, 5000, 0.4, 1e-3, 0, NULL};
+  elastin_material material = {sizeof material, 5000, 0.4, 1e-3, 0, NULL, NULL};
   int number, at;
   for (number = 0; number < kTwinStrategies; ++number) {
     const char* name = names[number] ? names[number] : "st_venant_kirchhoff_membrane";
@@ -474,6 +526,9 @@ int main(void) {
   layout();
   strategies();
   laws();
+#ifdef ELASTIN_C_LAB
+  described();
+#endif
   bodies();
   stepping();
   refusals();

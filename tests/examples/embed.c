@@ -12,7 +12,7 @@ static int stop(void) {
 int main(void) {
   const int counts[3] = {5, 5, 9};
   const double spacing[3] = {2.5e-3, 2.5e-3, 2.5e-3}; /* [m] */
-  const elastin_material fat = {sizeof fat, 5000 /* Pa */, 0.25, 0, 0, NULL};
+  const elastin_material fat = {sizeof fat, 5000 /* Pa */, 0.25, 0, 0, NULL, NULL};
   const elastin_value weight[] = {{"acceleration_z", -9.81}}, drag[] = {{"mass", 10}};
   elastin_body* body = NULL;
   elastin_simulation* tissue = NULL;

@@ -56,7 +56,7 @@ static elastin_body* tetrahedra(void) {
 }
 
 static void run(const char* name, const elastin_body* body, const char* strategy, const char* scheme, int steps) {
-  const elastin_material material = {sizeof material, 1e5, 0.25, 0, 0, NULL};
+  const elastin_material material = {sizeof material, 1e5, 0.25, 0, 0, NULL, NULL};
   elastin_options options = {sizeof options};
   options.scheme = scheme;
   elastin_simulation* tissue;

@@ -38,7 +38,7 @@ void need(elastin_status status) {
 }
 
 Answer native(elastin_body* body, const Case& one, double dt, int steps) {
-  const elastin_material material{sizeof material, kModulus, 0.25, 0, 0, nullptr};
+  const elastin_material material{sizeof material, kModulus, 0.25, 0, 0, nullptr, nullptr};
   elastin_simulation* made = nullptr;
   need(elastin_simulate(body, one.strategy, &material, nullptr, &made));
   const std::unique_ptr<elastin_simulation, decltype(&elastin_simulation_free)> tissue(made, elastin_simulation_free);

@@ -134,6 +134,9 @@ typedef struct elastin_material {
   double thickness;        /* t [m] of a membrane */
   double bending_rigidity; /* D [N m] of a sheet; 0 = no bending stiffness */
   const elastin_law* law;  /* null: none */
+  /* null, or all of it as a scene says it under `material:`, in YAML: "{law: yeoh, terms: [1 kPa], bulk_modulus: 1 MPa,
+   * relaxation: {terms: [[0.5, 1 s]]}}"; the numbers above are 0 then, and law is null. Needs ELASTIN_LAB. */
+  const char* description;
 } elastin_material;
 
 /* Strategies by number from 0 to *count - 1: how connections get their stiffness. A name takes the endings "+volume"

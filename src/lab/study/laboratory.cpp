@@ -198,9 +198,23 @@ Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions
   return simulation;
 }
 
+namespace {
+
+/// @param name stands for the text's file in messages
+Reader open_part(const std::string& name, const std::string& yaml) {
+  return held_scene(yaml) ? open_scene_file(yaml, {}, kMostMolecules) : open_scene_text(name, yaml, {}, kMostMolecules);
+}
+
+}  // namespace
+
+Material make_material(const std::string& yaml) {
+  Reader reader = open_part("material", yaml);
+  if (reader.has("fields")) reader.at("fields").fail("are those of a body: write the material into the scene, as keys");
+  return read_material(reader, built_in_catalog().material_laws);
+}
+
 Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings) {
-  const Reader reader =
-      held_scene(yaml) ? open_scene_file(yaml, {}, kMostMolecules) : open_scene_text("body", yaml, {}, kMostMolecules);
+  const Reader reader = open_part("body", yaml);
   std::vector<std::string> notes;
   Body body = read_body(reader, material, {warnings, notes});
   check_material(reader, material, body);
