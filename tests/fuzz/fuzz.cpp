@@ -161,7 +161,8 @@ class Fuzzer {
   fs::path way_path(const fuzz::Kind& kind, std::size_t number, const std::string& ending = "") const {
     if (!ending.empty()) return folder_ / "ways" / (kind.name + "-" + std::to_string(number) + ending + ".way");
     const std::string name = kind.name + "-" + std::to_string(number) + ".";
-    for (const char* known : {"yaml", "msh", "vtk", "vtu", "obj", "ply", "stl", "csv", "restart", "txt", "jsonl"})
+    for (const char* known :
+         {"yaml", "msh", "vtk", "vtu", "bdf", "unv", "inp", "obj", "ply", "stl", "csv", "restart", "txt", "jsonl"})
       if (const fs::path path = folder_ / "ways" / (name + known + ".way"); fs::exists(path)) return path;
     return folder_ / "ways" / "none";
   }

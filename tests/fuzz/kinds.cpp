@@ -90,6 +90,9 @@ constexpr const char* kFillScene =
     "title: a filling\nbody: {fill: {file: x, length_unit: m, spacing: 0.4 m, connections: {within: 0.7 m}}}\n"
     "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: standard\n"
     "experiment: {kind: tension, axis: z, displacement: 0.1 mm}\n";
+constexpr const char* kInp =
+    "*HEADING\na cell\n** comment\n*NODE, NSET=ALL\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n"
+    "*ELEMENT, TYPE=C3D4, ELSET=BODY\n7, 1, 2,\n3, 4\n*NSET, NSET=BASE, GENERATE\n1, 3, 1\n*NSET, NSET=TOP\n4, BASE\n";
 constexpr const char* kObj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 constexpr const char* kPly =
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
@@ -145,10 +148,14 @@ Kind meshes(const fs::path& source, const fs::path& folder) {
                 }
             },
             false};
-  for (const fs::path& file : files_below(source / "tests" / "mesh" / "data", {".msh", ".vtk", ".vtu"}))
+  for (const fs::path& file : files_below(source / "tests" / "mesh" / "data", {".msh", ".vtk", ".vtu", ".bdf", ".unv"}))
     kind.seeds.push_back({file.extension().string(), bytes_of(file)});
-  for (const auto& [ending, text] : std::initializer_list<Seed>{
-           {".obj", kObj}, {".ply", kPly}, {".stl", kStl}, {".stl", binary_stl()}, {".ply", binary_ply()}})
+  for (const auto& [ending, text] : std::initializer_list<Seed>{{".obj", kObj},
+                                                                {".inp", kInp},
+                                                                {".ply", kPly},
+                                                                {".stl", kStl},
+                                                                {".stl", binary_stl()},
+                                                                {".ply", binary_ply()}})
     kind.seeds.push_back({ending, text});
   return kind;
 }
