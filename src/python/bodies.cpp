@@ -356,6 +356,7 @@ void add_bodies(py::module_& module) {
     for (const CellKind& kind : cell_kinds()) numbers[py::str(std::string(kind.name))] = kind.vtk;
     return numbers;
   });
+  module.def("_material_of_scene", &lab::make_material, py::arg("yaml"));
   module.def(
       "_body_of_scene",
       [](const std::string& yaml, const Material& material) {

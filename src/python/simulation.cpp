@@ -17,14 +17,27 @@ namespace {
 
 constexpr std::chrono::milliseconds kBetweenSignals{50};
 
+using GivenMaterial = std::variant<Material, std::vector<Material>, py::dict, py::str>;
+
+/// Words are read as those of a scene's material.
+struct ReadMaterial {
+  using Read = std::variant<Material, std::vector<Material>>;
+  Read operator()(const Material& material) const { return material; }
+  Read operator()(const std::vector<Material>& of_parts) const { return of_parts; }
+  Read operator()(const py::object& words) const {
+    return py::module_::import("elastin").attr("material")(words).cast<Material>();
+  }
+};
+
 std::shared_ptr<Moving> make_simulation(const std::shared_ptr<Body>& body, const py::object& strategy,
-                                        const std::variant<Material, std::vector<Material>>& material,
-                                        const std::string& scheme, double safety, int max_substeps,
-                                        const ParameterValues& scheme_parameters, const ParameterValues& parameters,
-                                        double budget, const std::shared_ptr<Catalog>& given) {
+                                        const GivenMaterial& given_material, const std::string& scheme, double safety,
+                                        int max_substeps, const ParameterValues& scheme_parameters,
+                                        const ParameterValues& parameters, double budget,
+                                        const std::shared_ptr<Catalog>& given) {
   const Catalog catalog = given ? *given : built_in_catalog();
   SimulationOptions options = simulation_options(catalog, scheme, safety, max_substeps, scheme_parameters, parameters);
   options.budget = budget;
+  const auto material = std::visit(ReadMaterial(), given_material);
   const Strategy chosen = strategy_from(strategy, catalog);
   const py::object chosen_by = py::isinstance<py::str>(strategy) && given ? py::cast(chosen) : strategy;
   const py::dict keywords(py::arg("scheme") = scheme, py::arg("safety") = safety,

@@ -115,6 +115,40 @@ class Materials(unittest.TestCase):
             elastin.Material(1e3, law={"law": "yeoh", "terms": [100]})
 
 
+    def test_in_words(self):
+        """A material as scenes have it, with the same keys: of steps, of runs, and of errors."""
+        law = {"law": "ogden", "terms": [[2e3, 1.5], [-100, -2]], "bulk_modulus": 1e5}
+        one, other = elastin.Material(law=law), elastin.material(law)
+        self.assertEqual((one.youngs_modulus, one.poissons_ratio), (other.youngs_modulus, other.poissons_ratio))
+        self.assertEqual(elastin.material("{law: yeoh, terms: [1 kPa], bulk_modulus: 1 MPa}").law, "yeoh")
+        body = elastin.Body([[0, 0, 0], [1e-2, 0, 0], [0, 1e-2, 0], [0, 0, 1e-2]], tetrahedra=[[0, 1, 2, 3]])
+        sunk = []
+        for strategy, material in (("ogden", one), ("ogden", law),
+                                   ("prony:mullins:ogden", law | {"relaxation": {"terms": [[0.5, 1.0]]},
+                                                                  "softening": {"r": 2, "m": 9}})):
+            tissue = elastin.Simulation(body, strategy, material)
+            tissue.add_load("gravity", acceleration=[0, 0, -9.81])
+            for molecule in range(3):
+                tissue.fix(molecule)
+            tissue.step(1e-3, 20)
+            sunk.append(tissue.positions[3, 2])
+        self.assertEqual(sunk[0], sunk[1])
+        self.assertGreater(sunk[2], sunk[0])  # the given moduli are those after a long time
+        for wrong, said in (({"law": "ogden", "terns": []}, r"material\['terns'\].*unknown key"),
+                            ({"law": "odgen"}, "did you mean 'ogden'"), ({}, "key 'youngs_modulus' is missing")):
+            with self.assertRaisesRegex(elastin.InputError, said):
+                elastin.material(wrong)
+
+    def test_fields(self):
+        """E that grows along a bar of one row of cells: springs in series, in any part of which the force is the same."""
+        graded = {"youngs_modulus": 1e4, "poissons_ratio": 0.0, "fields": {"stiffness": {"expression": "1 + z / 0.01"}}}
+        bar = elastin.body({"tetrahedra": {"kind": "kuhn", "cubes": [1, 1, 8], "size": [0.01, 0.01, 0.04]}})
+        pulled = elastin.run(bar, "neo_hookean", material=graded, experiment=elastin.Tension(axis="z", force=1e-4),
+                             reference="none", solver={"displacements": "small"})
+        layers = sum(0.005 / (1e4 * 1e-4 * (1 + (layer + 0.5) / 2)) for layer in range(8))
+        self.assertAlmostEqual(pulled.measures["elongation"] / (1e-4 * layers), 1, delta=0.01)
+
+
 class OwnStrategies(unittest.TestCase):
     def setUp(self):
         lattice = elastin.Catalog()["lattice"]

@@ -31,7 +31,7 @@ from ._elastin import (Body, Catalog, InputError, Material, Parameter, Result, R
                        StaticResult, StepError, StepResult, Strategy, TopologyReport, __version__, linear_solvers, loads,
                        material_laws, measures, of_parts, set_threads, steppers, threads)
 from . import _bodies, _simulation  # the methods that Python adds to classes of C++
-from ._bodies import body, lattice, read_mesh
+from ._bodies import body, lattice, material, read_mesh
 from ._experiments import CLASSES as _experiments, Experiment, experiments
 from ._laboratory import Comparison, Laboratory, Verdicts, compare, identify, run, strategies, verify
 from ._law import law, where
@@ -41,6 +41,7 @@ globals().update(_experiments)
 
 __all__ = ["Body", "Catalog", "Comparison", "Experiment", "InputError", "Laboratory", "Material", "Parameter", "Result",
            "Row", "Simulation", "SimulationState", "StaticResult", "StepError", "StepResult", "Strategy", "Sweep",
-           "TopologyReport", "Verdicts", "body", "compare", "experiments", "identify", "lattice", "law", "linear_solvers", "loads",
-           "material_laws", "measures", "of_parts", "read_mesh", "run", "set_threads", "steppers", "strategies", "sweep", "threads",
+           "TopologyReport", "Verdicts", "body", "compare", "experiments", "identify", "lattice", "law", "linear_solvers",
+           "loads", "material", "material_laws", "measures", "of_parts", "read_mesh", "run", "set_threads", "steppers",
+           "strategies", "sweep", "threads",
            "verify", "where", *_experiments]

@@ -23,6 +23,18 @@ def body(description, material=None):
     return made
 
 
+def material(description):
+    """A material as a scene has it under `material:`: elastin.material({"law": "ogden", "terms": [[6.3e5, 1.3]],
+    "bulk_modulus": 1e9, "relaxation": {"terms": [[0.5, 1.0]]}}), a dict or its YAML, with the same keys and messages: laws,
+    curves, fibres, muscle, relaxation, softening. Plain numbers are SI; files are named from the working
+    directory."""
+    if isinstance(description, str):
+        return _elastin._material_of_scene(description)
+    held = _scenes.Held(description, "material")
+    with held.messages():
+        return _elastin._material_of_scene(held.path)
+
+
 def lattice(molecules, spacing, connections=("axis", "face"), *, radius=None, density=1000.0):
     """A cubic lattice of (nx, ny, nz) molecules, `spacing` [m] apart (a number, or one along x, y and z), joined along
     "axis", "face" and "space" diagonals. radius [m], by default half the shortest connection; density [kg/m^3]."""
