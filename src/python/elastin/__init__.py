@@ -43,5 +43,4 @@ __all__ = ["Body", "Catalog", "Comparison", "Experiment", "InputError", "Laborat
            "Row", "Simulation", "SimulationState", "StaticResult", "StepError", "StepResult", "Strategy", "Sweep",
            "TopologyReport", "Verdicts", "body", "compare", "experiments", "identify", "lattice", "law", "linear_solvers",
            "loads", "material", "material_laws", "measures", "of_parts", "read_mesh", "run", "set_threads", "steppers",
-           "strategies", "sweep", "threads",
-           "verify", "where", *_experiments]
+           "strategies", "sweep", "threads", "verify", "where", *_experiments]
