@@ -144,7 +144,7 @@ std::string head_html(const Scenery& scene) {
   return out;
 }
 
-constexpr const char* kStage = R"html(<section class="card"><div class="bar"><h2>The body</h2>
+constexpr const char* kStage = R"html(<section class="card"><div class="bar tools"><h2>The body</h2>
 <label>strategy <select data-part="strategy"></select></label>
 <label>colour <select data-part="colour"></select></label>
 <label>displacements <select data-part="scale"></select></label>
@@ -262,7 +262,8 @@ std::string scene_html(const Scenery& scene, std::size_t number, const Colours& 
                                         "Error against time", first.scene + "-error");
   const Plot response = response_plot(scene.records, colours);
   out += "<div class=\"pair\">" + error +
-         figure_html(response, response.y.title + " over " + response.x.title, first.scene + "-course") + "</div>\n";
+         figure_html(response, response.y.title + "–" + response.x.title + " curve", first.scene + "-course") +
+         "</div>\n";
   if (scene.study) {
     out += "<div class=\"pair\">";
     int number_of_plot = 0;

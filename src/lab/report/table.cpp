@@ -91,6 +91,16 @@ Layout layout_of(const std::vector<std::string>& head, const std::vector<std::ve
   return layout;
 }
 
+/// The first, and those in which something stands.
+std::vector<std::size_t> filled_columns(std::size_t count, const std::vector<std::vector<TableCell>>& rows) {
+  std::vector<std::size_t> columns;
+  for (std::size_t column = 0; column < count; ++column)
+    if (column == 0 || std::any_of(rows.begin(), rows.end(),
+                                   [&](const auto& row) { return column < row.size() && !row[column].text.empty(); }))
+      columns.push_back(column);
+  return columns;
+}
+
 const char* name_of(Tone tone) {
   constexpr const char* names[] = {"plain", "good", "poor", "bad", "faint", "bold"};
   return names[static_cast<int>(tone)];
@@ -149,7 +159,8 @@ std::string Table::html(const std::function<std::string(const std::string&)>& co
     return std::find(std::begin(kSpared), std::end(kSpared), head_[column]) != std::end(kSpared) ? " spare" : "";
   };
   std::string out = "<div class=\"scroll\"><table><thead><tr>";
-  for (std::size_t column = 0; column < head_.size(); ++column)
+  const std::vector<std::size_t> columns = filled_columns(head_.size(), rows_);
+  for (const std::size_t column : columns)
     out +=
         fmt::format("<th scope=\"col\" class=\"{}{}\"><button type=\"button\">{}</button></th>",
                     right(column) ? "n" : "", spared(column), head_[column].empty() ? "notes" : escaped(head_[column]));
@@ -160,7 +171,8 @@ std::string Table::html(const std::function<std::string(const std::string&)>& co
     const std::string series = !traits.series.empty() || row.empty() ? traits.series : row.front().text;
     out += fmt::format("<tr data-series=\"{}\"", escaped(series));
     out += traits.outcome.empty() ? ">" : fmt::format(" data-outcome=\"{}\">", escaped(traits.outcome));
-    for (std::size_t column = 0; column < row.size(); ++column) {
+    for (const std::size_t column : columns) {
+      if (column >= row.size()) break;
       const auto& [text, tone, flush_right, value] = row[column];
       const std::string mark =
           column == 0 && colour ? fmt::format("<i class=\"dot\" style=\"background:{}\"></i>", colour(series)) : "";

@@ -18,7 +18,7 @@ function side_by_side(body, count) {
   const shifted = (v, i, copy) => v + (i % 3 === 0 ? offsets[copy] : 0), numbered = (v, i, copy) => v + copy * molecules;
   return {rest: repeated(Float32Array, body.rest, shifted), radius: repeated(Float32Array, body.radius),
     ends: repeated(Uint32Array, body.ends, numbered), surface: repeated(Uint32Array, body.surface, numbered),
-    membrane: body.membrane, size: body.size, offsets, molecules};
+    membrane: body.membrane, size: body.size, offsets, molecules, low: low[2], high: high[2]};
 }
 
 /** The viewer of a lab: what a hand does is drawn over the bodies. */

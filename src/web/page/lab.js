@@ -4,6 +4,10 @@
 const part = id => document.getElementById(id), all = (what, within = document) => [...within.querySelectorAll(what)];
 const root = document.documentElement, scene = JSON.parse(part('scene').textContent), first = scene.settings;
 const budget = 0.012;  // [s] of a picture that stepping may take
+const tool_hints = {drag: 'Drag a molecule: the hand pulls it like a spring and shows its force. Let go, and see it ring.',
+  push: 'Press on the body: a round probe pushes it away and shows its force.',
+  pin: 'Click a molecule: it stays where it is. A second click releases it.',
+  turn: 'Drag anywhere: the view turns, and the body is left alone.'};
 const series_colours = ['var(--one)', 'var(--two)', 'var(--three)'];
 
 for (const kind of ['error', 'unhandledrejection'])
@@ -33,6 +37,7 @@ class Lab {
     this.curves = {test: new Curve(part('curve'), {x: {title: 'strain', unit: '%'}, y: {title: 'stress', unit: 'Pa'}}),
       energy: new Curve(part('energy'), {x: {title: 'time', unit: 's'}, y: {title: 'energy', unit: 'J'}})};
     this.fill();
+    this.choose_tool(this.tool);
     this.read_hash();
   }
 
@@ -74,6 +79,11 @@ class Lab {
     this.show_results([]);
     this.curves.test.set([], 'No test has been made yet');
     this.curves.energy.set([], 'Energy over time');
+  }
+
+  choose_tool(tool) {
+    this.tool = tool;
+    part('tool-hint').textContent = tool_hints[tool];
   }
 
   /** The scene's own settings, then what the address says. */
@@ -133,7 +143,7 @@ class Lab {
       });
     all('.strategy').forEach(select => select.addEventListener('change', () => this.choose_bodies()));
     for (const id of ['scheme', 'one-iteration']) on(id, 'change', () => this.change(true));
-    all('input[name=tool]').forEach(input => input.addEventListener('change', () => { this.tool = input.value; }));
+    all('input[name=tool]').forEach(input => input.addEventListener('change', () => this.choose_tool(input.value)));
     on('play', 'click', () => this.play(!this.playing));
     on('step', 'click', () => { this.play(false); this.single = true; });
     on('reset', 'click', () => this.reset());
@@ -340,8 +350,8 @@ class Lab {
       text: body.force ? with_prefix(Math.hypot(...body.force), 'N') : ''})) : [];
     viewer.probes = this.probe ? bodies.map((_, copy) => ({place: beside(this.probe.centre, copy), radius: this.probe.radius})) : [];
     viewer.pins = bodies.flatMap((_, copy) => [...this.pins].map(molecule => place(copy, molecule)));
-    const top = Math.max(...this.shown.rest.filter((_, i) => i % 3 === 2)), low = Math.min(...this.shown.rest.filter((_, i) => i % 3 === 2));
-    viewer.names = bodies.length > 1 ? this.strategies.map((text, copy) => ({text, place: beside([0, 0, low - 0.12 * (top - low || this.body.size)].map((v, k) =>
+    const {low, high} = this.shown;
+    viewer.names = bodies.length > 1 ? this.strategies.map((text, copy) => ({text, place: beside([0, 0, low - 0.12 * (high - low || this.body.size)].map((v, k) =>
       k < 2 ? this.middle()[k] : v), copy)})) : [];
   }
 
@@ -614,7 +624,7 @@ class Lab {
     if (problem) complain(`The test of a body stops here: ${problem}.`);
     if (!this.readings) return;
     this.curves.test.set([...this.readings.map((readings, i) => ({name: this.test_settings.strategies[i], colour: series_colours[i],
-      points: [[0, 0], ...readings.map(reading => [reading.strain, reading.stress])].sort((a, b) => a[0] - b[0])})), this.target()], 'Stress over strain of each strategy; dotted: the target E');
+      points: [[0, 0], ...readings.map(reading => [reading.strain, reading.stress])].sort((a, b) => a[0] - b[0])})), this.target()], 'Stress–strain curve of each strategy; dashed: the target E');
   }
 
   target() {

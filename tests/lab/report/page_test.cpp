@@ -119,7 +119,7 @@ TEST_CASE("the page stands alone and says no more than text", "[page]") {
   CHECK(count(page, "<canvas") == 2);
   CHECK(count(page, "<script type=\"application/gzip\" class=\"view\"") ==
         2 * (1 + 4));  // a body and four strategies each
-  CHECK_THAT(page, Contains("class=\"advice") && Contains("Error against time") && Contains("stress over strain"));
+  CHECK_THAT(page, Contains("class=\"advice") && Contains("Error against time") && Contains("stress–strain curve"));
   CHECK(std::filesystem::exists(folder.path("out/first-error.svg")));
   CHECK(std::filesystem::exists(folder.path("out/first-course.svg")));
 }

@@ -22,6 +22,13 @@ function sort_by(head, column) {
 all('thead tr').forEach(row => [...row.cells].forEach((head, column) =>
   head.firstElementChild.addEventListener('click', () => sort_by(head, column))));
 
+/** Lets long names be folded where their words meet. */
+function make_foldable(cell) {
+  const text = cell.lastChild, words = text?.data?.split(/(?<=[_:])(?=\S)|(?=\+)/) ?? [];
+  if (words.length > 1) text.replaceWith(...words.flatMap((word, i) => i ? [document.createElement('wbr'), word] : [word]));
+}
+all('tbody th, tbody td:not(.n)').forEach(make_foldable);
+
 // --- plots ------------------------------------------------------------------------------------------------------------
 const tip = document.body.appendChild(Object.assign(document.createElement('div'), {id: 'tip', role: 'status'}));
 /** Shows a text above or below a place on the screen: left, width, top, bottom [px]. */

@@ -105,6 +105,7 @@ class Viewer {
   /** The body that is shown: {radius, ends, surface}, see body.js. */
   set_body(body) {
     this.body = body;
+    this.stale = new Set();
     const corners = (x, y) => new THREE.Float32BufferAttribute([x, -1, 0, x, 1, 0, y, -1, 0, y, 1, 0], 3);
     const of_each = (count, sizes, least) => {
       const geometry = new THREE.InstancedBufferGeometry();
@@ -139,26 +140,35 @@ class Viewer {
   /** One state. positions: three a molecule [m]. colours, red green blue [0 … 1] each: molecules, one for each; connections,
    *  one for each, or none for those of their ends; faces, one for each, or none for those of their corners. */
   set_state(positions, colours) {
-    const {surface} = this.body;
     this.positions = positions;
-    const gather = (numbers, from, index) => array => numbers.forEach((number, i) => {
-      const at = 3 * index(number, i);
-      array[3 * i] = from[at];
-      array[3 * i + 1] = from[at + 1];
-      array[3 * i + 2] = from[at + 2];
-    });
-    this.fill('molecules', 'centre', array => array.set(positions));
-    this.fill('molecules', 'colour', array => array.set(colours.molecules));
-    for (const [end, name] of ['from', 'to'].entries()) {
-      const molecules = this.ends[end];
-      this.fill('connections', name, gather(molecules, positions, molecule => molecule));
-      this.fill('connections', name + '_colour', colours.connections ? array => array.set(colours.connections)
-        : gather(molecules, colours.molecules, molecule => molecule));
-    }
-    this.fill('surface', 'position', gather(surface, positions, molecule => molecule));
-    this.fill('surface', 'color', colours.faces ? gather(surface, colours.faces, (_, i) => Math.floor(i / 3))
-      : gather(surface, colours.molecules, molecule => molecule));
+    this.colours = colours;
+    this.stale = new Set(Object.keys(this.parts));
     this.request();
+  }
+
+  /** Gives a part the last state, when it is drawn: what is not seen costs nothing. */
+  fill_part(part) {
+    const {positions, colours, body: {surface}} = this;
+    const gather = (numbers, from) => array => {
+      for (let i = 0, to = 0; i < numbers.length; ++i) {
+        const at = 3 * numbers[i];
+        array[to++] = from[at];
+        array[to++] = from[at + 1];
+        array[to++] = from[at + 2];
+      }
+    };
+    if (part === 'molecules') {
+      this.fill(part, 'centre', array => array.set(positions));
+      this.fill(part, 'colour', array => array.set(colours.molecules));
+    } else if (part === 'connections') {
+      for (const [end, name] of ['from', 'to'].entries()) {
+        this.fill(part, name, gather(this.ends[end], positions));
+        this.fill(part, name + '_colour', colours.connections ? array => array.set(colours.connections) : gather(this.ends[end], colours.molecules));
+      }
+    } else {
+      this.fill(part, 'position', gather(surface, positions));
+      this.fill(part, 'color', colours.faces ? gather(surface.map((_, i) => Math.floor(i / 3)), colours.faces) : gather(surface, colours.molecules));
+    }
   }
 
   /** What is drawn: connections, molecules, surface, each true or false. */
@@ -215,7 +225,8 @@ class Viewer {
    *  camera's axes, z towards the eye, |x − cx| ≤ t (D − z) is to hold, with t the slope of the picture's side: so
    *  x + t z ≤ t D + cx and −x + t z ≤ t D − cx, whose largest left sides give D and cx. */
   look_from(yaw, pitch) {
-    if (!this.canvas.clientHeight) return;
+    this.unseen = !(this.canvas.clientWidth > 0 && this.canvas.clientHeight > 0);  // then when it is drawn first
+    if (this.unseen) return;
     const {camera, body} = this, [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
     const right = [cy, sy, 0], up = [-sp * sy, sp * cy, cp], eye = [sy * cp, -cy * cp, sp];
     const half = Math.tan(camera.fov * Math.PI / 360);
@@ -258,7 +269,8 @@ class Viewer {
 
   draw() {
     const {canvas, camera, renderer} = this, scale = Math.min(devicePixelRatio || 1, 2);
-    if (!this.positions || !canvas.clientWidth || this.released) return;
+    if (!this.positions || !canvas.clientWidth || !canvas.clientHeight || this.released) return;
+    if (this.unseen) this.look_from(-0.6, 0.35);
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     if (canvas.width !== Math.floor(width * scale) || canvas.height !== Math.floor(height * scale)) {
       renderer.setPixelRatio(scale);
@@ -269,7 +281,10 @@ class Viewer {
     camera.near = Math.max(distance - 1.2 * this.reach, 0.01 * this.reach);
     camera.far = distance + 1.2 * this.reach;
     camera.updateProjectionMatrix();
-    for (const [name, part] of Object.entries(this.parts)) part.visible = this.look[name] && this.drawable[name] > 0;
+    for (const [name, part] of Object.entries(this.parts)) {
+      part.visible = this.look[name] && this.drawable[name] > 0;
+      if (part.visible && this.stale.delete(name)) this.fill_part(name);
+    }
     const ground = getComputedStyle(canvas).getPropertyValue('--paper').trim();
     Object.entries({near_side: distance - this.reach, depth: 2 * this.reach, share: this.radius_share(), near: camera.near,
       width: 0.05 * this.mean_radius, pixel: 2 * Math.tan(camera.fov * Math.PI / 360) / (height * scale)})
