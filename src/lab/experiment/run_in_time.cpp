@@ -18,6 +18,8 @@ namespace {
 
 /// Of the energy stored, worked or dissipated: more than that made by the steps is said.
 constexpr double kEnergyFromNothing = 0.05;
+/// Of it to the energy that was there: nothing of such a run is worth reading on.
+constexpr double kEnergyLost = 2;
 
 using Clock = std::chrono::steady_clock;
 
@@ -184,9 +186,10 @@ class TimedRun {
     const double available = first.get("kinetic_energy") + first.get("energy") + released + std::abs(m.get("work")) +
                              ledger_.jumps + rounding_energy();
     const double now = m.get("kinetic_energy") + m.get("energy");
-    if (!(m.get("energy_balance") > 10 * available) || !(now > 100 * available)) return true;
+    available_ = std::max(available_, available);
+    if (!(m.get("energy_balance") > kEnergyLost * available_)) return true;
     fail(Outcome::diverged, "the steps make energy from nothing: " + number(now, 4) + " J where " +
-                                number(available, 4) + " J were there");
+                                number(available_, 4) + " J were there");
     return false;
   }
 
@@ -255,6 +258,7 @@ class TimedRun {
   Positions begin_;
   std::vector<CurvePoint> history_;  ///< the frames, and steps between them
   Ledger ledger_;
+  double available_ = 0;  ///< the most energy that there has been [J]
   StepControl control_;
   bool energies_;
   int frame_ = 0;
