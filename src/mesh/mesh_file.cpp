@@ -136,6 +136,7 @@ std::string MeshBuilder::add_block_cell(const CellType& type, std::span<const in
     for (const std::size_t a : mirrored(kind)) turned.push_back(nodes[a]);
     nodes = std::move(turned);
     std::swap(least = -least, most = -most);
+    ++reoriented_;
   }
   auto block = std::find_if(blocks_.begin(), blocks_.end(), [&](const CellBlock& own) { return own.kind == &kind; });
   if (block == blocks_.end()) block = blocks_.insert(block, CellBlock{&kind, {}, {}});
@@ -165,7 +166,10 @@ std::string MeshBuilder::add_tetrahedron(std::array<int, 4> corners) {
   }
   const double volume = signed_volume(positions, {0, 1, 2, 3});
   const double longest = longest_side(x);
-  if (volume < 0) std::swap(corners[2], corners[3]);
+  if (volume < 0) {
+    std::swap(corners[2], corners[3]);
+    ++reoriented_;
+  }
   tetrahedra_.push_back(corners);
   if (std::abs(volume) > flat * longest * longest * longest) return "";
   return " is a flat tetrahedron: its volume " + number(std::abs(volume), 3) +
@@ -268,6 +272,7 @@ Mesh MeshBuilder::finish(const std::string& path) const {
   if (faces > 0) parts.push_back(counted(faces, "triangle"));
   if (unused > 0) parts.push_back(counted(unused, "unused point"));
   mesh.comment = left_out(parts);
+  mesh.reoriented = reoriented_;
   return mesh;
 }
 

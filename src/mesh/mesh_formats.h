@@ -87,6 +87,7 @@ class MeshBuilder {
   std::vector<double> data_;    ///< theirs, one cell after the other
   std::size_t lines_ = 0;
   std::size_t single_points_ = 0;
+  int reoriented_ = 0;
 };
 
 /// Cells as VTK stores them: cell c has `count[c]` corners from place `first[c]` of `corners` on.

@@ -319,6 +319,7 @@ TEST_CASE("one tetrahedron in every dialect gives the same mesh", "[mesh_file]")
   for (const File& file : files) {
     INFO(file.path << ": " << message_of(file));
     CHECK((message_of(file).empty() && same(read_mesh(file), one)));
+    CHECK(read_mesh(file).reoriented == (file.path == "mirrored.msh"));
   }
 }
 

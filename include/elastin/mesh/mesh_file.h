@@ -17,6 +17,7 @@ struct Mesh {
   std::vector<CellBlock> blocks;
   /// Points, ascending, of the file's named groups: physical groups of Gmsh, *NSET and *ELSET of Abaqus.
   std::map<std::string, std::vector<int>> sets = {};
+  int reoriented = 0;   ///< cells whose order was mirrored
   std::string comment;  ///< what was left out, e.g. "12 lines, 3 points and 4 unused points left out"; empty if nothing
 };
 

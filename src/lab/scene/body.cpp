@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "elastin/core/base/text.h"
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/shapes.h"
@@ -89,10 +90,20 @@ Body read_tetrahedra(Reader reader, Order& order) {
   return tetrahedral_block(kind, cubes, size);
 }
 
-Body read_mesh(Reader reader, Order& order, MoleculeSets* sets) {
+/// A few may be a fault of the mesh; all of them are another program's convention.
+void warn_of_reoriented(const mesh::Mesh& mesh, const std::string& path, std::vector<std::string>& warnings) {
+  if (mesh.reoriented == 0) return;
+  std::size_t cells = mesh.blocks.empty() ? mesh.tetrahedra.size() : 0;
+  for (const CellBlock& block : mesh.blocks) cells += static_cast<std::size_t>(block.size());
+  warnings.push_back(path + ": " + std::to_string(mesh.reoriented) + " of " + counted(cells, "cell") +
+                     " had their corners in the mirrored order, and were reoriented");
+}
+
+Body read_mesh(Reader reader, Order& order, Remarks remarks) {
   mesh::Mesh mesh = read_mesh_file(reader);
+  warn_of_reoriented(mesh, reader.path(), remarks.warnings);
   order = reader.find("order");
-  if (sets) *sets = mesh.sets;
+  if (remarks.sets) *remarks.sets = mesh.sets;
   reader.set_mesh_sets(std::move(mesh.sets));
   reader.finish();
   Body body;
@@ -167,7 +178,7 @@ Body read_shape(Reader& reader, VectorX& volumes, Order& order, Remarks remarks)
   if (name == "lattice") return read_lattice(*shape, order);
   if (name == "packing") return read_packing(*shape);
   if (name == "tetrahedra") return read_tetrahedra(*shape, order);
-  if (name == "mesh") return read_mesh(*shape, order, remarks.sets);
+  if (name == "mesh") return read_mesh(*shape, order, remarks);
   if (name == "fill") {
     for (const char* key : {"jitter", "grade", "cells", "connections"})
       if (auto other = reader.find(key))

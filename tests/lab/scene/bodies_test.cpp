@@ -199,3 +199,22 @@ TEST_CASE("surfaces that cannot be filled are refused with their fault and place
   CHECK_THAT(change("12 mm}}", "12 mm}, jitter: {amount: 0.1}}"), Contains("body.jitter"));
   CHECK_THAT(change("12 mm}}", "12 mm}, cells: delaunay}"), Contains("inside `fill`"));
 }
+
+TEST_CASE("cells of a mesh that are reoriented are counted in a warning", "[bodies]") {
+  const TemporaryFolder folder;
+  const std::string head =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0 0 -1\n"
+      "$EndNodes\n$Elements\n2\n1 4 2 0 0 1 2 3 4\n";
+  const auto warnings = [&](const std::string& second) {
+    folder.write("two.msh", head + "2 4 2 0 0 " + second + "\n$EndElements\n");
+    return load_scene(folder.write(
+                          "scene.yaml",
+                          "body: {mesh: {file: two.msh, length_unit: mm}}\nmaterial: {youngs_modulus: 5 kPa, "
+                          "poissons_ratio: 0.25}\nstiffness: neo_hookean\nexperiment: {kind: tension, strain: 1 %}\n"),
+                      built_in_catalog())
+        ->warnings;
+  };
+  CHECK(warnings("1 3 2 5").empty());
+  REQUIRE(warnings("1 2 3 5").size() == 1);
+  CHECK_THAT(warnings("1 2 3 5")[0], Contains("body.mesh: 1 of 2 cells had their corners in the mirrored order"));
+}
