@@ -79,10 +79,10 @@ struct Options : Request {
 
 volatile std::sig_atomic_t interrupted = 0;
 
-/// The first interrupt ends a run in time after its frame and a comparison after its run, with everything written; the
-/// second ends the command.
+/// The first interrupt ends a run after its step, in time or of the load, and a comparison after its run, with
+/// everything written; the second ends the command.
 void note_interrupt(int) {
-  constexpr std::string_view said = "\n  stopping after this run or frame; Ctrl-C again stops at once\n";
+  constexpr std::string_view said = "\n  stopping after this run or step; Ctrl-C again stops at once\n";
   if (write(STDERR_FILENO, said.data(), said.size()) < 0) interrupted = 1;  // nobody to tell
   interrupted = 1;
   std::signal(SIGINT, SIG_DFL);

@@ -158,6 +158,11 @@ void solve_load_curve(Model& model, const StaticProtocol& experiment, StaticRig&
   const int steps = experiment.load_steps();
   for (int step = 1; step <= steps; ++step) {
     const std::string which = steps > 1 ? "load step " + std::to_string(step) + " of " + std::to_string(steps) : "";
+    if (step > 1 && options.stop && options.stop()) {
+      run.outcome = Outcome::interrupted;
+      run.cause = "stopped before " + which;
+      return;
+    }
     if (options.progress) options.progress(which.empty() ? "solving" : which);
     const double load_factor = experiment.load_factor(step);
     StaticResult solved = path.advance(load_factor);

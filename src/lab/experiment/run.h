@@ -111,7 +111,7 @@ struct RunOptions {
   bool live = false;                                            ///< frames of a run in time no faster than its cap
   std::string restart = {};  ///< text that `checkpoint` got: a run in time goes on from there
   std::function<void(const std::string& text)> checkpoint = {};  ///< called after frames that are to be kept
-  std::function<bool()> stop = {};                               ///< asked after each frame; true ends the run
+  std::function<bool()> stop = {};  ///< asked after each step in time and each load step; true ends the run
 };
 
 }  // namespace elastin::lab

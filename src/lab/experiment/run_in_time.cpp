@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <thread>
 
 #include "core/model/visit_state.h"
@@ -62,10 +63,7 @@ class TimedRun {
     state_ = point.state;
     model_.begin_step(state_, state_.time);
     if (model_.drive) model_.drive(state_.time, model_.supports);
-    ledger_ = Ledger(model_, state_);
-    ledger_.dissipated = point.dissipated;
-    ledger_.work = point.work;
-    ledger_.jumps = point.jumps;
+    begin_ledger(point.dissipated, point.work, point.jumps);
     control_.memory = point.memory;
     run_.newton_iterations = point.newton_iterations;
     run_.linear_iterations = point.linear_iterations;
@@ -93,7 +91,7 @@ class TimedRun {
       keep_snapshot();
       if (options_.checkpoint && time.checkpoint && frame_ % time.checkpoint == 0) save();
       if (options_.live) wait(start, (frame_ - first_frame) / time.frame_rate);
-      if (frame_ < time.frames && options_.stop && options_.stop()) interrupt();
+      if (frame_ < time.frames && is_stopped()) interrupt();
     }
     run_.time->simulated = state_.time - first;
     run_.time->seconds = seconds_since(start);
@@ -101,12 +99,29 @@ class TimedRun {
   }
 
  private:
+  /// What a frame began with.
+  struct Before {
+    State state;
+    double dissipated, work, jumps;  ///< [J], of the ledger
+    StepControl::Memory memory;
+    std::size_t history;
+  };
+
   bool advance_frame(double until) {
     const int steps = control_.memory.steps;
+    std::optional<Before> before;
+    if (options_.stop)
+      before = {state_, ledger_.dissipated, ledger_.work, ledger_.jumps, control_.memory, history_.size()};
     const StepResult stepped = control_.advance(model_, state_, until, [&](const State& now) {
       ledger_.record(model_, now);
       if (now.time < until && is_sampled()) history_.push_back(read({}));
+      return now.time >= until || !is_stopped();
     });
+    if (stepped.outcome == Outcome::interrupted) {
+      go_back(*before);
+      interrupt();
+      return false;
+    }
     run_.newton_iterations += stepped.newton_iterations;
     run_.linear_iterations += stepped.linear_iterations;
     if (stepped.outcome != Outcome::converged) {
@@ -207,6 +222,23 @@ class TimedRun {
     options_.checkpoint(restart_text({frame_, state_, ledger_.dissipated, ledger_.work, ledger_.jumps, control_.memory,
                                       run_.newton_iterations, run_.linear_iterations, run_.curve, history_},
                                      identity_));
+  }
+
+  bool is_stopped() const { return options_.stop && options_.stop(); }
+
+  /// To the frame that was begun: whoever goes on takes the same steps as a run that nobody stopped.
+  void go_back(const Before& before) {
+    state_ = before.state;
+    begin_ledger(before.dissipated, before.work, before.jumps);
+    control_.memory = before.memory;
+    history_.resize(before.history);
+  }
+
+  void begin_ledger(double dissipated, double work, double jumps) {
+    ledger_ = Ledger(model_, state_);
+    ledger_.dissipated = dissipated;
+    ledger_.work = work;
+    ledger_.jumps = jumps;
   }
 
   void interrupt() {

@@ -17,7 +17,7 @@ class StepControl {
               const StaticOptions& newton);
 
   /// Steps to `until` [s] exactly. Ends early if a step fails: the state is then the last good one. `after` is called
-  /// with each step's end.
+  /// with each step's end; false ends it there, as interrupted.
   template <class After>
   StepResult advance(Model& model, State& state, double until, After&& after) {
     StepResult all;
@@ -32,7 +32,10 @@ class StepControl {
         all.cause = step.cause;
         return all;
       }
-      after(state);
+      if (!after(state)) {
+        all.outcome = Outcome::interrupted;
+        return all;
+      }
     }
     return all;
   }

@@ -62,7 +62,7 @@ struct LaboratoryResult {
 struct RunWatch {
   /// Called before each load step or frame. What it throws ends the run and comes out of it.
   std::function<void(const std::string& doing)> progress = {};
-  /// Asked after each frame of a run in time; true ends it as `interrupted`.
+  /// Asked after each step in time and each load step; true ends the run as `interrupted`.
   std::function<bool()> stop = {};
   bool keep_states = false;  ///< at rest and after each load step or frame
 };
