@@ -134,7 +134,7 @@ Ranking rank_strategies(const std::vector<Record>& records) {
   };
   std::vector<const Record*> candidates;
   for (const Record& record : records)
-    if (fit(record) && ranking.error(record) <= std::max(1e-3, least) && std::isfinite(ranking.error(record))) {
+    if (fit(record) && ranking.error(record) <= std::max(1e-3, 1.1 * least) && std::isfinite(ranking.error(record))) {
       candidates.push_back(&record);
       if (!ranking.best || order(record) < order(*ranking.best)) ranking.best = &record;
     }

@@ -124,6 +124,12 @@ TEST_CASE("strategies that the measures do not tell apart are tied, the simplest
   records[0].errors.front().second = 5e-4;
   CHECK(rank_strategies(records).best == &records[0]);
   CHECK(rank_strategies(records).tied.empty());
+  // Errors of E within a tenth of each other say less than those of Poisson's ratio; others do.
+  std::vector<Record> far = records;
+  far[0].errors.front().second = 4.2e-3, far[1].errors.front().second = 2e-2, far[2].errors.front().second = 3.96e-3;
+  CHECK(rank_strategies(far).best == &far[0]);
+  far[0].errors.front().second = 4.4e-3;
+  CHECK(rank_strategies(far).best == &far[2]);
   // A reference that is known to 0.1 % does not tell them apart.
   for (Record& record : records) {
     record.references = {{"effective_modulus", 1e4, "elsewhere", 1e-3}};
