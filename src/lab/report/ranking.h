@@ -32,9 +32,9 @@ struct Ranking {
 };
 
 /// The best is near enough (0.1 %, or within a tenth of the least error), with nothing to warn of; of those the nearest
-/// in what else the material prescribes; then the fastest. Where errors differ by less than the measures carry (1e-5, the solver's
-/// residual, the reference's uncertainty) time does not count: they are tied, and the simplest strategy is the best.
-/// What was calibrated to the reference meets it by construction and is never the best.
+/// in what else the material prescribes; then the fastest. Where errors differ by less than the measures carry (1e-5,
+/// the solver's residual, the reference's uncertainty) time does not count: they are tied, and the simplest strategy is
+/// the best. What was calibrated to the reference meets it by construction and is never the best.
 Ranking rank_strategies(const std::vector<Record>& records);
 
 }  // namespace elastin::lab

@@ -133,7 +133,7 @@ class Formula {
       fail(at_ < text_.size() ? "'" + std::string(text_.substr(at_)) + "' is not expected there" : "it has no end");
     if (take('(')) return function(name);
     if (name == "pi") return {std::numbers::pi, {}, false};
-    at_ = before;  // also where blanks stand behind the name
+    at_ = before;                                     // also where blanks stand behind the name
     if (const auto unit = unit_here()) return *unit;  // "1000 kg/m3"
     at_ = before + name.size();
     return names_(name);

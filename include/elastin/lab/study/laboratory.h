@@ -114,7 +114,8 @@ class Laboratory {
 Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings);
 
 /// A material as scenes describe one under `material:`, in YAML: "{law: yeoh, terms: [1 kPa], bulk_modulus: 1 MPa}", or
-/// the path of a HeldScene of that. Files are named from the working directory. Throws InputError: material:line:column.
+/// the path of a HeldScene of that. Files are named from the working directory. Throws InputError:
+/// material:line:column.
 Material make_material(const std::string& yaml);
 
 }  // namespace elastin::lab
