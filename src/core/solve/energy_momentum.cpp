@@ -23,6 +23,27 @@ struct End {
   double energy = 0;        ///< W [J]
 };
 
+/// Puts the x of A x = b in b's place, of the first `count` rows of a positive definite A, whose lower half is lost
+/// [Cholesky]; false if it is none. Eigen's own of this size takes seconds to compile, and one of any size asks for
+/// memory.
+template <class Matrix, class Vector>
+bool solve_positive(Matrix& A, Vector& b, int count) {
+  for (int j = 0; j < count; ++j) {
+    for (int i = j; i < count; ++i)
+      for (int k = 0; k < j; ++k) A(i, j) -= A(i, k) * A(j, k);
+    if (!(A(j, j) > 0)) return false;
+    const double root = std::sqrt(A(j, j));
+    for (int i = j; i < count; ++i) A(i, j) /= root;
+    for (int k = 0; k < j; ++k) b[j] -= A(j, k) * b[k];
+    b[j] /= A(j, j);
+  }
+  for (int j = count - 1; j >= 0; --j) {
+    for (int i = j + 1; i < count; ++i) b[j] -= A(i, j) * b[i];
+    b[j] /= A(j, j);
+  }
+  return true;
+}
+
 /// The implicit midpoint rule with force densities that do exactly the work that the energy says: of any law that is
 /// force densities
 ///   q = (q₀ + q₁)/2 + λ (s₁ − s₀),   ½ Σ q (s₁ − s₀) = W₁ − W₀,
@@ -215,15 +236,15 @@ class EnergyMomentum final : public Implicit {
       return ordered_sum(
           static_cast<int>(a.cols()), [&](int i) { return a.col(i).dot(b.col(i)); }, 0., kMoleculeThreshold);
     };
-    MatrixX products = MatrixX::Identity(count, count), right = MatrixX::Zero(count, 1);
+    Eigen::Matrix<double, kMemory, kMemory> products;
+    Eigen::Matrix<double, kMemory, 1> parts;
     for (int i = 0; i < count; ++i) {
       for (int j = 0; j <= i; ++j) products(i, j) = products(j, i) = dot(pasts_[i].change, pasts_[j].change);
       products(i, i) *= 1 + 1e-12;
-      right(i, 0) = dot(pasts_[i].change, motion_);
+      parts[i] = dot(pasts_[i].change, motion_);
     }
-    const MatrixX parts = product(inverse(products), right);
-    if (!parts.allFinite()) return;
-    for (int i = 0; i < count; ++i) mixed_ -= parts(i, 0) * (pasts_[i].step + pasts_[i].change);
+    if (!solve_positive(products, parts, count)) return;
+    for (int i = 0; i < count; ++i) mixed_ -= parts[i] * (pasts_[i].step + pasts_[i].change);
   }
 
   /// What iterations leave unbalanced of a free body's whole force would add up over the steps: it moves as one.

@@ -234,8 +234,8 @@ class TopologyReport:
 class Simulation:
     """A body that moves. Steps let other Python threads run; each simulation may run in a thread of its own. Views
     never copy: they stay where they are, and keep the simulation alive."""
-    def __init__(self, body: Body, strategy: str | Strategy, material: Material | Sequence[Material], *,
-                 scheme: str = "symplectic_euler", safety: float = 0.8, max_substeps: int = 1000,
+    def __init__(self, body: Body, strategy: str | Strategy,
+                 material: Material | Sequence[Material] | Mapping[str, Any] | str, *, scheme: str = "symplectic_euler", safety: float = 0.8, max_substeps: int = 1000,
                  scheme_parameters: Mapping[str, float] = ..., parameters: Mapping[str, float] = ...,
                  budget: float = 0.0, catalog: Catalog | None = None) -> None:
         """material: one, or of a body of parts (see of_parts) a list, which the parts count from 0. strategy: a name
@@ -519,6 +519,13 @@ def of_parts(parts: Sequence[tuple[str, Body, int]],
     """A body of several parts: (name, body, number of its material from 0; below 0: bone, which stays where it is
     unless something moves it) each. ties: (first, second, within [m], stiffness [Pa]): where two parts are near to
     each other, molecules in one place become one and others are tied to the surface."""
+def material(description: Mapping[str, Any] | str) -> Material:
+    """A material as a scene has it under `material:`: elastin.material({"law": "ogden", "terms": [[6.3e5, 1.3]],
+    "bulk_modulus": 1e9, "relaxation": {"terms": [[0.5, 1.0]]}}), a dict or its YAML, with the same keys and
+    messages: laws, curves, fibres, muscle, relaxation, softening. Plain numbers are SI; files are named from the
+    working directory."""
+    ...
+
 def lattice(molecules: Sequence[int], spacing: float | Sequence[float],
             connections: Sequence[Literal["axis", "face", "space"]] = ("axis", "face"), *, radius: float | None = None,
             density: float = 1000.0) -> Body:
