@@ -125,7 +125,8 @@ class Body {
     const {scheme, safety = 0, max_substeps = 0, parameters = {}, scheme_parameters = {}} = options;
     return new Simulation(this, this.elastin.handle_of('elastin_simulate', memory => [this.handle, memory.text(strategy),
       memory.structure([['number', youngs_modulus], ['number', poissons_ratio], ['number', thickness], ['number', bending_rigidity],
-        ['word', law ? memory.structure([['word', memory.text(law.name)], ...named_values(memory, law.constants)]) : 0]]),
+        ['word', law ? memory.structure([['word', memory.text(law.name)], ...named_values(memory, law.constants)]) : 0],
+        ['word', 0]]),
       memory.structure([['word', scheme ? memory.text(scheme) : 0], ['number', safety], ['whole', max_substeps],
         ...named_values(memory, parameters), ['whole', 0], ['word', 0], ['word', 0], ['whole', 0], ...named_values(memory, scheme_parameters)])]));
   }
