@@ -33,4 +33,12 @@ class Multigrid {
   std::unique_ptr<CoarsestSolver> coarsest_;
 };
 
+/// A solver that keeps its coarse picture of one stiffness for the ones after it, while it serves.
+class KeepsCoarsePicture {
+ public:
+  virtual ~KeepsCoarsePicture() = default;
+  /// Where another problem begins: its answer must not hang on what was solved before.
+  virtual void forget() = 0;
+};
+
 }  // namespace elastin

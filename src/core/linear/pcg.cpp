@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 
 #include "core/linear/block_inverse.h"
@@ -14,18 +16,24 @@ namespace {
 /// A coarse picture that serves takes some 30 iterations, a poor one 200.
 constexpr int kCoarseLimit = 400;
 
-class Pcg final : public LinearSolver {
+/// A coarse picture of another stiffness serves until it takes as many times the iterations that it took when new.
+constexpr double kServes = 1.5;
+constexpr int kServesAnyway = 10;  ///< iterations that are worth no new one
+
+class Pcg final : public LinearSolver, public KeepsCoarsePicture {
  public:
   explicit Pcg(bool multigrid) : multigrid_(multigrid) {}
+  void forget() override { coarse_.reset(); }
   const char* name() const override { return multigrid_ ? "multigrid" : "pcg"; }
 
   LinearResult solve(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs,
                      double tolerance, Positions& x) override {
     const int n = static_cast<int>(rhs.cols());
     inverse_.compute(tangent, supports);
-    std::unique_ptr<Multigrid> coarse;
-    if (multigrid_) coarse = std::make_unique<Multigrid>(tangent, supports);
-    if (coarse && !coarse->positive()) coarse.reset();
+    const bool kept = coarse_ != nullptr;
+    if (multigrid_ && !kept) coarse_ = std::make_unique<Multigrid>(tangent, supports);
+    if (coarse_ && !coarse_->positive()) coarse_.reset();
+    Multigrid* coarse = coarse_.get();
     // Single precision makes a little of any motion that nothing resists; its size would then be whatever it is.
     std::optional<RigidMotions> whole;
     if (coarse) whole.emplace(tangent, supports);
@@ -103,7 +111,7 @@ class Pcg final : public LinearSolver {
       // Not positive after all, or blind to what this body is slow at (stiff lumps that share boxes with soft tissue):
       // go on without, from here.
       if (coarse && (!(now[0] > 0) || result.iterations == kCoarseLimit)) {
-        coarse.reset();
+        coarse = nullptr;
         now = advance(0);
         p = z;
         size_of_p = now[0];
@@ -115,12 +123,20 @@ class Pcg final : public LinearSolver {
       size_of_p = now[0] + beta * beta * size_of_p;
     }
     result.residual = std::sqrt(now[1] / first);
+    // Iterations for a digit: how far each solve has to go is another matter.
+    const double pace = result.iterations / std::max(0.5, -std::log10(result.residual));
+    if (!kept) pace_ = pace;
+    const bool serves = coarse && result.status == LinearStatus::solved &&
+                        (pace <= kServes * pace_ || result.iterations <= kServesAnyway);
+    if (!serves) coarse_.reset();
     if (whole) whole->remove_from(tangent.positions(), x);
     return result;
   }
 
  private:
   bool multigrid_;
+  std::unique_ptr<Multigrid> coarse_;
+  double pace_ = 0;  ///< iterations a digit with it when new
   // Kept from one solve to the next, so that steps in time ask for no memory.
   BlockInverses inverse_;
   Positions r_, z_, p_, kp_, best_x_;

@@ -172,6 +172,7 @@ class EnergyMomentum final : public Implicit {
   /// derivative, so each motion is mixed with the last ones.                                     [Anderson 1965]
   bool balance(Model& model, const State& state, StepResult& result) {
     if (model.supports.empty()) keep_momentum(model, state);
+    workspace_.solver.forget();
     evaluate(model, state, now_);
     used_ = 0;
     cut_ = false;

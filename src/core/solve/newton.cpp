@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/linear/linear_choice.h"
+#include "core/linear/multigrid.h"
 #include "core/parallel/parallel.h"
 #include "core/solve/steppers.h"
 
@@ -70,6 +71,10 @@ bool may_buckle(const Body& body, const Positions& positions) {
 }
 
 }  // namespace
+
+void CachedSolver::forget() {
+  if (auto* keeps = dynamic_cast<KeepsCoarsePicture*>(solver.get())) keeps->forget();
+}
 
 double rounding_floor(const Tangent& tangent, const Positions& positions) {
   const double reach = positions.cwiseAbs().maxCoeff();
@@ -239,6 +244,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
 
 StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
                           NewtonWorkspace& workspace) {
+  workspace.solver.forget();
   StaticResult result = balance_once(model, state, options, kinematics, workspace);
   for (int round = 0; result.outcome == Outcome::converged && model.update_multipliers(state); ++round) {
     if (round == kTightenings) {

@@ -9,10 +9,12 @@
 
 namespace elastin {
 
-/// A linear solver kept from one solve to the next, for its memory.
+/// A linear solver kept from one solve to the next, for its memory and its coarse picture of the stiffness.
 struct CachedSolver {
   std::unique_ptr<LinearSolver> solver;
   LinearMethod method = "automatic";
+  /// Where an equilibrium or a step begins, whose answer must not hang on those before.
+  void forget();
 };
 
 /// Room for what Newton computes on the way; it only grows. Time steps of one model with conjugate gradients allocate
