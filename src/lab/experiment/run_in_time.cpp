@@ -21,6 +21,8 @@ namespace {
 constexpr double kEnergyFromNothing = 0.05;
 /// Of it to the energy that was there: nothing of such a run is worth reading on.
 constexpr double kEnergyLost = 2;
+/// Part of the steps that may take longer than their budget without a word.
+constexpr double kLate = 0.01;
 
 using Clock = std::chrono::steady_clock;
 
@@ -89,6 +91,7 @@ class TimedRun {
       if (!advance_frame(time.duration * (frame_ + 1) / time.frames)) break;
       ++frame_;
       keep_snapshot();
+      control_.look(model_, state_);
       if (options_.checkpoint && time.checkpoint && frame_ % time.checkpoint == 0) save();
       if (options_.live) wait(start, (frame_ - first_frame) / time.frame_rate);
       if (frame_ < time.frames && is_stopped()) interrupt();
@@ -262,6 +265,11 @@ class TimedRun {
     time.last_step = memory.last;
     time.critical_step = memory.critical;
     time.frequency = memory.frequency;
+    time.budget = control_.budget();
+    if (time.budget && time.budget->late > kLate)
+      run_.warnings.push_back(number(100 * time.budget->late, 3) + " % of the steps took longer than their budget of " +
+                              number(time.budget->budget, 3) + " s" +
+                              (time.budget->median == 1 ? ", with one sweep each: the body is too large for it" : ""));
     experiment_.read_history(history_, run_.measures);
     for (const auto& [name, value] : run_.curve.back().measures.all())
       if (!std::isfinite(run_.measures.get(name))) run_.measures.set(name, value);

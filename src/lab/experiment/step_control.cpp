@@ -21,6 +21,7 @@ StepControl::StepControl(Model& model, const State& start, const TimeOptions& op
     : options_(options), size_(size_of(model.body())) {
   integrator_ = make_integrator({scheme, options.parameters, newton});
   order_ = scheme->order;
+  if (options.budget > 0) paced_.emplace(*integrator_, scheme, options, newton);
   const bool automatic = options.choice == StepChoice::automatic;
   by_error_ = options.choice == StepChoice::by_error || (automatic && !scheme->is_explicit);
   watched_ = scheme->is_explicit && options.choice != StepChoice::fixed;
@@ -58,7 +59,7 @@ StepResult StepControl::one_step(Model& model, State& state, double until) {
     if (!(state.time + dt > state.time))
       return {Outcome::diverged, "the step has become too short for the clock", 0, 0, 1, 0};
     const State before = by_error_ ? state : State{};
-    StepResult result = integrator_->advance(model, state, dt);
+    StepResult result = paced_ ? paced_->advance(model, state, dt) : integrator_->advance(model, state, dt);
     if (result.outcome != Outcome::converged) return result;
     if (by_error_) {
       const double ratio = result.error / (options_.error * size_);

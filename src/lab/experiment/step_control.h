@@ -1,8 +1,10 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "elastin/core/solve/integrator.h"
+#include "lab/experiment/paced_steps.h"
 #include "lab/experiment/time_options.h"
 
 namespace elastin::lab {
@@ -51,13 +53,20 @@ class StepControl {
   };
   Memory memory;
 
+  /// What its few sweeps would do to the next step, where there is a budget.
+  void look(Model& model, const State& state) {
+    if (paced_) paced_->look(model, state, memory.wanted);
+  }
+  std::optional<BudgetReport> budget() const { return paced_ ? std::optional(paced_->report()) : std::nullopt; }
+
  private:
   StepResult one_step(Model& model, State& state, double until);
   void watch(Model& model, const State& state);
 
   TimeOptions options_;
   std::unique_ptr<Integrator> integrator_;
-  double size_ = 0;  // of the body [m]
+  std::optional<PacedSteps> paced_;  ///< where steps have a budget
+  double size_ = 0;                  // of the body [m]
   double order_ = 2;
   bool by_error_ = false, watched_ = false;
 };

@@ -25,6 +25,18 @@ struct TimeOptions {
   int frames = 100;                     ///< states that are kept, at equal times, beside the first
   double frame_rate = 250;              ///< frames a second at most, where a run is shown live
   int checkpoint = 0;                   ///< frames between two restart files; 0 = none
+  double budget = 0;                    ///< [s] by the clock for a step of a scheme that takes sweeps; 0 = any
+};
+
+/// How the steps kept their budget.
+struct BudgetReport {
+  double budget = 0;                               ///< [s] by the clock
+  int least = 0, median = 0, most = 0;             ///< sweeps or iterations of a step
+  double median_seconds = 0, longest_seconds = 0;  ///< of a step
+  double late = 0;                                 ///< part of the steps that took longer than the budget
+  /// Largest distance, at the frames, between where a step's sweeps and backward Euler's balance bring a molecule, and
+  /// the largest way of one in such a step [m].
+  double iteration_error = 0, motion = 0;
 };
 
 /// How time went.
@@ -35,6 +47,7 @@ struct TimeReport {
   double critical_step = 0, frequency = 0;  ///< of explicit schemes: longest stable step [s], ω_max [rad/s]
   double simulated = 0, seconds = 0;        ///< [s] of the body's time and of ours, of this run alone
   bool resumed = false;
+  std::optional<BudgetReport> budget;
 };
 
 }  // namespace elastin::lab

@@ -240,6 +240,19 @@ void curve_fields(Io& io, Point& point, bool in_time) {
   });
 }
 
+template <class Io, class Budget>
+void budget_fields(Io& io, Budget& budget) {
+  io.field("budget", budget.budget);
+  io.field("least", budget.least);
+  io.field("median", budget.median);
+  io.field("most", budget.most);
+  io.field("median_seconds", budget.median_seconds);
+  io.field("longest_seconds", budget.longest_seconds);
+  io.field("late", budget.late);
+  io.field("iteration_error", budget.iteration_error);
+  io.field("motion", budget.motion);
+}
+
 template <class Io, class Time>
 void time_fields(Io& io, Time& time) {
   io.field("integrator", time.scheme);
@@ -255,6 +268,7 @@ void time_fields(Io& io, Time& time) {
   io.kept("frequency", time.frequency);
   io.kept("reason", time.reason);
   io.kept("resumed", time.resumed);
+  io.optional("budget", time.budget, [](auto& inner, auto& budget) { budget_fields(inner, budget); });
 }
 
 template <class Io, class Contact, class Names>

@@ -138,6 +138,18 @@ std::unique_ptr<Protocol> read_vibration(Reader reader, const ExperimentContext&
 /// Uniform in −1 … 1: the same on every machine.
 double uniform(std::mt19937_64& generator) { return 2 * static_cast<double>(generator() >> 11) * 0x1p-53 - 1; }
 
+void read_budget(const Reader& reader, const elastin::Table<Stepper>& steppers, TimeOptions& options) {
+  options.budget = reader.quantity(dimension::time, kPositive);
+  if (!options.scheme || (*options.scheme)->effort.empty()) {
+    std::string able;
+    for (const auto& stepper : steppers)
+      if (!stepper->effort.empty()) able += (able.empty() ? "" : ", ") + stepper->name;
+    reader.fail("chooses how many sweeps or iterations a step gets: write `integrator:` with one of " + able);
+  }
+  if (options.choice != StepChoice::fixed) reader.fail("needs steps of one length: write `step: 1 ms` or another");
+  if (options.checkpoint) reader.fail("the clock decides: a run that goes on from a checkpoint would take other steps");
+}
+
 }  // namespace
 
 void read_integrator(Reader reader, const elastin::Table<Stepper>& steppers, TimeOptions& options) {
@@ -162,6 +174,7 @@ TimeOptions read_time(Reader reader, const elastin::Table<Stepper>& steppers) {
   if (auto frames = reader.find("frames")) options.frames = frames->whole(1, 1000000);
   if (auto rate = reader.find("frame_rate")) options.frame_rate = rate->quantity({0, 0, -1}, kPositive);
   if (auto checkpoint = reader.find("checkpoint")) options.checkpoint = checkpoint->whole(1, 1000000);
+  if (auto budget = reader.find("budget")) read_budget(*budget, steppers, options);
   reader.finish();
   return options;
 }
@@ -324,7 +337,11 @@ std::vector<KeySection> time_keys(const Catalog& catalog) {
       {"step.largest", "quantity", "s", "> 0", "none", "longest step by error, not below `smallest`"},
       {"frames", "whole", "", "1 … 1000000", "100", "points of the time history and snapshots, at equal times"},
       {"frame_rate", "quantity", "1/s", "> 0", "250", "most frames a second with `--live`"},
-      {"checkpoint", "whole", "", "1 … 1000000", "none", "frames between restart files; Ctrl-C leaves one too"}};
+      {"checkpoint", "whole", "", "1 … 1000000", "none", "frames between restart files; Ctrl-C leaves one too"},
+      {"budget", "quantity", "s", "> 0", "none",
+       "by the clock, for a step of fixed length: an integrator with sweeps or iterations gets as many as there is "
+       "time "
+       "for; what so few leave is measured at the frames. Not with `checkpoint`"}};
   keys.insert(keys.end(), rest.begin(), rest.end());
   return {{"time", "Time", "", std::move(keys)}};
 }

@@ -57,7 +57,7 @@ std::vector<double> numbers_of(const Run& run) {
 
 }  // namespace
 
-TEST_CASE("a released oscillator has its frequency and its decrement", "[time]") {
+TEST_CASE("a released oscillator has its frequency and its decrement", "[time][slow]") {
   // b = 2 N s/m: delta = b / 2m = 1 /s, omega = sqrt(100 - 1).
   for (const char* scheme : {"velocity_verlet", "newmark"}) {
     INFO(scheme);
@@ -222,7 +222,7 @@ TEST_CASE("a twisted bar let go turns back and forth; a sheared one, too", "[tim
   }
 }
 
-TEST_CASE("a run that stops and goes on has bitwise the same results as one that does not", "[time][restart]") {
+TEST_CASE("a run that stops and goes on has bitwise the same results as one that does not", "[time][restart][slow]") {
   const std::string block =
       "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [10 mm, 10 mm, 20 mm]}}\n"
       "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
@@ -308,6 +308,37 @@ TEST_CASE("implicit steps that make more energy than there is end with that as t
       "time: {duration: 1 s, frames: 10, integrator: newmark, step: 20 ms}\n");
   CHECK(run.outcome == Outcome::diverged);
   CHECK_THAT(run.cause, Contains("the steps make energy from nothing"));
+}
+
+TEST_CASE("a budget gives each step the sweeps that it leaves time for", "[time][budget]") {
+  const auto swung = [](const std::string& integrator, const std::string& budget) {
+    return run_of(
+        "body: {lattice: {kind: cubic, molecules: [2, 2, 5], spacing: 1 cm, connections: [axis, face]}}\n"
+        "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\n"
+        "stiffness: lattice\n"
+        "experiment: {kind: release, fixture: {kind: bending, axis: z, direction: x, force: 1 mN}}\n"
+        "time: {duration: 0.2 s, frames: 10, step: 2 ms, integrator: " +
+        integrator + budget + "}\n");
+  };
+  // None is in time: each step keeps its one sweep, and looking what it leaves changes nothing.
+  const Run late = swung("{scheme: block_descent, sweeps: 1}", ", budget: 1 ns");
+  const Run one = swung("{scheme: block_descent, sweeps: 1}", "");
+  REQUIRE(late.time->budget);
+  CHECK(late.time->budget->median == 1);
+  CHECK(late.time->budget->late == 1);
+  CHECK(late.curve.back().measures.get("tip_deflection") == one.curve.back().measures.get("tip_deflection"));
+  CHECK_FALSE(one.time->budget);
+  REQUIRE(late.warnings.size() == 1);
+  CHECK_THAT(late.warnings.front(), Contains("100 % of the steps took longer than their budget"));
+  // More time, more sweeps, less left to do.
+  const Run more = swung("{scheme: block_descent, sweeps: 9}", ", budget: 20 ms");
+  REQUIRE(more.time->budget);
+  const BudgetReport& found = *more.time->budget;
+  CHECK(found.median > 9);
+  CHECK(found.least <= found.median);
+  CHECK(found.median <= found.most);
+  CHECK(found.iteration_error < 0.1 * late.time->budget->iteration_error);
+  CHECK(late.time->budget->iteration_error < late.time->budget->motion);
 }
 
 TEST_CASE("a step far above the stable one ends with its cause and keeps the frames before", "[time]") {

@@ -77,6 +77,14 @@ TEST_CASE("slips in the key time", "[scene][time]") {
   check_refusal(kMotion, "time: {duration: 1 s, frames: 0}", 6, "time.frames: '0' is not a whole number of at least 1");
 }
 
+TEST_CASE("slips in a budget", "[scene][time][budget]") {
+  const auto budget = [](const std::string& rest) { return "time: {duration: 1 s, budget: 1 ms" + rest + "}"; };
+  check_refusal(kMotion, budget(""), 6, "one of backward_euler, newmark, block_descent, xpbd, projective");
+  check_refusal(kMotion, budget(", step: 1 ms, integrator: velocity_verlet"), 6, "chooses how many sweeps");
+  check_refusal(kMotion, budget(", integrator: xpbd"), 6, "needs steps of one length");
+  check_refusal(kMotion, budget(", integrator: xpbd, step: 1 ms, checkpoint: 1"), 6, "would take other steps");
+}
+
 TEST_CASE("slips in functions of time, starts and loads", "[scene][time]") {
   const auto in_time = [](const std::string& function) {
     return kTime + "\nloads: [{gravity: [0, 0, -1 m/s2], in_time: " + function + "}]";
@@ -109,7 +117,7 @@ TEST_CASE("check says how long an explicit step may be and what sets it", "[scen
                        Contains("ω_max ") && Contains("set by connection "));
 }
 
-TEST_CASE("the scenes in time hold what they expect", "[scene][time][vibrations]") {
+TEST_CASE("the scenes in time hold what they expect", "[scene][time][vibrations][slow]") {
   for (const std::string name : {"creep", "drag-quadratic", "drag-stokes", "relaxation", "shake", "drop",
                                  "torsion-released", "vibration-bar-axial"}) {
     INFO(name);
