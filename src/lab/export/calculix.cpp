@@ -1,10 +1,7 @@
 #include "lab/export/calculix.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <map>
 #include <set>
 
@@ -15,6 +12,7 @@
 #include "core/laws/solids/yeoh.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/laws/material_law.h"
+#include "lab/export/deck.h"
 #include "lab/export/formats.h"
 
 namespace elastin::lab {
@@ -31,9 +29,10 @@ const std::map<std::string_view, const char*> kElements{{"tetrahedron4", "C3D4"}
 /// Of Yeoh's and Ogden's laws.
 constexpr int kMostTerms = 3;
 
-class Deck {
+class CalculixDeck : Deck {
  public:
-  Deck(StaticProblem& problem, const CalculixOptions& options) : problem_(problem), options_(options) {}
+  CalculixDeck(StaticProblem& problem, const CalculixOptions& options)
+      : Deck("CalculiX", problem), problem_(problem), options_(options) {}
 
   std::string text() {
     write("** {}: {}\n** Lengths in m, forces in N, stresses in Pa.\n", problem_.scene->name, problem_.scene->title);
@@ -46,14 +45,6 @@ class Deck {
   }
 
  private:
-  template <class... Args>
-  void write(fmt::format_string<Args...> format, Args&&... args) {
-    fmt::format_to(std::back_inserter(out_), format, std::forward<Args>(args)...);
-  }
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw InputError(SourceLocation{problem_.scene->path}, "CalculiX: " + what);
-  }
-
   void write_mesh() {
     const Positions& rest = problem_.body().rest;
     write("*NODE, NSET=ALL\n");
@@ -81,7 +72,7 @@ class Deck {
 
   // ------------------------------------------------------------------------------------------ materials, by their laws
 
-  using Write = void (Deck::*)(const Material& material);
+  using Write = void (CalculixDeck::*)(const Material& material);
   struct Law {
     std::string_view name;
     bool of_moduli;  ///< under small displacements *ELASTIC says all of it
@@ -90,12 +81,12 @@ class Deck {
   };
   static const std::vector<Law>& laws() {
     static const std::vector<Law> all{
-        {NeoHookean::name, true, nullptr, &Deck::write_neo_hooke},
-        {NeoHookeanLog::name, true, nullptr, &Deck::write_neo_hooke},
-        {StVenantKirchhoff::name, true, &Deck::write_elastic},
-        {MooneyRivlin::name, false, &Deck::write_mooney_rivlin},
-        {Yeoh::name, false, &Deck::write_yeoh},
-        {Ogden::name, false, &Deck::write_ogden},
+        {NeoHookean::name, true, nullptr, &CalculixDeck::write_neo_hooke},
+        {NeoHookeanLog::name, true, nullptr, &CalculixDeck::write_neo_hooke},
+        {StVenantKirchhoff::name, true, &CalculixDeck::write_elastic},
+        {MooneyRivlin::name, false, &CalculixDeck::write_mooney_rivlin},
+        {Yeoh::name, false, &CalculixDeck::write_yeoh},
+        {Ogden::name, false, &CalculixDeck::write_ogden},
     };
     return all;
   }
@@ -106,7 +97,7 @@ class Deck {
         std::find_if(laws().begin(), laws().end(), [&](const Law& one) { return one.name == problem_.law; });
     Write write_law = nullptr;
     if (law != laws().end())
-      write_law = problem_.small && law->of_moduli      ? &Deck::write_elastic
+      write_law = problem_.small && law->of_moduli      ? &CalculixDeck::write_elastic
                   : !law->write && options_.nearest_law ? law->nearest
                                                         : law->write;
     if (!write_law) {
@@ -190,13 +181,12 @@ class Deck {
 
   StaticProblem& problem_;
   const CalculixOptions& options_;
-  std::string out_;
 };
 
 }  // namespace
 
 std::string calculix_deck(StaticProblem& problem, const CalculixOptions& options) {
-  return Deck(problem, options).text();
+  return CalculixDeck(problem, options).text();
 }
 
 std::string calculix_text(const Scene& scene, std::vector<std::string>& notes) {

@@ -1,9 +1,6 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <map>
 
 #include "core/laws/solids/mooney_rivlin.h"
@@ -14,8 +11,8 @@
 #include "core/laws/solids/yeoh.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/laws/material_law.h"
+#include "lab/export/deck.h"
 #include "lab/export/formats.h"
-#include "lab/export/problem.h"
 #include "lab/febio/mesh.h"
 
 namespace elastin::lab {
@@ -29,9 +26,9 @@ struct Course {
   auto operator<=>(const Course&) const = default;
 };
 
-class FebioWriter {
+class FebioDeck : Deck {
  public:
-  explicit FebioWriter(const StaticProblem& problem) : problem_(problem) {}
+  explicit FebioDeck(const StaticProblem& problem) : Deck("FEBio", problem), problem_(problem) {}
 
   std::string text() {
     if (problem_.small)
@@ -55,14 +52,6 @@ class FebioWriter {
   }
 
  private:
-  template <class... Args>
-  void write(fmt::format_string<Args...> format, Args&&... args) {
-    fmt::format_to(std::back_inserter(out_), format, std::forward<Args>(args)...);
-  }
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw InputError(SourceLocation{problem_.scene->path}, "FEBio: " + what);
-  }
-
   void write_number(const char* name, double value) { write("<{}>{:.17g}</{}>", name, value, name); }
 
   void write_volume(const ConstantsOf& own) {
@@ -75,7 +64,7 @@ class FebioWriter {
 
   // ------------------------------------------------------------------------------------------ materials, by their laws
 
-  using Write = void (FebioWriter::*)(const Material& material);
+  using Write = void (FebioDeck::*)(const Material& material);
   struct Law {
     std::string_view name;
     const char* type;  ///< FEBio's
@@ -84,12 +73,12 @@ class FebioWriter {
   };
   static const std::vector<Law>& laws() {
     static const std::vector<Law> all{
-        {NeoHookeanLog::name, "neo-Hookean", false, &FebioWriter::write_moduli},
-        {StVenantKirchhoff::name, "isotropic elastic", false, &FebioWriter::write_moduli},
-        {MooneyRivlin::name, "Mooney-Rivlin", true, &FebioWriter::write_mooney_rivlin},
-        {Yeoh::name, "Yeoh", true, &FebioWriter::write_yeoh},
-        {Ogden::name, "Ogden", true, &FebioWriter::write_ogden},
-        {TransverselyIsotropic::name, "trans iso Mooney-Rivlin", true, &FebioWriter::write_fibres},
+        {NeoHookeanLog::name, "neo-Hookean", false, &FebioDeck::write_moduli},
+        {StVenantKirchhoff::name, "isotropic elastic", false, &FebioDeck::write_moduli},
+        {MooneyRivlin::name, "Mooney-Rivlin", true, &FebioDeck::write_mooney_rivlin},
+        {Yeoh::name, "Yeoh", true, &FebioDeck::write_yeoh},
+        {Ogden::name, "Ogden", true, &FebioDeck::write_ogden},
+        {TransverselyIsotropic::name, "trans iso Mooney-Rivlin", true, &FebioDeck::write_fibres},
     };
     return all;
   }
@@ -272,7 +261,6 @@ class FebioWriter {
   }
 
   const StaticProblem& problem_;
-  std::string out_;
   std::vector<Numbers> sets_;
   std::map<std::string, int> curves_;
 };
@@ -281,7 +269,7 @@ class FebioWriter {
 
 std::string febio_text(const Scene& scene, std::vector<std::string>& notes) {
   StaticProblem problem = problem_of(scene);
-  std::string text = FebioWriter(problem).text();
+  std::string text = FebioDeck(problem).text();
   notes = std::move(problem.notes);
   return text;
 }
