@@ -2,6 +2,7 @@
 #include <random>
 
 #include "elastin/core/model/material.h"
+#include "elastin/core/model/state.h"
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/shapes.h"
@@ -99,6 +100,14 @@ inline Positions random_motion(const Body& body, unsigned seed) {
   Positions motion(3, body.size());
   for (int i = 0; i < motion.size(); ++i) motion.data()[i] = 2 * static_cast<double>(generator() >> 11) * 0x1p-53 - 1;
   return motion;
+}
+
+/// A strained body in motion.
+inline State moving(const Body& body) {
+  State state = state_at_rest(body);
+  state.positions = deformed(body, 3e-4);
+  state.velocities = random_motion(body, 31);
+  return state;
 }
 
 }  // namespace elastin::testing

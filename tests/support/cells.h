@@ -34,6 +34,16 @@ class Random {
   std::mt19937_64 generator_;
 };
 
+/// The neo-Hookean solid in uniaxial tension, E = 1: Poisson's ratio, stretch, nominal stress and lateral stretch to
+/// the printed digits. [L03]
+struct UniaxialRow {
+  double poissons_ratio, stretch, nominal, lateral;
+};
+inline constexpr UniaxialRow kNeoHookeanUniaxial[] = {{.3, .5, -0.833333, 1.154701},  {.3, .8, -0.235620, 1.063057},
+                                                      {.3, 1.2, 0.176170, 0.943583},  {.3, 2, 0.652380, 0.779503},
+                                                      {.45, .5, -1.070463, 1.342450}, {.45, .8, -0.249496, 1.104006},
+                                                      {.45, 1.2, 0.170332, 0.920459}, {.45, 2, 0.599117, 0.724652}};
+
 /// A cell of about 5 mm, no thinner than a tenth of what it could be.
 template <int corners>
 CornerPositions<corners> random_cell(Random& random) {

@@ -3,6 +3,8 @@
 #include <string>
 
 #include "elastin/core/model/law_constants.h"
+#include "elastin/core/simulation/catalog.h"
+#include "support/cells.h"
 
 namespace elastin::testing {
 
@@ -47,6 +49,13 @@ inline std::map<std::string, LawConstants> law_constants(double factor = 1) {
                              {"nu31", 0.4}}),
        .directions = {{"axis_1", Vector3(2, -1, 2) / 3}, {"axis_2", Vector3(-1, 2, 2) / 3}}});
   return all;
+}
+
+inline const Catalog kCatalog = built_in_catalog();
+
+/// A material of 5 kPa and ν = 0.3, but for what its law's constants say.
+inline Material material_with(const LawConstants& constants) {
+  return with_law(*kCatalog.material_laws.find(constants.law), constants, material_of(5e3, 0.3));
 }
 
 }  // namespace elastin::testing

@@ -137,7 +137,7 @@ TEST_CASE("bending: the energy of a plate under constant curvature", "[bending_s
   }
 }
 
-TEST_CASE("bending: a clamped strip sinks like a beam, and like the elastica", "[bending_stiffness]") {
+TEST_CASE("bending: a clamped strip sinks like a beam, and like the elastica", "[bending_stiffness][slow]") {
   // Narrow against its length, wide against its thickness: E I with the beam's free sides. w = F L³/(3 E I).
   constexpr double E = 1e9, t = 1e-3, L = 0.2, b = 0.02, I = b * t * t * t / 12;
   Refinement ratio;

@@ -253,7 +253,7 @@ void check_order(const char* kind_name, const char* strategy, double nu, std::ar
 
 }  // namespace
 
-TEST_CASE("orders of convergence on a smooth solution: 2 of first-order cells, 3 of second", "[cells][orders]") {
+TEST_CASE("orders of convergence on a smooth solution: 2 of first-order cells, 3 of second", "[cells][orders][slow]") {
   check_order("tetrahedron4", "neo_hookean", 0.3, {4, 8}, 1.8);
   check_order("prism6", "neo_hookean", 0.3, {5, 10}, 1.8);
   check_order("hexahedron8", "neo_hookean", 0.3, {4, 8}, 1.8);
@@ -262,7 +262,7 @@ TEST_CASE("orders of convergence on a smooth solution: 2 of first-order cells, 3
   check_order("hexahedron27", "neo_hookean", 0.3, {3, 6}, 2.7);
 }
 
-TEST_CASE("near nu = 1/2 cells whose volume is kept by pressures of their own do not lock", "[cells][orders]") {
+TEST_CASE("near nu = 1/2 cells whose volume is kept by pressures of their own do not lock", "[cells][orders][slow]") {
   check_order("hexahedron8", "neo_hookean+volume", 0.499, {4, 8}, 1.7);
   check_order("hexahedron27", "neo_hookean+volume", 0.499, {3, 6}, 2.7);
   check_order("tetrahedron10", "neo_hookean+volume", 0.499, {2, 4}, 1.7);  // P2/P0: the pressure's order is one less

@@ -64,7 +64,7 @@ TEST_CASE("passes over cells are parted where cells lie in order, and slotted wh
   CHECK(shuffled == 0);
 }
 
-TEST_CASE("passes over cells are bitwise identical on any number of threads", "[cell_driver][threads]") {
+TEST_CASE("passes over cells are bitwise identical on any number of threads", "[cell_driver][threads][slow]") {
   const Material material{.youngs_modulus = 1e6, .poissons_ratio = 0.3, .thickness = 1e-4};
   const Body sheet = large_sheet(), mixed = with_shuffled_cells(sheet);
   for (const Body* body : {&sheet, &mixed})

@@ -189,7 +189,7 @@ TEST_CASE("forces are bitwise identical on any number of threads", "[force_pass]
   }
 }
 
-TEST_CASE("a force pass allocates nothing after the first", "[force_pass]") {
+TEST_CASE("a force pass allocates nothing after the first", "[force_pass][slow]") {
   const Body lattice = large_lattice(), list = without_grid(lattice), mixed = shuffled(lattice);
   Body block = tetrahedral_block(BlockKind::kuhn, {21, 21, 21}, {0.21, 0.21, 0.21});
   const Catalog catalog = built_in_catalog();

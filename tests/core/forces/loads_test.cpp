@@ -10,17 +10,6 @@
 using namespace elastin;
 using namespace elastin::testing;
 
-namespace {
-
-State moving(const Body& body) {
-  State state = state_at_rest(body);
-  state.positions = deformed(body, 3e-4);
-  state.velocities = random_motion(body, 31);
-  return state;
-}
-
-}  // namespace
-
 TEST_CASE("drag balances weight at the terminal velocity of the textbooks", "[loads]") {
   Body body = listed_body({{0, 0, 0}, {1, 0, 0}}, {});
   body.radius = VectorX::Constant(2, 0.002);

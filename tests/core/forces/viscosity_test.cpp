@@ -23,13 +23,6 @@ Positions forces_of(const Body& body, const Viscosity& viscosity, const State& s
   return forces;
 }
 
-State moving(const Body& body) {
-  State state = state_at_rest(body);
-  state.positions = deformed(body, 3e-4);
-  state.velocities = random_motion(body, 31);
-  return state;
-}
-
 }  // namespace
 
 TEST_CASE("internal damping works along connections only and never adds energy", "[viscosity]") {

@@ -6,6 +6,7 @@
 #include "core/simulation/tissues.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/solve/stable_step.h"
+#include "support/refusal.h"
 
 using namespace elastin;
 using namespace elastin::testing;
@@ -22,16 +23,6 @@ void run(Simulation& tissue, int steps) {
     INFO(result.cause);
     REQUIRE(result.outcome == Outcome::converged);
   }
-}
-
-template <class Act>
-std::string refusal(Act act) {
-  try {
-    act();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 double difference(const Positions& a, const Positions& b) { return (a - b).cwiseAbs().maxCoeff(); }
@@ -158,7 +149,7 @@ TEST_CASE("simulation: a grip pulls with its spring and its damper, in steps and
   }
 }
 
-TEST_CASE("simulation: host forces, steps and grips give bitwise identical results after restore") {
+TEST_CASE("simulation: host forces, steps and grips give bitwise identical results after restore", "[slow]") {
   for (const Scheme& scheme : kSchemes) {
     for (const char* strategy : {"lattice", "lattice+volume"}) {
       if (!suits(scheme, strategy)) continue;

@@ -5,22 +5,13 @@
 
 #include "core/simulation/tissues.h"
 #include "support/own_rows.h"
+#include "support/refusal.h"
 
 using namespace elastin;
 using namespace elastin::testing;
 using Catch::Contains;
 
 namespace {
-
-template <class Act>
-std::string refusal(Act act) {
-  try {
-    act();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 template <class Row>
 void check_rows(const Table<Row>& table) {

@@ -61,7 +61,7 @@ Positions after_steps(Simulation& tissue, int steps) {
 
 }  // namespace
 
-TEST_CASE("simulation: steps, views, grips, moved supports and observers ask for no memory") {
+TEST_CASE("simulation: steps, views, grips, moved supports and observers ask for no memory", "[slow]") {
   for (const Scheme& scheme : kSchemes)
     for (const char* strategy : {"lattice", "lattice+volume", "neo_hookean"})
       for (const int newton : {0, 1}) {
