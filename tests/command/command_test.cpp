@@ -165,7 +165,7 @@ experiment: {kind: compression, axis: z, force: 27 N}
   CHECK_THAT(turned.out, Contains("neo_hookean: inverted: cells ") && Contains(" are flat or inverted at rest\n"));
 }
 
-TEST_CASE("exit code 2: wrong use or input, told on standard error alone", "[command]") {
+TEST_CASE("exit code 2: wrong use or input, told on standard error alone", "[command][slow]") {
   const TemporaryFolder folder;
   const std::string cube = folder.write("cube.yaml", kCube);
   const std::string slip = folder.write("slip.yaml", replaced(kCube, "spacing", "spacng"));

@@ -34,7 +34,7 @@ nlohmann::json first_run(const std::string& path) { return nlohmann::json::parse
 
 }  // namespace
 
-TEST_CASE("an interrupted command leaves whole files and goes on from its restart file", "[command][time]") {
+TEST_CASE("an interrupted command leaves whole files and goes on from its restart file", "[command][time][slow]") {
   const TemporaryFolder folder;
   const std::string scene = folder.write("oscillator.yaml", scene_of(100000)), out = folder.path("out"),
                     restart = out + "/oscillator-uniform.restart",

@@ -530,7 +530,7 @@ TEST_CASE("a file that is cut off anywhere fails, or loses nothing", "[mesh_file
   }
 }
 
-TEST_CASE("a file with random damage fails with a place, or gives a sound mesh", "[mesh_file]") {
+TEST_CASE("a file with random damage fails with a place, or gives a sound mesh", "[mesh_file][slow]") {
   std::mt19937 random(20240501);  // the same damage on every machine: no distributions, which differ
   const auto below = [&](std::size_t limit) { return static_cast<std::size_t>(random()) % limit; };
   const std::string letters = "0123456789-.+e$<>\"=_ \n\xff" + std::string(3, '\0');

@@ -1,4 +1,4 @@
-/* Steps bodies a thousand times and prints a checksum of what comes out, bit by bit: bits.js does the same in the
+/* Steps bodies a thousand times (a hundred by implicit schemes) and prints a checksum of what comes out, bit by bit: bits.js does the same in the
  * module for browsers, and the lines must be the same.
  *
  *   bits [steps]      one line a case: body, strategy, scheme, checksum of positions and velocities */
@@ -68,7 +68,10 @@ static void run(const char* name, const elastin_body* body, const char* strategy
     if (positions[3 * m + 2] == 0) need(elastin_fix(tissue, (int)m, 0));
   const elastin_value down[] = {{"acceleration_x", 2.5}, {"acceleration_z", -9.81}};
   need(elastin_add(tissue, "gravity", down, 2));
-  for (int i = 0; i < steps; ++i) need(elastin_step(tissue, 2e-3, NULL));
+  /* Explicit steps cost little: those that solve or sweep are as many times fewer as they cost more. */
+  const int is_explicit = strcmp(scheme, "velocity_verlet") == 0 || strcmp(scheme, "symplectic_euler") == 0;
+  const int taken = is_explicit ? steps : steps / 10;
+  for (int i = 0; i < taken; ++i) need(elastin_step(tissue, 2e-3, NULL));
   need(elastin_positions(tissue, &positions, &count));
   need(elastin_velocities(tissue, &velocities, &count));
   uint32_t sum = checksum(positions, count, 2166136261u);

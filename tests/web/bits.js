@@ -71,7 +71,8 @@ function run(f, name, body, strategy, scheme) {
   module.HEAPU32[down / 4] = f.text('acceleration_x');
   module.HEAPU32[down / 4 + 4] = f.text('acceleration_z');
   call('add', tissue, f.text('gravity'), down, 2);
-  for (let i = 0; i < steps; ++i) call('step', tissue, 2e-3, 0);
+  const taken = scheme === 'velocity_verlet' || scheme === 'symplectic_euler' ? steps : steps / 10;
+  for (let i = 0; i < taken; ++i) call('step', tissue, 2e-3, 0);
   let sum = 2166136261;
   for (const what of ['positions', 'velocities']) {
     call(what, tissue, room, room + 4);

@@ -16,12 +16,6 @@ using namespace elastin::testing;
 
 namespace {
 
-const Catalog kCatalog = built_in_catalog();
-
-Material material_with(const LawConstants& constants) {
-  return with_law(*kCatalog.material_laws.find(constants.law), constants, material_of(5e3, 0.3));
-}
-
 std::optional<HomogeneousState> state_of(const LawConstants& constants, HomogeneousTest test, double amount,
                                          const Matrix3& axes = Matrix3::Identity()) {
   return homogeneous_state(*kCatalog.material_laws.find(constants.law), material_with(constants), test, amount, axes);

@@ -21,12 +21,6 @@ using namespace elastin::testing;
 
 namespace {
 
-const Catalog kCatalog = built_in_catalog();
-
-Material material_with(const LawConstants& constants) {
-  return with_law(*kCatalog.material_laws.find(constants.law), constants, material_of(5e3, 0.3));
-}
-
 /// C − I of random states: any; nearly rest; two or three equal stretches, exactly or up to 1e-9 … 1e-3, in any axes.
 Matrix3 random_strain(Random& random, int trial) {
   const Matrix3 turn = random.rotation();

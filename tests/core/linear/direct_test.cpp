@@ -54,7 +54,7 @@ struct Pulled {
 
 }  // namespace
 
-TEST_CASE("a factorisation solves a bar of soft and stiff halves and finds no mechanism in it", "[direct]") {
+TEST_CASE("a factorisation solves a bar of soft and stiff halves and finds no mechanism in it", "[direct][slow]") {
   // F (L/2)/(A E) in the soft half; the stiff end keeps it from narrowing, and moved corners stiffen it, by some per
   // cent.
   const Material soft{.youngs_modulus = 1e4, .poissons_ratio = 0};

@@ -91,7 +91,7 @@ void stiffen_middle(Fixed& fixed, double times) {
 
 }  // namespace
 
-TEST_CASE("multigrid's answer is the factorisation's, whatever the body", "[multigrid]") {
+TEST_CASE("multigrid's answer is the factorisation's, whatever the body", "[multigrid][slow]") {
   SECTION("lattice") {
     Fixed fixed(lattice({7, 6, 8}));
     fixed.add_springs();
@@ -157,7 +157,7 @@ TEST_CASE("multigrid's answer is the factorisation's, whatever the body", "[mult
   }
 }
 
-TEST_CASE("multigrid's iterations do not grow with the body", "[multigrid]") {
+TEST_CASE("multigrid's iterations do not grow with the body", "[multigrid][slow]") {
   // Conjugate gradients alone take 10 iterations for each connection from end to end: 88, 210, 466 at 10, 22, 47 a
   // side.
   for (const bool ordered : {true, false}) {
@@ -179,7 +179,7 @@ TEST_CASE("multigrid takes rods a hundred times as long as thick in some forty i
   CHECK(fixed.iterations() <= 50);  // conjugate gradients alone: thousands
 }
 
-TEST_CASE("multigrid gives bitwise identical results on any number of threads", "[multigrid]") {
+TEST_CASE("multigrid gives bitwise identical results on any number of threads", "[multigrid][slow]") {
   for (const bool ordered : {true, false}) {
     Fixed fixed(ordered ? lattice({20, 20, 20}) : scattered(lattice({20, 20, 20}), 0.2 * kSpacing));
     fixed.add_springs();
@@ -238,7 +238,7 @@ TEST_CASE("multigrid says of what has no answer what conjugate gradients alone s
   }
 }
 
-TEST_CASE("large displacements by multigrid end where conjugate gradients alone do", "[multigrid]") {
+TEST_CASE("large displacements by multigrid end where conjugate gradients alone do", "[multigrid][slow]") {
   const auto bent = [](LinearMethod method) {
     Fixed fixed(lattice({4, 4, 24}));
     fixed.add_springs();

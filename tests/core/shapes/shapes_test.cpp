@@ -109,7 +109,7 @@ TEST_CASE("tetrahedral blocks fill their box with positive cells that share whol
   }
 }
 
-TEST_CASE("a random packing keeps its distance, its density and its seed", "[model]") {
+TEST_CASE("a random packing keeps its distance, its density and its seed", "[model][slow]") {
   const Vector3 size(0.012, 0.010, 0.014);
   const double distance = 0.001;
   const Body one = random_packing(size, distance, 1.5 * distance, 7),

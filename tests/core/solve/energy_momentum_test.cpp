@@ -39,7 +39,7 @@ struct Spinning {
 
 }  // namespace
 
-TEST_CASE("energy_momentum keeps a spinning block's energy and momenta at ten steps a turn", "[steppers]") {
+TEST_CASE("energy_momentum keeps a spinning block's energy and momenta at ten steps a turn", "[steppers][slow]") {
   const double spin = 20, dt = 2 * std::numbers::pi / spin / 10;
   for (const std::string strategy : {"lattice", "neo_hookean", "neo_hookean+volume", "st_venant_kirchhoff"}) {
     Spinning block(strategy, spin);
@@ -78,7 +78,7 @@ TEST_CASE("energy_momentum is of order 2", "[steppers]") {
   CHECK(coarse / fine == Approx(4).epsilon(0.1));
 }
 
-TEST_CASE("energy_momentum under weight, with supports, and with damping", "[steppers]") {
+TEST_CASE("energy_momentum under weight, with supports, and with damping", "[steppers][slow]") {
   Spinning block("neo_hookean", 0);
   block.model->supports = {{0}, {1}, {2}};
   block.model->add(make_gravity(block.body, {0, 0, -9.81}));

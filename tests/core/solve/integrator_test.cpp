@@ -144,7 +144,7 @@ TEST_CASE("energy stays bounded over 100 000 steps", "[integrator]") {
   }
 }
 
-TEST_CASE("backward Euler never gains energy, whatever the step", "[integrator]") {
+TEST_CASE("backward Euler never gains energy, whatever the step", "[integrator][slow]") {
   for (const double dt : {1e-4, 1e-3, 0.01, 0.1, 1.}) {
     Block block;
     const Ledger ledger(block.model, block.state);
@@ -159,7 +159,7 @@ TEST_CASE("backward Euler never gains energy, whatever the step", "[integrator]"
   }
 }
 
-TEST_CASE("momentum is kept to rounding, angular momentum where the scheme can", "[integrator]") {
+TEST_CASE("momentum is kept to rounding, angular momentum where the scheme can", "[integrator][slow]") {
   for (const Scheme& scheme : kSchemes) {
     Block block;
     block.model.add(make_cell_damping(block.body, 0.02, 0.01));
@@ -300,7 +300,7 @@ TEST_CASE("a step that cannot be taken leaves the state as it was, and says why"
   }
 }
 
-TEST_CASE("steps give bitwise identical results on any number of threads", "[integrator]") {
+TEST_CASE("steps give bitwise identical results on any number of threads", "[integrator][slow]") {
   // 61 000 connections: enough for several threads.
   Body body = cubic_lattice({20, 20, 20}, 0.01, {true, true, false});
   add_jitter(body, 0.001, 3);

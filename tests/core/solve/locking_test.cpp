@@ -65,7 +65,7 @@ Bending bend(int n, const std::string& law, bool averaged, double nu) {
 
 }  // namespace
 
-TEST_CASE("nearly incompressible bending: plain tetrahedra lock, averaged volumes do not", "[volume][locking]") {
+TEST_CASE("nearly incompressible bending: plain tetrahedra lock, averaged volumes do not", "[volume][locking][slow]") {
   for (const double nu : {0.3, 0.49, 0.499}) {
     std::array<double, 3> plain{}, averaged{};
     for (const std::size_t i : {0u, 1u, 2u}) {

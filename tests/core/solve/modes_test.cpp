@@ -59,7 +59,7 @@ std::vector<Support> fix_layer(const Body& body, const Matrix3& free) {
 
 }  // namespace
 
-TEST_CASE("zero-energy modes equal those of a dense rank count", "[modes]") {
+TEST_CASE("zero-energy modes equal those of a dense rank count", "[modes][slow]") {
   const Matrix3 held = Matrix3::Zero();
   const Matrix3 sliding = Matrix3::Identity() - Vector3::UnitZ() * Vector3::UnitZ().transpose();
   std::vector<Body> bodies{cubic_lattice({3, 3, 3}, 1, {true, false, false}),

@@ -73,7 +73,8 @@ TEST_CASE("a straight column beyond its buckling load is left for the bent one",
   CHECK(compressed(60, true) > 0.01);
 }
 
-TEST_CASE("a strut is probed for buckling at the cost of a solve, and buckles with any preconditioner", "[statics]") {
+TEST_CASE("a strut is probed for buckling at the cost of a solve, and buckles with any preconditioner",
+          "[statics][slow]") {
   // 25 times as long as thick, held at both ends: it buckles at a strain of π²/3 (1/25)² = 0.5 % [Euler].
   Body body = tetrahedral_block(BlockKind::kuhn, {2, 2, 50}, {0.002, 0.002, 0.05});
   set_matter(body, 0.0005, 1000, 0, 2e-7);

@@ -144,7 +144,7 @@ TEST_CASE("pcg and the factorisation agree, on springs and on cells, with slante
   }
 }
 
-TEST_CASE("forces and solutions are bitwise identical on any number of threads", "[threads]") {
+TEST_CASE("forces and solutions are bitwise identical on any number of threads", "[threads][slow]") {
   Body body = cubic_lattice({19, 19, 19}, 0.01, {true, true, false});
   set_matter(body, 0.005, 1000, 0, 1);
   REQUIRE(body.connections.size() > 50000);  // large enough for several threads to be used

@@ -56,7 +56,7 @@ const std::vector<std::string> kIterative{"block_descent", "xpbd", "projective"}
 
 }  // namespace
 
-TEST_CASE("iterations of every stepper lead to backward Euler's step", "[steppers]") {
+TEST_CASE("iterations of every stepper lead to backward Euler's step", "[steppers][slow]") {
   for (const std::string strategy : {"lattice", "neo_hookean"})
     for (const double dt : {1e-3, 4e-3}) {
       Bar exact(strategy);
@@ -109,7 +109,7 @@ TEST_CASE("few sweeps of block descent at a long step do not make energy from no
     }
 }
 
-TEST_CASE("a crushed body comes back by every stepper, or the outcome says why not", "[steppers]") {
+TEST_CASE("a crushed body comes back by every stepper, or the outcome says why not", "[steppers][slow]") {
   for (const std::string& name : kIterative)
     for (const double flat : {0.3, 0.02}) {
       Bar bar("neo_hookean");

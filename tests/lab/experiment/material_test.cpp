@@ -202,7 +202,7 @@ TEST_CASE("a turn about the axis of tension is no lateral strain", "[tension]") 
   CHECK(measures.get("lateral_strain") == Approx(-0.02).epsilon(1e-10));
 }
 
-TEST_CASE("the scenes of fibres and curves hold what they expect", "[material][scene]") {
+TEST_CASE("the scenes of fibres and curves hold what they expect", "[material][scene][slow]") {
   for (const std::string name : {"ligament", "ligament-cells", "cartilage", "cartilage-springs", "bilinear",
                                  "bilinear-pressed", "fibre-block-along", "fibre-block-across",
                                  "fibre-block-along-cells", "fibre-block-across-cells", "fibre-block-askew-cells"}) {

@@ -316,7 +316,7 @@ void check_scene(int scene) {
 
 }  // namespace
 
-TEST_CASE("scenes drawn at random: every fifth of a hundred", "[lab]") {
+TEST_CASE("scenes drawn at random: every fifth of a hundred", "[lab][slow]") {
   for (int scene = 0; scene < kScenes; scene += 5) DYNAMIC_SECTION("scene " << scene) {
       check_scene(scene);
     }

@@ -59,7 +59,8 @@ TEST_CASE("calibrated with a volume term fits E and Poisson's ratio on irregular
   }
 }
 
-TEST_CASE("any Poisson's ratio on a random packing, by springs and the volumes of Delaunay tetrahedra", "[volume]") {
+TEST_CASE("any Poisson's ratio on a random packing, by springs and the volumes of Delaunay tetrahedra",
+          "[volume][slow]") {
   for (const std::string nu : {"0", "0.25", "0.3", "0.45", "0.49", "0.499"}) {
     const auto scene = load_scene(
         std::string(ELASTIN_SOURCE_DIR) + "/scenes/material/any-nu-packing.yaml", kCatalog,
@@ -72,7 +73,7 @@ TEST_CASE("any Poisson's ratio on a random packing, by springs and the volumes o
   }
 }
 
-TEST_CASE("a nearly incompressible clamped block tends to independent hexahedra", "[volume][reference]") {
+TEST_CASE("a nearly incompressible clamped block tends to independent hexahedra", "[volume][reference][slow]") {
   // Block T1, nu = 0.499: mixed Q2/P1 hexahedra, 4 to 12 a side, graded, extrapolated: 1.2179 E within 1e-4; the same
   // program gives 1.04069 at nu = 0.25, where the reference is 1.040698.
   std::array<double, 2> plain{}, averaged{};

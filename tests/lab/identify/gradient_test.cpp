@@ -74,7 +74,7 @@ TEST_CASE("slopes of homogeneous stresses are those of whole solutions, in every
 }
 
 TEST_CASE("slopes of a specimen in its grips are those of whole solutions, under force and displacement",
-          "[identify]") {
+          "[identify][slow]") {
   const TemporaryFolder folder;
   struct Case {
     std::string material, stiffness, experiment, data, more = "";

@@ -56,7 +56,8 @@ class Noise {
 
 }  // namespace
 
-TEST_CASE("Treloar's three tests by Ogden's three terms are fitted as well as is known, and not surer", "[identify]") {
+TEST_CASE("Treloar's three tests by Ogden's three terms are fitted as well as is known, and not surer",
+          "[identify][slow]") {
   const Answer answer = identify(kScenes + "treloar-ogden.yaml", kCatalog, {}).front();
   CHECK(answer.outcome == FitOutcome::converged);
   CHECK(rms_of(answer, "uniaxial") < 0.136);
@@ -98,7 +99,7 @@ TEST_CASE("Treloar's three tests by other laws are missed by as much as is known
   CHECK(mooney.numbers[1].deviation / mooney.numbers[1].value == Approx(0.45).epsilon(0.05));
 }
 
-TEST_CASE("of several laws the information criterion takes Ogden's for Treloar's rubber", "[identify]") {
+TEST_CASE("of several laws the information criterion takes Ogden's for Treloar's rubber", "[identify][slow]") {
   const Answer answer = treloar("yeoh/1,mooney_rivlin,yeoh/3,ogden/3");
   REQUIRE(answer.laws.size() == 4);
   CHECK(answer.laws[0].label == "ogden/3");
@@ -155,7 +156,7 @@ TEST_CASE("a law is found again from its own curves, and the scene with its numb
   }
 }
 
-TEST_CASE("95 per cent intervals hold the truth in 93 to 97 per cent of 400 trials with scatter", "[identify]") {
+TEST_CASE("95 per cent intervals hold the truth in 93 to 97 per cent of 400 trials with scatter", "[identify][slow]") {
   // Mooney and Rivlin's c1 = 1500 Pa, c2 = 400 Pa in uniaxial and equibiaxial tension; normal scatter of 2 % of the
   // largest stress of each test.
   const auto row = kCatalog.material_laws.find("mooney_rivlin");

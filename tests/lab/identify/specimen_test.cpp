@@ -16,7 +16,8 @@ const std::string kScenes = std::string(ELASTIN_SOURCE_DIR) + "/scenes/identify/
 
 }  // namespace
 
-TEST_CASE("a dog-bone in its clamps gives E to 0.1 per cent, where section and length are far off", "[identify]") {
+TEST_CASE("a dog-bone in its clamps gives E to 0.1 per cent, where section and length are far off",
+          "[identify][slow]") {
   // The force is that of E = 200 kPa on cells of half the size.
   const Answer answer =
       identify(kScenes + "dogbone.yaml", kCatalog, {.overrides = {"material.youngs_modulus=190 kPa"}}).front();
@@ -25,7 +26,7 @@ TEST_CASE("a dog-bone in its clamps gives E to 0.1 per cent, where section and l
   CHECK(answer.tests[1].relative_rms > 0.02);  // what the material gives without clamps, beside the force
 }
 
-TEST_CASE("a bubble gives E to 0.5 per cent from the heights of the exact membrane", "[identify]") {
+TEST_CASE("a bubble gives E to 0.5 per cent from the heights of the exact membrane", "[identify][slow]") {
   const Answer answer = identify(kScenes + "bubble.yaml", kCatalog, {.overrides = {"body.disc.rings=8"}}).front();
   INFO(answer.cause);
   REQUIRE(answer.outcome == FitOutcome::converged);
@@ -33,7 +34,7 @@ TEST_CASE("a bubble gives E to 0.5 per cent from the heights of the exact membra
   CHECK(answer.tests.front().relative_rms < 2e-3);
 }
 
-TEST_CASE("an indentation gives E to 0.5 per cent from the forces of a finer body", "[identify]") {
+TEST_CASE("an indentation gives E to 0.5 per cent from the forces of a finer body", "[identify][slow]") {
   const Answer answer =
       identify(kScenes + "indentation.yaml", kCatalog, {.overrides = {"material.youngs_modulus=11 kPa"}}).front();
   INFO(answer.cause);
@@ -41,7 +42,7 @@ TEST_CASE("an indentation gives E to 0.5 per cent from the forces of a finer bod
   CHECK(answer.numbers.front().value == Approx(12e3).epsilon(5e-3));
 }
 
-TEST_CASE("relaxation gives the law and its Prony terms", "[identify]") {
+TEST_CASE("relaxation gives the law and its Prony terms", "[identify][slow]") {
   const Answer answer = identify(kScenes + "relaxation.yaml", kCatalog, {}).front();
   const double made_with[] = {400, 0.3, 1, 0.25, 12};
   REQUIRE(answer.numbers.size() == 5);

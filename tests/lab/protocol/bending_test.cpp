@@ -43,7 +43,7 @@ TEST_CASE("a linear cantilever tends to the converged finite elements with order
   CHECK(second_order_limit(tip[1], tip[2]) == Approx(0.37666).epsilon(6e-4));  // the reference's own error
 }
 
-TEST_CASE("a neo-Hookean cantilever tends to the converged finite elements", "[bending][reference]") {
+TEST_CASE("a neo-Hookean cantilever tends to the converged finite elements", "[bending][reference][slow]") {
   const OneThread alone;
   const Measures coarse = bend(beam(3, 1e6), own_weight(), "neo_hookean", {.tolerance = 1e-6}).measures,
                  fine = bend(beam(6, 1e6), own_weight(), "neo_hookean", {.tolerance = 1e-6}).measures;
@@ -54,7 +54,7 @@ TEST_CASE("a neo-Hookean cantilever tends to the converged finite elements", "[b
   CHECK(std::isnan(fine.get("effective_modulus")));  // too far for the beam formula
 }
 
-TEST_CASE("a soft cantilever hangs down in any number of load steps", "[bending][reference]") {
+TEST_CASE("a soft cantilever hangs down in any number of load steps", "[bending][reference][slow]") {
   const Specimen specimen = beam(2, 1e5);
   BendingSetup setup = own_weight();
   const double at_once = bend(specimen, setup, "neo_hookean").measures.get("tip_deflection");
@@ -70,7 +70,7 @@ TEST_CASE("a soft cantilever hangs down in any number of load steps", "[bending]
   CHECK(finer.get("tip_shortening") < 0.6955);
 }
 
-TEST_CASE("gravity and a tip force measure one modulus, which tends to that of the clamped beam", "[bending]") {
+TEST_CASE("gravity and a tip force measure one modulus, which tends to that of the clamped beam", "[bending][slow]") {
   const OneThread alone;
   const StaticOptions small{.linear = true, .tolerance = 1e-8};
   const Specimen specimen = beam(4, 1e6);

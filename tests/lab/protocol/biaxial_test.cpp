@@ -108,7 +108,7 @@ TEST_CASE("a strain is the displacement over the distance of the ends", "[tensio
   }
 }
 
-TEST_CASE("a sheet under tension shows the Poisson's ratio of its material", "[tension]") {
+TEST_CASE("a sheet under tension shows the Poisson's ratio of its material", "[tension][slow]") {
   const std::string sheet = kSheet + "material: {youngs_modulus: 5 MPa, poissons_ratio: 0.4, thickness: 2 mm}\n";
   const std::string small = "experiment: {kind: tension, axis: y, strain: 1e-4}\nsolver: {displacements: small}\n";
   CHECK(measured(sheet + "stiffness: neo_hookean_membrane\n" + small).get("poissons_ratio") ==

@@ -57,13 +57,13 @@ const std::vector<Case> kCases{
 
 }  // namespace
 
-TEST_CASE("the shooting solution meets heights computed elsewhere", "[bubble]") {
+TEST_CASE("the shooting solution meets heights computed elsewhere", "[bubble][slow]") {
   for (const Case& c : kCases)
     for (std::size_t i = 0; i < 3; ++i)
       CHECK(solve_bubble(c.law, kRadius, kPressures[i], 200).height == Approx(c.heights[i]).epsilon(2e-6));
 }
 
-TEST_CASE("a bubble's height, pole stretch and pole stress converge to the shooting solution", "[bubble]") {
+TEST_CASE("a bubble's height, pole stretch and pole stress converge to the shooting solution", "[bubble][slow]") {
   const OneThread one;
   for (const Case& c : kCases) {
     std::array<Run, 3> runs;
@@ -138,7 +138,7 @@ Run identify(const BubbleSetup& setup, int rings, const std::string& strategy = 
 
 }  // namespace
 
-TEST_CASE("E(strain) is found again from the heights that it makes, noise or none", "[bubble][identification]") {
+TEST_CASE("E(strain) is found again from the heights that it makes, noise or none", "[bubble][identification][slow]") {
   const OneThread one;
   for (const auto& [noise, rings, tolerance] : {std::tuple{0., 10, 0.01}, {0.005, 6, 0.06}}) {
     const Run run = identify(measured_latex(noise), rings);
@@ -174,7 +174,7 @@ TEST_CASE("what cannot be identified is said", "[bubble][identification]") {
   CHECK_THAT(unsettled.cause, Catch::Contains("2 measured values do not settle 3 coefficients"));
 }
 
-TEST_CASE("the scenes of bubbles hold what they expect", "[bubble][scene]") {
+TEST_CASE("the scenes of bubbles hold what they expect", "[bubble][scene][slow]") {
   const Catalog catalog = built_in_catalog();
   const OneThread one;
   int judged = 0;

@@ -34,7 +34,7 @@ Run run_of(const std::string& body, const std::string& experiment, const std::st
 
 }  // namespace
 
-TEST_CASE("a quarter of a block resists as the whole one does", "[indentation]") {
+TEST_CASE("a quarter of a block resists as the whole one does", "[indentation][slow]") {
   for (const std::string indenter : {"sphere: {radius: 15 mm}", "flat: {radius: 9 mm}"}) {
     const std::string experiment = "indenter: {" + indenter + "}, depth: 2 mm";
     const Measures whole = run_of(kWhole, experiment).measures;
@@ -49,7 +49,7 @@ TEST_CASE("a quarter of a block resists as the whole one does", "[indentation]")
   }
 }
 
-TEST_CASE("area and pressure do not depend on the depth that contact allows", "[indentation]") {
+TEST_CASE("area and pressure do not depend on the depth that contact allows", "[indentation][slow]") {
   const std::string body = "tetrahedra: {kind: body_centred, cubes: [7, 7, 7], size: [20 mm, 20 mm, 20 mm]}",
                     experiment = "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm, symmetry: [x, y]";
   const auto allowed = [&](const std::string& depth) {
@@ -83,7 +83,7 @@ TEST_CASE("an indenter goes as deep as its force asks for", "[indentation]") {
   CHECK(pressed.remark == "");
 }
 
-TEST_CASE("an obstacle of the scene serves as indenter, and all of it turns with the scene", "[indentation]") {
+TEST_CASE("an obstacle of the scene serves as indenter, and all of it turns with the scene", "[indentation][slow]") {
   const std::string tool = "obstacles: [{name: tool, sphere: {radius: 15 mm}, at: [20 mm, 20 mm, 35 mm]}]";
   const double own = run_of(kWhole, "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm").measures.get("force");
   CHECK(run_of(kWhole, "indenter: tool, depth: 2 mm", tool).measures.get("force") == Approx(own).epsilon(1e-6));
@@ -93,7 +93,7 @@ TEST_CASE("an obstacle of the scene serves as indenter, and all of it turns with
 }
 
 TEST_CASE("a tool that is pressed in deeper than its own half in one step meets what it meets in many",
-          "[indentation]") {
+          "[indentation][slow]") {
   for (const std::string shape : {"sphere: {radius: 8 mm}", "box: {size: [15 mm, 15 mm, 16 mm]}"}) {
     const std::string tool = "obstacles: [{name: tool, " + shape + ", at: [20 mm, 20 mm, 28.01 mm]}]";
     const double steps = run_of(kWhole, "indenter: tool, depth: 6 mm, load_steps: 6", tool).measures.get("force");
@@ -103,7 +103,7 @@ TEST_CASE("a tool that is pressed in deeper than its own half in one step meets 
   }
 }
 
-TEST_CASE("a sphere on a block converges to the force that finite elements give", "[indentation]") {
+TEST_CASE("a sphere on a block converges to the force that finite elements give", "[indentation][slow]") {
   // The block of scenes/contact/indentation-sphere.yaml, coarser.
   double last = 1;
   for (const int cubes : {4, 6, 8}) {

@@ -145,7 +145,7 @@ TEST_CASE("gas inside keeps its law, and the membrane does not know it from a pr
 }
 
 TEST_CASE("pressed from outside, slack or on bad triangles a membrane ends with an outcome that has a name",
-          "[inflation]") {
+          "[inflation][slow]") {
   const Catalog catalog = built_in_catalog();
   const Specimen ball = membrane(sphere(1, SphereMesh::icosahedron, 3), kLatex);
   InflationSetup setup;

@@ -60,7 +60,7 @@ TEST_CASE("the lattice rule has G = 2E/5 in small shear along and across its axe
   }
 }
 
-TEST_CASE("a clamped cube in shear tends to the converged finite elements", "[shear][reference]") {
+TEST_CASE("a clamped cube in shear tends to the converged finite elements", "[shear][reference][slow]") {
   // Q2-Q4 hexahedra, neo-Hookean; force to 1e-3, axial force to 1e-2. The singular edges of the plates leave order 1.5,
   // and an extrapolation from 12 cubes a side another 1e-3: from 16 it hits 2588.0, 7903.7 and 13609.
   const OneThread alone;

@@ -31,7 +31,7 @@ Run run_of(const std::string& name, const std::vector<std::string>& overrides) {
 
 }  // namespace
 
-TEST_CASE("a block slips at the angle of friction, whatever the friction", "[sliding]") {
+TEST_CASE("a block slips at the angle of friction, whatever the friction", "[sliding][slow]") {
   for (const double friction : {0.1, 0.6}) {
     const std::string mu = std::to_string(friction), from = std::to_string(std::atan(friction) - 0.004);
     const Run run = run_of("slip-threshold", {"contact.friction=" + mu, "experiment.threshold.from=" + from,
@@ -44,7 +44,7 @@ TEST_CASE("a block slips at the angle of friction, whatever the friction", "[sli
   CHECK(none.remark == "the body has not begun to slide within the duration");
 }
 
-TEST_CASE("sliding turns with its scene and knows the scene's own floor", "[sliding]") {
+TEST_CASE("sliding turns with its scene and knows the scene's own floor", "[sliding][slow]") {
   const std::vector<std::string> brief{"time.duration=0.1 s", "time.frames=20"};
   const double own = run_of("incline-slides", brief).measures.get("slide_acceleration");
   CHECK(own == Approx(9.81 * (std::sin(M_PI / 9) - 0.3 * std::cos(M_PI / 9))).epsilon(1e-3));
@@ -58,7 +58,7 @@ TEST_CASE("sliding turns with its scene and knows the scene's own floor", "[slid
         Approx(9.81 * (std::sin(M_PI / 9) - 0.1 * std::cos(M_PI / 9))).epsilon(1e-3));
 }
 
-TEST_CASE("scenes of contact come out as they say", "[contact][scenes]") {
+TEST_CASE("scenes of contact come out as they say", "[contact][scenes][slow]") {
   // Those that take long stand elsewhere, coarser; see indentation_test and press_test.
   const std::set<std::string> elsewhere{"indentation-sphere", "indentation-linear", "indentation-springs",
                                         "indentation-flat", "indentation-second-order"};

@@ -164,7 +164,7 @@ TEST_CASE("weight: a slender bar follows its own curve", "[tension]") {
   CHECK(hanging.measures.get("strain") == Approx(wanted).epsilon(0.01));  // the grip and 24 layers
 }
 
-TEST_CASE("infinite lattices: standard and statistical tend to their closed forms", "[tension]") {
+TEST_CASE("infinite lattices: standard and statistical tend to their closed forms", "[tension][slow]") {
   // E over E A_mol/h² and nu of infinite lattices: axis + face 2.0938 (.227), with space 2.2480 (.317);
   // statistical .2991, .3459. Surfaces fade as 1/n: three sizes, extrapolated twice.
   for (const auto& [space, rule, E, nu] : {std::tuple{false, "standard", 2.0938, .227},
@@ -187,7 +187,7 @@ TEST_CASE("infinite lattices: standard and statistical tend to their closed form
   }
 }
 
-TEST_CASE("calibrated: every rule measures E on every body", "[tension]") {
+TEST_CASE("calibrated: every rule measures E on every body", "[tension][slow]") {
   std::vector<Specimen> specimens{cube(4, {true, true, false}), cube(4, {true, true, true}),
                                   cube(3, {true, false, false})};
   Specimen block;
@@ -211,7 +211,7 @@ TEST_CASE("calibrated: every rule measures E on every body", "[tension]") {
     }
 }
 
-TEST_CASE("Van Gelder's rule tends to its closed forms on the three blocks of tetrahedra", "[tension]") {
+TEST_CASE("Van Gelder's rule tends to its closed forms on the three blocks of tetrahedra", "[tension][slow]") {
   // Infinite meshes: Kuhn 1.0345 E, .034; alternating 6/5, 1/5; body-centred 6/7, 2/7. Surfaces fade as 1/n.
   for (const auto& [kind, E, nu] : {std::tuple{BlockKind::kuhn, 1.0345, .034},
                                     {BlockKind::alternating, 1.2, .2},
@@ -250,7 +250,7 @@ TEST_CASE("cell laws measure E and nu on any mesh, by force and by displacement:
       }
 }
 
-TEST_CASE("a clamped block tends to the converged finite elements of the same problem", "[tension][reference]") {
+TEST_CASE("a clamped block tends to the converged finite elements of the same problem", "[tension][reference][slow]") {
   // reference/tension.csv, T1 linear nu = 0.25: 1.04069778 E.
   std::array<double, 3> error{};
   for (const int i : {0, 1, 2}) {
@@ -310,7 +310,7 @@ TEST_CASE("measured moduli scale with E and stay under units, rotation and order
   }
 }
 
-TEST_CASE("measured moduli are bitwise identical on 1, 2 and 3 threads", "[tension][threads]") {
+TEST_CASE("measured moduli are bitwise identical on 1, 2 and 3 threads", "[tension][threads][slow]") {
   const Specimen specimen = cube(20, {true, true, false});
   REQUIRE(specimen.body.connections.size() > 50000);  // large enough for several threads to be used
   const TensionSetup setup = gentle_pull(0.0361);

@@ -33,7 +33,7 @@ TEST_CASE("torsion constants of rectangles", "[torsion]") {
   }
 }
 
-TEST_CASE("a turned cube tends to the converged finite elements", "[torsion][reference]") {
+TEST_CASE("a turned cube tends to the converged finite elements", "[torsion][reference][slow]") {
   // Q2-Q4 hexahedra, neo-Hookean; torque to 5e-4. What the extrapolation leaves is another 1e-3: from 24 and 32 cubes
   // it hits 2930.7 at 30 degrees. The small axial force shows an order between 1.3 and 2, so its limit lies between
   // two.
@@ -58,7 +58,7 @@ TEST_CASE("a turned cube tends to the converged finite elements", "[torsion][ref
   }
 }
 
-TEST_CASE("a long bar twists as Saint-Venant says", "[torsion]") {
+TEST_CASE("a long bar twists as Saint-Venant says", "[torsion][slow]") {
   // Clamped ends cannot warp; that stiffens both bars alike, so the difference of their twists is that of a free
   // length.
   const OneThread alone;
@@ -90,7 +90,7 @@ TEST_CASE("the torque is the slope of the energy over the angle, in any number o
   CHECK(at(0.7, 3).get("torsional_stiffness") == Approx(at(0.7, 1).get("torque") / 0.7).epsilon(1e-8));
 }
 
-TEST_CASE("a turn that would turn cells over goes in halves", "[torsion]") {
+TEST_CASE("a turn that would turn cells over goes in halves", "[torsion][slow]") {
   const Specimen specimen = reference_cube(6);
   const Run run = turn(specimen, 90 * kDegree, 1, "neo_hookean");
   CHECK(run.bisected_load_steps > 0);

@@ -158,7 +158,7 @@ TEST_CASE("a page carries three with its notice", "[page]") {
   CHECK(page.size() < 450'000);  // three has 230'000, scripts and styles 76'000, two scenes of 64 molecules the rest
 }
 
-TEST_CASE("a browser draws the page and a visitor's hand turns it", "[page][browser]") {
+TEST_CASE("a browser draws the page and a visitor's hand turns it", "[page][browser][slow]") {
   const std::string chromium = browser();
   if (chromium.empty()) {
     WARN("no Chromium here: the page was not looked at");
@@ -217,7 +217,7 @@ TEST_CASE("a browser draws the page and a visitor's hand turns it", "[page][brow
   CHECK(seen["staged"] == Json::array({1, 1}));  // of two scenes, one body at a time
 }
 
-TEST_CASE("without WebGL the page says so and is complete otherwise", "[page][browser]") {
+TEST_CASE("without WebGL the page says so and is complete otherwise", "[page][browser][slow]") {
   const std::string chromium = browser();
   if (chromium.empty()) {
     WARN("no Chromium here: the page was not looked at");

@@ -161,7 +161,7 @@ std::string fault_of(const SceneKey& key, const KeyUse& use) {
 
 }  // namespace
 
-TEST_CASE("the key reference lists what readers ask for, with unit, range and words", "[scene][keys]") {
+TEST_CASE("the key reference lists what readers ask for, with unit, range and words", "[scene][keys][slow]") {
   KeyUses uses = uses_of_scenes();
   const TemporaryFolder folder;
   load_identify_task(folder.write("identify.yaml", kIdentify), built_in_catalog(), {}, &uses);

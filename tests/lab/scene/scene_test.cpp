@@ -172,7 +172,7 @@ TEST_CASE("a body may be stretched, graded and filled with tetrahedra", "[scene]
   CHECK(body.mass.sum() == Approx(48e-6));
 }
 
-TEST_CASE("every scene of the project loads", "[scene]") {
+TEST_CASE("every scene of the project loads", "[scene][slow]") {
   int count = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(std::string(ELASTIN_SOURCE_DIR) + "/scenes")) {
     if (entry.path().extension() != ".yaml") continue;

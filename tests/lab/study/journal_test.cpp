@@ -33,7 +33,7 @@ TEST_CASE("a key changes with every part and where one ends", "[journal]") {
   CHECK(keys.size() == 6);
 }
 
-TEST_CASE("a study that is killed goes on with --resume and loses no finished row", "[journal][command]") {
+TEST_CASE("a study that is killed goes on with --resume and loses no finished row", "[journal][command][slow]") {
   const TemporaryFolder folder;
   folder.write("cube.yaml", kCube);
   const std::string study =
@@ -59,7 +59,7 @@ TEST_CASE("a study that is killed goes on with --resume and loses no finished ro
 }
 
 TEST_CASE("the option --resume refuses a folder whose runs come from elsewhere, and leaves it as it is",
-          "[journal][command]") {
+          "[journal][command][slow]") {
   const TemporaryFolder folder;
   folder.write("cube.yaml", kCube);
   folder.write("other.yaml", kCube);
@@ -118,7 +118,7 @@ TEST_CASE("a mesh that has changed since makes other rows", "[journal][command]"
   CHECK_THAT(text_of_file(folder.path("err")), Contains("its file has changed since, or one that it names"));
 }
 
-TEST_CASE("a full disk is named, and the rows before it stay", "[journal][command]") {
+TEST_CASE("a full disk is named, and the rows before it stay", "[journal][command][slow]") {
   const TemporaryFolder folder;
   folder.write("cube.yaml", kCube);
   const std::string study = "$elastin compare cube.yaml --quiet --repeats 100 ";

@@ -228,7 +228,7 @@ TEST_CASE("A body is made as scenes describe one", "[laboratory]") {
   CHECK_THROWS_WITH(make_body("disc: {radius: 1, rings: 2}", material, warnings), Contains("thickness"));
 }
 
-TEST_CASE("laboratory: a simulation without a scene calibrates as the experiment `material` does") {
+TEST_CASE("laboratory: a simulation without a scene calibrates as the experiment `material` does", "[slow]") {
   const Catalog catalog = built_in_catalog();
   for (const auto& [name, strategy] : {std::pair{"cube-stiffness", "calibrated:standard"},
                                        {"cube-stiffness", "calibrated:angles"},

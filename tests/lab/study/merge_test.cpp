@@ -87,7 +87,7 @@ TEST_CASE("a shard is a number and how many there are", "[merge]") {
     CHECK_THROWS_WITH(read_shard(text), Contains("--shard: '" + std::string(text) + "' is not N/M"));
 }
 
-TEST_CASE("a study in shards, one of them killed and continued, is that of one run", "[merge][command]") {
+TEST_CASE("a study in shards, one of them killed and continued, is that of one run", "[merge][command][slow]") {
   const TemporaryFolder folder;
   folder.write("cube.yaml", kCube);
   const std::string study =
@@ -126,7 +126,7 @@ TEST_CASE("a study in shards, one of them killed and continued, is that of one r
   CHECK(shell(folder, "$elastin merge part s/1 s/3 --quiet") == 0);
 }
 
-TEST_CASE("merged scenes have their references, states and bodies", "[merge][command]") {
+TEST_CASE("merged scenes have their references, states and bodies", "[merge][command][slow]") {
   const TemporaryFolder folder;
   folder.write("cube.yaml", kCube);
   folder.write("clamped.yaml", kClamped);
@@ -181,7 +181,7 @@ TEST_CASE("rows that were computed twice with different numbers are named", "[me
   CHECK_THAT(text_of_file(folder.path("merged.json")), !Contains("0.25,"));  // the first folder's count
 }
 
-TEST_CASE("folders that do not belong together are not merged", "[merge][command]") {
+TEST_CASE("folders that do not belong together are not merged", "[merge][command][slow]") {
   const TemporaryFolder folder;
   folder.write("cube.yaml", kCube);
   folder.write("other.yaml", kCube);

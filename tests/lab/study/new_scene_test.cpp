@@ -26,7 +26,7 @@ int exit_code(const TemporaryFolder& folder, const std::string& arguments) {
 
 }  // namespace
 
-TEST_CASE("what new writes runs", "[new]") {
+TEST_CASE("what new writes runs", "[new][slow]") {
   const std::string scenes = ELASTIN_SOURCE_DIR "/scenes/";
   const TemporaryFolder folder;
   for (const NewSpecimen& row : new_specimens()) {

@@ -72,7 +72,7 @@ const std::string kDogbone = "body: {mesh: {file: '" ELASTIN_SOURCE_DIR
 
 }  // namespace
 
-TEST_CASE("a clamped block under dead traction is known to what is stated", "[reference]") {
+TEST_CASE("a clamped block under dead traction is known to what is stated", "[reference][slow]") {
   // Converged Q2 to Q4 hexahedra of another program: modulus over E and elongation [m], each within 6e-5 at most.
   struct Row {
     std::string scene;
@@ -99,7 +99,7 @@ TEST_CASE("a clamped block under dead traction is known to what is stated", "[re
   }
 }
 
-TEST_CASE("a lattice and the molecules of a packing have the domain that they fill", "[reference]") {
+TEST_CASE("a lattice and the molecules of a packing have the domain that they fill", "[reference][slow]") {
   // Small displacements of a clamped bar of 1 x 1 x 2: the same solid, however its molecules lie.
   const std::string rest =
       "\nmaterial: {youngs_modulus: 5 kPa, poissons_ratio: 0.25}\nstiffness: standard\n"
@@ -152,7 +152,7 @@ TEST_CASE("a prism with sliding grips shows the material and has no computed ref
   CHECK(wants_computed_references(*clamped.load({"reference=[computed, " + stated + "]"}), ""));
 }
 
-TEST_CASE("keys of a computed reference are read, and slips named", "[reference][scene]") {
+TEST_CASE("keys of a computed reference are read, and slips named", "[reference][scene][slow]") {
   const Written scene(block(kBar, kRubber, "displacement: 0.1 mm, " + kClamped,
                             "reference: {computed: {uncertainty: 0.5 %, most_cells: 5000, seconds: 20 s, strategy: "
                             "st_venant_kirchhoff}}\n"));
@@ -188,7 +188,8 @@ TEST_CASE("what has no solution to refine is told why in a sentence", "[referenc
              Contains("no equilibrium to refine"));
 }
 
-TEST_CASE("where one body alone is affordable its cells' order says how well the measures are known", "[reference]") {
+TEST_CASE("where one body alone is affordable its cells' order says how well the measures are known",
+          "[reference][slow]") {
   const std::string bar = block(kBar, kRubber, "displacement: 0.1 mm, " + kClamped);
   const ComputedReferences coarse = Written(bar + "reference: {computed: {most_cells: 40}}\n").compute();
   const ComputedReferences exact = Written(bar).compute();
@@ -198,7 +199,8 @@ TEST_CASE("where one body alone is affordable its cells' order says how well the
   CHECK((rough.uncertainty > 10 * fine.uncertainty && rough.uncertainty < 0.1));
 }
 
-TEST_CASE("a reference that was computed is read back equal, on whatever cells the body is made of", "[reference]") {
+TEST_CASE("a reference that was computed is read back equal, on whatever cells the body is made of",
+          "[reference][slow]") {
   const Written scene(block(kBar, kRubber, "displacement: 0.1 mm, " + kClamped));
   ReferenceStore store(scene.folder.path("kept"));
   int solved = 0;
@@ -239,7 +241,7 @@ TEST_CASE("a reference that was computed is read back equal, on whatever cells t
   CHECK(ReferenceStore(scene.folder.path("other")).find("any") == nullptr);
 }
 
-TEST_CASE("compare ranks by the computed reference, shows it and its cost", "[reference][command]") {
+TEST_CASE("compare ranks by the computed reference, shows it and its cost", "[reference][command][slow]") {
   const Written scene(block("cubes: [2, 2, 4], size: [1 mm, 1 mm, 2 mm]", kRubber, "displacement: 0.1 mm, " + kClamped,
                             "strategies: [van_gelder, neo_hookean]\n"));
   REQUIRE(scene.command("compare scene.yaml --out o") == 0);
@@ -269,7 +271,7 @@ TEST_CASE("compare ranks by the computed reference, shows it and its cost", "[re
 }
 
 TEST_CASE("a body that is no prism is calibrated to its computed reference and not praised for it",
-          "[reference][command]") {
+          "[reference][command][slow]") {
   const Written scene(kDogbone);
   REQUIRE(scene.command("compare scene.yaml --json r.json") == 0);
   const Json json = Json::parse(text_of_file(scene.folder.path("r.json")));

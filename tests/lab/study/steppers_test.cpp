@@ -44,7 +44,7 @@ const StepperRow& find(const StepperComparison& comparison, const std::string& s
 
 }  // namespace
 
-TEST_CASE("every stepper gives the body's modulus when its iterations are enough", "[steppers]") {
+TEST_CASE("every stepper gives the body's modulus when its iterations are enough", "[steppers][slow]") {
   for (const char* scene : {kCube, kBlock}) {
     const StepperComparison comparison = compared(scene, "steppers: {iterations: [64, 128]}\n");
     INFO(comparison.title);
@@ -69,7 +69,7 @@ TEST_CASE("every stepper gives the body's modulus when its iterations are enough
   }
 }
 
-TEST_CASE("the error of the time step goes down with the order of the scheme", "[steppers]") {
+TEST_CASE("the error of the time step goes down with the order of the scheme", "[steppers][slow]") {
   for (const auto& [name, order] : {std::pair{"backward_euler", 1.}, std::pair{"newmark", 2.}}) {
     const StepperComparison comparison =
         compared(kCube, std::string("steppers: {schemes: [{scheme: ") + name +

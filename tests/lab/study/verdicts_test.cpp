@@ -72,7 +72,7 @@ Run run_on(int threads, const std::string& scene_name, const std::vector<std::st
 
 }  // namespace
 
-TEST_CASE("every hard case comes out as its scene says, and nothing that is not finite is written", "[hard]") {
+TEST_CASE("every hard case comes out as its scene says, and nothing that is not finite is written", "[hard][slow]") {
   CHECK(has_non_finite("1 -nan 2"));
   CHECK(has_non_finite("a,inf"));
   CHECK_FALSE(has_non_finite("infinite nanny"));
@@ -106,7 +106,7 @@ TEST_CASE("a case in time has a verdict for every stepper, one at rest for none"
   for (const auto& [stepper, verdict] : at_rest.others) CHECK(verdict == "–");
 }
 
-TEST_CASE("hard cases are bitwise identical on any number of threads", "[hard][threads]") {
+TEST_CASE("hard cases are bitwise identical on any number of threads", "[hard][threads][slow]") {
   const std::string lattice = "body.lattice.molecules=[18, 18, 20]";
   const std::vector<std::pair<std::string, std::vector<std::string>>> cases{
       {"impact", {lattice, "time.duration=1 ms", "time.frames=4"}},

@@ -182,7 +182,7 @@ TEST_CASE("patch on one regular tetrahedron is the fit done by hand", "[patch]")
   CHECK((k.array() / expected - 1).abs().maxCoeff() < 1e-5);
 }
 
-TEST_CASE("patch on bodies without cells", "[patch]") {
+TEST_CASE("patch on bodies without cells", "[patch][slow]") {
   Body body = random_packing({1, 1, 1}, 0.15, 0.225, GENERATE(1, 2));
   CHECK(!Patch::unsuited(body).empty());
   body.voronoi = voronoi_cells(body);
