@@ -61,7 +61,22 @@ std::size_t TextWriter::count(std::size_t present, std::size_t) {
 }
 
 void TextReader::word(std::string& value) {
-  if (!(stream_ >> value)) throw InputError(what_ + " is cut off");
+  word_size_ = 0;
+  if (!(stream_ >> value)) fail(what_ + " is cut off");
+  word_size_ = value.size();
+}
+
+void TextReader::fail(const std::string& message) {
+  if (from_.file.empty()) throw InputError(message);
+  stream_.clear();
+  const std::string text = stream_.str();
+  const auto read = static_cast<std::size_t>(stream_.tellg());
+  SourceLocation at = from_;
+  for (const char c : text.substr(0, read - word_size_)) {
+    ++at.column;
+    if (c == '\n') ++at.line, at.column = 1;
+  }
+  throw InputError(at, message);
 }
 
 void TextReader::numbers(double* values, std::size_t count) {
@@ -70,7 +85,7 @@ void TextReader::numbers(double* values, std::size_t count) {
     word(text);
     char* end = nullptr;
     values[i] = std::strtod(text.c_str(), &end);
-    if (end != text.c_str() + text.size()) throw InputError(what_ + " is damaged: '" + text + "' is no number");
+    if (end != text.c_str() + text.size()) fail(what_ + " is damaged: '" + text + "' is no number");
   }
 }
 
@@ -79,14 +94,14 @@ void TextReader::whole(int& value) {
   word(text);
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (problem != std::errc() || end != text.data() + text.size())
-    throw InputError(what_ + " is damaged: '" + text + "' is no whole number");
+    fail(what_ + " is damaged: '" + text + "' is no whole number");
 }
 
 std::size_t TextReader::count(std::size_t, std::size_t) {
   int given = 0;
   whole(given);
   const auto left = stream_.rdbuf()->in_avail();
-  if (given < 0 || given > left) throw InputError(what_ + " is damaged: " + std::to_string(given) + " things");
+  if (given < 0 || given > left) fail(what_ + " is damaged: " + std::to_string(given) + " things");
   return static_cast<std::size_t>(given);
 }
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "elastin/core/base/error.h"
+
 /// Writers and readers of what a program keeps. A visitor shows an archive each value once, for both directions:
 /// numbers, whole numbers, words and counts. `what` is how messages name the thing: "the saved state".
 namespace elastin {
@@ -63,16 +65,22 @@ class TextWriter {
 class TextReader {
  public:
   static constexpr bool reads = true;
-  TextReader(const std::string& text, std::string what) : stream_(text), what_(std::move(what)) {}
+  /// @param from where the text begins in its file, so that errors say where they are; no file: they do not.
+  TextReader(const std::string& text, std::string what, SourceLocation from = {})
+      : stream_(text), what_(std::move(what)), from_(std::move(from)) {}
   void numbers(double* values, std::size_t count);
   void whole(int& value);
   void word(std::string& value);
   /// No more than what is left has letters.
   std::size_t count(std::size_t present, std::size_t bytes_each);
+  /// Throws InputError at the word read last.
+  [[noreturn]] void fail(const std::string& message);
 
  private:
   std::istringstream stream_;
   std::string what_;
+  SourceLocation from_;
+  std::size_t word_size_ = 0;  ///< of the word read last
 };
 
 }  // namespace elastin

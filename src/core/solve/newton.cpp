@@ -76,6 +76,16 @@ void CachedSolver::forget() {
   if (auto* keeps = dynamic_cast<KeepsCoarsePicture*>(solver.get())) keeps->forget();
 }
 
+bool is_interrupted(const StaticOptions& options, StaticResult& result) {
+  if (!options.stop || !options.stop()) return false;
+  result.outcome = Outcome::interrupted;
+  result.cause = "stopped";
+  if (result.newton_iterations > 0)
+    result.cause += " after " + std::to_string(result.newton_iterations) + " Newton iteration" +
+                    (result.newton_iterations == 1 ? "" : "s");
+  return true;
+}
+
 double rounding_floor(const Tangent& tangent, const Positions& positions) {
   const double reach = positions.cwiseAbs().maxCoeff();
   double sum = 0;
@@ -190,6 +200,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
       result.left_saddle = true;
       continue;
     }
+    if (is_interrupted(options, result)) break;
     if (result.newton_iterations == options.newton_limit) {
       result.outcome = adrift ? Outcome::mechanism : Outcome::limit_reached;
       if (!kinematics || !kinematics->cut_short || adrift)

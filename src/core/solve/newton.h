@@ -35,6 +35,9 @@ struct NewtonWorkspace {
 StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
                           NewtonWorkspace& workspace);
 
+/// Whether the options' `stop` ends the solve; if so, the result says it.
+bool is_interrupted(const StaticOptions& options, StaticResult& result);
+
 /// The unbalanced force [N] that rounding of the positions alone makes: nothing smaller can be asked for.
 double rounding_floor(const Tangent& tangent, const Positions& positions);
 

@@ -40,12 +40,13 @@ void stop(const StepResult& step, StaticResult& result) {
   result.cause = step.cause;
 }
 
-void relax_explicitly(Model& model, State& state, double tolerance, StaticResult& result) {
+void relax_explicitly(Model& model, State& state, const StaticOptions& options, double tolerance,
+                      StaticResult& result) {
   const auto integrator = make_integrator({.scheme = "velocity_verlet"});
   double dt = 0, before = 0;
   for (int step = 0; step < kExplicitSteps; ++step) {
     if (step % kBetweenChecks == 0) {
-      if (note_balance(model, state, tolerance, result)) return;
+      if (note_balance(model, state, tolerance, result) || is_interrupted(options, result)) return;
       dt = 1.8 / frequency_bound(model, state);  // 0.9 of 2/ω
       if (!std::isfinite(dt)) break;
     }
@@ -60,14 +61,15 @@ void relax_explicitly(Model& model, State& state, double tolerance, StaticResult
   result.cause = "not at rest after " + std::to_string(kExplicitSteps) + " explicit steps";
 }
 
-void relax_implicitly(Model& model, State& state, double tolerance, StaticResult& result) {
-  IntegratorOptions options{.scheme = "backward_euler"};
-  options.newton.newton_limit = 20;
-  const auto integrator = make_integrator(options);
+void relax_implicitly(Model& model, State& state, const StaticOptions& options, double tolerance,
+                      StaticResult& result) {
+  IntegratorOptions steps{.scheme = "backward_euler"};
+  steps.newton.newton_limit = 20;
+  const auto integrator = make_integrator(steps);
   double dt = 100 / frequency_bound(model, state);
   StepResult taken;
   for (int step = 0; step < kImplicitSteps; ++step) {
-    if (note_balance(model, state, tolerance, result)) return;
+    if (note_balance(model, state, tolerance, result) || is_interrupted(options, result)) return;
     if (!(std::isfinite(dt) && dt > 0)) break;
     taken = integrator->advance(model, state, dt);
     result.newton_iterations += taken.newton_iterations;
@@ -95,7 +97,7 @@ StaticResult relax(Model& model, State& state, const StaticOptions& options) {
     note_balance(model, state, tolerance, result);
     return result;
   }
-  (by_explicit ? relax_explicitly : relax_implicitly)(model, state, tolerance, result);
+  (by_explicit ? relax_explicitly : relax_implicitly)(model, state, options, tolerance, result);
   state.velocities.setZero();
   state.accelerations.resize(3, 0);
   return result;

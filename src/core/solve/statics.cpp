@@ -79,6 +79,11 @@ StaticResponse static_response(Model& model, const Positions& at, const Position
   if (options.engine) return options.engine->respond(model, at, load_change, displacement, options);
   StaticResponse response;
   StaticResult& result = response.result;
+  if (is_interrupted(options, result)) {
+    response.motion = Positions::Zero(3, at.cols());
+    result.reactions = Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()));
+    return response;
+  }
   const auto add_prescribed_displacement = [&](Positions& motion) {
     for (const Support& support : model.supports) {
       const Vector3 w = displacement.col(support.molecule);

@@ -22,7 +22,7 @@ Material without_fibres(const Material& material) {
 
 /// The measure to which a rule is calibrated: the first modulus that the material prescribes a value for. A ratio does
 /// not change with the springs' scale.
-std::optional<MainMeasure> calibrated_measure(const StaticProtocol& experiment, const Material& material) {
+std::optional<MainMeasure> calibration_target(const StaticProtocol& experiment, const Material& material) {
   for (const MainMeasure& measure : experiment.main_measures(without_fibres(material), {}))
     if (std::isfinite(measure.prescribed) && find_measure(std::string(measure.name)).unit != dimension::none)
       return measure;
@@ -116,7 +116,7 @@ void scale_to_modulus(const Specimen& specimen, const StaticProtocol& experiment
   const auto measures =
       measure_linear(specimen, experiment, assembled(specimen, choice, run, run.volume_modulus), options, run);
   if (note_mechanism(measures, run)) return;
-  const MainMeasure target = *calibrated_measure(experiment, specimen.material);
+  const MainMeasure target = *calibration_target(experiment, specimen.material);
   const double factor = measures ? target.prescribed / measures->get(target.name) : 0;
   if (!(factor > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
   scale(run, choice, factor, factor * run.volume_modulus);
@@ -217,9 +217,18 @@ std::string non_finite_text(const Body& body, const VectorX& constants) {
 
 }  // namespace
 
+const StaticProtocol* calibration_of(const Protocol& experiment, const Specimen& specimen) {
+  return specimen.calibration ? specimen.calibration.get() : experiment.calibration();
+}
+
+std::string_view calibrated_measure(const StaticProtocol& experiment, const Material& material) {
+  const auto target = calibration_target(experiment, material);
+  return target ? target->name : "";
+}
+
 std::string calibration_unsuited(const Protocol& experiment, const Specimen& specimen) {
-  const StaticProtocol* at_rest = experiment.calibration();
-  if (at_rest && (calibrated_measure(*at_rest, specimen.material) || calibrated_reference(*at_rest, specimen)))
+  const StaticProtocol* at_rest = calibration_of(experiment, specimen);
+  if (at_rest && (calibration_target(*at_rest, specimen.material) || calibrated_reference(*at_rest, specimen)))
     return "";
   return "the experiment " + experiment.name() + " measures on this body no modulus to calibrate to" +
          (at_rest && at_rest->apparent() ? ": its modulus is apparent, of the body's shape as well as of the material, "
@@ -230,12 +239,13 @@ std::string calibration_unsuited(const Protocol& experiment, const Specimen& spe
 std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Protocol& experiment,
                                       const StrategyChoice& choice, const RunOptions& options, Run& run) {
   const bool with_volume = static_cast<bool>(choice.strategy.volume_modulus);
+  const StaticProtocol* calibration = calibration_of(experiment, specimen);
   run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
   if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
   if (choice.calibrated) {
-    const StaticProtocol& at_rest = *experiment.calibration();
+    const StaticProtocol& at_rest = *calibration;
     const bool both = with_volume && measures_both(at_rest, specimen.material);
-    if (!calibrated_measure(at_rest, specimen.material))
+    if (!calibration_target(at_rest, specimen.material))
       scale_to_reference(specimen, at_rest, choice, options, run);
     else
       (both ? fit_springs_and_volume : scale_to_modulus)(specimen, at_rest, choice, options.statics, run);
@@ -246,9 +256,8 @@ std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Protocol& 
   }
   if (!run.suited || run.outcome != Outcome::converged) return nullptr;
   std::optional<StressStrain> curve = specimen.material.curve;
-  if (curve && choice.calibrated && !run.calibrated_to_reference && !options.statics.linear &&
-      experiment.calibration()->axis())
-    curve = fitted_curve(specimen, *experiment.calibration(), choice, options, run);
+  if (curve && choice.calibrated && !run.calibrated_to_reference && !options.statics.linear && calibration->axis())
+    curve = fitted_curve(specimen, *calibration, choice, options, run);
   return assembled(specimen, choice, run, run.volume_modulus, curve);
 }
 

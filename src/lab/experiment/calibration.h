@@ -1,11 +1,20 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "lab/experiment/choice.h"
 #include "lab/experiment/run.h"
 
 namespace elastin::lab {
+
+/// The experiment in which rules are calibrated: the specimen's, or the one that it is used in. Null where there is
+/// none.
+const StaticProtocol* calibration_of(const Protocol& experiment, const Specimen& specimen);
+
+/// Name of the measure to which an experiment calibrates: the first modulus that the material, without its fibres,
+/// prescribes; "" where there is none.
+std::string_view calibrated_measure(const StaticProtocol& experiment, const Material& material);
 
 /// Why a rule cannot be calibrated in this experiment, or "".
 std::string calibration_unsuited(const Protocol& experiment, const Specimen& specimen);

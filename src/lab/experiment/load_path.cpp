@@ -40,6 +40,9 @@ void adjust_load(Model& model, StaticRig& rig, const StaticOptions& options, Sta
     add_cost(again, solved);
     solved = std::move(again);
   }
+  if (solved.outcome != Outcome::converged || !rig.adjust(state)) return;
+  solved.outcome = Outcome::limit_reached;
+  solved.cause = "what is prescribed is not reached after " + std::to_string(kCorrections) + " corrections of the load";
 }
 
 LoadPath::LoadPath(Model& model, StaticRig& rig, const StaticOptions& options, State start)
@@ -112,6 +115,7 @@ StaticResult LoadPath::advance(double factor, double smallest) {
     const StaticResult before = std::exchange(solved, solve_static(model_, next, options));
     add_cost(solved, before);
   }
+  const bool balanced = solved.outcome == Outcome::converged;
   adjust_load(model_, rig_, options, next, solved);
   if (solved.outcome == Outcome::converged) {
     model_.commit_step(next);
@@ -122,7 +126,8 @@ StaticResult LoadPath::advance(double factor, double smallest) {
     return solved;
   }
   const bool shorter_helps =
-      solved.outcome == Outcome::inverted || solved.outcome == Outcome::diverged ||
+      (balanced && solved.outcome == Outcome::limit_reached) || solved.outcome == Outcome::inverted ||
+      solved.outcome == Outcome::diverged ||
       (solved.outcome == Outcome::limit_reached && solved.newton_iterations >= options.newton_limit);
   if (!shorter_helps || !can_be_halved) return solved;
   ++halvings_;

@@ -13,7 +13,8 @@ namespace elastin::lab {
 
 namespace {
 
-constexpr const char* kHead = "elastin-restart-4";
+constexpr std::string_view kName = "elastin-restart-";
+constexpr const char* kHead = "elastin-restart-5";  // another format, or another meaning of a number, counts on
 constexpr std::string_view kEnd = "\nend\n";
 
 std::string hex(std::uint64_t value) {
@@ -59,24 +60,26 @@ std::string restart_text(const RestartPoint& point, const std::string& identity)
          std::string(kEnd);
 }
 
-RestartPoint parse_restart(const std::string& text, const std::string& identity) {
+RestartPoint parse_restart(const std::string& text, const std::string& identity, const std::string& path) {
   const std::string what = "the restart file";
   const std::size_t line = text.find('\n');
   std::string head, of, sum;
-  TextReader first(text.substr(0, line), what);
-  if (!text.starts_with(kHead)) throw InputError("this is no restart file, or one of another version");
+  TextReader first(text.substr(0, line), what, {path, 1, 1});
+  if (!text.starts_with(kName)) first.fail("this is no restart file");
   first.word(head);
+  if (head != kHead)
+    first.fail("this restart file is of another version of the program ('" + head.substr(0, 40) + "', here '" + kHead +
+               "'), whose numbers mean something else: run the scene from its start");
   first.word(of);
-  if (head != kHead) throw InputError("this is no restart file, or one of another version");
-  if (of != identity)
-    throw InputError("this is the restart file of another run: it is of " + of + ", here runs " + identity);
+  if (of != identity) first.fail("this is the restart file of another run: it is of " + of + ", here runs " + identity);
   first.word(sum);
-  if (line == std::string::npos || text.size() < line + 1 + kEnd.size() || !text.ends_with(kEnd))
-    throw InputError(what + " is cut off");
+  if (line == std::string::npos || text.size() < line + 1 + kEnd.size() || !text.ends_with(kEnd)) {
+    TextReader whole(text, what, {path, 1, 1});
+    for (std::string word; true;) whole.word(word);  // fails at the end
+  }
   const std::string body = text.substr(line + 1, text.size() - line - 1 - kEnd.size());
-  if (hex(checksum(body.data(), body.size())) != sum)
-    throw InputError(what + " is damaged: its checksum does not hold");
-  TextReader reader(body, what);
+  if (hex(checksum(body.data(), body.size())) != sum) first.fail(what + " is damaged: its checksum does not hold");
+  TextReader reader(body, what, {path, 2, 1});
   RestartPoint point;
   visit(reader, point);
   return point;

@@ -20,8 +20,9 @@ struct RestartPoint {
 
 /// As text, every number with all its bits. `identity` names what must be the same when it is read.
 std::string restart_text(const RestartPoint& point, const std::string& identity);
-/// Throws InputError if the text is no restart file, or that of another run.
-RestartPoint parse_restart(const std::string& text, const std::string& identity);
+/// Throws InputError, with `path`, line and column if there is a path, where the text is no restart file, one of
+/// another version, or that of another run.
+RestartPoint parse_restart(const std::string& text, const std::string& identity, const std::string& path = "");
 
 /// What a run must share with the one that it goes on from: body, strategy, scheme and frames.
 std::string restart_identity(const Body& body, const std::string& strategy, const TimeOptions& options,

@@ -51,7 +51,9 @@ struct Specimen {
   std::function<void(State&)> start = {};               ///< changes the state in which a run begins; may be empty
   std::vector<Material> materials = {};                 ///< of the body's parts, by Part::material; empty without parts
   std::optional<contact::ContactOptions> contact = {};  ///< none: no contact object is built
-  std::vector<Reference> references = {};               ///< computed ones: what the solid itself measures on this body
+  /// In which spring rules are calibrated; null: in the scene's own experiment.
+  std::shared_ptr<const StaticProtocol> calibration = {};
+  std::vector<Reference> references = {};  ///< computed ones: what the solid itself measures on this body
 };
 
 /// A state to be looked at.
@@ -109,9 +111,11 @@ struct RunOptions {
   std::function<void(const std::string& doing)> progress = {};  ///< called before each load step; may be empty
   std::optional<TimeOptions> time = {};                         ///< what a timed experiment needs
   bool live = false;                                            ///< frames of a run in time no faster than its cap
-  std::string restart = {};  ///< text that `checkpoint` got: a run in time goes on from there
+  std::string restart = {};       ///< text that `checkpoint` got: a run in time goes on from there
+  std::string restart_path = {};  ///< where that text stands, for messages; may be empty
   std::function<void(const std::string& text)> checkpoint = {};  ///< called after frames that are to be kept
-  std::function<bool()> stop = {};  ///< asked after each step in time and each load step; true ends the run
+  /// Asked after each step in time and before each load step and iteration of Newton's method; true ends the run.
+  std::function<bool()> stop = {};
 };
 
 }  // namespace elastin::lab

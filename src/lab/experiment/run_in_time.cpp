@@ -58,10 +58,12 @@ class TimedRun {
         energies_(model.has_energy() && !model.dissipates()) {}
 
   void resume() {
-    const RestartPoint point = parse_restart(options_.restart, identity_);
-    check_state(point.state, model_.body().size(), model_.history(), "the restart file");
+    const std::string& path = options_.restart_path;
+    const std::string what = (path.empty() ? "" : path + ": ") + "the restart file";
+    const RestartPoint point = parse_restart(options_.restart, identity_, path);
+    check_state(point.state, model_.body().size(), model_.history(), what);
     if (point.frame < 0 || point.frame > options_.time->frames)
-      throw InputError("the restart file is damaged: frame " + std::to_string(point.frame));
+      throw InputError(what + " is damaged: frame " + std::to_string(point.frame));
     state_ = point.state;
     model_.begin_step(state_, state_.time);
     if (model_.drive) model_.drive(state_.time, model_.supports);

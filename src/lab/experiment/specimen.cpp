@@ -181,14 +181,16 @@ void prepare(Specimen& specimen, const Strategy& strategy) {
 }
 
 Run run_strategy(const Specimen& specimen, const Protocol& experiment, const StrategyChoice& any,
-                 const RunOptions& options) {
+                 const RunOptions& given) {
   const Stopwatch build;
+  RunOptions options = given;
+  if (experiment.at_rest()) options.statics.stop = options.stop;
   const StrategyChoice choice = on_body(any, specimen);
   if (lacks_voronoi(specimen.body, any.strategy, materials_of(specimen))) {
     Specimen prepared = specimen;
     prepare(prepared, any.strategy);
     const double seconds = build.seconds();
-    Run run = run_strategy(prepared, experiment, any, options);
+    Run run = run_strategy(prepared, experiment, any, given);
     run.build_seconds += seconds;
     return run;
   }

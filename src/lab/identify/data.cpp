@@ -119,7 +119,7 @@ class DataFile {
 
  private:
   [[noreturn]] void fail_at_head(const std::string& message) const {
-    throw InputError(SourceLocation{csv_.path, csv_.head_line}, message);
+    throw InputError(SourceLocation{csv_.path, csv_.head_places.front().line}, message);
   }
   [[noreturn]] void fail_at(int line, const std::string& message) const {
     throw InputError(SourceLocation{csv_.path, line}, message);

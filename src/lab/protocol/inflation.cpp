@@ -20,6 +20,9 @@ constexpr double kVolumeTolerance = 1e-6;
 /// of that. High enough to pass any pressure limit and to be met after a few corrections; rounding of the volume makes
 /// that many times more rounding of the pressure.
 constexpr double kControlStiffness = 100;
+/// Of the radius at rest: by no more does one part of a controlled volume grow or shrink. Further from its volume the
+/// pressure that controls it can turn the surface inside out, which is an equilibrium too.
+constexpr double kLongestGrowth = 0.25;
 
 class Inflation final : public StaticProtocol {
  public:
@@ -119,7 +122,7 @@ class InflationRig final : public StaticRig {
   }
 
   void set_load(double factor) override {
-    if (factor == 0) pressure_ = 0;
+    pressure_ = factor == 0 ? 0 : met_pressure_;
     if (setup_.pressure) {
       load_->set_law(constant_pressure(factor * *setup_.pressure));
     } else if (setup_.volume_ratio) {
@@ -135,10 +138,18 @@ class InflationRig final : public StaticRig {
 
   bool adjust(const State& state) override {
     if (!setup_.volume_ratio) return false;
-    if (std::abs(load_->volume(state.positions) - volume_) <= kVolumeTolerance * volume_) return false;
     pressure_ = load_->pressure_state(state.positions).pressure;
+    if (std::abs(load_->volume(state.positions) - volume_) <= kVolumeTolerance * volume_) {
+      met_pressure_ = pressure_;
+      return false;
+    }
     control();
     return true;
+  }
+
+  double longest_step() const override {
+    const double growth = setup_.volume_ratio ? std::abs(std::cbrt(*setup_.volume_ratio) - 1) : 0;
+    return growth > kLongestGrowth ? kLongestGrowth / growth : 1;
   }
 
   Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
@@ -171,6 +182,7 @@ class InflationRig final : public StaticRig {
   const InflationSetup& setup_;
   Model& model_;
   double volume_ = 0, pressure_ = 0;  // volume control: the target, and the pressure found last
+  double met_pressure_ = 0;           // at the last volume that was met
   Pressure* load_ = nullptr;          // owned by the model
 };
 

@@ -149,6 +149,24 @@ Table verdicts_table(const std::vector<Record>& records) {
   return table;
 }
 
+namespace {
+
+/// What the recommended strategy, and those tied with it, make of the material elsewhere; "" where nobody asked.
+std::string directions_text(const Ranking& ranking) {
+  const Record& best = *ranking.best;
+  if (!best.directions) return "";
+  const std::string said = direction_text(*best.directions);
+  std::string text = "\n    in other directions, at small strain: " + said;
+  for (const Record* record : ranking.tied)
+    if (const std::string of_tied = record->directions ? direction_text(*record->directions) : said; of_tied != said)
+      text += "; of " + record->run.strategy + ": " + of_tied;
+  const double strain = std::abs(best.run.measures.get("strain"));
+  if (std::isfinite(strain)) text += "; nothing was run beyond a strain of " + percent(strain).substr(1);
+  return text;
+}
+
+}  // namespace
+
 std::string advice_text(const Ranking& ranking, bool colours) {
   const Record* best = ranking.best;
   if (!ranking.no_reference.empty()) return "\n  no reference: " + ranking.no_reference + "\n";
@@ -175,10 +193,10 @@ std::string advice_text(const Ranking& ranking, bool colours) {
   for (const Record* record : ranking.tied) tied += (tied.empty() ? " (tied with " : ", ") + record->run.strategy;
   if (!tied.empty()) tied += ")";
   return fmt::format(
-      "\n  {} {}{}: {} (target: {}), {}\n",
+      "\n  {} {}{}: {} (target: {}), {}{}\n",
       ranking.error(*best) <= kNear ? "recommended:" : "no strategy is near " + goal + "; the nearest is",
       painted(best->run.strategy, Tone::bold, colours), tied, found, best->prescribed,
-      readable_seconds(best->run.build_seconds + best->run.solve_seconds));
+      readable_seconds(best->run.build_seconds + best->run.solve_seconds), directions_text(ranking));
 }
 
 }  // namespace elastin::lab

@@ -7,9 +7,6 @@
 
 namespace elastin::lab {
 
-/// An error of E up to here is fit for use.
-inline constexpr double kNear = 0.05;
-
 Tone tone_of_error(double error);
 
 /// A measure's value; small ratios with digits that tell them from nothing.

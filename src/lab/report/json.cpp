@@ -321,6 +321,23 @@ void verdict_fields(Io& io, AnyVerdict& verdict) {
   });
 }
 
+template <class Io, class Errors>
+void direction_fields(Io& io, Errors& errors) {
+  io.field_if(!errors.measured(), "not_measured", errors.trouble);
+  if (!errors.measured()) return;
+  io.object("youngs_modulus", [&](auto& inner) {
+    inner.field("x", errors.youngs[0]);
+    inner.field("y", errors.youngs[1]);
+    inner.field("z", errors.youngs[2]);
+    inner.field("least", errors.least_youngs);
+    inner.field("largest", errors.largest_youngs);
+  });
+  io.object("shear_modulus", [&](auto& inner) {
+    inner.field("least", errors.least_shear);
+    inner.field("largest", errors.largest_shear);
+  });
+}
+
 /// What tells a run of a study from another, and what its error is compared with.
 template <class Io, class AnyRecord>
 void study_fields(Io& io, AnyRecord& record) {
@@ -386,6 +403,8 @@ void record_fields(Io& io, AnyRecord& record) {
   io.field_if(run.calibrated_to_reference, "calibrated_to_reference", run.calibrated_to_reference);
   io.field_if(run.volume_modulus != 0, "volume_modulus", run.volume_modulus);
   io.optional("identified", run.identified, [](auto& inner, auto& found) { identified_fields(inner, found); });
+  io.optional("direction_errors", record.directions,
+              [](auto& inner, auto& errors) { direction_fields(inner, errors); });
   io.optional("time", run.time, [](auto& inner, auto& time) { time_fields(inner, time); });
   io.optional("contact", run.contact,
               [&](auto& inner, auto& contact) { contact_fields(inner, contact, record.obstacles); });

@@ -125,7 +125,17 @@ Ranking rank_strategies(const std::vector<Record>& records) {
     if (ranking.measures.size() > 1) ranking.measures.resize(1);
   }
   if (ranking.measures.empty()) return ranking;
-  const auto fit = [](const Record& record) { return has_own_error(record) && record.run.warnings.empty(); };
+  const auto sound = [](const Record& record) { return has_own_error(record) && record.run.warnings.empty(); };
+  const auto measured = [](const Record& record) { return record.directions && record.directions->measured(); };
+  const auto true_elsewhere = [&](const Record& record) {
+    return measured(record) && record.directions->worst() <= kNear;
+  };
+  const bool some_true = std::any_of(records.begin(), records.end(), [&](const Record& record) {
+    return sound(record) && ranking.error(record) <= kNear && true_elsewhere(record);
+  });
+  const auto fit = [&](const Record& record) {
+    return sound(record) && !(some_true && measured(record) && !true_elsewhere(record));
+  };
   double least = INFINITY;
   for (const Record& record : records)
     if (fit(record)) least = std::min(least, ranking.error(record));

@@ -6,6 +6,9 @@
 
 namespace elastin::lab {
 
+/// An error of E up to here is fit for use.
+inline constexpr double kNear = 0.05;
+
 /// Whether the run came to its end.
 bool solved(const Record& record);
 
@@ -32,7 +35,8 @@ struct Ranking {
 };
 
 /// The best is near enough (0.1 %, or within a tenth of the least error), with nothing to warn of; of those the nearest
-/// in what else the material prescribes; then the fastest. Where errors differ by less than the measures carry (1e-5,
+/// in what else the material prescribes; then the fastest. Where one that comes near is near in every direction, those
+/// that are known not to be are passed over. Where errors differ by less than the measures carry (1e-5,
 /// the solver's residual, the reference's uncertainty) time does not count: they are tied, and the simplest strategy is
 /// the best. What was calibrated to the reference meets it by construction and is never the best.
 Ranking rank_strategies(const std::vector<Record>& records);

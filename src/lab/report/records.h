@@ -1,8 +1,10 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "lab/report/directions.h"
 #include "lab/scene/scene.h"
 
 namespace elastin::lab {
@@ -49,8 +51,9 @@ struct Record {
   std::vector<Reference> references;   ///< stated by the scene, computed, or found by the study itself
   /// What a study changes from row to row: "body.lattice.molecules" = "[5, 5, 5]"; empty where nothing is.
   std::vector<std::pair<std::string, std::string>> variant;
-  bool apparent = false;     ///< `effective_modulus` depends on the body's shape: no error against the material's E
-  std::string no_reference;  ///< why the material's values rank no strategy here; empty where they do
+  bool apparent = false;  ///< `effective_modulus` depends on the body's shape: no error against the material's E
+  std::optional<DirectionErrors> directions;  ///< of a strategy that comes near; none: nobody asked
+  std::string no_reference;                   ///< why the material's values rank no strategy here; empty where they do
   double spacing = 0;  ///< of the body's molecules, up to a factor that refinement leaves alone; see relative_spacing
   /// Build and solve of every repeat [s]; `run` has those of the fastest. Empty: one run, not repeated.
   std::vector<std::array<double, 2>> repeats;

@@ -202,20 +202,39 @@ std::string bodies_text(const Summary& summary, bool colours) {
                                    counted(judged_bodies, "body", "bodies"), kEnoughNeighbours, met, met_by_springs);
 }
 
+/// What calibrated runs that have the E that was asked for make of the material where they were not calibrated.
+std::string elsewhere_text(const std::vector<const Record*>& runs) {
+  std::vector<double> errors;
+  const Record* worst = nullptr;
+  for (const Record* record : runs) {
+    if (!record->directions || !record->directions->measured()) continue;
+    errors.push_back(record->directions->worst());
+    if (!worst || errors.back() > worst->directions->worst()) worst = record;
+  }
+  if (!worst) return "";
+  return fmt::format("  calibrated, in other directions: E and G off by {} (median of {}), {} at worst ({} on {})\n",
+                     size_text(median(errors)), counted(static_cast<int>(errors.size()), "run"),
+                     size_text(worst->directions->worst()), worst->run.strategy, worst->scene);
+}
+
 /// How many calibrated runs have the E that was asked for.
 std::string calibrated_text(const std::vector<Record>& records) {
   constexpr double goal = 1e-3;
   int runs = 0, met = 0;
   std::string others;
+  std::vector<const Record*> good;
   for (const Record& record : records) {
     const double error = record.error("effective_modulus");
     if (!record.run.strategy.starts_with("calibrated:") || !solved(record) || !std::isfinite(error)) continue;
     ++runs;
     met += std::abs(error) <= goal;
+    if (std::abs(error) <= goal) good.push_back(&record);
     if (!(std::abs(error) <= goal))
       others += fmt::format("; {} on {}: {}", record.run.strategy, record.scene, percent(error));
   }
-  return runs ? fmt::format("  calibrated within 0.1 % of E: {} of {} runs{}\n", met, runs, others) : "";
+  return runs ? fmt::format("  calibrated within 0.1 % of E: {} of {} runs{}\n", met, runs, others) +
+                    elsewhere_text(good)
+              : "";
 }
 
 /// Each run and expectation that failed, a line each.

@@ -38,6 +38,13 @@ StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
     reader.fail("'" + reader.text() + "' are several strategies; write strategies: [" + reader.text() +
                 "] for `compare`, and one of them as stiffness");
   if (reader.is_text()) return reader.located([&] { return choose_strategy(catalog, reader.text()); });
+  if (!reader.is_map()) {
+    std::string names;
+    for (const Reader& item : reader.items())
+      if (item.is_text()) names += (names.empty() ? "" : ", ") + item.text();
+    reader.fail("is a list, and names one strategy: a word, or {strategy: NAME, …}; several are for `compare`, as " +
+                ("strategies: [" + names) + "] beside it or --strategies");
+  }
   reader.set_section("stiffness");
   const Reader name = reader.at("strategy");
   StrategyChoice choice = name.located([&] { return choose_strategy(catalog, name.text()); });

@@ -9,6 +9,7 @@
 #include "elastin/core/model/parts.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/simulation/prepare.h"
+#include "lab/experiment/calibration.h"
 #include "lab/febio/model.h"
 #include "lab/protocol/supported.h"
 #include "lab/scene/parts.h"
@@ -129,6 +130,19 @@ std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const 
   return strategies;
 }
 
+/// {experiment: {kind: …}}: another experiment than the scene's own in which `calibrated:` rules are calibrated.
+std::shared_ptr<const StaticProtocol> read_calibration(Reader reader, ExperimentContext context) {
+  context.contact = nullptr;
+  const Reader at = reader.at("experiment");
+  const std::shared_ptr<const Protocol> experiment = read_experiment(at, context);
+  reader.finish();
+  const StaticProtocol* at_rest = experiment->at_rest();
+  if (!at_rest || at_rest->identification() || calibrated_measure(*at_rest, context.material).empty())
+    at.fail("a " + experiment->name() +
+            " experiment measures on this body no modulus to calibrate to; take tension, shear or material");
+  return {experiment, at_rest};
+}
+
 /// A strategy's volume term does not allow every Poisson's ratio that a material may have.
 void check_volume_range(Reader material, const Specimen& specimen, const std::vector<StrategyChoice>& strategies) {
   std::vector<Material> materials = specimen.materials;
@@ -212,6 +226,7 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   read_whole_body(reader, catalog, *scene, change);
   const Matrix3 rotation = reader.has("rotate") ? read_rotation(reader.at("rotate")) : Matrix3(Matrix3::Identity());
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
+  scene->rotation = rotation;
   turn_fibres(scene->specimen, rotation);
   scene->stiffness = read_strategy(reader.at("stiffness"), catalog);
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog, scene->specimen);
@@ -224,6 +239,8 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
     context.contact = &contact->options;
   }
   scene->experiment = read_experiment(experiment, context);
+  if (const auto calibrate = reader.find("calibrate"))
+    scene->specimen.calibration = read_calibration(*calibrate, context);
   const bool timed = scene->experiment->in_time() != nullptr;
   if (scene->statics.engine && (timed || contact)) {
     const Reader engine = reader.at("solver").at("engine");
@@ -375,6 +392,10 @@ std::vector<KeySection> scene_keys() {
          "the strategies of `compare`; `all` in the list adds those not named before it, with `+volume` where "
          "the body's cells and Poisson's ratio allow it"},
         {"experiment", "map", "", "", "needed", "[the experiment](#experiment)"},
+        {"calibrate", "map", "", "", "the scene's own",
+         "`experiment`: the [experiment](#experiment) at rest in which `calibrated:` rules are calibrated, so that "
+         "what "
+         "the scene measures is a test of them"},
         {"supports", "list of maps", "", "", "none",
          "[planes of symmetry, rims and others](#supports) that stay; with experiments at rest"},
         {"time", "map", "", "", "needed in time", "[duration, steps and frames](#time) of an experiment in time"},

@@ -42,6 +42,7 @@ struct Scene {
   std::string path, name, title;
   Specimen specimen;
   std::unique_ptr<const Protocol> experiment;
+  Matrix3 rotation = Matrix3::Identity();  ///< of the whole scene
   StrategyChoice stiffness;                ///< what `run` uses
   std::vector<StrategyChoice> strategies;  ///< what `compare` uses
   StaticOptions statics;

@@ -21,8 +21,10 @@
 #include "lab/report/json.h"
 #include "lab/report/machine.h"
 #include "lab/report/progress.h"
+#include "lab/report/ranking.h"
 #include "lab/report/study.h"
 #include "lab/report/view.h"
+#include "lab/study/directions.h"
 #include "lab/study/journal.h"
 #include "lab/study/plan.h"
 #include "lab/study/reference.h"
@@ -53,6 +55,7 @@ class Comparison {
   void run_combination(ScenePlan& plan, const std::vector<std::pair<std::string, std::string>>& combination,
                        std::size_t first_row, int repeat);
   Record run_one(Scene& scene, const StrategyChoice& choice, const PlannedRow& row);
+  void add_directions(const Scene& scene, const StrategyChoice& choice, const RunOptions& options, Record& record);
   Record run_elsewhere(const Scene& scene, const PlannedRow& row);
   Record failed_run(const PlannedRow& row, const std::string& why) const;
   void finish_run(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene, int repeat);
@@ -109,7 +112,7 @@ RunOptions Comparison::options_of(const ScenePlan& plan, const Scene& scene, con
     progress_.set(name + doing);
   };
   result.stop = [this] { return request_.interrupted && request_.interrupted(); };
-  if (!request_.restart.empty()) result.restart = restart_text_of(request_.restart);
+  if (!request_.restart.empty()) result.restart = restart_text_of(result.restart_path = request_.restart);
   if (!request_.out.empty() && !plan.varied())
     result.checkpoint = [path = request_.out + "/" + file_name(scene.name, choice.label) +
                                 ".restart"](const std::string& text) { write_whole(path, text); };
@@ -155,13 +158,28 @@ Record Comparison::run_one(Scene& scene, const StrategyChoice& choice, const Pla
   const auto start = Clock::now();
   prepare(scene.specimen, choice.strategy);
   const double prepared = seconds_since(start);
-  Run run = run_strategy(scene.specimen, *scene.experiment, choice, options_of(*row.plan, scene, choice));
+  const RunOptions options = options_of(*row.plan, scene, choice);
+  Run run = run_strategy(scene.specimen, *scene.experiment, choice, options);
   run.build_seconds += prepared;  // once a body: the first strategy that needs it pays
   Record record = make_record(scene, std::move(run));
   record.variant = *row.combination;
   if (!record.variant.empty()) record.verdicts.clear();  // the scene speaks of the body that it describes
   if (row.plan->repeats > 1) record.repeats = {{record.run.build_seconds, record.run.solve_seconds}};
+  if (request_.compare && !row.plan->varied()) add_directions(scene, choice, options, record);
   return record;
+}
+
+/// Of a strategy that may be recommended: whether that is true elsewhere too.
+void Comparison::add_directions(const Scene& scene, const StrategyChoice& choice, const RunOptions& options,
+                                Record& record) {
+  if (!has_own_error(record)) return;
+  std::vector<Record> alone;
+  alone.push_back(std::move(record));  // with its states, which are large
+  const Ranking ranking = rank_strategies(alone);
+  record = std::move(alone.front());
+  if (ranking.measures.empty() || !(ranking.error(record) <= kNear)) return;
+  progress_.set(scene.name + ", " + choice.label + ": in other directions");
+  record.directions = measure_directions(scene, choice, options, record.run);
 }
 
 Record Comparison::run_elsewhere(const Scene& scene, const PlannedRow& row) {

@@ -7,6 +7,7 @@
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
+#include "lab/experiment/restart.h"
 #include "lab/report/files.h"
 #include "lab/report/json.h"
 #include "support/temporary_folder.h"
@@ -268,15 +269,39 @@ TEST_CASE("a run that stops and goes on has bitwise the same results as one that
 TEST_CASE("a run at rest that is stopped ends between two load steps", "[statics]") {
   int asked = 0;
   RunOptions options;
-  options.stop = [&] { return ++asked == 2; };
+  options.stop = [&] { return ++asked == 4; };  // before each solve, and before each step but the first
   const Run run = run_of(
       "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [10 mm, 10 mm, 20 mm]}}\n"
       "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
-      "experiment: {kind: tension, strain: 10 %, load_steps: 5}\n",
+      "experiment: {kind: tension, strain: 10 %, load_steps: 5}\nsolver: {displacements: small}\n",
       options);
   CHECK(run.outcome == Outcome::interrupted);
   CHECK(run.cause == "stopped before load step 3 of 5");
   CHECK(run.curve.size() == 2);
+}
+
+TEST_CASE("a run at rest is stopped in the middle of a solve, by Newton's method or by relaxation", "[statics]") {
+  const std::string scene =
+      "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [10 mm, 10 mm, 20 mm]}}\n"
+      "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+      "experiment: {kind: tension, strain: 30 %}\n";
+  const Run whole = run_of(scene);
+  REQUIRE(whole.newton_iterations > 2);
+  RunOptions options;
+  int asked = 0;
+  options.stop = [&] { return ++asked > 3; };  // once before the first guess, then before each iteration
+  const Run newton = run_of(scene, options);
+  CHECK(newton.outcome == Outcome::interrupted);
+  CHECK(newton.cause == "stopped after 2 Newton iterations");
+  CHECK(newton.newton_iterations == 2);
+  CHECK(newton.curve.empty());
+  for (const char* method : {"explicit", "implicit"}) {
+    asked = 0;
+    const Run relaxed = run_of(scene, options, {std::string("solver.method=") + method});
+    CHECK(relaxed.outcome == Outcome::interrupted);
+  }
+  options.stop = [&] { return false; };
+  CHECK(run_of(scene, options).measures.get("force") == whole.measures.get("force"));
 }
 
 TEST_CASE("a restart file of another run, or a damaged one, is refused", "[time][restart]") {
@@ -291,12 +316,26 @@ TEST_CASE("a restart file of another run, or a damaged one, is refused", "[time]
     CHECK_THROWS_WITH(run_of(scene, later), Contains(says));
   };
   refuse("nothing of the kind", kRelease + time, "this is no restart file");
+  std::string older = kept;  // there the contact's multipliers had another unit
+  REQUIRE(older.starts_with("elastin-restart-5 "));
+  older[std::string("elastin-restart-").size()] = '4';
+  refuse(older, kRelease + time, "of another version of the program ('elastin-restart-4', here 'elastin-restart-5')");
   refuse(kept.substr(0, kept.size() / 2), kRelease + time, "cut off");
   refuse(kept, kRelease + "time: {duration: 2 s, frames: 4}\n", "of another run");
   refuse(kept, kRelease + "time: {duration: 1 s, frames: 4, integrator: newmark}\n", "newmark");
   std::string bad = kept;
   bad.replace(bad.find("0x1"), 3, "0y1");
   refuse(bad, kRelease + time, "is damaged: its checksum does not hold");
+  // With its path it says where.
+  const auto says_where = [&](const std::string& text, const std::string& where) {
+    const std::string identity = kept.substr(18, kept.find(' ', 18) - 18);
+    CHECK_THROWS_WITH(parse_restart(text, identity, "a.restart"), Catch::Matchers::StartsWith("a.restart:" + where));
+  };
+  says_where("nothing of the kind", "1:1: this is no restart file");
+  says_where(older, "1:1: this restart file is of another version");
+  says_where(bad, "1:" + std::to_string(kept.find(' ', 18) + 2) + ": the restart file is damaged");
+  const std::string cut = kept.substr(0, kept.find('\n') + 1) + "12 0x1p+0\n 13";
+  says_where(cut, "3:4: the restart file is cut off");
 }
 
 TEST_CASE("implicit steps that make more energy than there is end with that as the cause", "[time]") {

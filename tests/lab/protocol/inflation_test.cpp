@@ -129,6 +129,25 @@ TEST_CASE("a balloon follows its curve past the limit pressure, with the volume 
   CHECK_FALSE(burst.cause.empty());
 }
 
+TEST_CASE("a volume is reached in one load step as in many", "[inflation]") {
+  const Specimen balloon = membrane(sphere_octant(0.01, SphereMesh::type_1, 4), kRubber);
+  const double rest = enclosed_volume(balloon.body.triangles, balloon.body.rest, Vector3::Zero());
+  for (const double ratio : {8., 1.5}) {
+    std::array<double, 2> pressures{};
+    for (const int steps : {1, 8}) {
+      InflationSetup setup;
+      setup.volume_ratio = ratio;
+      setup.load_steps = steps;
+      const Run run = blown_up(balloon, setup, "neo_hookean_membrane");
+      INFO(ratio << " in " << steps << ": " << run.cause);
+      REQUIRE(run.outcome == Outcome::converged);
+      CHECK(run.measures.get("enclosed_volume") / (8 * rest) == Approx(ratio).epsilon(2e-6));
+      pressures[steps == 1 ? 0 : 1] = run.measures.get("pressure");
+    }
+    CHECK(pressures[0] == Approx(pressures[1]).epsilon(1e-5));
+  }
+}
+
 TEST_CASE("gas inside keeps its law, and the membrane does not know it from a pressure", "[inflation]") {
   const Specimen ball = membrane(sphere_octant(1, SphereMesh::type_1, 8), kLatex);
   InflationSetup setup;

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -33,6 +34,9 @@ struct StaticOptions {
   /// beyond its buckling load), the body leaves it towards lower energy. For loads with an energy; large displacements.
   bool probe = false;
   std::shared_ptr<StaticEngine> engine = {};  ///< see solve/engine.h; null: this process by itself
+  /// Asked before each iteration of Newton's method and each linear solve; true ends the solve as `interrupted`. May be
+  /// empty.
+  std::function<bool()> stop = {};
 };
 
 struct StaticResult {
