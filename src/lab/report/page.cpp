@@ -21,6 +21,7 @@ namespace {
 /// strategies show fewer states, and then fewer strategies theirs, the best the last to go.
 constexpr std::size_t kPageBytes = 980'000, kMostPageBytes = 10'000'000;
 constexpr double kBytesOfMolecule = 950;
+constexpr std::size_t kBestBytes = 60'000;    ///< of the best strategy's states, which a page of many scenes has, too
 constexpr std::size_t kScriptBytes = 80'000;  // of styles and scripts, which page_text adds
 constexpr double kFile = 760;                 // px, of plots alone
 
@@ -217,7 +218,6 @@ std::string stage_html(const Scenery& scene, const std::vector<std::string>& vie
   for (auto at = bodies.rbegin(); at != bodies.rend(); ++at) {
     const auto wanted = static_cast<std::size_t>(kBytesOfMolecule * at->first);
     const std::size_t all = std::min(std::max(kPageBytes, wanted), kMostPageBytes) / scenes;
-    const std::size_t room = all - std::min(all, taken);
     std::string body, note;
     for (const View& view : at->second)
       if (view.head["kind"] == "body") {
@@ -234,12 +234,13 @@ std::string stage_html(const Scenery& scene, const std::vector<std::string>& vie
         order.push_back(view->second);
         latest.erase(view);
       }
-    const std::string states = states_html(order, room - std::min(room, body.size()));
+    const std::size_t left = all - std::min(all, taken + body.size());
+    const std::string states = states_html(order, scenes > 1 ? std::max(left, kBestBytes) : left);
     if (body.empty() || states.empty()) continue;
     return fmt::format(fmt::runtime(kStage), note.empty() ? "" : " Shown: " + escaped(note) + ".") + body + states +
            "</section>\n";
   }
-  return "";
+  return bodies.empty() ? "" : "<p class=\"note\">The body is not drawn here: the page has no room for it.</p>\n";
 }
 
 /// What a page filters the runs by.
@@ -316,8 +317,8 @@ std::string summary_html(const PageMatter& matter, const Colours& colours) {
                ratio(s.ratio.worst),
                number_cell(std::isfinite(s.solve) ? fmt::format("{:.1f}", s.solve) : "", s.solve)});
   }
-  return "<details class=\"card\"><summary>All scenes: errors by strategy; time of the solve over that of standard, "
-         "medians</summary>" +
+  return "<details class=\"card\" open><summary>All scenes: errors by strategy; time of the solve over that of "
+         "standard, medians</summary>" +
          table.html(mark) + "</details>\n";
 }
 

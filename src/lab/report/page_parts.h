@@ -21,6 +21,7 @@ extern const char* const k_worker_js;
 extern const char* const k_curve_js;
 extern const char* const k_settings_js;
 extern const char* const k_hand_js;
+extern const char* const k_pace_js;
 extern const char* const k_bodies_js;
 extern const char* const k_lab_js;
 

@@ -18,7 +18,7 @@ function side_by_side(body, count) {
   const shifted = (v, i, copy) => v + (i % 3 === 0 ? offsets[copy] : 0), numbered = (v, i, copy) => v + copy * molecules;
   return {rest: repeated(Float32Array, body.rest, shifted), radius: repeated(Float32Array, body.radius),
     ends: repeated(Uint32Array, body.ends, numbered), surface: repeated(Uint32Array, body.surface, numbered),
-    membrane: body.membrane, size: body.size, offsets, molecules, low: low[2], high: high[2]};
+    membrane: body.membrane, size: body.size, offsets, molecules};
 }
 
 /** The viewer of a lab: what a hand does is drawn over the bodies. */
@@ -71,11 +71,24 @@ class LabViewer extends Viewer {
       paper.fill();
       paper.stroke();
     }
-    (this.names ?? []).forEach(({place, text}) => {
-      const [x, y] = this.seen_at(place);
+    (this.names ?? []).forEach((text, copy) => {
+      const [x, y] = this.below(copy);
       paper.textAlign = 'center';
-      this.write(paper, text, x, y, colour);
+      this.write(paper, text, x, Math.min(y + 24, this.canvas.clientHeight - 12), colour);
     });
+  }
+
+  /** The point of the canvas [px] in the middle of one of the bodies, and as low as its lowest molecule. */
+  below(copy) {
+    const {camera, positions, names} = this, count = positions.length / names.length, place = new THREE.Vector3();
+    let left = Infinity, right = -Infinity, low = Infinity;
+    for (let i = copy * count; i < (copy + 1) * count; i += 3) {
+      const {x, y} = place.fromArray(positions, i).project(camera);
+      left = Math.min(left, x);
+      right = Math.max(right, x);
+      low = Math.min(low, y);
+    }
+    return [(2 + left + right) / 4 * this.canvas.clientWidth, (1 - low) / 2 * this.canvas.clientHeight];
   }
 
   write(paper, text, x, y, colour) {

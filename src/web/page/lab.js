@@ -3,7 +3,6 @@
 
 const part = id => document.getElementById(id), all = (what, within = document) => [...within.querySelectorAll(what)];
 const root = document.documentElement, scene = JSON.parse(part('scene').textContent), first = scene.settings;
-const budget = 0.012;  // [s] of a picture that stepping may take
 const tool_hints = {drag: 'Drag a molecule: the hand pulls it like a spring and shows its force. Let go, and see it ring.',
   push: 'Press on the body: a round probe pushes it away and shows its force.',
   pin: 'Click a molecule: it stays where it is. A second click releases it.',
@@ -32,6 +31,7 @@ class Lab {
     this.tool = 'drag';
     this.pins = new Set();
     this.count = 0;
+    this.pace = new Pace();
     this.history = [];
     this.waiting = new Map();
     this.curves = {test: new Curve(part('curve'), {x: {title: 'strain', unit: '%'}, y: {title: 'stress', unit: 'Pa'}}),
@@ -73,11 +73,9 @@ class Lab {
     const counted = (count, name) => `${count.toLocaleString('en')} ${name}${count === 1 ? '' : 's'}`;
     part('about').textContent = [counted(scene.molecules, 'molecule'), counted(scene.connections, 'connection'),
       ...(scene.cells ? [counted(scene.cells, 'cell')] : [])].join(', ') +
-      `, E = ${with_prefix(first.E, 'Pa')}, ν = ${+first.nu.toPrecision(4)}. Drag a molecule and feel how stiff the body is; then pull it and see.`;
-    part('test-note').textContent = (scene.own_test ? 'First as the scene has it: E and ν below are read there. '
-      : 'First by a strain of 10⁻⁴ along the longest side: E and ν below are read there. ') + 'Then the body is drawn on, equilibrium by equilibrium.';
-    this.show_results([]);
-    this.curves.test.set([], 'No test has been made yet');
+      `; its material has Young's modulus E = ${with_prefix(first.E, 'Pa')} and Poisson's ratio ν = ${+first.nu.toPrecision(4)}.`;
+    part('test-note').textContent = 'How stiff is the whole body? ' + (scene.own_test ? "It is pulled as in the scene's own test, where its E and ν are read, "
+      : 'It is pulled by a strain of 10⁻⁴ along its longest side, where its E and ν are read, ') + 'and then on to the strain that you set.';
     this.curves.energy.set([], 'Energy over time');
   }
 
@@ -102,7 +100,7 @@ class Lab {
     }
     for (const [name, key] of [['colour', 'colour'], ['speed', 'speed']])
       if (hash[key] && [...part(name).options].some(option => option.value === hash[key])) part(name).value = hash[key];
-    this.show_newton();
+    this.show_choices();
   }
 
   hash() {
@@ -114,9 +112,22 @@ class Lab {
     return hash_of(values);
   }
 
-  /** One Newton iteration a step is a choice for steppers that iterate by Newton's method alone. */
-  show_newton() {
-    part('one-iteration').closest('label').hidden = !scene.schemes.find(one => one.name === part('scheme').value).newton;
+  /** What the choices mean, and which of them there is now: one Newton iteration a step is one for steppers that iterate by
+   *  Newton's method alone, a tilt where there is weight. */
+  show_choices() {
+    const scheme = scene.schemes.find(one => one.name === part('scheme').value), {strategies} = this;
+    part('one-iteration').closest('label').hidden = !scheme.newton;
+    part('tilt').disabled = !(this.sliders.gravity.value > 0);
+    const chosen = scene.strategies.filter(one => strategies.includes(one.name));
+    part('meaning').replaceChildren(...[...chosen, scheme].map(({name, summary}) => {
+      const item = document.createElement('li');
+      item.append(Object.assign(document.createElement('b'), {textContent: name}), ': ' + summary);
+      return item;
+    }));
+    this.second = strategies.length > 1 ? '' : ['standard', ...scene.strategies.map(one => one.name)].find(name => name !== strategies[0] &&
+      scene.strategies.some(one => one.name === name));
+    part('beside').textContent = strategies.length > 1 ? 'Back to one body' : `Put ${this.second} beside it`;
+    part('beside').closest('li').hidden = strategies.length < 2 && !this.second;
   }
 
   get strategies() { return all('.strategy').map(select => select.value).filter(Boolean); }
@@ -147,6 +158,7 @@ class Lab {
     on('play', 'click', () => this.play(!this.playing));
     on('step', 'click', () => { this.play(false); this.single = true; });
     on('reset', 'click', () => this.reset());
+    on('beside', 'click', () => this.put_beside(this.second));
     on('test', 'click', () => this.testing ? this.stop_test() : this.test());
     on('jello', 'click', () => this.jello());
     on('scene-material', 'click', () => this.set_sliders(this.start));
@@ -156,6 +168,7 @@ class Lab {
     all('.pull').forEach(button => button.addEventListener('click', () => this.pull(+button.dataset.axis, +button.dataset.sign)));
     for (const id of ['connections', 'molecules', 'surface']) on(id, 'change', () => this.look());
     on('colour', 'change', () => { this.range = 0; });
+    document.addEventListener('visibilitychange', () => { this.last = undefined; });
     on('png', 'click', () => this.viewer && save_file(scene.name + '.png', this.viewer.picture(this.legend).toDataURL('image/png')));
     on('link', 'click', () => this.copy_link());
     on('view-reset', 'click', () => this.viewer?.reset());
@@ -231,7 +244,7 @@ class Lab {
 
   /** New settings; the bodies go on from where they are. Several changes in one picture are one. */
   change(rebuild, restart) {
-    this.show_newton();
+    this.show_choices();
     this.rebuild = {rebuild: rebuild || this.rebuild?.rebuild, keep: !restart && this.rebuild?.keep !== false};
     this.own_hash = this.hash();
     clearTimeout(this.hashing);
@@ -240,7 +253,7 @@ class Lab {
 
   async settle() {
     const {rebuild, keep} = this.rebuild;
-    this.rebuild = undefined;
+    this.rebuild = this.still = undefined;
     const settings = this.settings();
     const answer = await this.ask({kind: 'settings', settings, rebuild, keep});
     complain(answer.kind === 'refused' ? `${answer.message}.` : '');
@@ -260,6 +273,13 @@ class Lab {
     this.change(true);
   }
 
+  /** A second body with this strategy, or, with none, the first alone. */
+  put_beside(strategy) {
+    part('strategy-2').value = strategy;
+    if (!strategy) part('strategy-3').value = '';
+    this.choose_bodies();
+  }
+
   show_bodies() {
     const count = this.strategies.length;
     if (this.shown && this.count_shown === count) return;
@@ -269,6 +289,8 @@ class Lab {
     this.buffers = undefined;
     if (!this.viewer) return;
     this.viewer.set_body(this.shown);
+    this.viewer.direction = count > 1 ? [-0.2, 0.3] : [-0.6, 0.35];  // side by side, the bodies do not hide each other
+    this.seen = false;
     this.look();
     this.viewer.set_state(this.shown.rest.slice(), {molecules: new Float32Array(this.shown.rest.length).fill(0.5)});
     this.viewer.fit([this.shown.rest]);
@@ -309,21 +331,31 @@ class Lab {
   }
 
   async picture(now) {
-    if (this.testing) return this.test_picture();
+    if (this.testing) return this.test_picture(now);
     if (this.rebuild) await this.settle();
-    const speed = +part('speed').value, passed = Math.min(0.05, 1e-3 * (now - (this.last ?? now)));
-    this.last = now;
+    const speed = +part('speed').value, interval = 1e-3 * (now - (this.last ?? now)), passed = Math.min(0.1, interval);
     const single = this.single, colour = part('colour').value;
+    if (this.is_still(colour)) return;
+    this.last = this.playing ? now : undefined;
     this.single = false;
     const begin = performance.now();
-    const answer = await this.ask({kind: 'frame', wanted: this.playing ? passed * speed : 0, single, budget, colour, buffers: this.buffers},
-      (this.buffers ?? []).map(array => array.buffer));
+    const answer = await this.ask({kind: 'frame', wanted: this.playing ? passed * speed : 0, single, budget: this.pace.budget, colour,
+      buffers: this.buffers}, (this.buffers ?? []).map(array => array.buffer));
+    if (interval > 0) this.pace.note(interval, 1e-3 * (performance.now() - begin));
     this.buffers = answer.bodies.map(body => body.positions);
     if (answer.bodies.length !== this.count_shown) return;
     this.show(answer, passed);
     if (this.viewer && !this.seen) this.viewer.fit([this.shown.rest, this.viewer.positions.slice()]);  // a body may begin elsewhere than at rest
     this.seen = true;
-    this.frame_time = performance.now() - begin;
+  }
+
+  /** Nothing moves and nothing was changed since the last picture, which then is drawn once more with all pixels. */
+  is_still(colour) {
+    const state = [colour, this.count_shown, this.playing, JSON.stringify([this.hand, this.probe, [...this.pins]])].join();
+    const still = !this.playing && !this.single && this.seen && this.still === state;
+    this.still = state;
+    if (this.viewer) this.viewer.sharpen(this.playing || !still ? this.pace.sharpness : 1);
+    return still;
   }
 
   show({bodies, gone}, passed) {
@@ -350,16 +382,7 @@ class Lab {
       text: body.force ? with_prefix(Math.hypot(...body.force), 'N') : ''})) : [];
     viewer.probes = this.probe ? bodies.map((_, copy) => ({place: beside(this.probe.centre, copy), radius: this.probe.radius})) : [];
     viewer.pins = bodies.flatMap((_, copy) => [...this.pins].map(molecule => place(copy, molecule)));
-    const {low, high} = this.shown;
-    viewer.names = bodies.length > 1 ? this.strategies.map((text, copy) => ({text, place: beside([0, 0, low - 0.12 * (high - low || this.body.size)].map((v, k) =>
-      k < 2 ? this.middle()[k] : v), copy)})) : [];
-  }
-
-  middle() {
-    if (this.middle_) return this.middle_;
-    const sum = [0, 0, 0];
-    this.body.rest.forEach((v, i) => { sum[i % 3] += v; });
-    return this.middle_ = sum.map(v => v / this.body.radius.length);
+    viewer.names = bodies.length > 1 ? this.strategies : [];
   }
 
   /** Colours of everything by what is chosen, over a range that grows at once and shrinks slowly. */
@@ -396,7 +419,8 @@ class Lab {
   show_legend(colour, map) {
     const unit = {tension: 'N', stress: 'Pa', strain: '', speed: 'm/s'}[colour];
     const text = v => Math.abs(v) <= this.noise(colour) ? '0' : (colour === 'strain' ? `${short(100 * v)} %` : with_prefix(+v.toPrecision(2), unit, 0)).replace('-', '−');
-    const title = {tension: 'tension of the connections', stress: 'stress (von Mises)', strain: 'strain of the connections', speed: 'speed'}[colour];
+    const title = {tension: 'tension of the connections: blue pressed, red pulled', stress: 'stress (von Mises)',
+      strain: 'strain of the connections: blue shorter, red longer', speed: 'speed'}[colour];
     this.legend = {title, map, low: map === 'signed' ? text(-this.range) : '0', high: text(this.range)};
     part('legend-title').textContent = title;
     part('legend-low').textContent = this.legend.low;
@@ -419,7 +443,8 @@ class Lab {
     part('readout').textContent = words.join(' · ');
     const stopped = bodies.find(body => body.stopped);
     const slow = this.playing && ratio < 0.8 * +part('speed').value && !stopped;
-    part('readout').textContent += slow ? ' · slower than asked: each step costs too much here' : '';
+    const cause = this.pace.core > this.pace.drawing ? 'each step costs too much here' : 'this browser takes long to draw';
+    part('readout').textContent += slow ? ` · slower than asked: ${cause}` : '';
     if (stopped && this.complained !== stopped.stopped) complain(`A body stands still: ${stopped.stopped}. Reset it, or take an implicit stepper.`);
     if (!stopped && this.complained) complain('');
     this.complained = stopped?.stopped;
@@ -435,7 +460,7 @@ class Lab {
 
   row(body, cells, name = this.strategies[body]) {
     const row = document.createElement('tr'), head = Object.assign(document.createElement('th'), {scope: 'row', textContent: name});
-    head.prepend(Object.assign(document.createElement('i'), {className: 'swatch', style: `background:${series_colours[body]}`}));
+    head.style.borderLeft = `4px solid ${series_colours[body]}`;
     row.append(head, ...cells.map(text => Object.assign(document.createElement('td'), {className: 'n', textContent: text})));
     return row;
   }
@@ -526,6 +551,7 @@ class Lab {
 
   play(on) {
     this.playing = on;
+    this.told = 0;
     part('play').textContent = on ? 'Pause' : 'Play';
     said(on ? 'running' : 'paused');
   }
@@ -564,22 +590,30 @@ class Lab {
     this.testing = undefined;
     part('test').textContent = 'Pull the body';
     part('results').dataset.done = 'yes';
-    this.last = undefined;
+    this.last = this.still = undefined;
     this.range = 0;
   }
 
-  async test_picture() {
+  async test_picture(now) {
     if (this.rebuild) await this.settle();
+    const interval = this.last === undefined ? 0 : 1e-3 * (now - this.last);
+    this.last = now;
     if (this.testing === 'begins') {
       await this.ask({kind: 'test', strain: this.test_strain, steps: 20});
       if (!this.testing) return;
       this.testing = 'runs';
     }
-    const answer = await this.ask({kind: 'test_step'});
-    if (!answer.bodies || answer.bodies.length !== this.count_shown) return;
-    answer.bodies.forEach((body, i) => {
-      if (body.reading) this.readings[i].push(body.reading);
-    });
+    let answer;
+    const begin = performance.now();
+    do {
+      answer = await this.ask({kind: 'test_step'});
+      if (!answer.bodies || answer.bodies.length !== this.count_shown || !this.testing) return;
+      answer.bodies.forEach((body, i) => {
+        if (body.reading) this.readings[i].push(body.reading);
+      });
+    } while (this.pace.slow && !answer.over && performance.now() - begin < 100);
+    if (interval > 0) this.pace.note(interval, 1e-3 * (performance.now() - begin));
+    this.viewer?.sharpen(this.pace.sharpness);
     if (this.viewer && answer.bodies.every(body => body.positions)) this.show_test(answer.bodies);
     this.show_results(answer.bodies);
     if (!answer.over) return;
@@ -612,17 +646,18 @@ class Lab {
     const results = this.results();
     part('results').replaceChildren(...results.map((result, i) => {
       const problem = bodies[i]?.problem;
-      if (!result) return this.row(i, [problem ? 'no equilibrium' : '…', '', '', '', ''], this.test_settings.strategies[i]);
-      const row = this.row(i, [with_prefix(result.modulus, 'Pa', 4), with_prefix(result.E, 'Pa', 4), `${(100 * result.error).toFixed(2)} %`.replace('-', '−'),
-        Number.isFinite(result.ratio) ? result.ratio.toFixed(4) : '—', (+result.nu.toPrecision(4)).toString()], result.strategy);
+      if (!result) return this.row(i, [problem ? 'no equilibrium' : '…', '', ''], this.test_settings.strategies[i]);
+      const row = this.row(i, [with_prefix(result.modulus, 'Pa', 4), `${(100 * result.error).toFixed(2)} %`.replace('-', '−'),
+        Number.isFinite(result.ratio) ? result.ratio.toFixed(4) : '—'], result.strategy);
       row.dataset.modulus = result.modulus;
       row.dataset.ratio = result.ratio;
       return row;
     }));
-    if (!results.length) part('results').innerHTML = '<tr><td colspan="6" class="faint">Press the button: the body is pulled, and shows what modulus it has.</td></tr>';
+    part('tested').hidden = false;
+    const {E, nu} = this.test_settings;
+    part('target').textContent = `Dashed: the material's E = ${with_prefix(E, 'Pa', 4)}${scene.own_constants ? '' : `; its ν = ${+nu.toPrecision(4)}`}.`;
     const problem = bodies.find(body => body.problem)?.problem;
     if (problem) complain(`The test of a body stops here: ${problem}.`);
-    if (!this.readings) return;
     this.curves.test.set([...this.readings.map((readings, i) => ({name: this.test_settings.strategies[i], colour: series_colours[i],
       points: [[0, 0], ...readings.map(reading => [reading.strain, reading.stress])].sort((a, b) => a[0] - b[0])})), this.target()], 'Stress–strain curve of each strategy; dashed: the target E');
   }

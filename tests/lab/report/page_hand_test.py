@@ -209,6 +209,35 @@ class Hand(unittest.TestCase):
             self.page.resize(1400, 1000)
 
 
+class Layout(unittest.TestCase):
+    HIDE = "addEventListener('DOMContentLoaded', () => { document.querySelector('.view').style.display = 'none'; })"
+    VIEWER = "document.querySelector('.scene').stage.viewer"
+    PIXELS = ("(() => { const v = %s; v.draw(); const g = v.renderer.getContext(), {width, height} = v.canvas, "
+              "p = new Uint8Array(4 * width * height); g.readPixels(0, 0, width, height, g.RGBA, g.UNSIGNED_BYTE, p); "
+              "let n = 0; for (let i = 3; i < p.length; i += 4) n += p[i] > 0; return n; })()") % VIEWER
+
+    def test_a_body_is_drawn_that_has_no_size_or_a_lost_camera_at_first(self):
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+            scene = folder + "/bar.yaml"
+            with open(scene, "w", encoding="utf8") as file:
+                file.write(BAR)
+            subprocess.run([ELASTIN, "run", scene, "--quiet", "--out", folder], check=True)
+            with Page(CHROMIUM, folder + "/profile") as page:
+                page.send("Page.enable")
+                page.send("Page.addScriptToEvaluateOnNewDocument", source=self.HIDE)
+                page.open(folder + "/report.html")
+                self.assertEqual(page.run(self.VIEWER + ".canvas.clientHeight"), 0)
+                page.run("document.querySelector('.view').style.display = ''")
+                page.wait(f"Number.isFinite({self.VIEWER}.camera.position.length()) && {self.VIEWER}.middle !== undefined")
+                seen = page.run(self.PIXELS)
+                self.assertGreater(seen, 1000)
+                page.run(self.VIEWER + ".camera.position.set(NaN, NaN, NaN), 0")
+                self.assertEqual(page.run(self.PIXELS), seen)
+                page.run(self.VIEWER + ".positions[0] = NaN, " + self.VIEWER + ".reset(), 0")
+                self.assertGreater(page.run(self.PIXELS), 1000)
+                self.assertEqual(page.run("document.documentElement.dataset.errors ?? ''"), "")
+
+
 class Run(unittest.TestCase):
     def test_run_leaves_a_page_with_the_stress_of_its_cells(self):
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:

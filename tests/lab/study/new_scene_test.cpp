@@ -4,11 +4,16 @@
 
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <string>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/simulation/catalog.h"
+#include "lab/experiment/calibration.h"
+#include "lab/experiment/choice.h"
+#include "lab/scene/scene.h"
 #include "support/temporary_folder.h"
 
 using namespace elastin;
@@ -47,6 +52,25 @@ TEST_CASE("a size is three lengths, the last of which may give the unit", "[new]
                                Contains("displacement: 6 mm"));
   for (const char* size : {"40 x 10", "40 x 10 x 4", "a x b x c mm", "40 x -1 x 4 mm", ""})
     CHECK_THROWS_WITH(text(size), Contains("is not three lengths, such as 40 x 10 x 4 mm"));
+}
+
+TEST_CASE("calibration is offered to specimens that measure what a rule can be calibrated to", "[new]") {
+  const std::string scenes = ELASTIN_SOURCE_DIR "/scenes/";
+  const TemporaryFolder folder;
+  const NewScene specimens[] = {{"strip", "40 x 10 x 4 mm", ""},
+                                {"dogbone", "", scenes + "tension/dogbone.msh"},
+                                {"indentation", "20 x 20 x 10 mm", ""},
+                                {"organ", "", scenes + "tissue/organ.stl"}};
+  for (const NewScene& wanted : specimens) {
+    CAPTURE(wanted.specimen);
+    const auto scene =
+        load_scene(folder.write("scene.yaml", new_scene_text(wanted, folder.path(""))), built_in_catalog());
+    const std::string unsuited = calibration_unsuited(*scene->experiment, scene->specimen);
+    // What shows an apparent modulus alone gets its reference when `compare` computes it.
+    const bool suited = unsuited.empty() || unsuited.find("computed reference") != std::string::npos;
+    CHECK(suited == std::any_of(scene->strategies.begin(), scene->strategies.end(),
+                                [](const StrategyChoice& choice) { return choice.calibrated; }));
+  }
 }
 
 TEST_CASE("a slip in what new is given names what is allowed", "[new]") {

@@ -73,6 +73,8 @@ class Viewer {
     this.renderer = new THREE.WebGLRenderer({canvas, context, antialias: true, alpha: true, premultipliedAlpha: false});
     this.renderer.setClearColor(0, 0);
     this.look = {connections: true, molecules: true, surface: false};
+    this.direction = [-0.6, 0.35];  // from which bodies are seen first: about the z axis, and upwards [rad]
+    this.sharpness = 1;
     this.build_scene();
     this.listen();
   }
@@ -216,7 +218,14 @@ class Viewer {
   fit(states) {
     this.fitted = states;
     this.touched = false;
-    this.look_from(-0.6, 0.35);
+    this.look_from(...this.direction);
+  }
+
+  /** Draws with this share of the screen's pixels along a side; axes and bar keep theirs. */
+  sharpen(share) {
+    if (share === this.sharpness) return;
+    this.sharpness = share;
+    this.request();
   }
 
   reset() { this.fit(this.fitted); }
@@ -236,7 +245,9 @@ class Viewer {
     const along = (axis, positions, i) => axis[0] * positions[i] + axis[1] * positions[i + 1] + axis[2] * positions[i + 2];
     for (const positions of this.fitted)
       for (let i = 0; i < positions.length; i += 3) {
-        const z = along(eye, positions, i), radius = this.look.molecules ? this.radius_share() * body.radius[i / 3] : 0;
+        const z = along(eye, positions, i);
+        if (!Number.isFinite(along(right, positions, i) + along(up, positions, i) + z)) continue;
+        const radius = this.look.molecules ? this.radius_share() * body.radius[i / 3] : 0;
         near = Math.max(near, z);
         far = Math.min(far, z);
         [right, up].forEach((axis, k) => {
@@ -245,6 +256,8 @@ class Viewer {
           most[k][1] = Math.max(most[k][1], free - at);
         });
       }
+    this.unseen = !(near >= far);  // nothing has a position
+    if (this.unseen) return;
     const distance = Math.max(...most.map(([a, b], k) => (a + b) / (2 * slopes[k])), near + 1e-9);
     const shift = most.map(([a, b]) => (a - b) / 2), depth = (near + far) / 2;
     const point = z => new THREE.Vector3(...[0, 1, 2].map(k => shift[0] * right[k] + shift[1] * up[k] + z * eye[k]));
@@ -253,7 +266,7 @@ class Viewer {
     const {x, y, z} = this.middle = this.controls.target.clone();
     for (const positions of this.fitted)
       for (let i = 0; i < positions.length; i += 3)
-        reach = Math.max(reach, Math.hypot(positions[i] - x, positions[i + 1] - y, positions[i + 2] - z) + body.radius[i / 3]);
+        reach = Math.max(reach, (Math.hypot(positions[i] - x, positions[i + 1] - y, positions[i + 2] - z) || 0) + body.radius[i / 3]);
     this.reach = reach || 1;
     this.controls.minDistance = 0.05 * this.reach;
     this.controls.maxDistance = 40 * this.reach;
@@ -268,9 +281,10 @@ class Viewer {
   }
 
   draw() {
-    const {canvas, camera, renderer} = this, scale = Math.min(devicePixelRatio || 1, 2);
+    const {canvas, camera, renderer} = this, full = Math.min(devicePixelRatio || 1, 2), scale = full * this.sharpness;
     if (!this.positions || !canvas.clientWidth || !canvas.clientHeight || this.released) return;
-    if (this.unseen) this.look_from(-0.6, 0.35);
+    if (this.unseen || !Number.isFinite(camera.position.lengthSq())) this.look_from(...this.direction);
+    if (this.unseen) return;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     if (canvas.width !== Math.floor(width * scale) || canvas.height !== Math.floor(height * scale)) {
       renderer.setPixelRatio(scale);
@@ -292,7 +306,7 @@ class Viewer {
     this.uniforms.ground.value.set(ground || '#fff');
     this.uniforms.canvas.value.set(width * scale, height * scale);
     renderer.render(this.scene, camera);
-    this.draw_marks(this.marks, scale);
+    this.draw_marks(this.marks, full);
   }
 
   /** Axes and scale bar on a canvas of the same size; the bar's length holds at the distance of the point one turns about. */
@@ -316,8 +330,11 @@ class Viewer {
 
   /** What is seen, with axes, bar and legend, as a canvas of its own. */
   picture(legend) {
+    const {canvas, marks, sharpness} = this;
+    this.sharpness = 1;
     this.draw();
-    const {canvas, marks} = this, scale = canvas.width / canvas.clientWidth;
+    this.sharpness = sharpness;
+    const scale = canvas.width / canvas.clientWidth;
     const page = Object.assign(document.createElement('canvas'), {width: canvas.width, height: canvas.height});
     const paper = page.getContext('2d'), style = getComputedStyle(canvas);
     paper.fillStyle = style.getPropertyValue('--paper').trim() || '#fff';
