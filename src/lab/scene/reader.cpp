@@ -30,6 +30,9 @@ constexpr RenamedKey kRenamedKeys[] = {
     {"hold", "fix"},      // of a press: the parts that stay
 };
 
+/// Of any number of a scene, in SI: squares and products of a few of them are numbers still.
+constexpr double kLargest = 1e30;
+
 /// "at least 0 m and at most 1 m"
 std::string allowed_text(const Range& range, const Dimension& dimension) {
   const std::string unit = si_unit(dimension).empty() ? "" : " " + si_unit(dimension);
@@ -319,6 +322,12 @@ double Reader::number(const Dimension& dimension, const Range& range) const {
                   quantity.value / 100 <= range.high && range.high <= 1
               ? "; is " + given + " % meant?"
               : ""));
+  if (std::abs(quantity.value) > kLargest) {
+    char text[80];
+    std::snprintf(text, sizeof text, "' is %.3g%s%s: nothing is beyond %g", quantity.value,
+                  si_unit(dimension).empty() ? "" : " ", si_unit(dimension).c_str(), kLargest);
+    fail("'" + given + text);
+  }
   if (dimension == dimension::none || is_override()) return quantity.value;
   if (quantity.has_unit)
     note_unit();
