@@ -257,7 +257,10 @@ class Lab {
     const settings = this.settings();
     const answer = await this.ask({kind: 'settings', settings, rebuild, keep});
     complain(answer.kind === 'refused' ? `${answer.message}.` : '');
-    if (rebuild) this.history = [];
+    if (rebuild) {
+      this.history = [];
+      this.last = undefined;  // the time of the preparation is not simulated
+    }
     if (answer.kind === 'refused') this.take_back();
     else this.settled = this.strategies;
   }
@@ -333,7 +336,7 @@ class Lab {
   async picture(now) {
     if (this.testing) return this.test_picture(now);
     if (this.rebuild) await this.settle();
-    const speed = +part('speed').value, interval = 1e-3 * (now - (this.last ?? now)), passed = Math.min(0.1, interval);
+    const speed = +part('speed').value, interval = 1e-3 * (now - (this.last ?? now)), passed = Math.min(0.5, interval);
     const single = this.single, colour = part('colour').value;
     if (this.is_still(colour)) return;
     this.last = this.playing ? now : undefined;
