@@ -13,7 +13,7 @@
 #include "lab/identify/report.h"
 #include "lab/report/files.h"
 #include "lab/report/progress.h"
-#include "lab/scene/moved_scene.h"
+#include "lab/scene/edited_scene.h"
 #include "lab/study/compare.h"
 
 namespace elastin::command {
@@ -24,13 +24,26 @@ std::string path_of(const Request& request, const Answer& answer) {
   return request.out + "/" + (answer.strategy.empty() ? answer.scene : file_name(answer.scene, answer.strategy));
 }
 
+/// A file as a scene in this folder names it.
+std::string file_from(const std::string& folder, const std::string& file) {
+  namespace fs = std::filesystem;
+  const fs::path from = fs::absolute(folder).lexically_normal(), to = fs::absolute(file).lexically_normal();
+  return path_text((fs::path(file).is_absolute() ? to : to.lexically_relative(from)).generic_string());
+}
+
 void write_scene(const Request& request, const std::string& path, const Answer& answer) {
   std::filesystem::create_directories(request.out);
   std::ifstream stream(path, std::ios::binary);
-  const std::string scene = with_material({std::istreambuf_iterator<char>(stream), {}}, answer.material);
-  if (scene.empty() || !answer.succeeded()) return;
-  const std::string from = std::filesystem::path(path).parent_path().string();
-  write_whole(path_of(request, answer) + ".yaml", moved_scene(scene, from, request.out));
+  std::string scene = with_section({std::istreambuf_iterator<char>(stream), {}}, "material", answer.material);
+  if (!answer.succeeded()) return;
+  if (scene.empty()) {
+    fmt::print(stderr, "{}: has no `material` of its own lines; no scene with the numbers put in is written\n", path);
+    return;
+  }
+  scene = moved_scene(scene, std::filesystem::path(path).parent_path().string(), request.out);
+  for (const auto& [key, value] : answer.keys)
+    scene = with_value(scene, key, key.ends_with(".file") ? file_from(request.out, value) : value);
+  write_whole(path_of(request, answer) + ".yaml", scene);
 }
 
 void write_files(const Request& request, const std::vector<Answer>& answers) {

@@ -36,6 +36,10 @@ constexpr Case kCases[] = {
     {"laws",
      "force and tangent pass of springs and of every cell law on some 1e5 cells; peer: a plain loop over springs",
      bench::run_laws},
+    {"identify",
+     "a material of measured curves: homogeneous tests, and a specimen of ten thousand molecules; peer: slopes by "
+     "differences of whole curves",
+     bench::run_identify},
     {"convergence",
      "clamped tension, shear, torsion and cantilever under refinement, against converged finite elements",
      bench::run_convergence},

@@ -104,6 +104,7 @@ std::vector<Row> run_budget(const Settings& settings);
 std::vector<Row> run_embed(const Settings& settings);
 std::vector<Row> run_rules(const Settings& settings);
 std::vector<Row> run_laws(const Settings& settings);
+std::vector<Row> run_identify(const Settings& settings);
 std::vector<Row> run_convergence(const Settings& settings);
 std::vector<Row> run_membrane(const Settings& settings);
 std::vector<Row> run_calculix(const Settings& settings);

@@ -53,18 +53,31 @@ class TestedLaw {
   double bulk_modulus() const { return volume_.modulus; }
   Matrix3 stress(const Matrix3& A, double pressure) const {
     const Matrix3 world = axes_ * A * axes_.transpose();
-    const Matrix3 S = incompressible_ ? shape_.stress(world) : whole().stress(world);
-    return axes_.transpose() * S * axes_ + pressure * Dilatation(A).inverse;
+    const Matrix3 S = axes_.transpose() * (incompressible_ ? shape_.stress(world) : whole().stress(world)) * axes_;
+    return pressure == 0 ? S : Matrix3(S + pressure * Dilatation(A).inverse);
   }
-  /// The change of S with a change of A at the same pressure.
-  Matrix3 change(const Matrix3& A, double pressure, const Matrix3& of_A) const {
-    const Matrix3 world = axes_ * A * axes_.transpose();
-    Components strain = components(axes_ * of_A * axes_.transpose());
-    strain.tail<3>() *= 2;
-    const Components S = (incompressible_ ? shape_.tangent(world) : TangentModuli<3>(whole().tangent(world))) * strain;
-    const Matrix3 G = Dilatation(A).inverse;
-    return axes_.transpose() * tensor(S) * axes_ - pressure * G * of_A * G;
-  }
+
+  /// What small changes make of S at one state, at the same pressure.
+  class Tangent {
+   public:
+    Tangent(const TestedLaw& law, const Matrix3& A, double pressure)
+        : axes_(law.axes_), inverse_(Dilatation(A).inverse), pressure_(pressure) {
+      const Matrix3 world = axes_ * A * axes_.transpose();
+      moduli_ = law.incompressible_ ? law.shape_.tangent(world) : TangentModuli<3>(law.whole().tangent(world));
+    }
+    Matrix3 change(const Matrix3& of_A) const {
+      Components strain = components(axes_ * of_A * axes_.transpose());
+      strain.tail<3>() *= 2;
+      const Matrix3 by_volume = inverse_ * of_A * inverse_;
+      return axes_.transpose() * tensor(moduli_ * strain) * axes_ - pressure_ * by_volume;
+    }
+    const Matrix3& inverse() const { return inverse_; }  ///< C⁻¹
+
+   private:
+    Matrix3 axes_, inverse_;
+    double pressure_;
+    TangentModuli<3> moduli_;
+  };
 
   /// ∂τ_i/∂ln λ_j of the shape in the axes of C resists every change without a trace.
   bool stable(const Matrix3& A) const {
@@ -117,12 +130,13 @@ class Balance {
     return r;
   }
 
-  MatrixX jacobian(const Matrix3& A, double pressure) const {
+  TestedLaw::Tangent tangent(const Matrix3& A, double pressure) const { return {law_, A, pressure}; }
+  MatrixX jacobian(const Matrix3& A, const TestedLaw::Tangent& tangent) const {
     MatrixX result = MatrixX::Zero(unknowns(), unknowns());
-    const Matrix3 G = Dilatation(A).inverse;
+    const Matrix3& G = tangent.inverse();
     const double det_C = 1 + Dilatation::determinant_change(A);
     for (Eigen::Index j = 0; j < strains(); ++j) {
-      const Components S = components(law_.change(A, pressure, direction(j)));
+      const Components S = components(tangent.change(direction(j)));
       for (Eigen::Index i = 0; i < strains(); ++i) result(i, j) = S[component(i)] * weight(A, i);
       if (!has_pressure()) continue;
       result(strains(), j) = det_C * G.cwiseProduct(direction(j)).sum();
@@ -132,10 +146,10 @@ class Balance {
   }
 
   /// How S changes with each unknown, its component 11.
-  VectorX stress_changes(const Matrix3& A, double pressure) const {
+  VectorX stress_changes(const TestedLaw::Tangent& tangent) const {
     VectorX changes(unknowns());
-    for (Eigen::Index j = 0; j < strains(); ++j) changes[j] = law_.change(A, pressure, direction(j))(0, 0);
-    if (has_pressure()) changes[strains()] = Dilatation(A).inverse(0, 0) * stiffness_;
+    for (Eigen::Index j = 0; j < strains(); ++j) changes[j] = tangent.change(direction(j))(0, 0);
+    if (has_pressure()) changes[strains()] = tangent.inverse()(0, 0) * stiffness_;
     return changes;
   }
 
@@ -169,7 +183,7 @@ bool solve(const Balance& balance, Matrix3& A, double& pressure) {
   VectorX r = balance.residual(A, pressure);
   for (int iteration = 0; iteration < 60 && r.size() > 0; ++iteration) {
     const double size = r.norm();
-    const VectorX step = least_squares(balance.jacobian(A, pressure), -r);
+    const VectorX step = least_squares(balance.jacobian(A, balance.tangent(A, pressure)), -r);
     double fraction = 1;
     for (; fraction > 1e-4; fraction /= 2) {
       Matrix3 next = A;
@@ -228,24 +242,23 @@ class Path {
   Matrix3 strain() const { return axes_ * A_ * axes_.transpose(); }
 
   /// The change of the stress with a number of the material: at the state that is kept, and by the change of that
-  /// state, dz = −(∂r/∂z)⁻¹ ∂r/∂θ.
+  /// state, dz = −(∂r/∂z)⁻¹ ∂r/∂θ. One solve for all numbers: ∂σ/∂z · dz = −λ · ∂r/∂θ, (∂r/∂z)ᵀ λ = ∂σ/∂z.
   VectorX slopes(const std::vector<std::vector<TestedLaw>>& changed, const std::vector<MaterialChange>& changes) const {
     const Prescribed given = prescribed(test_, amount_);
     const Balance own(law_, given.free, stiffness_);
     VectorX result = VectorX::Zero(static_cast<Eigen::Index>(changes.size()));
-    const MatrixX jacobian = own.jacobian(A_, pressure_);
-    const VectorX by_state = (1 + amount_) * own.stress_changes(A_, pressure_);
+    if (changes.empty()) return result;
+    VectorX by_residual(own.unknowns());
+    if (own.unknowns() > 0) {
+      const TestedLaw::Tangent tangent = own.tangent(A_, pressure_);
+      by_residual = -least_squares(own.jacobian(A_, tangent).transpose(), (1 + amount_) * own.stress_changes(tangent));
+    }
     for (std::size_t change = 0; change < changes.size(); ++change) {
-      double direct = 0;
-      VectorX residual = VectorX::Zero(own.unknowns());
       for (std::size_t i = 0; i < changed[change].size(); ++i) {
         const double weight = changes[change].weights[i];
         const Matrix3 S = changed[change][i].stress(A_, pressure_);
-        direct += weight * nominal(S);
-        residual += weight * own.residual_of(A_, S);
+        result[static_cast<Eigen::Index>(change)] += weight * (nominal(S) + by_residual.dot(own.residual_of(A_, S)));
       }
-      if (residual.size() > 0) direct += by_state.dot(least_squares(jacobian, -residual));
-      result[static_cast<Eigen::Index>(change)] = direct;
     }
     return result;
   }
@@ -261,10 +274,12 @@ class Path {
     if (test_ == HomogeneousTest::uniaxial) given.strain(k22, k22) = given.strain(k33, k33) = 1 / std::sqrt(C) - 1;
     if (test_ == HomogeneousTest::planar) given.strain(k33, k33) = 1 / C - 1;
     if (test_ == HomogeneousTest::equibiaxial) given.strain(k33, k33) = 1 / (C * C) - 1;
-    double pressure = 0;
-    if (!given.free.empty()) pressure = -law_.stress(given.strain, 0)(2, 2) / Dilatation(given.strain).inverse(2, 2);
-    const double size = C * std::abs(law_.stress(given.strain, pressure)(0, 0)) / stiffness_;
-    const VectorX residual = Balance(law_, given.free, stiffness_).residual(given.strain, pressure);
+    const Matrix3 inverse = Dilatation(given.strain).inverse;
+    Matrix3 S = law_.stress(given.strain, 0);
+    const double pressure = given.free.empty() ? 0 : -S(2, 2) / inverse(2, 2);
+    S += pressure * inverse;
+    const double size = C * std::abs(S(0, 0)) / stiffness_;
+    const VectorX residual = Balance(law_, given.free, stiffness_).residual_of(given.strain, S);
     if (!(residual.norm() < 1e-13 * (1 + size))) return false;
     A_ = given.strain, pressure_ = pressure, reached_ = sheared() ? amount_ : std::log1p(amount_);
     return true;

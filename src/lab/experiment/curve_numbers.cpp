@@ -16,12 +16,12 @@ std::vector<StressStrain::Point> points_of(const CurveNumbers& stated) {
   return points;
 }
 
-std::string text(double value, const Dimension& unit) {
-  const std::string name = si_unit(unit);
+}  // namespace
+
+std::string quantity_text(double value, const Dimension& unit, bool plain) {
+  const std::string name = plain ? "" : si_unit(unit);
   return fmt::format("{:.9g}{}{}", value, name.empty() ? "" : " ", name);
 }
-
-}  // namespace
 
 StressStrain CurveNumbers::curve() const {
   const auto value = [&](std::size_t number) { return numbers.at(number).value; };
@@ -46,7 +46,8 @@ StressStrain CurveNumbers::curve() const {
   return {};
 }
 
-std::string CurveNumbers::yaml() const {
+std::string CurveNumbers::yaml(bool plain) const {
+  const auto text = [&](double value, const Dimension& unit) { return quantity_text(value, unit, plain); };
   std::string list, named;
   for (const Number& number : numbers) {
     list += (list.empty() ? "" : ", ") + text(number.value, number.unit);

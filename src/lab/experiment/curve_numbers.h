@@ -29,7 +29,11 @@ struct CurveNumbers {
   /// Throws InputError where no curve goes through these numbers.
   StressStrain curve() const;
   /// As a material of a scene states it: "curve: {points: …}".
-  std::string yaml() const;
+  /// @param plain without units
+  std::string yaml(bool plain) const;
 };
+
+/// "1500 Pa", or "1500" where plain: a value as scenes state it.
+std::string quantity_text(double value, const Dimension& unit, bool plain);
 
 }  // namespace elastin::lab

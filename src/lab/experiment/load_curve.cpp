@@ -101,13 +101,15 @@ bool find_start(Model& model, StaticRig& rig, const RunOptions& options, bool at
   return note_solve(solved, at_rest ? " (under the scene's own loads)" : " (from the scene's start)", run);
 }
 
-/// Where the material says what stress belongs to a strain: the largest difference to it, over the largest such stress.
+/// Where the material says what stress belongs to a strain: that, and the largest difference to it, over the largest
+/// such stress.
 void note_curve_error(const Protocol& experiment, const Material& material, Run& run) {
   const auto axis = experiment.axis();
   double difference = 0, largest = 0;
-  for (const CurvePoint& point : run.curve) {
+  for (CurvePoint& point : run.curve) {
     const auto given = axis ? uniaxial_stress(material, *axis, point.measures.get("strain")) : std::nullopt;
     if (!given) return;
+    point.measures.set("material_stress", *given);
     difference = std::max(difference, std::abs(point.measures.get("stress") - *given));
     largest = std::max(largest, std::abs(*given));
   }

@@ -24,6 +24,7 @@ const std::vector<MeasureInfo>& measure_list() {
       {"total_force", force, "that and what preload puts there; under preload only"},
       {"axial_force", force, "force of shear or torsion along the axis; positive = the plate pulls the body up"},
       {"stress", pressure, "F / A; true stress of a bubble as a spherical cap that keeps its volume"},
+      {"material_stress", pressure, "that the material's own law or curve has at that strain, in uniaxial stress"},
       {"stress_across", pressure, "nominal stress along the second direction of biaxial and planar tension"},
       {"strain", none, "dl / l0; shear: lateral displacement / height; bubble: stretch - 1"},
       {"lateral_strain", none, "mean in-plane strain of the molecules at mid height"},

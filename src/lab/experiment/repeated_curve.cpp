@@ -1,5 +1,6 @@
 #include "lab/experiment/repeated_curve.h"
 
+#include <cmath>
 #include <utility>
 
 #include "lab/experiment/load_path.h"
@@ -7,13 +8,25 @@
 namespace elastin::lab {
 
 bool RepeatedCurve::solve(Model& model, StaticRig& rig, const Visit& visit) {
-  return from_last(model, rig, visit) || from_start(model, rig, visit);
+  const bool found = from_last(model, rig, visit) || from_start(model, rig, visit);
+  expected_.clear();
+  return found;
+}
+
+void RepeatedCurve::expect(std::size_t step, Positions motion) {
+  if (step >= states_.size()) return;
+  expected_.resize(states_.size());
+  expected_[step] = std::move(motion);
 }
 
 bool RepeatedCurve::from_last(Model& model, StaticRig& rig, const Visit& visit) {
   for (std::size_t step = 0; step < states_.size(); ++step) {
     set_load(model, rig, factors_[step]);
     State state = states_[step];
+    if (step < expected_.size() && expected_[step].size() > 0) {
+      state.positions += expected_[step];
+      if (!std::isfinite(model.elastic_energy(state.positions))) state = states_[step];
+    }
     StaticResult solved = solve_static(model, state, options_);
     adjust_load(model, rig, options_, state, solved);
     if (solved.outcome != Outcome::converged || !visit(step, state, solved)) return false;

@@ -20,6 +20,8 @@ class RepeatedCurve {
   /// False where an equilibrium was not found or a visit ended the curve.
   bool solve(Model& model, StaticRig& rig, const Visit& visit);
   double factor(std::size_t step) const { return factors_[step]; }
+  /// Where the next curve is sought: at an equilibrium of the last one moved so. Used once.
+  void expect(std::size_t step, Positions motion);
   /// The next curve begins at rest, as where the way there counts.
   void forget() { states_.clear(); }
   /// Why the last curve ended early; "" where a visit ended it.
@@ -31,7 +33,8 @@ class RepeatedCurve {
 
   std::vector<double> factors_;
   StaticOptions options_;
-  std::vector<State> states_;  ///< of the last curve that was found, one a factor
+  std::vector<State> states_;        ///< of the last curve that was found, one a factor
+  std::vector<Positions> expected_;  ///< motions from there, as far as they are known
   std::string cause_;
 };
 

@@ -206,19 +206,26 @@ void warn_of_stability(const Answer& answer, std::vector<std::string>& warnings)
                     kinds.front(), fmt::join(missing, ", ")));
 }
 
+std::string relaxation_yaml(const Relaxation& relaxation, bool plain) {
+  if (relaxation.retardation > 0)
+    return "{model: kelvin_voigt, time: " + quantity_text(relaxation.retardation, dimension::time, plain) + "}";
+  std::string terms;
+  for (const auto& [share, time] : relaxation.terms)
+    terms +=
+        fmt::format("{}[{:.9g}, {}]", terms.empty() ? "" : ", ", share, quantity_text(time, dimension::time, plain));
+  return fmt::format("{{terms: [{}], moduli: {}}}", terms, relaxation.instantaneous ? "instantaneous" : "long_term");
+}
+
 }  // namespace
 
-std::string material_yaml(const MaterialLaw* row, const Trial& trial) {
+std::string material_yaml(const MaterialLaw* row, const Trial& trial, bool plain) {
   const Material& material = trial.material;
-  const auto value = [](double number, const Dimension& unit) {
-    const std::string name = si_unit(unit);
-    return fmt::format("{:.9g}{}{}", number, name.empty() ? "" : " ", name);
-  };
+  const auto value = [&](double number, const Dimension& unit) { return quantity_text(number, unit, plain); };
   const auto direction = [](const Vector3& d) { return fmt::format("[{:.9g}, {:.9g}, {:.9g}]", d.x(), d.y(), d.z()); };
   std::string out = "material:\n";
   const auto add = [&](const std::string& key, const std::string& text) { out += "  " + key + ": " + text + "\n"; };
   if (row) add("law", row->name);
-  if (trial.curve) out += "  " + trial.curve->yaml() + "\n";
+  if (trial.curve) out += "  " + trial.curve->yaml(plain) + "\n";
   if (!row || row->from_moduli) {
     if (!trial.curve) add("youngs_modulus", value(material.youngs_modulus, dimension::pressure));
     add("poissons_ratio", value(material.poissons_ratio, dimension::none));
@@ -246,13 +253,7 @@ std::string material_yaml(const MaterialLaw* row, const Trial& trial) {
   }
   if (material.density != Material{}.density) add("density", value(material.density, dimension::density));
   if (material.thickness > 0) add("thickness", value(material.thickness, dimension::length));
-  if (material.relaxation) {
-    std::string terms;
-    for (const auto& [share, time] : material.relaxation->terms)
-      terms += fmt::format("{}[{:.9g}, {:.9g} s]", terms.empty() ? "" : ", ", share, time);
-    add("relaxation", fmt::format("{{terms: [{}], moduli: {}}}", terms,
-                                  material.relaxation->instantaneous ? "instantaneous" : "long_term"));
-  }
+  if (material.relaxation) add("relaxation", relaxation_yaml(*material.relaxation, plain));
   return out;
 }
 
@@ -269,7 +270,7 @@ Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& te
   answer.numbers = found_numbers(unknown, tests, fit, known, profiles, stop);
   answer.tests = test_answers(unknown, tests, fit);
   if (unknown.row) answer.stability = stabilities(unknown, tests, fit);
-  answer.material = material_yaml(unknown.row, fit.trial) + unknown.kept;
+  answer.material = material_yaml(unknown.row, fit.trial, unknown.plain) + unknown.kept;
   if (fit.outcome != FitOutcome::converged)
     answer.warnings.push_back(std::string(name_of(fit.outcome)) + ": " + fit.cause);
   if (known.freedom <= 0)

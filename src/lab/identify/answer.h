@@ -17,6 +17,7 @@ struct FoundNumber {
   double low = 0, high = 0;  ///< 95 % interval
   bool profiled = false;     ///< its ends are those of the likelihood profile, and not of the linear model
   bool determined = true;    ///< false: the interval is wider than twice the value
+  double published = std::numeric_limits<double>::quiet_NaN();  ///< what others found; NaN: the scene does not say
 };
 
 /// One test beside what the material found makes of it.
@@ -53,6 +54,7 @@ struct LawAnswer {
 /// What was found of one scene.
 struct Answer {
   std::string scene, title, law, strategy;
+  std::string published_source;  ///< of the published numbers, where there are any
   FitOutcome outcome = FitOutcome::failed;
   std::string cause;
   std::vector<FoundNumber> numbers;
@@ -62,6 +64,8 @@ struct Answer {
   std::vector<LawAnswer> laws;  ///< of a comparison, the best first
   std::vector<std::string> warnings;
   std::string material;  ///< the block of a scene with the numbers put in, YAML
+  /// What else its own scene has then, by key: data files, the strategy, friction (see with_value).
+  std::vector<std::pair<std::string, std::string>> keys;
   double criterion = 0, condition = 1, seconds = 0;
   int starts = 0, agreeing = 0, freedom = 0;
   bool succeeded() const { return outcome != FitOutcome::failed && outcome != FitOutcome::not_converged; }
@@ -77,6 +81,7 @@ Answer make_answer(const UnknownMaterial& unknown, std::vector<WeightedTest>& te
 LawAnswer law_answer(const Answer& answer);
 
 /// The `material:` block of a scene.
-std::string material_yaml(const MaterialLaw* row, const Trial& trial);
+/// @param plain without units, for a scene in plain SI numbers
+std::string material_yaml(const MaterialLaw* row, const Trial& trial, bool plain);
 
 }  // namespace elastin::lab

@@ -132,6 +132,8 @@ class Residuals {
   std::optional<TestedMaterial> material_at(const VectorX& values, bool slopes) {
     try {
       TestedMaterial tested{unknown_.row, with_numbers(unknown_.row, unknown_.trial, unknown_.unknowns, values), {}};
+      for (std::size_t i = 0; i < unknown_.unknowns.size(); ++i)
+        tested.numbers.emplace_back(unknown_.unknowns[i].name, values[static_cast<Eigen::Index>(i)]);
       if (slopes)
         tested.changes = trial_changes(unknown_.row, unknown_.trial, unknown_.unknowns, values,
                                        kDifference * values.cwiseAbs().cwiseMax(0.1 * scaling.size));

@@ -18,6 +18,7 @@ struct UnknownMaterial {
   Trial trial;                           ///< with the numbers from which the search begins
   std::vector<MaterialNumber> unknowns;  ///< their bounds, and where they begin
   std::string kept = {};                 ///< of the scene's material, what no number of it changes: lines of YAML
+  bool plain = false;                    ///< whether the scene is in plain SI numbers
 };
 
 /// One test beside what it counts.

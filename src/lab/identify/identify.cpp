@@ -91,7 +91,7 @@ Trial trial_of(const IdentifyTask& task) {
 UnknownMaterial stated_unknowns(const IdentifyTask& task, const Catalog& catalog,
                                 const std::vector<WeightedTest>& tests) {
   const MaterialLaw* row = row_of(catalog, task.material);
-  UnknownMaterial unknown{label_of(row, task.material), row, trial_of(task), {}, task.kept};
+  UnknownMaterial unknown{label_of(row, task.material), row, trial_of(task), {}, task.kept, task.plain};
   std::vector<MaterialNumber> all = material_numbers(row, unknown.trial);
   for (const std::string& name : task.fixed)
     if (std::none_of(all.begin(), all.end(), [&](const auto& number) { return number.name == name; }))
@@ -192,7 +192,7 @@ UnknownMaterial named_unknowns(const std::string& label, const IdentifyTask& tas
   const auto material = row->from_moduli ? std::nullopt : usual_material(*row, terms, modulus, task.material);
   if (!material)
     throw InputError("law '" + label + "' cannot be compared here: it has directions, or follows from E and nu");
-  UnknownMaterial unknown{label_of(row.get(), *material), row.get(), *material, {}, task.kept};
+  UnknownMaterial unknown{label_of(row.get(), *material), row.get(), *material, {}, task.kept, task.plain};
   for (const MaterialNumber& number : material_numbers(row.get(), *material))
     if (number.name != kBulkModulus && unknown_by_itself(number, task)) unknown.unknowns.push_back(number);
   return unknown;
@@ -257,6 +257,45 @@ std::string content_of(const IdentifyTask& task, const IdentifyRequest& request)
   return key_of(parts);
 }
 
+struct Fitted {
+  UnknownMaterial unknown;
+  Fit fit;
+  LawAnswer law;
+};
+
+/// What the task's own scene has with the best fit put in, beside its material.
+std::vector<std::pair<std::string, std::string>> scene_keys(const IdentifyTask& task, const IdentifyRequest& request,
+                                                            const std::vector<WeightedTest>& tests,
+                                                            const Fitted& best) {
+  std::vector<std::pair<std::string, std::string>> keys;
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    if (!request.data.empty()) keys.emplace_back("identify.tests." + std::to_string(i) + ".file", task.tests[i].file);
+    if (task.tests[i].scene != task.path) continue;
+    for (auto& key : tests[i].test->scene_keys(best.fit.trial, task.plain)) keys.push_back(std::move(key));
+  }
+  return keys;
+}
+
+/// SI, by name.
+ParameterValues published_numbers(const IdentifyTask& task, const UnknownMaterial& own) {
+  ParameterValues published;
+  const std::vector<MaterialNumber> all = material_numbers(own.row, own.trial);
+  for (const PublishedNumber& given : task.published) {
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const auto& number) { return number.name == given.name; });
+    if (found == all.end())
+      given.fail("the material has no number '" + given.name + "'" + suggestion(given.name, names_of(all)));
+    published[given.name] = given.value(found->unit);
+  }
+  return published;
+}
+
+void put_published(const ParameterValues& published, const IdentifyTask& task, Answer& answer) {
+  answer.published_source = task.published_source;
+  for (FoundNumber& number : answer.numbers)
+    if (const auto found = published.find(number.name); found != published.end()) number.published = found->second;
+}
+
 Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const IdentifyRequest& request,
                     const std::string& strategy) {
   std::vector<WeightedTest> tests = make_tests(task, catalog, request, strategy);
@@ -266,11 +305,6 @@ Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const Iden
   options.starts = task.starts > 0 ? task.starts : slow ? 1 : 8;
   options.progress = request.progress, options.stop = request.stop;
   const std::string content = request.journal ? content_of(task, request) : "";
-  struct Fitted {
-    UnknownMaterial unknown;
-    Fit fit;
-    LawAnswer law;
-  };
   std::vector<Fitted> all;
   const auto add = [&](const UnknownMaterial& unknown) {
     check_count(unknown, tests, task);
@@ -285,6 +319,7 @@ Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const Iden
     all.push_back({unknown, std::move(fit), std::move(law)});
   };
   const UnknownMaterial own = stated_unknowns(task, catalog, tests);
+  const ParameterValues published = published_numbers(task, own);
   if (task.laws.empty()) {
     add(own);
   } else {
@@ -307,6 +342,8 @@ Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const Iden
   Answer best = make_answer(all.front().unknown, tests, all.front().fit, true, request.stop);
   if (!task.laws.empty())
     for (const Fitted& fitted : all) best.laws.push_back(fitted.law);
+  if (all.front().unknown.label == own.label) put_published(published, task, best);
+  best.keys = scene_keys(task, request, tests, all.front());
   best.scene = task.name, best.title = task.title, best.strategy = strategy;
   return best;
 }

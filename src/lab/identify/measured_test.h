@@ -20,6 +20,8 @@ struct TestedMaterial {
   const MaterialLaw* row = nullptr;  ///< of its law; null: none
   Trial trial;
   std::vector<TrialChange> changes;  ///< one a number; none: no slopes are wanted
+  /// These numbers by name, SI, in the order of `changes`; none: nobody says.
+  std::vector<std::pair<std::string, double>> numbers = {};
 };
 
 /// A test that predicts its measured points for any material.
@@ -36,6 +38,10 @@ class MeasuredTest {
   }
   /// Numbers beside the material that its scene has, and that can be unknown.
   virtual std::vector<MaterialNumber> own_numbers() const { return {}; }
+  /// What its scene has, beside the material, with the trial put in: keys with their values.
+  virtual std::vector<std::pair<std::string, std::string>> scene_keys(const Trial& /*trial*/, bool /*plain*/) const {
+    return {};
+  }
   const std::string& why() const { return why_; }
 
  protected:

@@ -18,16 +18,25 @@ using Json = nlohmann::ordered_json;
 std::string percent_of(double ratio) { return std::isfinite(ratio) ? fmt::format("{:.3g} %", 100 * ratio) : ""; }
 
 Table number_table(const Answer& answer) {
-  Table table({"number", "value", "95 % from", "to", "half width", "from"});
+  const bool published = !answer.published_source.empty();
+  std::vector<std::string> head{"number", "value", "95 % from", "to", "half width", "from"};
+  if (published) head.push_back("published");
+  Table table(head);
   for (const FoundNumber& number : answer.numbers) {
     const double width = (number.high - number.low) / 2 / std::abs(number.value);
-    table.add({{number.name},
-               number_cell(readable(number.value, number.unit), number.value),
-               number_cell(readable(number.low, number.unit), number.low),
-               number_cell(readable(number.high, number.unit), number.high),
-               number_cell(percent_of(width), width, number.determined ? Tone::plain : Tone::bad),
-               {number.determined ? number.profiled ? "likelihood profile" : "linear model" : "not determined",
-                number.determined ? Tone::faint : Tone::bad}});
+    std::vector<TableCell> row{
+        {number.name},
+        number_cell(readable(number.value, number.unit), number.value),
+        number_cell(readable(number.low, number.unit), number.low),
+        number_cell(readable(number.high, number.unit), number.high),
+        number_cell(percent_of(width), width, number.determined ? Tone::plain : Tone::bad),
+        {number.determined ? number.profiled ? "likelihood profile" : "linear model" : "not determined",
+         number.determined ? Tone::faint : Tone::bad}};
+    if (published)
+      row.push_back(std::isfinite(number.published)
+                        ? number_cell(readable(number.published, number.unit), number.published)
+                        : TableCell{""});
+    table.add(std::move(row));
   }
   return table;
 }
@@ -142,7 +151,9 @@ Json json_of(const Answer& answer) {
                                   {"high", number_or_null(number.high)},
                                   {"standard_deviation", number_or_null(number.deviation)},
                                   {"interval", number.profiled ? "profile" : "linear"},
-                                  {"determined", number.determined}});
+                                  {"determined", number.determined},
+                                  {"published", number_or_null(number.published)}});
+  if (!answer.published_source.empty()) json["published_source"] = answer.published_source;
   json["correlation"] = Json::array();
   for (const auto& row : answer.correlation.rowwise()) json["correlation"].push_back(numbers_of(row.transpose()));
   json["relative_rms"] = Json::object();
@@ -230,7 +241,11 @@ std::string answer_html(const Answer& answer) {
   out += "<div class=\"pair\">" + figure_html(fit_plot(answer), "Measured and fitted", answer.scene + "-fit") +
          figure_html(residual_plot(answer), "Residuals", answer.scene + "-residuals") + "</div>\n";
   if (!answer.numbers.empty())
-    out += card_html("Numbers of the law", interval_html(answer) + number_table(answer).html()) +
+    out += card_html("Numbers of the law",
+                     interval_html(answer) + number_table(answer).html() +
+                         (answer.published_source.empty()
+                              ? ""
+                              : "<p class=\"note\">Published: " + escaped(answer.published_source) + "</p>")) +
            card_html("Correlation of the numbers", correlation_html(answer));
   out += card_html("Tests", test_table(answer).html());
   if (!answer.laws.empty())
@@ -252,7 +267,9 @@ std::string answer_text(const Answer& answer, bool colours) {
   const auto add = [&](const Table& table) {
     if (!table.empty()) out += "\n" + table.text(colours);
   };
-  add(number_table(answer)), add(test_table(answer)), add(law_table(answer)), add(stability_table(answer));
+  add(number_table(answer));
+  if (!answer.published_source.empty()) out += "published: " + answer.published_source + "\n";
+  add(test_table(answer)), add(law_table(answer)), add(stability_table(answer));
   if (!answer.warnings.empty()) out += "\n";
   for (const std::string& warning : answer.warnings)
     out += painted("  warning: ", Tone::poor, colours) + warning + "\n";
@@ -347,18 +364,6 @@ std::string points_csv(const Answer& answer) {
       out += fmt::format("{},{},{:.9g},{},{:.9g},{:.9g},{:.9g}\n", test.name, test.data.along->name, test.data.x[i],
                          test.data.up->name, test.data.y[i], test.fitted[i], test.fitted[i] - test.data.y[i]);
   return out;
-}
-
-std::string with_material(const std::string& scene, const std::string& material) {
-  std::size_t begin = scene.starts_with("material:") ? 0 : scene.find("\nmaterial:");
-  if (begin == std::string::npos) return "";
-  if (begin > 0) ++begin;
-  std::size_t end = scene.find('\n', begin);
-  // What is indented below belongs to the block, as flow collections over several lines do.
-  while (end != std::string::npos && end + 1 < scene.size() &&
-         std::string(" ]}").find(scene[end + 1]) != std::string::npos)
-    end = scene.find('\n', end + 1);
-  return scene.substr(0, begin) + material + (end == std::string::npos ? "" : scene.substr(end + 1));
 }
 
 }  // namespace elastin::lab

@@ -29,7 +29,4 @@ Plot strategy_plot(const std::vector<Answer>& answers);
 /// Every measured point with its fit: test, prescribed, measured, fitted, residual.
 std::string points_csv(const Answer& answer);
 
-/// The text of a scene with its `material:` block replaced; "" where it has none that stands on lines of its own.
-std::string with_material(const std::string& scene, const std::string& material);
-
 }  // namespace elastin::lab

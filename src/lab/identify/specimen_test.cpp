@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 
+#include "elastin/core/forces/tangent.h"
 #include "lab/experiment/load_path.h"
 #include "lab/experiment/repeated_curve.h"
 #include "lab/identify/measured_test.h"
@@ -13,6 +15,7 @@
 namespace elastin::lab {
 namespace {
 
+constexpr double kNear = 0.2;        // of the way from rest: within it equilibria are foreseen
 constexpr double kAgreement = 1e-6;  // of what the scene prescribes with what was measured
 
 /// What the specimen keeps of its own material: all that no law has.
@@ -69,6 +72,25 @@ class SpecimenTest final : public MeasuredTest {
     return numbers;
   }
 
+  std::vector<std::pair<std::string, std::string>> scene_keys(const Trial& trial, bool plain) const override {
+    std::vector<std::pair<std::string, std::string>> keys;
+    ParameterValues values = choice_.values;
+    for (const auto& [name, value] : trial.rule) values[name] = value;
+    const bool stated = choice_.label == scene_->stiffness.label && !choice_.values.empty();
+    std::string text = choice_.label;
+    for (const ParameterInfo& info : choice_.strategy.parameters) {
+      const auto found = values.find(info.name);
+      if (found == values.end()) continue;
+      const std::string value = quantity_text(found->second, info.unit, plain);
+      text += ", " + info.name + ": " + value;
+      if (stated) keys.emplace_back("stiffness." + info.name, value);
+    }
+    if (!stated && (!trial.rule.empty() || choice_.label != scene_->stiffness.label))
+      keys.emplace_back("stiffness", values.empty() ? text : "{strategy: " + text + "}");
+    if (trial.friction) keys.emplace_back("contact.friction", fmt::format("{:.9g}", *trial.friction));
+    return keys;
+  }
+
  private:
   /// Slopes by one linear solve each at every equilibrium.
   std::optional<Prediction> curve_of(const TestedMaterial& tested) {
@@ -97,10 +119,12 @@ class SpecimenTest final : public MeasuredTest {
                          " at the load that should give " + fmt::format("{:.6g}", data_.x[point]) +
                          "; the data must be over what the scene prescribes");
       result.values[point] = response;
+      reached_[step].way = (state.positions - start.positions).norm();
       for (std::size_t change = 0; change < changed.size(); ++change) {
         for (const HeldModel& other : changed[change])
           set_load(*other.model, *other.rig->at_rest(), curve_->factor(step));
-        const auto slope = slope_of(own, rig, start, state, solved, changed[change], tested.changes[change]);
+        const auto slope = slope_of(own, rig, start, state, solved, changed[change], tested.changes[change],
+                                    motion_of(step, change, tested));
         if (!slope) {
           why_ = "the stiffness at an equilibrium could not be solved";
           return false;
@@ -109,9 +133,36 @@ class SpecimenTest final : public MeasuredTest {
       }
       return std::isfinite(response);
     };
-    if (curve_->solve(own, rig, visit)) return result;
+    expect(tested.numbers);
+    reached_.resize(order_.size());
+    const bool solved = curve_->solve(own, rig, visit);
+    numbers_.clear();
+    if (solved) numbers_.insert(tested.numbers.begin(), tested.numbers.end());
+    if (solved) return result;
     if (!curve_->cause().empty()) why_ = "no equilibrium of the specimen: " + curve_->cause();
     return std::nullopt;
+  }
+
+  /// Where the motion of an equilibrium with a number is kept.
+  Positions& motion_of(std::size_t step, std::size_t change, const TestedMaterial& tested) {
+    if (change < tested.numbers.size()) return reached_[step].motions[tested.numbers[change].first];
+    unnamed_.resize(3, 0);
+    return unnamed_;
+  }
+
+  /// Begins near the equilibria of these numbers: the last ones moved by Σ ∂x/∂θ Δθ, where that is a small part of
+  /// their way from rest.
+  void expect(const std::vector<std::pair<std::string, double>>& numbers) {
+    for (std::size_t step = 0; step < reached_.size(); ++step) {
+      Positions motion = Positions::Zero(3, scene_->specimen.body.size());
+      for (const auto& [name, value] : numbers) {
+        const auto before = numbers_.find(name);
+        const auto by_number = reached_[step].motions.find(name);
+        if (before != numbers_.end() && by_number != reached_[step].motions.end())
+          motion += (value - before->second) * by_number->second;
+      }
+      if (motion.norm() < kNear * reached_[step].way) curve_->expect(step, std::move(motion));
+    }
   }
 
   Start start_at(const Model& model) const {
@@ -135,6 +186,38 @@ class SpecimenTest final : public MeasuredTest {
     return held;
   }
 
+  /// Of forces on free molecules.
+  static double free_norm(const Model& model, Positions forces) {
+    for (const Support& support : model.supports)
+      forces.col(support.molecule) = support.free * Vector3(forces.col(support.molecule));
+    return forces.norm();
+  }
+
+  /// K dx = forces, from a dx of about here; none: from 0. What that leaves may be rounding alone.
+  static StaticResponse response_to(Model& own, const State& state, const Positions& forces, StaticOptions options,
+                                    const Positions& about) {
+    const Positions still = Positions::Zero(3, forces.cols());
+    Positions missing = still;
+    if (about.size() > 0) Tangent(own, state).apply(about, missing);
+    missing = forces - missing;
+    const double left = free_norm(own, missing), whole = free_norm(own, forces);
+    if (about.size() == 0 || !(left < whole)) return static_response(own, state.positions, forces, still, options);
+    StaticResponse response;
+    response.motion = still;
+    if (left > options.tolerance * whole) {
+      options.tolerance = std::min(options.tolerance * whole / left, 0.1);
+      response = static_response(own, state.positions, missing, still, options);
+    } else {
+      response.result.reactions = Positions(3, static_cast<Eigen::Index>(own.supports.size()));
+      for (std::size_t i = 0; i < own.supports.size(); ++i) {
+        const Vector3 force = missing.col(own.supports[i].molecule);
+        response.result.reactions.col(static_cast<Eigen::Index>(i)) = own.supports[i].free * force - force;
+      }
+    }
+    response.motion += about;
+    return response;
+  }
+
   /// Where a number changes the supports' forces alone, what is left on free molecules is rounding, which no motion
   /// balances.
   static void leave_out_rounding(const Model& model, Positions& forces) {
@@ -148,9 +231,10 @@ class SpecimenTest final : public MeasuredTest {
 
   /// ∂f/∂θ at the positions kept, then K dx = ∂f/∂θ, then the measure at both sides along dx, and what the number makes
   /// of the measure itself.
+  /// @param motion dx of about here, from which the solve begins; then that of here
   std::optional<double> slope_of(Model& own, const StaticRig& rig, const Start& start, const State& state,
                                  const StaticResult& solved, const std::vector<HeldModel>& models,
-                                 const TrialChange& change) const {
+                                 const TrialChange& change, Positions& motion) const {
     if (models.empty()) return std::nullopt;
     Positions forces = Positions::Zero(3, state.positions.cols());
     double slope = 0;
@@ -166,9 +250,9 @@ class SpecimenTest final : public MeasuredTest {
     leave_out_rounding(own, forces);
     StaticOptions options = options_.statics;
     options.tolerance = std::max(options.tolerance, 1e-8);  // differences of forces are known to some 1e-10
-    const StaticResponse response =
-        static_response(own, state.positions, forces, Positions::Zero(3, forces.cols()), options);
+    const auto response = response_to(own, state, forces, options, motion);
     if (response.result.outcome != Outcome::converged) return std::nullopt;
+    motion = response.motion;
     const double step = 0.5 / std::abs(change.weights.front());
     for (const double side : {1., -1.}) {
       State at = state;
@@ -273,6 +357,14 @@ class SpecimenTest final : public MeasuredTest {
   std::string along_, up_;  ///< measures
   double whole_ = 0;        ///< what the scene's whole load prescribes, SI
   std::vector<Eigen::Index> order_;
+  /// An equilibrium of the last curve.
+  struct Reached {
+    double way = 0;                                 ///< from rest, a norm over all molecules [m]
+    std::map<std::string, Positions> motions = {};  ///< with each number, ∂x/∂θ of about there
+  };
+  std::vector<Reached> reached_;
+  Positions unnamed_;        ///< of a number without a name
+  ParameterValues numbers_;  ///< of the last curve
   std::optional<RepeatedCurve> curve_;
   bool follows_modulus_ = false;  ///< whether the stiffness of contact follows from the modulus
   bool remembers_ = false;        ///< whether a state depends on how it was reached, or its load is sought

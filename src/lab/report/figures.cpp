@@ -71,10 +71,28 @@ PlotAxis axis_of(const std::string& name) {
   return {info.label(), share ? "%" : info.unit_text()};
 }
 
-/// What the material itself asks for, where that is a line through the origin.
-void add_target(Plot& plot, const ResponseCurve& curve, const Record& record) {
-  if (curve.x != "strain" || curve.y != "stress" || record.main_measures.empty()) return;
-  const auto& [name, prescribed] = record.main_measures.front();
+/// The stress of the material's own law or curve at the strains of all runs.
+std::vector<PlotPoint> curve_of_material(const std::vector<Record>& records) {
+  std::vector<PlotPoint> points;
+  for (const Record& record : records)
+    for (const CurvePoint& point : record.run.curve)
+      if (const double stress = point.measures.get("material_stress"); std::isfinite(stress))
+        points.push_back({point.measures.get("strain"), stress, ""});
+  if (points.empty()) return points;
+  points.push_back({0, 0, ""});
+  std::sort(points.begin(), points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
+  return points;
+}
+
+/// What the material itself asks for: its own curve, or where it has none a line through the origin.
+void add_target(Plot& plot, const ResponseCurve& curve, const std::vector<Record>& records) {
+  if (curve.x != "strain" || curve.y != "stress") return;
+  if (std::vector<PlotPoint> own = curve_of_material(records); !own.empty()) {
+    plot.series.push_back({"target", -1, PlotSeries::Kind::dashed, std::move(own)});
+    return;
+  }
+  if (records.front().main_measures.empty()) return;
+  const auto& [name, prescribed] = records.front().main_measures.front();
   if (!std::isfinite(prescribed) || (name != "effective_modulus" && name != "shear_modulus")) return;
   double low = 0, high = 0;  // no further than the others go in either direction
   for (const PlotSeries& series : plot.series)
@@ -217,7 +235,7 @@ Plot response_plot(const std::vector<Record>& records, const std::map<std::strin
   const bool one_target = std::all_of(records.begin(), records.end(), [&](const Record& record) {
     return record.prescribed == records.front().prescribed;
   });
-  if (!plot.series.empty() && one_target) add_target(plot, response, records.front());
+  if (!plot.series.empty() && one_target) add_target(plot, response, records);
   return plot;
 }
 

@@ -49,6 +49,14 @@ std::string prescribed_text(const Scene& scene) {
   return text;
 }
 
+bool differs(const VectorX& factors) { return factors.size() > 0 && factors.maxCoeff() > factors.minCoeff(); }
+
+bool differs_from_place_to_place(const Body& body) {
+  return differs(body.connection_stiffness) || differs(body.cell_stiffness) ||
+         std::any_of(body.blocks.begin(), body.blocks.end(),
+                     [](const CellBlock& block) { return differs(block.stiffness); });
+}
+
 }  // namespace
 
 Neighbours neighbours_inside(const Body& body) {
@@ -137,8 +145,9 @@ Record make_record(const Scene& scene, Run run) {
     if (std::isfinite(error)) record.errors.emplace_back(name, error);
   };
   record.main_measures = scene.experiment->main_measures(scene.specimen.material, run.measures);
-  // Moduli of the matrix alone are not the body's, nor is that of one material where there are several.
-  if ((scene.specimen.material.fibre && !scene.experiment->axis()) || scene.specimen.materials.size() > 1)
+  // Moduli of the matrix alone are not the body's, nor is that of one material where there are several, or fields.
+  if ((scene.specimen.material.fibre && !scene.experiment->axis()) || scene.specimen.materials.size() > 1 ||
+      differs_from_place_to_place(body))
     for (MainMeasure& measure : record.main_measures) measure.prescribed = std::nan("");
   for (const auto& [name, prescribed] : record.main_measures) {
     const bool ratio = find_measure(std::string(name)).unit == dimension::none;

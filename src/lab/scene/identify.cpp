@@ -84,6 +84,13 @@ std::vector<UnknownChoice> read_unknowns(const Reader& reader) {
   return unknowns;
 }
 
+void read_published(Reader reader, IdentifyTask& task) {
+  task.published_source = reader.at("source").text();
+  for (auto& [name, value] : reader.entries())
+    if (name != "source") task.published.push_back({name, later(value), failure_at(value)});
+  if (task.published.empty()) reader.fail("names no number; write for example {source: …, mu_1: 1.4 kPa}");
+}
+
 void read_identify(Reader reader, IdentifyTask& task) {
   const auto residuals = reader.find("residuals");
   const bool relative = !residuals || read_residuals(*residuals);
@@ -97,6 +104,7 @@ void read_identify(Reader reader, IdentifyTask& task) {
   if (auto unknowns = reader.find("unknowns")) task.unknowns = read_unknowns(*unknowns);
   if (auto fixed = reader.find("fixed"))
     for (const Reader& item : fixed->items()) task.fixed.push_back(item.text());
+  if (auto published = reader.find("published")) read_published(*published, task);
   if (auto starts = reader.find("starts")) task.starts = starts->whole(1, 1000);
   if (auto laws = reader.find("laws")) {
     if (laws->is_text())
@@ -162,8 +170,9 @@ IdentifyTask load_identify_task(const std::string& path, const Catalog& catalog,
   Reader material = reader.at("material");
   task.material = read_material(material, catalog.material_laws);
   if (!task.material.law) task.curve = read_curve_numbers(material);
-  for (const char* key : {"spring_curve", "bending", "fibre", "active", "around", "softening"})
+  for (const char* key : {"spring_curve", "bending", "fibre", "active", "around", "softening", "fields"})
     if (const auto value = material.find(key)) task.kept += std::string("  ") + key + ": " + value->line() + "\n";
+  task.plain = material.plain();
   read_identify(reader.at("identify"), task);
   if (has_body)  // the rest is the specimen's
     load_scene(path, catalog, overrides);
@@ -195,6 +204,9 @@ std::vector<KeySection> identify_keys() {
          "(`stress_1`, `c_0` …) or relaxation (`g_1`, `tau_1`), of a spring rule its parameters, of contact "
          "`friction`"},
         {"fixed", "list", "", "", "none", "names of numbers that stay as the material states them"},
+        {"published", "map", "", "", "none",
+         "numbers of the material that others found, by name, and the `source`: shown beside those found"},
+        {"published.source", "text", "", "", "needed in `published`", "who found them"},
         {"residuals", "`relative`, `absolute`", "", "", "`relative`",
          "difference over each measured value, or over the largest one of the test"},
         {"starts", "whole", "", "1 … 1000", "8",

@@ -57,15 +57,25 @@ struct UnknownChoice {
   std::function<void(const std::string&)> fail;
 };
 
+/// A number of the material that others found.
+struct PublishedNumber {
+  std::string name;
+  LaterQuantity value;
+  std::function<void(const std::string&)> fail;
+};
+
 /// The `identify:` section of a scene with the material from which it starts.
 struct IdentifyTask {
   std::string path, name, title;
   Material material;
   std::optional<CurveNumbers> curve;  ///< by which its curve is stated
   std::string kept;                   ///< lines of its block that a search does not write anew: fibres, muscle …
+  bool plain = false;                 ///< whether the material is in plain SI numbers, and not in units
   std::vector<DataTest> tests;
   std::vector<UnknownChoice> unknowns;  ///< empty = all numbers of the law but those in `fixed`
   std::vector<std::string> fixed;
+  std::vector<PublishedNumber> published;  ///< of the material's own law, shown beside those found
+  std::string published_source;
   int starts = 0;                 ///< 0 = 8 of homogeneous tests, 1 of specimens
   std::vector<std::string> laws;  ///< that are compared; empty = the material's own
 };

@@ -131,6 +131,8 @@ class Reader {
   /// The file that this value stands in: the scene's, or one that it extends.
   const std::string& file_path() const;
   const std::string& scene_path() const { return file_->path; }
+  /// Whether the values read so far were plain SI numbers; a scene has these or units.
+  bool plain() const { return file_->first_plain.has_value(); }
 
  private:
   /// Keys that were asked for, and those that stood in for a missing one: as written, and as meant.

@@ -5,10 +5,14 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "lab/identify/report.h"
+#include "lab/scene/edited_scene.h"
 #include "support/law_constants.h"
 #include "support/temporary_folder.h"
 
@@ -140,7 +144,7 @@ TEST_CASE("a law is found again from its own curves, and the scene with its numb
     VectorX values(static_cast<Eigen::Index>(off.unknowns.size()));
     for (Eigen::Index i = 0; i < values.size(); ++i)
       values[i] = off.unknowns[static_cast<std::size_t>(i)].value * (i % 2 == 0 ? 1.1 : 0.9);
-    const std::string scene = material_yaml(row.get(), with_numbers(row.get(), material, off.unknowns, values)) +
+    const std::string scene = material_yaml(row.get(), with_numbers(row.get(), material, off.unknowns, values), false) +
                               "identify:\n  starts: 1\n  tests:\n" + tests;
     const Answer answer = identify(folder.write("scene.yaml", scene), kCatalog, {}).front();
     INFO(name);
@@ -148,11 +152,65 @@ TEST_CASE("a law is found again from its own curves, and the scene with its numb
     for (std::size_t i = 0; i < answer.numbers.size(); ++i)
       CHECK(answer.numbers[i].value == Approx(off.unknowns[i].value).epsilon(1e-2));  // data of six digits
     for (const TestAnswer& test : answer.tests) CHECK(test.relative_rms < 1e-6);
-    const std::string found = folder.write("found.yaml", with_material(scene, answer.material));
+    const std::string found = folder.write("found.yaml", with_section(scene, "material", answer.material));
     const IdentifyTask again = load_identify_task(found, kCatalog);
     const auto numbers = material_numbers(row.get(), again.material);
     for (std::size_t i = 0; i < numbers.size(); ++i)
       CHECK(numbers[i].value == Approx(answer.numbers[i].value).epsilon(1e-8));
+  }
+}
+
+TEST_CASE("the scene with the numbers put in is read as it was: every scene of the folder, curves, plain numbers",
+          "[identify]") {
+  const TemporaryFolder folder;
+  const std::string data = "identify: {tests: [{kind: uniaxial, file: data.csv}]}\n";
+  std::vector<std::string> paths;
+  for (const auto& entry : std::filesystem::directory_iterator(kScenes))
+    if (entry.path().extension() == ".yaml") paths.push_back(entry.path().string());
+  REQUIRE(paths.size() >= 8);
+  int count = 0;
+  for (const std::string material :
+       {"{law: yeoh, terms: [300, 20], density: 950}", "{youngs_modulus: 2000, poissons_ratio: 0.3, thickness: 0.001}",
+        "{law: yeoh, terms: [300 Pa], relaxation: {model: kelvin_voigt, time: 2 s}}",
+        "{law: yeoh, terms: [300], relaxation: {terms: [[0.2, 3], [0.1, 30]], moduli: long_term}}",
+        "{curve: {points: [[-0.3, -5000], [0, 0], [0.4, 8000]]}}",
+        "{curve: {toe_strain: 0.1, toe_modulus: 1000, modulus: 5000}}",
+        "{curve: {tension: 1000, compression: 5000, smoothing: 0.001}}",
+        "{secant_modulus: {polynomial: [1000, 200], up_to: 0.5}}",
+        "{secant_modulus: {points: [[0, 1000], [0.5, 900]]}}",
+        "{law: ogden, terms: [[500, 1.5], [-10, -2]], fields: {stiffness: {expression: 1 + x}}}"})
+    paths.push_back(
+        folder.write("s" + std::to_string(++count) + ".yaml", "material: " + std::string(material) + "\n" + data));
+  for (const std::string& path : paths) {
+    INFO(path);
+    const IdentifyTask task = load_identify_task(path, kCatalog);
+    const auto row_of = [](const Material& material) {
+      return material.law ? kCatalog.material_laws.find(material.law->law).get() : nullptr;
+    };
+    Trial trial = task.material;
+    trial.curve = task.curve;
+    const MaterialLaw* row = row_of(task.material);
+    std::ifstream stream(path);
+    const std::string text(std::istreambuf_iterator<char>(stream), {});
+    const std::string found = with_section(text, "material", material_yaml(row, trial, task.plain) + task.kept);
+    INFO(found);
+    const std::string from = std::filesystem::path(path).parent_path().string();
+    const IdentifyTask again =
+        load_identify_task(folder.write("found.yaml", moved_scene(found, from, folder.path(""))), kCatalog);
+    CHECK(again.plain == task.plain);
+    CHECK(again.kept == task.kept);
+    Trial other = again.material;
+    other.curve = again.curve;
+    const auto numbers = material_numbers(row, trial), same = material_numbers(row_of(again.material), other);
+    REQUIRE(numbers.size() == same.size());
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      CHECK(numbers[i].name == same[i].name);
+      CHECK(numbers[i].value == Approx(same[i].value).epsilon(1e-8));
+    }
+    CHECK(again.material.density == task.material.density);
+    CHECK(again.material.thickness == task.material.thickness);
+    CHECK((again.material.relaxation ? again.material.relaxation->retardation : 0) ==
+          (task.material.relaxation ? task.material.relaxation->retardation : 0));
   }
 }
 

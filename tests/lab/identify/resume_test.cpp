@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lab/identify/identify.h"
-#include "lab/scene/moved_scene.h"
+#include "lab/scene/edited_scene.h"
 #include "support/shell.h"
 #include "support/temporary_folder.h"
 
@@ -99,6 +99,46 @@ TEST_CASE("the scene that identify writes finds its data from where it lies", "[
   CHECK(scene.find("softening: {r: 2, beta: 0.1}") != std::string::npos);      // what is not searched stays
 }
 
+TEST_CASE("the scene that identify writes has the data, the strategy and the numbers that were used, in its own units",
+          "[identify][command]") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path("my data"));
+  folder.write("none.csv", "displacement [mm],force [N]\n1,1\n2,2\n");
+  folder.write("my data/pull.csv", "displacement [mm],force [N]\n0.5,0.1\n1,0.21\n1.5,0.33\n2,0.46\n");
+  folder.write("scene.yaml",
+               "# plain numbers\nbody: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [0.01, 0.01, 0.02]}}\n"
+               "material: {youngs_modulus: 10000, poissons_ratio: 0.25}\nstiffness: {strategy: angles, exponent: 0.4}\n"
+               "experiment: {kind: tension, axis: z, displacement: 0.002}\n"
+               "identify:\n  unknowns: {youngs_modulus: {}, exponent: {low: 0.1, high: 4}}\n"
+               "  tests: [{kind: specimen, name: pull, file: none.csv}]\n");
+  for (const auto& [more, stiffness] :
+       {std::pair<std::string, std::string>{"", "stiffness: {strategy: angles, exponent: "},
+        {"--strategies calibrated:van_gelder --set identify.unknowns=[youngs_modulus]",
+         "stiffness: calibrated:van_gelder\n"}}) {
+    INFO(more);
+    const std::string out = more.empty() ? "found" : "springs",
+                      scene = more.empty() ? "found/scene.yaml" : "springs/scene-calibrated-van_gelder.yaml";
+    const int code = shell(
+        folder, "$elastin identify scene.yaml --quiet " + more + " --data \"pull=my data/pull.csv\" --out " + out);
+    INFO(text_of_file(folder.path("err")));
+    REQUIRE(code == 0);
+    const std::string written = text_of_file(folder.path(scene));
+    INFO(written);
+    CHECK(written.find("file: \"../my data/pull.csv\"}") != std::string::npos);
+    CHECK(written.find(stiffness) != std::string::npos);
+    CHECK(written.find("exponent: 0.4}") == std::string::npos);
+    const int again = shell(folder, "$elastin identify " + scene + " --quiet --json again.json" +
+                                        (more.empty() ? "" : " --set identify.unknowns=[youngs_modulus]"));
+    INFO(text_of_file(folder.path("err")));
+    REQUIRE(again == 0);
+    const auto first = nlohmann::json::parse(text_of_file(folder.path(out + "/identify.json"))),
+               second = nlohmann::json::parse(text_of_file(folder.path("again.json")));
+    for (std::size_t i = 0; i < first["parameters"].size(); ++i)
+      CHECK(second["parameters"][i]["value"].get<double>() ==
+            Approx(first["parameters"][i]["value"].get<double>()).epsilon(1e-6));
+  }
+}
+
 TEST_CASE("files of a scene are named from its new folder", "[identify]") {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder.path("a/b"));
@@ -106,6 +146,19 @@ TEST_CASE("files of a scene are named from its new folder", "[identify]") {
   folder.write("a/b.yaml", "");
   const std::string from = folder.path("a"), to = folder.path("a/b/c d");
   CHECK(moved_scene("x: {file: d.csv}\nextends: 'b.yaml'\n", from, to) ==
-        "x: {file: ../../d.csv}\nextends: '../../b.yaml'\n");
+        "x: {file: ../../d.csv}\nextends: ../../b.yaml\n");
   CHECK(moved_scene("files: [other.csv, d.csv]", from, folder.path("z")) == "files: [other.csv, ../a/d.csv]");
+  CHECK(moved_scene("ä: {d: 'd.csv', file: d.csv}\r\n", folder.path("a"), folder.path("ü z")) ==
+        "ä: {d: ../a/d.csv, file: ../a/d.csv}\r\n");
+}
+
+TEST_CASE("a value of a scene is put in where it stands, or into its map", "[identify]") {
+  CHECK(with_value("a: {b: 1, c: [{f: x}, {f: 'x y'}]}\n", "a.c.1.f", "z") == "a: {b: 1, c: [{f: x}, {f: z}]}\n");
+  CHECK(with_value("a:\n  # why\n  b: 1  # so\n", "a.b", "2") == "a:\n  # why\n  b: 2  # so\n");
+  CHECK(with_value("a: {}\n", "a.b", "2") == "a: {b: 2}\n");
+  CHECK(with_value("a:\n  c: 1\n", "a.b", "2") == "a:\n  b: 2\n  c: 1\n");
+  CHECK(with_value("a:\n  - c: 1\nd: 2\n", "a", "3") == "a: 3\nd: 2\n");
+  CHECK(with_value("a: 1", "b", "3") == "a: 1\nb: 3\n");
+  CHECK(with_value("a: [{f: x}]\n", "a.1.f", "z") == "a: [{f: x}]\n");
+  CHECK(with_value("a: 1\n", "b.0.f", "z") == "a: 1\n");
 }
