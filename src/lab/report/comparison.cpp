@@ -156,7 +156,7 @@ std::string directions_text(const Ranking& ranking) {
   const Record& best = *ranking.best;
   if (!best.directions) return "";
   const std::string said = direction_text(*best.directions);
-  std::string text = "\n    in other directions, at small strain: " + said;
+  std::string text = "\n    in other directions, by small strains of the surface: " + said;
   for (const Record* record : ranking.tied)
     if (const std::string of_tied = record->directions ? direction_text(*record->directions) : said; of_tied != said)
       text += "; of " + record->run.strategy + ": " + of_tied;

@@ -30,9 +30,13 @@ std::string unsuited(const Scene& scene, bool known) {
 std::unique_ptr<StaticProtocol> six_strains(const Body& body, const Matrix3& axes) {
   try {
     return make_homogenisation(body, 0, axes);
-  } catch (const InputError&) {
+  } catch (const InputError& no_box) {
     if (!body.tetrahedra.empty() || !body.triangles.empty() || body.connections.size() == 0) throw;
-    return make_homogenisation(body, mean_length(body) / 2, axes);
+    try {
+      return make_homogenisation(body, mean_length(body) / 2, axes);
+    } catch (const InputError&) {
+      throw no_box;
+    }
   }
 }
 

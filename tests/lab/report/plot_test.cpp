@@ -86,15 +86,17 @@ TEST_CASE("columns of a CSV file become a plot, and other programs' rows peers",
   REQUIRE(peers.size() == 2);
   CHECK((peers[0].name == "a, b" && peers[0].error == 0.5 && peers[1].seconds == 0.3));
   CHECK_THROWS_WITH(csv_plot(good, "minimum", "error"),
-                    Contains("good.csv:1:1: no column 'minimum'; did you mean 'minimum_s'?"));
+                    Contains("good.csv:1: no column 'minimum'; did you mean 'minimum_s'?"));
   CHECK_THROWS_WITH(load_csv(folder.write("short.csv", "a,b\n1\n")),
                     Contains("short.csv:2:1: 1 fields; the head has 2"));
   CHECK_THROWS_WITH(load_peers(folder.write("word.csv", "method,minimum_s,error\nx,soon,1\n")),
                     Contains("word.csv:2:3: minimum_s: 'soon' is no number"));
   CHECK_THROWS_WITH(
       load_peers(folder.write("late.csv", "# by me\nmethod,minimum_s,error\n\"a, \"\"b\n\"\"c\",1,2\nx,1,0.1,\n")),
-      Contains("late.csv:5:7: 4 fields; the head has 3"));
+      Contains("late.csv:5:5: 4 fields; the head has 3"));
   CHECK_THROWS_WITH(load_peers(folder.write("quoted.csv", "method,minimum_s,error\n\"a, \"\"b\n\"\"c\",1,O.2\n")),
                     Contains("quoted.csv:3:8: error: 'O.2' is no number"));
+  CHECK_THROWS_WITH(load_peers(folder.write("head.csv", "method,minimum,error\nx,1,0.1\n")),
+                    Contains("head.csv:1:1: no column 'minimum_s'; did you mean 'minimum'?"));
   CHECK_THROWS_WITH(load_csv(folder.path("none.csv")), Contains("none.csv: cannot be read"));
 }
