@@ -1,4 +1,6 @@
 #pragma once
+#include <utility>
+
 #include "elastin/core/laws/law.h"
 
 namespace elastin {
@@ -20,6 +22,32 @@ inline Matrix3 tensor(const Components& c) {
   return result;
 }
 
+/// Adds entry(row, column), symmetric, to every entry: the loops unrolled, so that the components' places are known
+/// to the compiler.
+template <class Entry>
+void add_symmetric(TangentModuli<3>& result, const Entry& entry) {
+  const auto add_one = [&]<int row, int column>() {
+    const double value = entry.template operator()<row, column>();
+    result(row, column) += value;
+    if constexpr (row != column) result(column, row) += value;
+  };
+  const auto add_row = [&]<int row, int... columns>(std::integer_sequence<int, columns...>) {
+    (add_one.template operator()<row, columns>(), ...);
+  };
+  [&]<int... rows>(std::integer_sequence<int, rows...>) {
+    (add_row.template operator()<rows>(std::make_integer_sequence<int, rows + 1>()), ...);
+  }
+  (std::make_integer_sequence<int, 6>());
+}
+
+/// An entry of G ⊙ G, ½ (G_ik G_jl + G_il G_jk).
+template <int row, int column>
+double symmetric_square_entry(const Matrix3& G) {
+  constexpr int i = kComponents[row][0], j = kComponents[row][1], k = kComponents[column][0],
+                l = kComponents[column][1];
+  return (G(i, k) * G(j, l) + G(i, l) * G(j, k)) / 2;
+}
+
 /// Of ½ (a bᵀ + b aᵀ).
 inline Components symmetric_product(const Vector3& a, const Vector3& b) {
   Components result;
@@ -30,13 +58,8 @@ inline Components symmetric_product(const Vector3& a, const Vector3& b) {
 
 /// G ⊙ G, ½ (G_ik G_jl + G_il G_jk): −∂C⁻¹/∂C of G = C⁻¹, and of G = I what leaves a symmetric tensor as it is.
 inline TangentModuli<3> symmetric_square(const Matrix3& G) {
-  TangentModuli<3> result;
-  for (int row = 0; row < 6; ++row)
-    for (int column = 0; column <= row; ++column) {
-      const auto [i, j] = kComponents[row];
-      const auto [k, l] = kComponents[column];
-      result(row, column) = result(column, row) = (G(i, k) * G(j, l) + G(i, l) * G(j, k)) / 2;
-    }
+  TangentModuli<3> result = TangentModuli<3>::Zero();
+  add_symmetric(result, [&]<int row, int column>() { return symmetric_square_entry<row, column>(G); });
   return result;
 }
 

@@ -15,25 +15,28 @@ class Isochoric {
   explicit Isochoric(const Matrix3& A) : strain_(A), volume_(A) {
     trace_ = A.trace();
     deviator_ = A - Matrix3::Identity() * (trace_ / 3);
-    root_ = 1 / std::cbrt(1 + volume_.excess);
     // C = (1 + m)(I + d), tr d = 0: det(I + d) = 1 − ½ d:d + det d.
-    const double even = std::max(1 + trace_ / 3, 1e-5);
+    const double even = std::max(1 + trace_ / 3, kLeastEven);
     const Matrix3 d = deviator_ / even;
     half_square_ = d.squaredNorm() / 2;
     const double change =
         volume_.flat ? (1 + volume_.excess) / (even * even * even) - 1 : d.determinant() - half_square_;
-    log_change_ = std::log1p(std::clamp(change, kLeast - 1, 0.));
+    change_ = std::clamp(change, kLeast - 1, 0.);
+    shape_root_ = std::cbrt(1 + change_);
+    const bool as_it_is = even > kLeastEven && change == change_ && !volume_.flat;
+    root_ = 1 / (as_it_is ? even * shape_root_ : std::cbrt(1 + volume_.excess));
   }
 
   const Dilatation& volume() const { return volume_; }
 
-  double first() const { return 3 * std::expm1(-log_change_ / 3); }  ///< Ĩ₁ − 3, ≥ 0
-  double second() const {                                            ///< Ĩ₂ − 3, ≥ 0
-    return 3 * std::expm1(-2 * log_change_ / 3) - half_square_ * std::exp(-2 * log_change_ / 3);
+  double first() const { return 3 * lost() / shape_root_; }  ///< Ĩ₁ − 3 = 3 (1 − r)/r, r = det(I + d)^⅓; ≥ 0
+  double second() const {                                    ///< Ĩ₂ − 3 = (3 (1 − r²) − ½ d:d)/r², ≥ 0
+    return (3 * lost() * (1 + shape_root_) - half_square_) / (shape_root_ * shape_root_);
   }
   double along(const Vector3& a) const {  ///< Ĩ₄ − 1
     const double change = a.dot(strain_ * a);
-    return change + std::expm1(-std::log1p(volume_.excess) / 3) * (1 + change);
+    const double k = 1 / root_;  // D^⅓; 1/k − 1 = −(D − 1)/(k (1 + k + k²))
+    return change - volume_.excess / (k * (1 + k + k * k)) * (1 + change);
   }
 
   /// ∂Ĩ₁/∂C = D^(−1/3) C⁻¹ dev C, D = det C.
@@ -59,27 +62,35 @@ class Isochoric {
   /// D^(−2/3) (I ⊗ I − I ⊙ I − ⅔ (M ⊗ G + G ⊗ M) + 4/9 I₂ G ⊗ G + ⅔ I₂ G ⊙ G),  M = I₁ I − C,  G = C⁻¹.
   void add_second_curvature(double factor, TangentModuli<3>& result) const {
     const double scale = factor * root_ * root_;
-    const Components G = components(volume_.inverse), unit = components(Matrix3::Identity()),
-                     M = (2 + trace_) * unit - components(strain_);
+    const Components G = components(volume_.inverse),
+                     M = (2 + trace_) * components(Matrix3::Identity()) - components(strain_);
     const double I2 = 3 + 2 * trace_ + (trace_ * trace_ - strain_.squaredNorm()) / 2;
-    result += scale * (unit * unit.transpose() - symmetric_square(Matrix3::Identity()) - 2. / 3 * both_ways(M, G) +
-                       4. / 9 * I2 * (G * G.transpose()) + 2. / 3 * I2 * symmetric_square(volume_.inverse));
+    add_symmetric(result, [&]<int row, int column>() {
+      constexpr double own = (row < 3 && column < 3 ? 1 : 0) - (row == column ? row < 3 ? 1 : 0.5 : 0);
+      return scale * (own - 2. / 3 * (M[row] * G[column] + M[column] * G[row]) + 4. / 9 * I2 * G[row] * G[column] +
+                      2. / 3 * I2 * symmetric_square_entry<row, column>(volume_.inverse));
+    });
   }
 
  private:
-  static constexpr double kLeast = 1e-30;
+  static constexpr double kLeast = 1e-30, kLeastEven = 1e-5;
 
+  double lost() const { return -change_ / (1 + shape_root_ + shape_root_ * shape_root_); }  // 1 − r
   static Matrix3 symmetric(const Matrix3& product) { return (product + product.transpose()) / 2; }
   /// Of D^(−1/3) M:C: D^(−1/3) (M:C (G ⊗ G/9 + G ⊙ G/3) − ⅓ (M ⊗ G + G ⊗ M)).
   void add_curvature(double factor, const Components& M, double invariant, TangentModuli<3>& result) const {
     const Components G = components(volume_.inverse);
-    result += factor * root_ *
-              (invariant * (G * G.transpose() / 9 + symmetric_square(volume_.inverse) / 3) - both_ways(M, G) / 3);
+    const double scale = factor * root_ / 3;
+    add_symmetric(result, [&]<int row, int column>() {
+      return scale * (invariant * (G[row] * G[column] / 3 + symmetric_square_entry<row, column>(volume_.inverse)) -
+                      (M[row] * G[column] + M[column] * G[row]));
+    });
   }
 
   Matrix3 strain_, deviator_;
   Dilatation volume_;
-  double trace_, root_, half_square_, log_change_;  ///< of A; D^(−1/3); ½ d:d; ln det(I + d), ≤ 0
+  double trace_, root_, half_square_;  ///< of A; D^(−1/3); ½ d:d
+  double change_, shape_root_;         ///< det(I + d) − 1, ≤ 0; r
 };
 
 /// ψ(Ĩ₁ − 3, Ĩ₂ − 3) [J/m³] with its derivatives: an isotropic law's energy of a change of shape.
