@@ -83,6 +83,16 @@ TEST_CASE("an obstacle that is too soft for its thickness is said", "[findings]"
   CHECK(warnings_of(falling("6 mm", "10 m/s", kPlane, "0.01 ms"), "passed through") == 0);
 }
 
+TEST_CASE("a rebound that is faster than the impact is said", "[findings]") {
+  Run run;
+  run.measures.set("restitution", 1.2);
+  const std::vector<std::string> found = findings_at_end({}, run);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0] == "it rebounds 1.2 times as fast as it came: the steps are too long for the contact");
+  run.measures.set("restitution", 0.99);
+  CHECK(findings_at_end({}, run).empty());
+}
+
 TEST_CASE("Cells that may lock near nu = 1/2 are said, with what to write", "[findings]") {
   const std::string tetrahedra = "tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [5 mm, 5 mm, 5 mm]}",
                     lattice = "lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 5 mm, order: 2}";
