@@ -97,9 +97,12 @@ class OwnEngine final : public StaticEngine {
   }
   StaticResult balance(Model& model, State& state, const StaticOptions& options) override {
     ++calls;
-    return solve_static(model, state, plain(options));
+    StaticResult result = solve_static(model, state, plain(options));
+    result.reactions *= reactions_times;
+    return result;
   }
   static inline int calls = 0;
+  static inline double reactions_times = 1;  ///< what it makes of them: others than 1 balance no load
 
  private:
   static StaticOptions plain(StaticOptions options) {

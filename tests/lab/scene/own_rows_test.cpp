@@ -63,6 +63,26 @@ TEST_CASE("a scene finds its equilibria with an engine of the program's own", "[
   CHECK(refused.cause == "the engine of the host wants a load");
 }
 
+TEST_CASE("an answer whose reactions do not balance the loads has not converged", "[tables][scene]") {
+  const TemporaryFolder folder;
+  const std::string path =
+      folder.write("engine.yaml",
+                   "body: {lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 1 mm, connections: [axis, face]}}\n"
+                   "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\nstiffness: lattice\n"
+                   "experiment: {kind: tension, axis: z, force: 1 mN}\nsolver: {engine: own}\n");
+  const Catalog catalog = catalog_with_own_rows();
+  const auto outcome_with = [&](double times) {
+    OwnEngine::reactions_times = times;
+    const LaboratoryResult result = Laboratory(path, {}, catalog).run();
+    OwnEngine::reactions_times = 1;
+    return std::pair{result.outcome, result.cause};
+  };
+  CHECK(outcome_with(1).first == Outcome::converged);
+  const auto [outcome, cause] = outcome_with(1.01);
+  CHECK(outcome == Outcome::limit_reached);
+  CHECK_THAT(cause, Contains("the reactions do not balance the loads: they leave"));
+}
+
 TEST_CASE("an engine is refused by name and place where it cannot work", "[tables][scene]") {
   const TemporaryFolder folder;
   const std::string
