@@ -85,6 +85,7 @@ class TimedRun {
                               number(critical, 4) + " s");
     if (run_.curve.empty()) keep_row({});
     keep_snapshot();
+    double looked = 0;  // [s], at what a budget leaves: no part of the steps
     const double first = state_.time;
     const int first_step = control_.memory.steps, first_frame = frame_;
     while (frame_ < time.frames && run_.outcome == Outcome::converged) {
@@ -93,13 +94,15 @@ class TimedRun {
       if (!advance_frame(time.duration * (frame_ + 1) / time.frames)) break;
       ++frame_;
       keep_snapshot();
+      const Clock::time_point look = Clock::now();
       control_.look(model_, state_);
+      looked += seconds_since(look);
       if (options_.checkpoint && time.checkpoint && frame_ % time.checkpoint == 0) save();
       if (options_.live) wait(start, (frame_ - first_frame) / time.frame_rate);
       if (frame_ < time.frames && is_stopped()) interrupt();
     }
     run_.time->simulated = state_.time - first;
-    run_.time->seconds = seconds_since(start);
+    run_.time->seconds = seconds_since(start) - looked;
     report(control_.memory.steps - first_step);
   }
 
