@@ -89,6 +89,16 @@ double spacing_of(const Body& body) {
   return *middle;
 }
 
+/// A length [m] that few connections exceed. The stiffness of one that is longer than a box would stand in the box at
+/// its middle alone, and boxes between its ends would be missing: conjugate gradients without boxes are quicker then.
+double long_connection(const Body& body) {
+  std::vector<double> lengths = body.connections.rest_length;
+  if (lengths.empty()) return 0;
+  const auto few = static_cast<std::ptrdiff_t>(lengths.size() / 32);
+  std::nth_element(lengths.begin(), lengths.end() - 1 - few, lengths.end());
+  return *(lengths.end() - 1 - few);
+}
+
 /// Items sorted by box, ascending in each.
 struct Sorted {
   std::vector<int> start, items;
@@ -346,7 +356,8 @@ GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports,
 }  // namespace
 
 BoxGrid::Frame frame_of(const Body& body) {
-  return {body.rest.rowwise().minCoeff(), body.rest.rowwise().maxCoeff(), body.size(), 2 * spacing_of(body)};
+  const double size = std::max(2 * spacing_of(body), long_connection(body));
+  return {body.rest.rowwise().minCoeff(), body.rest.rowwise().maxCoeff(), body.size(), size};
 }
 
 GridLevel assemble_level(const Tangent& tangent, const std::vector<Support>& supports) {

@@ -18,7 +18,7 @@ struct BoxMembers {
   std::vector<Member> members;
 };
 
-/// What a body is to a grid of boxes of twice its molecules' spacing.
+/// What a body is to a grid of boxes of twice its molecules' spacing, or as long as its longer connections.
 struct GridLevel {
   std::unique_ptr<BoxLevel> level;
   BoxMembers members;

@@ -20,12 +20,18 @@ double connections_across(const Body& body) {
   return (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).maxCoeff() * connections.size() / sum;
 }
 
+double digits_of(double tolerance) { return std::max(1., -std::log10(tolerance)); }
+
 }  // namespace
 
+double expected_iterations(const Body& body, double tolerance) {
+  return 1.25 * connections_across(body) * digits_of(tolerance);
+}
+
 std::pair<bool, std::string> multigrid_is_worth_it(const Body& body, double tolerance) {
-  const double across = connections_across(body), digits = std::max(1., -std::log10(tolerance));
+  const double across = connections_across(body);
   // In iterations of single molecules' blocks, with half as much again before the change is worth it.
-  const bool worth_it = 1.25 * across * digits > 1.5 * (20 + 8 * digits);
+  const bool worth_it = expected_iterations(body, tolerance) > 1.5 * (20 + 8 * digits_of(tolerance));
   const std::string size =
       counted(body.size(), "molecule") + ", " + std::to_string(std::lround(across)) + " connections from end to end";
   return {worth_it, size + (worth_it ? ": conjugate gradients alone would take many iterations" : " are not many")};

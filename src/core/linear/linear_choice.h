@@ -12,6 +12,9 @@ struct LinearChoice {
   std::string reason;   ///< in words for a user; empty where the method was not up to us
 };
 
+/// How many iterations conjugate gradients take on a body at rest with the blocks of single molecules.
+double expected_iterations(const Body& body, double tolerance);
+
 /// Whether conjugate gradients on a body at rest are quicker with a coarse picture of it than without, and why.
 std::pair<bool, std::string> multigrid_is_worth_it(const Body& body, double tolerance);
 

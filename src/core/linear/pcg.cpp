@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/linear/block_inverse.h"
+#include "core/linear/linear_choice.h"
 #include "core/linear/multigrid.h"
 #include "core/linear/rigid_motions.h"
 #include "core/linear/sparse_stiffness.h"
@@ -13,8 +14,10 @@
 namespace elastin {
 namespace {
 
-/// A coarse picture that serves takes some 30 iterations, a poor one 200.
-constexpr int kCoarseLimit = 400;
+/// A coarse picture that serves takes some 30 iterations, a poor one 200; each costs two to three without one.
+int most_coarse_iterations(const Body& body, double tolerance) {
+  return static_cast<int>(std::clamp(expected_iterations(body, tolerance) / 2, 100., 400.));
+}
 
 /// A coarse picture of another stiffness serves until it takes as many times the iterations that it took when new.
 constexpr double kServes = 1.5;
@@ -34,6 +37,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     if (multigrid_ && !kept) coarse_ = std::make_unique<Multigrid>(tangent, supports);
     if (coarse_ && !coarse_->positive()) coarse_.reset();
     Multigrid* coarse = coarse_.get();
+    const int coarse_limit = coarse ? most_coarse_iterations(tangent.model().body(), tolerance) : 0;
     // Single precision makes a little of any motion that nothing resists; its size would then be whatever it is.
     std::optional<RigidMotions> whole;
     if (coarse) whole.emplace(tangent, supports);
@@ -110,7 +114,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
       add_coarse(now);
       // Not positive after all, or blind to what this body is slow at (stiff lumps that share boxes with soft tissue):
       // go on without, from here.
-      if (coarse && (!(now[0] > 0) || result.iterations == kCoarseLimit)) {
+      if (coarse && (!(now[0] > 0) || result.iterations == coarse_limit)) {
         coarse = nullptr;
         now = advance(0);
         p = z;
