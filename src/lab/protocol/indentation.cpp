@@ -1,5 +1,6 @@
 #include "lab/protocol/indentation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -7,6 +8,7 @@
 #include "core/model/faces.h"
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "lab/experiment/contact_measures.h"
 #include "lab/protocol/symmetry.h"
 
@@ -14,6 +16,10 @@ namespace elastin::lab {
 namespace {
 
 constexpr const char* kIndenter = "indenter";
+
+/// Of the radius of contact in the body's thickness and width: an incompressible layer that is glued to its bed is
+/// stiffer than a half-space by 1.13 of it, to first order.                  [Dimitriadis et al. 2002]
+constexpr double kHalfSpace = 0.05;
 
 class Indentation final : public StaticProtocol {
  public:
@@ -40,7 +46,9 @@ class Indentation final : public StaticProtocol {
       pose.position += displacement * axis;
       return pose;
     };
+    const double depth = setup.depth ? *setup.depth : first_depth(*setup.force, material);
     if (setup.force) control_ = ForceControl(*setup.force, first_depth(*setup.force / copies(), material));
+    if (setup.shape != IndenterShape::obstacle) find_extent(body, depth);
   }
 
   std::string name() const override { return "indentation"; }
@@ -54,8 +62,21 @@ class Indentation final : public StaticProtocol {
   std::vector<MainMeasure> main_measures(const Material& material, const Measures&) const override {
     std::vector<MainMeasure> measures{{"force"}, {"depth"}, {"contact_area"}};
     if (setup_.shape != IndenterShape::obstacle)
-      measures.insert(measures.begin(), {"indentation_modulus", material.youngs_modulus});
+      measures.insert(measures.begin(), {"indentation_modulus", apparent() ? std::numeric_limits<double>::quiet_NaN()
+                                                                           : material.youngs_modulus});
     return measures;
+  }
+
+  bool apparent() const override { return contact_share_ > kHalfSpace; }
+  std::string no_reference() const override {
+    if (!apparent()) return "";
+    return "the body is no half-space, so its modulus is apparent; compare with the solid itself (neo_hookean, "
+           "refined)";
+  }
+  std::vector<std::string> notes() const override {
+    if (!apparent()) return {};
+    return {"indentation_modulus is apparent: the radius of contact is " + number(100 * contact_share_, 2) +
+            " % of the body's thickness or of the way to its side, where the formula takes a half-space"};
   }
 
   std::string remark(const Measures& measures) const override {
@@ -73,6 +94,23 @@ class Indentation final : public StaticProtocol {
       Matrix3& free = fixed_.try_emplace(molecule, Matrix3::Identity()).first->second;
       free = setup_.bottom == Grip::clamped ? Matrix3(Matrix3::Zero()) : Matrix3(free - along);
     }
+  }
+
+  /// What the radius of contact is of the body's thickness along the axis, or of the way to its nearest free side.
+  void find_extent(const Body& body, double depth) {
+    const double radius = setup_.shape == IndenterShape::sphere ? std::sqrt(setup_.radius * depth) : setup_.radius;
+    const Vector3 low = body.rest.rowwise().minCoeff(), high = body.rest.rowwise().maxCoeff();
+    const Vector3 at = setup_.at.value_or((low + high) / 2);
+    double extent = setup_.axis.cwiseAbs().dot(high - low);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3 across = Vector3::Unit(axis);
+      if (std::abs(across.dot(setup_.axis)) > 0.5) continue;
+      const auto mirrors = [&](const Vector3& normal) { return std::abs(normal.dot(across)) > 0.5; };
+      const bool mirrored = std::any_of(setup_.symmetry.begin(), setup_.symmetry.end(), mirrors);
+      extent =
+          std::min(extent, mirrored ? high[axis] - low[axis] : std::min(high[axis] - at[axis], at[axis] - low[axis]));
+    }
+    contact_share_ = radius / extent;
   }
 
   /// The indenter where it just touches the body.
@@ -124,6 +162,7 @@ class Indentation final : public StaticProtocol {
   FixedMolecules fixed_;
   int indenter_ = 0;
   ForceControl control_;
+  double contact_share_ = 0;  ///< see find_extent
 };
 
 class IndentationRig final : public StaticRig {

@@ -167,16 +167,33 @@ std::string directions_text(const Ranking& ranking) {
 
 }  // namespace
 
+namespace {
+
+/// "E +0.1 %, torsional stiffness -2.0 %": the errors that count.
+std::string errors_text(const Ranking& ranking, const Record& record) {
+  std::string text;
+  for (const std::string& name : ranking.measures)
+    text +=
+        (text.empty() ? "" : ", ") + find_measure(name).label() + " " + percent(record.error(ranking.error_name(name)));
+  return text;
+}
+
+/// What comes nearer than anything without a warning; "" where nothing does that would be near enough.
+std::string warned_text(const Ranking& ranking) {
+  if (!ranking.warned || ranking.error(*ranking.warned) > kNear) return "";
+  if (ranking.best && ranking.error(*ranking.best) <= kNear) return "";
+  return "\n    " + ranking.warned->run.strategy + " comes to " + errors_text(ranking, *ranking.warned) +
+         ", with a warning: " + ranking.warned->run.warnings.front();
+}
+
+}  // namespace
+
 std::string advice_text(const Ranking& ranking, bool colours) {
   const Record* best = ranking.best;
   if (!ranking.no_reference.empty()) return "\n  no reference: " + ranking.no_reference + "\n";
-  if (!best) return "\n  no recommendation: each strategy failed or has a warning\n";
-  std::string found, goal;
-  for (const std::string& name : ranking.measures) {
-    const std::string label = find_measure(name).label(), comma = found.empty() ? "" : ", ";
-    found += comma + label + " " + percent(best->error(ranking.error_name(name)));
-    goal += comma + label;
-  }
+  if (!best) return "\n  no recommendation: each strategy failed or has a warning" + warned_text(ranking) + "\n";
+  std::string found = errors_text(ranking, *best), goal;
+  for (const std::string& name : ranking.measures) goal += (goal.empty() ? "" : ", ") + find_measure(name).label();
   if (ranking.by_reference) found += " to the reference";
   for (const auto& [name, prescribed] : best->main_measures) {
     const MeasureInfo& info = find_measure(std::string(name));
@@ -193,10 +210,11 @@ std::string advice_text(const Ranking& ranking, bool colours) {
   for (const Record* record : ranking.tied) tied += (tied.empty() ? " (tied with " : ", ") + record->run.strategy;
   if (!tied.empty()) tied += ")";
   return fmt::format(
-      "\n  {} {}{}: {} (target: {}), {}{}\n",
+      "\n  {} {}{}: {} (target: {}), {}{}{}\n",
       ranking.error(*best) <= kNear ? "recommended:" : "no strategy is near " + goal + "; the nearest is",
       painted(best->run.strategy, Tone::bold, colours), tied, found, best->prescribed,
-      readable_seconds(best->run.build_seconds + best->run.solve_seconds), directions_text(ranking));
+      readable_seconds(best->run.build_seconds + best->run.solve_seconds), warned_text(ranking),
+      directions_text(ranking));
 }
 
 }  // namespace elastin::lab

@@ -148,6 +148,10 @@ Ranking rank_strategies(const std::vector<Record>& records) {
       candidates.push_back(&record);
       if (!ranking.best || order(record) < order(*ranking.best)) ranking.best = &record;
     }
+  for (const Record& record : records)
+    if (has_own_error(record) && !record.run.warnings.empty() && std::isfinite(ranking.error(record)) &&
+        (!ranking.warned || ranking.error(record) < ranking.error(*ranking.warned)))
+      ranking.warned = &record;
   if (ranking.best) find_ties(candidates, ranking);
   return ranking;
 }

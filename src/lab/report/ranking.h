@@ -25,6 +25,7 @@ struct Ranking {
   /// Why nothing ranks them, in words: the specimen does not show the material's values, and no reference is given.
   std::string no_reference;
   const Record* best = nullptr;     ///< points into the records; null if each one failed or has a warning
+  const Record* warned = nullptr;   ///< the nearest of those that came to their end with a warning
   std::vector<const Record*> tied;  ///< others that the measures do not tell from the best
 
   /// Name of a measure's error that counts.

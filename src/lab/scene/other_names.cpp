@@ -102,6 +102,8 @@ constexpr Pair kInstead[]{
     {"shearmodulus", "give E and ν: youngs_modulus: = 2 * G * (1 + nu), with G and nu under `values`"},
     {"k", "a bulk modulus is given by E and ν: youngs_modulus: = 3 * K * (1 - 2 * nu), with K and nu under `values`"},
     {"bulkmodulus", "give E and ν: youngs_modulus: = 3 * K * (1 - 2 * nu), with K and nu under `values`"},
+    {"grips", "write fixed_grip: clamped, loaded_grip: clamped; sliding grips are the default"},
+    {"grip", "write fixed_grip: clamped, loaded_grip: clamped; sliding grips are the default"},
     {"incompressible", "write poissons_ratio: 0.499 and stiffness: neo_hookean+volume"},
 };
 
