@@ -82,17 +82,24 @@ std::string outcome_text(const Run& run) {
   return text;
 }
 
+namespace {
+
+/// A warning without what stands in brackets or behind a semicolon.
+std::string short_warning(const std::string& warning) {
+  std::string first = warning.substr(0, warning.find_first_of(";("));
+  first.erase(first.find_last_not_of(' ') + 1);
+  return first;
+}
+
+}  // namespace
+
 std::string notes_of(const Record& record) {
   const Run& run = record.run;
   std::string notes = solved(record) ? "" : outcome_text(run) + ": " + run.cause;
   if (run.calibrated_to_reference)
     notes +=
         fmt::format("{}calibrated to the reference by × {:.4g}", notes.empty() ? "" : "; ", run.calibration_factor);
-  for (const std::string& warning : run.warnings) {
-    std::string first = warning.substr(0, warning.find_first_of(";("));
-    first.erase(first.find_last_not_of(' ') + 1);
-    notes += (notes.empty() ? "" : "; ") + first;
-  }
+  for (const std::string& warning : run.warnings) notes += (notes.empty() ? "" : "; ") + short_warning(warning);
   return notes;
 }
 
@@ -183,7 +190,7 @@ std::string warned_text(const Ranking& ranking) {
   if (!ranking.warned || ranking.error(*ranking.warned) > kNear) return "";
   if (ranking.best && ranking.error(*ranking.best) <= kNear) return "";
   return "\n    " + ranking.warned->run.strategy + " comes to " + errors_text(ranking, *ranking.warned) +
-         ", with a warning: " + ranking.warned->run.warnings.front();
+         ", with a warning: " + short_warning(ranking.warned->run.warnings.front());
 }
 
 }  // namespace

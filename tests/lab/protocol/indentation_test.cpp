@@ -119,3 +119,24 @@ TEST_CASE("a sphere on a block converges to the force that finite elements give"
   }
   CHECK(last < 0.16);
 }
+
+TEST_CASE("a body shows the material's modulus under a tool where it is much larger than the contact",
+          "[indentation]") {
+  const TemporaryFolder folder;
+  const auto reference_of = [&](const std::string& indenter) {
+    const auto scene = load_scene(folder.write("scene.yaml", "body: {" + std::string(kQuarter) +
+                                                                 "}\nmaterial: {youngs_modulus: 10 kPa}\nstiffness: "
+                                                                 "neo_hookean\nexperiment: {kind: indentation, "
+                                                                 "symmetry: [x, y], indenter: " +
+                                                                 indenter + "}\ncontact: {friction: 0}\n"),
+                                  kCatalog);
+    const double target = scene->experiment->main_measures(scene->specimen.material, {}).front().prescribed;
+    CHECK(std::isfinite(target) == scene->experiment->no_reference().empty());
+    CHECK(scene->experiment->notes().empty() == scene->experiment->no_reference().empty());
+    return scene->experiment->no_reference();
+  };
+  // Radius of contact by Hertz: sqrt(15 mm · 2 mm) is a quarter of the 20 mm, sqrt(5 mm · 0.1 mm) a thirtieth.
+  CHECK_THAT(reference_of("{sphere: {radius: 15 mm}}, depth: 2 mm"), Catch::Contains("no half-space"));
+  CHECK_THAT(reference_of("{sphere: {radius: 5 mm}}, depth: 0.1 mm"), Catch::Equals(""));
+  CHECK_THAT(reference_of("{flat: {radius: 3 mm}}, depth: 0.1 mm"), Catch::Contains("no half-space"));
+}

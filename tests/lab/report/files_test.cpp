@@ -462,9 +462,12 @@ TEST_CASE("a comparison says what came of each strategy and which to take", "[fi
     record.run.warnings = {"mechanism: 12 zero-energy modes; the load is solved (somehow)"};
   }
   CHECK_THAT(comparison_text(warned, false),
-             Contains("  mechanism: 12 zero-energy modes\n") && Contains("no recommendation") && !Contains("somehow"));
+             Contains("  mechanism: 12 zero-energy modes\n") && Contains("no recommendation") && !Contains("somehow") &&
+                 Contains("    standard comes to E +1.12 %, with a warning: mechanism: 12 zero-energy modes\n"));
   CHECK_THAT(run_text(warned.front(), false),
              Contains("warning: mechanism: 12 zero-energy modes; the load is solved (somehow)\n"));
+  warned.front().run.warnings.clear();
+  CHECK_THAT(comparison_text(warned, false), !Contains("with a warning"));
 }
 
 TEST_CASE("an expectation can fail", "[files]") {
