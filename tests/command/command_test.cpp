@@ -224,6 +224,20 @@ TEST_CASE("output that cannot be written is an error", "[command]") {
   }
 }
 
+// [slow]: under the sanitizers, which claim far more addresses than that, nothing could begin.
+TEST_CASE("a body that does not fit into memory is named as such", "[command][slow]") {
+  const TemporaryFolder folder;
+  const std::string large = folder.write("large.yaml", replaced(kCube, "[3, 3, 3]", "[90, 90, 90]"));
+  for (const char* kilobytes : {"400000", "800000"}) {
+    const Said said =
+        say("--version; (ulimit -v " + std::string(kilobytes) + "; " ELASTIN_COMMAND " run " + large + ")");
+    CHECK(said.code == 2);
+    CHECK_THAT(said.err, Contains("the scene does not fit into this machine's memory") ||
+                             Contains("there is not enough memory for this body"));
+    CHECK_THAT(said.err, !Contains("internal error"));
+  }
+}
+
 TEST_CASE("the option --json FILE and --quiet print nothing", "[command]") {
   const TemporaryFolder folder;
   const std::string cube = folder.write("cube.yaml", kCube), file = folder.path("runs.json");
