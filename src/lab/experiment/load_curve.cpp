@@ -13,6 +13,9 @@
 namespace elastin::lab {
 namespace {
 
+/// Of the load: what may be left of it unbalanced.
+constexpr double kBalanced = 1e-3;
+
 void warn_once(const std::string& warning, Run& run) {
   if (std::find(run.warnings.begin(), run.warnings.end(), warning) == run.warnings.end())
     run.warnings.push_back(warning);
@@ -43,15 +46,15 @@ void check_balance(const StaticResult& solved, const Measures& measures, double 
                    const std::string& where, Run& run) {
   const double force = measures.get("force"), balance = measures.get("reaction_balance");
   const double left = std::isfinite(force) && solved.scale > 0 ? balance * std::abs(force) / solved.scale : balance;
-  if (whole && solved.residual > 1e-3 && run.zero_energy_modes > 0) {
+  if (whole && solved.residual > kBalanced && run.zero_energy_modes > 0) {
     run.outcome = Outcome::mechanism;
     run.cause = "the body does not resist this load: what it takes is no more than rounding";
-  } else if (whole && solved.residual > 1e-3) {
+  } else if (whole && solved.residual > kBalanced) {
     run.outcome = Outcome::limit_reached;
     run.cause = "the unbalanced force is " + number(solved.residual, 2) +
                 " of the load, and rounding of the positions allows no less: too stiff and too soft parts meet, or the "
                 "body lies too far from the origin for its size";
-  } else if (left > 1e-3) {
+  } else if (left > kBalanced) {
     run.outcome = Outcome::limit_reached;
     run.cause = "the reactions do not balance the loads: they leave " + number(left, 2) + " of them" + where;
   } else if (left > 1e-6) {
@@ -172,7 +175,7 @@ void solve_load_curve(Model& model, const StaticProtocol& experiment, StaticRig&
     const double load_factor = experiment.load_factor(step);
     StaticResult solved = path.advance(load_factor);
     // Without a load there is nothing to balance, and rounding decides about motions that nothing resists.
-    const bool loaded = load_factor != 0;
+    bool loaded = load_factor != 0;
     if (!loaded) solved.unstable = false;
     Measures measures;
     if (solved.outcome == Outcome::converged) {
@@ -181,6 +184,7 @@ void solve_load_curve(Model& model, const StaticProtocol& experiment, StaticRig&
       if (const contact::Contact* contact = contact_of(model)) {
         run.contact = contact->report(path.state());
         note_contact(*run.contact, experiment.copies(), measures);
+        if (run.contact->pairs == 0 && solved.residual > kBalanced) loaded = false;  // nothing is touched yet
       }
     }
     run.bisected_load_steps = path.halvings();

@@ -48,6 +48,7 @@ void adjust_load(Model& model, StaticRig& rig, const StaticOptions& options, Sta
 LoadPath::LoadPath(Model& model, StaticRig& rig, const StaticOptions& options, State start)
     : model_(model), rig_(rig), options_(options), state_(std::move(start)) {
   options_.probe = rig.leaves_saddles();
+  rig.approach(state_.positions);
   model_.commit_step(state_);
 }
 

@@ -101,7 +101,12 @@ class PressRig final : public StaticRig {
       if (setup_.grip == Grip::sliding) protocol_.keep_in_plane(model, first);
     }
     contact_ = contact_of(model);
-    if (setup_.force) approach_ = approach();
+    if (setup_.force) find_approach();
+  }
+
+  void approach(Positions& positions) const override {
+    for (std::size_t molecule = 0; approach_ > 0 && molecule < goes_along_.size(); ++molecule)
+      if (goes_along_[molecule]) positions.col(static_cast<Eigen::Index>(molecule)) += approach_ * setup_.axis;
   }
 
   void set_load(double factor) override {
@@ -136,31 +141,30 @@ class PressRig final : public StaticRig {
   }
 
  private:
-  /// How far what is moved goes, rigid with all that it is joined to, before it touches [m]. 0 where it touches
+  /// How far what is moved goes, rigid with all that it is joined to, before it touches. Nowhere where it touches
   /// already, is one with what is fixed, or meets nothing.
-  double approach() const {
+  void find_approach() {
     const Body& body = model_.body();
     const BodyFindings findings = inspect(body);
     std::vector<char> moves(static_cast<std::size_t>(findings.pieces), 0);
     for (const int molecule : protocol_.moved_) moves[findings.piece_of[molecule]] = 1;
     for (const int molecule : protocol_.fixed_)
-      if (moves[findings.piece_of[molecule]]) return 0;
+      if (moves[findings.piece_of[molecule]]) return;
+    for (const int piece : findings.piece_of) goes_along_.push_back(moves[static_cast<std::size_t>(piece)]);
     const VectorX height = body.rest.transpose() * setup_.axis;
     const double step = body.radius.mean(), most = 2 * (height.maxCoeff() - height.minCoeff());
     contact_->set_moment(0);
     const auto touches = [&](double displacement) {
       State state = state_at_rest(body);
-      for (int molecule = 0; molecule < body.size(); ++molecule)
-        if (moves[findings.piece_of[molecule]]) state.positions.col(molecule) += displacement * setup_.axis;
+      approach_ = displacement;
+      approach(state.positions);
       return contact_->report(state).pairs > 0;
     };
     double apart = 0, near = 0;
-    while (!touches(near)) {
-      apart = near, near += step;
-      if (near > most) return 0;
-    }
-    while (near - apart > 1e-6 * step) (touches((apart + near) / 2) ? near : apart) = (apart + near) / 2;
-    return near;
+    while (!touches(near) && near <= most) apart = near, near += step;
+    while (near <= most && near - apart > 1e-6 * step)
+      (touches((apart + near) / 2) ? near : apart) = (apart + near) / 2;
+    approach_ = near <= most ? near : 0;
   }
 
   void move_to(double displacement) {
@@ -184,6 +188,7 @@ class PressRig final : public StaticRig {
   contact::Contact* contact_ = nullptr;  // owned by the model
   double displacement_ = 0;              // of what is moved [m]
   double approach_ = 0;                  // of it, before it touches [m]; the control begins there
+  std::vector<char> goes_along_;         // of each molecule: whether it is joined to what is moved
   ForceControl control_;
 };
 

@@ -58,6 +58,7 @@ class SupportedRig final : public StaticRig {
   void set_load(double factor) override { inner_->set_load(factor); }
   bool adjust(const State& state) override { return inner_->adjust(state); }
   void shape_start(Positions& positions) const override { inner_->shape_start(positions); }
+  void approach(Positions& positions) const override { inner_->approach(positions); }
   double longest_step() const override { return inner_->longest_step(); }
   void set_load_rate(double rate) override { inner_->set_load_rate(rate); }
   void release() override {

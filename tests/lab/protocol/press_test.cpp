@@ -15,13 +15,13 @@ namespace {
 
 const Catalog kCatalog = built_in_catalog();
 
-Run run_of(const std::string& bodies, const std::string& experiment) {
+Run run_of(const std::string& bodies, const std::string& experiment, const std::string& friction = "0") {
   const TemporaryFolder folder;
   const auto scene = load_scene(
       folder.write("scene.yaml", "bodies: [" + bodies +
                                      "]\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: "
                                      "neo_hookean\nexperiment: {kind: press, " +
-                                     experiment + "}\ncontact: {stiffness: 1000}\n"),
+                                     experiment + "}\ncontact: {stiffness: 1000, friction: " + friction + "}\n"),
       kCatalog);
   Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
   INFO(run.cause);
@@ -67,6 +67,23 @@ TEST_CASE("a force closes a gap first", "[press]") {
   CHECK(across.measures.get("depth") == Approx(near.measures.get("depth") + 15e-3).epsilon(1e-6));
   CHECK(across.remark == "");
   CHECK(across.newton_iterations <= near.newton_iterations + 10);
+}
+
+TEST_CASE("with friction what is pressed together across a gap is pressed as without the gap", "[press]") {
+  const std::string near =
+      R"({name: above, at: [5 mm, 5 mm, 10.1 mm], tetrahedra: {kind: kuhn, cubes: [2, 2, 1], size: [10 mm, 10 mm, 5 mm]}})";
+  std::string far = near;
+  far.replace(far.find("10.1 mm"), 7, "25.1 mm");
+  const auto pressed = [](const std::string& above, const std::string& experiment) {
+    return run_of(kBelow + std::string(", ") + above, experiment, "0.3").measures;
+  };
+  const Measures one = pressed(near, "force: 20 mN"), other = pressed(far, "force: 20 mN");
+  CHECK(other.get("force") == Approx(0.02).epsilon(1e-6));
+  CHECK(other.get("depth") - one.get("depth") == Approx(15e-3).epsilon(1e-6));
+  CHECK(other.get("energy") == Approx(one.get("energy")).epsilon(1e-5));
+  // Load steps that end in the gap carry nothing, and are no failures.
+  CHECK(pressed(far, "displacement: 15.3 mm, load_steps: 3").get("force") > 0);
+  CHECK(pressed(far, "displacement: 10 mm").get("contacts") == 0);
 }
 
 TEST_CASE("a press by strain goes by the height of all bodies", "[press]") {

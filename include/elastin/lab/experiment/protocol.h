@@ -82,6 +82,8 @@ class StaticRig : public Rig {
   /// Moves the positions at rest to where the search for the first equilibrium begins, under the load set last: rest is
   /// no place to begin where stiffness is missing there.
   virtual void shape_start(Positions& /*positions*/) const {}
+  /// Moves, before any load, what goes freely until it touches: friction begins there.
+  virtual void approach(Positions& /*positions*/) const {}
   /// The largest part of the load (0 … 1) that one step may add: a turn beyond it would be taken for a shorter one the
   /// other way round.
   virtual double longest_step() const { return 1; }
