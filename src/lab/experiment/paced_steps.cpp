@@ -29,7 +29,8 @@ PacedSteps::PacedSteps(Integrator& integrator, const Scheme& scheme, const TimeO
     : integrator_(integrator),
       converged_(make_integrator({"backward_euler", {}, newton})),
       parts_(parts_of(values_of(scheme, options))),
-      seconds_(options.budget) {
+      seconds_(options.budget),
+      name_(scheme->effort) {
   set_effort(std::max(1, static_cast<int>(values_of(scheme, options).at(scheme->effort))));
 }
 
@@ -69,6 +70,7 @@ void PacedSteps::look(Model& model, const State& state, double dt) {
 BudgetReport PacedSteps::report() const {
   BudgetReport report;
   report.budget = seconds_;
+  report.effort = name_;
   if (efforts_.empty()) return report;
   std::vector<int> efforts = efforts_;
   std::vector<double> times = times_;

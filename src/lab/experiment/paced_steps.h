@@ -27,6 +27,7 @@ class PacedSteps {
   std::unique_ptr<Integrator> converged_;
   int parts_;  ///< of a converged step, where the scheme's own goes in parts
   double seconds_;
+  std::string name_;  ///< of what a step takes some of
   int effort_;
   Budget budget_;
   std::vector<int> efforts_;

@@ -274,7 +274,9 @@ class TimedRun {
     if (time.budget && time.budget->late > kLate)
       run_.warnings.push_back(number(100 * time.budget->late, 3) + " % of the steps took longer than their budget of " +
                               number(time.budget->budget, 3) + " s" +
-                              (time.budget->median == 1 ? ", with one sweep each: the body is too large for it" : ""));
+                              (time.budget->median == 1
+                                   ? ", with one of the " + time.budget->effort + " each: the body is too large for it"
+                                   : ""));
     experiment_.read_history(history_, run_.measures);
     for (const auto& [name, value] : run_.curve.back().measures.all())
       if (!std::isfinite(run_.measures.get(name))) run_.measures.set(name, value);

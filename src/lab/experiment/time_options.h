@@ -31,7 +31,8 @@ struct TimeOptions {
 /// How the steps kept their budget.
 struct BudgetReport {
   double budget = 0;                               ///< [s] by the clock
-  int least = 0, median = 0, most = 0;             ///< sweeps or iterations of a step
+  std::string effort;                              ///< what a step takes some of: "sweeps", "iterations", "solves"
+  int least = 0, median = 0, most = 0;             ///< of them in a step
   double median_seconds = 0, longest_seconds = 0;  ///< of a step
   double late = 0;                                 ///< part of the steps that took longer than the budget
   /// Largest distance, at the frames, between where a step's sweeps and backward Euler's balance bring a molecule, and

@@ -243,6 +243,7 @@ void curve_fields(Io& io, Point& point, bool in_time) {
 template <class Io, class Budget>
 void budget_fields(Io& io, Budget& budget) {
   io.field("budget", budget.budget);
+  io.field("effort", budget.effort);
   io.field("least", budget.least);
   io.field("median", budget.median);
   io.field("most", budget.most);

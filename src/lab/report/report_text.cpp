@@ -56,10 +56,9 @@ std::string time_text(const TimeReport& time) {
   if (time.budget) {
     const BudgetReport& own = *time.budget;
     out += fmt::format(
-        "  budget of {}: {} to {} sweeps a step (median {}) in {} at the median, {} at most, {:.2g} % later; they "
-        "leave "
-        "molecules up to {} off where a step moves them by {}\n",
-        readable_seconds(own.budget), own.least, own.most, own.median, readable_seconds(own.median_seconds),
+        "  budget of {}: {} to {} {} a step (median {}) in {} at the median, {} at most, {:.2g} % later; they "
+        "leave molecules up to {} off where a step moves them by {}\n",
+        readable_seconds(own.budget), own.least, own.most, own.effort, own.median, readable_seconds(own.median_seconds),
         readable_seconds(own.longest_seconds), 100 * own.late, readable(own.iteration_error, dimension::length, 3),
         readable(own.motion, dimension::length, 3));
   }

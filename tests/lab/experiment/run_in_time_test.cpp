@@ -373,6 +373,7 @@ TEST_CASE("a budget gives each step the sweeps that it leaves time for", "[time]
   const Run more = swung("{scheme: block_descent, sweeps: 9}", ", budget: 20 ms");
   REQUIRE(more.time->budget);
   const BudgetReport& found = *more.time->budget;
+  CHECK(found.effort == "sweeps");
   CHECK(found.median > 9);
   CHECK(found.least <= found.median);
   CHECK(found.median <= found.most);
