@@ -22,10 +22,14 @@ constexpr double kDifference = 1e-5;  // of a number, over which the law is comp
 constexpr double kSameLeast = 1e-2;   // relative difference of sums of squares that are near the same least
 constexpr double kRough = 1e-4;       // relative change of squares at which one of several searches ends
 constexpr int kRoughIterations = 60;
-constexpr double kLeaning = 1e-2;  // cosine of residuals and a slope beyond which it is no least
-constexpr double kExact = 1e-7;    // rms below which residuals are rounding, of equilibria too
-constexpr double kFlat = 1e7;      // condition beyond which rounding of the residuals decides
-constexpr int kMostDraws = 60;     // of random numbers until a law admits them
+constexpr double kLeaning = 1e-2;                   // cosine of residuals and a slope beyond which it is no least
+constexpr double kExact = 1e-7;                     // rms below which residuals are rounding, of equilibria too
+constexpr double kRoughness = 1e-3;                 // of the rms, unbalanced forces that a search can do with,
+constexpr double kRoughest = 1e-5, kFinest = 1e-9;  // within these
+constexpr double kInsignificant = 1e-6;  // of the scatter's square, a gain: numbers move by 1/1000 of their deviations
+constexpr double kFlat = 1e7;            // condition beyond which rounding of the residuals decides
+constexpr double kGauss = 1e8;           // radius of the first step that leaves it nearly that of Gauss and Newton
+constexpr int kMostDraws = 60;           // of random numbers until a law admits them
 
 VectorX starts_of(const std::vector<MaterialNumber>& unknowns) {
   VectorX values(static_cast<Eigen::Index>(unknowns.size()));
@@ -94,8 +98,9 @@ class Residuals {
   /// As the search sees them.
   bool evaluate(const VectorX& z, VectorX& residuals, MatrixX* jacobian) {
     try {
-      if (!try_evaluate(scaling.values(z), residuals, jacobian)) return false;
+      if (!try_evaluate(scaling.values(z), residuals, jacobian, rough ? accuracy_ : 0)) return false;
       if (jacobian) *jacobian *= scaling.slopes(z).asDiagonal();
+      if (rough) judge(residuals, jacobian);
       return true;
     } catch (...) {  // not through the solver's library
       thrown = std::current_exception();
@@ -104,9 +109,11 @@ class Residuals {
   }
 
   /// By the unknowns themselves.
-  bool try_evaluate(const VectorX& values, VectorX& residuals, MatrixX* jacobian) {
-    const auto tested = material_at(values, jacobian != nullptr);
+  /// @param accuracy see TestedMaterial
+  bool try_evaluate(const VectorX& values, VectorX& residuals, MatrixX* jacobian, double accuracy = 0) {
+    auto tested = material_at(values, jacobian != nullptr);
     if (!tested) return false;
+    tested->accuracy = accuracy;
     residuals.resize(count);
     if (jacobian) jacobian->resize(count, values.size());
     Eigen::Index row = 0;
@@ -144,14 +151,29 @@ class Residuals {
     }
   }
 
+  /// Whether the last slopes promise so little that no step is worth its equilibria.
+  bool settled() const { return settled_; }
+
   Eigen::Index count = 0;
+  bool rough = false;  ///< whether values may be as rough as the residuals allow, and a search ends where it is settled
   Scaling scaling;
   std::string why;
   std::exception_ptr thrown;
 
  private:
+  void judge(const VectorX& residuals, const MatrixX* jacobian) {
+    const double squares = residuals.squaredNorm(), rms = std::sqrt(squares / static_cast<double>(count));
+    accuracy_ = std::clamp(kRoughness * rms, kFinest, kRoughest);
+    if (!jacobian) return;
+    const double gain = (*jacobian * least_squares(*jacobian, residuals)).squaredNorm();
+    const double scatter = (squares - gain) / static_cast<double>(std::max<Eigen::Index>(count - jacobian->cols(), 1));
+    settled_ = rms < kExact || gain < kInsignificant * scatter;
+  }
+
   const UnknownMaterial& unknown_;
   std::vector<WeightedTest>& tests_;
+  double accuracy_ = kRoughest;
+  bool settled_ = false;
 };
 
 LeastSquaresProblem problem_of(Residuals& residuals, const FitOptions& options) {
@@ -162,6 +184,11 @@ LeastSquaresProblem problem_of(Residuals& residuals, const FitOptions& options) 
     return residuals.evaluate(scaled, r, J);
   };
   problem.stop = options.stop;
+  if (options.rough) {
+    residuals.rough = true;
+    problem.enough = [&residuals] { return residuals.settled(); };
+    problem.first_radius = kGauss;
+  }
   return problem;
 }
 

@@ -63,6 +63,9 @@ struct FitOptions {
   int starts = 8;
   double tolerance = 1e-13;  ///< relative change of Σ r² at which the search for the best ends
   bool keep_signs = false;   ///< whether no number may pass through 0: searched by their logarithms
+  /// Whether equilibria are dear: they are as rough as the residuals allow, and the search ends where a step would move
+  /// the numbers by less than a thousandth of their deviations.
+  bool rough = false;
   std::function<void(const std::string& doing)> progress = {};  ///< may be empty
   std::function<bool()> stop = {};                              ///< may be empty
   /// An earlier end of the same searches: of one that converged nothing is searched again, another is where the first

@@ -303,6 +303,7 @@ Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const Iden
                                 [](const auto& test) { return !test.kind->homogeneous && !test.kind->in_time; });
   FitOptions options;
   options.starts = task.starts > 0 ? task.starts : slow ? 1 : 8;
+  options.rough = slow;
   options.progress = request.progress, options.stop = request.stop;
   const std::string content = request.journal ? content_of(task, request) : "";
   std::vector<Fitted> all;

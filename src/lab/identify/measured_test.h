@@ -22,6 +22,7 @@ struct TestedMaterial {
   std::vector<TrialChange> changes;  ///< one a number; none: no slopes are wanted
   /// These numbers by name, SI, in the order of `changes`; none: nobody says.
   std::vector<std::pair<std::string, double>> numbers = {};
+  double accuracy = 0;  ///< unbalanced force that does, over loads and reactions; 0: as its scene says
 };
 
 /// A test that predicts its measured points for any material.

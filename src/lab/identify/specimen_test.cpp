@@ -6,7 +6,7 @@
 #include <map>
 #include <numeric>
 
-#include "elastin/core/forces/tangent.h"
+#include "core/solve/responses.h"
 #include "lab/experiment/load_path.h"
 #include "lab/experiment/repeated_curve.h"
 #include "lab/identify/measured_test.h"
@@ -15,8 +15,9 @@
 namespace elastin::lab {
 namespace {
 
-constexpr double kNear = 0.2;        // of the way from rest: within it equilibria are foreseen
-constexpr double kAgreement = 1e-6;  // of what the scene prescribes with what was measured
+constexpr double kNear = 0.2;         // of the way from rest: within it equilibria are foreseen
+constexpr double kRoughSlope = 1e-5;  // unbalanced force of a slope, on the way of a search
+constexpr double kAgreement = 1e-6;   // of what the scene prescribes with what was measured
 
 /// What the specimen keeps of its own material: all that no law has.
 Material on_specimen(Material material, const Material& own) {
@@ -110,6 +111,10 @@ class SpecimenTest final : public MeasuredTest {
     Prediction result{VectorX::Zero(data_.y.size()),
                       MatrixX::Zero(data_.y.size(), static_cast<Eigen::Index>(tested.changes.size()))};
     const Start start = start_at(own);
+    const double tolerance = std::max(options_.statics.tolerance, tested.accuracy);
+    // Differences of forces are known to some 1e-10; a search on its way can do with less.
+    const double slope_tolerance = std::max(tolerance, tested.accuracy > 0 ? kRoughSlope : 1e-8);
+    curve_->set_tolerance(tolerance);
     const auto visit = [&](std::size_t step, const State& state, StaticResult& solved) {
       const Measures measures = rig.measure(start, state, options_.statics, solved);
       const Eigen::Index point = order_[step];
@@ -120,11 +125,15 @@ class SpecimenTest final : public MeasuredTest {
                          "; the data must be over what the scene prescribes");
       result.values[point] = response;
       reached_[step].way = (state.positions - start.positions).norm();
+      if (changed.empty()) return std::isfinite(response);
+      const State still{state.positions,
+                        own.feels_velocity() ? Positions(Positions::Zero(3, state.positions.cols())) : Positions()};
+      Responses responses(own, still, options_.statics);
       for (std::size_t change = 0; change < changed.size(); ++change) {
         for (const HeldModel& other : changed[change])
           set_load(*other.model, *other.rig->at_rest(), curve_->factor(step));
-        const auto slope = slope_of(own, rig, start, state, solved, changed[change], tested.changes[change],
-                                    motion_of(step, change, tested));
+        const auto slope = slope_of(own, rig, start, state, solved, changed[change], tested.changes[change], responses,
+                                    slope_tolerance, motion_of(step, change, tested));
         if (!slope) {
           why_ = "the stiffness at an equilibrium could not be solved";
           return false;
@@ -194,19 +203,18 @@ class SpecimenTest final : public MeasuredTest {
   }
 
   /// K dx = forces, from a dx of about here; none: from 0. What that leaves may be rounding alone.
-  static StaticResponse response_to(Model& own, const State& state, const Positions& forces, StaticOptions options,
+  static StaticResponse response_to(const Model& own, Responses& responses, const Positions& forces, double tolerance,
                                     const Positions& about) {
     const Positions still = Positions::Zero(3, forces.cols());
     Positions missing = still;
-    if (about.size() > 0) Tangent(own, state).apply(about, missing);
+    if (about.size() > 0) responses.tangent().apply(about, missing);
     missing = forces - missing;
     const double left = free_norm(own, missing), whole = free_norm(own, forces);
-    if (about.size() == 0 || !(left < whole)) return static_response(own, state.positions, forces, still, options);
+    if (about.size() == 0 || !(left < whole)) return responses.to(forces, still, tolerance);
     StaticResponse response;
     response.motion = still;
-    if (left > options.tolerance * whole) {
-      options.tolerance = std::min(options.tolerance * whole / left, 0.1);
-      response = static_response(own, state.positions, missing, still, options);
+    if (left > tolerance * whole) {
+      response = responses.to(missing, still, std::min(tolerance * whole / left, 0.1));
     } else {
       response.result.reactions = Positions(3, static_cast<Eigen::Index>(own.supports.size()));
       for (std::size_t i = 0; i < own.supports.size(); ++i) {
@@ -232,9 +240,10 @@ class SpecimenTest final : public MeasuredTest {
   /// ∂f/∂θ at the positions kept, then K dx = ∂f/∂θ, then the measure at both sides along dx, and what the number makes
   /// of the measure itself.
   /// @param motion dx of about here, from which the solve begins; then that of here
-  std::optional<double> slope_of(Model& own, const StaticRig& rig, const Start& start, const State& state,
+  std::optional<double> slope_of(const Model& own, const StaticRig& rig, const Start& start, const State& state,
                                  const StaticResult& solved, const std::vector<HeldModel>& models,
-                                 const TrialChange& change, Positions& motion) const {
+                                 const TrialChange& change, Responses& responses, double tolerance,
+                                 Positions& motion) const {
     if (models.empty()) return std::nullopt;
     Positions forces = Positions::Zero(3, state.positions.cols());
     double slope = 0;
@@ -248,9 +257,7 @@ class SpecimenTest final : public MeasuredTest {
       slope += change.weights[i] * other.measure(start, state, options_.statics, same).get(up_);
     }
     leave_out_rounding(own, forces);
-    StaticOptions options = options_.statics;
-    options.tolerance = std::max(options.tolerance, 1e-8);  // differences of forces are known to some 1e-10
-    const auto response = response_to(own, state, forces, options, motion);
+    const auto response = response_to(own, responses, forces, tolerance, motion);
     if (response.result.outcome != Outcome::converged) return std::nullopt;
     motion = response.motion;
     const double step = 0.5 / std::abs(change.weights.front());

@@ -170,8 +170,7 @@ IdentifyTask load_identify_task(const std::string& path, const Catalog& catalog,
   Reader material = reader.at("material");
   task.material = read_material(material, catalog.material_laws);
   if (!task.material.law) task.curve = read_curve_numbers(material);
-  for (const char* key : {"spring_curve", "bending", "fibre", "active", "around", "softening", "fields"})
-    if (const auto value = material.find(key)) task.kept += std::string("  ") + key + ": " + value->line() + "\n";
+  task.kept = read_kept(material, std::filesystem::path(path).parent_path().string());
   task.plain = material.plain();
   read_identify(reader.at("identify"), task);
   if (has_body)  // the rest is the specimen's
