@@ -13,6 +13,14 @@ void need_law(const DataTest& test, const MaterialLaw* row) {
         "ones alone");
 }
 
+/// What a material has beside its law is in no closed form.
+void need_law_alone(const DataTest& test, const Material& material) {
+  if (material.fibre || material.active)
+    test.fail(std::string("a homogeneous test knows the law alone; the material's `") +
+              (material.fibre ? "fibre" : "active") +
+              "` would be left out: write kind: specimen with its body, or a law with fibres of its own");
+}
+
 class HomogeneousDataTest final : public MeasuredTest {
  public:
   HomogeneousDataTest(MeasuredData data, HomogeneousTest test, const Matrix3& axes)
@@ -114,6 +122,7 @@ std::unique_ptr<MeasuredTest> make_homogeneous_test(const DataTest& test, const 
                                                     const Material& material) {
   const bool of_curve = !row && material.curve && test.kind->homogeneous == HomogeneousTest::uniaxial;
   if (!of_curve) need_law(test, row);
+  need_law_alone(test, material);
   const MeasuredData read = load_data(test);
   if (of_curve) {
     if (read.up->name == "true_stress") test.fail("a curve is over the section at rest: give nominal_stress");
@@ -128,7 +137,9 @@ std::unique_ptr<MeasuredTest> make_homogeneous_test(const DataTest& test, const 
 std::unique_ptr<MeasuredTest> make_relaxation_test(const DataTest& test, const MaterialLaw* row,
                                                    const Material& material) {
   need_law(test, row);
-  if (!material.relaxation) test.fail("needs `relaxation` with its terms in the material: where the search begins");
+  need_law_alone(test, material);
+  if (!material.relaxation || material.relaxation->terms.empty())
+    test.fail("needs `relaxation` with its terms in the material: where the search begins");
   return std::make_unique<RelaxationTest>(as_strain_and_stress(test, load_data(test)), test,
                                           axes_of_law(*row, material));
 }

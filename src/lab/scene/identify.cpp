@@ -1,5 +1,6 @@
 #include "lab/scene/identify.h"
 
+#include <cctype>
 #include <filesystem>
 
 #include "lab/scene/parts.h"
@@ -11,6 +12,23 @@ namespace {
 LaterQuantity later(const std::optional<Reader>& reader) {
   if (!reader) return {};
   return [reader = *reader](const Dimension& unit) { return reader.quantity(unit); };
+}
+
+/// Whether a value, or one below it, is a number with its unit.
+bool has_units(const Reader& reader) {
+  if (reader.is_map()) {
+    for (const auto& [key, value] : reader.entries())
+      if (key != "title" && has_units(value)) return true;
+    return false;
+  }
+  if (!reader.is_text()) {
+    for (const Reader& item : reader.items())
+      if (has_units(item)) return true;
+    return false;
+  }
+  const std::string text = reader.text();
+  const auto starts = [](unsigned char c) { return std::isdigit(c) || c == '-' || c == '+' || c == '.'; };
+  return !text.empty() && starts(text.front()) && std::isalpha(static_cast<unsigned char>(text.back()));
 }
 
 std::function<void(const std::string&)> failure_at(const Reader& reader) {
@@ -171,8 +189,8 @@ IdentifyTask load_identify_task(const std::string& path, const Catalog& catalog,
   task.material = read_material(material, catalog.material_laws);
   if (!task.material.law) task.curve = read_curve_numbers(material);
   task.kept = read_kept(material, std::filesystem::path(path).parent_path().string());
-  task.plain = material.plain();
   read_identify(reader.at("identify"), task);
+  task.plain = reader.plain() || (has_body && !has_units(reader));
   if (has_body)  // the rest is the specimen's
     load_scene(path, catalog, overrides);
   else

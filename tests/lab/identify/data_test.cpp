@@ -17,12 +17,12 @@ struct Broken {
   std::string what, text;
   int line;            ///< of the data file; 0: the place is in the scene
   std::string needed;  ///< words of the message
-  std::string kind = "uniaxial", more = "";
+  std::string kind = "uniaxial", more = "", material = "";
 };
 
 std::string scene_of(const Broken& broken) {
-  return "material: {law: yeoh, terms: [1 kPa]}\nidentify:\n  tests: [{kind: " + broken.kind + ", file: data.csv" +
-         broken.more + "}]\n";
+  return "material: {law: yeoh, terms: [1 kPa]" + broken.material + "}\nidentify:\n  tests: [{kind: " + broken.kind +
+         ", file: data.csv" + broken.more + "}]\n";
 }
 
 std::string message_of(const std::string& scene) {
@@ -68,6 +68,8 @@ const std::vector<Broken> kBroken{
      "write residuals: absolute"},
     {"another test's column", "shear,nominal_stress [kPa]\n0.1,0.5\n0.2,1\n", 1, "'shear' does not"},
     {"no section", "stretch,force [N]\n1.1,0.5\n1.2,1\n", 0, "key 'cross_section' is missing"},
+    {"fibres beside a law", kGood, 0, "the material's `fibre` would be left out", "uniaxial", "",
+     ", fibre: {direction: z, youngs_modulus: 1 kPa}"},
     {"no rows of that name", kGood, 1, "no column 'region'", "uniaxial", ", rows: {region: cortex}"},
     {"range without points", kGood, 0, "between `from` and `to`", "uniaxial", ", from: 2"},
     {"no such head", kGood, 0, "has no column 'Load'", "uniaxial", ", columns: {Load: 'force [N]'}"},
