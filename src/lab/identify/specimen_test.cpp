@@ -28,8 +28,13 @@ Material on_specimen(Material material, const Material& own) {
 
 class SpecimenTest final : public MeasuredTest {
  public:
-  SpecimenTest(const DataTest& test, MeasuredData data, std::unique_ptr<Scene> scene, const StrategyChoice& choice)
-      : MeasuredTest(std::move(data)), scene_(std::move(scene)), choice_(choice), own_(scene_->specimen.material) {
+  SpecimenTest(const DataTest& test, MeasuredData data, std::unique_ptr<Scene> scene, const StrategyChoice& choice,
+               const Catalog& catalog)
+      : MeasuredTest(std::move(data)),
+        catalog_(catalog),
+        scene_(std::move(scene)),
+        choice_(choice),
+        own_(scene_->specimen.material) {
     protocol_ = scene_->experiment->at_rest();
     if (!protocol_) test.fail("scene: " + scene_->path + " runs in time; identification needs an experiment at rest");
     if (scene_->statics.linear)
@@ -75,18 +80,19 @@ class SpecimenTest final : public MeasuredTest {
 
   std::vector<std::pair<std::string, std::string>> scene_keys(const Trial& trial, bool plain) const override {
     std::vector<std::pair<std::string, std::string>> keys;
-    ParameterValues values = choice_.values;
+    const StrategyChoice choice = choice_for(trial);
+    ParameterValues values = choice.values;
     for (const auto& [name, value] : trial.rule) values[name] = value;
-    const bool stated = choice_.label == scene_->stiffness.label && !choice_.values.empty();
-    std::string text = choice_.label;
-    for (const ParameterInfo& info : choice_.strategy.parameters) {
+    const bool stated = choice.label == scene_->stiffness.label && !choice.values.empty();
+    std::string text = choice.label;
+    for (const ParameterInfo& info : choice.strategy.parameters) {
       const auto found = values.find(info.name);
       if (found == values.end()) continue;
       const std::string value = quantity_text(found->second, info.unit, plain);
       text += ", " + info.name + ": " + value;
       if (stated) keys.emplace_back("stiffness." + info.name, value);
     }
-    if (!stated && (!trial.rule.empty() || choice_.label != scene_->stiffness.label))
+    if (!stated && (!trial.rule.empty() || choice.label != scene_->stiffness.label))
       keys.emplace_back("stiffness", values.empty() ? text : "{strategy: " + text + "}");
     if (trial.friction) keys.emplace_back("contact.friction", fmt::format("{:.9g}", *trial.friction));
     return keys;
@@ -178,20 +184,39 @@ class SpecimenTest final : public MeasuredTest {
     return {scene_->specimen.body.rest, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
   }
 
+  /// The strategy for this material: the scene's, and where that is a cell law and the material has another law, that.
+  StrategyChoice choice_for(const Trial& trial) const {
+    const auto& tried = trial.material.law;
+    if (!tried || choice_.strategy.kind != StrategyKind::cell_law || (own_.law && own_.law->law == tried->law))
+      return choice_;
+    std::string label = choice_.label;
+    const std::string own = label.substr(0, label.find('+'));
+    label.replace(0, own.size(), tried->law + (own.ends_with("_membrane") ? "_membrane" : ""));
+    return choose_strategy(*scene_, catalog_, label);
+  }
+
   /// The specimen with what is tried in the place of its own; contact that follows from the modulus follows it.
   std::optional<HeldModel> model(const Trial& trial) {
     Specimen& specimen = scene_->specimen;
     specimen.material = on_specimen(trial.material, own_);
-    StrategyChoice choice = choice_;
-    for (const auto& [name, value] : trial.rule) choice.values[name] = value;
     const auto contact = specimen.contact;
     if (contact && trial.friction) specimen.contact->friction = *trial.friction;
     if (follows_modulus_)
       specimen.contact->stiffness = contact::default_contact_stiffness(specimen.body, specimen.material.youngs_modulus);
-    Run run;
-    auto held = make_model(specimen, *protocol_, choice, options_, run);
+    std::optional<HeldModel> held;
+    try {
+      StrategyChoice choice = choice_for(trial);
+      for (const auto& [name, value] : trial.rule) choice.values[name] = value;
+      Run run;
+      if (choice.label != choice_.label)
+        if (const std::string reason = unsuited(specimen, *protocol_, choice); !reason.empty())
+          run.cause = choice.label + " " + reason;
+      if (run.cause.empty()) held = make_model(specimen, *protocol_, choice, options_, run);
+      if (!held) why_ = run.cause;
+    } catch (const InputError& error) {
+      why_ = error.what();
+    }
     specimen.material = own_, specimen.contact = contact;
-    if (!held) why_ = run.cause;
     return held;
   }
 
@@ -356,6 +381,7 @@ class SpecimenTest final : public MeasuredTest {
     data_ = std::move(kept);
   }
 
+  const Catalog& catalog_;
   std::unique_ptr<Scene> scene_;
   StrategyChoice choice_;
   Material own_;
@@ -385,7 +411,7 @@ std::unique_ptr<MeasuredTest> make_specimen_test(const DataTest& test, const Cat
   MeasuredData data = load_data(test);
   auto scene = load_scene(test.scene, catalog, overrides);
   const StrategyChoice choice = strategy.empty() ? scene->stiffness : choose_strategy(*scene, catalog, strategy);
-  return std::make_unique<SpecimenTest>(test, std::move(data), std::move(scene), choice);
+  return std::make_unique<SpecimenTest>(test, std::move(data), std::move(scene), choice, catalog);
 }
 
 }  // namespace elastin::lab

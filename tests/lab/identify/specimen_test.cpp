@@ -1,5 +1,7 @@
 // Specimens in their grips, relaxation, and springs fitted to the same curve.
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -113,6 +115,40 @@ TEST_CASE("springs are fitted to the same curve as the solid", "[identify]") {
   CHECK(answers[0].numbers.front().value == Approx(30e3).epsilon(0.05));
   CHECK(answers[2].numbers.front().value == Approx(answers[0].numbers.front().value).epsilon(0.05));
   CHECK(answers[1].numbers.front().value / answers[2].numbers.front().value == Approx(1 / 0.916).epsilon(0.02));
+}
+
+TEST_CASE("another law than the scene's is fitted to a specimen as that law's cells", "[identify]") {
+  const TemporaryFolder folder;
+  const auto scene = [&](const std::string& material, const std::string& stiffness) {
+    return folder.write("scene.yaml",
+                        "body: {tetrahedra: {kind: kuhn, cubes: [2, 2, 3], size: [8 mm, 8 mm, 12 mm]}}\nmaterial: " +
+                            material + "\nstiffness: " + stiffness +
+                            "\nexperiment: {kind: tension, axis: z, displacement: 9 mm, fixed_grip: clamped, "
+                            "loaded_grip: clamped}\nidentify: {tests: [{kind: specimen, file: data.csv}]}\n");
+  };
+  folder.write("data.csv", "displacement [mm],force [N]\n1.5,1\n3,2\n4.5,3\n6,4\n7.5,5\n9,6\n");
+  const std::string path = scene("{law: yeoh, terms: [500 Pa, 300 Pa], bulk_modulus: 8 kPa}", "yeoh");
+  const IdentifyTask task = load_identify_task(path, kCatalog);
+  const auto row = kCatalog.material_laws.find("yeoh");
+  const auto made = make_measured_test(task.tests.front(), kCatalog, row.get(), task.material, {})
+                        ->predict({row.get(), task.material, {}});
+  REQUIRE(made.has_value());
+  std::string data = "displacement [mm],force [N]\n";
+  for (int i = 0; i < 6; ++i) data += fmt::format("{},{:.12g}\n", 1.5 * (i + 1), made->values[i]);
+  folder.write("data.csv", data);
+  for (const auto& [material, stiffness] :
+       {std::pair{"{law: mooney_rivlin, c1: 1 kPa, c2: 0.2 kPa, bulk_modulus: 8 kPa}", "mooney_rivlin"},
+        std::pair{"{youngs_modulus: 2.82352941 kPa, poissons_ratio: 0.441176471}", "neo_hookean"}}) {
+    const Answer answer = identify(scene(material, stiffness), kCatalog, {.laws = "yeoh/1,yeoh/2"}).front();
+    INFO(answer.cause);
+    REQUIRE(answer.laws.size() == 2);
+    CHECK(answer.laws.front().label == "yeoh/2");
+    REQUIRE(answer.numbers.size() == 2);
+    CHECK(answer.numbers[0].value == Approx(500).epsilon(1e-4));
+    CHECK(answer.numbers[1].value == Approx(300).epsilon(1e-4));
+    REQUIRE(answer.keys.size() == 1);
+    CHECK(answer.keys.front() == std::pair<std::string, std::string>{"stiffness", "yeoh"});
+  }
 }
 
 TEST_CASE("a search that does with rough equilibria ends where the exact one does, to a hundredth of the deviations",
