@@ -191,6 +191,10 @@ IdentifyTask load_identify_task(const std::string& path, const Catalog& catalog,
   task.kept = read_kept(material, std::filesystem::path(path).parent_path().string());
   read_identify(reader.at("identify"), task);
   task.plain = reader.plain() || (has_body && !has_units(reader));
+  for (const DataTest& test : task.tests)
+    if (!has_body && test.scene == path)
+      test.fail(
+          "a specimen needs its body, stiffness and experiment: state them in this scene, or name one by `scene`");
   if (has_body)  // the rest is the specimen's
     load_scene(path, catalog, overrides);
   else
