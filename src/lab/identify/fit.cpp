@@ -100,7 +100,7 @@ class Residuals {
     try {
       if (!try_evaluate(scaling.values(z), residuals, jacobian, rough ? accuracy_ : 0)) return false;
       if (jacobian) *jacobian *= scaling.slopes(z).asDiagonal();
-      if (rough) judge(residuals, jacobian);
+      if (rough) judge(z, residuals, jacobian);
       return true;
     } catch (...) {  // not through the solver's library
       thrown = std::current_exception();
@@ -161,13 +161,21 @@ class Residuals {
   std::exception_ptr thrown;
 
  private:
-  void judge(const VectorX& residuals, const MatrixX* jacobian) {
+  void judge(const VectorX& z, const VectorX& residuals, const MatrixX* jacobian) {
     const double squares = residuals.squaredNorm(), rms = std::sqrt(squares / static_cast<double>(count));
     accuracy_ = std::clamp(kRoughness * rms, kFinest, kRoughest);
     if (!jacobian) return;
-    const double gain = (*jacobian * least_squares(*jacobian, residuals)).squaredNorm();
-    const double scatter = (squares - gain) / static_cast<double>(std::max<Eigen::Index>(count - jacobian->cols(), 1));
-    settled_ = rms < kExact || gain < kInsignificant * scatter;
+    MatrixX free(count, jacobian->cols());  // what no bound blocks
+    Eigen::Index columns = 0;
+    for (Eigen::Index i = 0; i < jacobian->cols(); ++i) {
+      const double fall = -jacobian->col(i).dot(residuals), near = 1e-7 * std::max(1., std::abs(z[i]));
+      const bool blocked = (z[i] < scaling.low[i] + near && fall < 0) || (z[i] > scaling.high[i] - near && fall > 0);
+      if (!blocked) free.col(columns++) = jacobian->col(i);
+    }
+    free.conservativeResize(Eigen::NoChange, columns);
+    const double gain = columns > 0 ? (free * least_squares(free, residuals)).squaredNorm() : 0;
+    const double scatter = (squares - gain) / static_cast<double>(std::max<Eigen::Index>(count - columns, 1));
+    settled_ = rms < kExact || gain <= kInsignificant * scatter;
   }
 
   const UnknownMaterial& unknown_;
@@ -263,7 +271,10 @@ SearchEnd searched(const UnknownMaterial& unknown, Residuals& residuals, const F
   const auto begin = std::chrono::steady_clock::now();
   LeastSquaresProblem problem = problem_of(residuals, options);
   const bool several = options.starts > 1;
-  problem.tolerance = several ? kRough : options.tolerance;
+  if (options.rough) problem.iterations = kRoughIterations;
+  const int last_iterations = problem.iterations;
+  const double last_tolerance = options.rough ? std::max(options.tolerance, kInsignificant) : options.tolerance;
+  problem.tolerance = several ? kRough : last_tolerance;
   if (several) problem.iterations = kRoughIterations;
   std::mt19937_64 generator(20);
   SearchEnd end;
@@ -293,7 +304,7 @@ SearchEnd searched(const UnknownMaterial& unknown, Residuals& residuals, const F
     if (!best.usable || found.squares < best.squares) best = found;
   }
   if (best.usable && several) {
-    problem.tolerance = options.tolerance, problem.iterations = LeastSquaresProblem{}.iterations;
+    problem.tolerance = last_tolerance, problem.iterations = last_iterations;
     const LeastSquaresResult last = search(best.unknowns, "the best search to its end");
     if (last.usable) best = last;
   }

@@ -367,7 +367,19 @@ std::vector<Answer> identify(const std::string& scene, const Catalog& catalog, c
   std::vector<Answer> answers;
   std::vector<std::string> strategies = words_of(request.strategies);
   if (strategies.empty()) strategies.emplace_back();
-  for (const std::string& strategy : strategies) answers.push_back(identify_one(task, catalog, request, strategy));
+  std::optional<InputError> unsuited;  // of several strategies one may be, and its row says so
+  bool any = false;
+  for (const std::string& strategy : strategies) {
+    try {
+      answers.push_back(identify_one(task, catalog, request, strategy));
+      any = true;
+    } catch (const InputError& error) {
+      unsuited = error;
+      Answer& answer = answers.emplace_back();
+      answer.scene = task.name, answer.title = task.title, answer.strategy = strategy, answer.cause = error.what();
+    }
+  }
+  if (unsuited && !any) throw *unsuited;
   return answers;
 }
 

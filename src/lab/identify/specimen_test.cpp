@@ -128,7 +128,8 @@ class SpecimenTest final : public MeasuredTest {
       if (std::abs(at - data_.x[point]) > kAgreement * std::abs(whole_))
         throw InputError(scene_->path + ": shows " + along_ + " " + fmt::format("{:.6g}", at) +
                          " at the load that should give " + fmt::format("{:.6g}", data_.x[point]) +
-                         "; the data must be over what the scene prescribes");
+                         "; the data must be over what the scene prescribes, which is the file's first column of what "
+                         "is known: are its columns the other way round?");
       result.values[point] = response;
       reached_[step].way = (state.positions - start.positions).norm();
       if (changed.empty()) return std::isfinite(response);
@@ -333,7 +334,9 @@ class SpecimenTest final : public MeasuredTest {
       shown = rig.measure(start, state, small, solved);
       along_ = measure_of(*data_.along, shown), up_ = measure_of(*data_.up, shown);
       for (const auto& [name, quantity] : {std::pair{along_, data_.along}, std::pair{up_, data_.up}})
-        if (name.empty()) test.fail("scene: it shows no " + quantity->name + "; the data have one");
+        if (name.empty())
+          test.fail("scene: it shows no " + quantity->name + "; the data have one, and it shows " + shown_in(shown));
+      check_sign(shown.get(up_));
     }
     whole_ = shown.get(along_);
     leave_out_rest();
@@ -344,6 +347,12 @@ class SpecimenTest final : public MeasuredTest {
     std::vector<double> factors;
     for (const Eigen::Index point : order_) {
       const double part = data_.x[point] / whole_;
+      if (part < 0)
+        throw InputError(
+            SourceLocation{data_.file, data_.lines[static_cast<std::size_t>(point)]},
+            fmt::format("{} of {:.6g} has the other sign than what {} prescribes, {:.6g} (SI); of compression both "
+                        "displacement and force are negative",
+                        data_.along->name, data_.x[point], scene_->path, whole_));
       if (part < 0 || part > 1 + kAgreement)
         throw InputError(
             SourceLocation{data_.file, data_.lines[static_cast<std::size_t>(point)]},
@@ -354,6 +363,26 @@ class SpecimenTest final : public MeasuredTest {
                               : std::min(part, 1.));
     }
     return factors;
+  }
+
+  /// What data may have of this scene.
+  static std::string shown_in(const Measures& shown) {
+    std::string names;
+    for (const DataQuantity& quantity : data_quantities())
+      if (!measure_of(quantity, shown).empty()) names += (names.empty() ? "" : ", ") + quantity.name;
+    return names;
+  }
+
+  /// @param response of small displacements to the whole load
+  void check_sign(double response) const {
+    Eigen::Index last = 0;
+    data_.x.cwiseAbs().maxCoeff(&last);
+    if (data_.y[last] * response >= 0) return;
+    throw InputError(
+        SourceLocation{data_.file, data_.lines[static_cast<std::size_t>(last)]},
+        fmt::format("{} of {:.6g} (SI) has the other sign than the specimen's: of tension displacement and "
+                    "force are positive, of compression both negative",
+                    data_.up->name, data_.y[last]));
   }
 
   /// Where a function that rises from 0 to 1 has a value: at that value itself, if it is straight.
@@ -367,13 +396,22 @@ class SpecimenTest final : public MeasuredTest {
     return middle;
   }
 
-  /// At rest there is nothing to be measured.
+  /// At rest there is nothing to be measured but an offset.
   void leave_out_rest() {
+    constexpr double offset = 0.01;  // of the largest value, beyond which it is none of the scatter
     MeasuredData kept = data_;
     kept.lines.clear();
     Eigen::Index count = 0;
     for (Eigen::Index i = 0; i < data_.x.size(); ++i) {
-      if (data_.x[i] == 0) continue;
+      if (data_.x[i] == 0) {
+        if (std::abs(data_.y[i]) > offset * data_.y.cwiseAbs().maxCoeff())
+          throw InputError(
+              SourceLocation{data_.file, data_.lines[static_cast<std::size_t>(i)]},
+              fmt::format("{} is {:.6g} (SI) at rest, where it is 0: subtract that from all rows, or leave "
+                          "this one out",
+                          data_.up->name, data_.y[i]));
+        continue;
+      }
       kept.x[count] = data_.x[i], kept.y[count++] = data_.y[i];
       kept.lines.push_back(data_.lines[static_cast<std::size_t>(i)]);
     }

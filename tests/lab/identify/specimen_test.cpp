@@ -115,6 +115,33 @@ TEST_CASE("springs are fitted to the same curve as the solid", "[identify]") {
   CHECK(answers[0].numbers.front().value == Approx(30e3).epsilon(0.05));
   CHECK(answers[2].numbers.front().value == Approx(answers[0].numbers.front().value).epsilon(0.05));
   CHECK(answers[1].numbers.front().value / answers[2].numbers.front().value == Approx(1 / 0.916).epsilon(0.02));
+  // One that is unsuited does not take the others away.
+  const auto some = identify(scene, kCatalog, {.strategies = "lattice,neo_hookean"});
+  REQUIRE(some.size() == 2);
+  CHECK(some[0].outcome == FitOutcome::failed);
+  CHECK(some[0].cause.find("needs a simple cubic lattice") != std::string::npos);
+  CHECK(strategies_text(some, false).find("needs a simple cubic lattice") != std::string::npos);
+  CHECK(some[1].outcome == FitOutcome::converged);
+  CHECK_THROWS_WITH(identify(scene, kCatalog, {.strategies = "lattice"}),
+                    Catch::Matchers::Contains("needs a simple cubic lattice"));
+}
+
+TEST_CASE("a specimen's search that is settled at a bound ends there", "[identify]") {
+  const TemporaryFolder folder;
+  folder.write("data.csv", "displacement [mm],force [N]\n1,0.05\n2,0.1\n");
+  int iterations = 0;
+  const Answer answer =
+      identify(folder.write("scene.yaml",
+                            "body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 4], size: [10 mm, 10 mm, 20 mm]}}\n"
+                            "material: {youngs_modulus: 8 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+                            "experiment: {kind: tension, axis: z, displacement: 2 mm}\nidentify: {unknowns: "
+                            "{youngs_modulus: {high: 10 kPa}}, tests: [{kind: specimen, file: data.csv}]}\n"),
+               kCatalog, {.progress = [&](const std::string&) { ++iterations; }})
+          .front();
+  INFO(answer.cause);
+  CHECK(answer.outcome == FitOutcome::bound_reached);
+  CHECK(answer.numbers.front().value == Approx(10e3));
+  CHECK(iterations < 10);
 }
 
 TEST_CASE("another law than the scene's is fitted to a specimen as that law's cells", "[identify]") {
@@ -203,4 +230,13 @@ TEST_CASE("a specimen whose scene does not prescribe what was measured is refuse
   CHECK(message("angle [deg],torque [N m]\n1,0.1\n2,0.2\n", pulled).find("it shows no angle") != std::string::npos);
   CHECK(message("displacement [mm],force [N]\n0.5,0.1\n1,0.2\n", "{kind: tension, axis: z, force: 1 N}")
             .find("the data must be over what the scene prescribes") != std::string::npos);
+  const std::string pressed = "{kind: compression, axis: z, displacement: 1 mm}";
+  CHECK(message("displacement [mm],force [N]\n0.5,0.1\n1,0.2\n", pressed)
+            .find("data.csv:3: force of 0.2 (SI) has the other sign") != std::string::npos);
+  CHECK(message("displacement [mm],force [N]\n0.5,-0.1\n1,-0.2\n", pressed)
+            .find("data.csv:2: displacement of 0.0005 has the other sign") != std::string::npos);
+  CHECK(message("displacement [mm],force [N]\n0.5,-0.1\n1,-0.2\n", pulled)
+            .find("data.csv:3: force of -0.2 (SI) has the other sign") != std::string::npos);
+  CHECK(message("displacement [mm],force [N]\n0,0.01\n0.5,0.1\n1,0.2\n", pulled)
+            .find("data.csv:2: force is 0.01 (SI) at rest, where it is 0: subtract that") != std::string::npos);
 }
