@@ -345,6 +345,7 @@ const char* name_of(FitOutcome outcome) {
 Fit fit_material(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const FitOptions& options) {
   Residuals residuals(unknown, tests, options.keep_signs);
   Fit fit;
+  fit.rough = options.rough;
   static_cast<SearchEnd&>(fit) =
       options.known && options.known->converged ? *options.known : searched(unknown, residuals, options);
   if (fit.values.size() == 0) {
@@ -363,6 +364,45 @@ Fit fit_material(const UnknownMaterial& unknown, std::vector<WeightedTest>& test
   judge(unknown, fit);
   return fit;
 }
+
+namespace {
+
+/// Σ r² of the others at their least for a value of one unknown, nearly: from where the slopes of the fit foresee them,
+/// less what Gauss's step from there promises; after such a step where that is much.
+std::optional<double> foreseen_squares(const UnknownMaterial& others, std::vector<WeightedTest>& tests, const Fit& fit,
+                                       Eigen::Index at, double value) {
+  constexpr double much = 0.1;  // of Σ r²
+  const Eigen::Index count = fit.values.size();
+  MatrixX slopes(fit.jacobian.rows(), count - 1);
+  VectorX values(count - 1);
+  for (Eigen::Index i = 0, j = 0; i < count; ++i)
+    if (i != at) slopes.col(j) = fit.jacobian.col(i), values[j++] = fit.values[i];
+  const VectorX start = values;
+  const auto go = [&](const VectorX& step) {
+    values += step;
+    for (Eigen::Index i = 0; i < values.size(); ++i) {  // no further than to a tenth, and within its bounds
+      const MaterialNumber& number = others.unknowns[static_cast<std::size_t>(i)];
+      if (values[i] * start[i] < 0.01 * start[i] * start[i]) values[i] = 0.1 * start[i];
+      values[i] = std::clamp(values[i], number.low, number.high);
+    }
+  };
+  go(-least_squares(slopes, fit.jacobian.col(at) * (value - fit.values[at])));
+  Residuals residuals(others, tests, true);
+  std::optional<double> found;
+  for (int step = 0; step < 2; ++step) {
+    VectorX r;
+    MatrixX J;
+    if (!residuals.try_evaluate(values, r, &J, kRoughest)) return found;
+    const VectorX by = least_squares(J, r);
+    const double squares = r.squaredNorm(), gain = (J * by).squaredNorm();
+    found = std::min(found.value_or(squares), squares - (gain < much * squares ? gain : 0));
+    if (gain < much * squares) break;
+    go(-by);
+  }
+  return found;
+}
+
+}  // namespace
 
 std::pair<double, double> profile_interval(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests,
                                            const Fit& fit, const Uncertainty& known, std::size_t number,
@@ -386,6 +426,7 @@ std::pair<double, double> profile_interval(const UnknownMaterial& unknown, std::
     } catch (const InputError&) {
       return std::nullopt;
     }
+    if (fit.rough) return foreseen_squares(others, tests, fit, at, value);
     const Fit found = fit_material(others, tests, once);
     if (found.outcome == FitOutcome::failed) return std::nullopt;
     if (found.squares > most) return found.squares;
@@ -397,8 +438,9 @@ std::pair<double, double> profile_interval(const UnknownMaterial& unknown, std::
     for (std::size_t i = 0; i < others.unknowns.size(); ++i)
       others.unknowns[i].value = fit.values[static_cast<Eigen::Index>(i < number ? i : i + 1)];
     const double step = std::isfinite(known.deviations[at]) ? t * known.deviations[at] : std::abs(fit.values[at]);
-    return profile_end(fit.values[at], side * std::min(step, std::abs(fit.values[at]) / 2), bound, fit.squares, most,
-                       squares);
+    const ProfileEffort effort = fit.rough ? ProfileEffort{2, 0.05} : ProfileEffort{};
+    return profile_end(fit.values[at], side * std::min(step, std::abs(fit.values[at]) * (fit.rough ? 2 : 0.5)), bound,
+                       fit.squares, most, squares, effort);
   };
   return {end(-1, own.low), end(1, own.high)};
 }

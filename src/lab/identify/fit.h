@@ -57,6 +57,7 @@ struct Fit : SearchEnd {
   MatrixX jacobian;                     ///< of them by the unknowns
   std::vector<Prediction> predictions;  ///< of all tests, in their order
   std::vector<std::size_t> at_bound;    ///< unknowns that lie at one
+  bool rough = false;                   ///< as FitOptions
 };
 
 struct FitOptions {
@@ -79,7 +80,8 @@ struct FitOptions {
 Fit fit_material(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const FitOptions& options);
 
 /// The ends of the interval of one unknown by its profile (see profile_end), from a search for the others at each
-/// value.
+/// value; of a rough fit from one of Gauss's steps, or two, about where the slopes foresee the others, and to a
+/// twentieth of the way.
 std::pair<double, double> profile_interval(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests,
                                            const Fit& fit, const Uncertainty& known, std::size_t number,
                                            const std::function<bool()>& stop = {});

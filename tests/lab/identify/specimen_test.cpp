@@ -178,8 +178,10 @@ TEST_CASE("another law than the scene's is fitted to a specimen as that law's ce
   }
 }
 
-TEST_CASE("a search that does with rough equilibria ends where the exact one does, to a hundredth of the deviations",
-          "[identify]") {
+TEST_CASE(
+    "a search that does with rough equilibria ends where the exact one does, to a hundredth of the deviations, and "
+    "so does its profile, to a twentieth of the interval",
+    "[identify]") {
   const TemporaryFolder folder;
   folder.write("data.csv", "displacement [mm],force [mN]\n1,47.3\n2,87.7\n3,124.1\n4,156.2\n5,184.9\n6,211.8\n");
   const IdentifyTask task = load_identify_task(
@@ -193,6 +195,7 @@ TEST_CASE("a search that does with rough equilibria ends where the exact one doe
   UnknownMaterial unknown{"", row.get(), task.material, material_numbers(row.get(), task.material)};
   unknown.unknowns.resize(2);  // c1 and c2
   Fit fits[2];
+  std::pair<double, double> ends[2];
   for (const bool rough : {false, true}) {
     std::vector<WeightedTest> tests;
     tests.push_back(
@@ -202,7 +205,11 @@ TEST_CASE("a search that does with rough equilibria ends where the exact one doe
     fits[rough] = fit_material(unknown, tests, options);
     INFO(fits[rough].cause);
     REQUIRE(fits[rough].outcome == FitOutcome::converged);
+    const Uncertainty known = uncertainty(fits[rough].residuals, fits[rough].jacobian, fits[rough].values);
+    ends[rough] = profile_interval(unknown, tests, fits[rough], known, 0);
   }
+  CHECK(ends[1].first == Approx(ends[0].first).margin(0.05 * (ends[0].second - ends[0].first)));
+  CHECK(ends[1].second == Approx(ends[0].second).margin(0.05 * (ends[0].second - ends[0].first)));
   const Uncertainty known = uncertainty(fits[0].residuals, fits[0].jacobian, fits[0].values);
   for (Eigen::Index i = 0; i < 2; ++i)
     CHECK(std::abs(fits[1].values[i] - fits[0].values[i]) < 0.01 * known.deviations[i]);
