@@ -57,7 +57,7 @@ void apply(const IdentifyRequest& request, IdentifyTask& task) {
 
 bool has_specimen(const IdentifyTask& task) {
   return std::any_of(task.tests.begin(), task.tests.end(),
-                     [](const auto& test) { return !test.kind->homogeneous && !test.kind->in_time; });
+                     [](const auto& test) { return !test.kind->homogeneous && !test.scene.empty(); });
 }
 
 const MaterialLaw* row_of(const Catalog& catalog, const Material& material) {

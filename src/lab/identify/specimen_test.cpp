@@ -124,8 +124,8 @@ class SpecimenTest final : public MeasuredTest {
     const auto visit = [&](std::size_t step, const State& state, StaticResult& solved) {
       const Measures measures = rig.measure(start, state, options_.statics, solved);
       const Eigen::Index point = order_[step];
-      const double at = measures.get(along_), response = measures.get(up_);
-      if (std::abs(at - data_.x[point]) > kAgreement * std::abs(whole_))
+      const double at = data_.along ? measures.get(along_) : data_.x[point], response = measures.get(up_);
+      if (data_.along && std::abs(at - data_.x[point]) > kAgreement * std::abs(whole_))
         throw InputError(scene_->path + ": shows " + along_ + " " + fmt::format("{:.6g}", at) +
                          " at the load that should give " + fmt::format("{:.6g}", data_.x[point]) +
                          "; the data must be over what the scene prescribes, which is the file's first column of what "
@@ -322,8 +322,12 @@ class SpecimenTest final : public MeasuredTest {
       unloaded.reactions = start.reactions;
       return rig.measure(start, rest, options_.statics, unloaded);
     };
+    const auto find_measures = [&](const Measures& shown) {
+      if (data_.along) along_ = measure_of(*data_.along, shown);
+      up_ = measure_of(*data_.up, shown);
+    };
     Measures shown = at_rest(1);
-    along_ = measure_of(*data_.along, shown), up_ = measure_of(*data_.up, shown);
+    find_measures(shown);
     const bool known = !along_.empty() && !up_.empty() && shown.get(along_) != 0;
     if (!known) {
       StaticOptions small = options_.statics;
@@ -332,16 +336,19 @@ class SpecimenTest final : public MeasuredTest {
       StaticResult solved = solve_static(own, state, small);
       if (solved.outcome != Outcome::converged) test.fail("scene: its body cannot be solved: " + solved.cause);
       shown = rig.measure(start, state, small, solved);
-      along_ = measure_of(*data_.along, shown), up_ = measure_of(*data_.up, shown);
+      find_measures(shown);
       for (const auto& [name, quantity] : {std::pair{along_, data_.along}, std::pair{up_, data_.up}})
-        if (name.empty())
+        if (quantity && name.empty())
           test.fail("scene: it shows no " + quantity->name + "; the data have one, and it shows " + shown_in(shown));
       check_sign(shown.get(up_));
     }
-    whole_ = shown.get(along_);
-    leave_out_rest();
+    if (data_.along) {
+      whole_ = shown.get(along_);
+      leave_out_rest();
+    }
     order_.resize(static_cast<std::size_t>(data_.x.size()));
     std::iota(order_.begin(), order_.end(), 0);
+    if (!data_.along) return {data_.x.begin(), data_.x.end()};
     std::stable_sort(order_.begin(), order_.end(),
                      [&](auto a, auto b) { return std::abs(data_.x[a]) < std::abs(data_.x[b]); });
     std::vector<double> factors;
@@ -446,7 +453,12 @@ class SpecimenTest final : public MeasuredTest {
 std::unique_ptr<MeasuredTest> make_specimen_test(const DataTest& test, const Catalog& catalog,
                                                  const std::vector<std::string>& overrides,
                                                  const std::string& strategy) {
-  MeasuredData data = load_data(test);
+  return make_specimen_test(test, load_data(test), catalog, overrides, strategy);
+}
+
+std::unique_ptr<MeasuredTest> make_specimen_test(const DataTest& test, MeasuredData data, const Catalog& catalog,
+                                                 const std::vector<std::string>& overrides,
+                                                 const std::string& strategy) {
   auto scene = load_scene(test.scene, catalog, overrides);
   const StrategyChoice choice = strategy.empty() ? scene->stiffness : choose_strategy(*scene, catalog, strategy);
   return std::make_unique<SpecimenTest>(test, std::move(data), std::move(scene), choice, catalog);

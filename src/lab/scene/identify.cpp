@@ -72,12 +72,14 @@ DataTest read_test(Reader reader, bool relative) {
   test.relative = residuals ? read_residuals(*residuals) : relative;
   if (auto area = reader.find("cross_section")) test.cross_section = area->quantity(dimension::area, kPositive);
   if (auto length = reader.find("length")) test.length = length->quantity(dimension::length, kPositive);
-  if (test.kind->in_time) {
+  if (const auto scene = test.kind->homogeneous ? std::nullopt : reader.find("scene")) test.scene = beside(*scene);
+  if (test.kind->in_time && !test.scene.empty()) {
+    if (auto ramp = reader.find("ramp")) test.ramp = ramp->quantity(dimension::time, kNotNegative);
+  } else if (test.kind->in_time) {
     if (auto held = reader.find("held")) test.held = held->choice<HomogeneousTest>(homogeneous_names());
     test.strain = reader.at("strain").quantity(dimension::none);
     if (auto ramp = reader.find("ramp")) test.ramp = ramp->quantity(dimension::time, kNotNegative);
   } else if (!test.kind->homogeneous) {
-    if (auto scene = reader.find("scene")) test.scene = beside(*scene);
     if (test.scene.empty()) test.scene = reader.scene_path();
   }
   reader.finish();
@@ -256,9 +258,12 @@ std::vector<KeySection> identify_keys() {
         {"residuals", "`relative`, `absolute`", "", "", "as above", "of this test"},
         {"cross_section", "quantity", "m^2", "> 0", "needed with `force`", "of a homogeneous test"},
         {"length", "quantity", "m", "> 0", "needed with `displacement`", "of a homogeneous test"},
-        {"scene", "text", "", "", "this scene", "of `specimen`: body, grips and load; the material is the fitted one"},
+        {"scene", "text", "", "", "this scene",
+         "of `specimen`: body, grips and load; the material is the fitted one. Of `relaxation`: the specimen whose "
+         "load is kept, in the place of "
+         "`held` and `strain`"},
         {"held", words_text(tests), "", "", "`uniaxial`", "of `relaxation`: the state that is kept"},
-        {"strain", "number", "", "", "needed for `relaxation`", "of `relaxation`: that is kept"},
+        {"strain", "number", "", "", "needed for `relaxation` without `scene`", "of `relaxation`: that is kept"},
         {"ramp", "quantity", "s", "≥ 0", "0", "of `relaxation`: time in which the strain grows"}}}};
 }
 
