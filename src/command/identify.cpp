@@ -6,14 +6,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <optional>
 
 #include "lab/identify/report.h"
 #include "lab/report/files.h"
 #include "lab/report/progress.h"
 #include "lab/scene/edited_scene.h"
+#include "lab/scene/scene_tree.h"
 #include "lab/study/compare.h"
 
 namespace elastin::command {
@@ -31,16 +30,26 @@ std::string file_from(const std::string& folder, const std::string& file) {
   return path_text((fs::path(file).is_absolute() ? to : to.lexically_relative(from)).generic_string());
 }
 
+/// The scene with --set, what was found, and the files that it names from its new folder.
 void write_scene(const Request& request, const std::string& path, const Answer& answer) {
   std::filesystem::create_directories(request.out);
-  std::ifstream stream(path, std::ios::binary);
-  std::string scene = with_section({std::istreambuf_iterator<char>(stream), {}}, "material", answer.material);
   if (!answer.succeeded()) return;
-  if (scene.empty()) {
-    fmt::print(stderr, "{}: has no `material` of its own lines; no scene with the numbers put in is written\n", path);
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  std::vector<std::pair<std::string, std::string>> values;
+  for (const std::string& assignment : request.overrides)  // those of the material are in the one found
+    if (const std::size_t equals = assignment.find('=');
+        assignment.substr(0, assignment.find_first_of(".=")) != "material")
+      values.emplace_back(assignment.substr(0, equals), assignment.substr(equals + 1));
+  const std::string head = "material:";
+  values.emplace_back("material", answer.material.substr(head.size(), answer.material.size() - head.size() - 1));
+  std::string scene;
+  try {
+    scene = with_values(text_of_scene(path), folder, values);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "{}: no scene with the numbers put in is written: {}\n", path, error.what());
     return;
   }
-  scene = moved_scene(scene, std::filesystem::path(path).parent_path().string(), request.out);
+  scene = moved_scene(scene, folder, request.out);
   for (const auto& [key, value] : answer.keys)
     scene = with_value(scene, key, key.ends_with(".file") ? file_from(request.out, value) : value);
   write_whole(path_of(request, answer) + ".yaml", scene);

@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
-#include "core/solve/newton.h"
 #include "core/solve/relaxation.h"
+#include "core/solve/responses.h"
 #include "elastin/core/solve/engine.h"
 
 namespace elastin {
@@ -77,31 +77,41 @@ StaticResult solve_static(Model& model, State& state, const StaticOptions& optio
 StaticResponse static_response(Model& model, const Positions& at, const Positions& load_change,
                                const Positions& displacement, const StaticOptions& options) {
   if (options.engine) return options.engine->respond(model, at, load_change, displacement, options);
+  const State state{at, model.feels_velocity() ? Positions(Positions::Zero(3, at.cols())) : Positions()};
+  return Responses(model, state, options).to(load_change, displacement, options.tolerance);
+}
+
+Responses::Responses(Model& model, const State& state, const StaticOptions& options)
+    : model_(model), options_(options), tangent_(model, state) {}
+
+StaticResponse Responses::to(const Positions& load_change, const Positions& displacement, double tolerance) {
+  if (options_.engine) {
+    StaticOptions options = options_;
+    options.tolerance = tolerance;
+    return options.engine->respond(model_, tangent_.positions(), load_change, displacement, options);
+  }
   StaticResponse response;
   StaticResult& result = response.result;
-  if (is_interrupted(options, result)) {
-    response.motion = Positions::Zero(3, at.cols());
-    result.reactions = Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()));
+  if (is_interrupted(options_, result)) {
+    response.motion = Positions::Zero(3, displacement.cols());
+    result.reactions = Positions::Zero(3, static_cast<Eigen::Index>(model_.supports.size()));
     return response;
   }
   const auto add_prescribed_displacement = [&](Positions& motion) {
-    for (const Support& support : model.supports) {
+    for (const Support& support : model_.supports) {
       const Vector3 w = displacement.col(support.molecule);
       motion.col(support.molecule) += w - support.free * w;
     }
   };
-  const State state{at, model.feels_velocity() ? Positions(Positions::Zero(3, at.cols())) : Positions()};
-  const Tangent tangent(model, state);
   Positions rhs(3, displacement.cols()), motion = Positions::Zero(3, displacement.cols());
   add_prescribed_displacement(motion);
-  tangent.apply(motion, rhs);
+  tangent_.apply(motion, rhs);
   rhs = load_change - rhs;
-  const double supported = fixed_components(model.supports, rhs).norm();
-  keep_free(model.supports, rhs);
+  const double supported = fixed_components(model_.supports, rhs).norm();
+  keep_free(model_.supports, rhs);
   UsedSolver used;
-  CachedSolver cached;
   const LinearResult linear =
-      solve_linear(tangent, model.supports, rhs, options.tolerance, options, true, motion, used, cached);
+      solve_linear(tangent_, model_.supports, rhs, tolerance, options_, true, motion, used, solver_);
   result.solver = "linear " + used.name;
   result.reason = used.reason;
   result.linear = true;
@@ -113,8 +123,8 @@ StaticResponse static_response(Model& model, const Positions& at, const Position
   result.unstable = linear.negative_modes > 0 || linear.status == LinearStatus::negative_mode;
   // An indefinite stiffness still has its one answer, which a factorisation finds and iterations do not; and of stiff
   // parts that move with soft ones rounding leaves a residual, which the result says.
-  const double floor = linear.status == LinearStatus::limit_reached ? 2 * rounding_floor(tangent, motion) : 0;
-  if (linear.status != LinearStatus::solved && linear.residual > std::max(options.tolerance, 1e-8) &&
+  const double floor = linear.status == LinearStatus::limit_reached ? 2 * rounding_floor(tangent_, motion) : 0;
+  if (linear.status != LinearStatus::solved && linear.residual > std::max(tolerance, 1e-8) &&
       !(linear.residual * size <= floor)) {
     const bool mode = linear.status == LinearStatus::zero_mode, negative = linear.status == LinearStatus::negative_mode;
     result.outcome = mode ? Outcome::mechanism : negative ? Outcome::diverged : Outcome::limit_reached;
@@ -127,9 +137,9 @@ StaticResponse static_response(Model& model, const Positions& at, const Position
     result.cause = "the displacements are too large for numbers";
   }
   add_prescribed_displacement(motion);
-  tangent.apply(motion, rhs);
+  tangent_.apply(motion, rhs);
   rhs -= load_change;
-  result.reactions = fixed_components(model.supports, rhs);
+  result.reactions = fixed_components(model_.supports, rhs);
   response.motion = std::move(motion);
   return response;
 }

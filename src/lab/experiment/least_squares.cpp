@@ -44,11 +44,15 @@ class Watch final : public ceres::IterationCallback {
   explicit Watch(const LeastSquaresProblem& problem) : problem_(problem) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     if (problem_.progress) problem_.progress(summary.iteration, 2 * summary.cost);
-    return problem_.stop && problem_.stop() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    enough_ = problem_.enough && problem_.enough();
+    return enough_ || (problem_.stop && problem_.stop()) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+                                                         : ceres::SOLVER_CONTINUE;
   }
+  bool enough() const { return enough_; }
 
  private:
   const LeastSquaresProblem& problem_;
+  bool enough_ = false;
 };
 
 /// Ceres tells the log of a search that cannot begin, which is an outcome here.
@@ -81,6 +85,7 @@ LeastSquaresResult minimise_squares(const LeastSquaresProblem& problem, const Ve
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = problem.iterations;
+  options.initial_trust_region_radius = problem.first_radius;
   options.function_tolerance = problem.tolerance;
   options.parameter_tolerance = std::min(1e-8, 100 * problem.tolerance);
   options.gradient_tolerance = 1e-14;
@@ -95,8 +100,10 @@ LeastSquaresResult minimise_squares(const LeastSquaresProblem& problem, const Ve
   result.iterations = static_cast<int>(summary.iterations.size());
   result.evaluations = function.evaluations();
   result.usable = summary.IsSolutionUsable();
-  result.converged = summary.termination_type == ceres::CONVERGENCE;
-  result.message = summary.termination_type == ceres::USER_SUCCESS ? "interrupted" : summary.message;
+  result.converged = summary.termination_type == ceres::CONVERGENCE || watch.enough();
+  result.message = watch.enough()                                    ? "no further step counts"
+                   : summary.termination_type == ceres::USER_SUCCESS ? "interrupted"
+                                                                     : summary.message;
   return result;
 }
 

@@ -22,6 +22,8 @@ class RepeatedCurve {
   double factor(std::size_t step) const { return factors_[step]; }
   /// Where the next curve is sought: at an equilibrium of the last one moved so. Used once.
   void expect(std::size_t step, Positions motion);
+  /// The unbalanced force that equilibria may have, over the size of loads and reactions.
+  void set_tolerance(double tolerance) { options_.tolerance = tolerance; }
   /// The next curve begins at rest, as where the way there counts.
   void forget() { states_.clear(); }
   /// Why the last curve ended early; "" where a visit ended it.

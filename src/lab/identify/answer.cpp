@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kWide = 1;         // of |value|, half of an interval beyond which a number is not determined
 constexpr double kProfiled = 0.5;   // the same, beyond which the linear model is not trusted
+constexpr double kFarBeyond = 2;    // the same, of any number, beyond which no profile of dear equilibria tells more
 constexpr double kTogether = 0.95;  // correlation that is named
 constexpr double kMisfit = 4;       // mean square of a test over that of the others, beyond which it is named
 constexpr int kStabilityPoints = 40;
@@ -21,6 +22,8 @@ constexpr int kLinePoints = 80;
 std::vector<FoundNumber> found_numbers(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const Fit& fit,
                                        const Uncertainty& known, bool profiles, const std::function<bool()>& stop) {
   const auto stopped = [&] { return stop && stop(); };
+  const VectorX half_widths = (known.high - known.low) / 2;
+  const bool far = !(half_widths.array() <= kFarBeyond * fit.values.array().abs()).all();
   std::vector<FoundNumber> numbers;
   for (std::size_t i = 0; i < unknown.unknowns.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
@@ -32,7 +35,7 @@ std::vector<FoundNumber> found_numbers(const UnknownMaterial& unknown, std::vect
                        known.high[at]};
     const double half = (number.high - number.low) / 2, size = std::abs(number.value);
     const bool wide = !(half <= kProfiled * size);
-    if (profiles && wide && known.freedom > 0 && unknown.unknowns.size() > 1 &&
+    if (profiles && wide && !(fit.rough && far) && known.freedom > 0 && unknown.unknowns.size() > 1 &&
         fit.outcome != FitOutcome::flat_valley && !stopped()) {
       const auto ends = profile_interval(unknown, tests, fit, known, i, stop);
       number.profiled = !stopped();

@@ -196,7 +196,9 @@ class DataFile {
     for (const std::string& head : csv_.head)
       if (const std::string near = nearest_name(split(head).name, names_of(quantities)); !near.empty())
         fail_at_head("column '" + trimmed(head) + "' is not known; did you mean '" + near + "'?");
-    fail_at_head("no column says what " + role + " in a test of kind " + test_.kind->name + "; one of: " + all);
+    fail_at_head("no column says what " + role + " in a test of kind " + test_.kind->name + "; one of: " + all +
+                 "; or say in the scene what a head means, columns: {\"" +
+                 trimmed(role == "answers" ? csv_.head.back() : csv_.head.front()) + "\": " + allowed.back() + "}");
   }
 
   double value(std::size_t row, const Column& column) const {
@@ -209,7 +211,8 @@ class DataFile {
       number = std::stod(text, &used);
     } catch (const std::exception&) {
     }
-    if (used != text.size()) fail_at(csv_.line(row), name + ": '" + text + "' is no number");
+    if (used != text.size() || text.find_first_of("xX") != std::string::npos)
+      fail_at(csv_.line(row), name + ": '" + text + "' is no number");
     if (!std::isfinite(number))
       fail_at(csv_.line(row), name + ": '" + text + "' is no measured value; leave the row out");
     return number * column.factor;
@@ -272,6 +275,13 @@ void check_signs(const MeasuredData& data) {
                          ": are the columns swapped, or is a strain headed as stretch?");
 }
 
+/// A first point without strain and stress tells nothing, and relative residuals cannot be over it.
+void leave_out_rest(MeasuredData& data) {
+  if (data.x.size() < 3 || data.x[0] != 0 || data.y[0] != 0) return;
+  data.x = VectorX(data.x.tail(data.x.size() - 1)), data.y = VectorX(data.y.tail(data.y.size() - 1));
+  data.lines.erase(data.lines.begin());
+}
+
 }  // namespace
 
 MeasuredData load_data(const DataTest& test) { return DataFile(test).read(); }
@@ -290,6 +300,7 @@ MeasuredData as_strain_and_stress(const DataTest& test, MeasuredData data) {
   if (!test.kind->in_time) {
     check_signs(data);
     data.along = find_quantity(test.kind->homogeneous == HomogeneousTest::shear ? "shear" : "nominal_strain");
+    if (test.relative) leave_out_rest(data);
   }
   data.up = find_quantity("nominal_stress");
   return data;

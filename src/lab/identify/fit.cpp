@@ -22,10 +22,14 @@ constexpr double kDifference = 1e-5;  // of a number, over which the law is comp
 constexpr double kSameLeast = 1e-2;   // relative difference of sums of squares that are near the same least
 constexpr double kRough = 1e-4;       // relative change of squares at which one of several searches ends
 constexpr int kRoughIterations = 60;
-constexpr double kLeaning = 1e-2;  // cosine of residuals and a slope beyond which it is no least
-constexpr double kExact = 1e-7;    // rms below which residuals are rounding, of equilibria too
-constexpr double kFlat = 1e7;      // condition beyond which rounding of the residuals decides
-constexpr int kMostDraws = 60;     // of random numbers until a law admits them
+constexpr double kLeaning = 1e-2;                   // cosine of residuals and a slope beyond which it is no least
+constexpr double kExact = 1e-7;                     // rms below which residuals are rounding, of equilibria too
+constexpr double kRoughness = 1e-3;                 // of the rms, unbalanced forces that a search can do with,
+constexpr double kRoughest = 1e-5, kFinest = 1e-9;  // within these
+constexpr double kInsignificant = 1e-6;  // of the scatter's square, a gain: numbers move by 1/1000 of their deviations
+constexpr double kFlat = 1e7;            // condition beyond which rounding of the residuals decides
+constexpr double kGauss = 1e8;           // radius of the first step that leaves it nearly that of Gauss and Newton
+constexpr int kMostDraws = 60;           // of random numbers until a law admits them
 
 VectorX starts_of(const std::vector<MaterialNumber>& unknowns) {
   VectorX values(static_cast<Eigen::Index>(unknowns.size()));
@@ -94,8 +98,9 @@ class Residuals {
   /// As the search sees them.
   bool evaluate(const VectorX& z, VectorX& residuals, MatrixX* jacobian) {
     try {
-      if (!try_evaluate(scaling.values(z), residuals, jacobian)) return false;
+      if (!try_evaluate(scaling.values(z), residuals, jacobian, rough ? accuracy_ : 0)) return false;
       if (jacobian) *jacobian *= scaling.slopes(z).asDiagonal();
+      if (rough) judge(z, residuals, jacobian);
       return true;
     } catch (...) {  // not through the solver's library
       thrown = std::current_exception();
@@ -104,9 +109,11 @@ class Residuals {
   }
 
   /// By the unknowns themselves.
-  bool try_evaluate(const VectorX& values, VectorX& residuals, MatrixX* jacobian) {
-    const auto tested = material_at(values, jacobian != nullptr);
+  /// @param accuracy see TestedMaterial
+  bool try_evaluate(const VectorX& values, VectorX& residuals, MatrixX* jacobian, double accuracy = 0) {
+    auto tested = material_at(values, jacobian != nullptr);
     if (!tested) return false;
+    tested->accuracy = accuracy;
     residuals.resize(count);
     if (jacobian) jacobian->resize(count, values.size());
     Eigen::Index row = 0;
@@ -144,14 +151,37 @@ class Residuals {
     }
   }
 
+  /// Whether the last slopes promise so little that no step is worth its equilibria.
+  bool settled() const { return settled_; }
+
   Eigen::Index count = 0;
+  bool rough = false;  ///< whether values may be as rough as the residuals allow, and a search ends where it is settled
   Scaling scaling;
   std::string why;
   std::exception_ptr thrown;
 
  private:
+  void judge(const VectorX& z, const VectorX& residuals, const MatrixX* jacobian) {
+    const double squares = residuals.squaredNorm(), rms = std::sqrt(squares / static_cast<double>(count));
+    accuracy_ = std::clamp(kRoughness * rms, kFinest, kRoughest);
+    if (!jacobian) return;
+    MatrixX free(count, jacobian->cols());  // what no bound blocks
+    Eigen::Index columns = 0;
+    for (Eigen::Index i = 0; i < jacobian->cols(); ++i) {
+      const double fall = -jacobian->col(i).dot(residuals), near = 1e-7 * std::max(1., std::abs(z[i]));
+      const bool blocked = (z[i] < scaling.low[i] + near && fall < 0) || (z[i] > scaling.high[i] - near && fall > 0);
+      if (!blocked) free.col(columns++) = jacobian->col(i);
+    }
+    free.conservativeResize(Eigen::NoChange, columns);
+    const double gain = columns > 0 ? (free * least_squares(free, residuals)).squaredNorm() : 0;
+    const double scatter = (squares - gain) / static_cast<double>(std::max<Eigen::Index>(count - columns, 1));
+    settled_ = rms < kExact || gain <= kInsignificant * scatter;
+  }
+
   const UnknownMaterial& unknown_;
   std::vector<WeightedTest>& tests_;
+  double accuracy_ = kRoughest;
+  bool settled_ = false;
 };
 
 LeastSquaresProblem problem_of(Residuals& residuals, const FitOptions& options) {
@@ -162,6 +192,11 @@ LeastSquaresProblem problem_of(Residuals& residuals, const FitOptions& options) 
     return residuals.evaluate(scaled, r, J);
   };
   problem.stop = options.stop;
+  if (options.rough) {
+    residuals.rough = true;
+    problem.enough = [&residuals] { return residuals.settled(); };
+    problem.first_radius = kGauss;
+  }
   return problem;
 }
 
@@ -236,7 +271,10 @@ SearchEnd searched(const UnknownMaterial& unknown, Residuals& residuals, const F
   const auto begin = std::chrono::steady_clock::now();
   LeastSquaresProblem problem = problem_of(residuals, options);
   const bool several = options.starts > 1;
-  problem.tolerance = several ? kRough : options.tolerance;
+  if (options.rough) problem.iterations = kRoughIterations;
+  const int last_iterations = problem.iterations;
+  const double last_tolerance = options.rough ? std::max(options.tolerance, kInsignificant) : options.tolerance;
+  problem.tolerance = several ? kRough : last_tolerance;
   if (several) problem.iterations = kRoughIterations;
   std::mt19937_64 generator(20);
   SearchEnd end;
@@ -266,7 +304,7 @@ SearchEnd searched(const UnknownMaterial& unknown, Residuals& residuals, const F
     if (!best.usable || found.squares < best.squares) best = found;
   }
   if (best.usable && several) {
-    problem.tolerance = options.tolerance, problem.iterations = LeastSquaresProblem{}.iterations;
+    problem.tolerance = last_tolerance, problem.iterations = last_iterations;
     const LeastSquaresResult last = search(best.unknowns, "the best search to its end");
     if (last.usable) best = last;
   }
@@ -307,6 +345,7 @@ const char* name_of(FitOutcome outcome) {
 Fit fit_material(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const FitOptions& options) {
   Residuals residuals(unknown, tests, options.keep_signs);
   Fit fit;
+  fit.rough = options.rough;
   static_cast<SearchEnd&>(fit) =
       options.known && options.known->converged ? *options.known : searched(unknown, residuals, options);
   if (fit.values.size() == 0) {
@@ -325,6 +364,45 @@ Fit fit_material(const UnknownMaterial& unknown, std::vector<WeightedTest>& test
   judge(unknown, fit);
   return fit;
 }
+
+namespace {
+
+/// Σ r² of the others at their least for a value of one unknown, nearly: from where the slopes of the fit foresee them,
+/// less what Gauss's step from there promises; after such a step where that is much.
+std::optional<double> foreseen_squares(const UnknownMaterial& others, std::vector<WeightedTest>& tests, const Fit& fit,
+                                       Eigen::Index at, double value) {
+  constexpr double much = 0.1;  // of Σ r²
+  const Eigen::Index count = fit.values.size();
+  MatrixX slopes(fit.jacobian.rows(), count - 1);
+  VectorX values(count - 1);
+  for (Eigen::Index i = 0, j = 0; i < count; ++i)
+    if (i != at) slopes.col(j) = fit.jacobian.col(i), values[j++] = fit.values[i];
+  const VectorX start = values;
+  const auto go = [&](const VectorX& step) {
+    values += step;
+    for (Eigen::Index i = 0; i < values.size(); ++i) {  // no further than to a tenth, and within its bounds
+      const MaterialNumber& number = others.unknowns[static_cast<std::size_t>(i)];
+      if (values[i] * start[i] < 0.01 * start[i] * start[i]) values[i] = 0.1 * start[i];
+      values[i] = std::clamp(values[i], number.low, number.high);
+    }
+  };
+  go(-least_squares(slopes, fit.jacobian.col(at) * (value - fit.values[at])));
+  Residuals residuals(others, tests, true);
+  std::optional<double> found;
+  for (int step = 0; step < 2; ++step) {
+    VectorX r;
+    MatrixX J;
+    if (!residuals.try_evaluate(values, r, &J, kRoughest)) return found;
+    const VectorX by = least_squares(J, r);
+    const double squares = r.squaredNorm(), gain = (J * by).squaredNorm();
+    found = std::min(found.value_or(squares), squares - (gain < much * squares ? gain : 0));
+    if (gain < much * squares) break;
+    go(-by);
+  }
+  return found;
+}
+
+}  // namespace
 
 std::pair<double, double> profile_interval(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests,
                                            const Fit& fit, const Uncertainty& known, std::size_t number,
@@ -348,6 +426,7 @@ std::pair<double, double> profile_interval(const UnknownMaterial& unknown, std::
     } catch (const InputError&) {
       return std::nullopt;
     }
+    if (fit.rough) return foreseen_squares(others, tests, fit, at, value);
     const Fit found = fit_material(others, tests, once);
     if (found.outcome == FitOutcome::failed) return std::nullopt;
     if (found.squares > most) return found.squares;
@@ -359,8 +438,9 @@ std::pair<double, double> profile_interval(const UnknownMaterial& unknown, std::
     for (std::size_t i = 0; i < others.unknowns.size(); ++i)
       others.unknowns[i].value = fit.values[static_cast<Eigen::Index>(i < number ? i : i + 1)];
     const double step = std::isfinite(known.deviations[at]) ? t * known.deviations[at] : std::abs(fit.values[at]);
-    return profile_end(fit.values[at], side * std::min(step, std::abs(fit.values[at]) / 2), bound, fit.squares, most,
-                       squares);
+    const ProfileEffort effort = fit.rough ? ProfileEffort{2, 0.05} : ProfileEffort{};
+    return profile_end(fit.values[at], side * std::min(step, std::abs(fit.values[at]) * (fit.rough ? 2 : 0.5)), bound,
+                       fit.squares, most, squares, effort);
   };
   return {end(-1, own.low), end(1, own.high)};
 }

@@ -57,12 +57,16 @@ struct Fit : SearchEnd {
   MatrixX jacobian;                     ///< of them by the unknowns
   std::vector<Prediction> predictions;  ///< of all tests, in their order
   std::vector<std::size_t> at_bound;    ///< unknowns that lie at one
+  bool rough = false;                   ///< as FitOptions
 };
 
 struct FitOptions {
   int starts = 8;
   double tolerance = 1e-13;  ///< relative change of Σ r² at which the search for the best ends
   bool keep_signs = false;   ///< whether no number may pass through 0: searched by their logarithms
+  /// Whether equilibria are dear: they are as rough as the residuals allow, and the search ends where a step would move
+  /// the numbers by less than a thousandth of their deviations.
+  bool rough = false;
   std::function<void(const std::string& doing)> progress = {};  ///< may be empty
   std::function<bool()> stop = {};                              ///< may be empty
   /// An earlier end of the same searches: of one that converged nothing is searched again, another is where the first
@@ -76,7 +80,8 @@ struct FitOptions {
 Fit fit_material(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests, const FitOptions& options);
 
 /// The ends of the interval of one unknown by its profile (see profile_end), from a search for the others at each
-/// value.
+/// value; of a rough fit from one of Gauss's steps, or two, about where the slopes foresee the others, and to a
+/// twentieth of the way.
 std::pair<double, double> profile_interval(const UnknownMaterial& unknown, std::vector<WeightedTest>& tests,
                                            const Fit& fit, const Uncertainty& known, std::size_t number,
                                            const std::function<bool()>& stop = {});

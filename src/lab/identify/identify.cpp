@@ -55,6 +55,11 @@ void apply(const IdentifyRequest& request, IdentifyTask& task) {
   if (!request.laws.empty()) task.laws = words_of(request.laws);
 }
 
+bool has_specimen(const IdentifyTask& task) {
+  return std::any_of(task.tests.begin(), task.tests.end(),
+                     [](const auto& test) { return !test.kind->homogeneous && !test.scene.empty(); });
+}
+
 const MaterialLaw* row_of(const Catalog& catalog, const Material& material) {
   return material.law ? catalog.material_laws.find(material.law->law).get() : nullptr;
 }
@@ -125,8 +130,9 @@ UnknownMaterial stated_unknowns(const IdentifyTask& task, const Catalog& catalog
   return unknown;
 }
 
-/// A guess of the shear modulus: of the neo-Hookean solid with the least squares in the first homogeneous test.
-double guessed_shear_modulus(const std::vector<WeightedTest>& tests, const Catalog& catalog) {
+/// A guess of the shear modulus: of the neo-Hookean solid with the least squares in the first homogeneous test; without
+/// one that of the scene's material.
+double guessed_shear_modulus(const std::vector<WeightedTest>& tests, const Catalog& catalog, const Material& like) {
   const auto row = catalog.material_laws.find("yeoh");
   const Material unit = with_law(*row, {.law = row->name, .terms = {{0.5}}});
   for (const WeightedTest& test : tests) {
@@ -137,11 +143,13 @@ double guessed_shear_modulus(const std::vector<WeightedTest>& tests, const Catal
     const double guess = shown.dot(test.test->data().y.cwiseQuotient(scale)) / shown.squaredNorm();
     if (guess > 0) return guess;
   }
-  return 1e3;
+  return like.youngs_modulus / (2 * (1 + like.poissons_ratio));
 }
 
 /// Numbers of a law for a material of about this shear modulus; none where it needs directions.
-std::optional<Material> usual_material(const MaterialLaw& row, int terms, double modulus, const Material& like) {
+/// @param solid whether it is that of a body, which has a bulk modulus: that of `like`
+std::optional<Material> usual_material(const MaterialLaw& row, int terms, double modulus, const Material& like,
+                                       bool solid) {
   LawConstants constants{.law = row.name};
   double share = 1;
   const auto value = [&](const ParameterInfo& info, int term) {
@@ -160,9 +168,11 @@ std::optional<Material> usual_material(const MaterialLaw& row, int terms, double
     if (info.kind == ValueKind::direction) return std::nullopt;
     if (info.name != kBulkModulus) constants.numbers[info.name] = value(info, -1);
   }
-  if (like.law)
-    if (const auto bulk = like.law->numbers.find(kBulkModulus); bulk != like.law->numbers.end())
-      constants.numbers.insert(*bulk);
+  const auto bulk = like.law ? like.law->numbers.find(kBulkModulus) : ParameterValues::const_iterator{};
+  if (like.law && bulk != like.law->numbers.end())
+    constants.numbers.insert(*bulk);
+  else if (solid && like.poissons_ratio < 0.5)
+    constants.numbers[kBulkModulus] = like.youngs_modulus / (3 * (1 - 2 * like.poissons_ratio));
   for (int term = 0; term < terms; ++term) {
     constants.terms.emplace_back();
     for (const ParameterInfo& column : row.columns) constants.terms.back().push_back(value(column, term));
@@ -189,7 +199,8 @@ UnknownMaterial named_unknowns(const std::string& label, const IdentifyTask& tas
     if (terms == 0)
       throw InputError("law '" + label + "': write 1 to " + std::to_string(row->most_terms) + " terms behind the /");
   }
-  const auto material = row->from_moduli ? std::nullopt : usual_material(*row, terms, modulus, task.material);
+  const auto material =
+      row->from_moduli ? std::nullopt : usual_material(*row, terms, modulus, task.material, has_specimen(task));
   if (!material)
     throw InputError("law '" + label + "' cannot be compared here: it has directions, or follows from E and nu");
   UnknownMaterial unknown{label_of(row.get(), *material), row.get(), *material, {}, task.kept, task.plain};
@@ -198,12 +209,12 @@ UnknownMaterial named_unknowns(const std::string& label, const IdentifyTask& tas
   return unknown;
 }
 
-std::vector<std::string> labels_of_all(const Catalog& catalog, const Material& like, double modulus) {
+std::vector<std::string> labels_of_all(const Catalog& catalog, const IdentifyTask& task, double modulus) {
   std::vector<std::string> labels;
   for (const auto& row : catalog.material_laws) {
     const int most = row->columns.empty() ? 1 : std::min(kMostTerms, row->most_terms);
     for (int terms = 1; terms <= most && !row->from_moduli; ++terms)
-      if (usual_material(*row, row->columns.empty() ? 0 : terms, modulus, like))
+      if (usual_material(*row, row->columns.empty() ? 0 : terms, modulus, task.material, has_specimen(task)))
         labels.push_back(row->columns.empty() ? row->name : row->name + "/" + std::to_string(terms));
   }
   return labels;
@@ -299,10 +310,10 @@ void put_published(const ParameterValues& published, const IdentifyTask& task, A
 Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const IdentifyRequest& request,
                     const std::string& strategy) {
   std::vector<WeightedTest> tests = make_tests(task, catalog, request, strategy);
-  const bool slow = std::any_of(task.tests.begin(), task.tests.end(),
-                                [](const auto& test) { return !test.kind->homogeneous && !test.kind->in_time; });
+  const bool slow = has_specimen(task);
   FitOptions options;
   options.starts = task.starts > 0 ? task.starts : slow ? 1 : 8;
+  options.rough = slow;
   options.progress = request.progress, options.stop = request.stop;
   const std::string content = request.journal ? content_of(task, request) : "";
   std::vector<Fitted> all;
@@ -323,9 +334,9 @@ Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const Iden
   if (task.laws.empty()) {
     add(own);
   } else {
-    const double modulus = guessed_shear_modulus(tests, catalog);
+    const double modulus = guessed_shear_modulus(tests, catalog, task.material);
     const bool every = task.laws.size() == 1 && task.laws.front() == "all";
-    for (const std::string& label : every ? labels_of_all(catalog, task.material, modulus) : task.laws) {
+    for (const std::string& label : every ? labels_of_all(catalog, task, modulus) : task.laws) {
       if (request.stop && request.stop() && !all.empty()) break;
       add(label == own.label ? own : named_unknowns(label, task, catalog, modulus));
     }
@@ -356,7 +367,19 @@ std::vector<Answer> identify(const std::string& scene, const Catalog& catalog, c
   std::vector<Answer> answers;
   std::vector<std::string> strategies = words_of(request.strategies);
   if (strategies.empty()) strategies.emplace_back();
-  for (const std::string& strategy : strategies) answers.push_back(identify_one(task, catalog, request, strategy));
+  std::optional<InputError> unsuited;  // of several strategies one may be, and its row says so
+  bool any = false;
+  for (const std::string& strategy : strategies) {
+    try {
+      answers.push_back(identify_one(task, catalog, request, strategy));
+      any = true;
+    } catch (const InputError& error) {
+      unsuited = error;
+      Answer& answer = answers.emplace_back();
+      answer.scene = task.name, answer.title = task.title, answer.strategy = strategy, answer.cause = error.what();
+    }
+  }
+  if (unsuited && !any) throw *unsuited;
   return answers;
 }
 

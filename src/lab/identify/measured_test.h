@@ -22,6 +22,7 @@ struct TestedMaterial {
   std::vector<TrialChange> changes;  ///< one a number; none: no slopes are wanted
   /// These numbers by name, SI, in the order of `changes`; none: nobody says.
   std::vector<std::pair<std::string, double>> numbers = {};
+  double accuracy = 0;  ///< unbalanced force that does, over loads and reactions; 0: as its scene says
 };
 
 /// A test that predicts its measured points for any material.
@@ -72,6 +73,23 @@ std::unique_ptr<MeasuredTest> make_relaxation_test(const DataTest& test, const M
 std::unique_ptr<MeasuredTest> make_specimen_test(const DataTest& test, const Catalog& catalog,
                                                  const std::vector<std::string>& overrides,
                                                  const std::string& strategy);
+
+/// The same over other points than those of the test's file; of data without `along` x is the part of the scene's load.
+std::unique_ptr<MeasuredTest> make_specimen_test(const DataTest& test, MeasuredData data, const Catalog& catalog,
+                                                 const std::vector<std::string>& overrides,
+                                                 const std::string& strategy);
+
+/// The force of the specimen of a scene whose whole load comes at an even rate over a ramp and is kept: as above of the
+/// forces of its equilibria on the ramp. Exact for a step, and for small displacements; after a ramp it leaves out that
+/// the body's shape still changes a little while it relaxes.
+std::unique_ptr<MeasuredTest> make_specimen_relaxation_test(const DataTest& test, const Catalog& catalog,
+                                                            const Material& material,
+                                                            const std::vector<std::string>& overrides,
+                                                            const std::string& strategy);
+
+/// Refuse a material without a law, and one that has more than it, for a closed form.
+void need_law(const DataTest& test, const MaterialLaw* row);
+void need_law_alone(const DataTest& test, const Material& material);
 
 /// That of the test's kind.
 std::unique_ptr<MeasuredTest> make_measured_test(const DataTest& test, const Catalog& catalog, const MaterialLaw* row,

@@ -106,13 +106,13 @@ double whole_rms(const Answer& answer) {
 }
 
 Table strategy_table(const std::vector<Answer>& answers) {
-  Table table({"strategy", "numbers", "rms", "time", ""});
+  Table table({answers.front().strategy.empty() ? "scene" : "strategy", "numbers", "rms", "time", ""});
   for (const Answer& answer : answers) {
     std::string numbers;
     for (const FoundNumber& number : answer.numbers)
       numbers += (numbers.empty() ? "" : ", ") + number.name + " " + readable(number.value, number.unit);
     table.add(
-        {{answer.strategy},
+        {{answer.strategy.empty() ? answer.scene : answer.strategy},
          {numbers},
          number_cell(percent_of(whole_rms(answer)), whole_rms(answer)),
          number_cell(readable_seconds(answer.seconds), answer.seconds),

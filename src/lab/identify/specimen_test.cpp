@@ -6,7 +6,7 @@
 #include <map>
 #include <numeric>
 
-#include "elastin/core/forces/tangent.h"
+#include "core/solve/responses.h"
 #include "lab/experiment/load_path.h"
 #include "lab/experiment/repeated_curve.h"
 #include "lab/identify/measured_test.h"
@@ -15,8 +15,9 @@
 namespace elastin::lab {
 namespace {
 
-constexpr double kNear = 0.2;        // of the way from rest: within it equilibria are foreseen
-constexpr double kAgreement = 1e-6;  // of what the scene prescribes with what was measured
+constexpr double kNear = 0.2;         // of the way from rest: within it equilibria are foreseen
+constexpr double kRoughSlope = 1e-5;  // unbalanced force of a slope, on the way of a search
+constexpr double kAgreement = 1e-6;   // of what the scene prescribes with what was measured
 
 /// What the specimen keeps of its own material: all that no law has.
 Material on_specimen(Material material, const Material& own) {
@@ -27,8 +28,13 @@ Material on_specimen(Material material, const Material& own) {
 
 class SpecimenTest final : public MeasuredTest {
  public:
-  SpecimenTest(const DataTest& test, MeasuredData data, std::unique_ptr<Scene> scene, const StrategyChoice& choice)
-      : MeasuredTest(std::move(data)), scene_(std::move(scene)), choice_(choice), own_(scene_->specimen.material) {
+  SpecimenTest(const DataTest& test, MeasuredData data, std::unique_ptr<Scene> scene, const StrategyChoice& choice,
+               const Catalog& catalog)
+      : MeasuredTest(std::move(data)),
+        catalog_(catalog),
+        scene_(std::move(scene)),
+        choice_(choice),
+        own_(scene_->specimen.material) {
     protocol_ = scene_->experiment->at_rest();
     if (!protocol_) test.fail("scene: " + scene_->path + " runs in time; identification needs an experiment at rest");
     if (scene_->statics.linear)
@@ -74,18 +80,19 @@ class SpecimenTest final : public MeasuredTest {
 
   std::vector<std::pair<std::string, std::string>> scene_keys(const Trial& trial, bool plain) const override {
     std::vector<std::pair<std::string, std::string>> keys;
-    ParameterValues values = choice_.values;
+    const StrategyChoice choice = choice_for(trial);
+    ParameterValues values = choice.values;
     for (const auto& [name, value] : trial.rule) values[name] = value;
-    const bool stated = choice_.label == scene_->stiffness.label && !choice_.values.empty();
-    std::string text = choice_.label;
-    for (const ParameterInfo& info : choice_.strategy.parameters) {
+    const bool stated = choice.label == scene_->stiffness.label && !choice.values.empty();
+    std::string text = choice.label;
+    for (const ParameterInfo& info : choice.strategy.parameters) {
       const auto found = values.find(info.name);
       if (found == values.end()) continue;
       const std::string value = quantity_text(found->second, info.unit, plain);
       text += ", " + info.name + ": " + value;
       if (stated) keys.emplace_back("stiffness." + info.name, value);
     }
-    if (!stated && (!trial.rule.empty() || choice_.label != scene_->stiffness.label))
+    if (!stated && (!trial.rule.empty() || choice.label != scene_->stiffness.label))
       keys.emplace_back("stiffness", values.empty() ? text : "{strategy: " + text + "}");
     if (trial.friction) keys.emplace_back("contact.friction", fmt::format("{:.9g}", *trial.friction));
     return keys;
@@ -110,21 +117,30 @@ class SpecimenTest final : public MeasuredTest {
     Prediction result{VectorX::Zero(data_.y.size()),
                       MatrixX::Zero(data_.y.size(), static_cast<Eigen::Index>(tested.changes.size()))};
     const Start start = start_at(own);
+    const double tolerance = std::max(options_.statics.tolerance, tested.accuracy);
+    // Differences of forces are known to some 1e-10; a search on its way can do with less.
+    const double slope_tolerance = std::max(tolerance, tested.accuracy > 0 ? kRoughSlope : 1e-8);
+    curve_->set_tolerance(tolerance);
     const auto visit = [&](std::size_t step, const State& state, StaticResult& solved) {
       const Measures measures = rig.measure(start, state, options_.statics, solved);
       const Eigen::Index point = order_[step];
-      const double at = measures.get(along_), response = measures.get(up_);
-      if (std::abs(at - data_.x[point]) > kAgreement * std::abs(whole_))
+      const double at = data_.along ? measures.get(along_) : data_.x[point], response = measures.get(up_);
+      if (data_.along && std::abs(at - data_.x[point]) > kAgreement * std::abs(whole_))
         throw InputError(scene_->path + ": shows " + along_ + " " + fmt::format("{:.6g}", at) +
                          " at the load that should give " + fmt::format("{:.6g}", data_.x[point]) +
-                         "; the data must be over what the scene prescribes");
+                         "; the data must be over what the scene prescribes, which is the file's first column of what "
+                         "is known: are its columns the other way round?");
       result.values[point] = response;
       reached_[step].way = (state.positions - start.positions).norm();
+      if (changed.empty()) return std::isfinite(response);
+      const State still{state.positions,
+                        own.feels_velocity() ? Positions(Positions::Zero(3, state.positions.cols())) : Positions()};
+      Responses responses(own, still, options_.statics);
       for (std::size_t change = 0; change < changed.size(); ++change) {
         for (const HeldModel& other : changed[change])
           set_load(*other.model, *other.rig->at_rest(), curve_->factor(step));
-        const auto slope = slope_of(own, rig, start, state, solved, changed[change], tested.changes[change],
-                                    motion_of(step, change, tested));
+        const auto slope = slope_of(own, rig, start, state, solved, changed[change], tested.changes[change], responses,
+                                    slope_tolerance, motion_of(step, change, tested));
         if (!slope) {
           why_ = "the stiffness at an equilibrium could not be solved";
           return false;
@@ -169,20 +185,39 @@ class SpecimenTest final : public MeasuredTest {
     return {scene_->specimen.body.rest, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
   }
 
+  /// The strategy for this material: the scene's, and where that is a cell law and the material has another law, that.
+  StrategyChoice choice_for(const Trial& trial) const {
+    const auto& tried = trial.material.law;
+    if (!tried || choice_.strategy.kind != StrategyKind::cell_law || (own_.law && own_.law->law == tried->law))
+      return choice_;
+    std::string label = choice_.label;
+    const std::string own = label.substr(0, label.find('+'));
+    label.replace(0, own.size(), tried->law + (own.ends_with("_membrane") ? "_membrane" : ""));
+    return choose_strategy(*scene_, catalog_, label);
+  }
+
   /// The specimen with what is tried in the place of its own; contact that follows from the modulus follows it.
   std::optional<HeldModel> model(const Trial& trial) {
     Specimen& specimen = scene_->specimen;
     specimen.material = on_specimen(trial.material, own_);
-    StrategyChoice choice = choice_;
-    for (const auto& [name, value] : trial.rule) choice.values[name] = value;
     const auto contact = specimen.contact;
     if (contact && trial.friction) specimen.contact->friction = *trial.friction;
     if (follows_modulus_)
       specimen.contact->stiffness = contact::default_contact_stiffness(specimen.body, specimen.material.youngs_modulus);
-    Run run;
-    auto held = make_model(specimen, *protocol_, choice, options_, run);
+    std::optional<HeldModel> held;
+    try {
+      StrategyChoice choice = choice_for(trial);
+      for (const auto& [name, value] : trial.rule) choice.values[name] = value;
+      Run run;
+      if (choice.label != choice_.label)
+        if (const std::string reason = unsuited(specimen, *protocol_, choice); !reason.empty())
+          run.cause = choice.label + " " + reason;
+      if (run.cause.empty()) held = make_model(specimen, *protocol_, choice, options_, run);
+      if (!held) why_ = run.cause;
+    } catch (const InputError& error) {
+      why_ = error.what();
+    }
     specimen.material = own_, specimen.contact = contact;
-    if (!held) why_ = run.cause;
     return held;
   }
 
@@ -194,19 +229,18 @@ class SpecimenTest final : public MeasuredTest {
   }
 
   /// K dx = forces, from a dx of about here; none: from 0. What that leaves may be rounding alone.
-  static StaticResponse response_to(Model& own, const State& state, const Positions& forces, StaticOptions options,
+  static StaticResponse response_to(const Model& own, Responses& responses, const Positions& forces, double tolerance,
                                     const Positions& about) {
     const Positions still = Positions::Zero(3, forces.cols());
     Positions missing = still;
-    if (about.size() > 0) Tangent(own, state).apply(about, missing);
+    if (about.size() > 0) responses.tangent().apply(about, missing);
     missing = forces - missing;
     const double left = free_norm(own, missing), whole = free_norm(own, forces);
-    if (about.size() == 0 || !(left < whole)) return static_response(own, state.positions, forces, still, options);
+    if (about.size() == 0 || !(left < whole)) return responses.to(forces, still, tolerance);
     StaticResponse response;
     response.motion = still;
-    if (left > options.tolerance * whole) {
-      options.tolerance = std::min(options.tolerance * whole / left, 0.1);
-      response = static_response(own, state.positions, missing, still, options);
+    if (left > tolerance * whole) {
+      response = responses.to(missing, still, std::min(tolerance * whole / left, 0.1));
     } else {
       response.result.reactions = Positions(3, static_cast<Eigen::Index>(own.supports.size()));
       for (std::size_t i = 0; i < own.supports.size(); ++i) {
@@ -232,9 +266,10 @@ class SpecimenTest final : public MeasuredTest {
   /// ∂f/∂θ at the positions kept, then K dx = ∂f/∂θ, then the measure at both sides along dx, and what the number makes
   /// of the measure itself.
   /// @param motion dx of about here, from which the solve begins; then that of here
-  std::optional<double> slope_of(Model& own, const StaticRig& rig, const Start& start, const State& state,
+  std::optional<double> slope_of(const Model& own, const StaticRig& rig, const Start& start, const State& state,
                                  const StaticResult& solved, const std::vector<HeldModel>& models,
-                                 const TrialChange& change, Positions& motion) const {
+                                 const TrialChange& change, Responses& responses, double tolerance,
+                                 Positions& motion) const {
     if (models.empty()) return std::nullopt;
     Positions forces = Positions::Zero(3, state.positions.cols());
     double slope = 0;
@@ -248,9 +283,7 @@ class SpecimenTest final : public MeasuredTest {
       slope += change.weights[i] * other.measure(start, state, options_.statics, same).get(up_);
     }
     leave_out_rounding(own, forces);
-    StaticOptions options = options_.statics;
-    options.tolerance = std::max(options.tolerance, 1e-8);  // differences of forces are known to some 1e-10
-    const auto response = response_to(own, state, forces, options, motion);
+    const auto response = response_to(own, responses, forces, tolerance, motion);
     if (response.result.outcome != Outcome::converged) return std::nullopt;
     motion = response.motion;
     const double step = 0.5 / std::abs(change.weights.front());
@@ -289,8 +322,12 @@ class SpecimenTest final : public MeasuredTest {
       unloaded.reactions = start.reactions;
       return rig.measure(start, rest, options_.statics, unloaded);
     };
+    const auto find_measures = [&](const Measures& shown) {
+      if (data_.along) along_ = measure_of(*data_.along, shown);
+      up_ = measure_of(*data_.up, shown);
+    };
     Measures shown = at_rest(1);
-    along_ = measure_of(*data_.along, shown), up_ = measure_of(*data_.up, shown);
+    find_measures(shown);
     const bool known = !along_.empty() && !up_.empty() && shown.get(along_) != 0;
     if (!known) {
       StaticOptions small = options_.statics;
@@ -299,19 +336,30 @@ class SpecimenTest final : public MeasuredTest {
       StaticResult solved = solve_static(own, state, small);
       if (solved.outcome != Outcome::converged) test.fail("scene: its body cannot be solved: " + solved.cause);
       shown = rig.measure(start, state, small, solved);
-      along_ = measure_of(*data_.along, shown), up_ = measure_of(*data_.up, shown);
+      find_measures(shown);
       for (const auto& [name, quantity] : {std::pair{along_, data_.along}, std::pair{up_, data_.up}})
-        if (name.empty()) test.fail("scene: it shows no " + quantity->name + "; the data have one");
+        if (quantity && name.empty())
+          test.fail("scene: it shows no " + quantity->name + "; the data have one, and it shows " + shown_in(shown));
+      check_sign(shown.get(up_));
     }
-    whole_ = shown.get(along_);
-    leave_out_rest();
+    if (data_.along) {
+      whole_ = shown.get(along_);
+      leave_out_rest();
+    }
     order_.resize(static_cast<std::size_t>(data_.x.size()));
     std::iota(order_.begin(), order_.end(), 0);
+    if (!data_.along) return {data_.x.begin(), data_.x.end()};
     std::stable_sort(order_.begin(), order_.end(),
                      [&](auto a, auto b) { return std::abs(data_.x[a]) < std::abs(data_.x[b]); });
     std::vector<double> factors;
     for (const Eigen::Index point : order_) {
       const double part = data_.x[point] / whole_;
+      if (part < 0)
+        throw InputError(
+            SourceLocation{data_.file, data_.lines[static_cast<std::size_t>(point)]},
+            fmt::format("{} of {:.6g} has the other sign than what {} prescribes, {:.6g} (SI); of compression both "
+                        "displacement and force are negative",
+                        data_.along->name, data_.x[point], scene_->path, whole_));
       if (part < 0 || part > 1 + kAgreement)
         throw InputError(
             SourceLocation{data_.file, data_.lines[static_cast<std::size_t>(point)]},
@@ -322,6 +370,26 @@ class SpecimenTest final : public MeasuredTest {
                               : std::min(part, 1.));
     }
     return factors;
+  }
+
+  /// What data may have of this scene.
+  static std::string shown_in(const Measures& shown) {
+    std::string names;
+    for (const DataQuantity& quantity : data_quantities())
+      if (!measure_of(quantity, shown).empty()) names += (names.empty() ? "" : ", ") + quantity.name;
+    return names;
+  }
+
+  /// @param response of small displacements to the whole load
+  void check_sign(double response) const {
+    Eigen::Index last = 0;
+    data_.x.cwiseAbs().maxCoeff(&last);
+    if (data_.y[last] * response >= 0) return;
+    throw InputError(
+        SourceLocation{data_.file, data_.lines[static_cast<std::size_t>(last)]},
+        fmt::format("{} of {:.6g} (SI) has the other sign than the specimen's: of tension displacement and "
+                    "force are positive, of compression both negative",
+                    data_.up->name, data_.y[last]));
   }
 
   /// Where a function that rises from 0 to 1 has a value: at that value itself, if it is straight.
@@ -335,13 +403,22 @@ class SpecimenTest final : public MeasuredTest {
     return middle;
   }
 
-  /// At rest there is nothing to be measured.
+  /// At rest there is nothing to be measured but an offset.
   void leave_out_rest() {
+    constexpr double offset = 0.01;  // of the largest value, beyond which it is none of the scatter
     MeasuredData kept = data_;
     kept.lines.clear();
     Eigen::Index count = 0;
     for (Eigen::Index i = 0; i < data_.x.size(); ++i) {
-      if (data_.x[i] == 0) continue;
+      if (data_.x[i] == 0) {
+        if (std::abs(data_.y[i]) > offset * data_.y.cwiseAbs().maxCoeff())
+          throw InputError(
+              SourceLocation{data_.file, data_.lines[static_cast<std::size_t>(i)]},
+              fmt::format("{} is {:.6g} (SI) at rest, where it is 0: subtract that from all rows, or leave "
+                          "this one out",
+                          data_.up->name, data_.y[i]));
+        continue;
+      }
       kept.x[count] = data_.x[i], kept.y[count++] = data_.y[i];
       kept.lines.push_back(data_.lines[static_cast<std::size_t>(i)]);
     }
@@ -349,6 +426,7 @@ class SpecimenTest final : public MeasuredTest {
     data_ = std::move(kept);
   }
 
+  const Catalog& catalog_;
   std::unique_ptr<Scene> scene_;
   StrategyChoice choice_;
   Material own_;
@@ -375,10 +453,15 @@ class SpecimenTest final : public MeasuredTest {
 std::unique_ptr<MeasuredTest> make_specimen_test(const DataTest& test, const Catalog& catalog,
                                                  const std::vector<std::string>& overrides,
                                                  const std::string& strategy) {
-  MeasuredData data = load_data(test);
+  return make_specimen_test(test, load_data(test), catalog, overrides, strategy);
+}
+
+std::unique_ptr<MeasuredTest> make_specimen_test(const DataTest& test, MeasuredData data, const Catalog& catalog,
+                                                 const std::vector<std::string>& overrides,
+                                                 const std::string& strategy) {
   auto scene = load_scene(test.scene, catalog, overrides);
   const StrategyChoice choice = strategy.empty() ? scene->stiffness : choose_strategy(*scene, catalog, strategy);
-  return std::make_unique<SpecimenTest>(test, std::move(data), std::move(scene), choice);
+  return std::make_unique<SpecimenTest>(test, std::move(data), std::move(scene), choice, catalog);
 }
 
 }  // namespace elastin::lab

@@ -91,7 +91,7 @@ double small_sample_criterion(double squares, Eigen::Index residuals, Eigen::Ind
 }
 
 double profile_end(double value, double step, double bound, double least_squares, double most_squares,
-                   const ProfileSquares& squares) {
+                   const ProfileSquares& squares, const ProfileEffort& effort) {
   // The root of the deviance is nearly linear in the unknown: 0 at the value, 1 at the end.
   const auto root = [&](double at) {
     const auto found = squares(at);
@@ -101,7 +101,7 @@ double profile_end(double value, double step, double bound, double least_squares
   double inside = value, low = 0, outside = within(value + step), high = root(outside);
   for (int i = 0; high < 1; ++i) {
     if (outside == bound) return bound;
-    if (i == 30) return step > 0 ? kInfinite : -kInfinite;
+    if (i == effort.steps) return step > 0 ? kInfinite : -kInfinite;
     inside = outside, low = high;
     step *= 1.6;
     outside = within(outside + step), high = root(outside);
@@ -111,7 +111,7 @@ double profile_end(double value, double step, double bound, double least_squares
     const double between = inside + share * (outside - inside), at = root(between);
     (at < 1 ? inside : outside) = between;
     (at < 1 ? low : high) = at;
-    if (std::abs(at - 1) < 0.003) return between;
+    if (std::abs(at - 1) < effort.tolerance) return between;
   }
   return inside;
 }

@@ -29,10 +29,16 @@ double small_sample_criterion(double squares, Eigen::Index residuals, Eigen::Ind
 /// The Σ r² that is left if one unknown is kept at a value and all others are fitted; none where there is no answer.
 using ProfileSquares = std::function<std::optional<double>(double value)>;
 
+/// How far and how finely the end of a profile is sought.
+struct ProfileEffort {
+  int steps = 30;            ///< outward, before the end counts as infinite
+  double tolerance = 0.003;  ///< of the way to the end
+};
+
 /// The end of the interval on one side in which the profile stays below squares (1 + t²/(n − p)): that of the
 /// likelihood ratio, which needs no linear model. `bound` where it does not reach that before it.        [Bates & Watts
 /// 1988, 6]
 double profile_end(double value, double step, double bound, double least_squares, double most_squares,
-                   const ProfileSquares& squares);
+                   const ProfileSquares& squares, const ProfileEffort& effort = {});
 
 }  // namespace elastin::lab

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <vector>
+
+#include "lab/scene/scene_tree.h"
 
 namespace elastin::lab {
 namespace {
@@ -61,6 +62,40 @@ void insert(const std::string& text, const YAML::Node& map, const std::string& l
     edits.push_back({at, 0, line + "\n" + std::string(static_cast<std::size_t>(map.Mark().column), ' ')});
 }
 
+/// Whether two texts say the same, whatever the order of keys in their maps.
+bool same(const YAML::Node& a, const YAML::Node& b) {
+  if (a.Type() != b.Type() || (a.IsScalar() && a.Scalar() != b.Scalar()) || a.size() != b.size()) return false;
+  if (a.IsSequence())
+    for (std::size_t i = 0; i < a.size(); ++i)
+      if (!same(a[i], b[i])) return false;
+  if (a.IsMap())
+    for (const auto& entry : a) {
+      const YAML::Node other = b[entry.first.Scalar()];
+      if (!other.IsDefined() || !same(entry.second, other)) return false;
+    }
+  return true;
+}
+
+bool says(const std::string& text, const YAML::Node& wanted) {
+  try {
+    return same(YAML::Load(text), wanted);
+  } catch (const YAML::Exception&) {
+    return false;
+  }
+}
+
+/// The keys of its material that a scene has from the one that it extends.
+std::vector<std::string> extended_keys(const YAML::Node& scene, const std::string& folder) {
+  std::vector<std::string> keys;
+  const YAML::Node base = scene["extends"];
+  if (!base.IsDefined() || !base.IsScalar()) return keys;
+  const std::string path = (fs::path(folder) / base.Scalar()).string();
+  const SceneTree tree = load_scene_tree(path, text_of_scene(path), {});
+  if (const YAML::Node material = std::as_const(tree.root)["material"]; material.IsDefined() && material.IsMap())
+    for (const auto& entry : material) keys.push_back(entry.first.Scalar());
+  return keys;
+}
+
 }  // namespace
 
 std::string path_text(const std::string& path) {
@@ -89,9 +124,31 @@ std::string with_section(const std::string& text, const std::string& key, const 
   return text.substr(0, begin) + lines + (end == std::string::npos ? "" : text.substr(end + 1));
 }
 
+std::string with_values(const std::string& text, const std::string& folder,
+                        const std::vector<std::pair<std::string, std::string>>& values) {
+  std::string result = text;
+  for (auto [path, value] : values) {
+    if (path == "material")
+      for (const std::string& key : extended_keys(YAML::Load(result), folder))
+        if (!YAML::Load(value)[key].IsDefined()) value += "\n  " + key + ":";
+    YAML::Node wanted = YAML::Load(result);
+    put_value(wanted, path, YAML::Load(value), {path});
+    const std::string lines = with_value(result, path, value);
+    if (says(lines, wanted)) {
+      result = lines;
+      continue;
+    }
+    YAML::Emitter emitter;
+    emitter << without_origin(wanted);
+    result = std::string(emitter.c_str()) + "\n";
+  }
+  return result;
+}
+
 std::string with_value(const std::string& text, const std::string& path, const std::string& value) {
   if (path.find('.') == std::string::npos) {
-    const std::string line = path + ": " + value + "\n", found = with_section(text, path, line);
+    const std::string line = path + (value.starts_with('\n') ? ":" : ": ") + value + "\n",
+                      found = with_section(text, path, line);
     return found.empty() ? text + (text.ends_with('\n') ? "" : "\n") + line : found;
   }
   std::vector<Edit> edits;
@@ -100,9 +157,10 @@ std::string with_value(const std::string& text, const std::string& path, const s
     const std::size_t to = std::min(path.find('.', from), path.size());
     const std::string key = path.substr(from, to - from);
     const bool last = to == path.size();
-    const YAML::Node child = node.IsSequence() ? std::as_const(node)[std::stoul(key)]
-                             : node.IsMap()    ? std::as_const(node)[key]
-                                               : YAML::Node(YAML::NodeType::Undefined);
+    const auto item = node.IsSequence() ? item_of(node, key) : std::nullopt;
+    const YAML::Node child = item           ? std::as_const(node)[*item]
+                             : node.IsMap() ? std::as_const(node)[key]
+                                            : YAML::Node(YAML::NodeType::Undefined);
     if (!child.IsDefined()) {
       if (last && node.IsMap()) insert(text, node, key + ": " + value, edits);
       break;

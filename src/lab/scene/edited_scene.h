@@ -1,5 +1,7 @@
 #pragma once
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace elastin::lab {
 
@@ -14,6 +16,12 @@ std::string with_section(const std::string& text, const std::string& key, const 
 /// that its map does not have is added; where there is no such map or item the text stays.
 /// @param value as YAML writes it
 std::string with_value(const std::string& text, const std::string& path, const std::string& value);
+
+/// A scene's own text with other values of keys, (key, YAML) as of --set, in the lines that there are as far as these
+/// can take them; else all of it is written anew, without its remarks. A `material` takes the place of all that a
+/// scene which this one extends has there. Throws InputError where a key names an item of no list of this text.
+std::string with_values(const std::string& text, const std::string& folder,
+                        const std::vector<std::pair<std::string, std::string>>& values);
 
 /// A path as YAML writes it: in quotes where it needs them.
 std::string path_text(const std::string& path);

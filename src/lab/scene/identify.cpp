@@ -1,5 +1,6 @@
 #include "lab/scene/identify.h"
 
+#include <cctype>
 #include <filesystem>
 
 #include "lab/scene/parts.h"
@@ -11,6 +12,23 @@ namespace {
 LaterQuantity later(const std::optional<Reader>& reader) {
   if (!reader) return {};
   return [reader = *reader](const Dimension& unit) { return reader.quantity(unit); };
+}
+
+/// Whether a value, or one below it, is a number with its unit.
+bool has_units(const Reader& reader) {
+  if (reader.is_map()) {
+    for (const auto& [key, value] : reader.entries())
+      if (key != "title" && has_units(value)) return true;
+    return false;
+  }
+  if (!reader.is_text()) {
+    for (const Reader& item : reader.items())
+      if (has_units(item)) return true;
+    return false;
+  }
+  const std::string text = reader.text();
+  const auto starts = [](unsigned char c) { return std::isdigit(c) || c == '-' || c == '+' || c == '.'; };
+  return !text.empty() && starts(text.front()) && std::isalpha(static_cast<unsigned char>(text.back()));
 }
 
 std::function<void(const std::string&)> failure_at(const Reader& reader) {
@@ -54,12 +72,14 @@ DataTest read_test(Reader reader, bool relative) {
   test.relative = residuals ? read_residuals(*residuals) : relative;
   if (auto area = reader.find("cross_section")) test.cross_section = area->quantity(dimension::area, kPositive);
   if (auto length = reader.find("length")) test.length = length->quantity(dimension::length, kPositive);
-  if (test.kind->in_time) {
+  if (const auto scene = test.kind->homogeneous ? std::nullopt : reader.find("scene")) test.scene = beside(*scene);
+  if (test.kind->in_time && !test.scene.empty()) {
+    if (auto ramp = reader.find("ramp")) test.ramp = ramp->quantity(dimension::time, kNotNegative);
+  } else if (test.kind->in_time) {
     if (auto held = reader.find("held")) test.held = held->choice<HomogeneousTest>(homogeneous_names());
     test.strain = reader.at("strain").quantity(dimension::none);
     if (auto ramp = reader.find("ramp")) test.ramp = ramp->quantity(dimension::time, kNotNegative);
   } else if (!test.kind->homogeneous) {
-    if (auto scene = reader.find("scene")) test.scene = beside(*scene);
     if (test.scene.empty()) test.scene = reader.scene_path();
   }
   reader.finish();
@@ -170,10 +190,13 @@ IdentifyTask load_identify_task(const std::string& path, const Catalog& catalog,
   Reader material = reader.at("material");
   task.material = read_material(material, catalog.material_laws);
   if (!task.material.law) task.curve = read_curve_numbers(material);
-  for (const char* key : {"spring_curve", "bending", "fibre", "active", "around", "softening", "fields"})
-    if (const auto value = material.find(key)) task.kept += std::string("  ") + key + ": " + value->line() + "\n";
-  task.plain = material.plain();
+  task.kept = read_kept(material, std::filesystem::path(path).parent_path().string());
   read_identify(reader.at("identify"), task);
+  task.plain = reader.plain() || (has_body && !has_units(reader));
+  for (const DataTest& test : task.tests)
+    if (!has_body && test.scene == path)
+      test.fail(
+          "a specimen needs its body, stiffness and experiment: state them in this scene, or name one by `scene`");
   if (has_body)  // the rest is the specimen's
     load_scene(path, catalog, overrides);
   else
@@ -235,9 +258,12 @@ std::vector<KeySection> identify_keys() {
         {"residuals", "`relative`, `absolute`", "", "", "as above", "of this test"},
         {"cross_section", "quantity", "m^2", "> 0", "needed with `force`", "of a homogeneous test"},
         {"length", "quantity", "m", "> 0", "needed with `displacement`", "of a homogeneous test"},
-        {"scene", "text", "", "", "this scene", "of `specimen`: body, grips and load; the material is the fitted one"},
+        {"scene", "text", "", "", "this scene",
+         "of `specimen`: body, grips and load; the material is the fitted one. Of `relaxation`: the specimen whose "
+         "load is kept, in the place of "
+         "`held` and `strain`"},
         {"held", words_text(tests), "", "", "`uniaxial`", "of `relaxation`: the state that is kept"},
-        {"strain", "number", "", "", "needed for `relaxation`", "of `relaxation`: that is kept"},
+        {"strain", "number", "", "", "needed for `relaxation` without `scene`", "of `relaxation`: that is kept"},
         {"ramp", "quantity", "s", "≥ 0", "0", "of `relaxation`: time in which the strain grows"}}}};
 }
 

@@ -8,6 +8,7 @@
 #include "elastin/core/base/text.h"
 #include "elastin/core/forces/mullins.h"
 #include "elastin/core/forces/prony.h"
+#include "lab/scene/edited_scene.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
@@ -235,8 +236,8 @@ StressStrain spring_curve(const Reader& reader, const Material& material) {
   return StressStrain::through(points);
 }
 
-/// The material of this name in a file of materials, a map of names; `base` where no file is named.
-std::optional<Material> read_named(Reader& reader, const Table<MaterialLaw>& laws) {
+/// What a file of materials, a map of names, states under a name; none where the material names no file.
+std::optional<Reader> find_named(Reader& reader) {
   const auto file = reader.find("file"), name = reader.find("name");
   if (name && !file) name->fail("names a material of a file: key 'file' is missing");
   if (!file) return std::nullopt;
@@ -255,7 +256,12 @@ std::optional<Material> read_named(Reader& reader, const Table<MaterialLaw>& law
     name->fail("'" + file->text() + "' has no material '" + name->text() + "'" + suggestion(name->text(), names));
   Reader material = library.at(name->text());
   if (material.has("fields")) material.at("fields").fail("places are those of a body: write it in the scene");
-  return read_material(material, laws);
+  return material;
+}
+
+/// Whether a material states elasticity of its own, in the place of what the material of its file has.
+bool has_own_law(Reader& reader) {
+  return reader.has("law") || reader.has("youngs_modulus") || reader.has("curve") || reader.has("secant_modulus");
 }
 
 }  // namespace
@@ -264,14 +270,14 @@ Material read_material(Reader reader, const Table<MaterialLaw>& laws, const Mate
   reader.set_section("material");
   const auto given = reader.given_material("given");
   if (given) base = given.get();
-  const std::optional<Material> named = read_named(reader, laws);
-  if (named) base = &*named;
-  Material material = base ? *base : Material{};
+  const std::optional<Reader> named = find_named(reader);
+  Material material = named ? read_material(*named, laws) : base ? *base : Material{};
+  if (named) base = &material;
   const auto law = reader.find("law");
   const bool derived = law && !law->located([&] { return laws.find(law->text()); })->from_moduli;
   for (const char* key : {"youngs_modulus", "poissons_ratio", "curve", "secant_modulus"})
     if (derived && reader.has(key)) reader.at(key).fail("follows from the constants of the law; leave it out");
-  const bool own_law = law || reader.has("youngs_modulus") || reader.has("curve") || reader.has("secant_modulus");
+  const bool own_law = has_own_law(reader);
   if (own_law) material.curve.reset(), material.law.reset();
   if (!law && material.law && reader.has("poissons_ratio"))
     reader.at("poissons_ratio").fail("follows from the constants of the law; leave it out");
@@ -310,7 +316,31 @@ Material read_material(Reader reader, const Table<MaterialLaw>& laws, const Mate
 std::optional<CurveNumbers> read_curve_numbers(Reader material) {
   if (auto curve = material.find("curve")) return read_curve(*curve);
   if (auto secant = material.find("secant_modulus")) return read_secant_modulus(*secant);
-  return std::nullopt;
+  const std::optional<Reader> named = has_own_law(material) ? std::nullopt : find_named(material);
+  return named ? read_curve_numbers(*named) : std::nullopt;
+}
+
+std::string read_kept(Reader material, const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::string kept;
+  const auto keep = [&](const std::string& key, const std::string& value) {
+    kept += std::string("  ") + key + ": " + value + "\n";
+  };
+  if (const auto file = material.find("file")) {
+    const fs::path path = fs::absolute(fs::path(file->file_path()).parent_path() / file->text());
+    keep("file", path_text(path.lexically_normal().lexically_relative(fs::absolute(folder).lexically_normal())));
+    keep("name", material.at("name").line());
+  }
+  for (const char* key : {"spring_curve", "bending", "fibre", "active", "around", "softening", "fields"})
+    if (const auto value = material.find(key)) keep(key, value->line());
+  // The numbers that are put in take the curve away that springs have in the file.
+  while (!has_own_law(material) && !material.has("spring_curve")) {
+    const std::optional<Reader> named = find_named(material);
+    if (!named) break;
+    material = *named;
+    if (const auto value = material.find("spring_curve")) keep("spring_curve", value->line());
+  }
+  return kept;
 }
 
 void check_material(Reader reader, const Material& material, const Body& body) {

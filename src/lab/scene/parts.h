@@ -18,6 +18,9 @@ namespace elastin::lab {
 Material read_material(Reader reader, const elastin::Table<MaterialLaw>& laws, const Material* base = nullptr);
 /// What the `curve` or `secant_modulus` of a material is stated by; none without them.
 std::optional<CurveNumbers> read_curve_numbers(Reader material);
+/// What a material states beside its law, thickness, density and relaxation, as lines of a `material:` block that takes
+/// its place in a scene of this folder: its file and name, fibres, softening.
+std::string read_kept(Reader material, const std::string& folder);
 /// Throws where a membrane has no thickness, or a solid is incompressible: above ν = 0.4999.
 void check_material(Reader reader, const Material& material, const Body& body);
 /// Of molecules, ascending, by the names that mesh files give them.

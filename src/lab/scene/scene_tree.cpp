@@ -71,21 +71,25 @@ void mark_override(YAML::Node node) {
   }
 }
 
-/// Which item of a list a key means: its `name`, or its number from 0.
-std::size_t item_of(const YAML::Node& list, const std::string& key, const SourceLocation& location) {
+/// How --set calls the items of a list.
+std::vector<std::string> names_of_items(const YAML::Node& list) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < list.size(); ++i) {
     const bool named = list[i].IsMap() && list[i]["name"] && list[i]["name"].IsScalar();
     names.push_back(named ? list[i]["name"].Scalar() : std::to_string(i));
-    if (key == names.back() || key == std::to_string(i)) return i;
   }
-  throw InputError(location, "'" + key + "' is no item of the list" + suggestion(key, names));
+  return names;
+}
+
+std::size_t item_of(const YAML::Node& list, const std::string& key, const SourceLocation& location) {
+  if (const auto item = lab::item_of(list, key)) return *item;
+  throw InputError(location, "'" + key + "' is no item of the list" + suggestion(key, names_of_items(list)));
 }
 
 void put_override(YAML::Node root, const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   const SourceLocation location{"--set " + assignment};
-  std::string path = assignment.substr(0, equals);
+  const std::string path = assignment.substr(0, equals);
   if (equals == std::string::npos || ("." + path + ".").find("..") != std::string::npos)
     throw InputError(location, "write key=value, for example --set material.youngs_modulus='10 kPa'");
   YAML::Node value;
@@ -96,19 +100,7 @@ void put_override(YAML::Node root, const std::string& assignment) {
   }
   TreeCheck([&](const YAML::Node&) { return location; }, assignment.size()).check(value);
   mark_override(value);
-  YAML::Node node = root;
-  for (std::size_t dot; (dot = path.find('.')) != std::string::npos; path = path.substr(dot + 1)) {
-    const std::string key = path.substr(0, dot);
-    YAML::Node next = node.IsSequence() ? node[item_of(node, key, location)] : node[key];
-    if (next.IsDefined() && !next.IsMap() && !next.IsSequence())
-      throw InputError(location, "'" + key + "' is " + kind_of(next) + " in the scene, not a map of keys");
-    if (!next.IsDefined()) node[key] = next = YAML::Node(YAML::NodeType::Map);
-    node.reset(next);
-  }
-  if (node.IsSequence())
-    node[item_of(node, path, location)] = value;
-  else
-    node[path] = value;
+  put_value(root, path, value, location);
 }
 
 /// Where a text's second YAML document begins.
@@ -238,9 +230,35 @@ std::size_t file_of(const YAML::Node& node) {
   return tag.starts_with(kFileTag) ? std::stoul(tag.substr(std::strlen(kFileTag))) : 0;
 }
 
+void put_value(YAML::Node root, const std::string& whole_path, const YAML::Node& value,
+               const SourceLocation& location) {
+  std::string path = whole_path;
+  YAML::Node node = root;
+  for (std::size_t dot; (dot = path.find('.')) != std::string::npos; path = path.substr(dot + 1)) {
+    const std::string key = path.substr(0, dot);
+    YAML::Node next = node.IsSequence() ? node[item_of(node, key, location)] : node[key];
+    if (next.IsDefined() && !next.IsMap() && !next.IsSequence())
+      throw InputError(location, "'" + key + "' is " + kind_of(next) + " in the scene, not a map of keys");
+    if (!next.IsDefined()) node[key] = next = YAML::Node(YAML::NodeType::Map);
+    node.reset(next);
+  }
+  if (node.IsSequence())
+    node[item_of(node, path, location)] = value;
+  else
+    node[path] = value;
+}
+
+std::optional<std::size_t> item_of(const YAML::Node& list, const std::string& key) {
+  const std::vector<std::string> names = names_of_items(list);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (key == names[i] || key == std::to_string(i)) return i;
+  return std::nullopt;
+}
+
 YAML::Node without_origin(const YAML::Node& node) {
   if (node.IsScalar()) return YAML::Node(node.Scalar());
   YAML::Node plain(node.Type());
+  plain.SetStyle(node.Style());
   for (const auto& entry : node)
     if (node.IsSequence())
       plain.push_back(without_origin(entry));

@@ -1,6 +1,7 @@
 #pragma once
 #include <yaml-cpp/yaml.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,12 @@ SceneTree load_scene_tree(const std::string& name, const std::string& text, cons
 
 /// The bytes of a scene file. Throws InputError where there is none, or it is a folder or device.
 std::string text_of_scene(const std::string& path);
+
+/// Puts a value under a key of a tree, "key.path.to", and the maps that are missing on the way. Throws InputError at
+/// `location` where the path leads through no map or to no item of a list.
+void put_value(YAML::Node root, const std::string& path, const YAML::Node& value, const SourceLocation& location);
+/// Which item of a list a key means: its `name`, or its number from 0; none: no item.
+std::optional<std::size_t> item_of(const YAML::Node& list, const std::string& key);
 
 /// The same value without the marks of where its parts came from.
 YAML::Node without_origin(const YAML::Node& node);

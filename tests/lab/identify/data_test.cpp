@@ -17,12 +17,12 @@ struct Broken {
   std::string what, text;
   int line;            ///< of the data file; 0: the place is in the scene
   std::string needed;  ///< words of the message
-  std::string kind = "uniaxial", more = "";
+  std::string kind = "uniaxial", more = "", material = "";
 };
 
 std::string scene_of(const Broken& broken) {
-  return "material: {law: yeoh, terms: [1 kPa]}\nidentify:\n  tests: [{kind: " + broken.kind + ", file: data.csv" +
-         broken.more + "}]\n";
+  return "material: {law: yeoh, terms: [1 kPa]" + broken.material + "}\nidentify:\n  tests: [{kind: " + broken.kind +
+         ", file: data.csv" + broken.more + "}]\n";
 }
 
 std::string message_of(const std::string& scene) {
@@ -53,6 +53,10 @@ const std::vector<Broken> kBroken{
     {"unsorted", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.3,1.4\n1.2,1\n", 4, "stretch goes back"},
     {"not a number", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,nan\n1.3,1\n", 3, "'nan' is no measured value"},
     {"a word", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,n/a\n1.3,1\n", 3, "'n/a' is no number"},
+    {"another base", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,0x10\n1.3,1\n", 3, "'0x10' is no number"},
+    {"heads of a machine", "Extension (mm),Load (N)\n1,1\n2,2.2\n", 1,
+     "or say in the scene what a head means, columns: {\"Extension (mm)\": displacement [mm]}"},
+    {"no body", "displacement [mm],force [N]\n1,1\n2,2.2\n", 0, "a specimen needs its body", "specimen"},
     {"a gap", "stretch,nominal_stress [kPa]\n1.1,0.5\n1.2,\n1.3,1\n", 3, "nothing stands there"},
     {"one point", "stretch,nominal_stress [kPa]\n1.1,0.5\n", 0, "has 1 point; a curve needs two or more"},
     {"constant response", "stretch,nominal_stress [kPa]\n1.1,2\n1.2,2\n1.3,2\n", 2,
@@ -64,10 +68,12 @@ const std::vector<Broken> kBroken{
      "two columns are called 'stretch'"},
     {"empty", "", 1, "no head"},
     {"head alone", "stretch,nominal_stress [kPa]\n", 0, "has 0 points"},
-    {"zero under relative residuals", "stretch,nominal_stress [kPa]\n1,0\n1.1,0.5\n1.2,1\n", 2,
+    {"zero under relative residuals", "stretch,nominal_stress [kPa]\n1.05,0\n1.1,0.5\n1.2,1\n", 2,
      "write residuals: absolute"},
     {"another test's column", "shear,nominal_stress [kPa]\n0.1,0.5\n0.2,1\n", 1, "'shear' does not"},
     {"no section", "stretch,force [N]\n1.1,0.5\n1.2,1\n", 0, "key 'cross_section' is missing"},
+    {"fibres beside a law", kGood, 0, "the material's `fibre` would be left out", "uniaxial", "",
+     ", fibre: {direction: z, youngs_modulus: 1 kPa}"},
     {"no rows of that name", kGood, 1, "no column 'region'", "uniaxial", ", rows: {region: cortex}"},
     {"range without points", kGood, 0, "between `from` and `to`", "uniaxial", ", from: 2"},
     {"no such head", kGood, 0, "has no column 'Load'", "uniaxial", ", columns: {Load: 'force [N]'}"},

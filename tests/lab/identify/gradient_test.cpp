@@ -5,6 +5,7 @@
 
 #include "elastin/core/simulation/catalog.h"
 #include "lab/experiment/material_numbers.h"
+#include "lab/identify/answer.h"
 #include "lab/identify/measured_test.h"
 #include "support/law_constants.h"
 #include "support/temporary_folder.h"
@@ -121,6 +122,39 @@ TEST_CASE("slopes of a specimen in its grips are those of whole solutions, under
         return test->predict({row, with_numbers(row, trial, numbers, at), {}})->values;
       });
       CHECK((found->slopes.col(i) - expected).norm() < 1e-6 * expected.norm());
+    }
+  }
+}
+
+TEST_CASE("slopes of a specimen in its grips are those of whole solutions, in every number of every law",
+          "[identify]") {
+  const TemporaryFolder folder;
+  folder.write("data.csv", "displacement [mm],force [N]\n1,0.1\n2,0.2\n");
+  for (const auto& [name, constants] : elastin::testing::law_constants()) {
+    const auto row = kCatalog.material_laws.find(name);
+    const Material material = elastin::testing::material_with(constants);
+    const std::string path =
+        folder.write("scene.yaml",
+                     "body: {tetrahedra: {kind: kuhn, cubes: [2, 1, 2], size: [8 mm, 5 mm, 10 mm]}}\n" +
+                         material_yaml(row.get(), material, false) + "stiffness: " + name +
+                         "\nexperiment: {kind: tension, axis: z, displacement: 2 mm, fixed_grip: clamped, loaded_grip: "
+                         "clamped}\nidentify: {tests: [{kind: specimen, file: data.csv}]}\n");
+    const IdentifyTask task = load_identify_task(path, kCatalog);
+    const auto test = make_measured_test(task.tests.front(), kCatalog, row.get(), task.material, {});
+    const Trial trial = task.material;
+    const std::vector<MaterialNumber> numbers = material_numbers(row.get(), trial);
+    const VectorX values = values_of(numbers);
+    const auto found =
+        test->predict({row.get(), trial, trial_changes(row.get(), trial, numbers, values, 1e-5 * values.cwiseAbs())});
+    INFO(name << ": " << test->why());
+    REQUIRE(found.has_value());
+    for (Eigen::Index i = 0; i < values.size(); ++i) {
+      INFO(name << ", " << numbers[static_cast<std::size_t>(i)].name);
+      const VectorX expected = difference(values, i, [&](const VectorX& at) {
+        return test->predict({row.get(), with_numbers(row.get(), trial, numbers, at), {}})->values;
+      });
+      CHECK((found->slopes.col(i) - expected).norm() <
+            1e-6 * expected.norm() + 1e-9 * found->values.norm() / std::abs(values[i]));
     }
   }
 }

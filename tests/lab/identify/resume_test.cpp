@@ -139,6 +139,47 @@ TEST_CASE("the scene that identify writes has the data, the strategy and the num
   }
 }
 
+TEST_CASE(
+    "the scene that identify writes has what it had from a file of materials, from the scene that it extends, and "
+    "from --set",
+    "[identify][command]") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path("lab"));
+  std::filesystem::create_directories(folder.path("lib"));
+  folder.write("lib/tissues.yaml",
+               "gel:\n  youngs_modulus: 10 kPa\n  poissons_ratio: 0.3\n  density: 1100 kg/m3\n"
+               "  fibre: {direction: z, youngs_modulus: 5 kPa}\n  softening: {r: 2, beta: 0.1}\n");
+  folder.write("lab/pull.csv", "displacement [mm],force [N]\n0.5,0.1\n1,0.21\n1.5,0.33\n2,0.46\n");
+  folder.write("lab/base.yaml",
+               "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [10 mm, 10 mm, 20 mm]}}\n"
+               "material: {file: ../lib/tissues.yaml, name: gel}\nstiffness: neo_hookean\n"
+               "experiment: {kind: tension, axis: z, displacement: 2 mm}\n");
+  folder.write("lab/scene.yaml",
+               "# mine\nextends: base.yaml\nidentify: {tests: [{kind: specimen, name: pull, file: pull.csv}]}\n");
+  REQUIRE(shell(folder,
+                "$elastin identify lab/scene.yaml --quiet --set identify.residuals=absolute --set "
+                "identify.tests.pull.to=\"1.5 mm\" --set experiment.fixed_grip=clamped --set "
+                "material.poissons_ratio=0.35 --out found") == 0);
+  const std::string written = text_of_file(folder.path("found/scene.yaml"));
+  INFO(written);
+  CHECK(written.find("file: ../lib/tissues.yaml") != std::string::npos);
+  CHECK(written.find("poissons_ratio: 0.35") != std::string::npos);
+  CHECK(shell(folder, "$elastin identify found/scene.yaml --quiet --json again.json") == 0);
+  INFO(text_of_file(folder.path("err")));
+  const auto first = nlohmann::json::parse(text_of_file(folder.path("found/identify.json"))),
+             again = nlohmann::json::parse(text_of_file(folder.path("again.json")));
+  CHECK(again["parameters"][0]["value"].get<double>() ==
+        Approx(first["parameters"][0]["value"].get<double>()).epsilon(1e-6));
+  CHECK(again["relative_rms"]["pull"].get<double>() ==
+        Approx(first["relative_rms"]["pull"].get<double>()).epsilon(1e-4));
+  // Its material is the whole one.
+  const IdentifyTask task = load_identify_task(folder.path("found/scene.yaml"), kCatalog);
+  CHECK(task.material.density == 1100);
+  CHECK(task.material.fibre.has_value());
+  CHECK(task.material.softening.has_value());
+  CHECK_FALSE(task.tests.front().relative);
+}
+
 TEST_CASE("files of a scene are named from its new folder", "[identify]") {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder.path("a/b"));
@@ -161,4 +202,10 @@ TEST_CASE("a value of a scene is put in where it stands, or into its map", "[ide
   CHECK(with_value("a: 1", "b", "3") == "a: 1\nb: 3\n");
   CHECK(with_value("a: [{f: x}]\n", "a.1.f", "z") == "a: [{f: x}]\n");
   CHECK(with_value("a: 1\n", "b.0.f", "z") == "a: 1\n");
+  CHECK(with_values("a: {b: 1}  # so\n", "", {{"a.b", "2"}}) == "a: {b: 2}  # so\n");
+  CHECK(with_values("a: [{name: x, f: 1}]\n", "", {{"a.x.f", "3"}}) == "a: [{name: x, f: 3}]\n");
+  // What no line takes: a map that is missing, a list in the place of a value.
+  CHECK(with_values("a: {b: 1}  # so\n", "", {{"c.d", "2"}, {"a.b", "[1, 2]"}}) == "a: {b: [1, 2]}\nc:\n  d: 2\n");
+  CHECK_THROWS_WITH(with_values("a: [{name: x}]\n", "", {{"a.y.f", "3"}}),
+                    Catch::Matchers::Contains("no item of the list"));
 }

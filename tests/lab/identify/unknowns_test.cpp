@@ -107,3 +107,76 @@ TEST_CASE("an unknown that is nowhere is named with its neighbour", "[identify]"
   CHECK_THROWS_WITH(identify(scene, kCatalog, {}), Catch::Matchers::Contains("no number 'exponnt' here") &&
                                                        Catch::Matchers::Contains("did you mean 'exponent'"));
 }
+
+TEST_CASE("E and nu are found from three specimens of one material, each in a machine of its own", "[identify]") {
+  const TemporaryFolder folder;
+  const auto scene = [&](const std::string& name, const std::string& size, const std::string& experiment) {
+    return folder.write(name + ".yaml", "body: {tetrahedra: {kind: body_centred, " + size +
+                                            "}}\nmaterial: {youngs_modulus: 12 kPa, poissons_ratio: 0.4}\nstiffness: "
+                                            "neo_hookean\nexperiment: " +
+                                            experiment + "\n");
+  };
+  const std::string bar = "cubes: [2, 2, 3], size: [10 mm, 10 mm, 15 mm]",
+                    layer = "cubes: [3, 3, 2], size: [15 mm, 15 mm, 10 mm]";
+  folder.write("pull.csv", data_of(scene("pull", bar,
+                                         "{kind: tension, axis: z, displacement: 2 mm, fixed_grip: clamped, "
+                                         "loaded_grip: clamped, load_steps: 3}"),
+                                   "displacement [m],force [N]", "elongation", "force"));
+  folder.write("twist.csv", data_of(scene("twist", bar, "{kind: torsion, axis: z, angle: 40 deg, load_steps: 3}"),
+                                    "angle [rad],torque [N m]", "angle", "torque"));
+  folder.write("press.csv", data_of(scene("press", layer,
+                                          "{kind: indentation, indenter: {sphere: {radius: 20 mm}}, depth: 1 mm, "
+                                          "load_steps: 3}\ncontact: {friction: 0}"),
+                                    "displacement [m],force [N]", "depth", "force"));
+  std::string tests;
+  for (const std::string name : {"pull", "twist", "press"})
+    tests += "    - {name: " + name + ", kind: specimen, file: " + name + ".csv, scene: " + name + ".yaml}\n";
+  const Answer answer = identify(folder.write("joint.yaml",
+                                              "material: {youngs_modulus: 8 kPa, poissons_ratio: 0.3}\nidentify:\n  "
+                                              "unknowns: [youngs_modulus, poissons_ratio]\n  tests:\n" +
+                                                  tests),
+                                 kCatalog, {})
+                            .front();
+  INFO(answer.cause);
+  REQUIRE(answer.outcome == FitOutcome::converged);
+  CHECK(answer.numbers[0].value == Approx(12e3).epsilon(1e-5));
+  CHECK(answer.numbers[1].value == Approx(0.4).epsilon(1e-5));
+  REQUIRE(answer.tests.size() == 3);
+}
+
+TEST_CASE("relaxation of a clamped bar gives E and its Prony term from the force of a run in time", "[identify]") {
+  const TemporaryFolder folder;
+  const auto scene = [&](const std::string& material, const std::string& more) {
+    return folder.write("scene.yaml",
+                        "body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 2], size: [10 mm, 10 mm, 10 mm]}}\n"
+                        "material: {poissons_ratio: 0.4, density: 1 kg/m3, " +
+                            material + "}\n" + more);
+  };
+  const std::string pulled = "kind: tension, axis: z, displacement: 2 mm, fixed_grip: clamped, loaded_grip: clamped";
+  const auto built =
+      load_scene(scene("youngs_modulus: 12 kPa, relaxation: {terms: [[0.5, 0.5 s]]}",
+                       "stiffness: prony:neo_hookean\nexperiment: {kind: relaxation, ramp: 0.1 s, fixture: {" + pulled +
+                           "}}\ntime: {duration: 2 s, integrator: newmark, step: 5 ms, frames: 20}\n"),
+                 kCatalog);
+  RunOptions options;
+  options.statics = built->statics, options.time = *built->time;
+  const Run run = run_strategy(built->specimen, *built->experiment, built->stiffness, options);
+  REQUIRE(run.outcome == Outcome::converged);
+  std::string data = "time [s],force [N]\n";
+  for (const CurvePoint& point : run.curve)
+    if (point.time > 0.15)
+      data += std::to_string(point.time) + "," + std::to_string(point.measures.get("force")) + "\n";
+  folder.write("data.csv", data);
+  const std::string path =
+      scene("youngs_modulus: 9 kPa, relaxation: {terms: [[0.3, 0.2 s]]}",
+            "stiffness: neo_hookean\nexperiment: {" + pulled +
+                "}\nidentify: {tests: [{kind: relaxation, file: data.csv, scene: scene.yaml, ramp: 0.1 s}]}\n");
+  const Answer answer = identify(path, kCatalog, {}).front();
+  INFO(answer.cause);
+  REQUIRE(answer.outcome == FitOutcome::converged);
+  REQUIRE(answer.numbers.size() == 3);
+  CHECK(answer.numbers[0].value == Approx(12e3).epsilon(2e-3));
+  CHECK(answer.numbers[1].value == Approx(0.5).epsilon(1e-2));
+  CHECK(answer.numbers[2].value == Approx(0.5).epsilon(2e-2));
+  CHECK(answer.tests.front().relative_rms < 1e-3);
+}
