@@ -506,9 +506,9 @@ TEST_CASE("frames whose lengths grow by a factor: relaxation over decades of tim
 TEST_CASE("creep over decades of time is of order 2 in the steps of a frame", "[time]") {
   // At constant stress a standard linear solid has the strain σ/E (1 − g/(1 + g) e^(−t/((1 + g) τ))).
   const auto creep = [](int steps) {
-    std::string text = decades(
-        "prony:lattice", "kind: creep, fixture: {kind: tension, axis: z, force: 1 uN}",
-        "duration: 3 s, frames: 30, first_frame: 10 us, step: {per_frame: " + std::to_string(steps) + "}");
+    std::string text =
+        decades("prony:lattice", "kind: creep, fixture: {kind: tension, axis: z, force: 1 uN}",
+                "duration: 3 s, frames: 30, first_frame: 10 us, step: {per_frame: " + std::to_string(steps) + "}");
     const std::string terms = "[[0.4, 10 ms], [0.3, 1 s], [0.2, 100 s]]";
     text.replace(text.find(terms), terms.size(), "[[1, 1 s]]");
     return run_of(text + "solver: {displacements: small}\n").curve.back().measures.get("elongation");
