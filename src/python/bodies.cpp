@@ -231,6 +231,7 @@ std::string material_text(const Material& material) {
 py::tuple material_state(const Material& material) {
   if (material.active && material.active->activation)
     throw py::type_error("a material whose muscle has an activation in time cannot be pickled");
+  if (material.field) throw py::type_error("a material that differs from place to place cannot be pickled");
   py::object softening = py::none(), around = py::none(), active = py::none();
   if (const auto& s = material.softening) softening = py::make_tuple(s->r, s->m, s->beta);
   if (const auto& a = material.around) around = py::make_tuple(a->point, a->direction);

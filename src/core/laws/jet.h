@@ -1,6 +1,8 @@
 #pragma once
 #include <cmath>
 
+#include "core/laws/exponential.h"
+
 namespace elastin {
 
 /// A function of two variables at one place: its value, its slopes and its second slopes, carried along by the rules of
@@ -45,9 +47,10 @@ inline Jet sqrt(const Jet& a) {
   const double root = std::sqrt(a.value);
   return a.through(root, 0.5 / root, -0.25 / (root * a.value));
 }
+/// As limited_expm1.
 inline Jet expm1(const Jet& a) {
-  const double slope = std::exp(a.value);
-  return a.through(std::expm1(a.value), slope, slope);
+  const double value = limited_expm1(a.value);
+  return a.through(value, 1 + value, 1 + value);
 }
 inline Jet log1p(const Jet& a) {
   const double r = 1 / (1 + a.value);

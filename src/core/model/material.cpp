@@ -18,6 +18,10 @@ void rotate_directions(Material& material, const Matrix3& rotation) {
 }  // namespace
 
 void rotate(Material& material, const Matrix3& rotation) {
+  if (material.field) {
+    material.field->rotation = rotation * material.field->rotation;
+    material.field->shift = rotation * material.field->shift;
+  }
   if (!material.around) return rotate_directions(material, rotation);
   material.around->point = rotation * material.around->point;
   material.around->direction = rotation * material.around->direction;
@@ -25,6 +29,12 @@ void rotate(Material& material, const Matrix3& rotation) {
 
 Material local_material(const Material& material, const Vector3& place) {
   Material local = material;
+  if (const auto& field = material.field) {
+    local.field.reset();
+    if (!material.around) rotate_directions(local, field->rotation.transpose());
+    field->set(local, field->rotation.transpose() * (place - field->shift));
+    if (!material.around) rotate_directions(local, field->rotation);
+  }
   if (!material.around) return local;
   local.around.reset();
   const Vector3& axis = material.around->direction;
@@ -41,7 +51,7 @@ Material local_material(const Material& material, const Vector3& place) {
 UniaxialResponse uniaxial_response(const Material& material, const Vector3& direction) {
   const double E = material.youngs_modulus, nu = material.poissons_ratio;
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  if (material.active || (material.around && (material.fibre || material.law))) return {none, none};
+  if (material.active || (material.varies() && (material.fibre || material.law))) return {none, none};
   if (!material.fibre) return {E, nu};
   const double fibres = material.fibre->curve.modulus(0), cosine = direction.dot(material.fibre->direction);
   // Under unit stress: the strain of the matrix along the fibres, and the stress that they take over.
@@ -53,7 +63,7 @@ UniaxialResponse uniaxial_response(const Material& material, const Vector3& dire
 std::optional<double> uniaxial_stress(const Material& material, const Vector3& direction, double strain) {
   const bool law = material.law && material.law->uniaxial_stress;
   if (!material.curve && !material.fibre && !law) return std::nullopt;
-  if (material.active || (material.around && (material.fibre || law))) return std::nullopt;
+  if (material.active || (material.varies() && (material.fibre || law))) return std::nullopt;
   const std::optional<double> matrix = law              ? material.law->uniaxial_stress(material, direction, strain)
                                        : material.curve ? material.curve->stress(strain)
                                                         : material.youngs_modulus * strain;

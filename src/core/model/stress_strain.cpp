@@ -153,6 +153,13 @@ double StressStrain::secant(double strain) const {
   return p.strain == 0 ? p.c1 + strain * (p.c2 + strain * p.c3) : stress(strain) / strain;
 }
 
+StressStrain::Response StressStrain::response(double strain) const {
+  const Piece& p = piece(strain);
+  const double d = strain - p.strain, stress = p.stress + d * (p.c1 + d * (p.c2 + d * p.c3));
+  return {p.strain == 0 ? p.c1 + strain * (p.c2 + strain * p.c3) : stress / strain,
+          p.c1 + d * (2 * p.c2 + 3 * d * p.c3), p.energy_density(strain)};
+}
+
 double StressStrain::energy_density(double strain) const { return piece(strain).energy_density(strain); }
 
 }  // namespace elastin

@@ -109,9 +109,7 @@ Strategy make_energy_law(const std::string& name, EnergyExpression energy, std::
       return make_cells<2>(body, material, AnyMembrane{[make](const Material& here) {
                              return AnyPoint<2>(PlaneStress(make(here), here.thickness));
                            }});
-    return make_cells<3>(body, material, AnySolid{[make](const Material& here) {
-                           return SplitPoint<AnyPoint<3>>{AnyPoint<3>(make(here)), {}};
-                         }});
+    return make_cells<3>(body, material, AnySolid{[make](const Material& here) { return AnyPoint<3>(make(here)); }});
   };
   return law;
 }

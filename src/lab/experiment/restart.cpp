@@ -92,8 +92,9 @@ std::string restart_identity(const Body& body, const std::string& strategy, cons
   add(body.rest.data(), sizeof(double) * static_cast<std::size_t>(body.rest.size()));
   add(body.mass.data(), sizeof(double) * static_cast<std::size_t>(body.mass.size()));
   add(body.connections.ends.data(), sizeof(int) * 2 * body.connections.ends.size());
-  const double frame = options.duration / options.frames;
+  const double frame = options.time_of(1), spread = options.first_frame > 0 ? options.duration : 0;
   add(&frame, sizeof frame);
+  add(&spread, sizeof spread);
   std::string name = strategy;
   for (char& c : name)
     if (std::strchr(" \t\n", c)) c = '_';

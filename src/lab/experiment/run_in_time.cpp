@@ -91,7 +91,7 @@ class TimedRun {
     while (frame_ < time.frames && run_.outcome == Outcome::converged) {
       if (options_.progress)
         options_.progress("t = " + number(state_.time, 4) + " s of " + number(time.duration, 4) + " s");
-      if (!advance_frame(time.duration * (frame_ + 1) / time.frames)) break;
+      if (!advance_frame(time.time_of(frame_ + 1))) break;
       ++frame_;
       keep_snapshot();
       const Clock::time_point look = Clock::now();
@@ -157,7 +157,8 @@ class TimedRun {
   /// Measures of the whole history are read from the steps, however few frames are kept: at 50 moments of a frame at
   /// most, of explicit steps, where reading costs as much as a step, at every fourth; until there are 5000 of them.
   bool is_sampled() const {
-    const double step = control_.memory.last, frame = options_.time->duration / options_.time->frames;
+    const double step = control_.memory.last,
+                 frame = options_.time->time_of(frame_ + 1) - options_.time->time_of(frame_);
     const double every = std::max(frame / 50, control_.memory.critical > 0 ? 4 * step : 0);
     return history_.size() < 5000 && std::floor(state_.time / every) > std::floor((state_.time - step) / every);
   }

@@ -25,7 +25,7 @@ StepControl::StepControl(Model& model, const State& start, const TimeOptions& op
   const bool automatic = options.choice == StepChoice::automatic;
   by_error_ = options.choice == StepChoice::by_error || (automatic && !scheme->is_explicit);
   watched_ = scheme->is_explicit && options.choice != StepChoice::fixed;
-  memory.wanted = options.choice == StepChoice::fixed ? options.step : options.duration / options.frames;
+  memory.wanted = options.choice == StepChoice::fixed ? options.step : options.time_of(1);
   memory.stable = std::numeric_limits<double>::infinity();
   if (scheme->is_explicit) {
     const StableStep found = find_stable_step(model, start);

@@ -24,6 +24,7 @@ class StepControl {
   StepResult advance(Model& model, State& state, double until, After&& after) {
     StepResult all;
     all.substeps = 0;
+    if (options_.choice == StepChoice::per_frame) memory.wanted = (until - state.time) / options_.steps_per_frame;
     while (state.time < until) {
       const StepResult step = one_step(model, state, until);
       all.newton_iterations += step.newton_iterations;

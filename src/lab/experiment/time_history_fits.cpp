@@ -75,11 +75,12 @@ std::optional<ExponentialFit> fit_exponential(const Series& series) {
   if (series.times.size() < 4) return std::nullopt;
   const double range = series.values.maxCoeff() - series.values.minCoeff();
   if (!(range > 1e-12 * series.values.cwiseAbs().maxCoeff())) return std::nullopt;
-  const double duration = series.times[series.times.size() - 1] - series.times[0];
+  const Eigen::Index last = series.times.size() - 1;
+  const double duration = series.times[last] - series.times[0];
   const auto misfit = [&](double logarithm) {
     return linear_fit(exponential_columns(series.times, std::exp(logarithm)), series.values).second;
   };
-  const double step = duration / static_cast<double>(series.times.size() - 1);
+  const double step = (series.times.tail(last) - series.times.head(last)).minCoeff();
   const double time = std::exp(least_of(misfit, std::log(step / 10), std::log(100 * duration), 60));
   const VectorX found = linear_fit(exponential_columns(series.times, time), series.values).first;
   return ExponentialFit{time, found[0] + found[1], found[0]};

@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <optional>
 #include <string>
 
@@ -11,6 +12,7 @@ enum class StepChoice {
   automatic,  ///< explicit schemes: 0.8 of the longest stable step, watched; implicit ones: by their error
   fixed,
   by_error,
+  per_frame,  ///< so many of equal length in each frame
 };
 
 /// How a scene wants time to go.
@@ -22,10 +24,21 @@ struct TimeOptions {
   double step = 0;                      ///< [s], of fixed ones; frames shorten it evenly
   double error = 1e-4;                  ///< of a step in position, as a part of the body's size
   double smallest = 0, largest = 1e30;  ///< [s], of steps by error
-  int frames = 100;                     ///< states that are kept, at equal times, beside the first
-  double frame_rate = 250;              ///< frames a second at most, where a run is shown live
-  int checkpoint = 0;                   ///< frames between two restart files; 0 = none
-  double budget = 0;                    ///< [s] by the clock for a step of a scheme that takes sweeps; 0 = any
+  int steps_per_frame = 1;              ///< of StepChoice::per_frame
+  int frames = 100;                     ///< states that are kept beside the first
+  /// [s], the end of the first frame; that of each other one is the one before times the same factor. 0: equal frames.
+  double first_frame = 0;
+  double frame_rate = 250;  ///< frames a second at most, where a run is shown live
+  int checkpoint = 0;       ///< frames between two restart files; 0 = none
+  double budget = 0;        ///< [s] by the clock for a step of a scheme that takes sweeps; 0 = any
+
+  /// When a frame ends [s]: frame 0 … frames.
+  double time_of(int frame) const {
+    if (frame <= 0) return 0;
+    if (frame >= frames) return duration;
+    if (first_frame == 0) return duration * frame / frames;
+    return first_frame * std::pow(duration / first_frame, (frame - 1.) / (frames - 1.));
+  }
 };
 
 /// How the steps kept their budget.

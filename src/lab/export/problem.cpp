@@ -27,6 +27,8 @@ std::string trouble(const Scene& scene) {
   if (specimen.start) return "a start away from rest is not exported";
   if (body.connection_stiffness.size() || body.cell_stiffness.size())
     return "regions of other stiffness are not exported";
+  for (const Material& material : materials_of(specimen))
+    if (material.field) return "a material that differs from place to place is not exported";
   for (const Part& part : body.parts)
     if (part.rigid) return "rigid bodies are not exported ('" + part.name + "')";
   for (const Material& material : materials_of(specimen))

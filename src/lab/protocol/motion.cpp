@@ -86,17 +86,23 @@ class Motion final : public TimedProtocol {
     return name != "reaction_balance" && !(setup_.released && modulus);
   }
 
-  /// The slowest part alone: from where a twentieth of the fall is left, faster ones are gone.
+  /// The slowest part alone: from where a twentieth of the fall is left, faster ones are gone; at least the last
+  /// moments, for where the parts lie decades apart one exponential is a poor guess of the end.
   void read_relaxation(const std::vector<CurvePoint>& history, Measures& measures) const {
     const Series all = series_of(history, response_.resistance, setup_.ramp);
     const auto whole = fit_exponential(all);
     if (!whole) return;
     measures.set("relaxed_ratio", whole->end / all.values[0]);
+    constexpr Eigen::Index kFewest = 6;
+    if (all.times.size() < kFewest) return;
     double late = setup_.ramp;
     for (Eigen::Index i = 0; i < all.times.size(); ++i)
       if (std::abs(all.values[i] - whole->end) > 0.05 * std::abs(all.values[0] - whole->end)) late = all.times[i];
-    if (const auto fit = fit_exponential(series_of(history, response_.resistance, late)))
+    late = std::min(late, all.times[all.times.size() - kFewest]);
+    if (const auto fit = fit_exponential(series_of(history, response_.resistance, late))) {
       measures.set("relaxation_time", fit->time);
+      measures.set("relaxed_ratio", fit->end / all.values[0]);
+    }
   }
 
   /// Of the last period: what of the resistance is in phase with the displacement, and what is a quarter ahead of it.

@@ -56,7 +56,19 @@ bool measured(const std::vector<Record>& records, const std::string& name) {
 ResponseCurve response_curve_of(const std::vector<Record>& records) {
   const bool in_time =
       std::any_of(records.begin(), records.end(), [](const Record& r) { return r.run.time.has_value(); });
+  // What is held shows what it resists with.
+  const auto& measures = records.front().main_measures;
+  if (std::any_of(measures.begin(), measures.end(), [](const MainMeasure& m) { return m.name == "relaxation_time"; }))
+    for (const char* resistance : {"force", "torque", "pressure"})
+      if (measured(records, resistance)) return {"time", resistance, false};
   return choose_response(in_time, [&](const std::string& name) { return measured(records, name); });
+}
+
+/// Whether the points of a time history lie decades apart.
+bool spans_decades(const std::vector<CurvePoint>& history) {
+  if (history.size() < 4) return false;
+  const std::size_t last = history.size() - 1;
+  return history[last].time - history[last - 1].time > 100 * (history[1].time - history[0].time);
 }
 
 double along(const CurvePoint& point, const std::string& name) {
@@ -211,6 +223,9 @@ Plot response_plot(const std::vector<Record>& records, const std::map<std::strin
   const ResponseCurve response = response_curve_of(records);
   if (response.x.empty()) return plot;
   plot.x = axis_of(response.x);
+  plot.x.logarithmic = response.x == "time" && std::all_of(records.begin(), records.end(), [](const Record& record) {
+                         return spans_decades(record.run.curve);
+                       });
   plot.y = axis_of(response.y);
   plot.title = records.front().title + ": " + plot.y.title + " over " + plot.x.title;
   std::vector<std::pair<std::string, const Record*>> drawn;  // every run, or of many that refine a body the finest

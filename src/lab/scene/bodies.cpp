@@ -37,18 +37,21 @@ void read_one(Reader item, const elastin::Table<MaterialLaw>& laws, Specimen& sp
   Body body = read_body(item, material, remarks);
   if (own) check_material(*own, material, body);
   if (own)
-    if (const auto fields = own->find("fields")) set_fields(*fields, material, body);
+    if (const auto fields = own->find("fields")) set_fields(*fields, laws, material, body);
   if (material.bending_rigidity > 0) (own ? *own : item).fail("bending needs a scene of one body, `body`");
   Material turned = material;
   const Vector3 before = body.rest.col(0);
   const Matrix3 rotation = pose_body(item, body);
   rotate(turned, rotation);
-  if (turned.around) turned.around->point += body.rest.col(0) - rotation * before;
+  const Vector3 moved = body.rest.col(0) - rotation * before;
+  if (turned.around) turned.around->point += moved;
+  if (turned.field) turned.field->shift += moved;
   const bool whole = own && own->given_material("given");
   if (own && (whole || own->has("fibre"))) material.fibre = turned.fibre;
   if (own && (whole || own->has("active"))) material.active = turned.active;
   if (own && (whole || own->has("law"))) material.law = turned.law;
   if (own && (whole || own->has("around"))) material.around = turned.around;
+  if (own && (whole || own->has("fields"))) material.field = turned.field;
   if (own) {
     part.material = static_cast<int>(specimen.materials.size());
     specimen.materials.push_back(std::move(material));

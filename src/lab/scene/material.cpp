@@ -442,7 +442,13 @@ std::vector<KeySection> material_keys(const Catalog& catalog) {
         {"around.through", "vector", "m", "", "0", "a point of the axis"},
         {"fields.stiffness", "map", "", "", "none", "a factor of all moduli that differs from place to place"},
         {"fields.youngs_modulus", "map", "", "", "none", "the same of E in Pa, of a material without a law"},
-        {"fields.density", "map", "", "", "none", "the same of the density in kg/m³"}}}};
+        {"fields.density", "map", "", "", "none", "the same of the density in kg/m³"},
+        {"fields.poissons_ratio", "map", "", "", "none",
+         "the same of ν, of a material without a law; springs ignore it"},
+        {"fields.constants", "map of maps", "", "", "none",
+         "the same of the law's constants by their names, `c1`, `terms`, `direction`; springs have the E of them"},
+        {"fields.fibre_direction", "map", "", "", "none", "a direction of fibres that differs from place to place"},
+        {"fields.active_direction", "map", "", "", "none", "the same of active fibres"}}}};
   for (KeySection& section : field_keys()) sections.push_back(std::move(section));
   for (const auto& law : catalog.material_laws) sections.push_back(law_keys(*law));
   return sections;

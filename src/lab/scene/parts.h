@@ -88,8 +88,9 @@ void read_preamble(Reader& reader);
 
 inline constexpr const char* kLengthUnits = "`m`, `cm`, `mm`, `um`, `nm`";
 /// `fields` of a material: makes the body as stiff and as heavy as they say at the middles of its cells and
-/// connections, and at its molecules. The body is at rest where the scene's places mean it.
-void set_fields(const Reader& fields, const Material& material, Body& body);
+/// connections, and at its molecules, and gives the material what differs beside that. The body is at rest where the
+/// scene's places mean it.
+void set_fields(const Reader& fields, const elastin::Table<MaterialLaw>& laws, Material& material, Body& body);
 /// The words for units of a mesh file's coordinates, and what they are in metres.
 std::vector<std::pair<std::string, double>> length_units();
 

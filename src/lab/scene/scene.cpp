@@ -197,7 +197,7 @@ void read_whole_body(Reader& reader, const Catalog& catalog, Scene& scene, const
   scene.bare_graph = (reader.at("body").has("molecules") || reader.at("body").given_body("given") ||
                       reader.at("body").given_body("given_shape")) &&
                      specimen.body.tetrahedra.empty() && specimen.body.triangles.empty();
-  if (fields) set_fields(*fields, specimen.material, specimen.body);
+  if (fields) set_fields(*fields, catalog.material_laws, specimen.material, specimen.body);
   if (change) change(specimen.body, specimen.material);
   check_material(reader.at("material"), specimen.material, specimen.body);
   const auto bending = reader.at("material").find("bending");

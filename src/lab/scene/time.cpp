@@ -30,6 +30,12 @@ void refuse_others(Reader& reader, const elastin::Table<Stepper>& steppers, cons
 
 void read_step(Reader reader, TimeOptions& options) {
   if (reader.is_map()) {
+    if (auto count = reader.find("per_frame")) {
+      options.choice = StepChoice::per_frame;
+      options.steps_per_frame = count->whole(1, 1000000);
+      reader.finish();
+      return;
+    }
     options.choice = StepChoice::by_error;
     if (auto error = reader.find("error")) options.error = error->quantity(dimension::none, kPositive);
     if (auto smallest = reader.find("smallest")) options.smallest = smallest->quantity(dimension::time, kPositive);
@@ -172,6 +178,11 @@ TimeOptions read_time(Reader reader, const elastin::Table<Stepper>& steppers) {
   if (auto integrator = reader.find("integrator")) read_integrator(*integrator, steppers, options);
   if (auto step = reader.find("step")) read_step(*step, options);
   if (auto frames = reader.find("frames")) options.frames = frames->whole(1, 1000000);
+  if (auto first = reader.find("first_frame")) {
+    options.first_frame = first->quantity(dimension::time, kPositive);
+    if (!(options.first_frame < options.duration) || options.frames < 2)
+      first->fail("must be shorter than the duration, and there must be at least 2 frames");
+  }
   if (auto rate = reader.find("frame_rate")) options.frame_rate = rate->quantity({0, 0, -1}, kPositive);
   if (auto checkpoint = reader.find("checkpoint")) options.checkpoint = checkpoint->whole(1, 1000000);
   if (auto budget = reader.find("budget")) read_budget(*budget, steppers, options);
@@ -335,7 +346,11 @@ std::vector<KeySection> time_keys(const Catalog& catalog) {
       {"step.error", "number", "", "> 0", "1e-4", "error of a step in position, over the body's size"},
       {"step.smallest", "quantity", "s", "> 0", "none", "shortest step by error"},
       {"step.largest", "quantity", "s", "> 0", "none", "longest step by error, not below `smallest`"},
+      {"step.per_frame", "whole", "", "1 … 1000000", "none",
+       "instead of these: so many steps of equal length in each frame, longer where frames are"},
       {"frames", "whole", "", "1 … 1000000", "100", "points of the time history and snapshots, at equal times"},
+      {"first_frame", "quantity", "s", "> 0", "none",
+       "end of the first frame; the ends of the others are a geometric sequence up to the duration: decades of time"},
       {"frame_rate", "quantity", "1/s", "> 0", "250", "most frames a second with `--live`"},
       {"checkpoint", "whole", "", "1 … 1000000", "none", "frames between restart files; Ctrl-C leaves one too"},
       {"budget", "quantity", "s", "> 0", "none",

@@ -459,3 +459,65 @@ TEST_CASE("the file of a run in time has a row a frame", "[time][files]") {
     CHECK_THAT(csv, Contains(column));
   CHECK_THAT(json_text({record}), Contains("\"integrator\": \"velocity_verlet\"") && Contains("\"real_time_factor\""));
 }
+
+namespace {
+
+/// A bar of springs whose stress relaxes over four decades, and what is left of that of a ramp of its force densities.
+std::string decades(const std::string& strategy, const std::string& experiment, const std::string& time) {
+  return "body: {lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 5 mm, connections: [axis, face]}}\n"
+         "material: {youngs_modulus: 10 kPa, density: 1e-9 kg/m3, relaxation: {terms: [[0.4, 10 ms], [0.3, 1 s], "
+         "[0.2, 100 s]]}}\nstiffness: \"" +
+         strategy + "\"\nexperiment: {" + experiment + "}\ntime: {integrator: backward_euler, " + time + "}\n";
+}
+
+double left_of_ramp(double time, double ramp) {
+  double sum = 1;
+  for (const auto& [g, tau] : {std::pair{0.4, 0.01}, {0.3, 1.}, {0.2, 100.}})
+    sum += g * tau / ramp * (std::exp(ramp / tau) - 1) * std::exp(-time / tau);
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("frames whose lengths grow by a factor: relaxation over decades of time", "[time]") {
+  const std::string held = "kind: relaxation, ramp: 1 ms, fixture: {kind: tension, axis: z, displacement: 1 mm}",
+                    time = "duration: 1000 s, frames: 61, first_frame: 1 ms, step: {per_frame: 1}";
+  const Run run = run_of(decades("prony:lattice", held, time)), elastic = run_of(decades("lattice", held, time));
+  REQUIRE(run.outcome == Outcome::converged);
+  REQUIRE(run.curve.size() == 62);
+  CHECK(run.time->steps == 61);
+  const double end = elastic.curve.back().measures.get("force");
+  for (std::size_t frame = 1; frame < run.curve.size(); ++frame) {
+    const CurvePoint& row = run.curve[frame];
+    CHECK(row.time == Approx(1e-3 * std::pow(10, (static_cast<double>(frame) - 1) / 10)).epsilon(1e-12));
+    CHECK(row.measures.get("force") == Approx(end * left_of_ramp(row.time, 1e-3)).epsilon(1e-9));
+  }
+  CHECK(measured(run, "relaxation_time") == Approx(100).epsilon(0.02));
+
+  std::string kept;  // from the fortieth frame on it is the same run
+  RunOptions options, later;
+  options.checkpoint = [&](const std::string& restart) { kept = restart; };
+  const std::string text = decades("prony:lattice", held, time + ", checkpoint: 40");
+  const Run whole = run_of(text, options);
+  later.restart = kept;
+  const Run rest = run_of(text, later);
+  CHECK(numbers_of(rest) == numbers_of(whole));
+}
+
+TEST_CASE("creep over decades of time is of order 2 in the steps of a frame", "[time]") {
+  // At constant stress a standard linear solid has the strain σ/E (1 − g/(1 + g) e^(−t/((1 + g) τ))).
+  const auto creep = [](int steps) {
+    std::string text =
+        decades("prony:lattice", "kind: creep, fixture: {kind: tension, axis: z, force: 1 uN}",
+                "duration: 3 s, frames: 30, first_frame: 10 us, step: {per_frame: " + std::to_string(steps) + "}");
+    const std::string terms = "[[0.4, 10 ms], [0.3, 1 s], [0.2, 100 s]]";
+    text.replace(text.find(terms), terms.size(), "[[1, 1 s]]");
+    return run_of(text + "solver: {displacements: small}\n").curve.back().measures.get("elongation");
+  };
+  const double elastic = 1e-6 / 1e-4 / 1e4 * 0.02;
+  std::vector<double> errors;
+  for (const int steps : {2, 4, 8}) errors.push_back(creep(steps) / elastic - (1 - 0.5 * std::exp(-1.5)));
+  INFO(errors[0] << " " << errors[1] << " " << errors[2]);
+  CHECK(errors[0] / errors[1] == Approx(4).epsilon(0.1));
+  CHECK(errors[1] / errors[2] == Approx(4).epsilon(0.1));
+}

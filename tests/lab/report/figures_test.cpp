@@ -81,3 +81,25 @@ TEST_CASE("lists under a key count as the body's molecules", "[figures]") {
   REQUIRE(plots[0].series.size() == 1);
   CHECK(plots[0].series[0].points[1].x == 45);
 }
+
+TEST_CASE("relaxation shows the force, over the logarithm of time where it spans decades", "[figures]") {
+  const auto plot_of = [](double factor) {
+    Record record = run_of("prony:lattice");
+    record.main_measures = {{"relaxation_time"}};
+    record.run.time.emplace();
+    for (double time = 1; record.run.curve.size() < 20; time = factor > 1 ? factor * time : time + 1) {
+      CurvePoint point;
+      point.time = record.run.curve.empty() ? 0 : time;
+      point.measures.set("elongation", 1e-3);
+      point.measures.set("force", 1 / (1 + point.time));
+      record.run.curve.push_back(point);
+    }
+    return response_plot({record}, strategy_colours({record}));
+  };
+  for (const double factor : {1., 2.}) {
+    const Plot plot = plot_of(factor);
+    REQUIRE(plot.series.size() == 1);
+    CHECK(plot.series[0].points[4].y == Approx(1 / (1 + plot.series[0].points[4].x)));
+    CHECK(plot.x.logarithmic == (factor > 1));
+  }
+}

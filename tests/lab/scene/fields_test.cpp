@@ -175,3 +175,119 @@ TEST_CASE("slips in fields", "[scene][fields]") {
       refusal("curve: {toe_strain: 0.1, toe_modulus: 1 kPa, modulus: 9 kPa}, fields: {stiffness: {expression: 2}}"),
       Contains("needs a material without curve or fibre"));
 }
+
+namespace {
+
+const std::string kRubber = "law: mooney_rivlin, c1: 2 kPa, c2: 1 kPa, bulk_modulus: 60 kPa",
+                  kTendon =
+                      "law: transversely_isotropic, c1: 2 kPa, c4: 10, c5: 90 kPa, lambda_max: 1.1, "
+                      "bulk_modulus: 60 kPa, direction: ",
+                  kWedge = "around: {axis: z, through: [-1 cm, -1 cm, 0]}";
+
+/// The unit directions around the axis of kWedge at the middles of the cells of a file.
+std::string turns_in_a_file(const Body& body) {
+  const std::size_t count = body.tetrahedra.size();
+  std::string points, cells, types, values;
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    cells += "4";
+    Vector3 middle = Vector3::Zero();
+    for (const int molecule : body.tetrahedra[cell]) middle += body.rest.col(molecule) / 4;
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      const Vector3 at = 1e3 * body.rest.col(body.tetrahedra[cell][corner]);
+      points += std::to_string(at.x()) + " " + std::to_string(at.y()) + " " + std::to_string(at.z()) + "\n";
+      cells += " " + std::to_string(4 * cell + corner);
+    }
+    cells += "\n", types += "10\n";
+    values += std::to_string(-(middle.y() + 0.01) * 1e4) + " " + std::to_string((middle.x() + 0.01) * 1e4) + " 0\n";
+  }
+  const std::string number = std::to_string(count);
+  return "# vtk DataFile Version 3.0\nturns\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS " + std::to_string(4 * count) +
+         " double\n" + points + "CELLS " + number + " " + std::to_string(5 * count) + "\n" + cells + "CELL_TYPES " +
+         number + "\n" + types + "CELL_DATA " + number + "\nVECTORS turn double\n" + values;
+}
+
+}  // namespace
+
+TEST_CASE("constants of a law that differ from place to place", "[scene][fields]") {
+  // All constants by the same factor are `stiffness`, which is tested against layers in series above.
+  const TemporaryFolder folder;
+  const std::string factor = " * (1 + floor(z / 5 mm))\"}",
+                    all = ", fields: {constants: {c1: {expression: \"2 kPa" + factor + ", c2: {expression: \"1 kPa" +
+                          factor + ", bulk_modulus: {expression: \"60 kPa" + factor + "}}",
+                    stiffness = ", fields: {stiffness: {expression: 1 + floor(z / 5 mm)}}";
+  for (const std::string& body : kBodies) {
+    INFO(body);
+    CHECK(measured(folder, bar_of(body, kRubber + all, "mooney_rivlin"), "elongation") ==
+          Approx(measured(folder, bar_of(body, kRubber + stiffness, "mooney_rivlin"), "elongation")).epsilon(1e-10));
+  }
+  const std::string lattice = "lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 5 mm, connections: [axis, face]}";
+  CHECK(measured(folder, bar_of(lattice, kRubber + all, "lattice"), "elongation") ==
+        Approx(measured(folder, bar_of(lattice, kRubber + stiffness, "lattice"), "elongation")).epsilon(1e-10));
+  const std::string terms = "law: ogden, terms: [[2 kPa, 3], [-1 kPa, -1]], bulk_modulus: 200 kPa",
+                    twice = "law: ogden, terms: [[6 kPa, 3], [-2 kPa, -2]], bulk_modulus: 200 kPa";
+  CHECK(measured(folder,
+                 bar_of(kBodies[0], terms + ", fields: {constants: {terms: {expression: [[6 kPa, 3], [-2 kPa, -2]]}}}",
+                        "ogden"),
+                 "elongation") == Approx(measured(folder, bar_of(kBodies[0], twice, "ogden"), "elongation")));
+  const std::string plain = "youngs_modulus: 10 kPa, poissons_ratio: ";
+  CHECK(measured(folder, bar_of(kBodies[1], plain + "0.1, fields: {poissons_ratio: {expression: 0.4}}"),
+                 "poissons_ratio") ==
+        Approx(measured(folder, bar_of(kBodies[1], plain + "0.4"), "poissons_ratio")).epsilon(1e-10));
+}
+
+TEST_CASE("directions that differ from place to place", "[scene][fields]") {
+  // Around an axis by `around`, and the same by a formula, by a file of the cells and by an angle; turned too.
+  const TemporaryFolder folder;
+  const std::string around = kTendon + "y, " + kWedge,
+                    formula = "{expression: [\"-(y + 1 cm) / 1 mm\", \"(x + 1 cm) / 1 mm\", 0]}",
+                    by_formula = kTendon + "x, fields: {constants: {direction: " + formula + "}}",
+                    by_file = kTendon +
+                              "x, fields: {constants: {direction: {file: turns.vtk, data: turn, "
+                              "length_unit: mm}}}";
+  const std::string& body = kBodies[0];
+  const auto scene = scene_of(folder, bar_of(body, around, "transversely_isotropic"));
+  folder.write("turns.vtk", turns_in_a_file(scene->specimen.body));
+  const auto elongation = [&](const std::string& material, const std::string& turn = "",
+                              const std::string& axis = "axis: x") {
+    std::string text = bar_of(body, material, "transversely_isotropic");
+    const std::string along = "axis: z, force: 1 mN", small = "solver: {displacements: small}\n";
+    text.replace(text.find(along), along.size(), axis + ", force: 30 mN");
+    return measured(folder, text.replace(text.find(small), small.size(), turn), "elongation");
+  };
+  const double expected = elongation(around);
+  CHECK(std::abs(elongation(kTendon + "y") / expected - 1) > 1e-3);
+  CHECK(elongation(by_formula) == Approx(expected).epsilon(1e-9));
+  CHECK(elongation(by_file) == Approx(expected).epsilon(1e-4));  // the file's places have six decimals of a millimetre
+  const std::string turn = "rotate: {axis: [1, 2, 3], angle: 50 deg}\n";
+  CHECK(elongation(by_formula, turn) == Approx(expected).epsilon(1e-9));
+
+  const std::string z = kTendon + "z", slanted = kTendon + "[0, -0.5, 0.8660254037844386]",
+                    by_angle = z + ", fields: {constants: {direction: {angle: 30 deg, about: x}}}",
+                    fibre = "youngs_modulus: 10 kPa, fibre: {youngs_modulus: 50 kPa, direction: ";
+  CHECK(elongation(by_angle, "", "axis: z") == Approx(elongation(slanted, "", "axis: z")).epsilon(1e-9));
+  CHECK(std::abs(elongation(by_angle, "", "axis: z") / elongation(z, "", "axis: z") - 1) > 1e-3);
+  const auto of_fibre = [&](const std::string& material) {
+    return measured(folder, bar_of(body, material), "elongation");
+  };
+  CHECK(of_fibre(fibre + "z}, fields: {fibre_direction: {expression: [0, 1, 1]}}") ==
+        Approx(of_fibre(fibre + "[0, 1, 1]}")).epsilon(1e-9));
+}
+
+TEST_CASE("slips in fields of constants and directions", "[scene][fields]") {
+  const auto rubber = [](const std::string& fields) { return refusal(kRubber + ", fields: {" + fields + "}"); };
+  const auto tendon = [](const std::string& field) {
+    return refusal(kTendon + "z, fields: {constants: {direction: " + field + "}}");
+  };
+  CHECK_THAT(rubber("constants: {c3: {expression: 1 kPa}}"), Contains("is no constant of mooney_rivlin"));
+  CHECK_THAT(rubber("constants: {c1: {expression: 1 + x / 1 cm}}"), Contains("it must give Pa"));
+  CHECK_THAT(rubber("constants: {c1: {expression: 2 kPa - 4 kPa * z / 1 cm}}"),
+             Contains("unstable at rest") && Contains("at (") && Contains("scene.yaml:4:"));
+  CHECK_THAT(rubber("poissons_ratio: {expression: 0.3}"), Contains("follows from the constants of the law"));
+  CHECK_THAT(refusal("youngs_modulus: 1 kPa, fields: {constants: {c1: {expression: 1 kPa}}}"), Contains("of a `law`"));
+  CHECK_THAT(refusal("youngs_modulus: 1 kPa, fields: {fibre_direction: {expression: [0, 0, 1]}}"),
+             Contains("the material has no `fibre`"));
+  CHECK_THAT(tendon("{expression: [0, 0, 0]}"), Contains("is no direction at ("));
+  CHECK_THAT(tendon("{expression: [x, 0, 1]}"), Contains("it must give a plain number"));
+  CHECK_THAT(tendon("{angle: 30 deg}"), Contains("key 'about' is missing"));
+  CHECK_THAT(tendon("{file: layers.vtk, data: E, length_unit: mm}"), Contains("has 1 value a cell; needed: 3"));
+}

@@ -51,6 +51,10 @@ const std::vector<std::string> kRest{
                  kBulk),
     block_of("transversely_isotropic",
              "c1: 100, c2: 10, c3: 1, c4: 20, c5: 1000, lambda_max: 1.1, direction: x" + kBulk),
+    block_of("transversely_isotropic",
+             "c1: 100, c4: 20, c5: 1000, lambda_max: 1.1, direction: x, fields: {constants: {direction: {angle: 0.5, "
+             "about: z}}}" +
+                 kBulk),
     block_of("holzapfel_gasser_ogden",
              "c: 100, k1: 10, k2: 2, kappa: 0.1, angle: 0.5, direction: x, across: y" + kBulk),
     kBlock + "experiment: {kind: tension, axis: z, force: 1}\nsolver: {engine: threads}\n",

@@ -64,6 +64,9 @@ TEST_CASE("time and the experiments that take it go together", "[scene][time]") 
 
 TEST_CASE("slips in the key time", "[scene][time]") {
   check_refusal(kMotion, "time: {}", 6, "time: key 'duration' is missing");
+  check_refusal(kMotion, "time: {duration: 1 s, first_frame: 2 s}", 6, "must be shorter than the duration");
+  check_refusal(kMotion, "time: {duration: 1 s, first_frame: 0 s}", 6, "must be above 0 s");
+  check_refusal(kMotion, "time: {duration: 1 s, step: {per_frame: 2, error: 1e-3}}", 6, "unknown key 'error'");
   check_refusal(kMotion, "time: {duration: -1 s}", 6, "time.duration: '-1 s' is out of range: must be above 0 s");
   check_refusal(kMotion, "time: {duration: 1 s, integrator: newmarc}", 6, "did you mean 'newmark'?");
   check_refusal(kMotion, "time: {duration: 1 s, integrator: {scheme: backward_euler, beta: 0.3}}", 6,

@@ -39,8 +39,8 @@ std::unique_ptr<Elasticity> make_blocks(const Body& body, const Material& materi
     if (block.kind->dimensions != dimensions) continue;
     std::vector<decltype(at_work(material))> laws;
     Material own = material;
-    for (int cell = 0; cell < (block.stiffness.size() || material.around ? block.size() : 1); ++cell) {
-      if (material.around) own = local_material(material, middle_of(body, block, cell));
+    for (int cell = 0; cell < (block.stiffness.size() || material.varies() ? block.size() : 1); ++cell) {
+      if (material.varies()) own = local_material(material, middle_of(body, block, cell));
       if (block.stiffness.size()) own.youngs_modulus = material.youngs_modulus * block.stiffness[cell];
       laws.push_back(at_work(own));
     }

@@ -201,10 +201,17 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
  public:
   CellElasticity(const Body& body, const Material& material, Kernel kernel) : Block(body), kernel_(std::move(kernel)) {
     constants_.reserve(static_cast<std::size_t>(graph_.cells()));
+    if constexpr (requires { kernel_.point(material); })
+      if (!material.varies() && body.cell_stiffness.size() == 0 && graph_.cells() > 0) {
+        const auto shared = kernel_.point(material);
+        for (int cell = 0; cell < graph_.cells(); ++cell)
+          constants_.push_back(kernel_.constants(this->positions_of(body.rest, cell), shared));
+        return;
+      }
     Material own = material;
     for (int cell = 0; cell < graph_.cells(); ++cell) {
       const NodePositions<Shape::nodes> rest = this->positions_of(body.rest, cell);
-      if (material.around) own = local_material(material, rest.rowwise().mean());
+      if (material.varies()) own = local_material(material, rest.rowwise().mean());
       if (body.cell_stiffness.size()) own.youngs_modulus = material.youngs_modulus * body.cell_stiffness[cell];
       constants_.push_back(kernel_.constants(rest, own));
     }

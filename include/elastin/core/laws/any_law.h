@@ -39,14 +39,13 @@ class AnyPoint {
   std::shared_ptr<const Base> law_;
 };
 
-/// A law of nearly incompressible solids whose type is forgotten, as the cell driver runs it.
+/// A law of solids whose type is forgotten, as the cell driver runs it.
 struct AnySolid {
   static constexpr std::string_view name = "solid", summary = "any solid law", source = "";
 
-  std::function<SplitPoint<AnyPoint<3>>(const Material&)> make;
+  std::function<AnyPoint<3>(const Material&)> make;
 
-  SplitPoint<AnyPoint<3>> split(const Material& material) const { return make(material); }
-  SplitPoint<AnyPoint<3>> solid(const Material& material) const { return make(material); }
+  AnyPoint<3> solid(const Material& material) const { return make(material); }
 };
 
 /// A law of membranes whose type is forgotten.

@@ -32,8 +32,13 @@ struct PointKernel {
 
   /// @param rest nodes [m], the cell not flat. Throws InputError if the law does not take the material.
   Constants constants(const NodePositions<nodes>& rest, const Material& material) const {
-    return {RestCell<Shape>(rest), detail::at_work<dimensions>(law, material)};
+    return constants(rest, point(material));
   }
+  /// The same for cells that share the law at work.
+  Constants constants(const NodePositions<nodes>& rest, const Point& shared) const {
+    return {RestCell<Shape>(rest), shared};
+  }
+  Point point(const Material& material) const { return detail::at_work<dimensions>(law, material); }
 
   /// q [N/m] from squared lengths s [m²].
   CellVector<nodes> force_densities(const Constants& k, const CellVector<nodes>& s) const {
@@ -41,6 +46,10 @@ struct PointKernel {
     CellVector<nodes> q = CellVector<nodes>::Zero();
     for (std::size_t g = 0; g < points; ++g) {
       const Gradients& B = k.rest.gradients[g];
+      if constexpr (is_simplex) {
+        add_force_densities(k.law.stress(strain(B, change)), B, k.rest.weights[g], q);
+        continue;
+      }
       const Gradients SB = k.law.stress(strain(B, change)) * B;
       for (int c = 0; c < q.size(); ++c) q[c] -= k.rest.weights[g] * B.col(pairs[c][0]).dot(SB.col(pairs[c][1]));
     }
@@ -74,7 +83,46 @@ struct PointKernel {
   using Gradients = typename RestCell<Shape>::Gradients;
   using Bases = Eigen::Matrix<double, dimensions*(dimensions + 1) / 2, pairs_of(nodes)>;
 
+  /// Of a simplex, whose edges from node 0 say it all: A = E ΔG Eᵀ, E the gradients of the other nodes and ΔG the
+  /// change of the edges' dot products.
+  static constexpr bool is_simplex = nodes == dimensions + 1;
+  using Edges = Tensor<dimensions>;
+
+  /// (i, j) of a symmetric product a b.
+  static double entry(const Edges& a, const Edges& b, int i, int j) {
+    double sum = a(i, 0) * b(0, j);
+    for (int k = 1; k < dimensions; ++k) sum += a(i, k) * b(k, j);
+    return sum;
+  }
+
+  static void add_force_densities(const Tensor<dimensions>& S, const Gradients& B, double weight,
+                                  CellVector<nodes>& q) {
+    const Edges E = B.template rightCols<dimensions>(), SE = S * E, Et = E.transpose();
+    for (int i = 0, pair = dimensions; i < dimensions; ++i) {
+      q[i] += weight * entry(Et, SE, i, i);
+      for (int j = i + 1; j < dimensions; ++j, ++pair) {
+        const double across = weight * entry(Et, SE, i, j);
+        q[pair] -= across;
+        q[i] += across;
+        q[j] += across;
+      }
+    }
+  }
+
   static Tensor<dimensions> strain(const Gradients& B, const CellVector<nodes>& change) {
+    if constexpr (is_simplex) {
+      const Edges E = B.template rightCols<dimensions>();
+      Edges products, A;
+      for (int i = 0, pair = dimensions; i < dimensions; ++i) {
+        products(i, i) = change[i];
+        for (int j = i + 1; j < dimensions; ++j, ++pair)
+          products(i, j) = products(j, i) = (change[i] + change[j] - change[pair]) / 2;
+      }
+      const Edges first = E * products, Et = E.transpose();
+      for (int i = 0; i < dimensions; ++i)
+        for (int j = 0; j <= i; ++j) A(i, j) = A(j, i) = entry(first, Et, i, j);
+      return A;
+    }
     Tensor<dimensions> sum = Tensor<dimensions>::Zero();
     for (int c = 0; c < change.size(); ++c)
       sum.noalias() -= (change[c] * B.col(pairs[c][0])) * B.col(pairs[c][1]).transpose();

@@ -7,6 +7,13 @@
 
 namespace elastin {
 
+/// ln(1 + x), x > −1, to some roundings at any size: by the logarithm of 1 + x as it is rounded. Half the time of
+/// std::log1p.                                                                                            [Kahan]
+inline double short_log1p(double x) {
+  const double rounded = 1 + x, change = rounded - 1;
+  return change == 0 ? x : std::log(rounded) * (x / change);
+}
+
 /// U(J) of a solid law, the energy density [J/m³] of a change of volume alone, with its derivatives. All of them have
 /// U(1) = U′(1) = 0 and U″(1) = κ. What they see is the swelling J − 1, > −1, so that near rest nothing cancels.
 struct Volumetric {
@@ -61,6 +68,30 @@ struct Volumetric {
     return 0;
   }
 
+  /// J U′ [Pa], the mean Kirchhoff stress, and J ∂(J U′)/∂J, of J² − 1 and ln J²: without a division or a logarithm.
+  double kirchhoff(double excess, double log) const {
+    switch (form) {
+      case Form::quadratic:
+        return modulus * excess / (1 + 1 / std::sqrt(1 + excess));
+      case Form::logarithmic:
+        return modulus / 2 * log;
+      case Form::mixed:
+        return modulus / 2 * excess;
+    }
+    return 0;
+  }
+  double kirchhoff_slope(double excess) const {
+    switch (form) {
+      case Form::quadratic:
+        return modulus * (2 * (1 + excess) - std::sqrt(1 + excess));
+      case Form::logarithmic:
+        return modulus;
+      case Form::mixed:
+        return modulus * (1 + excess);
+    }
+    return 0;
+  }
+
  private:
   /// x − ln(1 + x), which cancels near 0: there with r = x/(2 + x), ln(1 + x) = 2 artanh r.
   static double above_log(double x) {
@@ -72,26 +103,59 @@ struct Volumetric {
   }
 };
 
+/// Adds `along` G ⊗ G + `across` G ⊙ G of a symmetric G to a tangent ∂S/∂C, its components in the order 11 22 33 12 13
+/// 23; (G ⊙ G)_ijkl = ½ (G_ik G_jl + G_il G_jk), which is −∂C⁻¹/∂C of G = C⁻¹. The entries stand here one by one,
+/// because all laws need them and a loop over their indices takes several times as long.
+inline void add_symmetric_squares(const Matrix3& G, double along, double across, Eigen::Matrix<double, 6, 6>& tangent) {
+  const double xx = G(0, 0), yy = G(1, 1), zz = G(2, 2), xy = G(1, 0), xz = G(2, 0), yz = G(2, 1);
+  const double own[6] = {xx, yy, zz, xy, xz, yz}, half = across / 2;
+  const double squares[6][6] = {
+      {across * xx * xx},
+      {across * xy * xy, across * yy * yy},
+      {across * xz * xz, across * yz * yz, across * zz * zz},
+      {across * xx * xy, across * xy * yy, across * xz * yz, half * (xx * yy + xy * xy)},
+      {across * xx * xz, across * xy * yz, across * xz * zz, half * (xx * yz + xz * xy), half * (xx * zz + xz * xz)},
+      {across * xy * xz, across * yy * yz, across * yz * zz, half * (xy * yz + xz * yy), half * (xy * zz + xz * yz),
+       half * (yy * zz + yz * yz)}};
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column < row; ++column) {
+      const double value = along * own[row] * own[column] + squares[row][column];
+      tangent(row, column) += value;
+      tangent(column, row) += value;
+    }
+    tangent(row, row) += along * own[row] * own[row] + squares[row][row];
+  }
+}
+
 /// C⁻¹ and J of the right Cauchy–Green tensor C = I + A, so that near rest nothing cancels.
 struct Dilatation {
   static constexpr double kFlat = 1e-14;  ///< det C where rounding begins to decide its sign
 
-  Matrix3 inverse;  ///< C⁻¹
-  double excess;    ///< det C − 1, no less than kFlat − 1: then all is finite, as if J were 1e-7
-  bool flat;        ///< whether det C is that small
+  Matrix3 inverse;   ///< C⁻¹
+  Matrix3 adjugate;  ///< of A
+  double excess;     ///< det C − 1, no less than kFlat − 1: then all is finite, as if J were 1e-7
+  bool flat;         ///< whether det C is that small
 
+  /// With the cofactors of A: adj(I + A) = (1 + tr A) I − A + adj A.
   explicit Dilatation(const Matrix3& A) {
-    const Matrix3 C = Matrix3::Identity() + A;
-    excess = determinant_change(A);
+    const double xx = A(1, 1) * A(2, 2) - A(2, 1) * A(2, 1), yy = A(0, 0) * A(2, 2) - A(2, 0) * A(2, 0),
+                 zz = A(0, 0) * A(1, 1) - A(1, 0) * A(1, 0), xy = A(2, 0) * A(2, 1) - A(1, 0) * A(2, 2),
+                 xz = A(1, 0) * A(2, 1) - A(2, 0) * A(1, 1), yz = A(1, 0) * A(2, 0) - A(0, 0) * A(2, 1);
+    excess = A.trace() + (xx + yy + zz) + (A(0, 0) * xx + A(1, 0) * xy + A(2, 0) * xz);
     flat = !(1 + excess > kFlat);
     if (flat) excess = kFlat - 1;
-    inverse.col(0) = C.col(1).cross(C.col(2));
-    inverse.col(1) = C.col(2).cross(C.col(0));
-    inverse.col(2) = C.col(0).cross(C.col(1));
-    inverse /= 1 + excess;
+    adjugate << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+    const double scale = 1 / (1 + excess);
+    inverse(0, 0) = scale * (1 + (A(1, 1) + A(2, 2)) + xx);
+    inverse(1, 1) = scale * (1 + (A(0, 0) + A(2, 2)) + yy);
+    inverse(2, 2) = scale * (1 + (A(0, 0) + A(1, 1)) + zz);
+    inverse(0, 1) = inverse(1, 0) = scale * (xy - A(1, 0));
+    inverse(0, 2) = inverse(2, 0) = scale * (xz - A(2, 0));
+    inverse(1, 2) = inverse(2, 1) = scale * (yz - A(2, 1));
   }
 
   double J() const { return std::sqrt(1 + excess); }
+  double log() const { return short_log1p(excess); }  ///< ln det C
   double swelling() const { return excess / (1 + J()); }
 
   /// det(I + A) − 1.
@@ -108,26 +172,27 @@ struct SplitPoint {
   Point shape;
   Volumetric volume;
 
-  /// S = S_shape + J U′ C⁻¹.
+  /// S = S_shape + J U′ C⁻¹. A shape that goes by the dilatation too is handed it
+  /// with ln det C: stress(A, now, log), tangent(A, now, log).
   Matrix3 stress(const Matrix3& A) const {
     const Dilatation now(A);
-    return shape.stress(A) + now.J() * volume.slope(now.swelling()) * now.inverse;
+    const double log = now.log(), p = volume.kirchhoff(now.excess, log);
+    if constexpr (requires { shape.stress(A, now, log); })
+      return shape.stress(A, now, log) + p * now.inverse;
+    else
+      return shape.stress(A) + p * now.inverse;
   }
 
   /// ∂S/∂C with p = J U′ and J p′ = J (U′ + J U″): ½ J p′ G_ij G_kl − ½ p (G_ik G_jl + G_il G_jk) is added.
   Eigen::Matrix<double, 6, 6> tangent(const Matrix3& A) const {
-    static constexpr int components[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
     const Dilatation now(A);
-    const Matrix3& G = now.inverse;
-    const double J = now.J(), p = J * volume.slope(now.swelling());
-    const double bulk = p + J * J * volume.curvature(now.swelling());
-    Eigen::Matrix<double, 6, 6> result = shape.tangent(A);
-    for (int row = 0; row < 6; ++row)
-      for (int column = 0; column < 6; ++column) {
-        const auto [i, j] = components[row];
-        const auto [k, l] = components[column];
-        result(row, column) += (bulk * G(i, j) * G(k, l) - p * (G(i, k) * G(j, l) + G(i, l) * G(j, k))) / 2;
-      }
+    const double log = now.log(), p = volume.kirchhoff(now.excess, log);
+    Eigen::Matrix<double, 6, 6> result;
+    if constexpr (requires { shape.tangent(A, now, log); })
+      result = shape.tangent(A, now, log);
+    else
+      result = shape.tangent(A);
+    add_symmetric_squares(now.inverse, volume.kirchhoff_slope(now.excess) / 2, -p, result);
     return result;
   }
 

@@ -59,6 +59,11 @@ class StressStrain {
   double modulus(double strain) const;         ///< dσ/dε [Pa]
   double secant(double strain) const;          ///< σ/ε [Pa]; the modulus at no strain
   double energy_density(double strain) const;  ///< ∫ σ dε from 0 [J/m³], ≥ 0
+  /// Those at once, which are asked for together.
+  struct Response {
+    double secant, modulus, energy_density;
+  };
+  Response response(double strain) const;
 
  private:
   struct Knot {

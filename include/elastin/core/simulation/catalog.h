@@ -227,8 +227,9 @@ template <class Law>
 Strategy solid_strategy() {
   Strategy strategy = cell_strategy<3, Law>();
   if constexpr (ConstantsLaw<Law>)  // one driver for all of them
-    strategy.make = made_by<Law>(strategy, [](const Body& body, const Material& material, const Law&) {
-      return make_cells<3>(body, material, AnySolid{material_law<Law>().solid});
+    strategy.make = made_by<Law>(strategy, [](const Body& body, const Material& material, const Law& law) {
+      return make_cells<3>(body, material,
+                           AnySolid{[law](const Material& own) { return AnyPoint<3>(law.solid(own)); }});
     });
   else
     strategy.make = made_by<Law>(strategy, &make_cells<3, Law>);

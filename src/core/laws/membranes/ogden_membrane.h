@@ -14,13 +14,14 @@ struct OgdenTerms {
 
   void add(double c, double m) {
     if (count == kMost) throw InputError("ogden takes up to 6 terms");
-    values_[static_cast<std::size_t>(count++)] = {c, m};
+    values_[static_cast<std::size_t>(count++)] = {c, m, c / m};
   }
   double c(int term) const { return values_[static_cast<std::size_t>(term)][0]; }
   double m(int term) const { return values_[static_cast<std::size_t>(term)][1]; }
+  double scale(int term) const { return values_[static_cast<std::size_t>(term)][2]; }  ///< c/m
 
  private:
-  std::array<std::array<double, 2>, kMost> values_{};
+  std::array<std::array<double, 3>, kMost> values_{};
 };
 
 /// An incompressible Ogden membrane. With D = det C in the plane and z = tr C/(2√D) − 1 = cosh ln(λ₁/λ₂) − 1,

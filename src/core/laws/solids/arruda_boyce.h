@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+
 #include "core/laws/membranes/incompressible_membrane.h"
 #include "core/laws/solids/isochoric.h"
 #include "elastin/core/laws/material_law.h"
@@ -15,21 +17,16 @@ struct ArrudaBoyce : NearlyIncompressible<ArrudaBoyce> {
   static constexpr std::string_view source = "[Arruda & Boyce 1993]";
   static constexpr std::string_view membrane_summary = "rubber of chains, triangles: incompressible, no stress across";
 
+  static constexpr std::array C{1. / 2, 1. / 20, 11. / 1050, 19. / 7000, 519. / 673750};
+
+  /// In powers of x = Ĩ₁ − 3, Ĩ₁^i − 3^i = Σ_k binomial(i, k) 3^(i−k) x^k: all terms are positive.
   struct Density {
-    double mu, links;  ///< [Pa], 1
+    std::array<double, C.size()> factors;  ///< [Pa], of x, x², …
 
     Jet operator()(const Jet& first, const Jet&) const {
-      constexpr double C[] = {1. / 2, 1. / 20, 11. / 1050, 19. / 7000, 519. / 673750};
-      // I^i − 3^i = (I − 3) (I^(i−1) + … + 3^(i−1)).
-      const Jet I = 3 + first;
-      Jet quotient = 1, sum = 0;
-      double three = 1, scale = 1;
-      for (const double c : C) {
-        sum = sum + c * scale * quotient;
-        three *= 3, scale /= links;
-        quotient = quotient * I + three;
-      }
-      return mu * first * sum;
+      Jet sum = 0;
+      for (std::size_t k = factors.size(); k-- > 0;) sum = first * (factors[k] + sum);
+      return sum;
     }
   };
 
@@ -46,7 +43,16 @@ struct ArrudaBoyce : NearlyIncompressible<ArrudaBoyce> {
 
   Density density(const Material& material) const {
     const ConstantsOf own(material, name);
-    return {own.modulus("mu"), own.number("N")};
+    Density result{};
+    double scale = own.modulus("mu");
+    for (std::size_t i = 1; i <= C.size(); ++i, scale /= own.number("N")) {
+      double binomial = 1, power = 1;  // of k = i, i − 1, …
+      for (std::size_t k = i; k > 0; --k) {
+        result.factors.at(k - 1) += C.at(i - 1) * scale * binomial * power;
+        binomial *= static_cast<double>(k) / static_cast<double>(i - k + 1), power *= 3;
+      }
+    }
+    return result;
   }
   IsotropicShape<Density> shape(const Material& material) const { return {density(material)}; }
   IsotropicMembrane<IncompressibleMembrane<ArrudaBoyce>> membrane(const Material& material) const { return {material}; }

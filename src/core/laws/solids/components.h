@@ -1,6 +1,4 @@
 #pragma once
-#include <utility>
-
 #include "elastin/core/laws/law.h"
 
 namespace elastin {
@@ -22,30 +20,22 @@ inline Matrix3 tensor(const Components& c) {
   return result;
 }
 
-/// Adds entry(row, column), symmetric, to every entry: the loops unrolled, so that the components' places are known
-/// to the compiler.
-template <class Entry>
-void add_symmetric(TangentModuli<3>& result, const Entry& entry) {
-  const auto add_one = [&]<int row, int column>() {
-    const double value = entry.template operator()<row, column>();
-    result(row, column) += value;
-    if constexpr (row != column) result(column, row) += value;
-  };
-  const auto add_row = [&]<int row, int... columns>(std::integer_sequence<int, columns...>) {
-    (add_one.template operator()<row, columns>(), ...);
-  };
-  [&]<int... rows>(std::integer_sequence<int, rows...>) {
-    (add_row.template operator()<rows>(std::make_integer_sequence<int, rows + 1>()), ...);
-  }
-  (std::make_integer_sequence<int, 6>());
+/// a b of symmetric tensors that have the same axes, so that it is symmetric too.
+inline Components commuting_product(const Matrix3& a, const Matrix3& b) {
+  const auto entry = [&](int i, int j) { return a(i, 0) * b(0, j) + a(i, 1) * b(1, j) + a(i, 2) * b(2, j); };
+  Components result;
+  result << entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2);
+  return result;
 }
 
-/// An entry of G ⊙ G, ½ (G_ik G_jl + G_il G_jk).
-template <int row, int column>
-double symmetric_square_entry(const Matrix3& G) {
-  constexpr int i = kComponents[row][0], j = kComponents[row][1], k = kComponents[column][0],
-                l = kComponents[column][1];
-  return (G(i, k) * G(j, l) + G(i, l) * G(j, k)) / 2;
+/// a : b of symmetric tensors.
+inline double double_product(const Components& a, const Matrix3& b) {
+  return a[0] * b(0, 0) + a[1] * b(1, 1) + a[2] * b(2, 2) + 2 * (a[3] * b(0, 1) + a[4] * b(0, 2) + a[5] * b(1, 2));
+}
+
+inline double symmetric_determinant(const Matrix3& a) {
+  return a(0, 0) * (a(1, 1) * a(2, 2) - a(2, 1) * a(2, 1)) + a(1, 0) * (2 * a(2, 0) * a(2, 1) - a(1, 0) * a(2, 2)) -
+         a(2, 0) * a(2, 0) * a(1, 1);
 }
 
 /// Of ½ (a bᵀ + b aᵀ).
@@ -59,7 +49,7 @@ inline Components symmetric_product(const Vector3& a, const Vector3& b) {
 /// G ⊙ G, ½ (G_ik G_jl + G_il G_jk): −∂C⁻¹/∂C of G = C⁻¹, and of G = I what leaves a symmetric tensor as it is.
 inline TangentModuli<3> symmetric_square(const Matrix3& G) {
   TangentModuli<3> result = TangentModuli<3>::Zero();
-  add_symmetric(result, [&]<int row, int column>() { return symmetric_square_entry<row, column>(G); });
+  add_symmetric_squares(G, 0, 1, result);
   return result;
 }
 

@@ -33,14 +33,15 @@ struct Curve {
     StressStrain curve;
 
     Matrix3 stress(const Matrix3& A) const {
-      const Present now(*this, A);
-      return now.frame.stress(now.stress);
+      const Vector3 values = principal_values(A);
+      return principal_function(A, values, Present(*this, values).stress);
     }
 
     /// In the axes of C the diagonal of S changes with the diagonal of C, and S_ij with C_ij by
     /// (S_i − S_j)/(λ_i² − λ_j²), which needs no case for equal stretches.
     TangentModuli<3> tangent(const Matrix3& A) const {
-      const Present now(*this, A);
+      const SymmetricEigen3 solved = symmetric_eigen3(A);
+      const Present now(*this, solved.values);
       const Matrix3 H = now.hessian(*this);
       const Vector3& stretch = now.stretch;
       Matrix3 direct;  // dS_ii/dC_jj
@@ -52,22 +53,20 @@ struct Curve {
         const auto [i, j] = kComponents[3 + pair];
         turning[static_cast<std::size_t>(pair)] = -now.pressure / (stretch[i] * stretch[j] * (stretch[i] + stretch[j]));
       }
-      return now.frame.tangent(direct, turning);
+      return PrincipalAxes{solved.vectors}.tangent(direct, turning);
     }
 
-    double energy(const Matrix3& A) const { return Present(*this, A).size.energy; }
+    double energy(const Matrix3& A) const { return Present(*this, symmetric_eigen3(A).values).size.energy; }
 
    private:
     struct Present {
-      PrincipalAxes frame;             ///< of C
       Vector3 stretch, hooke, stress;  ///< λ_i ≥ 1e-7; linear stress over E; S_i [Pa]
       CurveSize size;
       double pressure;  ///< T_i = pressure + 2μ/E secant λ_i
 
-      Present(const Solid& law, const Matrix3& A) {
-        const SymmetricEigen3 solved = symmetric_eigen3(A);
-        frame.axes = solved.vectors;
-        const Vector3 change = solved.values.cwiseMax(1e-14 - 1);
+      /// @param values of A
+      Present(const Solid& law, const Vector3& values) {
+        const Vector3 change = values.cwiseMax(1e-14 - 1);
         stretch = (1 + change.array()).sqrt();
         const Vector3 strain = change.array() / (1 + stretch.array());
         const double t = strain.sum();

@@ -21,8 +21,8 @@ struct CurveSize {
     constexpr double negligible = 1e-9;  // the curve is straight to rounding, and s undefined at 0
     const double s = q > negligible ? t * stress_of_trace / q : 1;
     if (s >= 0.5 || s <= -0.5) {
-      const double signed_q = s > 0 ? q : -q;
-      energy = P.energy_density(signed_q), secant = P.secant(signed_q), by_qq = P.modulus(signed_q);
+      const StressStrain::Response now = P.response(s > 0 ? q : -q);
+      energy = now.energy_density, secant = now.secant, by_qq = now.modulus;
       return;
     }
     const double x = s + 0.5, w = x * x * x * (10 + x * (6 * x - 15)), w1 = 30 * x * x * (1 - x) * (1 - x),

@@ -22,45 +22,57 @@ struct FungOrthotropic : NearlyIncompressible<FungOrthotropic> {
     static constexpr double kMostPower = 500;
 
     /// S = D^(−1/3) (S̃ − ⅓ (S̃:C) C⁻¹), S̃ = e^Q ℂ Ẽ.
-    Matrix3 stress(const Matrix3& A) const {
-      const Present now(*this, A);
+    Matrix3 stress(const Matrix3& A, const Dilatation& volume, double log) const {
+      const Present now(*this, A, volume, log);
       return tensor(now.S);
     }
 
     /// r² P T Pᵀ − ⅓ (S ⊗ G + G ⊗ S) + r/3 (S̃:C)(G ⊙ G − G ⊗ G/3), r = D^(−1/3), G = C⁻¹, P = 1 − ⅓ G ⊗ C and
     /// T = ∂S̃/∂C̃.
-    TangentModuli<3> tangent(const Matrix3& A) const {
-      const Present now(*this, A);
+    TangentModuli<3> tangent(const Matrix3& A, const Dilatation& volume, double log) const {
+      const Present now(*this, A, volume, log);
       TangentModuli<3> T = now.growth / 2 * (stiffness + 2 / c * now.linear * now.linear.transpose());
       const Components TC = T * now.C;
       const Components& G = now.G;
       T += now.C.dot(TC) / 9 * G * G.transpose() - both_ways(TC, G) / 3;
-      return now.root * now.root * T - both_ways(now.S, G) / 3 +
-             now.root / 3 * now.S_C * (symmetric_square(now.inverse) - G * G.transpose() / 3);
+      TangentModuli<3> result = now.root * now.root * T - both_ways(now.S, G) / 3;
+      add_symmetric_squares(volume.inverse, -now.root / 9 * now.S_C, now.root / 3 * now.S_C, result);
+      return result;
     }
 
-    double energy(const Matrix3& A) const { return c / 2 * std::expm1(Present(*this, A).power); }
+    Matrix3 stress(const Matrix3& A) const {
+      const Dilatation volume(A);
+      return stress(A, volume, volume.log());
+    }
+    TangentModuli<3> tangent(const Matrix3& A) const {
+      const Dilatation volume(A);
+      return tangent(A, volume, volume.log());
+    }
+    double energy(const Matrix3& A) const {
+      const Dilatation volume(A);
+      return c / 2 * std::expm1(Present(*this, A, volume, volume.log()).power);
+    }
 
    private:
     struct Present {
       double root, power, growth, S_C;  ///< r, Q, e^Q, S̃:C
-      Matrix3 inverse;
-      Components G, C, linear, S;  ///< C with its off-diagonal components twice; ℂ Ẽ
+      Components G, C, linear, S;       ///< C with its off-diagonal components twice; ℂ Ẽ
 
-      Present(const Shape& law, const Matrix3& A) {
-        const Dilatation volume(A);
-        root = 1 / std::cbrt(1 + volume.excess);
-        const double shrink = std::expm1(-std::log1p(volume.excess) / 3);  // r − 1
-        Components strain = components((root * A + shrink * Matrix3::Identity()) / 2);
-        strain.tail<3>() *= 2;
-        linear = law.stiffness * strain;
-        power = std::min(strain.dot(linear) / law.c, kMostPower);
+      Present(const Shape& law, const Matrix3& A, const Dilatation& volume, double log) {
+        root = std::exp(-log / 3);
+        const double shrink = -volume.excess / ((1 + volume.excess) * (1 + root + root * root));  // r − 1
+        const double half = root / 2, even = shrink / 2;
+        const double strain[6] = {half * A(0, 0) + even, half * A(1, 1) + even, half * A(2, 2) + even,
+                                  root * A(0, 1),        root * A(0, 2),        root * A(1, 2)};
+        linear = law.stiffness.col(0) * strain[0];
+        for (int i = 1; i < 6; ++i) linear += law.stiffness.col(i) * strain[i];
+        double energy = 0;
+        for (int i = 0; i < 6; ++i) energy += strain[i] * linear[i];
+        power = std::min(energy / law.c, kMostPower);
         growth = std::exp(power);
-        inverse = volume.inverse;
-        G = components(inverse);
-        C = components(Matrix3::Identity() + A);
-        C.tail<3>() *= 2;
-        S_C = growth * linear.dot(C);
+        G = components(volume.inverse);
+        C << 1 + A(0, 0), 1 + A(1, 1), 1 + A(2, 2), 2 * A(0, 1), 2 * A(0, 2), 2 * A(1, 2);
+        S_C = growth * (linear[0] + linear[1] + linear[2] + double_product(linear, A));
         S = root * (growth * linear - S_C / 3 * G);
       }
     };

@@ -18,47 +18,59 @@ struct HolzapfelGasserOgden : NearlyIncompressible<HolzapfelGasserOgden> {
 
   struct Shape {
     double c, k1, k2, kappa;
-    std::array<Vector3, 2> families;
+    std::array<Components, 2> families;  ///< a aᵀ
 
-    Matrix3 stress(const Matrix3& A) const {
-      const Isochoric now(A);
+    Matrix3 stress(const Matrix3& A, const Dilatation& volume, double log) const {
+      const Isochoric now(A, volume, log);
       const Components first = now.first_slope();
       Components S = c / 2 * first;
-      for (const Vector3& a : families)
-        if (const double E = strain(now, a); E > 0)
-          S += k1 * E * growth(E) * (kappa * first + (1 - 3 * kappa) * now.along_slope(a));
+      for (const Components& aa : families)
+        if (const Family f(*this, now, aa, A); f.strain > 0)
+          S += k1 * f.strain * growth(f.strain) * (kappa * first + (1 - 3 * kappa) * now.along_slope(aa, f.change));
       return 2 * tensor(S);
     }
 
-    TangentModuli<3> tangent(const Matrix3& A) const {
-      const Isochoric now(A);
+    TangentModuli<3> tangent(const Matrix3& A, const Dilatation& volume, double log) const {
+      const Isochoric now(A, volume, log);
       const Components first = now.first_slope();
       TangentModuli<3> result = TangentModuli<3>::Zero();
       double even = c / 2;
-      for (const Vector3& a : families)
-        if (const double E = strain(now, a); E > 0) {
-          const Components slope = kappa * first + (1 - 3 * kappa) * now.along_slope(a);
-          const double g = k1 * E * growth(E);
-          result += 2 * k1 * (1 + 2 * k2 * E * E) * growth(E) * slope * slope.transpose();
-          now.add_along_curvature(2 * g * (1 - 3 * kappa), a, result);
+      for (const Components& aa : families)
+        if (const Family f(*this, now, aa, A); f.strain > 0) {
+          const double E = f.strain, e = growth(E), g = k1 * E * e;
+          const Components slope = kappa * first + (1 - 3 * kappa) * now.along_slope(aa, f.change);
+          result += 2 * k1 * (1 + 2 * k2 * E * E) * e * slope * slope.transpose();
+          now.add_along_curvature(2 * g * (1 - 3 * kappa), aa, f.change, result);
           even += g * kappa;
         }
       now.add_first_curvature(2 * even, result);
       return result;
     }
 
+    Matrix3 stress(const Matrix3& A) const {
+      const Dilatation volume(A);
+      return stress(A, volume, volume.log());
+    }
+    TangentModuli<3> tangent(const Matrix3& A) const {
+      const Dilatation volume(A);
+      return tangent(A, volume, volume.log());
+    }
     double energy(const Matrix3& A) const {
-      const Isochoric now(A);
+      const Dilatation volume(A);
+      const Isochoric now(A, volume, volume.log());
       double sum = c / 2 * now.first();
-      for (const Vector3& a : families)
-        if (const double E = strain(now, a); E > 0) sum += k1 / (2 * k2) * std::expm1(power(E));
+      for (const Components& aa : families)
+        if (const Family f(*this, now, aa, A); f.strain > 0) sum += k1 / (2 * k2) * std::expm1(power(f.strain));
       return sum;
     }
 
    private:
-    double strain(const Isochoric& now, const Vector3& a) const {
-      return kappa * now.first() + (1 - 3 * kappa) * now.along(a);
-    }
+    struct Family {
+      double change, strain;  ///< aᵀ A a; E
+
+      Family(const Shape& law, const Isochoric& now, const Components& aa, const Matrix3& A)
+          : change(double_product(aa, A)), strain(law.kappa * now.first() + (1 - 3 * law.kappa) * now.along(change)) {}
+    };
     double power(double E) const { return std::min(k2 * E * E, 500.); }
     double growth(double E) const { return std::exp(power(E)); }
   };
@@ -90,7 +102,12 @@ struct HolzapfelGasserOgden : NearlyIncompressible<HolzapfelGasserOgden> {
     if (!(across.norm() > 1e-6)) throw InputError("holzapfel_gasser_ogden: `across` is along `direction`");
     const double angle = own.number("angle");
     const Vector3 cosine = std::cos(angle) * along, sine = std::sin(angle) * across.normalized();
-    return {own.modulus("c"), own.modulus("k1"), own.number("k2"), own.number("kappa"), {cosine + sine, cosine - sine}};
+    const Vector3 plus = cosine + sine, minus = cosine - sine;
+    return {own.modulus("c"),
+            own.modulus("k1"),
+            own.number("k2"),
+            own.number("kappa"),
+            {symmetric_product(plus, plus), symmetric_product(minus, minus)}};
   }
 };
 

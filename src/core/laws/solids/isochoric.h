@@ -12,52 +12,59 @@ namespace elastin {
 /// Each in a form that does not cancel near rest. Finite for any A, as Dilatation is.
 class Isochoric {
  public:
-  explicit Isochoric(const Matrix3& A) : strain_(A), volume_(A) {
+  /// @param volume of A; both must outlive this
+  /// @param log ln det C, det C as `volume` has it
+  Isochoric(const Matrix3& A, const Dilatation& volume, double log) : strain_(A), volume_(volume) {
     trace_ = A.trace();
-    deviator_ = A - Matrix3::Identity() * (trace_ / 3);
-    // C = (1 + m)(I + d), tr d = 0: det(I + d) = 1 − ½ d:d + det d.
-    const double even = std::max(1 + trace_ / 3, kLeastEven);
-    const Matrix3 d = deviator_ / even;
-    half_square_ = d.squaredNorm() / 2;
-    const double change =
-        volume_.flat ? (1 + volume_.excess) / (even * even * even) - 1 : d.determinant() - half_square_;
-    change_ = std::clamp(change, kLeast - 1, 0.);
-    shape_root_ = std::cbrt(1 + change_);
-    const bool as_it_is = even > kLeastEven && change == change_ && !volume_.flat;
-    root_ = 1 / (as_it_is ? even * shape_root_ : std::cbrt(1 + volume_.excess));
+    deviator_ = A;
+    deviator_.diagonal().array() -= trace_ / 3;
+    root_ = std::exp(-log / 3);
   }
 
-  const Dilatation& volume() const { return volume_; }
-
-  double first() const { return 3 * lost() / shape_root_; }  ///< Ĩ₁ − 3 = 3 (1 − r)/r, r = det(I + d)^⅓; ≥ 0
-  double second() const {                                    ///< Ĩ₂ − 3 = (3 (1 − r²) − ½ d:d)/r², ≥ 0
-    return (3 * lost() * (1 + shape_root_) - half_square_) / (shape_root_ * shape_root_);
+  struct Invariants {
+    double first, second;
+  };
+  /// Ĩ₁ − 3 = 3 (1 − r)/r and Ĩ₂ − 3 = (3 (1 − r²) − ½ d:d)/r², ≥ 0, where C = (1 + m)(I + d), tr d = 0, r = det(I +
+  /// d)^⅓, and det(I + d) = 1 − ½ d:d + det d: a form that does not cancel near rest.
+  Invariants invariants() const {
+    const double scale = 1 / std::max(1 + trace_ / 3, kLeastEven), cube = scale * scale * scale;
+    const double half_square = deviator_.squaredNorm() / 2 * scale * scale;
+    double change = symmetric_determinant(deviator_) * cube - half_square, root = scale / root_;
+    if (volume_.flat || !(1 + change > kLeast) || scale == 1 / kLeastEven) {
+      change = std::clamp((1 + volume_.excess) * cube - 1, kLeast - 1, 0.);
+      root = std::cbrt(1 + change);
+    }
+    const double lost = -std::min(change, 0.) / (1 + root + root * root), inverse = 1 / root;  // 1 − r; 1/r
+    return {3 * lost * inverse, (3 * lost * (1 + root) - half_square) * inverse * inverse};
   }
-  double along(const Vector3& a) const {  ///< Ĩ₄ − 1
-    const double change = a.dot(strain_ * a);
-    const double k = 1 / root_;  // D^⅓; 1/k − 1 = −(D − 1)/(k (1 + k + k²))
-    return change - volume_.excess / (k * (1 + k + k * k)) * (1 + change);
+  double first() const { return invariants().first; }
+
+  /// Ĩ₄ − 1 of a fibre, from its aᵀ A a: D^(−1/3) − 1 = −(1 − 1/D)/(1 + D^(−1/3) + D^(−2/3)).
+  double along(double change) const {
+    return change - volume_.excess / ((1 + volume_.excess) * (1 + root_ + root_ * root_)) * (1 + change);
   }
 
   /// ∂Ĩ₁/∂C = D^(−1/3) C⁻¹ dev C, D = det C.
-  Components first_slope() const { return components(root_ * symmetric(volume_.inverse * deviator_)); }
+  Components first_slope() const { return root_ * commuting_product(volume_.inverse, deviator_); }
   /// ∂Ĩ₂/∂C = D^(−2/3) C⁻¹ dev(I₁ C − C²).
-  Components second_slope() const {
-    const Matrix3 square = strain_ * strain_;
-    const Matrix3 inner = (1 + trace_) * deviator_ - square + Matrix3::Identity() * (square.trace() / 3);
-    return components(root_ * root_ * symmetric(volume_.inverse * inner));
+  Components second_slope() const { return root_ * root_ * commuting_product(volume_.inverse, second_deviator()); }
+  /// by_first ∂Ĩ₁/∂C + by_second ∂Ĩ₂/∂C.
+  Components slope(double by_first, double by_second) const {
+    if (by_second == 0) return by_first * first_slope();
+    return commuting_product(volume_.inverse,
+                             by_first * root_ * deviator_ + by_second * root_ * root_ * second_deviator());
   }
-  /// ∂Ĩ₄/∂C = D^(−1/3) (a aᵀ − I₄/3 C⁻¹).
-  Components along_slope(const Vector3& a) const {
-    return root_ * (symmetric_product(a, a) - (1 + a.dot(strain_ * a)) / 3 * components(volume_.inverse));
+  /// ∂Ĩ₄/∂C = D^(−1/3) (a aᵀ − I₄/3 C⁻¹), from a aᵀ and aᵀ A a.
+  Components along_slope(const Components& aa, double change) const {
+    return root_ * (aa - (1 + change) / 3 * components(volume_.inverse));
   }
 
   /// Each adds `factor` times the second slope by C.
   void add_first_curvature(double factor, TangentModuli<3>& result) const {
     add_curvature(factor, components(Matrix3::Identity()), 3 + trace_, result);
   }
-  void add_along_curvature(double factor, const Vector3& a, TangentModuli<3>& result) const {
-    add_curvature(factor, symmetric_product(a, a), 1 + a.dot(strain_ * a), result);
+  void add_along_curvature(double factor, const Components& aa, double change, TangentModuli<3>& result) const {
+    add_curvature(factor, aa, 1 + change, result);
   }
   /// D^(−2/3) (I ⊗ I − I ⊙ I − ⅔ (M ⊗ G + G ⊗ M) + 4/9 I₂ G ⊗ G + ⅔ I₂ G ⊙ G),  M = I₁ I − C,  G = C⁻¹.
   void add_second_curvature(double factor, TangentModuli<3>& result) const {
@@ -65,32 +72,33 @@ class Isochoric {
     const Components G = components(volume_.inverse),
                      M = (2 + trace_) * components(Matrix3::Identity()) - components(strain_);
     const double I2 = 3 + 2 * trace_ + (trace_ * trace_ - strain_.squaredNorm()) / 2;
-    add_symmetric(result, [&]<int row, int column>() {
-      constexpr double own = (row < 3 && column < 3 ? 1 : 0) - (row == column ? row < 3 ? 1 : 0.5 : 0);
-      return scale * (own - 2. / 3 * (M[row] * G[column] + M[column] * G[row]) + 4. / 9 * I2 * G[row] * G[column] +
-                      2. / 3 * I2 * symmetric_square_entry<row, column>(volume_.inverse));
-    });
+    add_symmetric_squares(volume_.inverse, 4. / 9 * scale * I2, 2. / 3 * scale * I2, result);
+    result -= 2. / 3 * scale * both_ways(M, G);
+    result.topLeftCorner<3, 3>().array() += scale;
+    result.diagonal().head<3>().array() -= scale;
+    result.diagonal().tail<3>().array() -= scale / 2;
   }
 
  private:
   static constexpr double kLeast = 1e-30, kLeastEven = 1e-5;
 
-  double lost() const { return -change_ / (1 + shape_root_ + shape_root_ * shape_root_); }  // 1 − r
-  static Matrix3 symmetric(const Matrix3& product) { return (product + product.transpose()) / 2; }
+  /// dev(I₁ C − C²) = dev(A − adj A)                                                      [Cayley & Hamilton]
+  Matrix3 second_deviator() const {
+    Matrix3 result = deviator_ - volume_.adjugate;
+    result.diagonal().array() += volume_.adjugate.trace() / 3;
+    return result;
+  }
   /// Of D^(−1/3) M:C: D^(−1/3) (M:C (G ⊗ G/9 + G ⊙ G/3) − ⅓ (M ⊗ G + G ⊗ M)).
   void add_curvature(double factor, const Components& M, double invariant, TangentModuli<3>& result) const {
-    const Components G = components(volume_.inverse);
     const double scale = factor * root_ / 3;
-    add_symmetric(result, [&]<int row, int column>() {
-      return scale * (invariant * (G[row] * G[column] / 3 + symmetric_square_entry<row, column>(volume_.inverse)) -
-                      (M[row] * G[column] + M[column] * G[row]));
-    });
+    add_symmetric_squares(volume_.inverse, scale * invariant / 3, scale * invariant, result);
+    result -= scale * both_ways(M, components(volume_.inverse));
   }
 
-  Matrix3 strain_, deviator_;
-  Dilatation volume_;
-  double trace_, root_, half_square_;  ///< of A; D^(−1/3); ½ d:d
-  double change_, shape_root_;         ///< det(I + d) − 1, ≤ 0; r
+  const Matrix3& strain_;
+  const Dilatation& volume_;
+  Matrix3 deviator_;
+  double trace_, root_;  ///< of A; D^(−1/3)
 };
 
 /// ψ(Ĩ₁ − 3, Ĩ₂ − 3) [J/m³] with its derivatives: an isotropic law's energy of a change of shape.
@@ -104,31 +112,46 @@ template <InvariantDensity Density>
 struct IsotropicShape {
   Density density;
 
-  Matrix3 stress(const Matrix3& A) const {
-    const Isochoric now(A);
+  Matrix3 stress(const Matrix3& A, const Dilatation& volume, double log) const {
+    const Isochoric now(A, volume, log);
     const Jet w = at(now);
-    Components S = w.x * now.first_slope();
-    if (w.y != 0) S += w.y * now.second_slope();
-    return 2 * tensor(S);
+    return 2 * tensor(now.slope(w.x, w.y));
   }
 
-  TangentModuli<3> tangent(const Matrix3& A) const {
-    const Isochoric now(A);
+  TangentModuli<3> tangent(const Matrix3& A, const Dilatation& volume, double log) const {
+    const Isochoric now(A, volume, log);
     const Jet w = at(now);
-    const Components first = now.first_slope();
-    TangentModuli<3> result = 2 * w.xx * first * first.transpose();
+    TangentModuli<3> result = TangentModuli<3>::Zero();
     now.add_first_curvature(2 * w.x, result);
-    if (w.y == 0 && w.xy == 0 && w.yy == 0) return result;
+    const bool by_first_alone = w.y == 0 && w.xy == 0 && w.yy == 0;
+    if (!by_first_alone) now.add_second_curvature(2 * w.y, result);
+    if (w.xx == 0 && w.xy == 0 && w.yy == 0) return result;
+    const Components first = now.first_slope();
+    result += 2 * w.xx * first * first.transpose();
+    if (by_first_alone) return result;
     const Components second = now.second_slope();
     result += 2 * w.xy * both_ways(first, second) + 2 * w.yy * second * second.transpose();
-    now.add_second_curvature(2 * w.y, result);
     return result;
   }
 
-  double energy(const Matrix3& A) const { return at(Isochoric(A)).value; }
+  Matrix3 stress(const Matrix3& A) const {
+    const Dilatation volume(A);
+    return stress(A, volume, volume.log());
+  }
+  TangentModuli<3> tangent(const Matrix3& A) const {
+    const Dilatation volume(A);
+    return tangent(A, volume, volume.log());
+  }
+  double energy(const Matrix3& A) const {
+    const Dilatation volume(A);
+    return at(Isochoric(A, volume, volume.log())).value;
+  }
 
  private:
-  Jet at(const Isochoric& now) const { return density(Jet::first(now.first()), Jet::second(now.second())); }
+  Jet at(const Isochoric& now) const {
+    const auto [first, second] = now.invariants();
+    return density(Jet::first(first), Jet::second(second));
+  }
 };
 
 }  // namespace elastin

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/laws/exponential.h"
 #include "core/laws/membranes/ogden_membrane.h"
 #include "core/laws/solids/principal.h"
 #include "elastin/core/laws/material_law.h"
@@ -15,7 +16,7 @@ namespace elastin {
 /// Σ μ/α (…)), c = 2 μ (`abaqus`, Σ 2 μ/α² (…)) or c = μ (`febio`).
 ///
 /// In the axes of C, with ẽ_i = ln λ̃_i: τ_i = ∂ψ/∂ln λ_i = β_i − mean β, β_i = Σ c/m e^(m ẽ_i), and S_i = τ_i/C_i. All
-/// differences are those of expm1 and sinh, so that equal and nearly equal stretches are no special case.
+/// differences are those of e^y − 1, so that equal and nearly equal stretches are no special case.
 struct Ogden : NearlyIncompressible<Ogden> {
   static constexpr std::string_view name = "ogden";
   static constexpr std::string_view summary =
@@ -31,14 +32,16 @@ struct Ogden : NearlyIncompressible<Ogden> {
     Terms terms;
 
     Matrix3 stress(const Matrix3& A) const {
-      const Present now(*this, A);
-      return now.frame.stress(now.stress);
+      const Vector3 values = principal_values(A);
+      return principal_function(A, values, Present(*this, values).stress);
     }
 
     TangentModuli<3> tangent(const Matrix3& A) const {
-      const Present now(*this, A);
+      const SymmetricEigen3 solved = symmetric_eigen3(A);
+      const Present now(*this, solved.values);
       // ∂τ_i/∂ln λ_j = b_i δ_ij − (b_i + b_j)/3 + Σ b/9,  b_i = Σ c e^(m ẽ_i).
-      const Vector3 b = now.sums(*this, [](double c, double, double power) { return c * (1 + power); });
+      Vector3 b = Vector3::Zero();
+      for (int t = 0; t < terms.count; ++t) b += terms.c(t) * (1 + now.powers.col(t).array()).matrix();
       Matrix3 direct;
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
@@ -51,21 +54,20 @@ struct Ogden : NearlyIncompressible<Ogden> {
         // (τ_i − τ_j)/(C_i − C_j)/C_i − τ_j/(C_i C_j)
         turning[static_cast<std::size_t>(pair)] = (now.divided_difference(*this, i, j) - now.stress[j]) / now.C[i];
       }
-      return now.frame.tangent(direct, turning);
+      return PrincipalAxes{solved.vectors}.tangent(direct, turning);
     }
 
     /// Σ c/m² Σ_i (e^y − 1 − y), y = m ẽ_i: Σ ẽ_i = 0.
     double energy(const Matrix3& A) const {
-      const Present now(*this, A);
+      const Present now(*this, symmetric_eigen3(A).values);
       double sum = 0;
-      for (int term = 0; term < terms.count; ++term)
-        for (int i = 0; i < 3; ++i)
-          sum += terms.c(term) / (terms.m(term) * terms.m(term)) * above_line(terms.m(term) * now.log[i]);
+      for (int t = 0; t < terms.count; ++t)
+        for (int i = 0; i < 3; ++i) sum += terms.c(t) / (terms.m(t) * terms.m(t)) * above_line(terms.m(t) * now.log[i]);
       return sum;
     }
 
    private:
-    static constexpr double kMostPower = 400;  ///< of e: far beyond any material, and its square is finite
+    static constexpr double kMostPower = 400;  ///< of e, as limited_expm1 has it
 
     /// e^y − 1 − y, which cancels near 0.
     static double above_line(double y) {
@@ -77,42 +79,35 @@ struct Ogden : NearlyIncompressible<Ogden> {
     }
 
     struct Present {
-      PrincipalAxes frame;
-      Vector3 C, log, own_log, stress;  ///< λ_i², ẽ_i, ln λ_i, S_i
+      Vector3 C, log, own_log, stress;         ///< λ_i², ẽ_i, ln λ_i, S_i
+      Eigen::Matrix<double, 3, kMost> powers;  ///< e^(m ẽ_i) − 1, a column a term
 
-      Present(const Shape& law, const Matrix3& A) {
-        const SymmetricEigen3 solved = symmetric_eigen3(A);
-        frame.axes = solved.vectors;
-        const Vector3 change = solved.values.cwiseMax(Dilatation::kFlat - 1);
+      /// @param values of A
+      Present(const Shape& law, const Vector3& values) {
+        const Vector3 change = values.cwiseMax(Dilatation::kFlat - 1);
         C = (1 + change.array()).matrix();
-        for (int i = 0; i < 3; ++i) own_log[i] = std::log1p(change[i]) / 2;
+        for (int i = 0; i < 3; ++i) own_log[i] = short_log1p(change[i]) / 2;
         log = (own_log.array() - own_log.mean()).matrix();
-        const Vector3 beta = sums(law, [](double c, double m, double power) { return c / m * power; });
+        for (int t = 0; t < law.terms.count; ++t) powers.col(t) = law.terms.m(t) * log;
+        double* power = powers.data();
+        for (int n = 0; n < 3 * law.terms.count; ++n) power[n] = limited_expm1(power[n]);
+        Vector3 beta = Vector3::Zero();
+        for (int t = 0; t < law.terms.count; ++t) beta += law.terms.scale(t) * powers.col(t);
         stress = (beta.array() - beta.mean()).matrix().cwiseQuotient(C);
       }
 
-      /// Σ over the terms of term(c, m, e^(m ẽ_i) − 1).
-      template <class Term>
-      Vector3 sums(const Shape& law, Term term) const {
-        Vector3 result = Vector3::Zero();
-        for (int t = 0; t < law.terms.count; ++t)
-          for (int i = 0; i < 3; ++i)
-            result[i] += term(law.terms.c(t), law.terms.m(t),
-                              std::expm1(std::clamp(law.terms.m(t) * log[i], -kMostPower, kMostPower)));
-        return result;
-      }
-
-      /// (τ_i − τ_j)/(C_i − C_j): with x = ln λ_i − ln λ_j, e^a − e^b = 2 e^((a+b)/2) sinh((a−b)/2) above and below.
+      /// (τ_i − τ_j)/(C_i − C_j): with x = |ln λ_i − ln λ_j|, e^a − e^b = e^a (1 − e^(b − a)) above and below, a the
+      /// larger power.
       double divided_difference(const Shape& law, int i, int j) const {
-        const double x = own_log[i] - own_log[j], below = std::sqrt(C[i] * C[j]);
+        const int longer = own_log[i] > own_log[j] ? i : j, shorter = i + j - longer;
+        const double x = own_log[longer] - own_log[shorter], below = C[longer] * limited_expm1(-2 * x);
         double sum = 0;
         for (int t = 0; t < law.terms.count; ++t) {
-          const double m = law.terms.m(t), even = std::clamp(m / 2 * (log[i] + log[j]), -kMostPower, kMostPower);
-          const double ratio =
-              x == 0 ? m / 2 : std::sinh(std::clamp(m / 2 * x, -kMostPower, kMostPower)) / std::sinh(x);
-          sum += law.terms.c(t) / m * std::exp(even) * ratio;
+          const double m = law.terms.m(t), power = 1 + powers(m > 0 ? longer : shorter, t);
+          const double difference = m > 0 ? limited_expm1(-m * x) : -limited_expm1(m * x);
+          sum += law.terms.c(t) / m * power * (below == 0 ? m / (2 * C[longer]) : difference / below);
         }
-        return sum / below;
+        return sum;
       }
     };
   };

@@ -67,46 +67,62 @@ struct TransverselyIsotropic : NearlyIncompressible<TransverselyIsotropic> {
     Vector3 direction;
     Fibres fibres;
 
-    Matrix3 stress(const Matrix3& A) const {
-      const Isochoric now(A);
-      const auto [by_I4, by_both] = slopes(now);
-      Components S = c1 * now.first_slope();
-      if (c2 != 0) S += c2 * now.second_slope();
-      if (by_I4 != 0) S += by_I4 * now.along_slope(direction);
+    Matrix3 stress(const Matrix3& A, const Dilatation& volume, double log) const {
+      const Isochoric now(A, volume, log);
+      const Fibre fibre(*this, now, A);
+      Components S = now.slope(c1, c2);
+      if (fibre.extension > 0) S += fibre.by_I4() * now.along_slope(fibre.along, fibre.change);
       return 2 * tensor(S);
     }
 
-    TangentModuli<3> tangent(const Matrix3& A) const {
-      const Isochoric now(A);
-      const auto [by_I4, by_both] = slopes(now);
+    TangentModuli<3> tangent(const Matrix3& A, const Dilatation& volume, double log) const {
+      const Isochoric now(A, volume, log);
+      const Fibre fibre(*this, now, A);
       TangentModuli<3> result = TangentModuli<3>::Zero();
       now.add_first_curvature(2 * c1, result);
       if (c2 != 0) now.add_second_curvature(2 * c2, result);
-      if (by_both == 0) return result;
-      const Components along = now.along_slope(direction);
-      result += 2 * by_both * along * along.transpose();
-      now.add_along_curvature(2 * by_I4, direction, result);
+      if (!(fibre.extension > 0)) return result;
+      const Components slope = now.along_slope(fibre.along, fibre.change);
+      result += 2 * fibre.by_I4_twice() * slope * slope.transpose();
+      now.add_along_curvature(2 * fibre.by_I4(), fibre.along, fibre.change, result);
       return result;
     }
 
+    Matrix3 stress(const Matrix3& A) const {
+      const Dilatation volume(A);
+      return stress(A, volume, volume.log());
+    }
+    TangentModuli<3> tangent(const Matrix3& A) const {
+      const Dilatation volume(A);
+      return tangent(A, volume, volume.log());
+    }
     double energy(const Matrix3& A) const {
-      const Isochoric now(A);
-      return c1 * now.first() + c2 * now.second() + fibres.energy(extension(now));
+      const Dilatation volume(A);
+      const Isochoric now(A, volume, volume.log());
+      const auto [first, second] = now.invariants();
+      return c1 * first + c2 * second + fibres.energy(Fibre(*this, now, A).extension);
     }
 
    private:
-    /// λ̃ − 1.
-    double extension(const Isochoric& now) const {
-      const double change = std::max(now.along(direction), -1.);
-      return change / (1 + std::sqrt(1 + change));
-    }
-    /// ∂F/∂Ĩ₄ = λ̃F′/(2 Ĩ₄) and ∂²F/∂Ĩ₄².
-    std::array<double, 2> slopes(const Isochoric& now) const {
-      const double u = extension(now);
-      if (u <= 0) return {0, 0};
-      const double stretch = 1 + u, I4 = stretch * stretch, T = fibres.tension(u);
-      return {T / (2 * I4), (fibres.slope(u) * stretch / 2 - T) / (2 * I4 * I4)};
-    }
+    struct Fibre {
+      const Fibres& fibres;
+      Components along;          ///< a aᵀ
+      double change, extension;  ///< aᵀ A a; λ̃ − 1
+
+      Fibre(const Shape& law, const Isochoric& now, const Matrix3& A)
+          : fibres(law.fibres),
+            along(symmetric_product(law.direction, law.direction)),
+            change(double_product(along, A)) {
+        const double excess = std::max(now.along(change), -1.);
+        extension = excess / (1 + std::sqrt(1 + excess));
+      }
+      double I4() const { return (1 + extension) * (1 + extension); }
+      /// ∂F/∂Ĩ₄ = λ̃F′/(2 Ĩ₄) and ∂²F/∂Ĩ₄².
+      double by_I4() const { return fibres.tension(extension) / (2 * I4()); }
+      double by_I4_twice() const {
+        return (fibres.slope(extension) * (1 + extension) / 2 - fibres.tension(extension)) / (2 * I4() * I4());
+      }
+    };
   };
 
   static MaterialLaw constants() {

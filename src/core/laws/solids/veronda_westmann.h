@@ -1,6 +1,4 @@
 #pragma once
-#include <algorithm>
-
 #include "core/laws/membranes/incompressible_membrane.h"
 #include "core/laws/solids/isochoric.h"
 #include "elastin/core/laws/material_law.h"
@@ -17,11 +15,7 @@ struct VerondaWestmann : NearlyIncompressible<VerondaWestmann> {
   struct Density {
     double c1, c2;  ///< [Pa], 1
 
-    Jet operator()(const Jet& first, const Jet& second) const {
-      Jet power = c2 * first;
-      power.value = std::min(power.value, 500.);  // far beyond any skin; its square is finite
-      return c1 * expm1(power) - c1 * c2 / 2 * second;
-    }
+    Jet operator()(const Jet& first, const Jet& second) const { return c1 * expm1(c2 * first) - c1 * c2 / 2 * second; }
   };
 
   static MaterialLaw constants() {
