@@ -6,6 +6,7 @@
 //     access PAGE                   labels, roles, contrast, what overflows, at 1400 and 390 px, light and dark
 //     axe PAGE AXE                  axe-core's own rules, AXE its axe.min.js, at 1400 and 390 px, light and dark
 //     refused PAGE                  without WebGL the test still runs; without WebAssembly the page says so
+//     frames PAGE SECONDS [STRATEGY]   pictures a second of a body that swings
 //     pictures PAGE FOLDER          screenshots at 1400 and 390 px, light and dark
 'use strict';
 const fs = require('node:fs'), path = require('node:path'), {Browser, sleep} = require('./browser.js');
@@ -36,6 +37,8 @@ async function sound(browser) {
   const errors = await browser.eval('document.documentElement.dataset.errors');
   must(!errors, `the page said: ${errors}`);
   must(await browser.eval('!lab.viewer?.positions || lab.viewer.positions.every(v => Number.isFinite(v))'), 'a position is not finite');
+  const words = await browser.eval('(document.body.innerText.match(/.{0,30}(NaN|undefined|Infinity).{0,20}/) ?? [])[0]');
+  must(!words, `the page says "${words}"`);
   const outside = browser.asked.filter(address => !/^(file|blob|data|about):/.test(address));
   must(outside.length === 0, `the page asked for ${outside}`);
 }
@@ -157,6 +160,30 @@ const actions = {
     }
     await browser.eval('gc?.()').catch(() => {});
     console.log(`${count} actions in ${seconds} s; heap ${(early / 1e6).toFixed(1)} MB early, ${(await memory() / 1e6).toFixed(1)} MB late`);
+  },
+
+  async frames(browser) {
+    const [seconds, strategy] = [+more[0], more[1]];
+    await browser.open(url, 1400, 1000);
+    if (strategy) {
+      await browser.eval(`(() => { const s = document.getElementById('strategy-1'); s.value = '${strategy}'; s.dispatchEvent(new Event('change')); })()`);
+      await browser.until(`lab.settled?.[0] === '${strategy}'`, 60);
+    }
+    await browser.eval(`(() => {
+      const {viewer} = lab, draw = viewer.draw;
+      viewer.draw = function () { ++counted; draw.call(this); };
+      globalThis.counted = 0;
+      lab.hold_at(lab.shown.molecules - 1, [0, 1, 2].map(k => lab.shown.rest[3 * lab.shown.molecules - 3 + k] - (k ? 0 : lab.shown.offsets[0]) + 0.2 * lab.body.size));
+    })()`);
+    await sleep(4000);  // the pace finds how many pixels there is time for
+    const count = async () => ({pictures: await browser.eval('counted'), at: Date.now(), time: await browser.eval('lab.answer[0].time')});
+    const begin = await count();
+    await sleep(1000 * seconds);
+    const end = await count(), passed = (end.at - begin.at) / 1000;
+    console.log(`${await text(browser, 'about')} ${await browser.eval('lab.strategies[0]')}: ${((end.pictures - begin.pictures) / passed).toFixed(1)} pictures a second, ` +
+      `${((end.time - begin.time) / passed).toFixed(2)} of real time, ${await browser.eval('lab.viewer.canvas.width')} x ${await browser.eval('lab.viewer.canvas.height')} pixels, ` +
+      `sharpness ${(await browser.eval('lab.pace.sharpness')).toFixed(2)}, core ${(1000 * await browser.eval('lab.pace.core')).toFixed(1)} ms a picture`);
+    must(end.pictures > begin.pictures && end.time > begin.time, 'nothing moves');
   },
 
   async access(browser) {

@@ -24,7 +24,7 @@ double time_left(const RunCount& count, double elapsed) {
   if (count.timed == 0 || count.done >= count.total) return std::nan("");
   const auto timed = static_cast<double>(count.timed), open = static_cast<double>(count.total - count.done);
   const double mean = count.seconds / timed;
-  return elapsed <= mean ? mean * open - elapsed : (count.seconds + elapsed) / (timed + 1) * (open - 1);
+  return std::max(mean * open - elapsed, mean * (open - 1));
 }
 
 std::string progress_text(const RunCount& count, double elapsed, const std::string& doing) {
@@ -32,7 +32,8 @@ std::string progress_text(const RunCount& count, double elapsed, const std::stri
   if (count.total > 1) {
     text += fmt::format("run {} of {}", count.done + 1, count.total);
     const double left = time_left(count, elapsed);
-    if (std::isfinite(left)) text += ", about " + readable_seconds(left) + " left";
+    const bool overdue = count.timed > 0 && elapsed * static_cast<double>(count.timed) > count.seconds;
+    if (left > 0) text += (overdue ? ", at least " : ", about ") + readable_seconds(left) + " left";
     text += ": ";
   }
   return text + doing;

@@ -15,8 +15,9 @@ struct RunCount {
   double seconds = 0;               ///< that these took
 };
 
-/// Time that is left [s], from the mean of the runs so far; one that takes longer than that counts with what it has
-/// taken. NaN before the first is finished. `elapsed` [s]: of the run under way.
+/// Time that is left [s], from the mean of the runs so far. It never rises: while one takes longer than that, it stays
+/// at what the others will take, and is said to be the least. NaN before the first is finished. `elapsed` [s]: of the
+/// run under way.
 double time_left(const RunCount& count, double elapsed);
 
 /// "  12 s  run 3 of 18, about 40.00 s left: cube, lattice"

@@ -21,6 +21,13 @@ function side_by_side(body, count) {
     membrane: body.membrane, size: body.size, offsets, molecules};
 }
 
+/** False where the processor draws, which browsers call a major performance caveat. */
+function drawn_by_graphics_card() {
+  const context = document.createElement('canvas').getContext('webgl2', {failIfMajorPerformanceCaveat: true});
+  context?.getExtension('WEBGL_lose_context')?.loseContext();
+  return !!context;
+}
+
 /** The viewer of a lab: what a hand does is drawn over the bodies. */
 class LabViewer extends Viewer {
   /** The point of the canvas [px] where a place [m] is seen. */
@@ -36,9 +43,9 @@ class LabViewer extends Viewer {
     return [p.x, p.y, p.z];
   }
 
-  draw_marks(canvas, scale) {
-    super.draw_marks(canvas, scale);
-    const paper = canvas.getContext('2d'), style = getComputedStyle(this.canvas), colour = name => style.getPropertyValue(name).trim();
+  draw_marks(canvas, scale, style) {
+    super.draw_marks(canvas, scale, style);
+    const paper = canvas.getContext('2d'), colour = name => style.getPropertyValue(name).trim();
     for (const {from, to, text} of this.lines ?? []) {
       const a = this.seen_at(from), b = this.seen_at(to);
       paper.strokeStyle = paper.fillStyle = colour('--accent');

@@ -304,7 +304,8 @@ class Lab {
     try {
       const text = await unpacked(part('three').textContent);
       document.head.append(Object.assign(document.createElement('script'), {textContent: text}));
-      this.viewer = part('canvas').viewer = new LabViewer(part('canvas'));
+      this.smooth = drawn_by_graphics_card();
+      this.viewer = part('canvas').viewer = new LabViewer(part('canvas'), this.smooth);
       new Hand(part('canvas'), this);
     } catch (problem) {
       complain(`The body is not drawn: ${problem.message}. The tension test, the curves and the numbers work without it.`);
@@ -352,12 +353,13 @@ class Lab {
     this.seen = true;
   }
 
-  /** Nothing moves and nothing was changed since the last picture, which then is drawn once more with all pixels. */
+  /** Nothing moves and nothing was changed since the last picture, which then is drawn once more with all pixels, or, where
+   *  edges are not smooth otherwise, with four of them for each. */
   is_still(colour) {
     const state = [colour, this.count_shown, this.playing, JSON.stringify([this.hand, this.probe, [...this.pins]])].join();
     const still = !this.playing && !this.single && this.seen && this.still === state;
     this.still = state;
-    if (this.viewer) this.viewer.sharpen(this.playing || !still ? this.pace.sharpness : 1);
+    if (this.viewer) this.viewer.sharpen(this.playing || !still ? this.pace.sharpness : this.smooth ? 1 : 2);
     return still;
   }
 

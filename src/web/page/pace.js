@@ -18,7 +18,7 @@ class Pace {
     this.interval += share * (Math.min(interval, 1) - this.interval);
     this.core += share * (Math.min(core, interval, 1) - this.core);
     this.quick = interval < 0.02 ? this.quick + 1 : 0;
-    if ((++this.count % 6 === 0 || interval > 0.2) && this.slow && this.sharpness > 0.4) {
+    if ((++this.count % 6 === 0 || interval > 0.2) && this.drawing > 0.0185 && this.sharpness > 0.4) {
       this.regretted ||= this.raised;
       this.sharpness = Math.max(0.4, 0.75 * this.sharpness);
       this.quick = 0;

@@ -87,7 +87,10 @@ TEST_CASE("the time left moves with the run under way", "[screen]") {
   CHECK(time_left(count, 0) == Approx(20));
   CHECK(time_left(count, 4) == Approx(16));
   CHECK(time_left(count, 10) == Approx(10));
-  CHECK(time_left(count, 25) == Approx(15));  // it takes longer than those before: so will the last
+  CHECK(time_left(count, 25) ==
+        Approx(10));  // it takes longer than those before, and the last at least as long as they
   CHECK(progress_text(count, 4, "cube, lattice") == "  4 s  run 3 of 4, about 16.00 s left: cube, lattice");
+  CHECK(progress_text(count, 25, "cube, lattice") == "  25 s  run 3 of 4, at least 10.00 s left: cube, lattice");
+  CHECK(progress_text({4, 3, 3, 30}, 12, "last") == "  12 s  run 4 of 4: last");  // nothing is known any more
   CHECK(progress_text({1, 0, 0, 0}, 4, "reading") == "  4 s  reading");
 }

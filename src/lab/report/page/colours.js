@@ -28,8 +28,10 @@ function legend_colours(map, count = 25) {
   return numbers.map((_, i) => `rgb(${[0, 1, 2].map(k => Math.round(255 * rgb[3 * i + k]))})`);
 }
 
-/** A quantity with three digits and the letter before its unit that keeps it short: 0.0123 m is 12.3 mm. */
+/** A quantity with three digits and the letter before its unit that keeps it short: 0.0123 m is 12.3 mm. A dash where there
+ *  is no number. */
 function with_prefix(value, unit, digits = 3) {
+  if (!Number.isFinite(value)) return '—';
   const short = v => digits ? v.toPrecision(digits) : String(+v.toPrecision(6));
   for (const [factor, letter] of [[1e9, 'G'], [1e6, 'M'], [1e3, 'k'], [1, ''], [1e-3, 'm'], [1e-6, 'µ'], [1e-9, 'n']])
     if (Math.abs(value) >= factor * (1 - 1e-9)) return `${short(value / factor)} ${letter}${unit}`;

@@ -25,8 +25,10 @@ function draw_axes(paper, directions, x, y, length, ink) {
   paper.fill();
 }
 
-/** A bar of a round length that ends at (right, y) [px] and is at most so long; metres [m] a pixel. */
+/** A bar of a round length that ends at (right, y) [px] and is at most so long; metres [m] a pixel. None
+ *  where a picture has no height. */
 function draw_scale_bar(paper, metres, right, y, most, ink) {
+  if (!(metres > 0 && metres < Infinity)) return;
   const length = round_down(most * metres), pixels = length / metres;
   paper.strokeStyle = paper.fillStyle = ink;
   paper.lineWidth = 1.5;

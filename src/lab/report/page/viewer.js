@@ -2,24 +2,39 @@
 // body.js, colours.js and marks.js; knows nothing of strategies, runs or the rest of the page.
 'use strict';
 
+/** Molecules in a row of the textures that hold their places and colours. */
+const texture_width = 1024;
+
 /** Both shaders of what is drawn once for each molecule or connection: a corner of a flat shape, turned to the eye. Distant
- *  parts fade into the ground. */
+ *  parts fade into the ground. Corners stay as they are from picture to picture, and read where their molecules are from
+ *  textures. They are no instances: those of four corners cost a graphics card a whole group of threads each, and one that
+ *  is imitated by the processor some 30 µs. */
 const shader_parts = {
+  read: `
+    precision highp sampler2D;
+    uniform sampler2D places, tints, rod_tints;
+    vec4 read(sampler2D numbers, float i) { int at = int(i); return texelFetch(numbers, ivec2(at % ${texture_width}, at / ${texture_width}), 0); }`,
   fade: `
     uniform float near_side, depth; uniform vec3 ground; varying float distance_to_eye;
     uniform vec4 cut; varying vec3 place;
-    void cut_away() { if (dot(cut.xyz, place) > cut.w) discard; }
+    // Where nothing is cut, no rod's point is discarded, so that hidden ones are left out before they are computed.
+    void cut_away() {
+    #ifdef CUT
+      if (dot(cut.xyz, place) > cut.w) discard;
+    #endif
+    }
     vec3 faded(vec3 colour) { return mix(colour, ground, .5 * clamp((distance_to_eye - near_side) / depth, 0., 1.)); }`,
   // The disc is larger than the sphere at its middle, for it is seen in perspective.
   sphere_vertex: `
-    attribute vec3 centre, colour; attribute float radius; varying vec3 place;
+    varying vec3 place;
     uniform float share, pixel;
     varying vec3 tint, middle, at; varying float size, distance_to_eye;
     void main() {
-      place = centre;
-      vec4 p = modelViewMatrix * vec4(centre, 1.);
-      tint = colour; middle = p.xyz; distance_to_eye = -p.z;
-      size = max(radius * share, 1.2 * pixel * -p.z);
+      vec4 molecule = read(places, position.z);
+      place = molecule.xyz;
+      vec4 p = modelViewMatrix * vec4(place, 1.);
+      tint = read(tints, position.z).rgb; middle = p.xyz; distance_to_eye = -p.z;
+      size = max(molecule.w * share, 1.2 * pixel * -p.z);
       at = middle + vec3(1.15 * size * position.xy, 0.);
       gl_Position = projectionMatrix * vec4(at, 1.);
     }`,
@@ -36,11 +51,13 @@ const shader_parts = {
       gl_FragColor = vec4(faded(tint * (.5 + .55 * max(0., dot(normal, normalize(vec3(-.4, .6, .8)))))), 1.);
     }`,
   rod_vertex: `
-    attribute vec3 from, to, from_colour, to_colour;
-    uniform float width, pixel, near; uniform vec2 canvas;
+    attribute vec2 ends;  // this corner's own end first
+    uniform float width, pixel, near; uniform vec2 canvas; uniform bool own_tints;
     varying vec3 tint, place; varying float across, distance_to_eye;
     void main() {
-      place = mix(from, to, position.x);
+      vec3 own = read(places, ends.x).xyz, other = read(places, ends.y).xyz;
+      vec3 from = position.x < .5 ? own : other, to = position.x < .5 ? other : own;
+      place = own;
       vec4 a = modelViewMatrix * vec4(from, 1.), b = modelViewMatrix * vec4(to, 1.);
       float front = -near;  // a rod that passes the eye ends before it
       if (a.z > front && b.z < front) a = mix(a, b, (a.z - front) / (a.z - b.z));
@@ -51,7 +68,7 @@ const shader_parts = {
       float half_width = max(width / (pixel * end.w), 1.);  // in pixels
       gl_Position = end;
       gl_Position.xy += side * position.y * 2. * half_width / canvas * end.w;
-      tint = mix(from_colour, to_colour, position.x);
+      tint = (own_tints ? read(rod_tints, position.z) : read(tints, ends.x)).rgb;
       across = position.y; distance_to_eye = end.w;
     }`,
   rod_fragment: `
@@ -62,15 +79,32 @@ const shader_parts = {
     }`,
 };
 
+/** Four corners (x, y, number) and two triangles for each of so many flat shapes, x from `least` to 1. */
+function corners_of(count, least) {
+  const geometry = new THREE.BufferGeometry(), corners = new Float32Array(12 * count), index = new Uint32Array(6 * count);
+  for (let i = 0; i < count; ++i) {
+    corners.set([least, -1, i, least, 1, i, 1, -1, i, 1, 1, i], 12 * i);
+    index.set([4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 2, 4 * i + 1, 4 * i + 3], 6 * i);
+  }
+  geometry.setIndex(new THREE.BufferAttribute(index, 1));
+  return geometry.setAttribute('position', new THREE.BufferAttribute(corners, 3));
+}
+
+/** Room for four numbers each. */
+function texture_of(count) {
+  const rows = Math.max(1, Math.ceil(count / texture_width));
+  return new THREE.DataTexture(new Float32Array(4 * texture_width * rows), texture_width, rows, THREE.RGBAFormat, THREE.FloatType);
+}
+
 class Viewer {
-  /** Throws where the browser has no WebGL 2. */
-  constructor(canvas) {
-    const context = canvas.getContext('webgl2', {antialias: true, alpha: true, premultipliedAlpha: false});
+  /** Edges are smooth if antialias is true, for three times the time where the processor draws. Throws where the browser has no WebGL 2. */
+  constructor(canvas, antialias = true) {
+    const context = canvas.getContext('webgl2', {antialias, alpha: true, premultipliedAlpha: false});
     if (!context) throw new Error('this browser has no WebGL 2, or it is switched off');
     this.canvas = canvas;
     this.marks = canvas.parentElement.appendChild(Object.assign(document.createElement('canvas'), {className: 'marks'}));
     this.marks.setAttribute('aria-hidden', 'true');
-    this.renderer = new THREE.WebGLRenderer({canvas, context, antialias: true, alpha: true, premultipliedAlpha: false});
+    this.renderer = new THREE.WebGLRenderer({canvas, context, antialias, alpha: true, premultipliedAlpha: false});
     this.renderer.setClearColor(0, 0);
     this.look = {connections: true, molecules: true, surface: false};
     this.direction = [-0.6, 0.35];  // from which bodies are seen first: about the z axis, and upwards [rad]
@@ -84,17 +118,18 @@ class Viewer {
     this.camera = new THREE.PerspectiveCamera(24, 1, 1, 10);
     this.camera.up.set(0, 0, 1);
     this.uniforms = {near_side: {value: 0}, depth: {value: 1}, ground: {value: new THREE.Color()}, share: {value: 1}, width: {value: 0},
-      pixel: {value: 0}, near: {value: 0}, canvas: {value: new THREE.Vector2()}, cut: {value: new THREE.Vector4(0, 0, 0, 1)}};
-    const material = (vertexShader, fragment) => new THREE.ShaderMaterial({uniforms: this.uniforms, vertexShader,
-      fragmentShader: shader_parts.fade + fragment, side: THREE.DoubleSide, extensions: {fragDepth: true}});
+      pixel: {value: 0}, near: {value: 0}, canvas: {value: new THREE.Vector2()}, cut: {value: new THREE.Vector4(0, 0, 0, 1)},
+      places: {value: null}, tints: {value: null}, rod_tints: {value: null}, own_tints: {value: false}};
+    const material = (vertex, fragment) => new THREE.ShaderMaterial({uniforms: this.uniforms, vertexShader: shader_parts.read + vertex,
+      fragmentShader: shader_parts.fade + fragment, defines: {}, side: THREE.DoubleSide, extensions: {fragDepth: true}});
     const paint = new THREE.MeshPhongMaterial({vertexColors: THREE.VertexColors, flatShading: true, side: THREE.DoubleSide, shininess: 0,
       polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1});
     this.renderer.localClippingEnabled = true;
     this.cut_plane = new THREE.Plane(new THREE.Vector3(), 1);
     paint.clippingPlanes = [this.cut_plane];
     this.parts = {
-      molecules: new THREE.Mesh(new THREE.InstancedBufferGeometry(), material(shader_parts.sphere_vertex, shader_parts.sphere_fragment)),
-      connections: new THREE.Mesh(new THREE.InstancedBufferGeometry(), material(shader_parts.rod_vertex, shader_parts.rod_fragment)),
+      molecules: new THREE.Mesh(new THREE.BufferGeometry(), material(shader_parts.sphere_vertex, shader_parts.sphere_fragment)),
+      connections: new THREE.Mesh(new THREE.BufferGeometry(), material(shader_parts.rod_vertex, shader_parts.rod_fragment)),
       surface: new THREE.Mesh(new THREE.BufferGeometry(), paint),
     };
     for (const part of Object.values(this.parts)) part.frustumCulled = false;
@@ -108,29 +143,37 @@ class Viewer {
   set_body(body) {
     this.body = body;
     this.stale = new Set();
-    const corners = (x, y) => new THREE.Float32BufferAttribute([x, -1, 0, x, 1, 0, y, -1, 0, y, 1, 0], 3);
-    const of_each = (count, sizes, least) => {
-      const geometry = new THREE.InstancedBufferGeometry();
-      geometry.setIndex([0, 1, 2, 2, 1, 3]);
-      geometry.setAttribute('position', corners(least, 1));
-      geometry.maxInstancedCount = count;
-      for (const [name, size] of Object.entries(sizes))
-        geometry.setAttribute(name, new THREE.InstancedBufferAttribute(new Float32Array(count * size), size).setUsage(THREE.DynamicDrawUsage));
-      return geometry;
-    };
-    const faces = new THREE.BufferGeometry(), connections = body.ends.length / 2;
+    const connections = body.ends.length / 2, faces = new THREE.BufferGeometry();
     for (const name of ['position', 'color'])
       faces.setAttribute(name, new THREE.BufferAttribute(new Float32Array(3 * body.surface.length), 3).setUsage(THREE.DynamicDrawUsage));
-    this.ends = [0, 1].map(end => body.ends.filter((_, i) => i % 2 === end));
+    const rods = corners_of(connections, 0), ends = new Float32Array(8 * connections);
+    for (let i = 0; i < connections; ++i) {
+      const [a, b] = [body.ends[2 * i], body.ends[2 * i + 1]];
+      ends.set([a, b, a, b, b, a, b, a], 8 * i);
+    }
+    rods.setAttribute('ends', new THREE.BufferAttribute(ends, 2));
     this.mean_radius = body.radius.reduce((sum, radius) => sum + radius, 0) / (body.radius.length || 1);
-    const geometries = {molecules: of_each(body.radius.length, {centre: 3, colour: 3, radius: 1}, -1),
-      connections: of_each(connections, {from: 3, to: 3, from_colour: 3, to_colour: 3}, 0), surface: faces};
-    for (const [name, geometry] of Object.entries(geometries)) {
+    for (const [name, geometry] of Object.entries({molecules: corners_of(body.radius.length, -1), connections: rods, surface: faces})) {
       this.parts[name].geometry.dispose();
       this.parts[name].geometry = geometry;
     }
     this.drawable = {molecules: body.radius.length, connections, surface: body.surface.length};
-    this.fill('molecules', 'radius', array => array.set(body.radius));
+    for (const [name, count] of [['places', body.radius.length], ['tints', body.radius.length], ['rod_tints', connections]]) {
+      this.uniforms[name].value?.dispose();
+      this.uniforms[name].value = texture_of(count);
+    }
+    body.radius.forEach((radius, molecule) => { this.uniforms.places.value.image.data[4 * molecule + 3] = radius; });
+  }
+
+  /** Three numbers for each, into the texture of this name. */
+  fill_texture(name, numbers) {
+    const texture = this.uniforms[name].value, {data} = texture.image;
+    for (let from = 0, to = 0; from < numbers.length; from += 3, to += 4) {
+      data[to] = numbers[from];
+      data[to + 1] = numbers[from + 1];
+      data[to + 2] = numbers[from + 2];
+    }
+    texture.needsUpdate = true;
   }
 
   fill(part, name, write) {
@@ -144,13 +187,14 @@ class Viewer {
   set_state(positions, colours) {
     this.positions = positions;
     this.colours = colours;
-    this.stale = new Set(Object.keys(this.parts));
+    this.stale = new Set(['places', 'tints', 'rod_tints', 'surface']);
     this.request();
   }
 
-  /** Gives a part the last state, when it is drawn: what is not seen costs nothing. */
-  fill_part(part) {
-    const {positions, colours, body: {surface}} = this;
+  /** Gives what is drawn the last state: what is not seen costs nothing. */
+  fill_parts() {
+    const {positions, colours, look, drawable, body: {surface}} = this, rods = look.connections && drawable.connections > 0;
+    const stale = (name, wanted) => wanted && this.stale.delete(name);
     const gather = (numbers, from) => array => {
       for (let i = 0, to = 0; i < numbers.length; ++i) {
         const at = 3 * numbers[i];
@@ -159,18 +203,13 @@ class Viewer {
         array[to++] = from[at + 2];
       }
     };
-    if (part === 'molecules') {
-      this.fill(part, 'centre', array => array.set(positions));
-      this.fill(part, 'colour', array => array.set(colours.molecules));
-    } else if (part === 'connections') {
-      for (const [end, name] of ['from', 'to'].entries()) {
-        this.fill(part, name, gather(this.ends[end], positions));
-        this.fill(part, name + '_colour', colours.connections ? array => array.set(colours.connections) : gather(this.ends[end], colours.molecules));
-      }
-    } else {
-      this.fill(part, 'position', gather(surface, positions));
-      this.fill(part, 'color', colours.faces ? gather(surface.map((_, i) => Math.floor(i / 3)), colours.faces) : gather(surface, colours.molecules));
-    }
+    this.uniforms.own_tints.value = !!colours.connections;
+    if (stale('places', look.molecules || rods)) this.fill_texture('places', positions);
+    if (stale('tints', look.molecules || rods && !colours.connections)) this.fill_texture('tints', colours.molecules);
+    if (stale('rod_tints', rods && colours.connections)) this.fill_texture('rod_tints', colours.connections);
+    if (!stale('surface', look.surface && drawable.surface > 0)) return;
+    this.fill('surface', 'position', gather(surface, positions));
+    this.fill('surface', 'color', colours.faces ? gather(surface.map((_, i) => Math.floor(i / 3)), colours.faces) : gather(surface, colours.molecules));
   }
 
   /** What is drawn: connections, molecules, surface, each true or false. */
@@ -193,6 +232,10 @@ class Viewer {
         for (let i = axis; i < positions.length; i += 3) [low, high] = [Math.min(low, positions[i]), Math.max(high, positions[i])];
       cut.setComponent(axis, side);
       cut.w = side * (low + share * (high - low));
+    }
+    for (const {material} of [this.parts.molecules, this.parts.connections]) {
+      material.needsUpdate ||= axis >= 0 !== 'CUT' in material.defines;
+      material.defines = axis >= 0 ? {CUT: ''} : {};
     }
     this.cut_plane.normal.set(-cut.x, -cut.y, -cut.z);
     this.cut_plane.constant = cut.w;
@@ -281,9 +324,9 @@ class Viewer {
   }
 
   draw() {
-    const {canvas, camera, renderer} = this, full = Math.min(devicePixelRatio || 1, 2), scale = full * this.sharpness;
+    const {canvas, camera, renderer} = this, full = Math.min(devicePixelRatio || 1, 2), scale = Math.min(full * this.sharpness, 2);
     if (!this.positions || !canvas.clientWidth || !canvas.clientHeight || this.released) return;
-    if (this.unseen || !Number.isFinite(camera.position.lengthSq())) this.look_from(...this.direction);
+    if (this.unseen || !Number.isFinite(camera.position.lengthSq() + this.controls.target.lengthSq())) this.look_from(...this.direction);
     if (this.unseen) return;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     if (canvas.width !== Math.floor(width * scale) || canvas.height !== Math.floor(height * scale)) {
@@ -295,27 +338,26 @@ class Viewer {
     camera.near = Math.max(distance - 1.2 * this.reach, 0.01 * this.reach);
     camera.far = distance + 1.2 * this.reach;
     camera.updateProjectionMatrix();
-    for (const [name, part] of Object.entries(this.parts)) {
-      part.visible = this.look[name] && this.drawable[name] > 0;
-      if (part.visible && this.stale.delete(name)) this.fill_part(name);
-    }
-    const ground = getComputedStyle(canvas).getPropertyValue('--paper').trim();
+    for (const [name, part] of Object.entries(this.parts)) part.visible = this.look[name] && this.drawable[name] > 0;
+    this.fill_parts();
+    const style = getComputedStyle(canvas), ground = style.getPropertyValue('--paper').trim();
     Object.entries({near_side: distance - this.reach, depth: 2 * this.reach, share: this.radius_share(), near: camera.near,
       width: 0.05 * this.mean_radius, pixel: 2 * Math.tan(camera.fov * Math.PI / 360) / (height * scale)})
       .forEach(([name, value]) => { this.uniforms[name].value = value; });
     this.uniforms.ground.value.set(ground || '#fff');
     this.uniforms.canvas.value.set(width * scale, height * scale);
     renderer.render(this.scene, camera);
-    this.draw_marks(this.marks, full);
+    this.draw_marks(this.marks, full, style);
   }
 
   /** Axes and scale bar on a canvas of the same size; the bar's length holds at the distance of the point one turns about. */
-  draw_marks(canvas, scale) {
+  draw_marks(canvas, scale, style) {
     const {camera} = this, [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
-    canvas.width = width * scale;
-    canvas.height = height * scale;
-    const paper = canvas.getContext('2d'), ink = getComputedStyle(this.canvas).getPropertyValue('--faint').trim() || '#666';
-    paper.scale(scale, scale);
+    const paper = canvas.getContext('2d'), ink = style.getPropertyValue('--faint').trim() || '#666';
+    if (canvas.width !== Math.floor(width * scale)) canvas.width = width * scale;
+    if (canvas.height !== Math.floor(height * scale)) canvas.height = height * scale;
+    paper.setTransform(scale, 0, 0, scale, 0, 0);
+    paper.clearRect(0, 0, width, height);
     const turn = camera.matrixWorldInverse.elements;
     draw_axes(paper, [0, 1, 2].map(axis => [turn[4 * axis], turn[4 * axis + 1], turn[4 * axis + 2]]), 44, height - 44, 26, ink);
     const metres = 2 * Math.tan(camera.fov * Math.PI / 360) * camera.position.distanceTo(this.controls.target) / height;
