@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -102,11 +103,27 @@ double seconds_of(const std::function<void()>& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::vector<Sample> interleaved(const std::vector<std::function<void()>>& contenders, int repeats) {
+namespace {
+
+double processor_seconds_of(const std::function<void()>& work) {
+  const auto now = [] {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  };
+  const double start = now();
+  work();
+  return now() - start;
+}
+
+}  // namespace
+
+std::vector<Sample> interleaved(const std::vector<std::function<void()>>& contenders, int repeats, bool by_processor) {
   for (const auto& contender : contenders) contender();
   std::vector<std::vector<double>> seconds(contenders.size());
   for (int repeat = 0; repeat < repeats; ++repeat)
-    for (std::size_t i = 0; i < contenders.size(); ++i) seconds[i].push_back(seconds_of(contenders[i]));
+    for (std::size_t i = 0; i < contenders.size(); ++i)
+      seconds[i].push_back(by_processor ? processor_seconds_of(contenders[i]) : seconds_of(contenders[i]));
   std::vector<Sample> samples;
   for (auto& times : seconds) samples.push_back(summary(std::move(times)));
   return samples;

@@ -77,7 +77,8 @@ Sample summary(std::vector<double> seconds);
 double seconds_of(const std::function<void()>& work);
 
 /// Runs all once unmeasured, then all in turn, `repeats` times: what disturbs the machine then disturbs all alike.
-std::vector<Sample> interleaved(const std::vector<std::function<void()>>& contenders, int repeats);
+std::vector<Sample> interleaved(const std::vector<std::function<void()>>& contenders, int repeats,
+                                bool by_processor = false);
 
 /// Runs work in a child process and returns what it returns; throws std::runtime_error if the child fails. Memory peaks
 /// only ever rise in a process, and OpenMP does not survive a fork, so nothing is measured in the parent.
