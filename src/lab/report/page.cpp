@@ -139,9 +139,11 @@ std::string head_html(const Scenery& scene) {
   for (const Reference& reference : first.references) out += chip("reference: " + reference_text(reference));
   out += "</ul>\n";
   const bool advised = !scene.study && scene.records.size() > 1 && can_rank(scene.records);
-  if (advised || !scene.ranking.no_reference.empty())
+  if (advised || !scene.ranking.no_reference.empty()) {
+    const std::string advice = advice_text(scene.ranking, false);  // between line breaks, which the page would show
     out += fmt::format("<p class=\"advice{}\">{}</p>\n", scene.ranking.best ? "" : " none",
-                       escaped(advice_text(scene.ranking, false)));
+                       escaped(advice.substr(1, advice.size() - 2)));
+  }
   return out;
 }
 
