@@ -227,17 +227,10 @@ std::string material_text(const Material& material) {
   return text;
 }
 
-/// All of it but muscle that changes in time.
 py::tuple material_state(const Material& material) {
-  if (material.active && material.active->activation)
-    throw py::type_error("a material whose muscle has an activation in time cannot be pickled");
-  if (material.field) throw py::type_error("a material that differs from place to place cannot be pickled");
-  py::object softening = py::none(), around = py::none(), active = py::none();
-  if (const auto& s = material.softening) softening = py::make_tuple(s->r, s->m, s->beta);
-  if (const auto& a = material.around) around = py::make_tuple(a->point, a->direction);
-  if (const auto& a = material.active) active = py::make_tuple(a->direction, a->stress, a->optimal_stretch);
-  const double retardation = material.relaxation ? material.relaxation->retardation : 0;
-  return py::make_tuple(packed(material), softening, around, active, retardation);
+  if (const std::string why = beyond_numbers(material); !why.empty())
+    throw py::type_error("this material cannot be pickled: " + why);
+  return py::make_tuple(packed(material));
 }
 
 Material material_of(const py::tuple& state) {
@@ -249,20 +242,6 @@ Material material_of(const py::tuple& state) {
     material.law->youngs_modulus = given.law->youngs_modulus;
     material.youngs_modulus = given.youngs_modulus, material.poissons_ratio = given.poissons_ratio;
   }
-  using Three = std::tuple<double, double, double>;
-  if (!state[1].is_none()) {
-    const auto [r, m, beta] = state[1].cast<Three>();
-    material.softening = Softening{r, m, beta};
-  }
-  if (!state[2].is_none()) {
-    const auto [point, direction] = state[2].cast<std::pair<Vector3, Vector3>>();
-    material.around = RoundAxis{point, direction};
-  }
-  if (!state[3].is_none()) {
-    const auto [direction, stress, stretch] = state[3].cast<std::tuple<Vector3, double, double>>();
-    material.active = ActiveFibre{direction, stress, stretch};
-  }
-  if (material.relaxation) material.relaxation->retardation = state[4].cast<double>();
   return material;
 }
 

@@ -151,6 +151,26 @@ void visit(Archive& archive, Relaxation& relaxation) {
   int instantaneous = relaxation.instantaneous;
   archive.whole(instantaneous);
   relaxation.instantaneous = instantaneous != 0;
+  visit(archive, relaxation.retardation);
+}
+
+template <class Archive>
+void visit(Archive& archive, Softening& softening) {
+  for (double* value : {&softening.r, &softening.m, &softening.beta}) visit(archive, *value);
+}
+
+template <class Archive>
+void visit(Archive& archive, RoundAxis& axis) {
+  visit(archive, axis.point);
+  visit(archive, axis.direction);
+}
+
+/// Without its function of time: see beyond_numbers.
+template <class Archive>
+void visit(Archive& archive, ActiveFibre& active) {
+  visit(archive, active.direction);
+  visit(archive, active.stress);
+  visit(archive, active.optimal_stretch);
 }
 
 /// Without its function: with_law gives that anew.
@@ -173,6 +193,16 @@ void visit(Archive& archive, Material& material) {
   visit(archive, material.fibre);
   visit(archive, material.law);
   visit(archive, material.relaxation);
+  visit(archive, material.softening);
+  visit(archive, material.around);
+  visit(archive, material.active);
+}
+
+/// Why the numbers of a material are not all of it; "" where they are.
+inline std::string beyond_numbers(const Material& material) {
+  if (material.field) return "the material differs from place to place by a function";
+  if (material.active && material.active->activation) return "the activation of the muscle is a function of time";
+  return "";
 }
 
 }  // namespace elastin

@@ -105,6 +105,11 @@ Parcel make_parcel(const Scene& scene, const Catalog& catalog) {
     throw InputError(scene.path + ": the body has " + std::to_string(specimen.body.connections.size()) +
                      " connections; a page takes at most " + std::to_string(kMostLiveConnections) +
                      ": make it coarser, with --set for example");
+  std::vector<Material> materials = specimen.materials;
+  materials.push_back(specimen.material);
+  for (const Material& material : materials)
+    if (const std::string why = beyond_numbers(material); !why.empty())
+      throw InputError(scene.path + ": " + why + ", which a page cannot take; `elastin run --out` shows the body");
   Parcel parcel;
   parcel.body = specimen.body;
   parcel.material = specimen.material;

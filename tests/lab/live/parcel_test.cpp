@@ -36,3 +36,20 @@ TEST_CASE("a page takes the load of a scene's experiment where it is the same wh
             .own_load.cols() == 0);
   CHECK(parcel_of("{kind: tension, axis: z, force: 1 mN}").own_load.cols() == 0);
 }
+
+TEST_CASE("a page takes no material that is a function, and says so", "[refusal]") {
+  const auto with = [](const std::string& material) {
+    const TemporaryFolder folder;
+    const std::string scene =
+        "body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 2], size: [2 cm, 2 cm, 2 cm]}}\n"
+        "material: " +
+        material +
+        "\nstiffness: neo_hookean\n"
+        "experiment: {kind: tension, axis: z, force: 1 mN}\n";
+    return make_parcel(*load_scene(folder.write("scene.yaml", scene), built_in_catalog()), built_in_catalog());
+  };
+  CHECK_THROWS_WITH(with("{youngs_modulus: 10 kPa, fields: {poissons_ratio: {expression: 0.2 + 0.1 * z / 2 cm}}}"),
+                    Catch::Contains("differs from place to place"));
+  const Material known = with("{youngs_modulus: 10 kPa, softening: {r: 2, m: 1 kPa, beta: 0.1}}").material;
+  REQUIRE(known.softening);
+}
