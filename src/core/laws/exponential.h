@@ -1,5 +1,5 @@
 #pragma once
-#include <bit>
+#include <Eigen/Core>
 #include <cstdint>
 
 namespace elastin {
@@ -21,7 +21,7 @@ inline double limited_expm1(double y) {
   const double odd =
       1. / 6 + s * (1. / 120 + s * (1. / 5040 + s * (1. / 362880 + s * (1. / 39916800 + s * (1. / 6227020800.)))));
   const double own = r + s * (even + r * odd);
-  const double scale = std::bit_cast<double>((std::bit_cast<std::uint64_t>(shifted) + 1023) << 52);
+  const double scale = Eigen::numext::bit_cast<double>((Eigen::numext::bit_cast<std::uint64_t>(shifted) + 1023) << 52);
   return scale * own + (scale - 1);
 }
 
