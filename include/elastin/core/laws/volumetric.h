@@ -180,6 +180,16 @@ struct Dilatation {
   }
 };
 
+/// A = C − I with what most laws take of it, made once for all that look at it; a law that needs A alone takes that.
+struct Strained {
+  const Matrix3& A;  ///< no longer than what it was made of
+  Dilatation volume;
+  double log;  ///< ln det C
+
+  Strained(const Matrix3& strain) : A(strain), volume(strain), log(volume.log()) {}  // NOLINT: what laws are given
+  operator const Matrix3&() const { return A; }
+};
+
 /// A law at work whose energy has two terms, W = W_shape(C) + U(J): the second may be taken on a mean volume of the
 /// cell, against locking near ν = ½. Together they are a PointLaw<3>.
 template <class Point>
@@ -187,27 +197,18 @@ struct SplitPoint {
   Point shape;
   Volumetric volume;
 
-  /// S = S_shape + J U′ C⁻¹. A shape that goes by the dilatation too is handed it
-  /// with ln det C: stress(A, now, log), tangent(A, now, log).
+  /// S = S_shape + J U′ C⁻¹.
   Matrix3 stress(const Matrix3& A) const {
-    const Dilatation now(A);
-    const double log = now.log(), p = volume.kirchhoff(now.excess, log);
-    if constexpr (requires { shape.stress(A, now, log); })
-      return shape.stress(A, now, log) + p * now.inverse;
-    else
-      return shape.stress(A) + p * now.inverse;
+    const Strained now(A);
+    return shape.stress(now) + volume.kirchhoff(now.volume.excess, now.log) * now.volume.inverse;
   }
 
   /// ∂S/∂C with p = J U′ and J p′ = J (U′ + J U″): ½ J p′ G_ij G_kl − ½ p (G_ik G_jl + G_il G_jk) is added.
   Eigen::Matrix<double, 6, 6> tangent(const Matrix3& A) const {
-    const Dilatation now(A);
-    const double log = now.log(), p = volume.kirchhoff(now.excess, log);
-    Eigen::Matrix<double, 6, 6> result;
-    if constexpr (requires { shape.tangent(A, now, log); })
-      result = shape.tangent(A, now, log);
-    else
-      result = shape.tangent(A);
-    add_symmetric_squares(now.inverse, volume.kirchhoff_slope(now.excess) / 2, -p, result);
+    const Strained now(A);
+    const double p = volume.kirchhoff(now.volume.excess, now.log);
+    Eigen::Matrix<double, 6, 6> result = shape.tangent(now);
+    add_symmetric_squares(now.volume.inverse, volume.kirchhoff_slope(now.volume.excess) / 2, -p, result);
     return result;
   }
 

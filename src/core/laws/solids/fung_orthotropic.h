@@ -22,43 +22,33 @@ struct FungOrthotropic : NearlyIncompressible<FungOrthotropic> {
     static constexpr double kMostPower = 500;
 
     /// S = D^(−1/3) (S̃ − ⅓ (S̃:C) C⁻¹), S̃ = e^Q ℂ Ẽ.
-    Matrix3 stress(const Matrix3& A, const Dilatation& volume, double log) const {
-      const Present now(*this, A, volume, log);
+    Matrix3 stress(const Strained& point) const {
+      const Present now(*this, point);
       return tensor(now.S);
     }
 
     /// r² P T Pᵀ − ⅓ (S ⊗ G + G ⊗ S) + r/3 (S̃:C)(G ⊙ G − G ⊗ G/3), r = D^(−1/3), G = C⁻¹, P = 1 − ⅓ G ⊗ C and
     /// T = ∂S̃/∂C̃.
-    TangentModuli<3> tangent(const Matrix3& A, const Dilatation& volume, double log) const {
-      const Present now(*this, A, volume, log);
+    TangentModuli<3> tangent(const Strained& point) const {
+      const Present now(*this, point);
       TangentModuli<3> T = now.growth / 2 * (stiffness + 2 / c * now.linear * now.linear.transpose());
       const Components TC = T * now.C;
       const Components& G = now.G;
       T += now.C.dot(TC) / 9 * G * G.transpose() - both_ways(TC, G) / 3;
       TangentModuli<3> result = now.root * now.root * T - both_ways(now.S, G) / 3;
-      add_symmetric_squares(volume.inverse, -now.root / 9 * now.S_C, now.root / 3 * now.S_C, result);
+      add_symmetric_squares(point.volume.inverse, -now.root / 9 * now.S_C, now.root / 3 * now.S_C, result);
       return result;
     }
 
-    Matrix3 stress(const Matrix3& A) const {
-      const Dilatation volume(A);
-      return stress(A, volume, volume.log());
-    }
-    TangentModuli<3> tangent(const Matrix3& A) const {
-      const Dilatation volume(A);
-      return tangent(A, volume, volume.log());
-    }
-    double energy(const Matrix3& A) const {
-      const Dilatation volume(A);
-      return c / 2 * std::expm1(Present(*this, A, volume, volume.log()).power);
-    }
+    double energy(const Strained& point) const { return c / 2 * std::expm1(Present(*this, point).power); }
 
    private:
     struct Present {
       double root, power, growth, S_C;  ///< r, Q, e^Q, S̃:C
       Components G, C, linear, S;       ///< C with its off-diagonal components twice; ℂ Ẽ
 
-      Present(const Shape& law, const Matrix3& A, const Dilatation& volume, double log) {
+      Present(const Shape& law, const Strained& point) {
+        const auto& [A, volume, log] = point;
         root = std::exp(-log / 3);
         const double shrink = -volume.excess / ((1 + volume.excess) * (1 + root + root * root));  // r − 1
         const double half = root / 2, even = shrink / 2;

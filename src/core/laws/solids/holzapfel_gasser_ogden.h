@@ -20,23 +20,23 @@ struct HolzapfelGasserOgden : NearlyIncompressible<HolzapfelGasserOgden> {
     double c, k1, k2, kappa;
     std::array<Components, 2> families;  ///< a aᵀ
 
-    Matrix3 stress(const Matrix3& A, const Dilatation& volume, double log) const {
-      const Isochoric now(A, volume, log);
+    Matrix3 stress(const Strained& point) const {
+      const Isochoric now(point);
       const Components first = now.first_slope();
       Components S = c / 2 * first;
       for (const Components& aa : families)
-        if (const Family f(*this, now, aa, A); f.strain > 0)
+        if (const Family f(*this, now, aa, point); f.strain > 0)
           S += k1 * f.strain * growth(f.strain) * (kappa * first + (1 - 3 * kappa) * now.along_slope(aa, f.change));
       return 2 * tensor(S);
     }
 
-    TangentModuli<3> tangent(const Matrix3& A, const Dilatation& volume, double log) const {
-      const Isochoric now(A, volume, log);
+    TangentModuli<3> tangent(const Strained& point) const {
+      const Isochoric now(point);
       const Components first = now.first_slope();
       TangentModuli<3> result = TangentModuli<3>::Zero();
       double even = c / 2;
       for (const Components& aa : families)
-        if (const Family f(*this, now, aa, A); f.strain > 0) {
+        if (const Family f(*this, now, aa, point); f.strain > 0) {
           const double E = f.strain, e = growth(E), g = k1 * E * e;
           const Components slope = kappa * first + (1 - 3 * kappa) * now.along_slope(aa, f.change);
           result += 2 * k1 * (1 + 2 * k2 * E * E) * e * slope * slope.transpose();
@@ -47,20 +47,11 @@ struct HolzapfelGasserOgden : NearlyIncompressible<HolzapfelGasserOgden> {
       return result;
     }
 
-    Matrix3 stress(const Matrix3& A) const {
-      const Dilatation volume(A);
-      return stress(A, volume, volume.log());
-    }
-    TangentModuli<3> tangent(const Matrix3& A) const {
-      const Dilatation volume(A);
-      return tangent(A, volume, volume.log());
-    }
-    double energy(const Matrix3& A) const {
-      const Dilatation volume(A);
-      const Isochoric now(A, volume, volume.log());
+    double energy(const Strained& point) const {
+      const Isochoric now(point);
       double sum = c / 2 * now.first();
       for (const Components& aa : families)
-        if (const Family f(*this, now, aa, A); f.strain > 0) sum += k1 / (2 * k2) * std::expm1(power(f.strain));
+        if (const Family f(*this, now, aa, point); f.strain > 0) sum += k1 / (2 * k2) * std::expm1(power(f.strain));
       return sum;
     }
 

@@ -12,13 +12,12 @@ namespace elastin {
 /// Each in a form that does not cancel near rest. Finite for any A, as Dilatation is.
 class Isochoric {
  public:
-  /// @param volume of A; both must outlive this
-  /// @param log ln det C, det C as `volume` has it
-  Isochoric(const Matrix3& A, const Dilatation& volume, double log) : strain_(A), volume_(volume) {
-    trace_ = A.trace();
-    deviator_ = A;
+  /// @param point must outlive this
+  explicit Isochoric(const Strained& point) : strain_(point.A), volume_(point.volume) {
+    trace_ = point.A.trace();
+    deviator_ = point.A;
     deviator_.diagonal().array() -= trace_ / 3;
-    root_ = std::exp(-log / 3);
+    root_ = std::exp(-point.log / 3);
   }
 
   struct Invariants {
@@ -112,14 +111,14 @@ template <InvariantDensity Density>
 struct IsotropicShape {
   Density density;
 
-  Matrix3 stress(const Matrix3& A, const Dilatation& volume, double log) const {
-    const Isochoric now(A, volume, log);
+  Matrix3 stress(const Strained& point) const {
+    const Isochoric now(point);
     const Jet w = at(now);
     return 2 * tensor(now.slope(w.x, w.y));
   }
 
-  TangentModuli<3> tangent(const Matrix3& A, const Dilatation& volume, double log) const {
-    const Isochoric now(A, volume, log);
+  TangentModuli<3> tangent(const Strained& point) const {
+    const Isochoric now(point);
     const Jet w = at(now);
     TangentModuli<3> result = TangentModuli<3>::Zero();
     now.add_first_curvature(2 * w.x, result);
@@ -134,18 +133,7 @@ struct IsotropicShape {
     return result;
   }
 
-  Matrix3 stress(const Matrix3& A) const {
-    const Dilatation volume(A);
-    return stress(A, volume, volume.log());
-  }
-  TangentModuli<3> tangent(const Matrix3& A) const {
-    const Dilatation volume(A);
-    return tangent(A, volume, volume.log());
-  }
-  double energy(const Matrix3& A) const {
-    const Dilatation volume(A);
-    return at(Isochoric(A, volume, volume.log())).value;
-  }
+  double energy(const Strained& point) const { return at(Isochoric(point)).value; }
 
  private:
   Jet at(const Isochoric& now) const {

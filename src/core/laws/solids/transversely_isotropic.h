@@ -67,17 +67,17 @@ struct TransverselyIsotropic : NearlyIncompressible<TransverselyIsotropic> {
     Vector3 direction;
     Fibres fibres;
 
-    Matrix3 stress(const Matrix3& A, const Dilatation& volume, double log) const {
-      const Isochoric now(A, volume, log);
-      const Fibre fibre(*this, now, A);
+    Matrix3 stress(const Strained& point) const {
+      const Isochoric now(point);
+      const Fibre fibre(*this, now, point);
       Components S = now.slope(c1, c2);
       if (fibre.extension > 0) S += fibre.by_I4() * now.along_slope(fibre.along, fibre.change);
       return 2 * tensor(S);
     }
 
-    TangentModuli<3> tangent(const Matrix3& A, const Dilatation& volume, double log) const {
-      const Isochoric now(A, volume, log);
-      const Fibre fibre(*this, now, A);
+    TangentModuli<3> tangent(const Strained& point) const {
+      const Isochoric now(point);
+      const Fibre fibre(*this, now, point);
       TangentModuli<3> result = TangentModuli<3>::Zero();
       now.add_first_curvature(2 * c1, result);
       if (c2 != 0) now.add_second_curvature(2 * c2, result);
@@ -88,19 +88,10 @@ struct TransverselyIsotropic : NearlyIncompressible<TransverselyIsotropic> {
       return result;
     }
 
-    Matrix3 stress(const Matrix3& A) const {
-      const Dilatation volume(A);
-      return stress(A, volume, volume.log());
-    }
-    TangentModuli<3> tangent(const Matrix3& A) const {
-      const Dilatation volume(A);
-      return tangent(A, volume, volume.log());
-    }
-    double energy(const Matrix3& A) const {
-      const Dilatation volume(A);
-      const Isochoric now(A, volume, volume.log());
+    double energy(const Strained& point) const {
+      const Isochoric now(point);
       const auto [first, second] = now.invariants();
-      return c1 * first + c2 * second + fibres.energy(Fibre(*this, now, A).extension);
+      return c1 * first + c2 * second + fibres.energy(Fibre(*this, now, point).extension);
     }
 
    private:
