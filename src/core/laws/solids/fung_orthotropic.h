@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/laws/exponential.h"
 #include "core/laws/solids/isochoric.h"
 #include "elastin/core/base/dense.h"
 #include "elastin/core/laws/material_law.h"
@@ -19,7 +20,6 @@ struct FungOrthotropic : NearlyIncompressible<FungOrthotropic> {
   struct Shape {
     double c;                    ///< [Pa]
     TangentModuli<3> stiffness;  ///< ℂ [Pa], of strain components whose off-diagonal ones stand twice
-    static constexpr double kMostPower = 500;
 
     /// S = D^(−1/3) (S̃ − ⅓ (S̃:C) C⁻¹), S̃ = e^Q ℂ Ẽ.
     Matrix3 stress(const Strained& point) const {
@@ -48,8 +48,8 @@ struct FungOrthotropic : NearlyIncompressible<FungOrthotropic> {
       Components G, C, linear, S;       ///< C with its off-diagonal components twice; ℂ Ẽ
 
       Present(const Shape& law, const Strained& point) {
-        const auto& [A, volume, log] = point;
-        root = std::exp(-log / 3);
+        const auto& [A, volume, cube_root] = point;
+        root = cube_root;
         const double shrink = -volume.excess / ((1 + volume.excess) * (1 + root + root * root));  // r − 1
         const double half = root / 2, even = shrink / 2;
         const double strain[6] = {half * A(0, 0) + even, half * A(1, 1) + even, half * A(2, 2) + even,
@@ -59,7 +59,7 @@ struct FungOrthotropic : NearlyIncompressible<FungOrthotropic> {
         double energy = 0;
         for (int i = 0; i < 6; ++i) energy += strain[i] * linear[i];
         power = std::min(energy / law.c, kMostPower);
-        growth = std::exp(power);
+        growth = 1 + limited_expm1(power);
         G = components(volume.inverse);
         C << 1 + A(0, 0), 1 + A(1, 1), 1 + A(2, 2), 2 * A(0, 1), 2 * A(0, 2), 2 * A(1, 2);
         S_C = growth * (linear[0] + linear[1] + linear[2] + double_product(linear, A));

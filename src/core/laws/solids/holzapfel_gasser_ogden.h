@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/laws/exponential.h"
 #include "core/laws/solids/isochoric.h"
 #include "elastin/core/laws/material_law.h"
 
@@ -62,8 +63,8 @@ struct HolzapfelGasserOgden : NearlyIncompressible<HolzapfelGasserOgden> {
       Family(const Shape& law, const Isochoric& now, const Components& aa, const Matrix3& A)
           : change(double_product(aa, A)), strain(law.kappa * now.first() + (1 - 3 * law.kappa) * now.along(change)) {}
     };
-    double power(double E) const { return std::min(k2 * E * E, 500.); }
-    double growth(double E) const { return std::exp(power(E)); }
+    double power(double E) const { return std::min(k2 * E * E, kMostPower); }
+    double growth(double E) const { return 1 + limited_expm1(power(E)); }
   };
 
   static MaterialLaw constants() {

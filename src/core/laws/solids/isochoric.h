@@ -17,7 +17,7 @@ class Isochoric {
     trace_ = point.A.trace();
     deviator_ = point.A;
     deviator_.diagonal().array() -= trace_ / 3;
-    root_ = std::exp(-point.log / 3);
+    root_ = point.root;
   }
 
   struct Invariants {

@@ -67,8 +67,6 @@ struct Ogden : NearlyIncompressible<Ogden> {
     }
 
    private:
-    static constexpr double kMostPower = 400;  ///< of e, as limited_expm1 has it
-
     /// e^y − 1 − y, which cancels near 0.
     static double above_line(double y) {
       y = std::clamp(y, -kMostPower, kMostPower);

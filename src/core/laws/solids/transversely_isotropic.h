@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/laws/exponential.h"
 #include "core/laws/solids/isochoric.h"
 #include "elastin/core/laws/material_law.h"
 
@@ -26,11 +27,11 @@ struct TransverselyIsotropic : NearlyIncompressible<TransverselyIsotropic> {
     /// λ̃ F′, its slope by λ̃, and F, of u = λ̃ − 1.
     double tension(double u) const {
       if (u <= 0) return 0;
-      return u <= straight - 1 ? c3 * std::expm1(c4 * u) : c5 * (u + 1 - straight) + toe_end();
+      return u <= straight - 1 ? c3 * limited_expm1(c4 * u) : c5 * (u + 1 - straight) + toe_end();
     }
     double slope(double u) const {
       if (u <= 0) return 0;
-      return u <= straight - 1 ? c3 * c4 * std::exp(c4 * u) : c5;
+      return u <= straight - 1 ? c3 * c4 * (1 + limited_expm1(c4 * u)) : c5;
     }
     double energy(double u) const {
       if (u <= 0) return 0;
@@ -40,7 +41,7 @@ struct TransverselyIsotropic : NearlyIncompressible<TransverselyIsotropic> {
     }
 
    private:
-    double toe_end() const { return c3 * std::expm1(c4 * (straight - 1)); }
+    double toe_end() const { return c3 * limited_expm1(c4 * (straight - 1)); }
 
     /// ∫₀ᵘ (e^(c₄ v) − 1)/(1 + v) dv by Gauss's rule of 8 points, in ranges of at most ½ over which the power grows by
     /// at most 2: its error is below 1e-15 of the integral. The closed form, of exponential integrals, cancels near 0.

@@ -63,16 +63,19 @@ TEST_CASE("a function of a tensor without its axes is that with them", "[laws]")
   }
 }
 
-TEST_CASE("e^y − 1 without a call", "[laws]") {
-  for (double y = 1e-12; y < 390; y *= 1.07)
+TEST_CASE("e^y − 1, ln(1 + x) and x^(−1/3) without a call", "[laws]") {
+  for (double y = 1e-12; y < kMostPower; y *= 1.07)
     for (const double signed_y : {y, -y})
       CHECK(std::abs(limited_expm1(signed_y) - std::expm1(signed_y)) <= 5e-16 * std::abs(std::expm1(signed_y)));
   CHECK(limited_expm1(0) == 0);
-  CHECK(limited_expm1(1e9) == limited_expm1(400));
+  CHECK(limited_expm1(1e9) == limited_expm1(kMostPower));
+  CHECK(std::isfinite(std::pow(1 + limited_expm1(1e9), 2)));
   CHECK(limited_expm1(-1e9) == -1);
   for (double x = 1e-14; x < 1e6; x *= 1.3) {
     CHECK(short_log1p(x) == Approx(std::log1p(x)).epsilon(1e-15));
     if (x < 1) CHECK(short_log1p(-x) == Approx(std::log1p(-x)).epsilon(1e-15));
+    CHECK(inverse_cube_root(x) == Approx(1 / std::cbrt(x)).epsilon(1e-15));
+    CHECK(inverse_cube_root(1 + x) == Approx(1 / std::cbrt(1 + x)).epsilon(1e-15));
   }
 }
 
