@@ -7,10 +7,12 @@
 #include <cstdio>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/geometry/numbering.h"
 #include "mesh/mesh_formats.h"
 
 namespace elastin::mesh {
@@ -45,6 +47,62 @@ template <std::size_t corners>
 void renumber(const std::vector<int>& new_number, std::vector<std::array<int, corners>>& cells) {
   for (auto& cell : cells)
     for (int& corner : cell) corner = new_number[static_cast<std::size_t>(corner)];
+}
+
+/// Calls `visit` with the corners of each cell, numbers of points.
+template <class Visit>
+void for_each_cell(const Mesh& mesh, const Visit& visit) {
+  for (const auto& cell : mesh.tetrahedra) visit(std::span<const int>(cell));
+  for (const auto& cell : mesh.triangles) visit(std::span<const int>(cell));
+  for (const CellBlock& block : mesh.blocks)
+    for (int cell = 0; cell < block.size(); ++cell) visit(block.cell(cell));
+}
+
+/// How far apart the numbers of a cell's molecules are, on average.
+double mean_span(const Mesh& mesh, const std::vector<int>& number) {
+  double sum = 0, cells = 0;
+  for_each_cell(mesh, [&](std::span<const int> cell) {
+    int least = std::numeric_limits<int>::max(), most = 0;
+    for (const int corner : cell) {
+      least = std::min(least, number[static_cast<std::size_t>(corner)]);
+      most = std::max(most, number[static_cast<std::size_t>(corner)]);
+    }
+    sum += most - least, ++cells;
+  });
+  return sum / cells;
+}
+
+/// Numbers the molecules, and puts the cells, in the order of a curve that fills space, if the file's order is much
+/// worse for the memory. @param number of each point, −1 of those that no cell has
+void number_in_space(const std::vector<Vector3>& points, Mesh& mesh, std::vector<int>& number, int used) {
+  constexpr double much = 3;
+  constexpr int fits_caches = 10000;
+  if (used < fits_caches) return;
+  Positions positions(3, used);
+  for (std::size_t point = 0; point < points.size(); ++point)
+    if (number[point] >= 0) positions.col(number[point]) = points[point];
+  const std::vector<int> order = order_in_space(positions);
+  std::vector<int> rank(order.size()), along = number;
+  for (std::size_t i = 0; i < order.size(); ++i) rank[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
+  for (int& own : along)
+    if (own >= 0) own = rank[static_cast<std::size_t>(own)];
+  if (!(mean_span(mesh, number) > much * mean_span(mesh, along))) return;
+  number = std::move(along);
+  const auto lowest = [&](const auto& cell) {
+    int least = std::numeric_limits<int>::max();
+    for (const int corner : cell) least = std::min(least, number[static_cast<std::size_t>(corner)]);
+    return least;
+  };
+  const auto by_lowest = [&](const auto& a, const auto& b) { return lowest(a) < lowest(b); };
+  std::stable_sort(mesh.tetrahedra.begin(), mesh.tetrahedra.end(), by_lowest);
+  std::stable_sort(mesh.triangles.begin(), mesh.triangles.end(), by_lowest);
+  for (CellBlock& block : mesh.blocks) {
+    std::vector<int> cells(static_cast<std::size_t>(block.size())), nodes;
+    std::iota(cells.begin(), cells.end(), 0);
+    std::stable_sort(cells.begin(), cells.end(), [&](int a, int b) { return by_lowest(block.cell(a), block.cell(b)); });
+    for (const int cell : cells) nodes.insert(nodes.end(), block.cell(cell).begin(), block.cell(cell).end());
+    block.nodes = std::move(nodes);
+  }
 }
 
 template <std::size_t corners>
@@ -243,6 +301,7 @@ Mesh MeshBuilder::finish(const std::string& path) const {
   int used = 0;
   for (int& molecule : new_number)
     if (molecule == 0) molecule = used++;
+  number_in_space(points_, mesh, new_number, used);
   renumber(new_number, mesh.tetrahedra);
   renumber(new_number, mesh.triangles);
   for (CellBlock& block : mesh.blocks)

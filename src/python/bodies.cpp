@@ -9,6 +9,7 @@
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/prony.h"
+#include "elastin/core/geometry/numbering.h"
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/lab/study/laboratory.h"
 #include "python/bind.h"
@@ -331,6 +332,17 @@ void add_bodies(py::module_& module) {
       .def(py::pickle([](const Body& body) { return packed(body); },
                       [](const py::bytes& state) { return unpacked<Body>(state, "Body"); }))
       .def("__repr__", &body_text);
+  module.def(
+      "order_in_space",
+      [](const py::object& positions) {
+        const Positions points = positions_from(positions, "positions");
+        if (!points.allFinite()) throw InputError("positions: has numbers that are not finite");
+        const std::vector<int> order = order_in_space(points);
+        return py::array_t<int>(static_cast<py::ssize_t>(order.size()), order.data());
+      },
+      py::arg("positions"),
+      "The order in which points (n, 3) lie along a curve that fills space, (n,): a large body whose molecules are "
+      "numbered like this, positions[order], is passed over several times as fast as one numbered at random.");
   module.def("_cell_kinds", [] {
     py::dict numbers;
     for (const CellKind& kind : cell_kinds()) numbers[py::str(std::string(kind.name))] = kind.vtk;

@@ -7,9 +7,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 #include <random>
+#include <sstream>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/shapes/shapes.h"
 #include "mesh/mesh_formats.h"
 #include "support/temporary_folder.h"
 
@@ -577,4 +580,51 @@ TEST_CASE("a file with random damage fails with a place, or gives a sound mesh",
   }
   CHECK(loaded > 100);  // else the damage is too coarse to reach the readers' insides
   CHECK(refused > 1000);
+}
+
+TEST_CASE("a large mesh that is numbered at random is numbered in space, any other as its file is", "[mesh_file]") {
+  constexpr int side = 22;
+  const Body block = tetrahedral_block(BlockKind::kuhn, {side, side, side}, Vector3::Ones());
+  const auto text_of = [&](const std::vector<int>& number) {
+    std::vector<int> at(number.size());
+    for (std::size_t m = 0; m < number.size(); ++m) at[static_cast<std::size_t>(number[m])] = static_cast<int>(m);
+    std::ostringstream text;
+    text.precision(17);
+    text << "*NODE\n";
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      const Vector3 point = block.rest.col(at[i]);
+      text << i + 1 << ", " << point[0] << ", " << point[1] << ", " << point[2] << "\n";
+    }
+    text << "*ELEMENT, TYPE=C3D4\n";
+    int label = 0;
+    for (const auto& cell : block.tetrahedra) {
+      text << ++label;
+      for (const int corner : cell) text << ", " << number[static_cast<std::size_t>(corner)] + 1;
+      text << "\n";
+    }
+    text << "*NSET, NSET=bottom\n";
+    for (int m = 0; m < block.size(); ++m)
+      if (block.rest(2, m) == 0) text << number[static_cast<std::size_t>(m)] + 1 << "\n";
+    return text.str();
+  };
+  std::vector<int> number(static_cast<std::size_t>(block.size()));
+  std::iota(number.begin(), number.end(), 0);
+  const Mesh ordered = format::read_mesh({"a.inp", text_of(number)});
+  CHECK(ordered.points == block.rest);
+  CHECK(ordered.tetrahedra == block.tetrahedra);
+
+  std::shuffle(number.begin(), number.end(), std::mt19937(11));
+  const Mesh mesh = format::read_mesh({"a.inp", text_of(number)});
+  REQUIRE(mesh.tetrahedra.size() == block.tetrahedra.size());
+  double volume = 0, span = 0;
+  for (const auto& cell : mesh.tetrahedra) {
+    const double own = signed_volume(mesh.points, cell);
+    CHECK(own == Approx(std::pow(side, -3) / 6).epsilon(1e-9));
+    volume += own;
+    span += *std::max_element(cell.begin(), cell.end()) - *std::min_element(cell.begin(), cell.end());
+  }
+  CHECK(volume == Approx(1).epsilon(1e-9));
+  CHECK(span / static_cast<double>(mesh.tetrahedra.size()) < 0.1 * block.size());  // at random 3/5 of them
+  REQUIRE(mesh.sets.at("bottom").size() == (side + 1) * (side + 1));
+  for (const int molecule : mesh.sets.at("bottom")) CHECK(mesh.points(2, molecule) == 0);
 }

@@ -21,6 +21,16 @@ class Bodies(unittest.TestCase):
         self.assertEqual(body.masses.tolist(), [1, 2, 3, 4])
         self.assertEqual(body.rest_lengths.tolist(), [1e-2, numpy.hypot(1e-2, 1e-2), 1e-2, 1e-2])
 
+    def test_numbered_along_a_curve(self):
+        grid = numpy.stack(numpy.meshgrid(*3 * [numpy.arange(8.)], indexing="ij"), -1).reshape(-1, 3)
+        points = grid[numpy.random.default_rng(3).permutation(len(grid))]
+        order = elastin.order_in_space(points)
+        self.assertEqual(sorted(order), list(range(len(grid))))
+        steps = numpy.linalg.norm(numpy.diff(points[order], axis=0), axis=1)
+        self.assertLess(steps.mean(), 2)  # at random about 5
+        with self.assertRaisesRegex(elastin.InputError, "positions: has numbers that are not finite"):
+            elastin.order_in_space([[0, 0, numpy.nan]])
+
     def test_cells_give_connections_and_masses(self):
         body = elastin.Body(CORNERS, tetrahedra=[[0, 2, 1, 3]])  # turned over: it comes out right
         self.assertEqual(len(body.connections), 6)

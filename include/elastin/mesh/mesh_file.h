@@ -30,6 +30,9 @@ struct Mesh {
 /// lines ignored. Throws InputError with file:line:column and what was expected: missing file, unknown ending or
 /// version, a truncated section, an index that names no point, a coordinate that is not finite, no triangle and no
 /// tetrahedron, a flat cell.
+///
+/// Points and cells keep the file's order, unless there are 10 000 points or more and the numbers in a cell are several
+/// times as far apart as by order_in_space: then they get that order, for passes over them would wait for the memory.
 Mesh load_mesh(const std::string& path);
 
 /// Numbers that a mesh file has for its cells.

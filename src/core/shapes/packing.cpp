@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/base/random.h"
+#include "elastin/core/geometry/numbering.h"
 #include "elastin/core/shapes/shapes.h"
 
 namespace elastin {
@@ -80,7 +81,7 @@ Body random_packing(const Vector3& size, double distance, double reach, std::uin
     }
   }
   std::vector<Vector3> rest;
-  for (int molecule = 0; molecule < positions.cols(); ++molecule) rest.push_back(positions.col(molecule));
+  for (const int molecule : order_in_space(positions)) rest.push_back(positions.col(molecule));
   Body body = listed_body(rest, {});
   body.connections = connections_within(body.rest, reach);
   return body;

@@ -28,7 +28,8 @@ Body face_centred_lattice(const std::array<int, 3>& cells, double spacing, bool 
 /// Random close packing: equal spheres whose centres fill a box from the origin, no two closer than `distance` [m].
 /// Molecules are dropped at random (seeded), pushed apart, and the few that still overlap are taken out, so the
 /// distance is kept exactly; centres that touch a wall lie on it. Joined within `reach` [m] (1.5 · distance is about 13
-/// neighbours). The same seed gives the same body.
+/// neighbours). The same seed gives the same body,
+/// numbered by order_in_space.
 Body random_packing(const Vector3& size, double distance, double reach, std::uint64_t seed);
 
 enum class BlockKind { kuhn, alternating, body_centred };
