@@ -170,6 +170,7 @@ const actions = {
       else one.click();
     }, 0`);
     // What is left after collection [MB], each time with one body that begins anew: bodies and curves may take their memory.
+    // Each command of this script costs the page some 0.3 kB of it, which is the browser's own record of the script.
     const memory = async () => {
       await browser.eval('lab.put_beside(""), document.getElementById("reset").click()');
       // A step of the tension test to a large strain may take the core long: then the next time counts.
