@@ -96,7 +96,12 @@ int verify_scenes(const Options& options, const Catalog& catalog) {
   write_tables(options, {});
   VerifyOptions verify{options.overrides, options.others, options.each_stepper, !options.out.empty()};
   verify.progress = [&](const std::string& doing) { progress.set(doing); };
-  verify.finished = [&](const Scene& scene, Record& record) { write_run(options, scene, record); };
+  verify.finished = [&](const Scene& scene, Record& record) {
+    write_run(options, scene, record);
+    if (!options.verbose || !options.to_screen()) return;
+    progress.pause();
+    fmt::print("{}", run_text(record, colours_on(STDOUT_FILENO), true));
+  };
   std::vector<Case> cases;
   std::vector<Record> records;
   for (const std::string& path : options.scenes)
@@ -330,6 +335,10 @@ void add_file_options(CLI::App& command, Options& options) {
   command.add_flag("--live", options.live, "Show at most time.frame_rate frames a second");
   command.add_option("--baseline", options.baseline, "Folder of an earlier --out: tell what changed since, run by run");
   command.add_option("--json", options.json, "JSON file; - for standard output, and nothing else there");
+  command.add_flag("--verbose", options.verbose,
+                   command.get_name() == "run"
+                       ? "Print every point of the response curve, with all its measures"
+                       : "Print every run in full as it is finished, before the tables, with every point of its curve");
 }
 
 /// Of tables and pages of many runs.
@@ -340,7 +349,6 @@ void add_page_options(CLI::App& command, Options& options) {
 }
 
 void add_study_options(CLI::App& command, Options& options) {
-  command.add_flag("--verbose", options.verbose, "Print every run in full as it is finished, before the tables");
   command
       .add_option("--vary", options.vary,
                   "Change a key from run to run: KEY.PATH=[VALUE, …], or {KEY: […], KEY: […]} for keys that change "

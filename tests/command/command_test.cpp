@@ -254,6 +254,24 @@ TEST_CASE("the option --json FILE and --quiet print nothing", "[command]") {
   CHECK((failed.out + failed.err).empty());
 }
 
+TEST_CASE("the option --verbose prints runs in full, and every point of their curves", "[command]") {
+  const TemporaryFolder folder;
+  const std::string cube = folder.write("cube.yaml", kCube);
+  const auto count = [](const std::string& text, const std::string& word) {
+    int found = 0;
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++found;
+    return found;
+  };
+  const std::string steps = " --set experiment.load_steps=3 " + cube;
+  const std::string brief = say("run" + steps).out, whole = say("run --verbose" + steps).out;
+  CHECK_THAT(brief, !Contains("reaction balance"));
+  CHECK_THAT(whole, Contains("reaction balance"));
+  CHECK(count(say("compare" + steps).out, "; target: ") == 1);
+  CHECK(count(say("compare --verbose" + steps).out, "; target: ") == 1 + 3);  // three strategies
+  CHECK_THAT(say("verify" + steps).out, !Contains("Newton iterations"));
+  CHECK_THAT(say("verify --verbose" + steps).out, Contains("Newton iterations"));
+}
+
 TEST_CASE("the option --help explains with examples", "[command]") {
   for (const std::string command : {"", "run ", "compare ", "check ", "list "}) {
     INFO(command);
@@ -265,7 +283,8 @@ TEST_CASE("the option --help explains with examples", "[command]") {
     CHECK_THAT(said.out, Contains("Usage: elastin"));
   }
   CHECK_THAT(say("run --help").out, Contains("--set") && Contains("--strategies") && Contains("--out") &&
-                                        Contains("--json") && Contains("--threads") && Contains("--quiet"));
+                                        Contains("--json") && Contains("--threads") && Contains("--quiet") &&
+                                        Contains("--verbose"));
 }
 
 TEST_CASE("list names every strategy, parameter and measure", "[command]") {

@@ -3,6 +3,7 @@
 # core was not built for browsers (tools/setup --web) or there is no node or Chromium.
 #   bits      native steps and those of the module have the same bits, every strategy with every stepper
 #   hand      drag, push, pin, pause, step, keys     strategies    E in the page is that of the command
+#   rest      nothing is drawn while nothing moves
 #   wild      a minute at random                     access        labels, contrast, widths     refused    what is said where it cannot run
 #   npm       the package for node and bundlers: closed forms, its errors, its types
 #   wrong     a body that is too large, a folder without the module
@@ -58,10 +59,10 @@ case $what in
     said=$("$elastin" lab --out "$folder/a.html" 2>&1) && exit 1
     [[ ! -e $folder/a.html ]]
     ;;
-  hand | wild | access | refused)
+  hand | rest | wild | access | refused)
     browser
     case $what in
-      hand) page "$scenes/tension/cube-1000.yaml" ;;  # at rest until it is dragged
+      hand | rest) page "$scenes/tension/cube-1000.yaml" ;;  # at rest until it is dragged
       *) page "$scenes/dynamics/labelle-jello.yaml" ;;
     esac
     more=()

@@ -61,6 +61,9 @@ ResponseCurve response_curve_of(const std::vector<Record>& records) {
   if (std::any_of(measures.begin(), measures.end(), [](const MainMeasure& m) { return m.name == "relaxation_time"; }))
     for (const char* resistance : {"force", "torque", "pressure"})
       if (measured(records, resistance)) return {"time", resistance, false};
+  // Of what is strained back and forth the loop shows what it loses.
+  if (std::any_of(measures.begin(), measures.end(), [](const MainMeasure& m) { return m.name == "loss_tangent"; }))
+    if (measured(records, "strain") && measured(records, "stress")) return {"strain", "stress", false};
   return choose_response(in_time, [&](const std::string& name) { return measured(records, name); });
 }
 

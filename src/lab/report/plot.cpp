@@ -33,6 +33,9 @@ constexpr std::array<std::array<int, 3>, kPlotHues> kHues{{{59, 130, 246},
 constexpr std::array<std::pair<int, double>, kPlotShades> kShades{{{0, 0}, {255, 0.45}, {0, 0.35}, {150, 0.55}}};
 constexpr double kFont = 12, kLetter = 7.3;  // px
 
+/// Of what is asked for, so that it is seen on a curve that follows it.
+constexpr const char* kInk = "var(--ink)";
+
 constexpr const char* kStyle =
     "svg{--ink:#1b1f27;--faint:#667085;--grid:#e3e6ec;--paper:#fff;font:12px system-ui,sans-serif}"
     "@media(prefers-color-scheme:dark){svg{--ink:#e8eaf0;--faint:#98a1b3;--grid:#2b303b;--paper:#14161c}}"
@@ -219,7 +222,8 @@ void add_line(Sheet& sheet, const PlotSeries& series) {
   const bool dashed = series.kind == Kind::dashed || series.kind == Kind::staircase;
   sheet.add(
       "<path class=\"line\" d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"{} stroke-linejoin=\"round\"/>",
-      path, plot_colour(series.colour), dashed ? 1.3 : 2, dashed ? " stroke-dasharray=\"5 4\"" : "");
+      path, series.kind == Kind::dashed ? kInk : plot_colour(series.colour), dashed ? 1.3 : 2,
+      dashed ? " stroke-dasharray=\"5 4\"" : "");
 }
 
 void add_series(Sheet& sheet, const PlotSeries& series) {
@@ -248,8 +252,12 @@ double add_legend(Sheet& sheet, double top) {
       y += 19;
     }
     sheet.add("<g class=\"key\" data-series=\"{}\">", escaped(series.name));
-    add_mark(sheet, x + 6, y - 4, series.colour, 5);
-    sheet.add("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text></g>", x + 16, y, escaped(series.name));
+    if (series.kind == PlotSeries::Kind::dashed)
+      sheet.add("<path d=\"M{:.1f} {:.1f}h14\" stroke=\"{}\" stroke-width=\"1.3\" stroke-dasharray=\"5 4\"/>", x - 1,
+                y - 4, kInk);
+    else
+      add_mark(sheet, x + 6, y - 4, series.colour, 5);
+    sheet.add("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text></g>", x + 17, y, escaped(series.name));
     x += wide;
   }
   return y;

@@ -81,11 +81,12 @@ std::string contact_text(const contact::ContactReport& contact, const std::vecto
                            readable_seconds(contact.narrow_seconds));
 }
 
-/// Of a run in time every tenth part of it, and what tells it apart; its file has all.
-std::string curve_text(const std::vector<CurvePoint>& points, bool in_time, bool colours) {
+/// Of a run in time every tenth part of it, and what tells it apart, unless the whole is wanted; its file has all.
+std::string curve_text(const std::vector<CurvePoint>& points, bool in_time, bool whole, bool colours) {
   std::vector<const MeasureInfo*> columns;
-  std::vector<std::string_view> left_out{"energy", "reaction_balance"};
-  if (in_time)
+  std::vector<std::string_view> left_out;
+  if (!whole) left_out = {"energy", "reaction_balance"};
+  if (in_time && !whole)
     left_out.insert(left_out.end(), {"potential_energy", "dissipated_energy", "work", "momentum", "angular_momentum",
                                      "centre_way", "lateral_strain"});
   for (const auto& [name, value] : points.back().measures.all())
@@ -94,7 +95,7 @@ std::string curve_text(const std::vector<CurvePoint>& points, bool in_time, bool
   for (const MeasureInfo* info : columns) head.push_back(info->label());
   head.push_back("Newton");
   Table table(head);
-  const std::size_t every = in_time ? std::max<std::size_t>(1, (points.size() - 1) / 10) : 1;
+  const std::size_t every = in_time && !whole ? std::max<std::size_t>(1, (points.size() - 1) / 10) : 1;
   for (std::size_t i = 0; i < points.size(); i += every) {
     const CurvePoint& point = points[i];
     std::vector<TableCell> row{{fmt::format("{:.4g}", in_time ? point.time : point.load_factor), Tone::plain, true}};
@@ -151,7 +152,7 @@ std::string comparison_text(const std::vector<Record>& records, bool colours) {
   return out + "\n";
 }
 
-std::string run_text(const Record& record, bool colours) {
+std::string run_text(const Record& record, bool colours, bool whole_curve) {
   const Run& run = record.run;
   std::string out = head_text(record, colours);
   out += fmt::format(
@@ -201,7 +202,7 @@ std::string run_text(const Record& record, bool colours) {
   }
   if (!table.empty()) out += "\n" + table.text(colours);
   if (run.measures.stiffness_matrix) out += stiffness_text(*run.measures.stiffness_matrix, colours);
-  if (run.curve.size() > 1) out += curve_text(run.curve, run.time.has_value(), colours);
+  if (run.curve.size() > 1) out += curve_text(run.curve, run.time.has_value(), whole_curve, colours);
   const Table verdicts = verdicts_table({record});
   if (!verdicts.empty()) out += "\n" + verdicts.text(colours);
   return out + "\n";

@@ -50,7 +50,8 @@ std::string run_name(const Record& record) {
 }
 
 std::string reference_text(const Reference& reference) {
-  std::string text = reference.measure + " " + readable(reference.value, find_measure(reference.measure), 6);
+  const MeasureInfo& measure = find_measure(reference.measure);
+  std::string text = measure.label() + " " + readable(reference.value, measure, 6);
   if (reference.computed) text += fmt::format(" ± {:.2g} %", 100 * reference.uncertainty);
   text += ", " + reference.source;
   if (!reference.computed) return text;

@@ -68,6 +68,6 @@ std::string readable_seconds(double seconds);
 std::string comparison_text(const std::vector<Record>& records, bool colours);
 
 /// One run in full: every measure, its curve, expectations, warnings.
-std::string run_text(const Record& record, bool colours);
+std::string run_text(const Record& record, bool colours, bool whole_curve = false);
 
 }  // namespace elastin::lab

@@ -261,7 +261,7 @@ void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Recor
   if (journal_ && !key.empty() && record.run.outcome != Outcome::interrupted)
     journal_->add(key, source_of(plan), record);
   if (request_.to_screen() && (!request_.compare || (request_.verbose && !key.empty())))
-    fmt::print("{}", run_text(record, colours_on(STDOUT_FILENO)));
+    fmt::print("{}", run_text(record, colours_on(STDOUT_FILENO), request_.verbose));
   ++done_;
   if (request_.compare && rows_ > 1 && !key.empty()) progress_.note(finished_text(record));
   results_.add(std::move(record), repeat);

@@ -185,7 +185,8 @@ bool solve_from(const Positions& guess, const Scene& scene, const StrategyChoice
   return true;
 }
 
-Level solve_level(Scene& scene, const StrategyChoice& choice, const Positions& guess, double spacing) {
+Level solve_level(Scene& scene, const StrategyChoice& choice, const Positions& guess, double spacing,
+                  const std::function<void(const std::string&)>& progress) {
   const Timer timer;
   Level level;
   level.spacing = spacing;
@@ -195,6 +196,7 @@ Level solve_level(Scene& scene, const StrategyChoice& choice, const Positions& g
   options.statics = scene.statics;
   options.statics.tolerance = std::max(options.statics.tolerance, kTolerance);
   options.keep_snapshots = options.last_snapshot = true;
+  options.progress = progress;
   if (guess.cols() != scene.specimen.body.size() || !solve_from(guess, scene, choice, options, level)) {
     Run run = run_strategy(scene.specimen, *scene.experiment, choice, options);
     if (!run.suited || run.outcome != Outcome::converged) level.trouble = run.cause;
@@ -282,6 +284,8 @@ class Sequence {
 
  private:
   std::unique_ptr<Scene> scene_on_body();
+  /// Tells of the solution on this body; says at once that it begins.
+  std::function<void(const std::string&)> of_level(const std::function<void(const std::string&)>& progress) const;
   /// Where one body alone is affordable: how far its cells' order moves the measures says how well they are known.
   std::vector<Reference> limits_by_order(const Scene& scene, const StrategyChoice& choice,
                                          const std::function<void(const std::string&)>& progress);
@@ -305,6 +309,14 @@ std::unique_ptr<Scene> Sequence::scene_on_body() {
   return load_scene_on(scene_.path, catalog_, overrides_, [&](Body& body, const Material&) { body = body_; });
 }
 
+std::function<void(const std::string&)> Sequence::of_level(
+    const std::function<void(const std::string&)>& progress) const {
+  if (!progress) return {};
+  const std::string what = fmt::format("reference, {} on {} {}", law_, count_cells(body_), kind_of_cells(body_));
+  progress(what);
+  return [progress, what](const std::string& doing) { progress(what + ": " + doing); };
+}
+
 std::string Sequence::limit() const {
   const int children = is_solid(body_) ? 8 : 4;
   if (static_cast<double>(count_cells(body_)) * children > scene_.computed.most_cells)
@@ -322,8 +334,7 @@ std::vector<Reference> Sequence::limits_by_order(const Scene& scene, const Strat
   body_ = with_order(second, 1);
   set_matter(body_, scene.specimen.material.density, scene.specimen.material.thickness, second.radius.mean());
   body_.mass *= second.mass.sum() / body_.mass.sum();
-  if (progress) progress(fmt::format("reference, {} on {} {}", law_, count_cells(body_), kind_of_cells(body_)));
-  Level coarse = solve_level(*scene_on_body(), choice, {}, 2);
+  Level coarse = solve_level(*scene_on_body(), choice, {}, 2, of_level(progress));
   body_ = second;
   if (!coarse.trouble.empty()) return {};
   const std::vector<Level> both{std::move(coarse), levels_.front()};
@@ -358,9 +369,9 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
   const StrategyChoice choice = choose_strategy(catalog_, law_);
   ComputedReferences result;
   for (double spacing = 1;; spacing /= 2) {
-    if (progress) progress(fmt::format("reference, {} on {} {}", law_, count_cells(body_), kind_of_cells(body_)));
+    const auto tell = of_level(progress);
     const auto scene = scene_on_body();
-    levels_.push_back(solve_level(*scene, choice, guess_, spacing));
+    levels_.push_back(solve_level(*scene, choice, guess_, spacing, tell));
     if (!levels_.back().trouble.empty()) {
       result.trouble =
           fmt::format("{} on {} {}: {}", law_, levels_.back().cells, kind_of_cells(body_), levels_.back().trouble);

@@ -24,7 +24,7 @@ struct Request {
   Shard shard = {};       ///< of the rows of a comparison: what is run here
   int repeats = 0;        ///< 0 = as the scene says
   bool compare = false, resume = false, quiet = false, summary = false, live = false;
-  bool verbose = false;                    ///< of a comparison every run in full, as it is finished
+  bool verbose = false;                    ///< every run in full as it is finished, with every point of its curve
   std::function<bool()> interrupted = {};  ///< called after each run
   bool to_screen() const { return !quiet && json != "-"; }
 };

@@ -168,6 +168,7 @@ class Lab {
     all('.pull').forEach(button => button.addEventListener('click', () => this.pull(+button.dataset.axis, +button.dataset.sign)));
     for (const id of ['connections', 'molecules', 'surface']) on(id, 'change', () => this.look());
     on('colour', 'change', () => { this.range = 0; });
+    for (const id of ['colour', 'speed']) on(id, 'change', () => this.keep_address());
     document.addEventListener('visibilitychange', () => { this.last = undefined; });
     on('png', 'click', () => this.viewer && save_file(scene.name + '.png', this.viewer.picture(this.legend).toDataURL('image/png')));
     on('link', 'click', () => this.copy_link());
@@ -246,6 +247,11 @@ class Lab {
   change(rebuild, restart) {
     this.show_choices();
     this.rebuild = {rebuild: rebuild || this.rebuild?.rebuild, keep: !restart && this.rebuild?.keep !== false};
+    this.keep_address();
+  }
+
+  /** The address carries the settings. */
+  keep_address() {
     this.own_hash = this.hash();
     clearTimeout(this.hashing);
     this.hashing = setTimeout(() => history.replaceState(null, '', this.own_hash), 300);
@@ -288,7 +294,7 @@ class Lab {
     if (this.shown && this.count_shown === count) return;
     this.count_shown = count;
     this.shown = side_by_side(this.body, count);
-    this.drawn = undefined;
+    this.drawn = this.pictured = undefined;
     this.buffers = undefined;
     if (!this.viewer) return;
     this.viewer.set_body(this.shown);
@@ -345,7 +351,7 @@ class Lab {
     const begin = performance.now();
     const answer = await this.ask({kind: 'frame', wanted: this.playing ? passed * speed : 0, single, budget: this.pace.budget, colour,
       buffers: this.buffers}, (this.buffers ?? []).map(array => array.buffer));
-    if (interval > 0) this.pace.note(interval, 1e-3 * (performance.now() - begin));
+    if (interval > 0 && !this.at_rest) this.pace.note(interval, 1e-3 * (performance.now() - begin));
     this.buffers = answer.bodies.map(body => body.positions);
     if (answer.bodies.length !== this.count_shown) return;
     this.show(answer, passed);
@@ -359,7 +365,7 @@ class Lab {
     const state = [colour, this.count_shown, this.playing, JSON.stringify([this.hand, this.probe, [...this.pins]])].join();
     const still = !this.playing && !this.single && this.seen && this.still === state;
     this.still = state;
-    if (this.viewer) this.viewer.sharpen(this.playing || !still ? this.pace.sharpness : this.smooth ? 1 : 2);
+    if (this.viewer) this.viewer.sharpen(!still && !this.at_rest ? this.pace.sharpness : this.smooth ? 1 : 2);
     return still;
   }
 
@@ -369,14 +375,31 @@ class Lab {
     bodies.forEach((body, copy) => {
       for (let i = 0; i < 3 * molecules; ++i) positions[3 * molecules * copy + i] = body.positions[i] + (i % 3 ? 0 : offsets[copy]);
     });
-    this.drawn = positions;
     if (this.viewer) {
       this.marks(bodies, positions);
-      this.viewer.set_state(positions, this.colours(bodies, positions));
+      const colours = this.colours(bodies, positions);
+      if (!this.is_drawn(positions)) this.viewer.set_state(positions, colours);
     }
+    this.drawn = positions;
     if (gone > 0) this.keep_energies(bodies, gone);
     this.tell(bodies, gone, passed);
   }
+
+  /** Whether these positions are drawn already, but for what rounding moves, with the marks and colours of now. */
+  is_drawn(positions) {
+    const {lines, probes, pins, names} = this.viewer, slack = 1e-9 * this.body.size;
+    const marks = JSON.stringify([lines.map(line => [line.from.map(v => Math.round(v / slack)), line.to, line.text]), probes, pins.length, names,
+      part('colour').value, this.range]);
+    const same = this.pictured?.length === positions.length && marks === this.marks_drawn &&
+      positions.every((v, i) => Math.abs(v - this.pictured[i]) <= slack);
+    this.marks_drawn = marks;
+    if (!same) this.pictured = positions;
+    this.unmoved = same ? (this.unmoved ?? 0) + 1 : 0;
+    return same;
+  }
+
+  /** For some pictures nothing has moved. */
+  get at_rest() { return this.unmoved > 9; }
 
   /** Hand, probe, pins and names over the picture. */
   marks(bodies, positions) {
@@ -409,7 +432,9 @@ class Lab {
     values.molecules ??= means_of(this.shown, values.connections);
     let most = 0;
     for (const v of values.connections ?? values.molecules) most = Math.max(most, Math.abs(v));
-    this.range = Math.max(most, 0.97 * (this.range ?? 0), this.noise(colour));
+    const now = performance.now(), shrunk = 0.97 ** (0.06 * Math.min(500, now - (this.ranged ?? now)));  // by 3 % in 1/60 s
+    this.ranged = now;
+    this.range = Math.max(most, shrunk * (this.range ?? 0), this.noise(colour));
     const map = values.connections ? 'signed' : 'rising', range = this.range, mapped = numbers => numbers && colours_of(map, numbers.map(v => v / range));
     this.show_legend(colour, map);
     return {connections: mapped(values.connections), molecules: mapped(values.molecules)};
@@ -440,14 +465,16 @@ class Lab {
     const now = performance.now();
     if (now - (this.told ?? 0) < 250) return;
     this.told = now;
-    const ratio = this.sum.passed > 0 ? this.sum.gone / this.sum.passed : 0, forces = bodies.map(body => body.force).filter(Boolean);
+    const forces = bodies.map(body => body.force).filter(Boolean), asked = +part('speed').value;
+    const rare = asked * this.sum.passed < 2 * bodies[0].step;  // in slow motion steps may be rarer than these words
+    const ratio = rare ? asked : this.sum.passed > 0 ? this.sum.gone / this.sum.passed : 0;
     this.sum = undefined;
-    const words = [`t = ${bodies[0].time.toFixed(2)} s`, this.playing ? `${short(ratio)} × real time` : 'paused'];
+    const words = [`t = ${bodies[0].time.toFixed(2 + Math.max(0, Math.ceil(-Math.log10(asked))))} s`, this.playing ? `${short(ratio)} × real time` : 'paused'];
     if (forces.length) words.push('hand ' + forces.map(force => with_prefix(Math.hypot(...force), 'N')).join(' / '));
     if (this.probe) words.push('probe ' + bodies.map(body => with_prefix(Math.hypot(...(body.push ?? [0, 0, 0])), 'N')).join(' / '));
     part('readout').textContent = words.join(' · ');
     const stopped = bodies.find(body => body.stopped);
-    const slow = this.playing && ratio < 0.8 * +part('speed').value && !stopped;
+    const slow = this.playing && ratio < 0.8 * asked && !stopped;
     const cause = this.pace.core > this.pace.drawing ? 'each step costs too much here' : 'this browser takes long to draw';
     part('readout').textContent += slow ? ` · slower than asked: ${cause}` : '';
     if (stopped && this.complained !== stopped.stopped) complain(`A body stands still: ${stopped.stopped}. Reset it, or take an implicit stepper.`);
@@ -627,6 +654,8 @@ class Lab {
   }
 
   show_test(bodies) {
+    this.pictured = undefined;
+    this.unmoved = 0;
     const {offsets, molecules} = this.shown, positions = new Float32Array(this.shown.rest.length);
     bodies.forEach((body, copy) => {
       for (let i = 0; i < 3 * molecules; ++i) positions[3 * molecules * copy + i] = body.positions[i] + (i % 3 ? 0 : offsets[copy]);

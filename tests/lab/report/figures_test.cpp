@@ -1,6 +1,7 @@
 #include "lab/report/figures.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <set>
 #include <string>
 #include <vector>
@@ -80,6 +81,26 @@ TEST_CASE("lists under a key count as the body's molecules", "[figures]") {
   CHECK(plots[0].x.title == "molecules");
   REQUIRE(plots[0].series.size() == 1);
   CHECK(plots[0].series[0].points[1].x == 45);
+}
+
+TEST_CASE("cyclic loading shows the loop of stress and strain", "[figures]") {
+  Record record = run_of("prony:lattice");
+  record.main_measures = {{"storage_modulus"}, {"loss_modulus"}, {"loss_tangent"}};
+  record.run.time.emplace();
+  for (int i = 0; i <= 40; ++i) {
+    CurvePoint point;
+    point.time = 0.05 * i;
+    point.measures.set("elongation", 1e-3 * std::sin(point.time));
+    point.measures.set("strain", 0.1 * std::sin(point.time));
+    point.measures.set("stress", 100 * std::sin(point.time + 0.3));
+    record.run.curve.push_back(point);
+  }
+  const Plot plot = response_plot({record}, strategy_colours({record}));
+  REQUIRE(plot.series.size() == 1);
+  REQUIRE(plot.series[0].points.size() == 41);
+  CHECK(plot.x.title == "strain");
+  CHECK(plot.series[0].points[10].x == Approx(0.1 * std::sin(0.5)));
+  CHECK(plot.series[0].points[10].y == Approx(100 * std::sin(0.8)));
 }
 
 TEST_CASE("relaxation shows the force, over the logarithm of time where it spans decades", "[figures]") {

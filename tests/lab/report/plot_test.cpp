@@ -68,6 +68,25 @@ TEST_CASE("long labels of ticks stay on the paper", "[plot]") {
   }
 }
 
+TEST_CASE("a target is dashed on top of a curve that follows it, and in the legend", "[plot]") {
+  Plot plot;
+  plot.x = {"strain", "%"};
+  plot.y = {"stress", "Pa"};
+  const std::vector<PlotPoint> points{{0, 0, ""}, {0.1, 1000, ""}};
+  plot.series = {{"neo_hookean", 0, PlotSeries::Kind::marked_line, points},
+                 {"target", -1, PlotSeries::Kind::dashed, points}};
+  pugi::xml_document document;
+  REQUIRE(document.load_string(svg_text(plot, 600, false).c_str()));
+  const auto series = document.select_nodes("//g[@class='series']/path");
+  REQUIRE(series.size() == 2);
+  const pugi::xml_node line = series[1].node();  // drawn last
+  CHECK(std::string(line.attribute("d").value()) == series[0].node().attribute("d").value());
+  CHECK(line.attribute("stroke-dasharray"));
+  CHECK(std::string(line.attribute("stroke").value()) == "var(--ink)");
+  const pugi::xml_node key = document.select_node("//g[@class='key'][@data-series='target']/path").node();
+  CHECK(std::string(key.attribute("stroke-dasharray").value()) == line.attribute("stroke-dasharray").value());
+}
+
 TEST_CASE("what cannot be drawn is left out", "[plot]") {
   const Plot plot =
       logarithmic({{1, 0.1, "p"}, {0, 0.1, "zero"}, {1, NAN, "nan"}, {INFINITY, 1, "inf"}, {-1, 1, "minus"}});

@@ -254,7 +254,7 @@ class Viewer {
   }
 
   /** Molecules are drawn smaller where connections are to be seen between them. */
-  radius_share() { return this.look.connections ? 0.45 : 1; }
+  radius_share() { return this.look.connections && this.body.ends.length ? 0.45 : 1; }
 
   /** Looks so that all of these positions, arrays of three floats a molecule, are in the picture, and keeps it so while the
    *  canvas changes its size, until a hand turns the body. */
