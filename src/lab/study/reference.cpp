@@ -287,6 +287,8 @@ class Sequence {
                                          const std::function<void(const std::string&)>& progress);
   /// Why there is no finer body to solve, or "".
   std::string limit() const;
+  /// How long the next body may take, and how well the measures are known by those before it: for who waits.
+  std::string outlook(const std::vector<Reference>& references) const;
   void refine();
 
   const Scene& scene_;
@@ -312,6 +314,18 @@ std::string Sequence::limit() const {
   if (levels_.back().seconds * kGrowth > scene_.computed.seconds)
     return "at most " + readable_seconds(scene_.computed.seconds);
   return "";
+}
+
+std::string Sequence::outlook(const std::vector<Reference>& references) const {
+  if (levels_.empty()) return "";
+  double least_known = 0;
+  for (const Reference& reference : references)
+    if (find_measure(reference.measure).unit != dimension::none)
+      least_known = std::max(least_known, reference.uncertainty);
+  return fmt::format(", up to {}{}", readable_seconds(kGrowth * levels_.back().seconds),
+                     least_known > 0 ? fmt::format(" (known to {:.1g} %, target {:.1g} %)", 100 * least_known,
+                                                   100 * scene_.computed.uncertainty)
+                                     : "");
 }
 
 std::vector<Reference> Sequence::limits_by_order(const Scene& scene, const StrategyChoice& choice,
@@ -358,7 +372,9 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
   const StrategyChoice choice = choose_strategy(catalog_, law_);
   ComputedReferences result;
   for (double spacing = 1;; spacing /= 2) {
-    if (progress) progress(fmt::format("reference, {} on {} {}", law_, count_cells(body_), kind_of_cells(body_)));
+    if (progress)
+      progress(fmt::format("reference, {} on {} {}{}", law_, count_cells(body_), kind_of_cells(body_),
+                           outlook(result.references)));
     const auto scene = scene_on_body();
     levels_.push_back(solve_level(*scene, choice, guess_, spacing));
     if (!levels_.back().trouble.empty()) {
