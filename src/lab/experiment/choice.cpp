@@ -11,7 +11,8 @@ namespace {
 /// How far behind the catalog's own strategies those stand that are made of them.
 constexpr int kWithEnding = 1000, kCalibrated = 2000;
 
-/// The choice with a volume term, if it can have one on this body of these materials.
+}  // namespace
+
 std::optional<StrategyChoice> applicable_with_volume(const StrategyChoice& choice, const Body& body,
                                                      const std::vector<Material>& materials) {
   try {
@@ -23,8 +24,6 @@ std::optional<StrategyChoice> applicable_with_volume(const StrategyChoice& choic
     return std::nullopt;
   }
 }
-
-}  // namespace
 
 StrategyChoice with_volume(StrategyChoice choice) {
   choice.strategy = with_volume(choice.strategy);

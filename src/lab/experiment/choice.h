@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,10 @@ StrategyChoice choose_strategy(const Catalog& catalog, const std::string& label)
 
 /// The same choice with a volume term, "+volume" added to its label. Throws InputError if it cannot have one.
 StrategyChoice with_volume(StrategyChoice choice);
+
+/// The same choice with a volume term, if it can have one on this body of these materials.
+std::optional<StrategyChoice> applicable_with_volume(const StrategyChoice& choice, const Body& body,
+                                                     const std::vector<Material>& materials);
 
 /// The same choice without compression, "+wrinkling" added to its label. Throws InputError if it cannot.
 StrategyChoice with_wrinkling(StrategyChoice choice);

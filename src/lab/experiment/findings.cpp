@@ -94,15 +94,27 @@ std::vector<std::string> findings_at_start(const Specimen& specimen, const Model
   return found;
 }
 
-std::string locking_finding(const Specimen& specimen, const Strategy& strategy) {
-  if (strategy.kind != StrategyKind::cell_law || strategy.dimensions != 3 || strategy.volume_modulus) return "";
+namespace {
+
+double largest_poissons_ratio(const Specimen& specimen) {
   double most = specimen.material.poissons_ratio;
   for (const Material& material : specimen.materials) most = std::max(most, material.poissons_ratio);
+  return most;
+}
+
+}  // namespace
+
+bool may_lock(const Specimen& specimen, const Strategy& strategy) {
+  return strategy.kind == StrategyKind::cell_law && strategy.dimensions == 3 && !strategy.volume_modulus &&
+         largest_poissons_ratio(specimen) > kLocking;
+}
+
+std::string locking_finding(const Specimen& specimen, const Strategy& strategy) {
   const bool can = strategy.make_without_volume || strategy.make_mixed, blocks = has_blocks(specimen.body, 3);
-  if (!(most > kLocking) || (!can && blocks)) return "";
+  if (!may_lock(specimen, strategy) || (!can && blocks)) return "";
   const std::string with = "stiffness: " + strategy.name + "+volume",
-                    found =
-                        "nu = " + number(most, 4) + ": cells without a volume term may lock, and are then too stiff; ";
+                    found = "nu = " + number(largest_poissons_ratio(specimen), 4) +
+                            ": cells without a volume term may lock, and are then too stiff; ";
   if (strategy.make_without_volume || (strategy.make_mixed && blocks)) return found + "write " + with;
   if (strategy.make_mixed) return found + "write `order: 2` in the body and " + with;
   return found + (strategy.has_history ? "give the law behind the colon one: neo_hookean+volume"

@@ -15,6 +15,9 @@ std::vector<std::string> findings_at_start(const Specimen& specimen, const Model
 /// From this Poisson's ratio on cells need pressures of their own, or they lock: they are too stiff.
 inline constexpr double kLocking = 0.4;
 
+/// Whether this is a law of solids without a volume term, and one of the specimen's materials has ν > kLocking.
+bool may_lock(const Specimen& specimen, const Strategy& strategy);
+
 /// What to write instead of a law of solids without a volume term where the material is nearly incompressible, in a
 /// sentence; "" where there is nothing to say.
 std::string locking_finding(const Specimen& specimen, const Strategy& strategy);

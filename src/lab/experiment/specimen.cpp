@@ -122,6 +122,11 @@ std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Specime
   return all_strategies(catalog, specimen.body, materials_of(specimen));
 }
 
+StrategyChoice without_locking(StrategyChoice choice, const Specimen& specimen) {
+  if (!may_lock(specimen, choice.strategy)) return choice;
+  return applicable_with_volume(choice, specimen.body, materials_of(specimen)).value_or(choice);
+}
+
 bool needs_cells(const Strategy& strategy, const Body& body) {
   if (body.triangles.empty() && body.tetrahedra.empty()) return false;
   const Body bare = without_cells(body);

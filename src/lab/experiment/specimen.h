@@ -10,6 +10,10 @@ namespace elastin::lab {
 /// elastin::mesh.
 void prepare(Specimen& specimen, const Strategy& strategy);
 
+/// The choice, with a volume term where it is a law of solids that locks without one: where a Poisson's ratio is above
+/// kLocking, and the law and the cells can have one.
+StrategyChoice without_locking(StrategyChoice choice, const Specimen& specimen);
+
 /// Whether the strategy needs the triangles or tetrahedra of a body that it suits.
 bool needs_cells(const Strategy& strategy, const Body& body);
 

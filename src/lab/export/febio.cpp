@@ -180,7 +180,7 @@ class FebioDeck : Deck {
       if (problem_.whole_cell && !(law().uncoupled && first_order))
         refuse(
             "it keeps the volume of whole cells in hexahedra and prisms of first order alone, of laws with a "
-            "bulk_modulus; leave out +volume, or choose these");
+            "bulk_modulus; write `volume: none` in stiffness, or choose these");
       write("<SolidDomain name=\"p{}\" mat=\"m{}\" type=\"{}\"/>\n", i + 1, problem_.cells[i].material + 1,
             problem_.whole_cell ? "three-field-solid" : "elastic-solid");
     }

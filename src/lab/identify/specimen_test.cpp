@@ -185,7 +185,8 @@ class SpecimenTest final : public MeasuredTest {
     return {scene_->specimen.body.rest, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
   }
 
-  /// The strategy for this material: the scene's, and where that is a cell law and the material has another law, that.
+  /// The strategy for this material: the scene's, and where that is a cell law and the material has another law, that,
+  /// without the volume term that the scene's has where the cells have none for this law.
   StrategyChoice choice_for(const Trial& trial) const {
     const auto& tried = trial.material.law;
     if (!tried || choice_.strategy.kind != StrategyKind::cell_law || (own_.law && own_.law->law == tried->law))
@@ -193,7 +194,10 @@ class SpecimenTest final : public MeasuredTest {
     std::string label = choice_.label;
     const std::string own = label.substr(0, label.find('+'));
     label.replace(0, own.size(), tried->law + (own.ends_with("_membrane") ? "_membrane" : ""));
-    return choose_strategy(*scene_, catalog_, label);
+    StrategyChoice choice = choose_strategy(*scene_, catalog_, label);
+    if (choice.strategy.volume_modulus && !choice.strategy.unsuited(scene_->specimen.body).empty())
+      return choose_strategy(*scene_, catalog_, label.substr(0, label.find('+')));
+    return choice;
   }
 
   /// The specimen with what is tried in the place of its own; contact that follows from the modulus follows it.

@@ -144,7 +144,7 @@ std::vector<KeySection> strategy_keys(const Catalog& catalog) {
       {"volume",
        "`none`, `automatic`; of laws `mean_dilatation`, `linear_pressure`, `cells`, `averaged`; of springs `false`, "
        "`true`",
-       "", "", "`none`",
+       "", "", "`none`; of a law in `stiffness` where ν > 0.4: `automatic`",
        "how the volume is kept near ν = ½: `automatic` (`true`, `averaged`) as `+volume`, by what the body's cells "
        "have: "
        "`linear_pressure` in hexahedra of 27 nodes, `mean_dilatation` in other hexahedra, prisms and tetrahedra of "

@@ -130,6 +130,18 @@ std::vector<StrategyChoice> read_strategies(std::optional<Reader> reader, const 
   return strategies;
 }
 
+/// The scene's own strategy. A law of solids that says nothing of its volume keeps it where it would lock otherwise.
+StrategyChoice read_stiffness(Reader reader, const Catalog& catalog, Scene& scene) {
+  StrategyChoice written = read_strategy(reader, catalog);
+  if (reader.is_map() && reader.has("volume")) return written;
+  StrategyChoice choice = without_locking(written, scene.specimen);
+  if (choice.strategy.name == written.strategy.name) return choice;
+  scene.notes.push_back("stiffness: " + choice.strategy.name +
+                        ", since plain cells lock where nu is above 0.4; `volume: none` leaves the pressures out");
+  if (reader.is_map() && reader.has("label")) choice.label = written.label;
+  return choice;
+}
+
 /// {experiment: {kind: …}}: another experiment than the scene's own in which `calibrated:` rules are calibrated.
 std::shared_ptr<const StaticProtocol> read_calibration(Reader reader, ExperimentContext context) {
   context.contact = nullptr;
@@ -228,7 +240,7 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
   scene->rotation = rotation;
   turn_fibres(scene->specimen, rotation);
-  scene->stiffness = read_strategy(reader.at("stiffness"), catalog);
+  scene->stiffness = read_stiffness(reader.at("stiffness"), catalog, *scene);
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog, scene->specimen);
   const Reader experiment = reader.at("experiment");
   if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver, catalog);

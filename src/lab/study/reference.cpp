@@ -284,13 +284,16 @@ class Sequence {
 
  private:
   std::unique_ptr<Scene> scene_on_body();
-  /// Tells of the solution on this body; says at once that it begins.
-  std::function<void(const std::string&)> of_level(const std::function<void(const std::string&)>& progress) const;
+  /// Tells of the solution on this body, with what is known of it before; says at once that it begins.
+  std::function<void(const std::string&)> of_level(const std::function<void(const std::string&)>& progress,
+                                                   const std::string& before = {}) const;
   /// Where one body alone is affordable: how far its cells' order moves the measures says how well they are known.
   std::vector<Reference> limits_by_order(const Scene& scene, const StrategyChoice& choice,
                                          const std::function<void(const std::string&)>& progress);
   /// Why there is no finer body to solve, or "".
   std::string limit() const;
+  /// How long the next body may take, and how well the measures are known by those before it: for who waits.
+  std::string outlook(const std::vector<Reference>& references) const;
   void refine();
 
   const Scene& scene_;
@@ -309,10 +312,11 @@ std::unique_ptr<Scene> Sequence::scene_on_body() {
   return load_scene_on(scene_.path, catalog_, overrides_, [&](Body& body, const Material&) { body = body_; });
 }
 
-std::function<void(const std::string&)> Sequence::of_level(
-    const std::function<void(const std::string&)>& progress) const {
+std::function<void(const std::string&)> Sequence::of_level(const std::function<void(const std::string&)>& progress,
+                                                           const std::string& before) const {
   if (!progress) return {};
-  const std::string what = fmt::format("reference, {} on {} {}", law_, count_cells(body_), kind_of_cells(body_));
+  const std::string what =
+      fmt::format("reference, {} on {} {}{}", law_, count_cells(body_), kind_of_cells(body_), before);
   progress(what);
   return [progress, what](const std::string& doing) { progress(what + ": " + doing); };
 }
@@ -324,6 +328,18 @@ std::string Sequence::limit() const {
   if (levels_.back().seconds * kGrowth > scene_.computed.seconds)
     return "at most " + readable_seconds(scene_.computed.seconds);
   return "";
+}
+
+std::string Sequence::outlook(const std::vector<Reference>& references) const {
+  if (levels_.empty()) return "";
+  double least_known = 0;
+  for (const Reference& reference : references)
+    if (find_measure(reference.measure).unit != dimension::none)
+      least_known = std::max(least_known, reference.uncertainty);
+  return fmt::format(", up to {}{}", readable_seconds(kGrowth * levels_.back().seconds),
+                     least_known > 0 ? fmt::format(" (known to {:.1g} %, target {:.1g} %)", 100 * least_known,
+                                                   100 * scene_.computed.uncertainty)
+                                     : "");
 }
 
 std::vector<Reference> Sequence::limits_by_order(const Scene& scene, const StrategyChoice& choice,
@@ -369,7 +385,7 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
   const StrategyChoice choice = choose_strategy(catalog_, law_);
   ComputedReferences result;
   for (double spacing = 1;; spacing /= 2) {
-    const auto tell = of_level(progress);
+    const auto tell = of_level(progress, outlook(result.references));
     const auto scene = scene_on_body();
     levels_.push_back(solve_level(*scene, choice, guess_, spacing, tell));
     if (!levels_.back().trouble.empty()) {

@@ -107,7 +107,7 @@ TEST_CASE("Cells that may lock near nu = 1/2 are said, with what to write", "[fi
     INFO(c.law << " on " << c.body << ", " << c.nu);
     const std::string scene = "title: a block\nbody: {" + c.body +
                               "}\nmaterial: {youngs_modulus: 5 kPa, poissons_ratio: " + c.nu +
-                              "}\nstiffness: " + c.law +
+                              "}\nstiffness: {strategy: " + c.law + (c.nu == "0.499" ? "}" : ", volume: none}") +
                               "\nexperiment: {kind: tension, axis: z, strain: 1 %}\nsolver: {displacements: small}\n";
     CHECK(warnings_of(scene, "may lock") == c.locks);
     CHECK(warnings_of(scene, "write stiffness: neo_hookean+volume") == c.remedies);

@@ -13,7 +13,7 @@ using namespace elastin::lab;
 
 namespace {
 
-/// Cubes of side 1 on each other along z on rollers, each with a material of its own of Poisson's ratio 0: node
+/// Cubes of side 1 on each other along z on rollers, each with a material of its own, all of one Poisson's ratio: node
 /// 4 k + 1 … 4 k + 4 lie at the height k. `loads` and `steps` go into the sections of these names.
 struct Tower {
   std::vector<double> youngs_moduli{1};
@@ -23,6 +23,7 @@ struct Tower {
   std::string boundary = {}, loads = {}, more = {};
   std::string curve = "<interpolate>LINEAR</interpolate><points><pt>0,0</pt><pt>1,1</pt></points>";
   bool rollers = true;
+  std::string poissons_ratio = "0";
 
   std::string text() const {
     std::string nodes, cells, materials, domains, top;
@@ -39,7 +40,8 @@ struct Tower {
       cells +=
           "<Elements type=\"hex8\" name=\"p" + name + "\"><elem id=\"" + name + "\">" + own + "</elem></Elements>\n";
       materials += "<material id=\"" + name + "\" name=\"m" + name + "\" type=\"neo-Hookean\"><density>1</density><E>" +
-                   std::to_string(youngs_moduli[static_cast<std::size_t>(k)]) + "</E><v>0</v></material>\n";
+                   std::to_string(youngs_moduli[static_cast<std::size_t>(k)]) + "</E><v>" + poissons_ratio +
+                   "</v></material>\n";
       domains += "<SolidDomain name=\"p" + name + "\" mat=\"m" + name + "\"/>";
     }
     std::string sets[4] = {"", "", "1,2,3,4", ""};
@@ -55,8 +57,8 @@ struct Tower {
                        "</Nodes>\n" + cells;
     const char* names[] = {"x", "y", "z", "top"};
     for (int s = 0; s < 4; ++s) text += "<NodeSet name=\"" + std::string(names[s]) + "\">" + sets[s] + "</NodeSet>\n";
-    text += "<Surface name=\"up\"><quad4 id=\"1\">" + sets[3] + "</quad4></Surface></Mesh>\n<MeshDomains>" + domains +
-            "</MeshDomains>\n<Boundary>\n";
+    text += "<NodeSet name=\"seventh\">7</NodeSet><Surface name=\"up\"><quad4 id=\"1\">" + sets[3] +
+            "</quad4></Surface></Mesh>\n<MeshDomains>" + domains + "</MeshDomains>\n<Boundary>\n";
     for (int s = 0; s < 3 && rollers; ++s)
       text += "<bc node_set=\"" + std::string(names[s]) + "\" type=\"zero displacement\"><" + names[s] + "_dof>1</" +
               names[s] + "_dof></bc>\n";
@@ -137,6 +139,18 @@ TEST_CASE("a linear constraint on a prescribed displacement prescribes another",
   REQUIRE(result.outcome == Outcome::converged);
   CHECK(result.get("solution_norm") < 1e-9);
   CHECK(result.positions(2, 4) == Approx(1.125).epsilon(1e-12));
+}
+
+TEST_CASE("one cell pulled more on one side than on the other", "[febio]") {
+  // Along x the edge at y = 1 is moved by 0.25 and that at y = 0 by twice as much; the other displacements are free.
+  std::string boundary =
+      "<bc node_set=\"seventh\" type=\"prescribed displacement\"><dof>x</dof><value lc=\"1\">0.25</value></bc>";
+  for (const auto& [node, ratio] : {std::pair{"2", "2"}, {"3", "1"}, {"6", "2"}})
+    boundary += std::string("<bc type=\"linear constraint\"><dof>x</dof><node>") + node +
+                "</node><child_dof><dof>x</dof><node>7</node><value>" + ratio + "</value></child_dof></bc>";
+  // Newton's method for the eight free displacements, written apart from this library: Piola's stress
+  // mu (F - F^-T) + lambda ln J F^-T at 2 x 2 x 2 points, differences for the tangent, to a residual of 1e-15.
+  CHECK(norm_of({.boundary = boundary, .poissons_ratio = "0.45"}) == Approx(0.4030765642808679).epsilon(1e-9));
 }
 
 TEST_CASE("a boundary condition of one step is released in the next", "[febio]") {

@@ -12,14 +12,16 @@ using Catch::Matchers::Contains;
 namespace {
 
 /// Why the strategy cannot run on the body, or its name.
-std::string chosen(const std::string& body, const std::string& strategy, const std::string& volume) {
+std::string chosen(const std::string& body, const std::string& strategy, const std::string& volume,
+                   const std::string& nu = "0.45") {
   static const Catalog catalog = built_in_catalog();
   const TemporaryFolder folder;
   const auto scene =
       load_scene(folder.write("scene.yaml", "title: a block\nbody: {" + body +
-                                                "}\nmaterial: {youngs_modulus: 5 kPa, poissons_ratio: 0.45}\n"
+                                                "}\nmaterial: {youngs_modulus: 5 kPa, poissons_ratio: " + nu +
+                                                "}\n"
                                                 "stiffness: {strategy: " +
-                                                strategy + ", volume: " + volume +
+                                                strategy + (volume.empty() ? "" : ", volume: " + volume) +
                                                 "}\nexperiment: {kind: tension, axis: z, strain: 1 %}\n"),
                  catalog);
   const std::string why = scene->stiffness.strategy.unsuited(scene->specimen.body);
@@ -52,4 +54,35 @@ TEST_CASE("volume: chooses what the cells have to keep their volume", "[scene]")
                     Contains("scene.yaml") && Contains("mean_dilatation"));
   CHECK_THROWS_WITH(chosen(lattice + "2}", with, "automatic"), Contains("has a volume term already"));
   CHECK_THROWS_WITH(chosen(lattice + "2}", "st_venant_kirchhoff", "automatic"), Contains("volume term goes with"));
+}
+
+TEST_CASE("a law in `stiffness` does not lock unless the scene says so", "[scene]") {
+  const std::string tetrahedra = "tetrahedra: {kind: kuhn, cubes: [1, 1, 1], size: [5 mm, 5 mm, 5 mm], order: ",
+                    lattice = "lattice: {kind: cubic, molecules: [2, 2, 2], spacing: 5 mm, order: ",
+                    with = "neo_hookean+volume";
+  for (const std::string& body : {tetrahedra, lattice})
+    for (const std::string order : {"1}", "2}"}) {
+      INFO(body + order);
+      CHECK(chosen(body + order, "neo_hookean", "") == with);
+      CHECK(chosen(body + order, "neo_hookean", "", "0.499") == with);
+      CHECK(chosen(body + order, "neo_hookean", "", "0.4") == "neo_hookean");
+      CHECK(chosen(body + order, "neo_hookean", "none") == "neo_hookean");
+    }
+  CHECK(chosen(lattice + "2}", "st_venant_kirchhoff", "") == "st_venant_kirchhoff");  // its energy has no volume part
+  CHECK(chosen(tetrahedra + "1}", "van_gelder", "") == "van_gelder");
+  CHECK(chosen(tetrahedra + "1}", with, "") == with);
+
+  static const Catalog catalog = built_in_catalog();
+  const TemporaryFolder folder;
+  const auto scene = load_scene(
+      folder.write("scene.yaml", "title: a block\nbody: {" + tetrahedra +
+                                     "1}}\nmaterial: {youngs_modulus: 5 kPa, poissons_ratio: 0.45}\n"
+                                     "stiffness: {strategy: neo_hookean, label: soft}\nstrategies: [neo_hookean]\n"
+                                     "experiment: {kind: tension, axis: z, strain: 1 %}\n"),
+      catalog);
+  CHECK(scene->stiffness.label == "soft");
+  CHECK(scene->stiffness.strategy.name == with);
+  CHECK(scene->strategies.at(0).strategy.name == "neo_hookean");  // a comparison compares what it names
+  REQUIRE(scene->notes.size() == 1);
+  CHECK_THAT(scene->notes[0], Contains(with) && Contains("volume: none"));
 }

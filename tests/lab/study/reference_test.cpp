@@ -132,6 +132,18 @@ TEST_CASE("a membrane is refined by its own law", "[reference]") {
   CHECK_THAT(modulus.source, Contains("neo_hookean_membrane on 16 to"));
 }
 
+TEST_CASE("who waits for a reference is told how long the next body may take", "[reference]") {
+  const Written bar(block(kBar, kRubber, "displacement: 0.1 mm, " + kClamped, kSmall));
+  ReferenceStore store;
+  std::vector<std::string> said;
+  compute_references(*bar.load(), built_in_catalog(), {}, store,
+                     [&](const std::string& doing) { said.push_back(doing); }, {});
+  REQUIRE(said.size() >= 3);
+  CHECK_THAT(said[0], !Contains("up to"));  // nothing is known yet
+  CHECK_THAT(said[1], Contains(", up to ") && !Contains("known to"));
+  CHECK_THAT(said[2], Contains(", up to ") && Contains("known to") && Contains("target 0.1 %"));
+}
+
 TEST_CASE("a prism with sliding grips shows the material and has no computed reference", "[reference]") {
   const Written prism(block(kBar, kRubber, "displacement: 0.1 mm"));
   CHECK_FALSE(wants_computed_references(*prism.load(), ""));
