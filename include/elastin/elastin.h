@@ -34,6 +34,7 @@
 #include "elastin/core/forces/volume.h"
 #include "elastin/core/geometry/cell_kind.h"
 #include "elastin/core/geometry/cells.h"
+#include "elastin/core/geometry/numbering.h"
 #include "elastin/core/geometry/pose.h"
 #include "elastin/core/laws/any_law.h"
 #include "elastin/core/laws/cell_kernel.h"
