@@ -89,7 +89,7 @@ struct PointKernel {
   using Edges = Tensor<dimensions>;
 
   /// T M Tᵀ of a symmetric M. In space the first two rows go together, as processors multiply two numbers at once.
-  [[gnu::always_inline]] static Edges congruent(const Edges& T, const Edges& M) {
+  static Edges congruent(const Edges& T, const Edges& M) {
     Edges result;
     if constexpr (dimensions == 3) {
       Eigen::Vector2d top[3], first[3], column[3];

@@ -170,7 +170,7 @@ struct Dilatation {
   bool flat;         ///< whether det C is that small
 
   /// With the cofactors of A: adj(I + A) = (1 + tr A) I − A + adj A.
-  [[gnu::always_inline]] explicit Dilatation(const Matrix3& A) {
+  explicit Dilatation(const Matrix3& A) {
     const double xx = A(1, 1) * A(2, 2) - A(2, 1) * A(2, 1), yy = A(0, 0) * A(2, 2) - A(2, 0) * A(2, 0),
                  zz = A(0, 0) * A(1, 1) - A(1, 0) * A(1, 0), xy = A(2, 0) * A(2, 1) - A(1, 0) * A(2, 2),
                  xz = A(1, 0) * A(2, 1) - A(2, 0) * A(1, 1), yz = A(1, 0) * A(2, 0) - A(0, 0) * A(2, 1);
@@ -203,7 +203,7 @@ struct Strained {
   Dilatation volume;
   double root;  ///< (det C)^(−⅓)
 
-  [[gnu::always_inline]] Strained(const Matrix3& strain) : A(strain), volume(strain) {  // NOLINT: what laws are given
+  Strained(const Matrix3& strain) : A(strain), volume(strain) {  // NOLINT: what laws are given
     root = inverse_cube_root(1 + volume.excess);
   }
   operator const Matrix3&() const { return A; }
