@@ -277,24 +277,21 @@ class BlockCells final : public Elasticity, public LocalElasticity {
     }
   }
 
-  void visit_diagonal(const DiagonalVisitor& visit) const override {
-    for (int cell = 0; cell < block_.size(); ++cell) {
-      std::array<Matrix3, kMostNodes> own;
-      own.fill(Matrix3::Zero());
-      for (int g = 0; g < points_; ++g)
-        for (int a = 0; a < kind_.nodes; ++a) {
-          const Acting at = acting(now(cell, g), slope(cell, g, a));
-          add_pair(at, at, own[static_cast<std::size_t>(a)]);
-        }
-      if constexpr (d == 3)
-        if (!volume_.empty()) {
-          const std::vector<PressureGradient> G = pressure_gradients(cell);
-          for (int a = 0; a < kind_.nodes; ++a)
-            add_pressures(G[static_cast<std::size_t>(a)], stiffness_of_pressures_[static_cast<std::size_t>(cell)],
-                          G[static_cast<std::size_t>(a)], own[static_cast<std::size_t>(a)]);
-        }
-      const auto nodes = block_.cell(cell);
-      for (int a = 0; a < kind_.nodes; ++a) visit(nodes[static_cast<std::size_t>(a)], own[static_cast<std::size_t>(a)]);
+  void visit_diagonal(const DiagonalVisitor& visit, Workspace& workspace) const override {
+    constexpr int most_cells = 512;  // at once
+    const int n = kind_.nodes;
+    auto blocks = workspace.buffer(Workspace::diagonals, 6 * n * std::min(most_cells, block_.size()))
+                      .reshaped(6, Eigen::AutoSize);
+    for (int first = 0; first < block_.size(); first += most_cells) {
+      const int count = std::min(most_cells, block_.size() - first);
+      parallel_for(
+          count, [&](int i) { set_diagonal(first + i, blocks.middleCols(i * n, n)); }, 1);
+      for (int i = 0; i < count * n; ++i) {
+        const UpperTriangle own = blocks.col(i);
+        Matrix3 block;
+        block << own[0], own[1], own[2], own[1], own[3], own[4], own[2], own[4], own[5];
+        visit(block_.nodes[static_cast<std::size_t>(first * n + i)], block);
+      }
     }
   }
 
@@ -379,6 +376,8 @@ class BlockCells final : public Elasticity, public LocalElasticity {
   using Pressures = Eigen::Matrix<double, kMostPressures, 1>;
   using PressureMatrix = Eigen::Matrix<double, kMostPressures, kMostPressures>;
   using PressureGradient = Eigen::Matrix<double, 3, kMostPressures>;  ///< ∂(∫ φ_k J)/∂x of one node
+  using UpperTriangle = Eigen::Matrix<double, 6, 1>;                  ///< xx xy xz yy yz zz
+  using UpperTriangles = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
   struct Rest {
     Square inverse;  ///< of ∂X/∂ξ, in the frame of the point
@@ -663,6 +662,47 @@ class BlockCells final : public Elasticity, public LocalElasticity {
   static void add_pair(const Acting& a, const Acting& b, Matrix3& block) {
     block.noalias() += 0.5 * (a.V.transpose() * b.DV);
     block.diagonal().array() += a.B.dot(b.SB);
+  }
+  /// The upper triangles of the diagonal blocks of a cell's nodes, a column each. Those of one point are
+  /// Σ_pq B_p B_q A_pq, A_pq = 2 Σ_rs F_r D_pr,qs F_sᵀ + S_pq: A_pq + A_qp is found once for all nodes.
+  void set_diagonal(int cell, Eigen::Ref<UpperTriangles> blocks) const {
+    blocks.setZero();
+    constexpr auto order = components<d>();
+    for (int g = 0; g < points_; ++g) {
+      const Now& now = this->now(cell, g);
+      std::array<UpperTriangle, kComponents> A;
+      for (std::size_t k = 0; k < order.size(); ++k) {
+        const auto [p, q] = order[k];
+        Square between;
+        for (int r = 0; r < d; ++r)
+          for (int s = 0; s < d; ++s) {
+            between(r, s) = now.D(component(p, r), component(q, s));
+            if (p != q) between(r, s) += now.D(component(q, r), component(p, s));
+          }
+        const double along = p == q ? now.S(p, p) : now.S(p, q) + now.S(q, p);
+        const Matrix3 block = 2 * now.F * between * now.F.transpose() + along * Matrix3::Identity();
+        A[k] = upper_triangle(block);
+      }
+      for (int a = 0; a < kind_.nodes; ++a) {
+        const Direction B = slope(cell, g, a);
+        for (std::size_t k = 0; k < order.size(); ++k) blocks.col(a) += B[order[k][0]] * B[order[k][1]] * A[k];
+      }
+    }
+    if constexpr (d == 3)
+      if (!volume_.empty()) {
+        const std::vector<PressureGradient> G = pressure_gradients(cell);
+        for (int a = 0; a < kind_.nodes; ++a) {
+          Matrix3 block = Matrix3::Zero();
+          add_pressures(G[static_cast<std::size_t>(a)], stiffness_of_pressures_[static_cast<std::size_t>(cell)],
+                        G[static_cast<std::size_t>(a)], block);
+          blocks.col(a) += upper_triangle(block);
+        }
+      }
+  }
+  /// Where C_ij is among the components.
+  static constexpr int component(int i, int j) { return i == j ? i : i + j + d - 1; }
+  static UpperTriangle upper_triangle(const Matrix3& block) {
+    return {block(0, 0), block(0, 1), block(0, 2), block(1, 1), block(1, 2), block(2, 2)};
   }
   static void add_pressures(const PressureGradient& a, const PressureMatrix& Q, const PressureGradient& b,
                             Matrix3& block) {

@@ -69,8 +69,8 @@ class Prony final : public Elasticity {
       visit(gradient, relaxing_.factor() * factor);
     });
   }
-  void visit_diagonal(const DiagonalVisitor& visit) const override {
-    elastic_->visit_diagonal([&](int a, const Matrix3& block) { visit(a, relaxing_.factor() * block); });
+  void visit_diagonal(const DiagonalVisitor& visit, Workspace& workspace) const override {
+    elastic_->visit_diagonal([&](int a, const Matrix3& block) { visit(a, relaxing_.factor() * block); }, workspace);
   }
 
   std::vector<HistoryBlock> history(const std::string& name) const override {

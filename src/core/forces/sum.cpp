@@ -124,8 +124,8 @@ class Sum final : public Elasticity {
     for (const auto& term : terms_) whole &= term->visit_gradients(visit);
     return whole;
   }
-  void visit_diagonal(const DiagonalVisitor& visit) const override {
-    for (const auto& term : terms_) term->visit_diagonal(visit);
+  void visit_diagonal(const DiagonalVisitor& visit, Workspace& workspace) const override {
+    for (const auto& term : terms_) term->visit_diagonal(visit, workspace);
   }
 
  private:

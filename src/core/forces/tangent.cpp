@@ -1,10 +1,26 @@
 #include "elastin/core/forces/tangent.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/forces/graph.h"
+#include "elastin/core/shapes/cell_shape.h"
 
 namespace elastin {
+namespace {
+
+/// Of each node of a cell, its sides to the others.
+template <int n>
+constexpr auto sides_at_nodes() {
+  std::array<std::array<int, n - 1>, n> sides{};
+  for (int a = 0, pair = 0; a < n; ++a)
+    for (int b = a + 1; b < n; ++b, ++pair) sides[a][b - 1] = sides[b][a] = pair;
+  return sides;
+}
+template <int n>
+constexpr auto kSidesAt = sides_at_nodes<n>();
+
+}  // namespace
 
 Tangent::Tangent(Model& model, const State& state, const Weights& weights) : model_(model) {
   linearise_at(state, weights);
@@ -147,16 +163,16 @@ void Tangent::visit_other_diagonal(const std::function<void(int, const Matrix3&)
       if (a == b) visit(a, block);
     });
   const auto nothing = [](std::span<const std::pair<int, Vector3>>, double) {};
+  Workspace workspace;
   for (const auto& term : model_.elasticity()) {
     if (term->visit_gradients(nothing)) continue;
-    term->visit_diagonal(visit);
+    term->visit_diagonal(visit, workspace);
   }
 }
 
 /// visit_blocks gives the same; but few of its blocks are on the diagonal, and every solve needs these.
 void Tangent::set_diagonal() {
   const Body& body = model_.body();
-  const auto& ends = body.connections.ends;
   diagonal_.assign(static_cast<std::size_t>(body.size()), Six::Zero());
   const auto add = [&](int a, const Matrix3& block) {
     diagonal_[static_cast<std::size_t>(a)] +=
@@ -171,32 +187,45 @@ void Tangent::set_diagonal() {
                s.y() * d.y() + density, s.y() * d.z(), s.z() * d.z() + density};
   });
   const auto add_cells = [&](const CellSlopes& cells) {
-    for (int cell = 0; cell < cells.size(); ++cell) {
-      const auto connections = cells.connections_of(cell);
-      const double* slopes = cells.slopes_of(cell);
-      for (const int c : connections) {
-        // Of one side all that the cell's sides make of it: Σ over those with which it shares a molecule.
-        for (const int end : {0, 1}) {
-          const int molecule = ends[c][end];
-          Vector3 sum = Vector3::Zero();
-          for (std::size_t other = 0; other < connections.size(); ++other) {
-            const auto& [first, second] = ends[connections[other]];
-            if (first != molecule && second != molecule) continue;
-            const double sign = ends[connections[other]][end] == molecule ? 1 : -1;
-            sum += sign * slopes[other] * link(connections[other]).d;
-          }
-          add(molecule, 2 * cells.factor * link(c).d * sum.transpose());
-        }
-        slopes += connections.size();
-      }
-    }
+    cells.sides == 3 ? add_diagonal_of<3>(cells) : add_diagonal_of<4>(cells);
   };
   visit_cells(std::ref(add_cells));  // a function that holds it would ask for memory
   const BlockVisitor add_own = [&](int a, int b, const Matrix3& block) {
     if (a == b) add(a, block);
   };
   for (const auto& load : model_.loads()) load->visit_blocks(*state_, weights_.velocity, add_own);
-  for (const auto& term : model_.elasticity()) term->visit_diagonal(std::ref(add));
+  for (const auto& term : model_.elasticity()) term->visit_diagonal(std::ref(add), workspace_);
+}
+
+/// Of cells: 2 Σ_bc ∂q_ab/∂s_ac d_ab d_acᵀ. Each range of molecules goes through all cells in order and adds to its own
+/// alone, so that the bits do not hang on the number of threads.
+template <int n>
+void Tangent::add_diagonal_of(const CellSlopes& cells) {
+  constexpr int sides = pairs_of(n);
+  const int molecules = model_.body().size(), ranges = cells.size() < kMoleculeThreshold ? 1 : threads();
+  auto add_to_range = [&](int range) {
+    const auto border = [&](int number) {
+      return static_cast<int>(static_cast<long long>(molecules) * number / ranges);
+    };
+    const int begin = border(range), end = border(range + 1);
+    for (int cell = 0; cell < cells.size(); ++cell) {
+      const int* nodes = cells.nodes.data() + static_cast<std::ptrdiff_t>(cell) * n;
+      const Eigen::Map<const Eigen::Matrix<double, sides, sides, Eigen::RowMajor>> slopes(cells.slopes_of(cell));
+      for (int a = 0; a < n; ++a) {
+        if (nodes[a] < begin || nodes[a] >= end) continue;
+        Eigen::Matrix<double, 3, n - 1> d;
+        Eigen::Matrix<double, n - 1, n - 1> own;
+        for (int b = 0; b < n - 1; ++b)
+          d.col(b) = positions().col(nodes[a]) - positions().col(nodes[b < a ? b : b + 1]);
+        for (int b = 0; b < n - 1; ++b)
+          for (int c = 0; c < n - 1; ++c) own(b, c) = slopes(kSidesAt<n>[a][b], kSidesAt<n>[a][c]);
+        const Matrix3 block = 2 * cells.factor * d * own * d.transpose();
+        diagonal_[static_cast<std::size_t>(nodes[a])] +=
+            Six{block(0, 0), block(0, 1), block(0, 2), block(1, 1), block(1, 2), block(2, 2)};
+      }
+    }
+  };
+  parallel_for(ranges, add_to_range, 1);
 }
 
 }  // namespace elastin

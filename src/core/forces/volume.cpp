@@ -194,7 +194,7 @@ class Volume final : public Elasticity {
     return true;
   }
 
-  void visit_diagonal(const DiagonalVisitor& visit) const override {
+  void visit_diagonal(const DiagonalVisitor& visit, Workspace&) const override {
     GradientWorkspace workspace;
     for (int group = 0; group < groups_.size(); ++group)
       for (const auto& [molecule, gradient] : group_gradient(group, workspace))

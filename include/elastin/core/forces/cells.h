@@ -144,7 +144,9 @@ class SimplexCells : public Elasticity, public LocalElasticity {
         change_of_force_densities, workspace);
   }
   void visit_cells(const CellVisitor& visit) const override {
-    if (!slopes_.empty()) visit({sides, graph_.slot_connection, slopes_.front().data()});
+    if (slopes_.empty()) return;
+    const auto& cells = Shape::in(body_);
+    visit({sides, {cells.front().data(), cells.size() * nodes}, graph_.slot_connection, slopes_.front().data()});
   }
 
  protected:

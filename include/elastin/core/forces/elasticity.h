@@ -21,7 +21,7 @@ class LocalElasticity;
 /// allocate nothing after the first.
 class Workspace {
  public:
-  enum Use { slots, cells, groups, changes };
+  enum Use { slots, cells, groups, changes, diagonals };
   /// Memory for `size` numbers, with whatever was left there.
   Eigen::Map<VectorX> buffer(Use use, Eigen::Index size) { return grown(numbers_[use], size); }
   /// The same for each part of a parallel pass.
@@ -42,13 +42,14 @@ class Workspace {
     if (numbers.size() < size) numbers.resize(size);
     return {numbers.data(), size};
   }
-  VectorX numbers_[4];
+  VectorX numbers_[5];
   std::vector<VectorX> range_buffers_;
 };
 
-/// Cells of one shape whose connections influence each other, one after the other, with their slopes ∂q/∂s [N/m³].
+/// Triangles or tetrahedra whose connections influence each other, one after the other, with their slopes ∂q/∂s [N/m³].
 struct CellSlopes {
-  int sides;                         ///< connections of each cell
+  int sides;                         ///< connections of each: all pairs of its nodes, order 01 02 … 12 …
+  std::span<const int> nodes;        ///< of all cells
   std::span<const int> connections;  ///< of all cells
   const double* slopes;              ///< sides × sides a cell, row by row, rows = whose q
   double factor = 1;                 ///< of all slopes
@@ -145,7 +146,7 @@ class Elasticity {
   virtual void visit_points(const PointVisitor&) const {}
   /// Calls visit(a, part) for parts of the diagonal ones of those blocks.
   using DiagonalVisitor = std::function<void(int a, const Matrix3& block)>;
-  virtual void visit_diagonal(const DiagonalVisitor&) const {}
+  virtual void visit_diagonal(const DiagonalVisitor&, Workspace&) const {}
 
   /// Adds the sums over elements that this law is, see laws/local.h; they live as long as it does. False, and nothing
   /// added, where it is none: where it has no energy, or remembers.

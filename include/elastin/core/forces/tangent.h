@@ -89,6 +89,8 @@ class Tangent {
   void apply_links(const Positions& motion, Positions& result, ApplyWorkspace& workspace) const;
   void visit_local_blocks(const BlockVisitor& visit) const;
   void set_diagonal();
+  template <int nodes>
+  void add_diagonal_of(const CellSlopes& cells);
   Model& model_;
   const State* state_ = nullptr;
   Weights weights_;
