@@ -18,7 +18,7 @@ namespace {
 const BoxHierarchy* chosen_boxes(const Model& model, SharedSetting& setting, const StaticOptions& options,
                                  double tolerance, std::string& reason) {
   bool wanted = options.method->name == "multigrid";
-  if (!options.method->make) std::tie(wanted, reason) = multigrid_is_worth_it(model.body(), tolerance);
+  if (!options.method->make) std::tie(wanted, reason) = multigrid_is_worth_it(model, tolerance);
   if (!wanted) return nullptr;
   if (!setting.boxes) setting.boxes = std::make_unique<BoxHierarchy>(model.body(), setting.body);
   return setting.boxes.get();

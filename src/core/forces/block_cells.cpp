@@ -46,7 +46,7 @@ double swelling_of(const Matrix3& H) {
 }
 
 template <int d>
-class BlockCells final : public Elasticity, public LocalElasticity {
+class BlockCells final : public Elasticity, public LocalElasticity, public StiffPoints {
   using Gradient = Eigen::Matrix<double, 3, d>;  ///< F, δF, F S
   using Square = Eigen::Matrix<double, d, d>;
   using Direction = Eigen::Matrix<double, d, 1>;
@@ -319,24 +319,28 @@ class BlockCells final : public Elasticity, public LocalElasticity {
     return true;
   }
 
-  void visit_points(const PointVisitor& visit) const override {
-    Eigen::MatrixXd stiffness(3 * d, 3 * d);
-    for (int cell = 0; cell < block_.size(); ++cell) {
-      const NodeVectors own = gathered(body_.rest, cell);
-      for (int g = 0; g < points_; ++g) {
-        std::array<Acting, d> at;
-        for (int p = 0; p < d; ++p) at[static_cast<std::size_t>(p)] = acting(now(cell, g), Direction::Unit(p));
-        for (int p = 0; p < d; ++p)
-          for (int q = 0; q < d; ++q) {
-            Matrix3 block = Matrix3::Zero();
-            add_pair(at[static_cast<std::size_t>(p)], at[static_cast<std::size_t>(q)], block);
-            stiffness.block<3, 3>(3 * p, 3 * q) = block;
-          }
-        Vector3 place = Vector3::Zero();
-        for (int a = 0; a < kind_.nodes; ++a) place += kind_.values(a, g) * own.col(a);
-        visit(place, frame(cell, g), stiffness);
+  void visit_points(const PointsVisitor& visit) const override { visit(*this); }
+  int stiff_points() const override { return static_cast<int>(now_.size()); }
+  Vector3 place_of(int point) const override {
+    const int cell = point / points_, g = point % points_;
+    const NodeVectors own = gathered(body_.rest, cell);
+    Vector3 place = Vector3::Zero();
+    for (int a = 0; a < kind_.nodes; ++a) place += kind_.values(a, g) * own.col(a);
+    return place;
+  }
+  Stiffness stiffness_at(int point) const override {
+    const int cell = point / points_, g = point % points_;
+    std::array<Acting, d> at;
+    for (int p = 0; p < d; ++p) at[static_cast<std::size_t>(p)] = acting(now(cell, g), Direction::Unit(p));
+    Stiffness found{frame(cell, g), {}};
+    found.stiffness.resize(3 * d, 3 * d);
+    for (int p = 0; p < d; ++p)
+      for (int q = 0; q < d; ++q) {
+        Matrix3 block = Matrix3::Zero();
+        add_pair(at[static_cast<std::size_t>(p)], at[static_cast<std::size_t>(q)], block);
+        found.stiffness.template block<3, 3>(3 * p, 3 * q) = block;
       }
-    }
+    return found;
   }
 
   bool soften(const Softening& softening) override {

@@ -68,7 +68,7 @@ class Sum final : public Elasticity {
   void show(const Positions& positions, VectorX& force_densities, const StateVisitor& visit) const override {
     for (const auto& term : terms_) term->show(positions, force_densities, visit);
   }
-  void visit_points(const PointVisitor& visit) const override {
+  void visit_points(const PointsVisitor& visit) const override {
     for (const auto& term : terms_) term->visit_points(visit);
   }
   std::vector<HistoryBlock> history(const std::string& name) const override {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/dense.h"
@@ -115,6 +116,14 @@ Sorted sorted_by_box(const BoxGrid& grid, const std::vector<int>& outline_boxes)
   return sorted;
 }
 
+/// Where a cell counts as being: the middle of its sides.
+Vector3 middle_of(const Body& body, const CellSlopes& cells, int cell) {
+  Vector3 sum = Vector3::Zero();
+  for (const int c : cells.connections_of(cell))
+    for (const int end : body.connections.ends[static_cast<std::size_t>(c)]) sum += body.rest.col(end);
+  return sum / (2 * cells.sides);
+}
+
 class Assembly {
  public:
   Assembly(const Tangent& tangent, BoxLevel& level)
@@ -124,61 +133,21 @@ class Assembly {
         grid_(level.grid()),
         stiffness_(VectorX::Zero(grid_.boxes())) {}
 
-  /// Layers touch the points between them: every second at a time.
   void add_links(const Sorted& links) {
-    for (const int colour : {0, 1})
-      parallel_for((grid_.layers() + 1 - colour) / 2,
-                   [&](int half) {
-                     const int layer = 2 * half + colour;
-                     for (int box = grid_.first_box(layer); box < grid_.first_box(layer + 1); ++box)
-                       add_links(links, box);
-                   },
-                   2);
+    for_each_box([&](int box) { add_links(links, box); });
   }
 
   /// The energy Σ slopes δs δs / 4 … of a cell's sides, δs = 2 d·δd, as Tangent has it.
-  void add_cells(const CellSlopes& cells) {
-    Eigen::MatrixXf change(cells.sides, 3 * kCorners), slope(cells.sides, cells.sides);
-    for (int cell = 0; cell < cells.size(); ++cell)
-      add_cell(cells.factor, cells.connections_of(cell), cells.slopes_of(cell), change, slope);
-  }
-  void add_cell(double weight, std::span<const int> sides, const double* slopes, Eigen::MatrixXf& change,
-                Eigen::MatrixXf& slope) {
-    Vector3 middle = Vector3::Zero();
-    for (const int c : sides)
-      for (const int end : body_.connections.ends[static_cast<std::size_t>(c)])
-        middle += body_.rest.col(end) / (2 * static_cast<double>(sides.size()));
-    const BoxGrid::Location location = grid_.locate(middle);
-    const auto count = static_cast<Eigen::Index>(sides.size());
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const int c = sides[static_cast<std::size_t>(i)];
-      const Corners along = slopes_along(location.at, grid_.along(rest_vector(c)).cast<float>());
-      const Eigen::RowVector3f d = tangent_.link(c).d.cast<float>().transpose();
-      for (int corner = 0; corner < kCorners; ++corner) change.block<1, 3>(i, 3 * corner) = along[corner] * d;
-      for (Eigen::Index j = 0; j < count; ++j) slope(i, j) = static_cast<float>(2 * weight * slopes[i * count + j]);
-    }
-    add_box(location.box, change.transpose() * slope * change);
+  void add_cells(const CellSlopes& cells, const Sorted& by_box) {
+    for_each_box([&](int box) {
+      for (int at = by_box.start[box]; at < by_box.start[box + 1]; ++at) add_cell(cells, by_box.items[at], box);
+    });
   }
 
-  /// What a law stores at a quadrature point: ½ Hᵀ stiffness H of the gradient H in the frame's axes.
-  void add_point(const Vector3& place, const Eigen::Ref<const Eigen::Matrix3Xd>& frame,
-                 const Eigen::Ref<const Eigen::MatrixXd>& stiffness) {
-    const BoxGrid::Location location = grid_.locate(place);
-    if (location.box < 0) return;
-    const Eigen::Index axes = frame.cols();
-    std::array<Corners, 3> along;
-    for (Eigen::Index p = 0; p < axes; ++p)
-      along[static_cast<std::size_t>(p)] = slopes_along(location.at, grid_.along(frame.col(p)).cast<float>());
-    Eigen::Matrix<float, 3 * kCorners, 3 * kCorners> box = Eigen::Matrix<float, 3 * kCorners, 3 * kCorners>::Zero();
-    for (Eigen::Index p = 0; p < axes; ++p)
-      for (Eigen::Index q = 0; q < axes; ++q) {
-        const Eigen::Matrix3f part = stiffness.block<3, 3>(3 * p, 3 * q).cast<float>();
-        for (int i = 0; i < kCorners; ++i)
-          for (int j = 0; j < kCorners; ++j)
-            box.block<3, 3>(3 * i, 3 * j) +=
-                (along[static_cast<std::size_t>(p)][i] * along[static_cast<std::size_t>(q)][j]) * part;
-      }
-    add_box(location.box, box);
+  void add_points(const StiffPoints& points, const Sorted& by_box) {
+    for_each_box([&](int box) {
+      for (int at = by_box.start[box]; at < by_box.start[box + 1]; ++at) add_point(points, by_box.items[at], box);
+    });
   }
 
   /// factor · (Σ g·x)² / 2
@@ -209,6 +178,8 @@ class Assembly {
     for (int corner = 0; corner < kCorners; ++corner) level_.sum(corners[corner]) += values[corner] * block;
   }
 
+  const BoxGrid& grid() const { return grid_; }
+
   void stabilise() {
     const Pairs table = stabilisation();
     for (int box = 0; box < grid_.boxes(); ++box)
@@ -219,6 +190,59 @@ class Assembly {
   }
 
  private:
+  static constexpr int kMostSides = 6;
+
+  /// Calls work(box) for each box of the grid. Layers touch the points between them: every second at a time.
+  template <class Work>
+  void for_each_box(Work&& work) {
+    for (const int colour : {0, 1})
+      parallel_for((grid_.layers() + 1 - colour) / 2,
+                   [&](int half) {
+                     const int layer = 2 * half + colour;
+                     for (int box = grid_.first_box(layer); box < grid_.first_box(layer + 1); ++box) work(box);
+                   },
+                   2);
+  }
+
+  void add_cell(const CellSlopes& cells, int cell, int box) {
+    Eigen::Matrix<float, 3 * kCorners, Eigen::Dynamic, Eigen::ColMajor, 3 * kCorners, kMostSides> change(3 * kCorners,
+                                                                                                         cells.sides);
+    Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostSides, kMostSides> slope(cells.sides,
+                                                                                                        cells.sides);
+    const auto sides = cells.connections_of(cell);
+    const double* slopes = cells.slopes_of(cell);
+    const BoxGrid::Location location = grid_.locate(middle_of(body_, cells, cell));
+    for (int i = 0; i < cells.sides; ++i) {
+      const int c = sides[i];
+      const Corners along = slopes_along(location.at, grid_.along(rest_vector(c)).cast<float>());
+      const Eigen::Vector3f d = tangent_.link(c).d.cast<float>();
+      for (int corner = 0; corner < kCorners; ++corner) change.block<3, 1>(3 * corner, i) = along[corner] * d;
+      for (int j = 0; j < cells.sides; ++j)
+        slope(i, j) = static_cast<float>(2 * cells.factor * slopes[i * cells.sides + j]);
+    }
+    const decltype(change) resisted = change.lazyProduct(slope);
+    add_box(box, resisted.lazyProduct(change.transpose()));
+  }
+
+  void add_point(const StiffPoints& points, int point, int number) {
+    const auto [frame, stiffness] = points.stiffness_at(point);
+    const BoxGrid::Location location = grid_.locate(points.place_of(point));
+    const Eigen::Index axes = frame.cols();
+    std::array<Corners, 3> along;
+    for (Eigen::Index p = 0; p < axes; ++p)
+      along[static_cast<std::size_t>(p)] = slopes_along(location.at, grid_.along(frame.col(p)).cast<float>());
+    Eigen::Matrix<float, 3 * kCorners, 3 * kCorners> box = Eigen::Matrix<float, 3 * kCorners, 3 * kCorners>::Zero();
+    for (Eigen::Index p = 0; p < axes; ++p)
+      for (Eigen::Index q = 0; q < axes; ++q) {
+        const Eigen::Matrix3f part = stiffness.block<3, 3>(3 * p, 3 * q).cast<float>();
+        for (int i = 0; i < kCorners; ++i)
+          for (int j = i; j < kCorners; ++j)
+            box.block<3, 3>(3 * i, 3 * j) +=
+                (along[static_cast<std::size_t>(p)][i] * along[static_cast<std::size_t>(q)][j]) * part;
+      }
+    add_box(number, box);
+  }
+
   Vector3 rest_vector(int c) const {
     const auto& [a, b] = body_.connections.ends[static_cast<std::size_t>(c)];
     return body_.rest.col(b) - body_.rest.col(a);
@@ -311,17 +335,19 @@ GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports,
   });
   for (const int box : of_molecule) grid.use(box);
   for (const int box : of_link) grid.use(box);
+  std::vector<std::vector<int>> of_elements;  // cells, then points, of each law and shape
+  const auto used_boxes = [&](int count, const auto& place_of) {
+    auto& boxes = of_elements.emplace_back(static_cast<std::size_t>(count));
+    parallel_for(count, [&](int i) { boxes[static_cast<std::size_t>(i)] = grid.outline_box(place_of(i)); });
+    for (const int box : boxes) grid.use(box);
+  };
   tangent.visit_cells([&](const CellSlopes& cells) {
-    for (int cell = 0; cell < cells.size(); ++cell) {
-      Vector3 middle = Vector3::Zero();
-      for (const int c : cells.connections_of(cell))
-        for (const int end : body.connections.ends[static_cast<std::size_t>(c)])
-          middle += body.rest.col(end) / (2 * static_cast<double>(cells.sides));
-      grid.use(grid.outline_box(middle));
-    }
+    used_boxes(cells.size(), [&](int cell) { return middle_of(body, cells, cell); });
   });
   for (const auto& term : tangent.model().elasticity())
-    term->visit_points([&](const Vector3& place, const auto&, const auto&) { grid.use(grid.outline_box(place)); });
+    term->visit_points([&](const StiffPoints& points) {
+      used_boxes(points.stiff_points(), [&](int point) { return points.place_of(point); });
+    });
   grid.number();
 
   GridLevel grid_level;
@@ -338,14 +364,14 @@ GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports,
   grid_level.level = std::make_unique<BoxLevel>(std::move(grid));
   Assembly assembly(tangent, *grid_level.level);
   assembly.add_links(links);
-  tangent.visit_cells([&](const CellSlopes& cells) { assembly.add_cells(cells); });
+  auto next = of_elements.begin();
+  const auto next_sorted = [&] { return sorted_by_box(assembly.grid(), std::exchange(*next++, {})); };
+  tangent.visit_cells([&](const CellSlopes& cells) { assembly.add_cells(cells, next_sorted()); });
+  for (const auto& term : tangent.model().elasticity())
+    term->visit_points([&](const StiffPoints& points) { assembly.add_points(points, next_sorted()); });
   for (const auto& term : tangent.model().elasticity())
     term->visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double factor) {
       assembly.add_gradient(gradient, factor);
-    });
-  for (const auto& term : tangent.model().elasticity())
-    term->visit_points([&](const auto& place, const auto& axes, const auto& stiffness) {
-      assembly.add_point(place, axes, stiffness);
     });
   assembly.stabilise();
   add_at_molecules(tangent, supports, assembly);

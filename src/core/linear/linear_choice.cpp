@@ -28,10 +28,13 @@ double expected_iterations(const Body& body, double tolerance) {
   return 1.25 * connections_across(body) * digits_of(tolerance);
 }
 
-std::pair<bool, std::string> multigrid_is_worth_it(const Body& body, double tolerance) {
+std::pair<bool, std::string> multigrid_is_worth_it(const Model& model, double tolerance) {
+  const Body& body = model.body();
   const double across = connections_across(body);
-  // In iterations of single molecules' blocks, with half as much again before the change is worth it.
-  const bool worth_it = expected_iterations(body, tolerance) > 1.5 * (20 + 8 * digits_of(tolerance));
+  const bool cells = std::any_of(model.elasticity().begin(), model.elasticity().end(),
+                                 [](const auto& term) { return term->coupled() || term->at_nodes(); });
+  // In iterations of single molecules' blocks: of springs they cost so little that a coarse picture takes half as much.
+  const bool worth_it = expected_iterations(body, tolerance) > (cells ? 1 : 1.5) * (20 + 8 * digits_of(tolerance));
   const std::string size =
       counted(body.size(), "molecule") + ", " + std::to_string(std::lround(across)) + " connections from end to end";
   return {worth_it, size + (worth_it ? ": conjugate gradients alone would take many iterations" : " are not many")};
@@ -47,7 +50,7 @@ LinearChoice choose_linear_solver(const Tangent& tangent, LinearMethod requested
   if (body.size() <= kTinyBody && !moving) return {direct, counted(body.size(), "molecule") + " are few"};
   if (moving) return {pcg, ""};  // inertia keeps iterations few; a step has no memory for words
   if (!model.has_energy()) return {pcg, "the stiffness is not symmetric"};
-  const auto [worth_it, why] = multigrid_is_worth_it(body, tolerance);
+  const auto [worth_it, why] = multigrid_is_worth_it(model, tolerance);
   return {worth_it ? multigrid : pcg, why};
 }
 

@@ -16,7 +16,7 @@ struct LinearChoice {
 double expected_iterations(const Body& body, double tolerance);
 
 /// Whether conjugate gradients on a body at rest are quicker with a coarse picture of it than without, and why.
-std::pair<bool, std::string> multigrid_is_worth_it(const Body& body, double tolerance);
+std::pair<bool, std::string> multigrid_is_worth_it(const Model& model, double tolerance);
 
 /// What solves K x = b to this tolerance quickest: a factorisation for a handful of molecules; else conjugate
 /// gradients, with a coarse picture of the body where they would take many iterations without. Those are some ten for

@@ -62,6 +62,20 @@ struct CellSlopes {
   const double* slopes_of(int cell) const { return slopes + static_cast<std::ptrdiff_t>(cell) * sides * sides; }
 };
 
+/// Quadrature points with what a law stores there, as linearise() left it. May be asked by several threads at once.
+class StiffPoints {
+ public:
+  /// A motion whose gradient in the frame's axes is H, column after column, has the energy ½ Hᵀ stiffness H [J].
+  struct Stiffness {
+    Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 3> frame;
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 9, 9> stiffness;
+  };
+  virtual ~StiffPoints() = default;
+  virtual int stiff_points() const = 0;
+  virtual Vector3 place_of(int point) const = 0;  ///< at rest [m]
+  virtual Stiffness stiffness_at(int point) const = 0;
+};
+
 /// What one cell of a body feels in one state: means over it. Zero where the cell is flat, at rest or now.
 struct CellState {
   Matrix3 strain = Matrix3::Zero();  ///< Green–Lagrange E = (Fᵀ F − I) / 2; of a membrane, in the plane of its rest
@@ -139,11 +153,9 @@ class Elasticity {
   /// visit_blocks has more terms than these.
   using GradientVisitor = std::function<void(std::span<const std::pair<int, Vector3>> gradient, double factor)>;
   virtual bool visit_gradients(const GradientVisitor&) const { return true; }
-  /// Of what is at nodes, the same: calls visit(place, frame, stiffness) for the quadrature points, at rest. A motion
-  /// whose gradient there is H in the frame's axes, column after column, has the energy ½ Hᵀ stiffness H.
-  using PointVisitor = std::function<void(const Vector3& place, const Eigen::Ref<const Eigen::Matrix3Xd>& frame,
-                                          const Eigen::Ref<const Eigen::MatrixXd>& stiffness)>;
-  virtual void visit_points(const PointVisitor&) const {}
+  /// Of what is at nodes, the same: calls visit(points) for the quadrature points of each law and shape.
+  using PointsVisitor = std::function<void(const StiffPoints& points)>;
+  virtual void visit_points(const PointsVisitor&) const {}
   /// Calls visit(a, part) for parts of the diagonal ones of those blocks.
   using DiagonalVisitor = std::function<void(int a, const Matrix3& block)>;
   virtual void visit_diagonal(const DiagonalVisitor&, Workspace&) const {}
