@@ -1,3 +1,4 @@
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -64,7 +65,12 @@ lab::TensionSetup drawn_on(const lab::TensionSetup& scene, const Body& body, dou
 
 double ratio_of(const lab::Measures& measures) { return measures.get("poissons_ratio"); }
 
+/// A page that waits for one step answers to nothing else [s].
+constexpr int kLongestStep = 10;
+
 elastin_status advance(elastin_lab_test& test, elastin_lab_reading* out) {
+  using Clock = std::chrono::steady_clock;
+  test.options.stop = [end = Clock::now() + std::chrono::seconds(kLongestStep)] { return Clock::now() > end; };
   Drawing* drawing = test.drawings[test.now].get();
   if (drawing->done == drawing->steps) {
     if (test.now + 1 == test.drawings.size()) throw InputError("the test is over");
@@ -76,6 +82,9 @@ elastin_status advance(elastin_lab_test& test, elastin_lab_reading* out) {
     drawing->rig->set_load(static_cast<double>(++drawing->done) / drawing->steps);
     result = solve_static(drawing->simulation.model(), drawing->state, test.options);
   }
+  if (result.outcome == Outcome::interrupted)
+    return c::failed(ELASTIN_STOPPED,
+                     "a step of the test took more than 10 s, and the test was given up: pull less far");
   if (result.outcome != Outcome::converged) return c::failed(ELASTIN_STOPPED, result.cause.c_str());
   drawing->simulation.model().commit_step(drawing->state);
   const lab::Measures measures = drawing->rig->measure(drawing->start, drawing->state, test.options, result);

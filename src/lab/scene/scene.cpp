@@ -445,7 +445,8 @@ std::vector<KeySection> expectation_keys() {
         {"computed.uncertainty", "number", "", "1e-06 … 0.05", "0.001",
          "the body's cells are refined until the main measures are known to this"},
         {"computed.most_cells", "whole", "", "1 … 100000000", "1000000", "no body of more cells is solved"},
-        {"computed.seconds", "quantity", "s", "> 0", "300", "no body is solved that would probably take longer"},
+        {"computed.seconds", "quantity", "s", "> 0", "120",
+         "no body is solved that would probably take longer, and a finer one that does is given up"},
         {"computed.strategy", "word", "", "", "the material's own law",
          "the law that is refined; by default `neo_hookean` or `curve`, with `+volume` where ν > 0.4, of membranes "
          "`neo_hookean_membrane` or `curve_membrane`"}}},

@@ -33,7 +33,7 @@ struct ComputedReference {
   When when = When::by_default;
   double uncertainty = 1e-3;  ///< relative: it is refined until the main measures are known to this
   int most_cells = 1000000;   ///< no body of more cells is solved
-  double seconds = 300;       ///< no body is solved that would probably take longer
+  double seconds = 120;       ///< no body is solved that would probably take longer; one that does is given up
   std::string strategy;       ///< the law; empty = the material's own
 };
 

@@ -176,17 +176,20 @@ bool solve_from(const Positions& guess, const Scene& scene, const StrategyChoice
   rig.set_load(1);
   state.positions = guess;
   apply_supports(model, state.positions);
-  StaticResult solved = solve_static(model, state, options.statics);
+  StaticOptions statics = options.statics;
+  statics.newton_limit = std::min(statics.newton_limit, 30);  // a guess that needs more is none
+  StaticResult solved = solve_static(model, state, statics);
   for (int correction = 0; correction < 10 && solved.outcome == Outcome::converged && rig.adjust(state); ++correction)
-    solved = solve_static(model, state, options.statics);
+    solved = solve_static(model, state, statics);
   if (solved.outcome != Outcome::converged) return false;
   level.measures = rig.measure(start, state, options.statics, solved);
   level.positions = std::move(state.positions);
   return true;
 }
 
+/// `stop` is asked between iterations; a body that it ends has a trouble.
 Level solve_level(Scene& scene, const StrategyChoice& choice, const Positions& guess, double spacing,
-                  const std::function<void(const std::string&)>& progress) {
+                  const std::function<void(const std::string&)>& progress, const std::function<bool()>& stop) {
   const Timer timer;
   Level level;
   level.spacing = spacing;
@@ -197,6 +200,7 @@ Level solve_level(Scene& scene, const StrategyChoice& choice, const Positions& g
   options.statics.tolerance = std::max(options.statics.tolerance, kTolerance);
   options.keep_snapshots = options.last_snapshot = true;
   options.progress = progress;
+  options.stop = options.statics.stop = stop;
   if (guess.cols() != scene.specimen.body.size() || !solve_from(guess, scene, choice, options, level)) {
     Run run = run_strategy(scene.specimen, *scene.experiment, choice, options);
     if (!run.suited || run.outcome != Outcome::converged) level.trouble = run.cause;
@@ -289,7 +293,8 @@ class Sequence {
                                                    const std::string& before = {}) const;
   /// Where one body alone is affordable: how far its cells' order moves the measures says how well they are known.
   std::vector<Reference> limits_by_order(const Scene& scene, const StrategyChoice& choice,
-                                         const std::function<void(const std::string&)>& progress);
+                                         const std::function<void(const std::string&)>& progress,
+                                         const std::function<bool()>& stop);
   /// Why there is no finer body to solve, or "".
   std::string limit() const;
   /// How long the next body may take, and how well the measures are known by those before it: for who waits.
@@ -337,20 +342,21 @@ std::string Sequence::outlook(const std::vector<Reference>& references) const {
     if (find_measure(reference.measure).unit != dimension::none)
       least_known = std::max(least_known, reference.uncertainty);
   return fmt::format(", up to {}{}", readable_seconds(kGrowth * levels_.back().seconds),
-                     least_known > 0 ? fmt::format(" (known to {:.1g} %, target {:.1g} %)", 100 * least_known,
+                     least_known > 0 ? fmt::format(" (known to {:.2g} %, target {:.2g} %)", 100 * least_known,
                                                    100 * scene_.computed.uncertainty)
                                      : "");
 }
 
 std::vector<Reference> Sequence::limits_by_order(const Scene& scene, const StrategyChoice& choice,
-                                                 const std::function<void(const std::string&)>& progress) {
+                                                 const std::function<void(const std::string&)>& progress,
+                                                 const std::function<bool()>& stop) {
   // Cells of first order are off by four times as much or more, also at singular edges.
   constexpr double part = 1. / 3;
   const Body second = body_;
   body_ = with_order(second, 1);
   set_matter(body_, scene.specimen.material.density, scene.specimen.material.thickness, second.radius.mean());
   body_.mass *= second.mass.sum() / body_.mass.sum();
-  Level coarse = solve_level(*scene_on_body(), choice, {}, 2, of_level(progress));
+  Level coarse = solve_level(*scene_on_body(), choice, {}, 2, of_level(progress), stop);
   body_ = second;
   if (!coarse.trouble.empty()) return {};
   const std::vector<Level> both{std::move(coarse), levels_.front()};
@@ -387,7 +393,10 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
   for (double spacing = 1;; spacing /= 2) {
     const auto tell = of_level(progress, outlook(result.references));
     const auto scene = scene_on_body();
-    levels_.push_back(solve_level(*scene, choice, guess_, spacing, tell));
+    const Timer of_body;
+    const auto too_long = [&] { return of_body.seconds() > scene_.computed.seconds; };
+    levels_.push_back(solve_level(*scene, choice, guess_, spacing, tell,
+                                  [&] { return (stop && stop()) || (levels_.size() > 1 && too_long()); }));
     if (!levels_.back().trouble.empty()) {
       result.trouble =
           fmt::format("{} on {} {}: {}", law_, levels_.back().cells, kind_of_cells(body_), levels_.back().trouble);
@@ -397,17 +406,17 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
     result.references = limits_of(*scene, levels_, law_);
     if (known(result.references, levels_, scene_.computed.uncertainty)) break;
     if (const std::string why = limit(); !why.empty()) {
-      if (levels_.size() == 1) result.references = limits_by_order(*scene, choice, progress);
+      if (levels_.size() == 1) result.references = limits_by_order(*scene, choice, progress, stop);
       result.trouble = why + " (computed.most_cells, computed.seconds)";
       break;
     }
-    if (stop && stop()) {
-      result.trouble = "interrupted";
-      break;
-    }
+    if (stop && stop()) break;
     refine();
   }
-  if (!result.references.empty()) result.trouble.clear();
+  if (stop && stop())
+    result.trouble = "interrupted";
+  else if (!result.references.empty())
+    result.trouble.clear();
   for (Reference& reference : result.references) reference.seconds = timer.seconds();
   return result;
 }
