@@ -35,17 +35,24 @@ inline std::string bytes_of_base64(const std::string& text) {
 inline std::vector<double> numbers_of(const pugi::xml_node& array) {
   const std::string bytes = bytes_of_base64(array.text().get());
   REQUIRE(bytes.size() >= 24);
-  std::uint64_t head[4] = {};
-  std::memcpy(head, bytes.data(), std::min<std::size_t>(sizeof head, bytes.size()));
-  std::string data(head[0] ? head[1] : 0, '\0');
-  if (head[0]) {
-    REQUIRE(head[0] == 1);
-    REQUIRE(bytes.size() == 32 + head[3]);
-    uLongf size = data.size();
-    REQUIRE(uncompress(reinterpret_cast<Bytef*>(data.data()), &size, reinterpret_cast<const Bytef*>(bytes.data() + 32),
-                       head[3]) == Z_OK);
-    REQUIRE(size == data.size());
+  std::uint64_t head[3];  // blocks, bytes of each, bytes of the last or 0 where it is full
+  std::memcpy(head, bytes.data(), sizeof head);
+  REQUIRE(bytes.size() >= sizeof head + 8 * head[0]);
+  std::vector<std::uint64_t> packed(head[0]);
+  if (head[0]) std::memcpy(packed.data(), bytes.data() + sizeof head, 8 * packed.size());
+  std::size_t from = sizeof head + 8 * packed.size();
+  std::string data;
+  for (std::size_t block = 0; block < packed.size(); ++block) {
+    const std::size_t expected = block + 1 == packed.size() && head[2] ? head[2] : head[1], before = data.size();
+    REQUIRE(bytes.size() >= from + packed[block]);
+    data.resize(before + expected);
+    uLongf size = expected;
+    REQUIRE(uncompress(reinterpret_cast<Bytef*>(data.data() + before), &size,
+                       reinterpret_cast<const Bytef*>(bytes.data() + from), packed[block]) == Z_OK);
+    REQUIRE(size == expected);
+    from += packed[block];
   }
+  REQUIRE(bytes.size() == from);
   const std::string type = array.attribute("type").value();
   const auto read = [&]<class Number>(Number) {
     std::vector<double> values;

@@ -40,10 +40,11 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     const int coarse_limit = coarse ? most_coarse_iterations(tangent.model().body(), tolerance) : 0;
     // Single precision makes a little of any motion that nothing resists; its size would then be whatever it is.
     std::optional<RigidMotions> whole;
-    if (coarse) whole.emplace(tangent, supports);
-    Positions &r = r_, &z = z_, &p = p_, &kp = kp_;
+    // What a preconditioner makes of r stands where K p stood: each molecule's is read before it is written.
+    Positions &r = r_, &p = p_, &kp = kp_, &z = kp_;
+    if (coarse) whole.emplace(tangent, supports, p, kp);
     r = rhs;
-    z.resize(3, n), p.resize(3, n), kp.resize(3, n);
+    p.resize(3, n), kp.resize(3, n);
     x.setZero(3, n);
     // r·z and r·r in one pass; moved = 0 leaves x and r as they are.
     const auto advance = [&](double step) {
@@ -143,7 +144,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
   double pace_ = 0;  ///< iterations a digit with it when new
   // Kept from one solve to the next, so that steps in time ask for no memory.
   BlockInverses inverse_;
-  Positions r_, z_, p_, kp_, best_x_;
+  Positions r_, p_, kp_, best_x_;
   Tangent::ApplyWorkspace workspace_;
 };
 

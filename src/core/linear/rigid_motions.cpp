@@ -7,7 +7,8 @@
 
 namespace elastin {
 
-RigidMotions::RigidMotions(const Tangent& tangent, const std::vector<Support>& supports) {
+RigidMotions::RigidMotions(const Tangent& tangent, const std::vector<Support>& supports, Positions& motions,
+                           Positions& forces) {
   const Positions& positions = tangent.positions();
   middle_ = positions.rowwise().mean();
   size_ = (positions.rowwise().maxCoeff() - positions.rowwise().minCoeff()).norm();
@@ -23,7 +24,7 @@ RigidMotions::RigidMotions(const Tangent& tangent, const std::vector<Support>& s
   const SymmetricEigen eigen = symmetric_eigen(held);
   free_.resize(6, 0);
   const double stiffness = stiffness_scale(tangent);
-  Positions motions(3, positions.cols()), forces(3, positions.cols());
+  motions.resize(3, positions.cols()), forces.resize(3, positions.cols());
   for (int k = 0; k < 6; ++k) {
     if (eigen.values[k] > 1e-12 * std::max<double>(1, static_cast<double>(supports.size()))) continue;
     const Six candidate = eigen.vectors.col(k);

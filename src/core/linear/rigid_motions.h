@@ -8,7 +8,8 @@ namespace elastin {
 /// The motions as a whole that supports and forces leave to a body: up to three ways and three turns.
 class RigidMotions {
  public:
-  RigidMotions(const Tangent& tangent, const std::vector<Support>& supports);
+  /// `motions` and `forces` are room that the caller has no other use for yet.
+  RigidMotions(const Tangent& tangent, const std::vector<Support>& supports, Positions& motions, Positions& forces);
   bool empty() const { return free_.cols() == 0; }
   /// Takes them out of the motions [m] of things at these positions [m], both 3 × n.
   void remove_from(const Positions& positions, Positions& motions) const;

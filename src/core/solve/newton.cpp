@@ -36,17 +36,34 @@ LinearSolver& solver_of(const LinearMethod& method, bool symmetric, CachedSolver
 
 /// A way out of an equilibrium that is no minimum, which no force leads out of: a direction of negative stiffness, met
 /// on the way to the answer for a load that has a part in all of them. Null columns where there is none. By conjugate
-/// gradients, which meet it with any preconditioner; a factorisation would only count.
+/// gradients, which meet it with any preconditioner; a factorisation would only count. The solver of the last time is
+/// taken where it is of that kind, for two would need twice the memory; its coarse picture is made anew.
 Positions way_down(const Tangent& tangent, const std::vector<Support>& supports, const StaticOptions& options,
-                   int& iterations) {
+                   int& iterations, Positions& ignored, CachedSolver& cached) {
   constexpr double tolerance = 1e-5;
-  Positions load = scattered_directions(tangent.model().body().size()), ignored;
+  Positions load = scattered_directions(tangent.model().body().size());
   keep_free(supports, load);
   const LinearMethod method = choose_linear_solver(tangent, options.method, tolerance).method;
-  const auto solver = method->factorises || !method->needs_symmetry ? make_pcg() : method->make();
-  const LinearResult found = solver->solve(tangent, supports, load, tolerance, ignored);
+  cached.forget();
+  std::unique_ptr<LinearSolver> other;
+  if (method->factorises || !method->needs_symmetry)
+    other = make_pcg();
+  else if (!cached.solver || cached.method != method)
+    other = method->make();
+  LinearSolver& solver = other ? *other : *cached.solver;
+  LinearResult found = solver.solve(tangent, supports, load, tolerance, ignored);
+  cached.forget();
   iterations += found.iterations;
-  return found.negative_direction;
+  return std::move(found.negative_direction);
+}
+
+/// What the next trials need, and what the linear solve before them needs, is as large as the body: an equilibrium of
+/// many molecules has room for one of them at a time. Steps in time keep both, so that they ask for no memory.
+void forget_trials(const Kinematics* kinematics, NewtonWorkspace& workspace) {
+  if (!kinematics) workspace.trials = {};
+}
+void forget_tangent(const Kinematics* kinematics, NewtonWorkspace& workspace) {
+  if (!kinematics) workspace.tangent.reset();
 }
 
 /// A direction without stiffness has no length of its own: no molecule goes further than half its connections' mean.
@@ -180,6 +197,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
       break;
     }
     const Weights weights = kinematics ? kinematics->weights : Weights{};
+    forget_trials(kinematics, workspace);
     if (workspace.tangent && &workspace.tangent->model() == &model)
       workspace.tangent->linearise_at(now.state, weights);
     else
@@ -192,8 +210,10 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     if (now.forces.norm <= goal) {
       const bool probe = options.probe && !kinematics && problem.with_energy && saddles < kSaddles;
       if (!probe || !may_buckle(model.body(), now.state.positions)) break;
-      const Positions down = way_down(tangent, model.supports, options, result.linear_iterations);
+      const Positions down =
+          way_down(tangent, model.supports, options, result.linear_iterations, workspace.motion, workspace.solver);
       result.unstable = down.size() > 0;
+      forget_tangent(kinematics, workspace);
       if (!result.unstable || !stable_start || !leave_saddle(problem, down, now, workspace.trials)) break;
       ++saddles;
       last_saddle = result.newton_iterations;
@@ -229,6 +249,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
     // A full answer of an indefinite stiffness leads to a saddle of the energy: there only the force can be a guide.
     const bool to_saddle = linear.negative_modes > 0;
     bool inverted = false;
+    forget_tangent(kinematics, workspace);
     const bool found = motion.allFinite() &&
                        line_search(problem, motion, problem.with_energy && !to_saddle, now, inverted, workspace.trials);
     result.cut_steps += inverted;

@@ -17,17 +17,18 @@ void set_balance(const Problem& problem, const State& state, Balance& result, Tr
   result.scale = 0;
   // Each load by itself: together they may cancel, as a weight and the floor that it rests on.
   workspace.loads.setZero(3, n);
+  Positions& one = result.unbalanced;  // until all loads are known
   for (const auto& load : model.loads()) {
-    workspace.one.setZero(3, n);
-    load->add_forces(state, workspace.one);
-    result.scale += ordered_norm(workspace.one);
-    workspace.loads += workspace.one;
+    one.setZero(3, n);
+    load->add_forces(state, one);
+    result.scale += ordered_norm(one);
+    workspace.loads += one;
   }
   if (problem.kinematics) {
     model.set_forces(state, result.unbalanced, workspace.force_pass);
-    workspace.one = state.accelerations * model.body().mass.asDiagonal();  // inertia
-    result.unbalanced -= workspace.one;
-    result.scale += ordered_norm(workspace.one);
+    workspace.inertia = state.accelerations * model.body().mass.asDiagonal();
+    result.unbalanced -= workspace.inertia;
+    result.scale += ordered_norm(workspace.inertia);
   } else {
     result.unbalanced.setZero(3, n);
     model.add_elastic_forces(state.positions, result.unbalanced, workspace.force_pass);

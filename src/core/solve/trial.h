@@ -43,7 +43,7 @@ struct Trial {
 /// Room for what trials compute on the way; it only grows.
 struct TrialWorkspace {
   Trial next;
-  Positions loads, one, supported;
+  Positions loads, inertia, supported;
   VectorX force_densities;
   Workspace force_pass;
 };

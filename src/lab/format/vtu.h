@@ -2,42 +2,66 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <ostream>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace elastin::lab {
 
-/// Writes a VTU file's arrays packed by zlib, in base64: a tenth of their text, and still XML.
-///                                                                       [VTK File Formats, XML formats, "binary"]
+/// Writes a VTU file's arrays packed by zlib, in base64: a tenth of their text, and still XML. Numbers are packed block
+/// by block as they are made, so that no array stands in memory but packed; with a stream to write to, that goes
+/// there before the next one is made.                                           [VTK File Formats, XML formats,
+/// "binary"]
 class VtuArrays {
  public:
-  explicit VtuArrays(std::string& out) : out_(out) {}
+  explicit VtuArrays(std::string& out, std::ostream* stream = nullptr) : out_(out), stream_(stream) {}
   /// `type`: Float64, Int64, Int32 or UInt8; value(i, component) of `count` points or cells, i as large as the count.
   template <class Count, class Value>
   void add(const char* name, std::string_view type, int components, Count count, Value&& value) {
+    const auto fill = [&](auto&& push) {
+      for (Count i = 0; i < count; ++i)
+        for (int component = 0; component < components; ++component) push(value(i, component));
+    };
     if (type == "Float64")
-      add_as<double>(name, type, components, count, value);
+      add_pushed<double>(name, type, components, fill);
     else if (type == "Int64")
-      add_as<std::int64_t>(name, type, components, count, value);
+      add_pushed<std::int64_t>(name, type, components, fill);
     else if (type == "Int32")
-      add_as<std::int32_t>(name, type, components, count, value);
+      add_pushed<std::int32_t>(name, type, components, fill);
     else
-      add_as<std::uint8_t>(name, type, components, count, value);
+      add_pushed<std::uint8_t>(name, type, components, fill);
   }
+  /// Numbers that fill(push) gives one after the other, each by push(number).
+  template <class Number, class Fill>
+  void add_pushed(const char* name, std::string_view type, int components, Fill&& fill) {
+    Packed packed;
+    std::vector<Number> block;
+    const auto end_block = [&] {
+      pack({reinterpret_cast<const char*>(block.data()), block.size() * sizeof(Number)}, packed);
+      block.clear();
+    };
+    fill([&](auto number) {
+      block.push_back(static_cast<Number>(number));
+      if (block.size() * sizeof(Number) == kBlock) end_block();
+    });
+    if (!block.empty()) end_block();
+    write(name, type, components, packed);
+  }
+  /// Hands over to the stream, where there is one, what stands in the text. Throws std::system_error where it is full.
+  void flush();
 
  private:
-  template <class Number, class Count, class Value>
-  void add_as(const char* name, std::string_view type, int components, Count count, Value&& value) {
-    std::vector<Number> numbers;
-    numbers.reserve(static_cast<std::size_t>(count) * static_cast<std::size_t>(components));
-    for (Count i = 0; i < count; ++i)
-      for (int component = 0; component < components; ++component)
-        numbers.push_back(static_cast<Number>(value(i, component)));
-    add_bytes(name, type, components, {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number)});
-  }
-  void add_bytes(const char* name, std::string_view type, int components, std::string_view bytes);
+  static constexpr std::size_t kBlock = std::size_t{1} << 20;  ///< bytes before packing
+  struct Packed {
+    std::string bytes;
+    std::vector<std::uint64_t> sizes;  ///< of each block, packed
+    std::uint64_t last = 0;            ///< bytes of the last block before packing
+  };
+  static void pack(std::string_view bytes, Packed& packed);
+  void write(const char* name, std::string_view type, int components, const Packed& packed);
   std::string& out_;
+  std::ostream* stream_;
 };
 
 inline std::string vtu_head(int points, int cells) {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <system_error>
 
 #include "contact/search.h"
@@ -79,28 +80,28 @@ struct FileCells {
 
 /// Connections as lines, then triangles, tetrahedra and the cells of blocks by VTK's types.
 void add_cells(VtuArrays& arrays, std::string& out, const Body& body) {
-  std::vector<int> corners, types;
-  std::vector<std::int64_t> ends;  // of a billion connections there are more corners than 32 bits count
-  const auto add = [&](const auto& cells, int type) {
-    for (const auto& cell : cells) {
-      corners.insert(corners.end(), cell.begin(), cell.end());
-      ends.push_back(static_cast<std::int64_t>(corners.size()));
-      types.push_back(type);
-    }
-  };
-  add(body.connections.ends, 3);
   const FileCells written(body);
-  if (written.triangles) add(body.triangles, 5);
-  if (written.tetrahedra) add(body.tetrahedra, 10);
-  for (const CellBlock& block : body.blocks)
-    for (int cell = 0; cell < block.size(); ++cell) add(std::array{block.cell(cell)}, block.kind->vtk);
-  const auto list = [&](const char* name, const char* type, const auto& values) {
-    arrays.add(name, type, 1, values.size(), [&](std::size_t i, int) { return values[i]; });
+  const auto for_each = [&](auto&& visit) {  // visit(corners, type)
+    const auto visit_all = [&](const auto& cells, int type) {
+      for (const auto& cell : cells) visit(cell, type);
+    };
+    visit_all(body.connections.ends, 3);
+    if (written.triangles) visit_all(body.triangles, 5);
+    if (written.tetrahedra) visit_all(body.tetrahedra, 10);
+    for (const CellBlock& block : body.blocks)
+      for (int cell = 0; cell < block.size(); ++cell) visit(block.cell(cell), block.kind->vtk);
   };
   out += "<Cells>\n";
-  list("connectivity", "Int32", corners);
-  list("offsets", "Int64", ends);
-  list("types", "UInt8", types);
+  arrays.add_pushed<std::int32_t>("connectivity", "Int32", 1, [&](auto&& push) {
+    for_each([&](const auto& cell, int) { std::for_each(cell.begin(), cell.end(), push); });
+  });
+  // Of a billion connections there are more corners than 32 bits count.
+  arrays.add_pushed<std::int64_t>("offsets", "Int64", 1, [&](auto&& push) {
+    std::int64_t end = 0;
+    for_each([&](const auto& cell, int) { push(end += static_cast<std::int64_t>(cell.size())); });
+  });
+  arrays.add_pushed<std::uint8_t>("types", "UInt8", 1,
+                                  [&](auto&& push) { for_each([&](const auto&, int type) { push(type); }); });
   out += "</Cells>\n";
 }
 
@@ -131,9 +132,8 @@ std::vector<CellState> file_states(const Body& body, const Snapshot& shot) {
   return states;
 }
 
-}  // namespace
-
-void write_whole(const std::string& path, const std::string& text) {
+/// As write_whole, of what write(stream) writes; that throws std::system_error where it cannot.
+void write_whole_by(const std::string& path, const std::function<void(std::ostream&)>& write) {
   const std::filesystem::path target(path);
   std::error_code problem;
   if (target.has_parent_path()) std::filesystem::create_directories(target.parent_path(), problem);
@@ -143,16 +143,25 @@ void write_whole(const std::string& path, const std::string& text) {
   const std::string draft = special ? path : path + ".part";
   problem.clear();
   std::ofstream stream(draft, std::ios::binary);
-  stream << text;
+  if (!stream) problem = std::error_code(errno, std::generic_category());
+  try {
+    if (stream) write(stream);
+  } catch (const std::system_error& failed) {
+    problem = failed.code();
+  }
   stream.close();
-  if (!stream)
-    problem = std::error_code(errno, std::generic_category());
-  else if (!special)
-    std::filesystem::rename(draft, target, problem);
+  if (!problem && !stream) problem = std::error_code(errno, std::generic_category());
+  if (!problem && !special) std::filesystem::rename(draft, target, problem);
   if (!problem) return;
   std::error_code ignored;
   if (!special) std::filesystem::remove(draft, ignored);
   throw InputError(path + ": cannot write: " + problem.message());
+}
+
+}  // namespace
+
+void write_whole(const std::string& path, const std::string& text) {
+  write_whole_by(path, [&](std::ostream& stream) { stream << text; });
 }
 
 std::string csv_text(const std::vector<Record>& records) {
@@ -196,25 +205,27 @@ std::string curve_csv_text(const Record& record) {
   return out;
 }
 
-std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& constants) {
+namespace {
+
+/// vtu_text; what is ready goes to the stream where there is one, so that a large body's file is never whole in memory.
+void put_vtu(const Body& body, const Snapshot& shot, const VectorX& constants, std::string& out, std::ostream* stream) {
   const int n = body.size(), m = body.connections.size();
   const auto& [ends, rest_length, _] = body.connections;
   const Positions& positions = shot.positions;
-  VectorX length(m);
-  Positions force = Positions::Zero(3, n);
+  const auto along = [&](int c) -> Vector3 { return positions.col(ends[c][1]) - positions.col(ends[c][0]); };
+  const auto length = [&](int c) { return along(c).norm(); };
+  Positions of_connections;
   const bool has_forces = shot.elastic_forces.size() > 0;
-  if (has_forces) force = shot.elastic_forces;
-  for (int c = 0; c < m; ++c) {
-    const Vector3 d = positions.col(ends[c][1]) - positions.col(ends[c][0]);
-    length[c] = d.norm();
-    if (has_forces) continue;
-    force.col(ends[c][0]) += shot.force_densities[c] * d;
-    force.col(ends[c][1]) -= shot.force_densities[c] * d;
+  if (!has_forces) of_connections.setZero(3, n);
+  for (int c = 0; !has_forces && c < m; ++c) {
+    of_connections.col(ends[c][0]) += shot.force_densities[c] * along(c);
+    of_connections.col(ends[c][1]) -= shot.force_densities[c] * along(c);
   }
+  const Positions& force = has_forces ? shot.elastic_forces : of_connections;
   const std::vector<CellState> states = file_states(body, shot);
   const int cells = m + static_cast<int>(states.size());
-  std::string out = vtu_head(n, cells) + "<Points>\n";
-  VtuArrays arrays(out);
+  out += vtu_head(n, cells) + "<Points>\n";
+  VtuArrays arrays(out, stream);
   arrays.add("positions", "Float64", 3, n, [&](int i, int k) { return positions(k, i); });
   out += "</Points>\n<PointData Vectors=\"displacement\">\n";
   arrays.add("displacement", "Float64", 3, n, [&](int i, int k) { return positions(k, i) - body.rest(k, i); });
@@ -232,9 +243,9 @@ std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& cons
   };
   arrays.add("strain", "Float64", 1, cells, [&](int cell, int) {
     if (cell >= m) return largest_strain(state(cell));
-    return rest_length[cell] > 0 ? length[cell] / rest_length[cell] - 1 : 0;
+    return rest_length[cell] > 0 ? length(cell) / rest_length[cell] - 1 : 0;
   });
-  of_connection("tension", [&](int c) { return shot.force_densities[c] * length[c]; });
+  of_connection("tension", [&](int c) { return shot.force_densities[c] * length(c); });
   of_connection("force_density", [&](int c) { return shot.force_densities[c]; });
   if (constants.size()) of_connection("constant", [&](int c) { return constants[c]; });
   if (!states.empty()) {
@@ -259,7 +270,16 @@ std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& cons
   }
   out += "</CellData>\n";
   add_cells(arrays, out, body);
-  return out + kVtuEnd;
+  out += kVtuEnd;
+  arrays.flush();
+}
+
+}  // namespace
+
+std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& constants) {
+  std::string out;
+  put_vtu(body, shot, constants, out, nullptr);
+  return out;
 }
 
 void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run,
@@ -290,7 +310,11 @@ void write_states(const std::string& folder, const std::string& name, const Body
   for (const Snapshot& shot : run.snapshots) {
     const auto number = static_cast<std::size_t>(shot.number);
     part = 0;
-    write(shot.at, file_of(parts[part], number), vtu_text(body, shot, run.constants));
+    write_whole_by(folder + "/" + file_of(parts[part], number), [&](std::ostream& stream) {
+      std::string out;
+      put_vtu(body, shot, run.constants, out, &stream);
+    });
+    list(shot.at, file_of(parts[part], number));
     part = 1;
     if (!surface.empty()) write(shot.at, file_of(parts[part], number), surface_vtu_text(body, surface, shot));
     part = 2;

@@ -296,6 +296,35 @@ TEST_CASE("a VTU file holds molecules as points and connections as lines", "[fil
   CHECK(force[5] == Approx(-0.2).epsilon(1e-9));
 }
 
+TEST_CASE("arrays of a VTU file that are longer than a block are packed in several, whose last may be full",
+          "[files]") {
+  // 2^17 numbers of 8 bytes are a block: of as many molecules the places are three full ones, and the ends of the
+  // connections one or more that are not.
+  const Body body = [] {
+    Body made = cubic_lattice({64, 64, 32}, 0.001, {true, false, false});
+    set_matter(made, 0.0005, 1000, 0, 0.063 * 0.063 * 0.031);
+    return made;
+  }();
+  const int n = 64 * 64 * 32, m = body.connections.size();
+  REQUIRE(body.size() == n);
+  const Vtu vtu(vtu_text(body, {0, 1.1 * body.rest, VectorX::Constant(m, 2)}, {}));
+  const auto positions = numbers(vtu.piece.child("Points"), "positions", 3);
+  REQUIRE(static_cast<int>(positions.size()) == 3 * n);
+  for (int i = 0; i < 3 * n; ++i)
+    if (positions[static_cast<std::size_t>(i)] != 1.1 * body.rest(i % 3, i / 3))
+      FAIL_CHECK("number " << i << " of the places");
+  const auto ends = numbers(vtu.piece.child("Cells"), "connectivity", 1),
+             offsets = numbers(vtu.piece.child("Cells"), "offsets", 1);
+  REQUIRE(static_cast<int>(ends.size()) == 2 * m);
+  REQUIRE(static_cast<int>(offsets.size()) == m);
+  for (int c = 0; c < m; ++c) {
+    const auto at = static_cast<std::size_t>(c);
+    if (ends[2 * at] != body.connections.ends[at][0] || ends[2 * at + 1] != body.connections.ends[at][1] ||
+        offsets[at] != 2 * c + 2)
+      FAIL_CHECK("connection " << c);
+  }
+}
+
 TEST_CASE("the arrays of a VTU file fit together on any body", "[files]") {
   Body body = cubic_lattice({3, 3, 4}, 0.01, {true, true, true});
   set_matter(body, 0.005, 1000, 0, 0.02 * 0.02 * 0.03);
