@@ -446,7 +446,7 @@ std::vector<KeySection> expectation_keys() {
          "the body's cells are refined until the main measures are known to this"},
         {"computed.most_cells", "whole", "", "1 … 100000000", "1000000", "no body of more cells is solved"},
         {"computed.seconds", "quantity", "s", "> 0", "120",
-         "no body is solved that would probably take longer, and a finer one that does is given up"},
+         "no body is solved that would probably take longer, and one that does is given up"},
         {"computed.strategy", "word", "", "", "the material's own law",
          "the law that is refined; by default `neo_hookean` or `curve`, with `+volume` where ν > 0.4, of membranes "
          "`neo_hookean_membrane` or `curve_membrane`"}}},

@@ -203,10 +203,13 @@ Level solve_level(Scene& scene, const StrategyChoice& choice, const Positions& g
   options.stop = options.statics.stop = stop;
   if (guess.cols() != scene.specimen.body.size() || !solve_from(guess, scene, choice, options, level)) {
     Run run = run_strategy(scene.specimen, *scene.experiment, choice, options);
-    if (!run.suited || run.outcome != Outcome::converged) level.trouble = run.cause;
+    if (!run.suited || run.outcome != Outcome::converged)
+      level.trouble = run.cause.empty() ? outcome_name(run) : run.cause;
     level.measures = run.measures;
     if (!run.snapshots.empty()) level.positions = std::move(run.snapshots.back().positions);
   }
+  // A solve that is stopped between the last load step and the measures leaves these without values.
+  if (level.trouble.empty() && stop && stop()) level.trouble = "stopped";
   level.seconds = timer.seconds();
   return level;
 }
@@ -395,11 +398,13 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
     const auto scene = scene_on_body();
     const Timer of_body;
     const auto too_long = [&] { return of_body.seconds() > scene_.computed.seconds; };
-    levels_.push_back(solve_level(*scene, choice, guess_, spacing, tell,
-                                  [&] { return (stop && stop()) || (levels_.size() > 1 && too_long()); }));
+    levels_.push_back(
+        solve_level(*scene, choice, guess_, spacing, tell, [&] { return (stop && stop()) || too_long(); }));
     if (!levels_.back().trouble.empty()) {
-      result.trouble =
-          fmt::format("{} on {} {}: {}", law_, levels_.back().cells, kind_of_cells(body_), levels_.back().trouble);
+      const std::string why =
+          too_long() ? fmt::format("given up after {} (computed.seconds)", readable_seconds(scene_.computed.seconds))
+                     : levels_.back().trouble;
+      result.trouble = fmt::format("{} on {} {}: {}", law_, levels_.back().cells, kind_of_cells(body_), why);
       levels_.pop_back();
       break;
     }

@@ -213,6 +213,24 @@ TEST_CASE("where one body alone is affordable its cells' order says how well the
   CHECK((rough.uncertainty > 10 * fine.uncertainty && rough.uncertainty < 0.1));
 }
 
+TEST_CASE("a reference that takes too long is given up, and one that is interrupted is not kept", "[reference]") {
+  const std::string bar = block(kBar, kRubber, "displacement: 0.1 mm, " + kClamped);
+  CHECK_THAT(Written(bar + "reference: {computed: {seconds: 1e-9 s}}\n").compute().trouble,
+             Contains("given up after") && Contains("computed.seconds"));
+
+  const Written scene(bar);
+  ReferenceStore store(scene.folder.path("kept"));
+  int asked = 0;
+  const auto compute = [&](const std::function<bool()>& stop) {
+    return compute_references(*scene.load({}), built_in_catalog(), {}, store, {}, stop);
+  };
+  CHECK(compute([&] { return ++asked > 8; }).trouble == "interrupted");
+  const ComputedReferences whole = compute({});
+  CHECK(whole.trouble.empty());
+  REQUIRE(!whole.references.empty());
+  CHECK(!whole.references.front().read_back);
+}
+
 TEST_CASE("a reference that was computed is read back equal, on whatever cells the body is made of",
           "[reference][slow]") {
   const Written scene(block(kBar, kRubber, "displacement: 0.1 mm, " + kClamped));
