@@ -186,6 +186,12 @@ broken_by src/python/elastin/types.pyi:2 'lists euler, newmark, verlet' \
 broken_by src/lab/scene/b.cpp:1 'lists drop, press, shake, and so does src/lab/scene/a.cpp:1' \
   src/lab/scene/a.cpp 'choice({{"drop", read_drop}, {"press", read_press}, {"shake", nullptr}});' \
   -- src/lab/scene/b.cpp 'for (auto name : {"drop", "press", "shake", "fall"}) use(name);'
+broken_by src/lab/scene/time.cpp:1 "lists adams, gear, heun, ralston, and so does src/core/solve's rows" \
+  src/core/solve/rows.cpp 'Stepper adams() { return {{"adams", "the first"}}; }' \
+  'Stepper gear() { return {{"gear", "of stiff ones"}}; }' \
+  'Stepper heun() { Stepper row{{"heun", "of two slopes"}}; return row; }' \
+  'Stepper ralston() { return {{"ralston", "of the least error"}}; }' \
+  -- src/lab/scene/time.cpp 'for (auto name : {"heun", "gear", "ralston", "adams"}) use(name);'
 broken_by src/core/laws/uniform.h:2 'has the name uniform, and so has src/core/laws/plain.h:2' \
   src/core/laws/plain.h '#pragma once' 'static constexpr std::string_view name = "uniform";'
 
