@@ -20,6 +20,8 @@ using namespace elastin;
 
 constexpr double kStep = 1e-3;  // s, as a haptic loop has it
 constexpr double kEdge = 0.1;   // m, of the cube
+constexpr int kLeastSide = 3;
+constexpr double kMayMiss = 1e-3;  // of all deadlines, beyond what an empty loop misses
 constexpr Material kSoft{.youngs_modulus = 1e4, .poissons_ratio = 0.25, .density = 1000};
 
 /// What is stepped, and how.
@@ -213,14 +215,21 @@ std::vector<Row> run_embed(const Settings& settings) {
   rows.push_back({"embed", "an empty loop", 0, 1, steps, empty[0], "what this machine misses by itself"});
   const auto add = [&](const Contender& contender) {
     say(std::string("embed, ") + contender.name);
-    const int side = static_cast<int>(in_child([&] {
-                                        Figures found;
-                                        found.molecules = largest_side(contender);
-                                        return std::vector{found};
-                                      })
-                                          .front()
-                                          .molecules);
-    const auto found = in_child([&] { return steady(side, contender, settings.seconds); });
+    int side = static_cast<int>(in_child([&] {
+                                  Figures found;
+                                  found.molecules = largest_side(contender);
+                                  return std::vector{found};
+                                })
+                                    .front()
+                                    .molecules);
+    // Steps that wait for their time take longer than those one after the other.
+    const auto keeps = [&](const std::vector<Figures>& figures, double seconds) {
+      return figures.front().missed / (seconds / kStep) - empty.front().missed / steps <= kMayMiss;
+    };
+    const auto try_for = [&](double seconds) { return in_child([&] { return steady(side, contender, seconds); }); };
+    while (side > kLeastSide && !keeps(try_for(settings.seconds / 6), settings.seconds / 6)) --side;
+    auto found = try_for(settings.seconds);
+    while (side > kLeastSide && !keeps(found, settings.seconds)) --side, found = try_for(settings.seconds);
     rows.push_back({"embed", contender.name, side, 1, steps, found[0], "by the clock"});
     rows.push_back({"embed", contender.name, side, 1, steps, found[1], "processor time"});
     return std::pair{side, static_cast<int>(found[0].parts)};

@@ -23,6 +23,9 @@ int most_coarse_iterations(const Body& body, double tolerance) {
 constexpr double kServes = 1.5;
 constexpr int kServesAnyway = 10;  ///< iterations that are worth no new one
 
+/// Part of a load on the motions that nothing resists, below which it is rounding.
+constexpr double kApart = 1e-8;
+
 class Pcg final : public LinearSolver, public KeepsCoarsePicture {
  public:
   explicit Pcg(bool multigrid) : multigrid_(multigrid) {}
@@ -43,6 +46,10 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     // What a preconditioner makes of r stands where K p stood: each molecule's is read before it is written.
     Positions &r = r_, &p = p_, &kp = kp_, &z = kp_;
     if (coarse) whole.emplace(tangent, supports, p, kp);
+    // Where no force works on these motions they stay out of every direction: the coarse picture, for which next to
+    // nothing resists them, would drown the others in them.
+    const bool apart =
+        whole && !whole->empty() && whole->part_of(tangent.positions(), rhs) <= kApart * ordered_norm(rhs);
     r = rhs;
     p.resize(3, n), kp.resize(3, n);
     x.setZero(3, n);
@@ -66,6 +73,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
       if (!coarse || !(products[1] > 0)) return;
       coarse->add(r, std::sqrt(products[1]), z);
       keep_free(supports, z);
+      if (apart) whole->remove_from(tangent.positions(), z);
       products[0] = ordered_sum(
           n, [&](int i) { return r.col(i).dot(z.col(i)); }, 0., kMoleculeThreshold);
     };

@@ -1,5 +1,8 @@
 #include "core/linear/rigid_motions.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/linear/sparse_stiffness.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/dense.h"
@@ -36,26 +39,41 @@ RigidMotions::RigidMotions(const Tangent& tangent, const std::vector<Support>& s
     free_.conservativeResize(6, free_.cols() + 1);
     free_.rightCols(1) = candidate;
   }
+  const auto count = free_.cols();
+  MatrixX products = MatrixX::Zero(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) {
+      const Six own = free_.col(i), other = free_.col(j);
+      products(i, j) = products(j, i) = ordered_sum(static_cast<int>(positions.cols()), [&](int a) {
+        return motion(own, positions.col(a)).dot(motion(other, positions.col(a)));
+      });
+    }
+  // Of molecules on a line the turn about it moves none: it is no motion to take out.
+  if (count > 0) inverse_ = symmetric_pseudoinverse(products);
+}
+
+VectorX RigidMotions::products_with(const Positions& positions, const Positions& vectors) const {
+  VectorX products(free_.cols());
+  for (Eigen::Index i = 0; i < products.size(); ++i) {
+    const Six own = free_.col(i);
+    products[i] = ordered_sum(static_cast<int>(positions.cols()),
+                              [&](int a) { return motion(own, positions.col(a)).dot(vectors.col(a)); });
+  }
+  return products;
 }
 
 void RigidMotions::remove_from(const Positions& positions, Positions& motions) const {
   if (empty()) return;
-  const auto count = free_.cols();
-  MatrixX products = MatrixX::Zero(count, count);
-  VectorX parts = VectorX::Zero(count);
-  const int n = static_cast<int>(positions.cols());
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Six own = free_.col(i);
-    parts[i] = ordered_sum(n, [&](int a) { return motion(own, positions.col(a)).dot(motions.col(a)); });
-    for (Eigen::Index j = 0; j <= i; ++j) {
-      const Six other = free_.col(j);
-      products(i, j) = products(j, i) =
-          ordered_sum(n, [&](int a) { return motion(own, positions.col(a)).dot(motion(other, positions.col(a))); });
-    }
-  }
-  // Of molecules on a line the turn about it moves none: it is no motion to take out.
-  const Six whole = free_ * (symmetric_pseudoinverse(products) * parts);
-  parallel_for(n, [&](int a) { motions.col(a) -= motion(whole, positions.col(a)); });
+  const Six whole = free_ * (inverse_ * products_with(positions, motions));
+  parallel_for(
+      static_cast<int>(positions.cols()), [&](int a) { motions.col(a) -= motion(whole, positions.col(a)); },
+      kMoleculeThreshold);
+}
+
+double RigidMotions::part_of(const Positions& positions, const Positions& vectors) const {
+  if (empty()) return 0;
+  const VectorX products = products_with(positions, vectors);
+  return std::sqrt(std::max(0., products.dot(inverse_ * products)));
 }
 
 }  // namespace elastin

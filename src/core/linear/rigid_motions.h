@@ -13,6 +13,8 @@ class RigidMotions {
   bool empty() const { return free_.cols() == 0; }
   /// Takes them out of the motions [m] of things at these positions [m], both 3 × n.
   void remove_from(const Positions& positions, Positions& motions) const;
+  /// Size of what that would take out of vectors.
+  double part_of(const Positions& positions, const Positions& vectors) const;
 
  private:
   using Six = Eigen::Matrix<double, 6, 1>;
@@ -20,9 +22,11 @@ class RigidMotions {
     return translation_and_rotation.head<3>() +
            translation_and_rotation.tail<3>().cross(Vector3((position - middle_) / size_));
   }
+  VectorX products_with(const Positions& positions, const Positions& vectors) const;
   Vector3 middle_;
   double size_;
   Eigen::Matrix<double, 6, Eigen::Dynamic> free_;
+  MatrixX inverse_;  ///< pseudo-inverse of the products of each with each
 };
 
 }  // namespace elastin

@@ -6,6 +6,7 @@
 
 #include "core/linear/linear_choice.h"
 #include "core/linear/multigrid.h"
+#include "core/linear/rigid_motions.h"
 #include "core/parallel/parallel.h"
 #include "core/solve/steppers.h"
 
@@ -34,6 +35,12 @@ LinearSolver& solver_of(const LinearMethod& method, bool symmetric, CachedSolver
   return *cached.solver;
 }
 
+/// Leaves of a load what does no work on the motions that nothing resists.
+void take_out_rigid(const Tangent& tangent, const std::vector<Support>& supports, Positions& ignored, Positions& load) {
+  Positions forces;
+  RigidMotions(tangent, supports, ignored, forces).remove_from(tangent.positions(), load);
+}
+
 /// A way out of an equilibrium that is no minimum, which no force leads out of: a direction of negative stiffness, met
 /// on the way to the answer for a load that has a part in all of them. Null columns where there is none. By conjugate
 /// gradients, which meet it with any preconditioner; a factorisation would only count. The solver of the last time is
@@ -43,6 +50,7 @@ Positions way_down(const Tangent& tangent, const std::vector<Support>& supports,
   constexpr double tolerance = 1e-5;
   Positions load = scattered_directions(tangent.model().body().size());
   keep_free(supports, load);
+  take_out_rigid(tangent, supports, ignored, load);
   const LinearMethod method = choose_linear_solver(tangent, options.method, tolerance).method;
   cached.forget();
   std::unique_ptr<LinearSolver> other;
