@@ -137,7 +137,8 @@ std::string comparison_text(const std::vector<Record>& records, bool colours) {
                     comparison_table(records, ranking).text(colours);
   const Table verdicts = verdicts_table(records);
   if (!verdicts.empty()) out += "\n" + verdicts.text(colours);
-  if (records.size() > 1 && can_rank(records)) out += advice_text(ranking, colours);
+  const bool advised = records.size() > 1 && can_rank(records);
+  if (advised || !ranking.no_reference.empty()) out += advice_text(ranking, colours);
   if (records.front().apparent)
     for (const std::string& note : records.front().notes)
       out += "  " + painted("note: " + note, Tone::faint, colours) + "\n";

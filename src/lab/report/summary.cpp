@@ -16,6 +16,21 @@ namespace {
 /// From here on a molecule has connections enough for a goal to be asked for.
 constexpr double kEnoughNeighbours = 12;
 
+/// Against the material's value, or where the specimen does not show that, against the reference; of a Poisson's ratio
+/// the difference.
+double error_of(const Record& record, const std::string& measure) {
+  if (record.no_reference.empty()) return record.error(measure);
+  for (const Reference& reference : record.references)
+    if (reference.measure == measure && reference.certain())
+      return record.error(measure + "_to_reference") *
+             (find_measure(measure).unit == dimension::none ? reference.value : 1);
+  return std::nan("");
+}
+
+bool judged(const Record& record) {
+  return record.no_reference.empty() || std::isfinite(error_of(record, "effective_modulus"));
+}
+
 /// Solved, by a body that stands for itself: no mechanism, no negative constant, a minimum of the energy, some modulus.
 bool sound(const Record& record) {
   const Run& run = record.run;
@@ -36,7 +51,7 @@ ErrorSpread spread_of(const std::vector<const Record*>& runs, const std::string&
   ErrorSpread spread{std::nan(""), std::nan(""), ""};
   std::vector<double> sizes;
   for (const Record* record : runs) {
-    const double size = std::abs(record->error(measure));
+    const double size = std::abs(error_of(*record, measure));
     if (!std::isfinite(size)) continue;
     sizes.push_back(size);
     if (!(size <= spread.worst)) spread.worst = size, spread.worst_scene = record->scene;
@@ -47,8 +62,8 @@ ErrorSpread spread_of(const std::vector<const Record*>& runs, const std::string&
 
 /// How far a run is from the goals, the further of the two; a body that shows no Poisson's ratio is judged by E alone.
 double distance_from_goal(const Record& record) {
-  const double modulus = std::abs(record.error("effective_modulus")) / kModulusGoal;
-  return std::fmax(modulus, std::abs(record.error("poissons_ratio")) / kRatioGoal);
+  const double modulus = std::abs(error_of(record, "effective_modulus")) / kModulusGoal;
+  return std::fmax(modulus, std::abs(error_of(record, "poissons_ratio")) / kRatioGoal);
 }
 
 bool within_goal(const Record& record) { return distance_from_goal(record) <= 1; }
@@ -59,8 +74,8 @@ const Record* best_of(const std::vector<const Record*>& runs, const std::functio
   };
   const Record* best = nullptr;
   for (const Record* record : runs)
-    if (sound(*record) && record->no_reference.empty() && counts(record->run) &&
-        std::isfinite(distance_from_goal(*record)) && (!best || rank(*record) < rank(*best)))
+    if (sound(*record) && judged(*record) && counts(record->run) && std::isfinite(distance_from_goal(*record)) &&
+        (!best || rank(*record) < rank(*best)))
       best = record;
   return best;
 }
@@ -92,7 +107,7 @@ StrategySummary summary_of(const std::vector<const Record*>& runs, const std::ve
     summary.mechanisms += record->run.zero_energy_modes > 0;
     summary.uses_cells |= record->run.uses_cells;
     if (!solved(*record)) continue;
-    if (record->no_reference.empty()) good.push_back(record);
+    if (judged(*record)) good.push_back(record);
     const auto standard = std::find_if(all.begin(), all.end(), [&](const Record& other) {
       return other.path == record->path && other.run.strategy == "standard" && solved(other);
     });
@@ -157,13 +172,13 @@ std::string strategies_text(const Summary& summary, bool colours) {
 }
 
 /// Name and errors of the strategy to take: three cells.
-void add_best(const Record* best, bool shows_material, std::vector<TableCell>& row) {
-  if (!shows_material) {
+void add_best(const Record* best, bool judged, std::vector<TableCell>& row) {
+  if (!judged) {
     row.insert(row.end(), {{"no reference", Tone::faint}, {""}, {""}});
     return;
   }
-  const double modulus = best ? best->error("effective_modulus") : std::nan("");
-  const double ratio = best ? best->error("poissons_ratio") : std::nan("");
+  const double modulus = best ? error_of(*best, "effective_modulus") : std::nan("");
+  const double ratio = best ? error_of(*best, "poissons_ratio") : std::nan("");
   row.push_back({best ? best->run.strategy : "none that is stable", best ? Tone::bold : Tone::bad});
   row.push_back({percent(modulus), tone_of(std::abs(modulus), kModulusGoal), true});
   row.push_back({number_text(ratio, "{:+.4f}"), tone_of(std::abs(ratio), kRatioGoal), true});
@@ -179,7 +194,7 @@ std::string bodies_text(const Summary& summary, bool colours) {
                "1 %, 0.01", "best springs", "error of E", "nu - target", "1 %, 0.01"});
   int judged_bodies = 0, met = 0, met_by_springs = 0;
   for (const BodySummary& body : summary.bodies) {
-    const bool enough = body.shows_material && body.neighbours.mean >= kEnoughNeighbours;
+    const bool enough = body.judged && body.neighbours.mean >= kEnoughNeighbours;
     judged_bodies += enough;
     met += enough && body.best && within_goal(*body.best);
     met_by_springs += enough && body.best_springs && within_goal(*body.best_springs);
@@ -189,10 +204,10 @@ std::string bodies_text(const Summary& summary, bool colours) {
                                {fmt::format("{:.1f}", body.neighbours.mean), tone, true},
                                {std::to_string(body.neighbours.least), tone, true}};
     const TableCell none{""};
-    add_best(body.best, body.shows_material, row);
-    row.push_back(body.shows_material ? goal_cell(body.best, enough) : none);
-    add_best(body.best_springs, body.shows_material, row);
-    row.push_back(body.shows_material ? goal_cell(body.best_springs, enough) : none);
+    add_best(body.best, body.judged, row);
+    row.push_back(body.judged ? goal_cell(body.best, enough) : none);
+    add_best(body.best_springs, body.judged, row);
+    row.push_back(body.judged ? goal_cell(body.best_springs, enough) : none);
     table.add(std::move(row));
   }
   return table.text(colours) + fmt::format(
@@ -224,7 +239,7 @@ std::string calibrated_text(const std::vector<Record>& records) {
   std::string others;
   std::vector<const Record*> good;
   for (const Record& record : records) {
-    const double error = record.error("effective_modulus");
+    const double error = error_of(record, "effective_modulus");
     if (!record.run.strategy.starts_with("calibrated:") || !solved(record) || !std::isfinite(error)) continue;
     ++runs;
     met += std::abs(error) <= goal;
@@ -272,7 +287,8 @@ Summary summarise(const std::vector<Record>& records) {
     summary.strategies.push_back(summary_of(runs, records));
   for (const auto& runs : grouped(records, [](const Record& record) { return record.path; })) {
     const Record& first = *runs.front();
-    summary.bodies.push_back({first.scene, first.molecules, first.neighbours, first.no_reference.empty(),
+    summary.bodies.push_back({first.scene, first.molecules, first.neighbours,
+                              std::any_of(runs.begin(), runs.end(), [](const Record* run) { return judged(*run); }),
                               best_of(runs, [](const Run& run) { return !run.uses_cells; }),
                               best_of(runs, [](const Run& run) { return run.constants.size() > 0; })});
     for (StrategySummary& row : summary.strategies)

@@ -30,7 +30,7 @@ struct BodySummary {
   std::string scene;
   int molecules = 0;
   Neighbours neighbours;
-  bool shows_material = true;  ///< false: the specimen does not show the material's values, and ranks nothing
+  bool judged = true;  ///< false: the specimen does not show the material's values, and there is no reference
   const Record *best = nullptr, *best_springs = nullptr;
 };
 

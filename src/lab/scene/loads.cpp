@@ -122,6 +122,12 @@ SceneLoad read_load(Reader reader, const elastin::Table<LoadKind>& loads, const 
   if (std::find(keys.begin(), keys.end(), "drag") != keys.end())
     reader.at("drag").fail(
         "is two loads now: write stokes_drag: {viscosity: …} or quadratic_drag: {density: …, drag_coefficient: …}");
+  for (const char* key : {"kind", "type", "load"})
+    if (std::find(keys.begin(), keys.end(), key) != keys.end())
+      if (const Reader kind = reader.at(key); std::any_of(loads.begin(), loads.end(), [&](const auto& load) {
+            return kind.is_text() && load->name == kind.text();
+          }))
+        kind.fail("a load is named by the key before its own: write " + kind.text() + ": {…}, without '" + key + "'");
   std::vector<std::pair<Reader, std::shared_ptr<const LoadKind>>> found;
   std::string names;
   for (const auto& load : loads) {
