@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/rows.h"
+#include "core/forces/cell_pressures.h"
 #include "core/forces/relaxing.h"
 #include "core/model/block_geometry.h"
 #include "core/model/incidence.h"
@@ -46,7 +47,7 @@ double swelling_of(const Matrix3& H) {
 }
 
 template <int d>
-class BlockCells final : public Elasticity, public LocalElasticity, public StiffPoints {
+class BlockCells final : public Elasticity, public LocalElasticity, public StiffPoints, public CellPressures {
   using Gradient = Eigen::Matrix<double, 3, d>;  ///< F, δF, F S
   using Square = Eigen::Matrix<double, d, d>;
   using Direction = Eigen::Matrix<double, d, 1>;
@@ -320,6 +321,59 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   }
 
   void visit_points(const PointsVisitor& visit) const override { visit(*this); }
+
+  Eigen::Index pressures() const override {
+    return volume_.empty() ? 0 : static_cast<Eigen::Index>(block_.size()) * kind_.pressures;
+  }
+  int of_each_cell() const override { return kind_.pressures; }
+  double stiffness_ratio() const override {
+    double most = 0;
+    if constexpr (d == 3)
+      for (int cell = 0; cell < (volume_.empty() ? 0 : block_.size()); ++cell) {
+        constexpr int shear = component(0, 1);
+        const double modulus = 2 * now(cell, 0).D(shear, shear) / rest(cell, 0).weight;
+        if (modulus > 0) most = std::max(most, volume_of(cell).curvature(0) / modulus);
+      }
+    return most;
+  }
+  void swell(const Positions& motion, Eigen::Ref<VectorX> swelling) const override {
+    const int m = kind_.pressures;
+    if constexpr (d == 3)
+      parallel_for(
+          block_.size(),
+          [&](int cell) {
+            const NodeVectors moved = gathered(motion, cell);
+            Pressures own = Pressures::Zero();
+            for (int g = 0; g < points_; ++g)
+              own += rest(cell, g).weight * cofactors(now(cell, g).F).cwiseProduct(gradient(cell, g, moved)).sum() *
+                     functions_[static_cast<std::size_t>(g)];
+            swelling.segment(static_cast<Eigen::Index>(cell) * m, m) = own.head(m);
+          },
+          kCellThreshold);
+  }
+  void add_forces_of(const Eigen::Ref<const VectorX>& pressures, Positions& forces,
+                     Workspace& workspace) const override {
+    const int m = kind_.pressures;
+    if constexpr (d == 3)
+      add_cells(forces, workspace, [&](int cell, NodeVectors& own) {
+        Pressures all = Pressures::Zero();
+        all.head(m) = pressures.segment(static_cast<Eigen::Index>(cell) * m, m);
+        for (int g = 0; g < points_; ++g)
+          spread(cell, g, Gradient(rest(cell, g).weight * at_point(all, g) * cofactors(now(cell, g).F)), own);
+      });
+  }
+  void resist(const Eigen::Ref<const VectorX>& swelling, Eigen::Ref<VectorX> pressures) const override {
+    const int m = kind_.pressures;
+    parallel_for(
+        block_.size(),
+        [&](int cell) {
+          const auto at = static_cast<Eigen::Index>(cell) * m;
+          pressures.segment(at, m).noalias() =
+              stiffness_of_pressures_[static_cast<std::size_t>(cell)].topLeftCorner(m, m) * swelling.segment(at, m);
+        },
+        kCellThreshold);
+  }
+  void take_part(double part) override { pressure_part_ = part; }
   int stiff_points() const override { return static_cast<int>(now_.size()); }
   Vector3 place_of(int point) const override {
     const int cell = point / points_, g = point % points_;
@@ -781,7 +835,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
       sum += rest(cell, g).weight * volume_of(cell).curvature(at_point(theta, g)) * own * own.transpose();
     }
     const PressureMatrix& M = inverse_mass_[static_cast<std::size_t>(cell)];
-    return relaxing_ ? PressureMatrix(relaxing_.factor() * M * sum * M) : PressureMatrix(M * sum * M);
+    return pressure_part_ * (relaxing_ ? relaxing_.factor() : 1) * M * sum * M;
   }
   /// Of each node.
   std::vector<PressureGradient> pressure_gradients(int cell) const {
@@ -846,6 +900,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   // At the positions of linearise().
   std::vector<Now> now_;
   std::vector<PressureMatrix> stiffness_of_pressures_;
+  double pressure_part_ = 1;  ///< of them that counts, see CellPressures
 };
 
 }  // namespace

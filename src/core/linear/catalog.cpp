@@ -1,4 +1,4 @@
-#include "elastin/core/linear/linear_solver.h"
+#include "core/linear/mixed.h"
 
 namespace elastin {
 
@@ -14,6 +14,13 @@ const Table<LinearSolverKind>& built_in_linear_solvers() {
               true,
               false,
               make_multigrid});
+    rows.add(
+        {{"mixed",
+          "displacements and the pressures of cells together, with a hierarchy of grids: near a Poisson's ratio of ½",
+          "[Silvester 1994]"},
+         true,
+         false,
+         make_mixed});
     rows.add({{"direct", "a sparse factorisation with refinement: small bodies, negative modes", "Eigen's LDLT"},
               true,
               true,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/linear/mixed.h"
 #include "elastin/core/base/text.h"
 
 namespace elastin {
@@ -44,13 +45,15 @@ LinearChoice choose_linear_solver(const Tangent& tangent, LinearMethod requested
   const Model& model = tangent.model();
   const Body& body = model.body();
   if (requested->make) return {requested, ""};
-  static const LinearMethod pcg = "pcg", direct = "direct", multigrid = "multigrid";
+  static const LinearMethod pcg = "pcg", direct = "direct", multigrid = "multigrid", mixed = "mixed";
   if (!model.symmetric()) return {pcg, ""};
   const bool moving = tangent.weights().acceleration != 0;
   if (body.size() <= kTinyBody && !moving) return {direct, counted(body.size(), "molecule") + " are few"};
   if (moving) return {pcg, ""};  // inertia keeps iterations few; a step has no memory for words
   if (!model.has_energy()) return {pcg, "the stiffness is not symmetric"};
   const auto [worth_it, why] = multigrid_is_worth_it(model, tolerance);
+  if (worth_it && SoftVolume::pays(tangent))
+    return {mixed, why + ", and near a Poisson's ratio of 1/2 pressures of their own save most of them"};
   return {worth_it ? multigrid : pcg, why};
 }
 

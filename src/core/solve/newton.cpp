@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/linear/linear_choice.h"
+#include "core/linear/mixed.h"
 #include "core/linear/multigrid.h"
 #include "core/linear/rigid_motions.h"
 #include "core/parallel/parallel.h"
@@ -53,9 +54,19 @@ Positions way_down(const Tangent& tangent, const std::vector<Support>& supports,
   take_out_rigid(tangent, supports, ignored, load);
   const LinearMethod method = choose_linear_solver(tangent, options.method, tolerance).method;
   cached.forget();
+  const bool mixed = method->name == "mixed";
+  if (mixed && SoftVolume::ratio(tangent) > 2 * kSoftRatio) {
+    // Less stiffness than the body's: where that leads nowhere down, the body's does not.
+    const SoftVolume soft(tangent);
+    const LinearResult found = make_multigrid()->solve(soft.tangent(), supports, load, tolerance, ignored);
+    iterations += found.iterations;
+    if (found.negative_direction.size() == 0 && found.status == LinearStatus::solved) return {};
+  }
   std::unique_ptr<LinearSolver> other;
   if (method->factorises || !method->needs_symmetry)
     other = make_pcg();
+  else if (mixed)
+    other = make_multigrid();
   else if (!cached.solver || cached.method != method)
     other = method->make();
   LinearSolver& solver = other ? *other : *cached.solver;
