@@ -95,6 +95,15 @@ class Problem {
     p /= soft_.part();
   }
   double weight() const { return weight_; }
+  /// uᵀ K̃ u, from what apply made of u, p and y.
+  double soft_curvature(const Pair& at, const VectorX& y, const Pair& applied) const {
+    return ordered_sum(
+               static_cast<int>(at.u.cols()), [&](int i) { return at.u.col(i).dot(applied.u.col(i)); }, 0.,
+               kMoleculeThreshold) -
+           ordered_sum(
+               static_cast<int>(y.size()), [&](int k) { return at.p[k] * (applied.p[k] + y[k] / (1 - soft_.part())); },
+               0., kMoleculeThreshold);
+  }
   double dot(const Pair& a, const Pair& b) const {
     return ordered_sum(
                static_cast<int>(a.u.cols()), [&](int i) { return a.u.col(i).dot(b.u.col(i)); }, 0.,
@@ -144,6 +153,7 @@ class MinimalResiduals {
     z_.u /= gamma_, z_.p /= gamma_;
     const VectorX y = v_.p / (gamma_ * problem_.weight());
     problem_.apply(z_, y, product_);
+    if (!(problem_.soft_curvature(z_, y, product_) > 0)) return false;
     const double delta = problem_.dot(product_, z_);
     add(-delta / gamma_, v_, product_);
     if (!start_) add(-gamma_ / gamma_before_, before_, product_);
@@ -235,6 +245,7 @@ class Mixed final : public LinearSolver {
         }
         if (search.left() <= precise) break;
       }
+      if (!further) return result;  // the softened stiffness is not positive here
       add(1, search.sum, solution);
       const VectorX y = solution.p;
       trial.u = solution.u;
@@ -282,7 +293,8 @@ double SoftVolume::ratio(const Tangent& tangent) {
 
 bool SoftVolume::pays(const Tangent& tangent) {
   constexpr double stiff = 100;  // ν = 0.495
-  if (!(ratio(tangent) > stiff)) return false;
+  // Elsewhere than at rest pressures out of balance may leave the softened stiffness indefinite.
+  if (!(ratio(tangent) > stiff) || tangent.positions() != tangent.model().body().rest) return false;
   bool linear = true;
   visit_pressures(tangent.model(), [&](const CellPressures& own, Eigen::Index) { linear &= own.of_each_cell() > 1; });
   return linear;

@@ -12,8 +12,8 @@ class SoftVolume {
   /// λ / μ at rest, the largest among pressures of whole cells; 0 where there are none, or where a load or time has a
   /// part in the stiffness, which cannot be taken along.
   static double ratio(const Tangent& tangent);
-  /// Whether displacements and pressures together are found sooner than displacements alone. Measured: hexahedra of 27
-  /// nodes, whose pressures are linear, 7 times at ν = 0.499; with one pressure a cell no sooner.
+  /// Whether displacements and pressures together are found sooner than displacements alone: at rest. Measured:
+  /// hexahedra of 27 nodes, whose pressures are linear, 7 times at ν = 0.499; with one pressure a cell no sooner.
   static bool pays(const Tangent& tangent);
   /// Of a tangent with a ratio above kSoftRatio.
   explicit SoftVolume(const Tangent& tangent);
