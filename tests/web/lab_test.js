@@ -158,43 +158,46 @@ const actions = {
 
   async wild(browser) {
     const [seconds, seed] = [+more[0], +(more[1] ?? 1)];
-    let state = seed;
-    const random = () => (state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 ** 32;
+    const random_from = seed => () => (seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0) / 2 ** 32;
+    const random = random_from(seed);
     await browser.open(url, 1400, 1000);
-    await browser.eval(`globalThis.work_one = (which, at) => {
+    // The controls are worked by the page itself: each command of this script leaves there 0.3 kB of the browser's own record.
+    await browser.eval(`globalThis.random = (${random_from})(${seed + 1}), globalThis.worked = 0;
+    globalThis.work_one = () => {
       const controls = [...document.querySelectorAll('button:not([id$=csv]):not(#png):not(#link), select, input')].filter(one => one.getClientRects().length);
-      const one = controls[Math.floor(which * controls.length)];
+      const one = controls[Math.floor(random() * controls.length)], at = random();
+      ++worked;
       if (one.type === 'range') { one.value = +one.min + at * (one.max - one.min); one.dispatchEvent(new Event('input')); }
       else if (one.type === 'number') one.value = Math.floor(at * 2000) - 100;
       else if (one.tagName === 'SELECT') { one.selectedIndex = Math.floor(at * one.options.length); one.dispatchEvent(new Event('change')); }
       else one.click();
     }, 0`);
+    const begin_work = () => browser.eval('globalThis.working = setInterval(work_one, 80), 0');
     // What is left after collection [MB], each time with one body that begins anew: bodies and curves may take their memory.
-    // Each command of this script costs the page some 0.3 kB of it, which is the browser's own record of the script.
     const memory = async () => {
       await browser.eval('lab.put_beside(""), document.getElementById("reset").click()');
       // A step of the tension test to a large strain may take the core long: then the next time counts.
-      for (const end = Date.now() + 10e3; Date.now() < end; await sleep(50))
+      for (const end = Date.now() + 10e3; Date.now() < end; await sleep(200))
         if (await browser.eval('!lab.rebuild && !lab.testing && lab.answer?.length === 1'))
           return heap.push(await browser.eval('gc(), gc(), performance.memory.usedJSHeapSize / 1e6'));
     };
     const begin = Date.now(), heap = [];
-    let count = 0, next = begin + 10e3;
-    for (; Date.now() < begin + 1000 * seconds; ++count) {
-      const kind = random(), x = 40 + 780 * random(), y = 180 + 600 * random();
-      if (kind < 0.4) {
-        await browser.mouse('mousePressed', x, y);
-        for (let i = 0; i < 5; ++i) await browser.mouse('mouseMoved', x + 300 * (random() - 0.5), y + 300 * (random() - 0.5));
-        await browser.mouse('mouseReleased', x, y, 0);
-      } else {
-        await browser.eval(`work_one(${random()}, ${random()})`);
-      }
-      await sleep(40);
-      if (count % 20 === 0) await sound(browser);
+    let drags = 0, next = begin + 10e3;
+    await begin_work();
+    for (; Date.now() < begin + 1000 * seconds; ++drags) {
+      const x = 40 + 780 * random(), y = 180 + 600 * random();
+      await browser.mouse('mousePressed', x, y);
+      for (let i = 0; i < 5; ++i) await browser.mouse('mouseMoved', x + 300 * (random() - 0.5), y + 300 * (random() - 0.5));
+      await browser.mouse('mouseReleased', x, y, 0);
+      await sleep(60);
       if (Date.now() < next) continue;
+      await browser.eval('clearInterval(working)');
+      await sound(browser);
       await memory();
+      await begin_work();
       next = Date.now() + 10e3;
     }
+    const count = drags + await browser.eval('worked');
     must(heap.length >= seconds / 60, `the memory was read ${heap.length} times alone`);
     const median = values => values.sort((a, b) => a - b)[values.length >> 1], third = Math.ceil(heap.length / 3);
     const said = heap.map(size => size.toFixed(1)).join(' '), early = median(heap.slice(0, third)), late = median(heap.slice(-third));
