@@ -43,7 +43,7 @@ struct LinearSolverKind : Descriptor {
   std::function<std::unique_ptr<LinearSolver>()> make = {};
 };
 
-/// automatic, pcg, multigrid, direct, bicgstab.
+/// automatic, pcg, multigrid, mixed, direct, bicgstab.
 const Table<LinearSolverKind>& built_in_linear_solvers();
 using LinearMethod = Choice<LinearSolverKind, built_in_linear_solvers>;
 
