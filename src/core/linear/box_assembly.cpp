@@ -191,17 +191,19 @@ class Assembly {
 
  private:
   static constexpr int kMostSides = 6;
+  static constexpr int kFewBoxes = 200;  ///< one thread does them sooner than others wake
 
   /// Calls work(box) for each box of the grid. Layers touch the points between them: every second at a time.
   template <class Work>
   void for_each_box(Work&& work) {
+    const int layers = grid_.layers(), least = grid_.boxes() < kFewBoxes ? layers + 1 : 2;
     for (const int colour : {0, 1})
-      parallel_for((grid_.layers() + 1 - colour) / 2,
+      parallel_for((layers + 1 - colour) / 2,
                    [&](int half) {
                      const int layer = 2 * half + colour;
                      for (int box = grid_.first_box(layer); box < grid_.first_box(layer + 1); ++box) work(box);
                    },
-                   2);
+                   least);
   }
 
   void add_cell(const CellSlopes& cells, int cell, int box) {

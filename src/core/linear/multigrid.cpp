@@ -84,9 +84,10 @@ void Multigrid::add(const Positions& forces, double size, Positions& motion) {
   LevelWorkspace& finest = workspaces_.front();
   BoxLevel::Vectors &b = finest.b, &x = finest.x;
   b.setZero();
+  const int layers = grid.layers(), least = forces.cols() < kMoleculeThreshold ? layers + 1 : 2;
   // Layers touch the points between them: every second at a time.
   for (const int colour : {0, 1})
-    parallel_for((grid.layers() + 1 - colour) / 2,
+    parallel_for((layers + 1 - colour) / 2,
                  [&](int half) {
                    const int layer = 2 * half + colour;
                    for (int box = grid.first_box(layer); box < grid.first_box(layer + 1); ++box)
@@ -97,7 +98,7 @@ void Multigrid::add(const Positions& forces, double size, Positions& motion) {
                        for (int c = 0; c < 8; ++c) b.col(grid.corners(box)[c]) += values[c] * force;
                      }
                  },
-                 2);
+                 least);
   cycle(0);
   parallel_for(
       grid.boxes(),
