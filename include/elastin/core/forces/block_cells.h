@@ -1,8 +1,10 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <vector>
 
 #include "elastin/core/forces/elasticity.h"
+#include "elastin/core/laws/any_law.h"
 #include "elastin/core/laws/point_laws.h"
 #include "elastin/core/laws/volumetric.h"
 
@@ -31,30 +33,11 @@ inline Vector3 middle_of(const Body& body, const CellBlock& block, int cell) {
 }
 
 /// A law that sees C on all blocks of the body that have these dimensions.
-/// @param at_work gives the law of a material, or if `split` its two terms as SplitPoint has them.
-template <int dimensions, bool split = false, class AtWork>
-std::unique_ptr<Elasticity> make_blocks(const Body& body, const Material& material, const AtWork& at_work) {
-  std::vector<std::unique_ptr<Elasticity>> terms;
-  for (const CellBlock& block : body.blocks) {
-    if (block.kind->dimensions != dimensions) continue;
-    std::vector<decltype(at_work(material))> laws;
-    Material own = material;
-    for (int cell = 0; cell < (block.stiffness.size() || material.varies() ? block.size() : 1); ++cell) {
-      if (material.varies()) own = local_material(material, middle_of(body, block, cell));
-      if (block.stiffness.size()) own.youngs_modulus = material.youngs_modulus * block.stiffness[cell];
-      laws.push_back(at_work(own));
-    }
-    if constexpr (split) {
-      std::vector<decltype(laws.front().shape)> shapes;
-      std::vector<Volumetric> volumes;
-      for (const auto& law : laws) shapes.push_back(law.shape), volumes.push_back(law.volume);
-      terms.push_back(make_block_cells(body, block, make_point_laws<3>(std::move(shapes)), std::move(volumes)));
-    } else {
-      terms.push_back(make_block_cells<dimensions>(body, block, make_point_laws<dimensions>(std::move(laws))));
-    }
-  }
-  if (terms.size() == 1) return std::move(terms.front());
-  return make_sum(std::move(terms), nullptr);
-}
+template <int dimensions>
+std::unique_ptr<Elasticity> make_blocks(const Body& body, const Material& material,
+                                        const AnyAtWork<dimensions>& at_work);
+/// The same of a law that is split, with the volume kept by pressures of the whole cell.
+std::unique_ptr<Elasticity> make_mixed_blocks(const Body& body, const Material& material,
+                                              const std::function<SplitPoint<AnyPoint<3>>(const Material&)>& at_work);
 
 }  // namespace elastin

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <concepts>
 #include <limits>
 #include <memory>
 #include <type_traits>
@@ -358,21 +359,49 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
   std::vector<double> sizes_;  ///< V [m³], [m²] of what softens
 };
 
-/// A law that sees C on all cells of a body that have these dimensions, whatever their shapes. The body must outlive
-/// it.
+namespace detail {
+/// The driver with the law's own type in it, on the simplices of a body.
 template <int dimensions, class Law>
-std::unique_ptr<Elasticity> make_cells(const Body& body, const Material& material, const Law& law) {
-  if (has_blocks(body, dimensions))
-    return make_blocks<dimensions>(body, material,
-                                   [&](const Material& own) { return detail::at_work<dimensions>(law, own); });
-  std::vector<std::unique_ptr<Elasticity>> blocks;
+std::unique_ptr<Elasticity> make_simplices(const Body& body, const Material& material, const Law& law) {
+  std::vector<std::unique_ptr<Elasticity>> terms;
   ShapesOf<dimensions>::for_each([&]<class Shape>() {
     using Kernel = CellKernel<Law, Shape>;
     if (!Shape::in(body).empty())
-      blocks.push_back(std::make_unique<CellElasticity<Kernel>>(body, material, Kernel{law}));
+      terms.push_back(std::make_unique<CellElasticity<Kernel>>(body, material, Kernel{law}));
   });
-  if (blocks.size() == 1) return std::move(blocks.front());
-  return make_sum(std::move(blocks), nullptr);
+  if (terms.size() == 1) return std::move(terms.front());
+  return make_sum(std::move(terms), nullptr);
+}
+
+/// The same of a law whose type is forgotten, compiled once.
+template <int dimensions>
+std::unique_ptr<Elasticity> make_any_simplices(const Body& body, const Material& material,
+                                               const AnyAtWork<dimensions>& at_work);
+
+/// Whether a law has a closed form in the lengths of one of these shapes.
+template <int dimensions, class Law>
+constexpr bool has_closed_form() {
+  bool result = false;
+  ShapesOf<dimensions>::for_each(
+      [&]<class Shape>() { result |= !std::derived_from<CellKernel<Law, Shape>, PointKernel<Law, Shape>>; });
+  return result;
+}
+}  // namespace detail
+
+/// A law that sees C on all cells of a body that have these dimensions, whatever their shapes. A law with a closed form
+/// in lengths, or without an energy, has a driver of its own; all others share one, at the price of a call a cell. The
+/// body must outlive it.
+template <int dimensions, class Law>
+std::unique_ptr<Elasticity> make_cells(const Body& body, const Material& material, const Law& law) {
+  const AnyAtWork<dimensions> any = [&](const Material& own) {
+    return AnyPoint<dimensions>(detail::at_work<dimensions>(law, own));
+  };
+  if (has_blocks(body, dimensions)) return make_blocks<dimensions>(body, material, any);
+  using Point = decltype(detail::at_work<dimensions>(law, material));
+  if constexpr (detail::has_closed_form<dimensions, Law>() || !HasEnergyDensity<Point, dimensions>)
+    return detail::make_simplices<dimensions>(body, material, law);
+  else
+    return detail::make_any_simplices<dimensions>(body, material, any);
 }
 
 }  // namespace elastin

@@ -1,49 +1,88 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <span>
 #include <utility>
 
 #include "elastin/core/laws/law.h"
 
 namespace elastin {
 
-/// Any law at work at one point, its type forgotten: a driver is compiled once for all of them. Copies share the law.
+/// Any law at work at one point, its type forgotten: drivers are compiled once for all of them. It is called once for
+/// many points, so that the call costs little. Copies share the law.
 template <int dimensions>
 class AnyPoint {
  public:
   /// That it is another type is asked first: whether AnyPoint is a law asks for its constructors again.
   template <class Law>
-  requires(!std::same_as<Law, AnyPoint>) &&
-      PointLaw<Law, dimensions>&& HasEnergyDensity<Law, dimensions> explicit AnyPoint(Law law)
+  requires(!std::same_as<Law, AnyPoint>) && PointLaw<Law, dimensions> explicit AnyPoint(Law law)
       : law_(std::make_shared<const Held<Law>>(std::move(law))) {}
 
-  Tensor<dimensions> stress(const Tensor<dimensions>& A) const { return law_->stress(A); }
-  TangentModuli<dimensions> tangent(const Tensor<dimensions>& A) const { return law_->tangent(A); }
-  double energy(const Tensor<dimensions>& A) const { return law_->energy(A); }
+  /// Whether it has an energy density; where it has none, energy() is 0.
+  bool has_energy() const { return law_->has_energy; }
+
+  void stresses(std::span<const Tensor<dimensions>> A, std::span<Tensor<dimensions>> S) const { law_->stresses(A, S); }
+  void tangents(std::span<const Tensor<dimensions>> A, std::span<TangentModuli<dimensions>> D) const {
+    law_->tangents(A, D);
+  }
+  /// Σ w W over the points.
+  double energy(std::span<const Tensor<dimensions>> A, std::span<const double> weights) const {
+    return law_->energy(A, weights);
+  }
+
+  Tensor<dimensions> stress(const Tensor<dimensions>& A) const {
+    Tensor<dimensions> S;
+    law_->stresses({&A, 1}, {&S, 1});
+    return S;
+  }
+  TangentModuli<dimensions> tangent(const Tensor<dimensions>& A) const {
+    TangentModuli<dimensions> D;
+    law_->tangents({&A, 1}, {&D, 1});
+    return D;
+  }
+  double energy(const Tensor<dimensions>& A) const {
+    static constexpr double one = 1;
+    return law_->energy({&A, 1}, {&one, 1});
+  }
 
  private:
   struct Base {
+    explicit Base(bool with_energy) : has_energy(with_energy) {}
     virtual ~Base() = default;
-    virtual Tensor<dimensions> stress(const Tensor<dimensions>& A) const = 0;
-    virtual TangentModuli<dimensions> tangent(const Tensor<dimensions>& A) const = 0;
-    virtual double energy(const Tensor<dimensions>& A) const = 0;
+    virtual void stresses(std::span<const Tensor<dimensions>> A, std::span<Tensor<dimensions>> S) const = 0;
+    virtual void tangents(std::span<const Tensor<dimensions>> A, std::span<TangentModuli<dimensions>> D) const = 0;
+    virtual double energy(std::span<const Tensor<dimensions>> A, std::span<const double> weights) const = 0;
+    const bool has_energy;
   };
   template <class Law>
   struct Held final : Base {
-    explicit Held(Law given) : law(std::move(given)) {}
-    Tensor<dimensions> stress(const Tensor<dimensions>& A) const override { return law.stress(A); }
-    TangentModuli<dimensions> tangent(const Tensor<dimensions>& A) const override { return law.tangent(A); }
-    double energy(const Tensor<dimensions>& A) const override { return law.energy(A); }
+    explicit Held(Law given) : Base(HasEnergyDensity<Law, dimensions>), law(std::move(given)) {}
+    void stresses(std::span<const Tensor<dimensions>> A, std::span<Tensor<dimensions>> S) const override {
+      for (std::size_t g = 0; g < A.size(); ++g) S[g] = law.stress(A[g]);
+    }
+    void tangents(std::span<const Tensor<dimensions>> A, std::span<TangentModuli<dimensions>> D) const override {
+      for (std::size_t g = 0; g < A.size(); ++g) D[g] = law.tangent(A[g]);
+    }
+    double energy(std::span<const Tensor<dimensions>> A, std::span<const double> weights) const override {
+      double sum = 0;
+      if constexpr (HasEnergyDensity<Law, dimensions>)
+        for (std::size_t g = 0; g < A.size(); ++g) sum += weights[g] * law.energy(A[g]);
+      return sum;
+    }
     Law law;
   };
   std::shared_ptr<const Base> law_;
 };
 
+/// The law at work at a point of a material.
+template <int dimensions>
+using AnyAtWork = std::function<AnyPoint<dimensions>(const Material&)>;
+
 /// A law of solids whose type is forgotten, as the cell driver runs it.
 struct AnySolid {
   static constexpr std::string_view name = "solid", summary = "any solid law", source = "";
 
-  std::function<AnyPoint<3>(const Material&)> make;
+  AnyAtWork<3> make;
 
   AnyPoint<3> solid(const Material& material) const { return make(material); }
 };
@@ -52,7 +91,7 @@ struct AnySolid {
 struct AnyMembrane {
   static constexpr std::string_view name = "membrane", summary = "any membrane law", source = "";
 
-  std::function<AnyPoint<2>(const Material&)> make;
+  AnyAtWork<2> make;
 
   AnyPoint<2> membrane(const Material& material) const { return make(material); }
 };

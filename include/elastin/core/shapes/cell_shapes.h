@@ -8,7 +8,7 @@ template <CellShape... Shapes>
 struct CellShapeList {
   /// Calls visit.template operator()<Shape>() for each.
   template <class Visit>
-  static void for_each(Visit&& visit) {
+  static constexpr void for_each(Visit&& visit) {
     (visit.template operator()<Shapes>(), ...);
   }
 };

@@ -226,13 +226,7 @@ Strategy length_strategy() {
 template <class Law>
 Strategy solid_strategy() {
   Strategy strategy = cell_strategy<3, Law>();
-  if constexpr (ConstantsLaw<Law>)  // one driver for all of them
-    strategy.make = made_by<Law>(strategy, [](const Body& body, const Material& material, const Law& law) {
-      return make_cells<3>(body, material,
-                           AnySolid{[law](const Material& own) { return AnyPoint<3>(law.solid(own)); }});
-    });
-  else
-    strategy.make = made_by<Law>(strategy, &make_cells<3, Law>);
+  strategy.make = made_by<Law>(strategy, &make_cells<3, Law>);
   if constexpr (requires(Law law) { law.volume_apart = true; })
     strategy.make_without_volume = made_by<Law>(strategy, [](const Body& body, const Material& material, Law law) {
       law.volume_apart = true;
@@ -240,7 +234,10 @@ Strategy solid_strategy() {
     });
   if constexpr (SplitLaw<Law>)
     strategy.make_mixed = made_by<Law>(strategy, [](const Body& body, const Material& material, const Law& law) {
-      return make_blocks<3, true>(body, material, [&](const Material& own) { return law.split(own); });
+      return make_mixed_blocks(body, material, [&](const Material& own) {
+        auto [shape, volume] = law.split(own);
+        return SplitPoint<AnyPoint<3>>{AnyPoint<3>(std::move(shape)), volume};
+      });
     });
   return strategy;
 }
@@ -251,22 +248,11 @@ Strategy membrane_strategy() {
   strategy.name += "_membrane";
   if constexpr (requires { Law::membrane_summary; }) strategy.summary = Law::membrane_summary;
   if constexpr (requires { Law::membrane_source; }) strategy.source = Law::membrane_source;
-  if constexpr (ConstantsLaw<Law>)
-    strategy.make = made_by<Law>(strategy, [](const Body& body, const Material& material, const Law& law) {
-      return make_cells<2>(body, material,
-                           AnyMembrane{[law](const Material& m) { return AnyPoint<2>(law.membrane(m)); }});
-    });
-  else
-    strategy.make = made_by<Law>(strategy, &make_cells<2, Law>);
+  strategy.make = made_by<Law>(strategy, &make_cells<2, Law>);
   if constexpr (requires(const Law& law, const Material& m) { law.membrane(m).without_compression(m); })
     strategy.make_without_compression =
         made_by<Law>(strategy, [](const Body& body, const Material& material, const Law& law) {
-          if constexpr (ConstantsLaw<Law>)
-            return make_cells<2>(body, material, AnyMembrane{[law](const Material& m) {
-                                   return AnyPoint<2>(law.membrane(m).without_compression(m));
-                                 }});
-          else
-            return make_cells<2>(body, material, WithoutCompression<Law>{law});
+          return make_cells<2>(body, material, WithoutCompression<Law>{law});
         });
   return strategy;
 }
