@@ -52,6 +52,7 @@
 #include "elastin/core/model/law_constants.h"
 #include "elastin/core/model/material.h"
 #include "elastin/core/model/parts.h"
+#include "elastin/core/model/share.h"
 #include "elastin/core/model/state.h"
 #include "elastin/core/model/stress_strain.h"
 #include "elastin/core/model/subdomain.h"

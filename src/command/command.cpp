@@ -331,6 +331,7 @@ void add_scene_options(CLI::App& command, Options& options) {
 
 void add_file_options(CLI::App& command, Options& options) {
   command.add_option("--out", options.out, "Folder for CSV, JSON, curves and ParaView files");
+  command.add_option("--pieces", options.pieces)->group("");  // of a process that is not the first, see processes.h
   command.add_option("--restart", options.restart, "Continue a run in time from a .restart file that --out wrote");
   command.add_flag("--live", options.live, "Show at most time.frame_rate frames a second");
   command.add_option("--baseline", options.baseline, "Folder of an earlier --out: tell what changed since, run by run");

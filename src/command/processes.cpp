@@ -39,12 +39,13 @@ std::vector<std::string> shared_arguments(std::vector<std::string> arguments, in
     arguments.insert(arguments.end(), {"--threads", std::to_string(std::max(1, cores / count))});
   }
   if (rank == 0) return arguments;
-  for (const std::string option : {"--out", "--json"})
-    for (auto at = arguments.begin(); at != arguments.end();)
-      if (is_option(*at, option))
-        at = arguments.erase(at, std::min(arguments.end(), at + (*at == option ? 2 : 1)));
-      else
-        ++at;
+  for (std::string& word : arguments)
+    if (is_option(word, "--out")) word.replace(0, 5, "--pieces");
+  for (auto at = arguments.begin(); at != arguments.end();)
+    if (is_option(*at, "--json"))
+      at = arguments.erase(at, std::min(arguments.end(), at + (*at == "--json" ? 2 : 1)));
+    else
+      ++at;
   if (!given("--quiet")) arguments.push_back("--quiet");
   return arguments;
 }

@@ -144,14 +144,19 @@ void set_smoother(KSP smoother, Mat matrix) {
 
 }  // namespace
 
-BoxHierarchy::BoxHierarchy(const Body& whole, const SharedBody& body) : frame_(frame_of(whole)), body_(body) {
-  const Body& own = body.own().body;
+BoxHierarchy::BoxHierarchy(const Model& local, const SharedBody& body) : frame_(frame_of(body.given())), body_(body) {
+  const Body& own = body.local();
   BoxGrid finest(frame_);
   for (int a = 0; a < own.size(); ++a) finest.use(finest.outline_box(own.rest.col(a)));
   for (const auto& [a, b] : own.connections.ends)
     finest.use(finest.outline_box((own.rest.col(a) + own.rest.col(b)) / 2));
   for (const auto& cell : own.tetrahedra) finest.use(finest.outline_box(own.rest(Eigen::all, cell).rowwise().mean()));
   for (const auto& cell : own.triangles) finest.use(finest.outline_box(own.rest(Eigen::all, cell).rowwise().mean()));
+  for (const auto& term : local.elasticity())
+    term->visit_points([&](const StiffPoints& points) {
+      for (int point = 0; point < points.stiff_points(); ++point)
+        finest.use(finest.outline_box(points.place_of(point)));
+    });
   MPI_Allreduce(MPI_IN_PLACE, finest.used().data(), static_cast<int>(finest.used().size()), MPI_CHAR, MPI_BOR,
                 body.communicator());
   finest.number();

@@ -11,7 +11,8 @@ namespace elastin::petsc {
 /// all boxes; the rows of points are shared out in their order, layer by layer.
 class BoxHierarchy {
  public:
-  BoxHierarchy(const Body& whole, const SharedBody& body);
+  /// `local`: a model of what this process has.
+  BoxHierarchy(const Model& local, const SharedBody& body);
 
   const BoxGrid::Frame& frame() const { return frame_; }
   const std::vector<BoxGrid>& grids() const { return grids_; }

@@ -2,11 +2,13 @@
 #include <cstring>
 #include <utility>
 
+#include "core/forces/sharing.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/solve/engine.h"
 #include "elastin/petsc/petsc.h"
 #include "petsc/equilibrium.h"
+#include "petsc/processes.h"
 
 namespace elastin::petsc {
 namespace {
@@ -30,21 +32,27 @@ class Engine final : public StaticEngine {
  public:
   Engine() { start(); }
 
+  std::shared_ptr<const Processes> processes() const override { return make_processes(); }
+
+  void complete(const Model& model, Positions& forces) override {
+    const SharedBody& body = setting(model).body;
+    const Vector sums = body.make_vector();
+    body.add_up(forces, sums);
+    body.spread(sums, forces);
+  }
+
   std::string unsuited(const Model& model) const override {
     const Body& body = model.body();
     int processes = 1;
     MPI_Comm_size(PETSC_COMM_WORLD, &processes);
-    if (body.size() < processes)
+    if (molecules_of_whole(body) < processes)
       return "engine petsc: " + counted(body.size(), "molecule") + " cannot be shared out among " +
              counted(processes, "process", "processes");
     Subdomain nothing;
     nothing.whole = &body;
-    for (const auto& term : model.elasticity())
-      if (!term->on_subdomain(nothing))
-        return "engine petsc: this strategy on this body cannot be shared out among processes; those that can are "
-               "spring "
-               "rules, laws on triangles and tetrahedra, and their volume terms, on one body, without relaxation, "
-               "softening or updated constants";
+    nothing.body = std::make_shared<const Body>();
+    for (const auto& term : model.elasticity())  // a share's model has only what can be
+      if (!body.share && !term->on_subdomain(nothing)) return std::string("engine petsc: ") + kNotShared;
     for (const auto& load : model.loads())
       if (load->changes() && load->acts_at_rest())
         return "engine petsc: a load changes as the body moves, and only dead ones are shared out: gravity, forces, "
@@ -69,7 +77,7 @@ class Engine final : public StaticEngine {
     if (!why.empty()) throw InputError(why);
     const Body& body = model.body();
     const std::uint64_t mark = mark_of(body);
-    if (!setting_ || setting_->body.own().whole != &body || mark != mark_) {
+    if (any_over(body, !setting_ || &setting_->body.given() != &body || mark != mark_)) {
       setting_ = std::make_unique<SharedSetting>(body);
       mark_ = mark;
     }

@@ -15,12 +15,12 @@ namespace elastin::petsc {
 namespace {
 
 /// The grids of boxes where the options, or a rule, choose them.
-const BoxHierarchy* chosen_boxes(const Model& model, SharedSetting& setting, const StaticOptions& options,
-                                 double tolerance, std::string& reason) {
+const BoxHierarchy* chosen_boxes(const Model& model, const Model& local, SharedSetting& setting,
+                                 const StaticOptions& options, double tolerance, std::string& reason) {
   bool wanted = options.method->name == "multigrid";
   if (!options.method->make) std::tie(wanted, reason) = multigrid_is_worth_it(model, tolerance);
   if (!wanted) return nullptr;
-  if (!setting.boxes) setting.boxes = std::make_unique<BoxHierarchy>(model.body(), setting.body);
+  if (!setting.boxes) setting.boxes = std::make_unique<BoxHierarchy>(local, setting.body);
   return setting.boxes.get();
 }
 
@@ -39,8 +39,9 @@ DeadLoads dead_loads(const Model& model, const SharedBody& body) {
   for (const auto& load : model.loads()) {
     Positions one = Positions::Zero(3, model.body().size()), local;
     load->add_forces(rest, one);
-    loads.scale += ordered_norm(one);
     body.take(one, local);
+    loads.scale +=
+        body.of_share() ? std::sqrt(body.sum(local.leftCols(body.owned()).squaredNorm())) : ordered_norm(one);
     loads.owned += local.leftCols(body.owned());
   }
   return loads;
@@ -84,7 +85,9 @@ class Newton {
     evaluate(now);
     if (!std::isfinite(now.energy)) {
       result.outcome = Outcome::inverted;
-      result.cause = inverted_text(whole_.body(), state.positions) + " at the start of the step";
+      const bool here = !std::isfinite(model_.local().elastic_energy(now.local)) || !body_.of_share();
+      result.cause = first_over(whole_.body(), here ? inverted_text(whole_.body(), state.positions) : "") +
+                     " at the start of the step";
       return result;
     }
     std::string preconditioner = "pcg";
@@ -117,7 +120,7 @@ class Newton {
       if (result.newton_iterations > 0) forcing = std::min(1e-2, 0.5 * std::pow(now.norm / last, 2));
       forcing = std::max(forcing, 0.1 * goal / now.norm);
       last = now.norm;
-      const BoxHierarchy* boxes = chosen_boxes(whole_, setting_, options_, forcing, result.reason);
+      const BoxHierarchy* boxes = chosen_boxes(whole_, model_.local(), setting_, options_, forcing, result.reason);
       const SharedLinearResult linear = solve_linear(tangent, boxes, now.unbalanced, forcing, motion_);
       preconditioner = linear.preconditioner;
       result.linear_iterations += linear.iterations;
@@ -141,9 +144,7 @@ class Newton {
     }
     body_.gather(now.local.leftCols(body_.owned()), state.positions);
     result.solver = solver_name("newton", preconditioner, body_);
-    Positions forces;
-    whole_.set_forces(state, forces);
-    result.reactions = -fixed_components(whole_.supports, forces);
+    result.reactions = reactions(state, now);
     return result;
   }
 
@@ -151,6 +152,23 @@ class Newton {
   static void stop(Outcome outcome, std::string cause, StaticResult& result) {
     result.outcome = outcome;
     result.cause = std::move(cause);
+  }
+
+  /// On the supports of what was given; none on those of ghosts.
+  Positions reactions(const State& state, const Point& now) {
+    Positions forces;
+    if (!body_.of_share()) {
+      whole_.set_forces(state, forces);
+    } else {
+      forces_.setZero(3, body_.size());
+      model_.local().add_elastic_forces(now.local, forces_, workspace_);
+      const Vector sums = body_.make_vector();
+      body_.add_up(forces_, sums);
+      body_.read(sums, owned_);
+      forces = Positions::Zero(3, body_.size());
+      forces.leftCols(body_.owned()) = owned_ + loads_.owned;
+    }
+    return -fixed_components(whole_.supports, forces);
   }
 
   /// Sets all of a point that follows from its positions.
@@ -187,8 +205,9 @@ class Newton {
       const auto& [a, b] = connections.ends[static_cast<std::size_t>(c)];
       pull += std::abs(densities_[c]) * (x.col(b) - x.col(a)).norm();
     }
+    for (const auto& term : model_.local().elasticity()) pull += term->internal_force(x);
     const double reach = body_.largest(x.size() > 0 ? x.cwiseAbs().maxCoeff() : 0);
-    const double all = body_.sum(pull) + std::sqrt(static_cast<double>(whole_.body().size())) * point.scale;
+    const double all = body_.sum(pull) + std::sqrt(static_cast<double>(body_.all_molecules())) * point.scale;
     point.noise = 4 * std::numeric_limits<double>::epsilon() * reach * all;
   }
 
@@ -218,10 +237,10 @@ class Newton {
 
   /// Whether the body may be strained enough to buckle; as solve_newton.
   bool may_buckle(const Positions& x) const {
-    const Positions& rest = whole_.body().rest;
-    const Vector3 size = rest.rowwise().maxCoeff() - rest.rowwise().minCoeff();
+    const auto [low, high] = outline_of_whole(whole_.body());
+    const Vector3 size = high - low;
     const double thin = size.minCoeff() / size.maxCoeff(), limit = std::min(1e-4, 0.1 * thin * thin);
-    const Connections& connections = body_.own().body.connections;
+    const Connections& connections = body_.local().connections;
     bool strained = false;
     for (int c = 0; c < connections.size() && !strained; ++c) {
       const auto& [a, b] = connections.ends[static_cast<std::size_t>(c)];
@@ -302,7 +321,7 @@ StaticResponse respond(Model& model, SharedSetting& setting, const Positions& at
 
   StaticResponse response;
   StaticResult& result = response.result;
-  const BoxHierarchy* boxes = chosen_boxes(model, setting, options, options.tolerance, result.reason);
+  const BoxHierarchy* boxes = chosen_boxes(model, shared.local(), setting, options, options.tolerance, result.reason);
   const SharedLinearResult linear = solve_linear(tangent, boxes, rhs, options.tolerance, solution);
   result.solver = solver_name("linear", linear.preconditioner, body);
   result.linear = true;
@@ -329,8 +348,11 @@ StaticResponse respond(Model& model, SharedSetting& setting, const Positions& at
   tangent.apply(motion, rhs);
   body.read(rhs, owned);
   owned -= loads.leftCols(body.owned());
-  Positions forces;
-  body.gather(owned, forces);
+  Positions forces = Positions::Zero(3, body.size());
+  if (body.of_share())
+    forces.leftCols(body.owned()) = owned;
+  else
+    body.gather(owned, forces);
   result.reactions = fixed_components(model.supports, forces);
   body.gather(motion.leftCols(body.owned()), response.motion);
   return response;

@@ -9,7 +9,7 @@ namespace elastin::petsc {
 
 /// What is made once for a body.
 struct SharedSetting {
-  explicit SharedSetting(const Body& whole) : body(whole, PETSC_COMM_WORLD) {}
+  explicit SharedSetting(const Body& given) : body(given, PETSC_COMM_WORLD) {}
   SharedBody body;
   std::unique_ptr<BoxHierarchy> boxes = {};  ///< made when they are needed first
 };

@@ -302,9 +302,8 @@ bool find_negative_direction(const SharedTangent& tangent, Vec direction, int& i
   constexpr double tolerance = 1e-5;
   const SharedBody& body = tangent.model().body();
   const Preconditioner preconditioner(tangent, nullptr);
-  const Positions all = scattered_directions(body.own().whole->size());
-  Positions local;
-  body.take(all, local);
+  Positions local(3, body.size());
+  for (int a = 0; a < body.size(); ++a) local.col(a) = scattered_direction(body.number(a));
   Vector r = body.make_vector(), z = body.make_vector(), kp = body.make_vector();
   const Vec p = direction;
   body.write(local, r);
@@ -318,7 +317,7 @@ bool find_negative_direction(const SharedTangent& tangent, Vec direction, int& i
   preconditioner.apply(r, z);
   check(VecCopy(z, p));
   double now = dot(r, z), size_of_p = now;  // pᵀ M p, M the preconditioner: what pᵀ K p is small or large against
-  for (double limit = 10000 + 0.3 * static_cast<double>(all.cols()); first > 0 && limit > 0; --limit) {
+  for (double limit = 10000 + 0.3 * static_cast<double>(body.all_molecules()); first > 0 && limit > 0; --limit) {
     tangent.apply(p, kp);
     const double curvature = dot(p, kp);
     if (!(curvature > 1e-13 * size_of_p)) return curvature < -1e-10 * size_of_p;

@@ -1,13 +1,17 @@
 #include <petscsys.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <cstdlib>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <thread>
 
 #include "elastin/petsc/petsc.h"
 #include "petsc/handles.h"
+#include "petsc/processes.h"
 
 namespace elastin::petsc {
 namespace {
@@ -36,7 +40,53 @@ bool all_arrive(double seconds) {
   return arrived != 0;
 }
 
+/// Longer messages go in pieces: MPI counts with 32 bits.
+constexpr std::size_t kPiece = std::size_t{1} << 30;
+
+class MpiProcesses final : public Processes {
+ public:
+  MpiProcesses() {
+    MPI_Comm_rank(PETSC_COMM_WORLD, &rank_);
+    MPI_Comm_size(PETSC_COMM_WORLD, &count_);
+  }
+  int rank() const override { return rank_; }
+  int count() const override { return count_; }
+
+  std::vector<double> gather(std::span<const double> own) const override {
+    const int size = static_cast<int>(own.size());
+    std::vector<int> sizes(static_cast<std::size_t>(count_)), starts(sizes.size(), 0);
+    MPI_Allgather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, PETSC_COMM_WORLD);
+    std::partial_sum(sizes.begin(), sizes.end() - 1, starts.begin() + 1);
+    std::vector<double> all(static_cast<std::size_t>(starts.back() + sizes.back()));
+    MPI_Allgatherv(own.data(), size, MPI_DOUBLE, all.data(), sizes.data(), starts.data(), MPI_DOUBLE, PETSC_COMM_WORLD);
+    return all;
+  }
+
+  void send(int to, const std::vector<char>& bytes) const override {
+    const auto size = static_cast<std::uint64_t>(bytes.size());
+    MPI_Send(&size, 1, MPI_UINT64_T, to, 0, PETSC_COMM_WORLD);
+    for (std::size_t at = 0; at < bytes.size(); at += kPiece)
+      MPI_Send(bytes.data() + at, static_cast<int>(std::min(kPiece, bytes.size() - at)), MPI_CHAR, to, 0,
+               PETSC_COMM_WORLD);
+  }
+
+  std::vector<char> receive(int from) const override {
+    std::uint64_t size = 0;
+    MPI_Recv(&size, 1, MPI_UINT64_T, from, 0, PETSC_COMM_WORLD, MPI_STATUS_IGNORE);
+    std::vector<char> bytes(size);
+    for (std::size_t at = 0; at < bytes.size(); at += kPiece)
+      MPI_Recv(bytes.data() + at, static_cast<int>(std::min(kPiece, bytes.size() - at)), MPI_CHAR, from, 0,
+               PETSC_COMM_WORLD, MPI_STATUS_IGNORE);
+    return bytes;
+  }
+
+ private:
+  int rank_ = 0, count_ = 1;
+};
+
 }  // namespace
+
+std::shared_ptr<const Processes> make_processes() { return std::make_shared<MpiProcesses>(); }
 
 void check(PetscErrorCode code) {
   if (code == 0) return;

@@ -4,12 +4,27 @@
 
 namespace elastin::petsc {
 
-SharedBody::SharedBody(const Body& whole, MPI_Comm communicator) : communicator_(communicator) {
-  int rank = 0, processes = 1;
-  MPI_Comm_rank(communicator, &rank);
-  MPI_Comm_size(communicator, &processes);
-  const std::vector<int> owners = bisect(whole.rest, processes);
-  own_ = make_subdomain(whole, owners, rank);
+SharedBody::SharedBody(const Body& given, MPI_Comm communicator) : communicator_(communicator), given_(given) {
+  if (of_share())
+    numbers_.assign(given.share->place.begin(), given.share->place.end());
+  else
+    number_whole();
+  check(VecCreateGhostBlock(communicator_, 3, 3 * owned(), PETSC_DETERMINE, size() - owned(), numbers_.data() + owned(),
+                            ghosted_.out()));
+}
+
+int SharedBody::processes() const {
+  int processes = 1;
+  MPI_Comm_size(communicator_, &processes);
+  return processes;
+}
+
+void SharedBody::number_whole() {
+  int rank = 0;
+  MPI_Comm_rank(communicator_, &rank);
+  const int processes = this->processes();
+  const std::vector<int> owners = bisect(given_.rest, processes);
+  own_ = make_subdomain(given_, owners, rank);
   counts_.assign(static_cast<std::size_t>(processes), 0);
   for (const int owner : owners) counts_[static_cast<std::size_t>(owner)] += 3;
   offsets_.assign(counts_.size(), 0);
@@ -23,8 +38,6 @@ SharedBody::SharedBody(const Body& whole, MPI_Comm communicator) : communicator_
     at += 3;
   }
   for (const int molecule : own_.molecules) numbers_.push_back(number_of[static_cast<std::size_t>(molecule)]);
-  check(VecCreateGhostBlock(communicator_, 3, 3 * owned(), PETSC_DETERMINE, size() - owned(), numbers_.data() + owned(),
-                            ghosted_.out()));
 }
 
 Vector SharedBody::make_vector() const {
@@ -60,9 +73,13 @@ void SharedBody::add_up(const Positions& local, Vec owned) const {
   check(VecCopy(ghosted_, owned));
 }
 
-void SharedBody::take(const Positions& whole, Positions& local) const {
+void SharedBody::take(const Positions& given, Positions& local) const {
+  if (of_share()) {
+    local = given;
+    return;
+  }
   local.resize(3, size());
-  for (int i = 0; i < size(); ++i) local.col(i) = whole.col(own_.molecules[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < size(); ++i) local.col(i) = given.col(own_.molecules[static_cast<std::size_t>(i)]);
 }
 
 void SharedBody::read(Vec owned_values, Positions& columns) const {
@@ -79,13 +96,18 @@ void SharedBody::write(const Positions& columns, Vec owned_values) const {
   check(VecRestoreArrayWrite(owned_values, &values));
 }
 
-void SharedBody::gather(const Positions& owned_columns, Positions& whole) const {
+void SharedBody::gather(const Positions& owned_columns, Positions& given) const {
+  if (of_share()) {
+    const Vector vector = make_vector();
+    write(owned_columns, vector);
+    return spread(vector, given);
+  }
   const auto count = static_cast<Eigen::Index>(molecule_at_.size());
   Positions ordered(3, count);
   MPI_Allgatherv(owned_columns.data(), 3 * owned(), MPI_DOUBLE, ordered.data(), counts_.data(), offsets_.data(),
                  MPI_DOUBLE, communicator_);
-  whole.resize(3, count);
-  for (Eigen::Index i = 0; i < count; ++i) whole.col(molecule_at_[static_cast<std::size_t>(i)]) = ordered.col(i);
+  given.resize(3, count);
+  for (Eigen::Index i = 0; i < count; ++i) given.col(molecule_at_[static_cast<std::size_t>(i)]) = ordered.col(i);
 }
 
 double SharedBody::sum(double own) const {
@@ -106,14 +128,17 @@ double SharedBody::largest(double own) const {
   return result;
 }
 
-SharedModel::SharedModel(const Model& whole, const SharedBody& body) : body_(body), local_(body.own().body) {
-  for (const auto& term : whole.elasticity()) local_.add(term->on_subdomain(body.own()));
-  for (const Support& support : whole.supports) {
-    const int molecule = body.own().local(support.molecule);
+SharedModel::SharedModel(Model& given, const SharedBody& body) : body_(body), given_(given) {
+  if (!body.of_share()) {
+    subdomain_.emplace(body.local());
+    for (const auto& term : given.elasticity()) subdomain_->add(term->on_subdomain(body.own()));
+  }
+  for (const Support& support : given.supports) {
+    const int molecule = subdomain_ ? body.own().local(support.molecule) : support.molecule;
     if (molecule < 0) continue;
     Support own = support;
     own.molecule = molecule;
-    local_.supports.push_back(own);
+    if (subdomain_) subdomain_->supports.push_back(own);
     if (molecule < body.owned()) owned_supports_.push_back(own);
   }
 }

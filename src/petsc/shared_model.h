@@ -1,23 +1,36 @@
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "elastin/core/forces/model.h"
 #include "elastin/core/forces/tangent.h"
-#include "elastin/core/model/subdomain.h"
+#include "elastin/core/model/share.h"
 #include "petsc/handles.h"
 
 namespace elastin::petsc {
 
-/// A body among the processes of a communicator. PETSc numbers the molecules process by process, as each has them.
+/// A body among the processes of a communicator: each has a subdomain of the whole, or, where it was given a share of
+/// the body alone (Body::share), that. PETSc numbers the molecules process by process, as each has them.
 class SharedBody {
  public:
-  SharedBody(const Body& whole, MPI_Comm communicator);
+  SharedBody(const Body& given, MPI_Comm communicator);
 
+  /// What was given: the whole, or a share.
+  const Body& given() const { return given_; }
+  bool of_share() const { return given_.share != nullptr; }
+  /// The subdomain of the whole; nothing of a share.
   const Subdomain& own() const { return own_; }
-  int size() const { return static_cast<int>(own_.molecules.size()); }
-  int owned() const { return own_.owned; }
+  /// Molecules, connections and cells that this process has.
+  const Body& local() const { return of_share() ? given_ : *own_.body; }
+  int size() const { return local().size(); }
+  int owned() const { return of_share() ? owned_molecules(given_) : own_.owned; }
+  /// Number of each molecule in the whole.
+  std::int64_t number(int molecule) const {
+    return of_share() ? number_in_whole(given_, molecule) : own_.molecules[static_cast<std::size_t>(molecule)];
+  }
+  std::int64_t all_molecules() const { return molecules_of_whole(given_); }
   MPI_Comm communicator() const { return communicator_; }
-  int processes() const { return static_cast<int>(counts_.size()); }
+  int processes() const;
   /// PETSc's number of each molecule of the subdomain.
   const std::vector<PetscInt>& numbers() const { return numbers_; }
 
@@ -27,19 +40,21 @@ class SharedBody {
   void spread(Vec owned, Positions& local) const;
   /// The sums of what all subdomains have for a molecule, for its owner.
   void add_up(const Positions& local, Vec owned) const;
-  /// Columns of the whole that are the subdomain's.
-  void take(const Positions& whole, Positions& local) const;
+  /// Columns of what was given that are the subdomain's.
+  void take(const Positions& given, Positions& local) const;
   /// Values of owned molecules as columns, and back.
   void read(Vec owned, Positions& columns) const;
   void write(const Positions& columns, Vec owned) const;
-  /// Owned columns of all processes, for each of them.
-  void gather(const Positions& owned, Positions& whole) const;
+  /// Owned columns, for all molecules of what was given.
+  void gather(const Positions& owned, Positions& given) const;
   double sum(double own) const;
   bool all(bool own) const;
   double largest(double own) const;
 
  private:
+  void number_whole();
   MPI_Comm communicator_;
+  const Body& given_;
   Subdomain own_;
   std::vector<PetscInt> numbers_;
   std::vector<int> molecule_at_;       ///< of the whole, by PETSc's number
@@ -50,12 +65,12 @@ class SharedBody {
 /// A model among processes: its elements, loads and supports, each where it is computed.
 class SharedModel {
  public:
-  /// `whole` must take part, see StaticEngine::unsuited.
-  SharedModel(const Model& whole, const SharedBody& body);
+  /// `given`, of the whole or of a share, must take part, see StaticEngine::unsuited, and outlive it.
+  SharedModel(Model& given, const SharedBody& body);
 
   const SharedBody& body() const { return body_; }
   /// On the subdomain: elasticities that it computes, and the supports of all its molecules. No loads.
-  Model& local() { return local_; }
+  Model& local() { return subdomain_ ? *subdomain_ : given_; }
   /// Supports of owned molecules.
   const std::vector<Support>& supports() const { return owned_supports_; }
   /// Takes the fixed components of owned molecules out.
@@ -63,7 +78,8 @@ class SharedModel {
 
  private:
   const SharedBody& body_;
-  Model local_;
+  Model& given_;
+  std::optional<Model> subdomain_;  ///< of a whole
   std::vector<Support> owned_supports_;
 };
 

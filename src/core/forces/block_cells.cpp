@@ -15,6 +15,7 @@
 #include "elastin/core/base/dense.h"
 #include "elastin/core/forces/mullins.h"
 #include "elastin/core/laws/local.h"
+#include "elastin/core/model/share.h"
 
 namespace elastin {
 namespace {
@@ -70,6 +71,14 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   }
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<BlockCells>(*this); }
+  std::unique_ptr<Elasticity> on_subdomain(const Subdomain& own) const override {
+    if (dissipates() || &body_ != own.whole || own.body->blocks.size() != body_.blocks.size()) return nullptr;
+    const auto place = static_cast<std::size_t>(&block_ - body_.blocks.data());
+    auto result = std::make_unique<BlockCells>(*own.body, own.body->blocks[place], laws_, volume_);
+    for (int cell = 0; cell < block_.size(); ++cell)
+      if (own.owns(lowest_in_whole(body_, block_.cell(cell)))) result->numbers_.push_back(cell);
+    return result;
+  }
   bool has_energy() const override { return laws_->has_energy(); }
   bool at_nodes() const override { return true; }
 
@@ -193,7 +202,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
           Stresses now;
           set_stresses(positions, cell, now);
           std::array<Moduli, kMostPoints> D;
-          laws_->tangents(cell, span(now.A), {D.data(), static_cast<std::size_t>(points_)});
+          laws_->tangents(number(cell), span(now.A), {D.data(), static_cast<std::size_t>(points_)});
           if (softened_) soften_tangents(cell, now, D);
           for (int g = 0; g < points_; ++g) {
             const auto at = static_cast<std::size_t>(g);
@@ -477,8 +486,9 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     if (d == 3 && now.inverted) return std::numeric_limits<double>::infinity();
     std::array<double, kMostPoints> weights;
     for (int g = 0; g < points_; ++g) weights[static_cast<std::size_t>(g)] = rest(cell, g).weight;
-    double sum = softened_ ? softened_energy_of(cell, now)
-                           : laws_->energy(cell, span(now.A), {weights.data(), static_cast<std::size_t>(points_)});
+    double sum = softened_
+                     ? softened_energy_of(cell, now)
+                     : laws_->energy(number(cell), span(now.A), {weights.data(), static_cast<std::size_t>(points_)});
     if constexpr (d == 3)
       if (!volume_.empty()) {
         const Pressures theta = projected_swelling(cell, now);
@@ -496,7 +506,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     Stresses now;
     set_stresses(positions, cell, now);
     std::array<Moduli, kMostPoints> D;
-    laws_->tangents(cell, span(now.A), {D.data(), static_cast<std::size_t>(points_)});
+    laws_->tangents(number(cell), span(now.A), {D.data(), static_cast<std::size_t>(points_)});
     PressureGradient G = PressureGradient::Zero();
     for (int g = 0; g < points_; ++g) {
       const auto at = static_cast<std::size_t>(g);
@@ -518,8 +528,10 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
 
   const Rest& rest(int cell, int g) const { return rest_[static_cast<std::size_t>(cell * points_ + g)]; }
   const Now& now(int cell, int g) const { return now_[static_cast<std::size_t>(cell * points_ + g)]; }
+  /// Of a cell where laws and volumes have theirs.
+  int number(int cell) const { return numbers_.empty() ? cell : numbers_[static_cast<std::size_t>(cell)]; }
   const Volumetric& volume_of(int cell) const {
-    return volume_[volume_.size() == 1 ? 0 : static_cast<std::size_t>(cell)];
+    return volume_[volume_.size() == 1 ? 0 : static_cast<std::size_t>(number(cell))];
   }
 
   /// The frame of a point at rest, orthonormal: space itself in a solid, else first along ∂X/∂ξ₁, second in the cell.
@@ -609,7 +621,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   /// Without relaxation.
   void set_elastic_stresses(const Positions& positions, int cell, Stresses& now) const {
     set_strains(positions, cell, now);
-    laws_->stresses(cell, span(now.A), span(now.S));
+    laws_->stresses(number(cell), span(now.A), span(now.S));
     if (softened_)
       for (int g = 0; g < points_; ++g) now.S[static_cast<std::size_t>(g)] *= softened_at(cell, g, now).factor;
     set_pressures(cell, now, now.p);
@@ -629,7 +641,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   /// W of the laws at one point [J/m³], [J/m²].
   double density(int cell, int g, const Strains& now) const {
     const double one = 1;
-    return laws_->energy(cell, {&now.A[static_cast<std::size_t>(g)], 1}, {&one, 1});
+    return laws_->energy(number(cell), {&now.A[static_cast<std::size_t>(g)], 1}, {&one, 1});
   }
   SoftenedEnergy softened_at(int cell, int g, const Strains& now) const {
     return softened_.at(cell * points_ + g, density(cell, g, now));
@@ -642,7 +654,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   /// D = η ∂S/∂C + ½ η′ S S, S that of the law.
   void soften_tangents(int cell, const Strains& now, std::array<Moduli, kMostPoints>& D) const {
     std::array<Square, kMostPoints> S;
-    laws_->stresses(cell, span(now.A), span(S));
+    laws_->stresses(number(cell), span(now.A), span(S));
     for (int g = 0; g < points_; ++g) {
       const auto at = static_cast<std::size_t>(g);
       const SoftenedEnergy softened = softened_at(cell, g, now);
@@ -890,6 +902,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   int points_;
   std::shared_ptr<const PointLaws<d>> laws_;
   std::vector<Volumetric> volume_;  ///< empty: the laws' own
+  std::vector<int> numbers_;        ///< on a subdomain of the whole's cells; empty: the same
   SoftenedElements softened_;       ///< a point each
   Relaxing relaxing_;               ///< the stress at each point
   Rows slots_;                      ///< of each molecule among the nodes of all cells

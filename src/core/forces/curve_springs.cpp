@@ -19,7 +19,7 @@ class CurveSprings final : public Elasticity, public LocalElasticity {
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<CurveSprings>(*this); }
   std::unique_ptr<Elasticity> on_subdomain(const Subdomain& own) const override {
-    return softened_ ? nullptr : std::make_unique<CurveSprings>(own.body, own.computed(sections_), curve_);
+    return softened_ ? nullptr : std::make_unique<CurveSprings>(*own.body, own.computed(sections_), curve_);
   }
   double energy(const Positions& positions) const override {
     return ordered_sum(connections_.size(), [&](int c) {

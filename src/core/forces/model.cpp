@@ -4,11 +4,15 @@
 #include <utility>
 
 #include "core/forces/graph.h"
+#include "core/forces/sharing.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
 
 namespace elastin {
 
-Model::Model(const Body& body) : body_(&body), graph_(std::make_unique<Graph>(body)) {}
+Model::Model(const Body& body) : body_(&body), graph_(std::make_unique<Graph>(body)) {
+  if (body.share) computed_ = std::make_unique<const Subdomain>(computed_by(body));
+}
 Model::~Model() = default;
 Model::Model(Model&&) noexcept = default;
 
@@ -37,6 +41,12 @@ void Model::add(std::unique_ptr<Load> load) {
 }
 
 void Model::add(std::unique_ptr<Elasticity> elasticity) {
+  if (computed_) {
+    auto own = elasticity->on_subdomain(*computed_);
+    if (!own) throw InputError(kNotShared);
+    std::swap(own, elasticity);
+    if (keeps_all_) all_elements_.push_back(std::move(own));
+  }
   const std::string name = "law" + std::to_string(elasticity_.size());
   insert(elasticity->history(name), history_);
   elasticity_.push_back(std::move(elasticity));
@@ -130,7 +140,7 @@ double Model::load_energy(const State& state) const {
 VectorX Model::force_densities(const Positions& positions, const Elasticity::StateVisitor& visit) const {
   VectorX force_densities = VectorX::Zero(body_->connections.size());
   Workspace workspace;
-  for (const auto& term : elasticity_) {
+  for (const auto& term : all_elements_.empty() ? elasticity_ : all_elements_) {
     term->add_force_densities(positions, force_densities, workspace);
     if (term->at_nodes()) term->show(positions, force_densities, visit);
   }

@@ -46,7 +46,7 @@ class Springs final : public Elasticity, public LocalElasticity {
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<Springs>(*this); }
   std::unique_ptr<Elasticity> on_subdomain(const Subdomain& own) const override {
-    return std::make_unique<Springs>(own.body, own.computed(constants_));
+    return std::make_unique<Springs>(*own.body, own.computed(constants_));
   }
   double energy(const Positions& positions) const override {
     return ordered_sum(connections_.size(), [&](int c) {

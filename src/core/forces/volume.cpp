@@ -210,13 +210,13 @@ class Volume final : public Elasticity {
   /// The groups that the subdomain computes: a molecule's by its owner, a cube's by that of its lowest corner.
   Volume(const Volume& whole, const Subdomain& own)
       : groups_(groups_on(whole.groups_, own, chosen_groups(whole.groups_, own))),
-        graph_(own.body.connections, groups_.tetrahedra),
+        graph_(own.body->connections, groups_.tetrahedra),
         modulus_(whole.modulus_) {
     const std::vector<int> chosen = chosen_groups(whole.groups_, own);
     group_volume_.resize(groups_.size());
     for (int group = 0; group < groups_.size(); ++group)
       group_volume_[group] = whole.group_volume_[chosen[static_cast<std::size_t>(group)]];
-    for (const auto& cell : groups_.tetrahedra) rest_volume_.push_back(signed_volume(own.body.rest, cell));
+    for (const auto& cell : groups_.tetrahedra) rest_volume_.push_back(signed_volume(own.body->rest, cell));
   }
 
   int tetrahedra() const { return static_cast<int>(groups_.tetrahedra.size()); }

@@ -1,7 +1,8 @@
 #include "core/forces/volume_groups.h"
 
 #include <algorithm>
-#include <limits>
+
+#include "elastin/core/model/share.h"
 
 namespace elastin {
 namespace {
@@ -53,9 +54,10 @@ std::vector<int> chosen_groups(const VolumeGroups& whole, const Subdomain& own) 
   for (int group = 0; group < whole.size(); ++group) {
     int lowest = group;
     if (!whole.of_molecules) {
-      lowest = std::numeric_limits<int>::max();
+      std::vector<int> molecules;
       for (const int t : whole.members[group])
-        for (const int molecule : whole.tetrahedra[static_cast<std::size_t>(t)]) lowest = std::min(lowest, molecule);
+        for (const int molecule : whole.tetrahedra[static_cast<std::size_t>(t)]) molecules.push_back(molecule);
+      lowest = lowest_in_whole(*own.whole, molecules);
     }
     if (own.owns(lowest)) chosen.push_back(group);
   }

@@ -6,6 +6,7 @@
 
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/dense.h"
+#include "elastin/core/model/share.h"
 
 namespace elastin {
 namespace {
@@ -76,13 +77,17 @@ double spacing_of(const Body& body) {
       if (second < first) std::swap(first, second);
     }
   }
-  std::vector<float> means;
-  for (const auto& lengths : shortest) {
+  std::vector<double> means;
+  for (int molecule = 0; molecule < owned_molecules(body); ++molecule) {
     float sum = 0;
     int count = 0;
-    for (const float length : lengths)
+    for (const float length : shortest[static_cast<std::size_t>(molecule)])
       if (length < none) sum += length, ++count;
-    if (sum > 0) means.push_back(sum / static_cast<float>(count));
+    if (sum > 0) means.push_back(double{sum / static_cast<float>(count)});
+  }
+  if (body.share) {
+    const double all = sum_over(body, static_cast<double>(means.size()));
+    return all > 0 ? nth_over(body, means, static_cast<std::int64_t>(all) / 2) : 1;
   }
   if (means.empty()) return 1;
   const auto middle = means.begin() + static_cast<std::ptrdiff_t>(means.size() / 2);
@@ -94,6 +99,13 @@ double spacing_of(const Body& body) {
 /// its middle alone, and boxes between its ends would be missing: conjugate gradients without boxes are quicker then.
 double long_connection(const Body& body) {
   std::vector<double> lengths = body.connections.rest_length;
+  if (body.share) {
+    lengths.clear();
+    for (int c = 0; c < body.connections.size(); ++c)
+      if (computes(body, c)) lengths.push_back(body.connections.rest_length[static_cast<std::size_t>(c)]);
+    const auto all = static_cast<std::int64_t>(sum_over(body, static_cast<double>(lengths.size())));
+    return all > 0 ? nth_over(body, lengths, all - 1 - all / 32) : 0;
+  }
   if (lengths.empty()) return 0;
   const auto few = static_cast<std::ptrdiff_t>(lengths.size() / 32);
   std::nth_element(lengths.begin(), lengths.end() - 1 - few, lengths.end());
@@ -385,7 +397,8 @@ GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports,
 
 BoxGrid::Frame frame_of(const Body& body) {
   const double size = std::max(2 * spacing_of(body), long_connection(body));
-  return {body.rest.rowwise().minCoeff(), body.rest.rowwise().maxCoeff(), body.size(), size};
+  const auto [low, high] = outline_of_whole(body);
+  return {low, high, static_cast<int>(molecules_of_whole(body)), size};
 }
 
 GridLevel assemble_level(const Tangent& tangent, const std::vector<Support>& supports) {

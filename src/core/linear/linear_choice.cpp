@@ -5,6 +5,7 @@
 
 #include "core/linear/mixed.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/model/share.h"
 
 namespace elastin {
 namespace {
@@ -14,11 +15,9 @@ constexpr int kTinyBody = 60;
 
 /// How many connections long the body is from end to end.
 double connections_across(const Body& body) {
-  const Connections& connections = body.connections;
-  double sum = 0;
-  for (const double length : connections.rest_length) sum += length;
-  if (!(sum > 0)) return 0;
-  return (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).maxCoeff() * connections.size() / sum;
+  const auto [sum, count] = lengths_of_whole(body);
+  const auto [low, high] = outline_of_whole(body);
+  return sum > 0 ? (high - low).maxCoeff() * count / sum : 0;
 }
 
 double digits_of(double tolerance) { return std::max(1., -std::log10(tolerance)); }
@@ -36,8 +35,8 @@ std::pair<bool, std::string> multigrid_is_worth_it(const Model& model, double to
                                  [](const auto& term) { return term->coupled() || term->at_nodes(); });
   // In iterations of single molecules' blocks: of springs they cost so little that a coarse picture takes half as much.
   const bool worth_it = expected_iterations(body, tolerance) > (cells ? 1 : 1.5) * (20 + 8 * digits_of(tolerance));
-  const std::string size =
-      counted(body.size(), "molecule") + ", " + std::to_string(std::lround(across)) + " connections from end to end";
+  const std::string size = counted(static_cast<int>(molecules_of_whole(body)), "molecule") + ", " +
+                           std::to_string(std::lround(across)) + " connections from end to end";
   return {worth_it, size + (worth_it ? ": conjugate gradients alone would take many iterations" : " are not many")};
 }
 

@@ -160,9 +160,14 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
 
 Positions scattered_directions(int molecules) {
   Positions directions(3, molecules);
-  for (int i = 0; i < molecules; ++i)
-    for (int k = 0; k < 3; ++k) directions(k, i) = std::sin(1.0 + 12.9898 * i + 78.233 * k);
+  for (int i = 0; i < molecules; ++i) directions.col(i) = scattered_direction(i);
   return directions;
+}
+
+Vector3 scattered_direction(std::int64_t molecule) {
+  Vector3 direction;
+  for (int k = 0; k < 3; ++k) direction[k] = std::sin(1.0 + 12.9898 * static_cast<double>(molecule) + 78.233 * k);
+  return direction;
 }
 
 void keep_free(const std::vector<Support>& supports, Positions& vectors) {

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "core/geometry/boundary.h"
 #include "core/model/block_geometry.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
 
 namespace elastin {
 namespace {
@@ -36,18 +39,46 @@ std::vector<int> molecules_above(const Body& body, const VectorX& height, double
   std::vector<char> above(static_cast<std::size_t>(body.size()));
   const int first = body.size() - static_cast<int>(body.between.size());
   std::vector<int> molecules;
-  for (int molecule = 0; molecule < body.size(); ++molecule) {
+  std::vector<int> ascending(above.size());  // in the whole, so that what one lies between comes before it
+  std::iota(ascending.begin(), ascending.end(), 0);
+  if (body.share)
+    std::sort(ascending.begin(), ascending.end(),
+              [&](int a, int b) { return number_in_whole(body, a) < number_in_whole(body, b); });
+  for (const int molecule : ascending) {
     const auto at = static_cast<std::size_t>(molecule);
-    if (molecule < first) {
+    const MoleculeBetween* between =
+        molecule < first ? nullptr : &body.between[static_cast<std::size_t>(molecule - first)];
+    if (!between || between->empty())
       above[at] = height[molecule] >= low;
-    } else {
-      const MoleculeBetween& between = body.between[static_cast<std::size_t>(molecule - first)];
-      above[at] = std::all_of(between.begin(), between.end(),
+    else
+      above[at] = std::all_of(between->begin(), between->end(),
                               [&](const auto& other) { return above[static_cast<std::size_t>(other.first)] != 0; });
-    }
     if (above[at]) molecules.push_back(molecule);
   }
+  std::sort(molecules.begin(), molecules.end());
   return molecules;
+}
+
+/// How many of these molecules, ascending, its process owns: they come first.
+std::size_t owned_in(const Body& body, const std::vector<int>& molecules) {
+  return static_cast<std::size_t>(std::lower_bound(molecules.begin(), molecules.end(), owned_molecules(body)) -
+                                  molecules.begin());
+}
+
+/// The owned of these molecules and those of other processes as seen along a direction, and which is the first of them.
+std::pair<Points2, std::size_t> seen_together(const Body& body, const std::vector<int>& molecules, std::size_t owned,
+                                              const Vector3& direction) {
+  const auto plane = across(direction);
+  Points2 own(2, static_cast<Eigen::Index>(owned));
+  for (std::size_t i = 0; i < owned; ++i)
+    own.col(static_cast<Eigen::Index>(i)) = plane.transpose() * body.rest.col(molecules[i]);
+  if (!body.share) return {std::move(own), 0};
+  const auto mine = static_cast<double>(owned);
+  const std::vector<double> counts = gathered_over(body, std::span(&mine, 1));
+  const std::vector<double> all = gathered_over(body, std::span(own.data(), static_cast<std::size_t>(own.size())));
+  const auto rank = static_cast<std::ptrdiff_t>(body.share->processes->rank());
+  return {Eigen::Map<const Points2>(all.data(), 2, static_cast<Eigen::Index>(all.size()) / 2),
+          static_cast<std::size_t>(std::accumulate(counts.begin(), counts.begin() + rank, 0.))};
 }
 
 }  // namespace
@@ -63,31 +94,30 @@ Eigen::Matrix<double, 3, 2> across(const Vector3& axis) {
 
 Face end_face(const Body& body, const Vector3& direction, double depth) {
   const VectorX height = body.rest.transpose() * direction;
-  const double low = height.minCoeff(), high = height.maxCoeff();
+  const double low = least_over(body, height.minCoeff()), high = largest_over(body, height.maxCoeff());
   depth = std::max(depth, 1e-6 * (high - low));
   if (!(high - low > 2 * depth)) throw InputError("the body has no length along the axis beyond its grips");
   Face face;
   face.molecules = molecules_above(body, height, high - depth);
-  const auto count = static_cast<Eigen::Index>(face.molecules.size());
-  Points2 layer(2, count);
-  const auto plane = across(direction);
-  for (Eigen::Index i = 0; i < count; ++i)
-    layer.col(i) = plane.transpose() * body.rest.col(face.molecules[static_cast<std::size_t>(i)]);
+  const std::size_t owned = owned_in(body, face.molecules);
+  const auto [layer, first] = seen_together(body, face.molecules, owned, direction);
   const Points2 outline = convex_hull(layer);
   face.area = polygon_area(outline);
-  face.share = VectorX::Constant(count, 1. / static_cast<double>(count));
+  face.share = VectorX::Zero(static_cast<Eigen::Index>(face.molecules.size()));
+  auto share = face.share.head(static_cast<Eigen::Index>(owned));
+  share.setConstant(1. / static_cast<double>(layer.cols()));
   if (!(face.area > 0)) return face;
   if (!body.tetrahedra.empty()) {
     const VectorX parts = has_blocks(body, 3) ? face_shares(body, face.molecules, direction)
                                               : triangle_thirds(body, face.molecules, direction);
-    if (parts.sum() > 0) {
-      face.area = parts.sum();
-      face.share = parts / face.area;
+    if (const double sum = sum_over(body, parts.head(share.size()).sum()); sum > 0) {
+      face.area = sum;
+      share = parts.head(share.size()) / face.area;
       return face;
     }
   }
   const std::vector<double> areas = tributary_areas(layer, outline);
-  for (Eigen::Index i = 0; i < count; ++i) face.share[i] = areas[static_cast<std::size_t>(i)] / face.area;
+  for (Eigen::Index i = 0; i < share.size(); ++i) share[i] = areas[first + static_cast<std::size_t>(i)] / face.area;
   return face;
 }
 

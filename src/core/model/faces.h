@@ -16,6 +16,7 @@ struct Face {
   double area = 0;  ///< of their hull, seen along the direction [m²]; 0 where they lie on a line
   /// What part of the area each carries, sum 1: a third of its triangles on the face where the body has tetrahedra (the
   /// consistent load of linear cells), else the part of the hull nearest to it; equal parts where there is no area.
+  /// On a process's share of a body 0 for ghosts: the sum over all processes is 1.
   VectorX share;
 };
 

@@ -52,8 +52,9 @@ class SubdomainBuilder {
     result_.whole = &whole_;
     set_molecules();
     set_connections();
-    keep_cells(whole_.triangles, result_.body.triangles, result_.triangles);
-    keep_cells(whole_.tetrahedra, result_.body.tetrahedra, result_.tetrahedra);
+    keep_cells(whole_.triangles, body_.triangles, result_.triangles);
+    keep_cells(whole_.tetrahedra, body_.tetrahedra, result_.tetrahedra);
+    result_.body = std::make_shared<const Body>(std::move(body_));
     return std::move(result_);
   }
 
@@ -83,16 +84,15 @@ class SubdomainBuilder {
     local_.assign(owners_.size(), -1);
     for (std::size_t i = 0; i < result_.molecules.size(); ++i)
       local_[static_cast<std::size_t>(result_.molecules[i])] = static_cast<int>(i);
-    Body& body = result_.body;
-    body.rest = whole_.rest(Eigen::all, result_.molecules);
-    if (whole_.mass.size()) body.mass = whole_.mass(result_.molecules);  // equilibria do without
-    if (whole_.radius.size()) body.radius = whole_.radius(result_.molecules);
+    body_.rest = whole_.rest(Eigen::all, result_.molecules);
+    if (whole_.mass.size()) body_.mass = whole_.mass(result_.molecules);  // equilibria do without
+    if (whole_.radius.size()) body_.radius = whole_.radius(result_.molecules);
   }
 
   void set_connections() {
     const bool cells = !whole_.triangles.empty() || !whole_.tetrahedra.empty() || !whole_.cubes.empty();
     const Connections& all = whole_.connections;
-    Connections& own = result_.body.connections;
+    Connections& own = body_.connections;
     for (int c = 0; c < all.size(); ++c) {
       const auto& [a, b] = all.ends[static_cast<std::size_t>(c)];
       const bool computes = owns(a);
@@ -123,6 +123,7 @@ class SubdomainBuilder {
   const std::vector<int>& owners_;
   int own_;
   std::vector<int> local_;  // number in the subdomain of each molecule, −1 where it is not there
+  Body body_;
   Subdomain result_;
 };
 

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <string>
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/model/share.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/shapes/surfaces.h"
 
@@ -131,12 +133,19 @@ double shortest_connection(const Body& body) {
 }
 
 void set_matter(Body& body, double density, double thickness, std::optional<double> radius) {
-  const double shortest = shortest_connection(body);
+  double shortest = shortest_connection(body);
+  if (body.share) {  // 0 where it has none
+    constexpr double none = std::numeric_limits<double>::infinity();
+    shortest = least_over(body, shortest > 0 ? shortest : none);
+    if (shortest == none) shortest = 0;
+  }
   if (!radius && shortest == 0)
     throw InputError("give a radius: there is no connection of which to take half the length");
   const double r = radius.value_or(shortest / 2);
-  const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
-  const double volume = size.prod() > 0 ? size.prod() : body.size() * std::pow(2 * r, 3);
+  const auto [low, high] = outline_of_whole(body);
+  const Vector3 size = high - low;
+  const double volume =
+      size.prod() > 0 ? size.prod() : static_cast<double>(molecules_of_whole(body)) * std::pow(2 * r, 3);
   set_matter(body, r, density, thickness, volume);
 }
 

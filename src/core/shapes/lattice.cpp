@@ -22,6 +22,29 @@ std::vector<Eigen::Vector3i> half_neighbours(int nonzero) {
   return offsets;
 }
 
+std::vector<Eigen::Vector3i> offsets_of(const CubicPattern& pattern) {
+  std::vector<Eigen::Vector3i> offsets;
+  for (const auto& [wanted, nonzero] : {std::pair{pattern.axis, 1}, {pattern.face, 2}, {pattern.space, 3}})
+    if (wanted)
+      for (const auto& offset : half_neighbours(nonzero)) offsets.push_back(offset);
+  return offsets;
+}
+
+/// Pairs of molecules of a simple cubic lattice that are so far apart.
+std::int64_t pairs_along(const std::array<int, 3>& molecules, const Eigen::Vector3i& offset) {
+  std::int64_t pairs = 1;
+  for (int axis = 0; axis < 3; ++axis)
+    pairs *= std::max(0, molecules[static_cast<std::size_t>(axis)] - std::abs(offset[axis]));
+  return pairs;
+}
+
+/// Connections of a simple cubic lattice.
+std::int64_t connections_of(const std::array<int, 3>& molecules, const CubicPattern& pattern) {
+  std::int64_t pairs = 0;
+  for (const Eigen::Vector3i& offset : offsets_of(pattern)) pairs += pairs_along(molecules, offset);
+  return pairs;
+}
+
 /// The Bravais lattices share everything but their basis and reach.
 Body centred_lattice(const std::array<int, 3>& cells, double spacing, const std::vector<Vector3>& basis, double reach) {
   std::vector<Vector3> positions;
@@ -69,24 +92,14 @@ Body cubic_lattice(const std::array<int, 3>& molecules, double spacing, const Cu
   const int nx = molecules[0], ny = molecules[1], nz = molecules[2];
   const auto index = [nx, ny](int x, int y, int z) { return x + nx * (y + ny * z); };
   const auto inside = [&](int x, int y, int z) { return x >= 0 && x < nx && y >= 0 && y < ny && z >= 0 && z < nz; };
-  std::vector<Eigen::Vector3i> offsets;
-  for (const auto& [wanted, nonzero] : {std::pair{pattern.axis, 1}, {pattern.face, 2}, {pattern.space, 3}})
-    if (wanted)
-      for (const auto& offset : half_neighbours(nonzero)) offsets.push_back(offset);
-
+  const std::vector<Eigen::Vector3i> offsets = offsets_of(pattern);
   numbered(std::int64_t{numbered(std::int64_t{nx} * ny, "molecules")} * nz, "molecules");
-  const auto pairs_along = [&](const Eigen::Vector3i& o) {
-    return std::int64_t{std::max(0, nx - std::abs(o.x()))} * std::max(0, ny - std::abs(o.y())) *
-           std::max(0, nz - std::abs(o.z()));
-  };
-  std::int64_t connections = 0;
-  for (const auto& offset : offsets) connections += pairs_along(offset);
-
+  const std::int64_t connections = connections_of(molecules, pattern);
   Body body;
   body.grid = molecules;
   body.rest.resize(3, static_cast<Eigen::Index>(nx) * ny * nz);
   body.connections.ends.reserve(static_cast<std::size_t>(numbered(connections, "connections")));
-  body.cubes.reserve(static_cast<std::size_t>(pairs_along({1, 1, 1})));
+  body.cubes.reserve(static_cast<std::size_t>(pairs_along(molecules, {1, 1, 1})));
   for (int z = 0; z < nz; ++z)
     for (int y = 0; y < ny; ++y)
       for (int x = 0; x < nx; ++x) {
@@ -101,6 +114,30 @@ Body cubic_lattice(const std::array<int, 3>& molecules, double spacing, const Cu
                                 index(x + 1, y + 1, z + 1)});
       }
   set_present_lengths(body);
+  return body;
+}
+
+Body cubic_lattice_share(const std::array<int, 3>& molecules, double spacing, const CubicPattern& pattern,
+                         const std::shared_ptr<const Processes>& processes) {
+  const int layers = molecules[2], count = processes->count(), rank = processes->rank();
+  const auto first_of = [&](int process) { return static_cast<int>(std::int64_t{layers} * process / count); };
+  const int first = std::max(0, first_of(rank) - 2), end = std::min(layers, first_of(rank + 1) + 2);
+  Body slab = cubic_lattice({molecules[0], molecules[1], end - first}, spacing, pattern);
+  const std::int64_t of_layer = std::int64_t{molecules[0]} * molecules[1], before = of_layer * first;
+  for (int molecule = 0; molecule < slab.size(); ++molecule)
+    slab.rest(2, molecule) = spacing * static_cast<double>(first + molecule / of_layer);
+  set_present_lengths(slab);
+  const auto number = [&](int molecule) { return before + molecule; };
+  const auto owner = [&](int molecule) {
+    const int layer = static_cast<int>(number(molecule) / of_layer);
+    return layer < first_of(rank) ? rank - 1 : layer < first_of(rank + 1) ? rank : rank + 1;
+  };
+  Body body = make_share(slab, {owner, number, number, of_layer * layers}, rank);
+  auto share = std::make_shared<Share>(*body.share);
+  share->processes = processes;
+  share->connections = connections_of(molecules, pattern);
+  share->cells = 0;
+  body.share = std::move(share);
   return body;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/base/random.h"
 #include "elastin/core/geometry/numbering.h"
+#include "elastin/core/model/share.h"
 #include "elastin/core/shapes/shapes.h"
 
 namespace elastin {
@@ -109,8 +110,9 @@ void set_matter(Body& body, double radius, double density, double thickness, dou
     body.mass = density * lumped_volumes(body, thickness);
     return;
   }
-  body.mass = has_cells ? lumped_mass(body.rest, body.triangles, body.tetrahedra, density, thickness)
-                        : VectorX::Constant(body.size(), density * volume / body.size());
+  body.mass = has_cells
+                  ? lumped_mass(body.rest, body.triangles, body.tetrahedra, density, thickness)
+                  : VectorX::Constant(body.size(), density * volume / static_cast<double>(molecules_of_whole(body)));
 }
 
 }  // namespace elastin

@@ -18,14 +18,15 @@ void follow_supports(Model& model, State& state, const StaticOptions& options, S
   Positions moved = state.positions;
   apply_supports(model, moved);
   const Positions displacement = moved - state.positions;
-  if (displacement.cwiseAbs().maxCoeff() == 0) return;
+  if (!any_over(model.body(), displacement.cwiseAbs().maxCoeff() != 0)) return;
   StaticOptions rough = options;
   rough.tolerance = 1e-3;
   const StaticResponse response =
       static_response(model, state.positions, Positions::Zero(3, displacement.cols()), displacement, rough);
   result.linear_iterations += response.result.linear_iterations;
   const Positions stretched = state.positions + response.motion;
-  const bool usable = response.motion.allFinite() && std::isfinite(model.elastic_energy(stretched));
+  const bool usable =
+      !any_over(model.body(), !response.motion.allFinite() || !std::isfinite(model.elastic_energy(stretched)));
   state.positions = usable ? stretched : moved;
 }
 
@@ -34,8 +35,10 @@ StaticResult solve_linear_statics(Model& model, State& state, const StaticOption
   Positions displacement = rest.positions;
   apply_supports(model, displacement);
   displacement -= rest.positions;
-  StaticResponse response = static_response(
-      model, rest.positions, model.load_forces(rest) + model.elastic_forces(rest.positions), displacement, options);
+  Positions elastic = model.elastic_forces(rest.positions);
+  if (model.body().share) options.engine->complete(model, elastic);
+  StaticResponse response =
+      static_response(model, rest.positions, model.load_forces(rest) + elastic, displacement, options);
   if (response.result.outcome == Outcome::converged) state.positions = rest.positions + response.motion;
   return response.result;
 }

@@ -7,6 +7,7 @@
 #include "core/parallel/parallel.h"
 #include "core/solve/newton.h"
 #include "core/solve/steppers.h"
+#include "elastin/core/model/share.h"
 
 namespace elastin {
 namespace {
@@ -153,6 +154,10 @@ bool leave_saddle(const Problem& problem, const Positions& direction, Trial& now
 
 double mean_length(const Body& body) {
   double mean = 0;
+  if (body.share) {
+    const auto [sum, count] = lengths_of_whole(body);
+    return count > 0 ? sum / count : 0;
+  }
   for (const double length : body.connections.rest_length)
     mean += length / static_cast<double>(body.connections.rest_length.size());
   return mean;

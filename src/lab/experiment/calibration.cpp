@@ -7,6 +7,7 @@
 #include "core/laws/springs/uniform.h"
 #include "core/simulation/volume_fit.h"
 #include "elastin/core/forces/volume.h"
+#include "elastin/core/model/share.h"
 #include "lab/experiment/curve_fit.h"
 #include "lab/experiment/load_curve.h"
 #include "lab/experiment/specimen.h"
@@ -70,14 +71,14 @@ std::optional<Measures> measure_linear(const Specimen& specimen, const StaticPro
 }
 
 /// Whether what was measured is rounding: the load meets a stiffness far below that of any single connection.
-bool meets_nothing(const Measures& measures, const VectorX& constants) {
+bool meets_nothing(const Body& body, const Measures& measures, const VectorX& constants) {
   const double stiffness = std::abs(measures.get("force") / measures.get("elongation"));
-  return stiffness < 1e-9 * constants.cwiseAbs().maxCoeff();
+  return stiffness < 1e-9 * largest_over(body, constants.cwiseAbs().maxCoeff());
 }
 
 /// If so, the strategy does not suit the body.
-bool note_mechanism(const std::optional<Measures>& measures, Run& run) {
-  if (!measures || !meets_nothing(*measures, run.constants)) return false;
+bool note_mechanism(const Body& body, const std::optional<Measures>& measures, Run& run) {
+  if (!measures || !meets_nothing(body, *measures, run.constants)) return false;
   run.suited = false;
   run.cause = "nothing to calibrate: the body is a mechanism that does not resist this load";
   return true;
@@ -115,7 +116,7 @@ void scale_to_modulus(const Specimen& specimen, const StaticProtocol& experiment
                       const StaticOptions& options, Run& run) {
   const auto measures =
       measure_linear(specimen, experiment, assembled(specimen, choice, run, run.volume_modulus), options, run);
-  if (note_mechanism(measures, run)) return;
+  if (note_mechanism(specimen.body, measures, run)) return;
   const MainMeasure target = *calibration_target(experiment, specimen.material);
   const double factor = measures ? target.prescribed / measures->get(target.name) : 0;
   if (!(factor > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
@@ -127,7 +128,7 @@ void fit_springs_and_volume(const Specimen& specimen, const StaticProtocol& expe
                             const StaticOptions& options, Run& run) {
   const auto fit = fit_volume(specimen.material, [&](double modulus) -> std::optional<std::pair<double, double>> {
     const auto measures = measure_linear(specimen, experiment, assembled(specimen, choice, run, modulus), options, run);
-    if (note_mechanism(measures, run) || !measures) return std::nullopt;
+    if (note_mechanism(specimen.body, measures, run) || !measures) return std::nullopt;
     return std::pair{measures->get("effective_modulus"), measures->get("poissons_ratio")};
   });
   if (!run.suited) return;
@@ -250,9 +251,11 @@ std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Protocol& 
     else
       (both ? fit_springs_and_volume : scale_to_modulus)(specimen, at_rest, choice, options.statics, run);
   }
-  if (!run.constants.allFinite()) {
+  if (const std::string found =
+          first_over(specimen.body, run.constants.allFinite() ? "" : non_finite_text(specimen.body, run.constants));
+      !found.empty()) {
     run.outcome = Outcome::diverged;
-    run.cause = non_finite_text(specimen.body, run.constants);
+    run.cause = found;
   }
   if (!run.suited || run.outcome != Outcome::converged) return nullptr;
   std::optional<StressStrain> curve = specimen.material.curve;

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elastin/core/model/share.h"
+#include "elastin/core/solve/engine.h"
+
 namespace elastin::lab {
 namespace {
 
@@ -63,6 +66,10 @@ void keep_snapshot(const Model& model, const State& state, double at, int number
   if (!options.keep_snapshots) return;
   if (options.last_snapshot) run.snapshots.clear();
   run.snapshots.push_back(snapshot_of(model, state, at, number));
+  if (!model.body().share) return;
+  Positions& forces = run.snapshots.back().elastic_forces;
+  forces = model.elastic_forces(state.positions);
+  options.statics.engine->complete(model, forces);
 }
 
 void ForceControl::aim(double fraction) {

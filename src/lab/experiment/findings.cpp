@@ -8,6 +8,7 @@
 #include "contact/thickness.h"
 #include "core/solve/trial.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/model/share.h"
 #include "lab/experiment/contact_measures.h"
 
 namespace elastin::lab {
@@ -32,10 +33,12 @@ int count_doubles(std::vector<std::vector<int>> cells) {
 /// Cells whose nodes are another's.
 int cells_given_twice(const Body& body) {
   std::vector<std::vector<int>> cells;
-  if (body.blocks.empty()) {
-    for (const auto& cell : body.tetrahedra) cells.emplace_back(cell.begin(), cell.end());
-    for (const auto& cell : body.triangles) cells.emplace_back(cell.begin(), cell.end());
-  }
+  const auto add = [&](const auto& all) {
+    for (const auto& cell : all)
+      if (lowest_in_whole(body, cell) < owned_molecules(body)) cells.emplace_back(cell.begin(), cell.end());
+  };
+  if (body.blocks.empty()) add(body.tetrahedra), add(body.triangles);
+
   for (const CellBlock& block : body.blocks)
     for (int cell = 0; cell < block.size(); ++cell) {
       const auto nodes = block.cell(cell);
@@ -75,7 +78,7 @@ double passing_depth(const Specimen& specimen, const Obstacle& obstacle) {
 std::vector<std::string> findings_at_start(const Specimen& specimen, const Model& model, bool uses_cells) {
   std::vector<std::string> found;
   const Body& body = specimen.body;
-  if (const int doubles = cells_given_twice(body); doubles > 0)
+  if (const int doubles = static_cast<int>(sum_over(body, cells_given_twice(body))); doubles > 0)
     found.push_back(counted(doubles, "cell") + (doubles == 1 ? " is" : " are") + " given twice" +
                     (uses_cells ? ": there the body is twice as stiff" : ""));
   const contact::Contact* contact = contact_of(model);

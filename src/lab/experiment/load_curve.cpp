@@ -7,6 +7,7 @@
 
 #include "elastin/core/base/text.h"
 #include "elastin/core/forces/tension.h"
+#include "elastin/core/model/share.h"
 #include "lab/experiment/contact_measures.h"
 #include "lab/experiment/load_path.h"
 
@@ -98,7 +99,7 @@ bool find_start(Model& model, StaticRig& rig, const RunOptions& options, bool at
   start = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model.supports.size()))};
   if (contact::Contact* contact = contact_of(model)) contact->set_moment(0);
   rig.set_load(0);
-  if (at_rest && model.load_forces(state).isZero(0)) return true;
+  if (at_rest && !any_over(model.body(), !model.load_forces(state).isZero(0))) return true;
   if (options.progress) options.progress(at_rest ? "the scene's own loads" : "the scene's start");
   const double before = total_energy(model, state);
   StaticResult solved = solve_static(model, state, options.statics);
@@ -141,9 +142,10 @@ void note_compression(const Model& model, const Positions& positions, const Mate
 void note_preload(const Model& model, const StaticRig& rig, const Start& start, const State& state,
                   const RunOptions& options, StaticResult solved, Measures& measures) {
   const Positions& rest = model.body().rest;
-  if (start.positions == rest && start.reactions.isZero(0)) return;
+  if (!any_over(model.body(), start.positions != rest || !start.reactions.isZero(0))) return;
   if (std::isfinite(measures.get("energy")))
-    measures.set("energy_increase", measures.get("energy") - model.elastic_energy(start.positions));
+    measures.set("energy_increase",
+                 measures.get("energy") - sum_over(model.body(), model.elastic_energy(start.positions)));
   const Measures whole =
       rig.measure({rest, Positions::Zero(3, start.reactions.cols())}, state, options.statics, solved);
   for (const char* name : {"force", "torque", "elongation"})
@@ -205,7 +207,8 @@ void solve_load_curve(Model& model, const StaticProtocol& experiment, StaticRig&
   run.measures = run.curve.back().measures;
   run.remark = experiment.remark(run.measures);
   // What resists bending may bear compression.
-  if (!model.body().triangles.empty() && !options.statics.linear && !(material.bending_rigidity > 0))
+  if (!model.body().share && !model.body().triangles.empty() && !options.statics.linear &&
+      !(material.bending_rigidity > 0))
     note_compression(model, path.state().positions, material, run);
   const bool grows = std::is_sorted(run.curve.begin(), run.curve.end(), [](const CurvePoint& a, const CurvePoint& b) {
     return a.load_factor < b.load_factor;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "contact/thickness.h"
+#include "elastin/core/model/share.h"
 #include "lab/experiment/contact_measures.h"
 
 namespace elastin::lab {
@@ -62,6 +63,8 @@ State LoadPath::start_of(double factor) const {
     return next;
   }
   next.positions += (factor - factor_) / last_step_ * displacement_;
+  if (model_.body().share)
+    return any_over(model_.body(), !std::isfinite(model_.elastic_energy(next.positions))) ? state_ : next;
   const double gain = model_.elastic_energy(next.positions) + model_.load_energy(next) -
                       model_.elastic_energy(state_.positions) - model_.load_energy(state_);
   const bool loaded = model_.conservative() && !model_.load_forces(state_).isZero(0);
@@ -109,7 +112,7 @@ StaticResult LoadPath::advance(double factor, double smallest) {
   StaticOptions options = options_;
   const bool can_be_halved = !options_.linear && std::abs(factor - factor_) / 2 >= smallest;
   if (can_be_halved) options.newton_limit = std::min(options.newton_limit, kPatience);
-  const bool went_on = next.positions != state_.positions;
+  const bool went_on = any_over(model_.body(), next.positions != state_.positions);
   StaticResult solved = solve_static(model_, next, options);
   if (solved.outcome == Outcome::diverged && went_on) {  // where the way bends sharply, its end may lead nowhere
     next = state_;

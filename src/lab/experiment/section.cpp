@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/model/faces.h"
+#include "elastin/core/model/share.h"
 
 namespace elastin::lab {
 namespace {
@@ -51,6 +52,8 @@ class Slabs {
           volume * (below(heights, slab + 1, slab == last) - below(heights, slab, false));
   }
 
+  std::vector<double>& volumes() { return volume_; }
+
   Section section() const {
     const double thickness = (to_ - from_) / static_cast<double>(volume_.size());
     Section section;
@@ -79,23 +82,29 @@ constexpr std::array<std::array<std::size_t, 4>, 6> kTetrahedraOfCube{
 /// Whether every molecule is a corner of one of the cells.
 template <class CellList>
 bool fill(const Body& body, const CellList& cells) {
-  if (cells.empty()) return false;
+  if (!any_over(body, !cells.empty())) return false;
   std::vector<char> met(static_cast<std::size_t>(body.size()), 0);
   for (const auto& cell : cells)
     for (const int molecule : cell) met[static_cast<std::size_t>(molecule)] = 1;
-  return std::find(met.begin(), met.end(), 0) == met.end();
+  const auto end = met.begin() + owned_molecules(body);
+  return !any_over(body, std::find(met.begin(), end, 0) != end);
 }
 
 double hull_area(const Body& body, const Eigen::Matrix<double, 3, 2>& plane, const VectorX& heights, double from,
                  double to) {
-  const double near = 1e-9 * (heights.maxCoeff() - heights.minCoeff());
+  const double near = 1e-9 * (largest_over(body, heights.maxCoeff()) - least_over(body, heights.minCoeff()));
   std::vector<int> inside;
-  for (int molecule = 0; molecule < body.size(); ++molecule)
+  for (int molecule = 0; molecule < owned_molecules(body); ++molecule)
     if (heights[molecule] >= from - near && heights[molecule] <= to + near) inside.push_back(molecule);
   Points2 seen(2, static_cast<Eigen::Index>(inside.size()));
   for (std::size_t i = 0; i < inside.size(); ++i)
     seen.col(static_cast<Eigen::Index>(i)) = plane.transpose() * body.rest.col(inside[i]);
-  return inside.empty() ? 0 : polygon_area(convex_hull(seen));
+  if (body.share) {  // the hull of all is that of the processes' hulls
+    const Points2 own = inside.empty() ? seen : convex_hull(seen);
+    const std::vector<double> all = gathered_over(body, std::span(own.data(), static_cast<std::size_t>(own.size())));
+    seen = Eigen::Map<const Points2>(all.data(), 2, static_cast<Eigen::Index>(all.size()) / 2);
+  }
+  return seen.cols() == 0 ? 0 : polygon_area(convex_hull(seen));
 }
 
 Section hull_section(const Body& body, const Vector3& axis, const VectorX& heights, double from, double to) {
@@ -103,10 +112,18 @@ Section hull_section(const Body& body, const Vector3& axis, const VectorX& heigh
   Section section;
   section.of_hull = true;
   section.area = hull_area(body, plane, heights, from, to);
-  if (!(section.area > 0)) section.area = hull_area(body, plane, heights, heights.minCoeff(), heights.maxCoeff());
+  if (!(section.area > 0))
+    section.area =
+        hull_area(body, plane, heights, least_over(body, heights.minCoeff()), largest_over(body, heights.maxCoeff()));
   const int connections = body.connections.proper();
   double mean = 0;
-  for (int c = 0; c < connections; ++c) mean += body.connections.rest_length[static_cast<std::size_t>(c)] / connections;
+  if (body.share) {
+    const auto [sum, count] = lengths_of_whole(body);
+    mean = count > 0 ? sum / count : 0;
+  } else {
+    for (int c = 0; c < connections; ++c)
+      mean += body.connections.rest_length[static_cast<std::size_t>(c)] / connections;
+  }
   const int slabs = mean > 0 ? static_cast<int>(std::min(10., (to - from) / (2 * mean))) : 0;
   if (slabs < 3) return section;
   std::vector<double> areas;
@@ -129,19 +146,25 @@ Section find_section(const Body& body, const Vector3& axis, double from, double 
     slabs.add(std::array{heights[cell[0]], heights[cell[1]], heights[cell[2]], heights[cell[3]]},
               std::abs(signed_volume(body.rest, cell)));
   };
+  const auto counts = [&](const auto& cell) { return lowest_in_whole(body, cell) < owned_molecules(body); };
   if (fill(body, body.tetrahedra)) {
-    for (const auto& cell : body.tetrahedra) add_tetrahedron(cell);
+    for (const auto& cell : body.tetrahedra)
+      if (counts(cell)) add_tetrahedron(cell);
   } else if (fill(body, body.cubes)) {
     for (const auto& cube : body.cubes)
-      for (const auto& t : kTetrahedraOfCube) add_tetrahedron({cube[t[0]], cube[t[1]], cube[t[2]], cube[t[3]]});
+      for (const auto& t : kTetrahedraOfCube)
+        if (counts(cube)) add_tetrahedron({cube[t[0]], cube[t[1]], cube[t[2]], cube[t[3]]});
   } else if (thickness > 0 && fill(body, body.triangles)) {
-    for (const auto& [a, b, c] : body.triangles) {
+    for (const auto& triangle : body.triangles) {
+      if (!counts(triangle)) continue;
+      const auto& [a, b, c] = triangle;
       const Vector3 first = body.rest.col(b) - body.rest.col(a), second = body.rest.col(c) - body.rest.col(a);
       slabs.add(std::array{heights[a], heights[b], heights[c]}, thickness * first.cross(second).norm() / 2);
     }
   } else {
     return hull_section(body, axis, heights, from, to);
   }
+  sum_over(body, slabs.volumes());
   return slabs.section();
 }
 

@@ -11,6 +11,7 @@
 #include "elastin/core/base/text.h"
 #include "elastin/core/forces/volume.h"
 #include "elastin/core/model/parts.h"
+#include "elastin/core/model/share.h"
 #include "elastin/core/shapes/surfaces.h"
 #include "elastin/core/simulation/fibres.h"
 #include "elastin/core/simulation/parts.h"
@@ -35,8 +36,11 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-void note_negative_constants(Run& run) {
-  const int negative = static_cast<int>((run.constants.array() < 0).count());
+void note_negative_constants(const Body& body, Run& run) {
+  int negative = 0;
+  for (Eigen::Index c = 0; c < run.constants.size(); ++c)
+    negative += run.constants[c] < 0 && computes(body, static_cast<int>(c));
+  negative = static_cast<int>(sum_over(body, negative));
   if (negative > 0)
     run.warnings.push_back(counted(negative, "spring constant is", "spring constants are") + " negative (of " +
                            std::to_string(run.constants.size()) + "): the body may have no stable equilibrium");
@@ -95,7 +99,8 @@ std::string calibration_of_parts_unsuited(const Specimen& specimen) {
 std::unique_ptr<Elasticity> make_by_parts(const Specimen& specimen, const StrategyChoice& choice, Run& run) {
   if (choice.strategy.constants)
     run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
-  if (run.constants.allFinite()) return choice.strategy.make(specimen.body, specimen.material, choice.values);
+  if (!any_over(specimen.body, !run.constants.allFinite()))
+    return choice.strategy.make(specimen.body, specimen.material, choice.values);
   run.outcome = Outcome::diverged;
   run.cause = "a spring constant is not finite";
   return nullptr;
@@ -154,7 +159,7 @@ std::unique_ptr<Elasticity> make_elasticity(const Specimen& specimen, const Prot
                     : choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
                                                 : choice.strategy.make(specimen.body, specimen.material, choice.values);
   if (!elasticity) return nullptr;
-  note_negative_constants(run);
+  note_negative_constants(specimen.body, run);
   if (has_curve(specimen) && !specimen.material.law && !choice.strategy.follows_curve)
     run.warnings.push_back("does not follow the material's curve: it takes its slope at no strain alone");
   return elasticity;
@@ -176,6 +181,7 @@ std::optional<HeldModel> make_model(const Specimen& specimen, const Protocol& ex
   auto elasticity = make_elasticity(specimen, experiment, choice, options, run);
   if (!elasticity) return std::nullopt;
   HeldModel held{std::make_unique<Model>(specimen.body), nullptr};
+  if (options.keep_snapshots) held.model->keep_all_elements();
   held.model->add(std::move(elasticity));
   held.rig = add_surroundings(*held.model, specimen, experiment, choice);
   return held;
@@ -203,7 +209,7 @@ Run run_strategy(const Specimen& specimen, const Protocol& experiment, const Str
   run.strategy = choice.label;
   run.order = choice.order;
   if (options.progress) options.progress("building");
-  run.cause = unsuited(specimen, experiment, choice);
+  run.cause = first_over(specimen.body, unsuited(specimen, experiment, choice));
   if (!run.cause.empty()) {
     run.suited = false;
     return run;
@@ -213,16 +219,15 @@ Run run_strategy(const Specimen& specimen, const Protocol& experiment, const Str
     run.warnings.push_back(std::move(found));
   run.uses_cells = needs_cells(choice.strategy, specimen.body);
   if (run.uses_cells) {
-    const std::vector<int> cells = flat_or_inverted_cells(specimen.body, specimen.body.rest);
-    if (!cells.empty()) {
+    std::string flat;
+    if (const auto cells = flat_or_inverted_cells(specimen.body, specimen.body.rest); !cells.empty())
+      flat = flat_or_inverted_text(cells, solid_cells(specimen.body)) + " at rest";
+    else if (const auto triangles = flat_triangles(specimen.body, specimen.body.rest); !triangles.empty())
+      flat = flat_or_inverted_text(triangles, specimen.body.triangles.size()) + " at rest";
+    flat = first_over(specimen.body, flat);
+    if (!flat.empty()) {
       run.outcome = Outcome::inverted;
-      run.cause = flat_or_inverted_text(cells, solid_cells(specimen.body)) + " at rest";
-      return run;
-    }
-    const std::vector<int> triangles = flat_triangles(specimen.body, specimen.body.rest);
-    if (!triangles.empty()) {
-      run.outcome = Outcome::inverted;
-      run.cause = flat_or_inverted_text(triangles, specimen.body.triangles.size()) + " at rest";
+      run.cause = flat;
       return run;
     }
   }
@@ -243,7 +248,8 @@ Run run_strategy(const Specimen& specimen, const Protocol& experiment, const Str
   for (std::string& finding : findings_at_start(at_work, model, run.uses_cells))
     run.warnings.push_back(std::move(finding));
   run.build_seconds = build.seconds();
-  if (!experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0)) count_modes(model, run);
+  if (!specimen.body.share && !experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0))
+    count_modes(model, run);
 
   const Stopwatch solve;
   if (TimedRig* timed = held->rig->in_time())

@@ -57,6 +57,7 @@ void VtuArrays::write(const char* name, std::string_view type, int components, c
   std::vector<std::uint64_t> head{blocks, blocks > 1 ? kBlock : packed.last,
                                   blocks > 1 && packed.last < kBlock ? packed.last : 0};
   head.insert(head.end(), packed.sizes.begin(), packed.sizes.end());
+  declared_ += fmt::format("<PDataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"/>\n", type, name, components);
   out_ += fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"binary\">\n", type, name,
                       components);
   append_base64({reinterpret_cast<const char*>(head.data()), sizeof(std::uint64_t) * head.size()}, out_);

@@ -5,6 +5,7 @@
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace elastin::lab {
@@ -48,6 +49,8 @@ class VtuArrays {
     if (!block.empty()) end_block();
     write(name, type, components, packed);
   }
+  /// What stands in the head of a file whose pieces are other files, of the arrays since the last call.
+  std::string declared() { return std::exchange(declared_, {}); }
   /// Hands over to the stream, where there is one, what stands in the text. Throws std::system_error where it is full.
   void flush();
 
@@ -61,6 +64,7 @@ class VtuArrays {
   static void pack(std::string_view bytes, Packed& packed);
   void write(const char* name, std::string_view type, int components, const Packed& packed);
   std::string& out_;
+  std::string declared_;
   std::ostream* stream_;
 };
 
@@ -70,6 +74,22 @@ inline std::string vtu_head(int points, int cells) {
       "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n"
       "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
       points, cells);
+}
+
+/// Arrays of points, and data of points and of cells: what each of several files has that are pieces of one.
+struct VtuDeclared {
+  std::string points, point_data, cell_data;
+};
+
+/// The file that names the pieces.
+inline std::string pvtu_text(const VtuDeclared& declared, const std::vector<std::string>& pieces) {
+  std::string out =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<PUnstructuredGrid GhostLevel=\"0\">\n";
+  out += "<PPoints>\n" + declared.points + "</PPoints>\n<PPointData Vectors=\"displacement\">\n" + declared.point_data +
+         "</PPointData>\n<PCellData Scalars=\"strain\">\n" + declared.cell_data + "</PCellData>\n";
+  for (const std::string& piece : pieces) out += "<Piece Source=\"" + piece + "\"/>\n";
+  return out + "</PUnstructuredGrid>\n</VTKFile>\n";
 }
 
 inline constexpr const char* kVtuEnd = "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";

@@ -10,6 +10,7 @@
 #include "core/model/faces.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
+#include "elastin/core/model/share.h"
 #include "lab/experiment/section.h"
 #include "lab/protocol/supported.h"
 
@@ -21,24 +22,22 @@ class Tension final : public StaticProtocol {
   Tension(const Body& body, const TensionSetup& setup) : body_(body), setup_(setup), plane_(across(setup.axis)) {
     setup_.axis.normalize();
     height_ = body.rest.transpose() * setup_.axis;
+    low_ = least_over(body, height_.minCoeff()), high_ = largest_over(body, height_.maxCoeff());
     Face loaded = end_face(body, setup_.axis, setup.grip_depth);
     loaded_ = std::move(loaded.molecules);
     fixed_ = end_face(body, -setup_.axis, setup.grip_depth).molecules;
-    const auto equal = [](std::size_t count) {
-      return VectorX::Constant(static_cast<Eigen::Index>(count), 1. / static_cast<double>(count));
-    };
-    share_ = setup.sharing == LoadSharing::area ? std::move(loaded.share) : VectorX(equal(loaded_.size()));
-    fixed_share_ = equal(fixed_.size());
+    share_ = setup.sharing == LoadSharing::area ? std::move(loaded.share) : equal_shares(loaded_);
+    fixed_share_ = equal_shares(fixed_);
     const Points2 seen = plane_.transpose() * body.rest;
     choose_corner(seen);
-    choose_gauge(height_.minCoeff());
+    choose_gauge(low_);
     if (setup.strain) {
       setup_.displacement = *setup.strain * (mean_height(loaded_, share_) - mean_height(fixed_, fixed_share_));
       setup_.strain.reset();
     }
     choose_section();
     choose_force();
-    choose_middle((height_.minCoeff() + height_.maxCoeff()) / 2);
+    choose_middle((low_ + high_) / 2);
     for (const Part& part : body.parts)
       if (force_ && part.rigid && meets(part, loaded_))
         throw InputError("body '" + part.name + "' at the loaded end is rigid: give a displacement instead of a force");
@@ -108,13 +107,25 @@ class Tension final : public StaticProtocol {
   friend class TensionRig;
   /// The corner is the loaded molecule furthest from the layer's middle; of equals, the first.
   void choose_corner(const Points2& seen) {
+    const auto owned = std::count_if(loaded_.begin(), loaded_.end(), [&](int molecule) { return owns(molecule); });
+    const double count = sum_over(body_, static_cast<double>(owned));
     Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-    for (const int molecule : loaded_) middle += seen.col(molecule) / static_cast<double>(loaded_.size());
+    for (std::size_t i = 0; i < loaded_.size(); ++i)
+      if (owns(loaded_[i])) middle += seen.col(loaded_[i]) / count;
+    sum_over(body_, {middle.data(), 2});
     double furthest = -1;
     for (std::size_t i = 0; i < loaded_.size(); ++i) {
       const double distance = (seen.col(loaded_[i]) - middle).norm();
-      if (distance > furthest * (1 + 1e-9)) furthest = distance, corner_ = static_cast<Eigen::Index>(i);
+      if (owns(loaded_[i]) && distance > furthest * (1 + 1e-9))
+        furthest = distance, corner_ = static_cast<Eigen::Index>(i);
     }
+    if (!body_.share) return;
+    const double most = largest_over(body_, furthest);
+    const bool mine = furthest >= 0 && furthest * (1 + 1e-9) >= most;
+    const double none = std::numeric_limits<double>::infinity();
+    const double number =
+        mine ? static_cast<double>(number_in_whole(body_, loaded_[static_cast<std::size_t>(corner_)])) : none;
+    if (const double first = least_over(body_, number); !mine || number > first) corner_ = -1;
   }
 
   void choose_gauge(double low) {
@@ -122,7 +133,7 @@ class Tension final : public StaticProtocol {
     gauge_length_ = setup_.gauge_length > 0 ? setup_.gauge_length : whole;
     if (!setup_.gauge) return;
     const auto& [first, second] = *setup_.gauge;
-    if (!(first >= 0 && second > first && low + second <= height_.maxCoeff() * (1 + 1e-9)))
+    if (!(first >= 0 && second > first && low + second <= high_ * (1 + 1e-9)))
       throw InputError("gauge: the planes must lie between the ends of the body, the first below the second");
     if (setup_.gauge_length == 0) gauge_length_ = second - first;
     for (const int plane : {0, 1}) {
@@ -130,9 +141,10 @@ class Tension final : public StaticProtocol {
       for (int c = 0; c < body_.connections.proper(); ++c) {
         const auto& [a, b] = body_.connections.ends[c];
         const double part = (at - height_[a]) / (height_[b] - height_[a]);
-        if (part >= -1e-9 && part <= 1 + 1e-9) crossings_[plane].push_back({c, part});
+        if (computes(body_, c) && part >= -1e-9 && part <= 1 + 1e-9) crossings_[plane].push_back({c, part});
       }
-      if (crossings_[plane].empty()) throw InputError("gauge: no connection crosses the plane");
+      crossing_count_[plane] = sum_over(body_, static_cast<double>(crossings_[plane].size()));
+      if (crossing_count_[plane] == 0) throw InputError("gauge: no connection crosses the plane");
     }
   }
 
@@ -146,24 +158,25 @@ class Tension final : public StaticProtocol {
       pull_ = share_;
       return;
     }
-    const double low = setup_.gauge ? height_.minCoeff() + (*setup_.gauge)[0] : mean_height(fixed_, fixed_share_);
-    const double high = setup_.gauge ? height_.minCoeff() + (*setup_.gauge)[1] : mean_height(loaded_, share_);
+    const double low = setup_.gauge ? low_ + (*setup_.gauge)[0] : mean_height(fixed_, fixed_share_);
+    const double high = setup_.gauge ? low_ + (*setup_.gauge)[1] : mean_height(loaded_, share_);
     const VectorX carried = ((height_.array() - low) / (high - low)).cwiseMax(0).cwiseMin(1);
-    const double mass = body_.mass.dot(carried);
+    const int owned = owned_molecules(body_);
+    const double mass = sum_over(body_, body_.mass.head(owned).dot(carried.head(owned)));
     if (!(mass > 0)) throw InputError("nothing that is measured carries weight");
     force_ = *setup_.gravity * mass;
     pulled_.resize(static_cast<std::size_t>(body_.size()));
     std::iota(pulled_.begin(), pulled_.end(), 0);
     pull_ = body_.mass / mass;
+    pull_.tail(body_.size() - owned).setZero();
   }
 
   /// The scene's own area, or that of the body, between the gauge planes if there are any. An area that is stated makes
   /// no prism of a body whose cells say that it is none.
   void choose_section() {
-    const double low = height_.minCoeff(), high = height_.maxCoeff();
-    section_ = setup_.gauge ? find_section(body_, setup_.axis, low + (*setup_.gauge)[0],
-                                           std::min(high, low + (*setup_.gauge)[1]), setup_.thickness)
-                            : find_section(body_, setup_.axis, low, high, setup_.thickness);
+    section_ = setup_.gauge ? find_section(body_, setup_.axis, low_ + (*setup_.gauge)[0],
+                                           std::min(high_, low_ + (*setup_.gauge)[1]), setup_.thickness)
+                            : find_section(body_, setup_.axis, low_, high_, setup_.thickness);
     area_ = setup_.cross_section > 0 ? setup_.cross_section : section_->area;
     if (setup_.cross_section > 0 && section_->of_hull) section_.reset();
     if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
@@ -173,7 +186,7 @@ class Tension final : public StaticProtocol {
   bool clamps_reach_gauge() const {
     const bool below = setup_.fixed_grip == Grip::clamped, above = setup_.loaded_grip == Grip::clamped;
     if (!setup_.gauge) return below || above;
-    const double length = height_.maxCoeff() - height_.minCoeff(), width = std::sqrt(area_);
+    const double length = high_ - low_, width = std::sqrt(area_);
     return (below && (*setup_.gauge)[0] < width) || (above && length - (*setup_.gauge)[1] < width);
   }
 
@@ -192,15 +205,18 @@ class Tension final : public StaticProtocol {
   /// Molecules within one mean connection of mid height (between the gauge planes, if any): theirs is the lateral
   /// strain.
   void choose_middle(double middle) {
-    if (setup_.gauge) middle = height_.minCoeff() + ((*setup_.gauge)[0] + (*setup_.gauge)[1]) / 2;
-    double shortest = std::numeric_limits<double>::infinity(), mean = 0;
+    if (setup_.gauge) middle = low_ + ((*setup_.gauge)[0] + (*setup_.gauge)[1]) / 2;
+    double shortest = std::numeric_limits<double>::infinity(), mean = 0, count = 0;
+    for (int c = 0; c < body_.connections.proper(); ++c) count += computes(body_, c);
+    count = sum_over(body_, count);
     for (int c = 0; c < body_.connections.proper(); ++c) {
       const double length = body_.connections.rest_length[c];
       shortest = std::min(shortest, length);
-      mean += length / body_.connections.proper();
+      if (computes(body_, c)) mean += length / count;
     }
-    const double reach = (body_.cubes.empty() ? mean : shortest) * (1 + 1e-6);
-    for (int molecule = 0; molecule < body_.size(); ++molecule)
+    mean = sum_over(body_, mean), shortest = least_over(body_, shortest);
+    const double reach = (any_over(body_, !body_.cubes.empty()) ? shortest : mean) * (1 + 1e-6);
+    for (int molecule = 0; molecule < owned_molecules(body_); ++molecule)
       if (std::abs(height_[molecule] - middle) <= reach) middle_.push_back(molecule);
   }
 
@@ -208,14 +224,14 @@ class Tension final : public StaticProtocol {
     double mean = 0;
     for (std::size_t i = 0; i < molecules.size(); ++i)
       mean += weights[static_cast<Eigen::Index>(i)] * height_[molecules[i]];
-    return mean;
+    return sum_over(body_, mean);
   }
 
   double mean_along(const std::vector<int>& molecules, const VectorX& weights, const Positions& motion) const {
     double mean = 0;
     for (std::size_t i = 0; i < molecules.size(); ++i)
       mean += weights[static_cast<Eigen::Index>(i)] * setup_.axis.dot(motion.col(molecules[i]));
-    return mean;
+    return sum_over(body_, mean);
   }
 
   /// Mean motion along the axis where connections cross a gauge plane, linear between their ends.
@@ -225,14 +241,16 @@ class Tension final : public StaticProtocol {
       const auto& [a, b] = body_.connections.ends[c];
       sum += setup_.axis.dot((1 - part) * motion.col(a) + part * motion.col(b));
     }
-    return sum / static_cast<double>(crossings_[plane].size());
+    return sum_over(body_, sum) / crossing_count_[plane];
   }
 
   double read_elongation(const Positions& motion) const {
     if (setup_.gauge) return plane_motion(1, motion) - plane_motion(0, motion);
     const double start = mean_along(fixed_, fixed_share_, motion);
-    if (setup_.reading == Reading::corner)
-      return setup_.axis.dot(motion.col(loaded_[static_cast<std::size_t>(corner_)])) - start;
+    if (setup_.reading == Reading::corner) {
+      const double own = corner_ < 0 ? 0 : setup_.axis.dot(motion.col(loaded_[static_cast<std::size_t>(corner_)]));
+      return sum_over(body_, own) - start;
+    }
     return mean_along(loaded_, share_, motion) - start;
   }
 
@@ -249,19 +267,24 @@ class Tension final : public StaticProtocol {
       positions.row(i) << (plane_.transpose() * body_.rest.col(molecule)).transpose(), 1;
       moves.row(i) = (plane_.transpose() * motion.col(molecule)).transpose();
     }
-    if (count < 2) return std::numeric_limits<double>::quiet_NaN();
-    const Eigen::RowVector2d middle = positions.leftCols<2>().colwise().mean();
+    const double all = sum_over(body_, static_cast<double>(count));
+    if (all < 2) return std::numeric_limits<double>::quiet_NaN();
+    Eigen::RowVector2d middle = positions.leftCols<2>().colwise().sum();
+    sum_over(body_, {middle.data(), 2});
+    middle /= all;
     positions.leftCols<2>().rowwise() -= middle;
-    const Eigen::Matrix2d spread = positions.leftCols<2>().transpose() * positions.leftCols<2>();
+    Eigen::Matrix2d spread = positions.leftCols<2>().transpose() * positions.leftCols<2>(),
+                    moments = positions.leftCols<2>().transpose() * moves;
+    sum_over(body_, {spread.data(), 4});
+    sum_over(body_, {moments.data(), 4});
     if (!(spread.determinant() > 1e-12 * std::pow(spread.trace(), 2))) {  // a sheet: they lie in a line
       if (!(spread.trace() > 0)) return std::numeric_limits<double>::quiet_NaN();
       const double angle = std::atan2(2 * spread(0, 1), spread(0, 0) - spread(1, 1)) / 2;
       const Eigen::Vector2d line(std::cos(angle), std::sin(angle));
-      const Eigen::Vector2d slope =
-          moves.transpose() * positions.leftCols<2>() * line / spread.trace();  // of the motion along the line
+      const Eigen::Vector2d slope = moments.transpose() * line / spread.trace();  // of the motion along the line
       return small ? slope.dot(line) : (line + slope).norm() - 1;
     }
-    const Eigen::Matrix2d gradient = spread.inverse() * positions.leftCols<2>().transpose() * moves;
+    const Eigen::Matrix2d gradient = spread.inverse() * moments;
     const double sum = gradient.trace(), turn = small ? 0 : gradient(0, 1) - gradient(1, 0);
     return (sum * (4 + sum) + turn * turn) / (2 * (std::hypot(2 + sum, turn) + 2));
   }
@@ -286,10 +309,22 @@ class Tension final : public StaticProtocol {
     for (const int molecule : rigid) model.supports.push_back({molecule});
   }
 
+  bool owns(int molecule) const { return molecule < owned_molecules(body_); }
+
+  /// One over how many all processes have of them, 0 for ghosts.
+  VectorX equal_shares(const std::vector<int>& molecules) const {
+    VectorX shares(static_cast<Eigen::Index>(molecules.size()));
+    for (std::size_t i = 0; i < molecules.size(); ++i) shares[static_cast<Eigen::Index>(i)] = owns(molecules[i]);
+    const double count = sum_over(body_, shares.sum());
+    for (double& share : shares) share = share > 0 ? 1. / count : 0;
+    return shares;
+  }
+
   const Body& body_;
   TensionSetup setup_;
   Eigen::Matrix<double, 3, 2> plane_;
-  VectorX height_;  // of each molecule along the axis
+  VectorX height_;             // of each molecule along the axis
+  double low_ = 0, high_ = 0;  // of the body along it
   std::vector<int> fixed_, loaded_, middle_;
   VectorX share_, fixed_share_;  // of an end, sum 1
   std::optional<double> force_;  // that a section carries in the mean [N]
@@ -297,8 +332,9 @@ class Tension final : public StaticProtocol {
   VectorX pull_;                 // on each of them, over that force
   double area_ = 0, gauge_length_ = 0;
   std::optional<Section> section_;  // none where the scene states it and the body has no cells to tell
-  Eigen::Index corner_ = 0;         // index into loaded_
+  Eigen::Index corner_ = -1;        // index into loaded_; none: another process has it
   std::array<std::vector<std::pair<int, double>>, 2> crossings_;
+  std::array<double, 2> crossing_count_{};  // of all processes
 };
 
 class TensionRig final : public StaticRig {
@@ -358,10 +394,12 @@ class TensionRig final : public StaticRig {
     measures.set("stress", stress);
     measures.set("strain", strain);
     measures.set("lateral_strain", lateral);
-    if (model_.has_energy() && !solved.linear) measures.set("energy", model_.elastic_energy(state.positions));
+    if (model_.has_energy() && !solved.linear)
+      measures.set("energy", sum_over(body_, model_.elastic_energy(state.positions)));
     const Positions loads = model_.load_forces(state);
-    measures.set("reaction_balance",
-                 (loads.rowwise().sum() + solved.reactions.rowwise().sum()).norm() / std::abs(force));
+    Vector3 left = loads.leftCols(owned_molecules(body_)).rowwise().sum() + solved.reactions.rowwise().sum();
+    sum_over(body_, {left.data(), 3});
+    measures.set("reaction_balance", left.norm() / std::abs(force));
     return measures;
   }
 
@@ -388,7 +426,7 @@ class TensionRig final : public StaticRig {
     for (Eigen::Index i = static_cast<Eigen::Index>(first_loaded_support_);
          i < static_cast<Eigen::Index>(end_of_loaded_supports_); ++i)
       sum += setup_.axis.dot(reactions.col(i));
-    return sum;
+    return sum_over(body_, sum);
   }
 
   const Tension& protocol_;
@@ -412,7 +450,7 @@ const TensionSetup* tension_setup(const Protocol& experiment) {
 }
 
 std::unique_ptr<StaticProtocol> make_tension(const Body& body, const TensionSetup& setup) {
-  if (body.size() < 2)
+  if (molecules_of_whole(body) < 2)
     throw InputError("tension needs at least 2 molecules; the body has " + std::to_string(body.size()));
   return std::make_unique<Tension>(body, setup);
 }

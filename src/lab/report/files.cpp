@@ -13,6 +13,7 @@
 
 #include "contact/search.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
 #include "lab/format/cell_stress.h"
 #include "lab/format/surface_files.h"
 #include "lab/format/vtu.h"
@@ -208,7 +209,10 @@ std::string curve_csv_text(const Record& record) {
 namespace {
 
 /// vtu_text; what is ready goes to the stream where there is one, so that a large body's file is never whole in memory.
-void put_vtu(const Body& body, const Snapshot& shot, const VectorX& constants, std::string& out, std::ostream* stream) {
+/// `states`: of file_states.
+VtuDeclared put_vtu(const Body& body, const Snapshot& shot, const std::vector<CellState>& states,
+                    const VectorX& constants, std::string& out, std::ostream* stream) {
+  VtuDeclared declared;
   const int n = body.size(), m = body.connections.size();
   const auto& [ends, rest_length, _] = body.connections;
   const Positions& positions = shot.positions;
@@ -222,11 +226,11 @@ void put_vtu(const Body& body, const Snapshot& shot, const VectorX& constants, s
     of_connections.col(ends[c][1]) -= shot.force_densities[c] * along(c);
   }
   const Positions& force = has_forces ? shot.elastic_forces : of_connections;
-  const std::vector<CellState> states = file_states(body, shot);
   const int cells = m + static_cast<int>(states.size());
   out += vtu_head(n, cells) + "<Points>\n";
   VtuArrays arrays(out, stream);
   arrays.add("positions", "Float64", 3, n, [&](int i, int k) { return positions(k, i); });
+  declared.points = arrays.declared();
   out += "</Points>\n<PointData Vectors=\"displacement\">\n";
   arrays.add("displacement", "Float64", 3, n, [&](int i, int k) { return positions(k, i) - body.rest(k, i); });
   arrays.add("elastic_force", "Float64", 3, n, [&](int i, int k) { return force(k, i); });
@@ -236,6 +240,7 @@ void put_vtu(const Body& body, const Snapshot& shot, const VectorX& constants, s
     arrays.add("contact_pressure", "Float64", 1, n, [&](int i, int) { return shot.contact_pressure[i]; });
     arrays.add("contact_force", "Float64", 3, n, [&](int i, int k) { return shot.contact_forces(k, i); });
   }
+  declared.point_data = arrays.declared();
   out += "</PointData>\n<CellData Scalars=\"strain\">\n";
   const auto state = [&](int cell) -> const CellState& { return states[static_cast<std::size_t>(cell - m)]; };
   const auto of_connection = [&](const char* name, const auto& value) {
@@ -268,18 +273,123 @@ void put_vtu(const Body& body, const Snapshot& shot, const VectorX& constants, s
                  [&](int cell, int) { return is(cell, 3) ? von_mises(state(cell)) : 0; });
     }
   }
+  declared.cell_data = arrays.declared();
   out += "</CellData>\n";
   add_cells(arrays, out, body);
   out += kVtuEnd;
   arrays.flush();
+  return declared;
+}
+
+/// What a process computes of a body of which it has a share, with the molecules of these elements.
+struct Piece {
+  Body body;
+  std::vector<int> molecules, connections, triangles, tetrahedra;
+  std::vector<int> block_cells;  ///< of the share's blocks, counted through
+};
+Piece piece_of(const Body& share) {
+  const Subdomain own = computed_by(share);
+  Piece piece;
+  std::vector<int> local(static_cast<std::size_t>(share.size()), -1);
+  const auto reach = [&](const auto& elements) {
+    for (const auto& element : elements)
+      for (const int molecule : element) local[static_cast<std::size_t>(molecule)] = 0;
+  };
+  for (std::size_t c = 0; c < own.computes.size(); ++c)
+    if (own.computes[c]) piece.connections.push_back(static_cast<int>(c));
+  Body& body = piece.body;
+  for (const int c : piece.connections) {
+    body.connections.ends.push_back(share.connections.ends[static_cast<std::size_t>(c)]);
+    body.connections.rest_length.push_back(share.connections.rest_length[static_cast<std::size_t>(c)]);
+    body.connections.cell_sides += c >= share.connections.proper();
+  }
+  piece.triangles = own.triangles, piece.tetrahedra = own.tetrahedra;
+  for (const int cell : own.triangles) body.triangles.push_back(share.triangles[static_cast<std::size_t>(cell)]);
+  for (const int cell : own.tetrahedra) body.tetrahedra.push_back(share.tetrahedra[static_cast<std::size_t>(cell)]);
+  reach(body.connections.ends), reach(body.triangles), reach(body.tetrahedra);
+  int number = 0;
+  for (const CellBlock& all : share.blocks) {
+    CellBlock& block = body.blocks.emplace_back(CellBlock{all.kind, {}, {}});
+    for (int cell = 0; cell < all.size(); ++cell, ++number) {
+      const auto nodes = all.cell(cell);
+      if (!own.owns(lowest_in_whole(share, nodes))) continue;
+      block.nodes.insert(block.nodes.end(), nodes.begin(), nodes.end());
+      piece.block_cells.push_back(number);
+    }
+    for (const int molecule : block.nodes) local[static_cast<std::size_t>(molecule)] = 0;
+  }
+  for (int molecule = 0; molecule < share.size(); ++molecule) {
+    int& here = local[static_cast<std::size_t>(molecule)];
+    if (here < 0 && molecule >= own.owned) continue;
+    here = static_cast<int>(piece.molecules.size());
+    piece.molecules.push_back(molecule);
+  }
+  const auto renumber = [&](auto& elements) {
+    for (auto& element : elements)
+      for (int& molecule : element) molecule = local[static_cast<std::size_t>(molecule)];
+  };
+  renumber(body.connections.ends), renumber(body.triangles), renumber(body.tetrahedra);
+  for (CellBlock& block : body.blocks)
+    for (int& molecule : block.nodes) molecule = local[static_cast<std::size_t>(molecule)];
+  body.rest = share.rest(Eigen::all, piece.molecules);
+  body.mass = share.mass(piece.molecules), body.radius = share.radius(piece.molecules);
+  return piece;
+}
+
+/// Of its cells, out of those of all cells around them, whose force densities the sides have.
+std::vector<CellState> piece_states(const Body& share, const Snapshot& shot, const Piece& piece) {
+  const FileCells written(share);
+  const std::vector<CellState> all = file_states(share, shot);
+  std::vector<CellState> own;
+  for (const int cell : written.triangles ? piece.triangles : std::vector<int>())
+    own.push_back(all[static_cast<std::size_t>(cell)]);
+  for (const int cell : written.tetrahedra ? piece.tetrahedra : std::vector<int>())
+    own.push_back(all[written.triangles + static_cast<std::size_t>(cell)]);
+  for (const int cell : piece.block_cells)
+    own.push_back(all[written.triangles + written.tetrahedra + static_cast<std::size_t>(cell)]);
+  return own;
+}
+
+/// The state without what the piece does not have.
+Snapshot on_piece(const Snapshot& shot, const Piece& piece) {
+  Snapshot own{shot.at, shot.positions(Eigen::all, piece.molecules), shot.force_densities(piece.connections),
+               shot.number};
+  own.elastic_forces = shot.elastic_forces(Eigen::all, piece.molecules);
+  return own;
+}
+
+std::string piece_file(const std::string& name, int number, int process) {
+  return fmt::format("{}-{:03}.p{}.vtu", name, number, process);
 }
 
 }  // namespace
 
 std::string vtu_text(const Body& body, const Snapshot& shot, const VectorX& constants) {
   std::string out;
-  put_vtu(body, shot, constants, out, nullptr);
+  put_vtu(body, shot, file_states(body, shot), constants, out, nullptr);
   return out;
+}
+
+void write_pieces(const std::string& folder, const std::string& name, const Body& share, const Run& run) {
+  const Piece piece = piece_of(share);
+  const Processes& processes = *share.share->processes;
+  const VectorX constants = run.constants.size() ? VectorX(run.constants(piece.connections)) : VectorX();
+  std::string collection = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
+  for (const Snapshot& shot : run.snapshots) {
+    VtuDeclared declared;
+    write_whole_by(folder + "/" + piece_file(name, shot.number, processes.rank()), [&](std::ostream& stream) {
+      std::string out;
+      declared = put_vtu(piece.body, on_piece(shot, piece), piece_states(share, shot, piece), constants, out, &stream);
+    });
+    if (processes.rank() > 0) continue;
+    std::vector<std::string> pieces;
+    for (int process = 0; process < processes.count(); ++process)
+      pieces.push_back(piece_file(name, shot.number, process));
+    const std::string file = fmt::format("{}-{:03}.pvtu", name, shot.number);
+    write_whole(folder + "/" + file, pvtu_text(declared, pieces));
+    collection += fmt::format("<DataSet timestep=\"{}\" file=\"{}\"/>\n", shot.at, file);
+  }
+  if (processes.rank() == 0) write_whole(folder + "/" + name + ".pvd", collection + "</Collection>\n</VTKFile>\n");
 }
 
 void write_states(const std::string& folder, const std::string& name, const Body& body, const Run& run,
@@ -312,7 +422,7 @@ void write_states(const std::string& folder, const std::string& name, const Body
     part = 0;
     write_whole_by(folder + "/" + file_of(parts[part], number), [&](std::ostream& stream) {
       std::string out;
-      put_vtu(body, shot, run.constants, out, &stream);
+      put_vtu(body, shot, file_states(body, shot), run.constants, out, &stream);
     });
     list(shot.at, file_of(parts[part], number));
     part = 1;

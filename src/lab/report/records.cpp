@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "elastin/core/model/share.h"
 #include "elastin/core/parallel/threads.h"
 #include "lab/report/table.h"
 
@@ -61,22 +62,26 @@ bool differs_from_place_to_place(const Body& body) {
 
 Neighbours neighbours_inside(const Body& body) {
   const int proper = body.connections.proper();
-  if (proper == 0) return {};
+  if (!any_over(body, proper > 0)) return {};
   const auto& lengths = body.connections.rest_length;
   std::vector<int> count(static_cast<std::size_t>(body.size()));
   for (int c = 0; c < proper; ++c)
     for (const int end : body.connections.ends[c]) ++count[static_cast<std::size_t>(end)];
-  const double longest = *std::max_element(lengths.begin(), lengths.begin() + proper);
-  const Vector3 low = body.rest.rowwise().minCoeff(), high = body.rest.rowwise().maxCoeff();
+  const double longest =
+      largest_over(body, proper > 0 ? *std::max_element(lengths.begin(), lengths.begin() + proper) : 0);
+  const auto [low, high] = outline_of_whole(body);
+  count.resize(static_cast<std::size_t>(owned_molecules(body)));
   std::vector<int> inside;
-  for (int molecule = 0; molecule < body.size(); ++molecule) {
+  for (int molecule = 0; molecule < owned_molecules(body); ++molecule) {
     const auto position = body.rest.col(molecule);
     if ((position - low).minCoeff() > longest && (high - position).minCoeff() > longest)
       inside.push_back(count[static_cast<std::size_t>(molecule)]);
   }
-  const std::vector<int>& counted = inside.empty() ? count : inside;
-  return {std::accumulate(counted.begin(), counted.end(), 0.) / static_cast<double>(counted.size()),
-          *std::min_element(counted.begin(), counted.end())};
+  const std::vector<int>& counted = any_over(body, !inside.empty()) ? inside : count;
+  const auto least = std::min_element(counted.begin(), counted.end());
+  return {sum_over(body, std::accumulate(counted.begin(), counted.end(), 0.)) /
+              sum_over(body, static_cast<double>(counted.size())),
+          static_cast<int>(least_over(body, least == counted.end() ? INFINITY : *least))};
 }
 
 double Record::least_seconds() const { return run.build_seconds + run.solve_seconds; }
@@ -134,10 +139,10 @@ Record make_record(const Scene& scene, Run run) {
   record.scene = scene.name;
   record.path = scene.path;
   record.title = scene.title;
-  record.molecules = body.size();
-  record.connections = body.connections.proper();
+  record.molecules = static_cast<int>(molecules_of_whole(body));
+  record.connections = static_cast<int>(body.share ? body.share->connections : body.connections.proper());
   record.cell_sides = body.connections.cell_sides;
-  record.cells = static_cast<int>(count_cells(body));
+  record.cells = static_cast<int>(body.share ? body.share->cells : count_cells(body));
   record.threads = threads();
   record.neighbours = neighbours_inside(body);
   record.prescribed = prescribed_text(scene);
@@ -187,6 +192,7 @@ std::vector<Reference> references_of(const Scene& scene) {
 }
 
 double relative_spacing(const Body& body) {
+  if (body.share) return 1 / std::cbrt(body.share->cells > 0 ? body.share->cells : body.share->molecules);
   if (!body.tetrahedra.empty()) return 1 / std::cbrt(body.tetrahedra.size());
   if (!body.cubes.empty()) return 1 / std::cbrt(body.cubes.size());
   if (!body.triangles.empty()) return 1 / std::sqrt(body.triangles.size());

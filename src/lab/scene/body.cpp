@@ -40,7 +40,7 @@ std::optional<double> read_reach(std::optional<Reader> connections) {
 /// The order that a body's cells are to have: chosen once all its molecules are where they belong.
 using Order = std::optional<Reader>;
 
-Body read_lattice(Reader reader, Order& order) {
+Body read_lattice(Reader reader, Order& order, const std::shared_ptr<const Processes>& processes) {
   enum class Kind { cubic, body_centred, face_centred };
   const Kind kind = reader.at("kind").choice<Kind>(
       {{"cubic", Kind::cubic}, {"body_centred", Kind::body_centred}, {"face_centred", Kind::face_centred}});
@@ -54,7 +54,9 @@ Body read_lattice(Reader reader, Order& order) {
   Body body;
   if (kind == Kind::cubic) {
     const auto molecules = read_counts(reader.at("molecules"), 1);
-    body = cubic_lattice(molecules, spacing, connections && !reach ? read_pattern(*connections) : CubicPattern{});
+    const CubicPattern pattern = connections && !reach ? read_pattern(*connections) : CubicPattern{};
+    body = processes ? cubic_lattice_share(molecules, spacing, pattern, processes)
+                     : cubic_lattice(molecules, spacing, pattern);
   } else {
     const auto cells = read_counts(reader.at("cells"), kind == Kind::body_centred ? 2 : 4);
     const bool second = connections && !reach && connections->choice<bool>({{"nearest", false}, {"second", true}});
@@ -153,7 +155,8 @@ const std::vector<std::string> kShapes{"lattice", "packing", "tetrahedra", "sphe
                                        "sheet",   "canopy",  "mesh",       "fill",   "molecules"};
 
 /// `volumes` of the molecules [m³] are set where the shape knows them, and left alone where it does not.
-Body read_shape(Reader& reader, VectorX& volumes, Order& order, Remarks remarks) {
+Body read_shape(Reader& reader, VectorX& volumes, Order& order, Remarks remarks,
+                const std::shared_ptr<const Processes>& processes) {
   for (const char* key : {"given", "given_shape"})
     if (const auto given = reader.given_body(key)) {
       order = reader.find("order");
@@ -175,7 +178,7 @@ Body read_shape(Reader& reader, VectorX& volumes, Order& order, Remarks remarks)
     for (const std::string& key : kShapes) known += (known.empty() ? "" : key == kShapes.back() ? " or " : ", ") + key;
     reader.fail("needs a shape: " + known);
   }
-  if (name == "lattice") return read_lattice(*shape, order);
+  if (name == "lattice") return read_lattice(*shape, order, processes);
   if (name == "packing") return read_packing(*shape);
   if (name == "tetrahedra") return read_tetrahedra(*shape, order);
   if (name == "mesh") return read_mesh(*shape, order, remarks);
@@ -321,11 +324,24 @@ mesh::Mesh read_mesh_file(Reader& reader) {
   }
 }
 
-Body read_body(Reader reader, const Material& material, Remarks remarks) {
+bool makes_shares(Reader body, int processes) {
+  const std::vector<std::string> keys = body.keys();
+  const auto known = [](const std::string& key) { return key == "lattice" || key == "radius"; };
+  if (!std::all_of(keys.begin(), keys.end(), known)) return false;
+  auto lattice = body.find("lattice");
+  if (!lattice || !lattice->is_map() || !lattice->has("kind") || !lattice->has("molecules")) return false;
+  const auto connections = lattice->find("connections");
+  if (lattice->at("kind").text() != "cubic" || lattice->has("order") || (connections && connections->is_map()))
+    return false;
+  return lattice->at("molecules").wholes(1)[2] >= 2 * processes;
+}
+
+Body read_body(Reader reader, const Material& material, Remarks remarks,
+               const std::shared_ptr<const Processes>& processes) {
   reader.set_section("body");
   VectorX volumes;
   Order order;
-  Body body = reader.located([&] { return read_shape(reader, volumes, order, remarks); });
+  Body body = reader.located([&] { return read_shape(reader, volumes, order, remarks, processes); });
   if (auto jitter = reader.find("jitter")) {
     const double amount = jitter->at("amount").quantity(dimension::none, {0, 0.5, false});
     const int seed = jitter->has("seed") ? jitter->at("seed").whole(0) : 1;

@@ -31,7 +31,11 @@ struct Remarks {
   MoleculeSets* sets = nullptr;
 };
 /// Masses and radii are set too. The body is as written: rotated later, with the experiment.
-Body read_body(Reader reader, const Material& material, Remarks remarks);
+/// With processes: this one's share, where makes_shares says that it can be made alone.
+Body read_body(Reader reader, const Material& material, Remarks remarks,
+               const std::shared_ptr<const Processes>& processes = {});
+/// Whether each of so many processes can make its share of a body without the rest of it.
+bool makes_shares(Reader body, int processes);
 /// A list of bodies, each a part of one, and what ties them together; sets the specimen's body and materials. Its
 /// material must be set.
 void read_bodies(const Reader& list, std::optional<Reader> ties, const elastin::Table<MaterialLaw>& laws,

@@ -6,9 +6,12 @@
 #include <new>
 #include <stdexcept>
 
+#include "elastin/core/base/text.h"
 #include "elastin/core/model/parts.h"
+#include "elastin/core/model/share.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/simulation/prepare.h"
+#include "elastin/core/solve/engine.h"
 #include "lab/experiment/calibration.h"
 #include "lab/febio/model.h"
 #include "lab/protocol/supported.h"
@@ -187,8 +190,53 @@ std::string problem_text(Reader& reader, const Scene& scene) {
   return text;
 }
 
+/// Why each of several processes needs the whole body; "" where shares of it do.
+std::string needs_whole_body(Reader& reader, const ExperimentCatalog& experiments) {
+  for (const char* key : {"bodies", "contact", "supports", "initial", "calibrate"})
+    if (reader.has(key)) return "`" + std::string(key) + "` is read on the whole body";
+  for (const char* key : {"fields", "bending"})
+    if (reader.at("material").has(key)) return "`material." + std::string(key) + "` is read on the whole body";
+  if (auto loads = reader.find("loads"))
+    for (Reader& item : loads->items())
+      if (!item.is_map() || !item.has("gravity")) return "loads other than gravity are read on the whole body";
+  Reader experiment = reader.at("experiment");
+  const std::string kind = experiment.is_map() && experiment.has("kind") ? experiment.at("kind").text() : "";
+  const auto& all = experiments.experiments();
+  const bool of_shares =
+      std::any_of(all.begin(), all.end(), [&](const auto& info) { return info.name == kind && info.of_shares; });
+  return of_shares ? "" : "the experiment is measured on the whole body";
+}
+
+/// The scene's one body; of several processes that solve it together each has its share where that is possible.
+Body read_one_body(Reader& reader, const ExperimentCatalog& experiments, Scene& scene) {
+  const Material& material = scene.specimen.material;
+  const Remarks remarks{scene.warnings, scene.notes};
+  const auto make = [&] {
+    Body body = read_body(reader.at("body"), material, remarks);
+    if (!reader.has("contact")) warn_of_pieces(body, "the body", scene.warnings);
+    return body;
+  };
+  const auto processes = scene.statics.engine ? scene.statics.engine->processes() : nullptr;
+  if (!processes) return make();
+  std::string why = needs_whole_body(reader, experiments);
+  const bool alone = why.empty() && makes_shares(reader.at("body"), processes->count());
+  Body body = !why.empty() ? make()
+              : alone      ? read_body(reader.at("body"), material, remarks, processes)
+                           : share_out(make, processes, why);
+  const std::string who = "each of " + std::to_string(processes->count()) + " processes has ";
+  if (!body.share)
+    scene.notes.push_back(who + "the whole body: " + why);
+  else
+    scene.notes.push_back(who + "its share of the body" + (alone ? ", which it made alone" : " from the first") +
+                          ": this one " + counted(owned_molecules(body), "molecule") + " of its own and " +
+                          std::to_string(body.size() - owned_molecules(body)) +
+                          " of its neighbours; zero-energy modes are not counted");
+  return body;
+}
+
 /// body: {…}, or bodies: [{…}, …] with ties: […]
-void read_whole_body(Reader& reader, const Catalog& catalog, Scene& scene, const BodyChange& change) {
+void read_whole_body(Reader& reader, const Catalog& catalog, const ExperimentCatalog& experiments, Scene& scene,
+                     const BodyChange& change) {
   Specimen& specimen = scene.specimen;
   const Remarks remarks{scene.warnings, scene.notes};
   auto ties = reader.find("ties");
@@ -205,7 +253,7 @@ void read_whole_body(Reader& reader, const Catalog& catalog, Scene& scene, const
   if (!reader.has("body"))
     if (const auto identify = reader.find("identify"))
       identify->fail("the scene has no body: it is one for `elastin identify`");
-  specimen.body = read_body(reader.at("body"), specimen.material, remarks);
+  specimen.body = read_one_body(reader, experiments, scene);
   scene.bare_graph = (reader.at("body").has("molecules") || reader.at("body").given_body("given") ||
                       reader.at("body").given_body("given_shape")) &&
                      specimen.body.tetrahedra.empty() && specimen.body.triangles.empty();
@@ -215,7 +263,6 @@ void read_whole_body(Reader& reader, const Catalog& catalog, Scene& scene, const
   const auto bending = reader.at("material").find("bending");
   if (specimen.material.bending_rigidity > 0)
     (bending ? *bending : reader.at("material")).located([&] { prepare_bending(specimen.body, specimen.material); });
-  if (!reader.has("contact")) warn_of_pieces(specimen.body, "the body", scene.warnings);
 }
 
 void turn_fibres(Specimen& specimen, const Matrix3& rotation) {
@@ -235,7 +282,8 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   scene->name = std::filesystem::path(path).stem().string();
   scene->title = reader.has("title") ? reader.at("title").text() : scene->name;
   scene->specimen.material = read_material(reader.at("material"), catalog.material_laws);
-  read_whole_body(reader, catalog, *scene, change);
+  if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver, catalog);
+  read_whole_body(reader, catalog, experiments, *scene, change);
   const Matrix3 rotation = reader.has("rotate") ? read_rotation(reader.at("rotate")) : Matrix3(Matrix3::Identity());
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
   scene->rotation = rotation;
@@ -243,7 +291,6 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   scene->stiffness = read_stiffness(reader.at("stiffness"), catalog, *scene);
   scene->strategies = read_strategies(reader.find("strategies"), scene->stiffness, catalog, scene->specimen);
   const Reader experiment = reader.at("experiment");
-  if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver, catalog);
   ExperimentContext context{scene->specimen.body, scene->specimen.material, rotation, scene->statics, experiments};
   std::optional<SceneContact> contact;
   if (auto value = reader.find("contact")) {

@@ -106,7 +106,7 @@ RunOptions Comparison::options_of(const ScenePlan& plan, const Scene& scene, con
   result.statics = scene.statics;
   result.time = scene.time;
   result.live = request_.live;
-  result.keep_snapshots = !request_.out.empty();
+  result.keep_snapshots = !request_.out.empty() || (!request_.pieces.empty() && scene.specimen.body.share);
   result.progress = [this, name = scene.name + ", " + choice.label + ": "](const std::string& doing) {
     progress_.set_count({rows_, done_, run_, seconds_});
     progress_.set(name + doing);
@@ -251,8 +251,9 @@ void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Recor
   // `run` names its one strategy: that it cannot run is a failure; in a comparison it is a row.
   good_ &= record.good() && (request_.compare || record.run.suited || record.stopped_as_expected());
   if (scene && repeat == 0 && !record.run.snapshots.empty()) {
-    if (journal_ && !results_.has_body(record)) journal_->add_view(body_view(*scene, record));
-    if (journal_) journal_->add_view(states_view(*scene, record));
+    const bool shown = journal_ && !scene->specimen.body.share;  // a share is not the body
+    if (shown && !results_.has_body(record)) journal_->add_view(body_view(*scene, record));
+    if (shown) journal_->add_view(states_view(*scene, record));
     if (!plan.varied()) write_run(request_, *scene, record);
   }
   record.run.snapshots.clear();

@@ -40,12 +40,17 @@ void write_tables(const Request& request, const std::vector<Record>& records) {
 }
 
 void write_run(const Request& request, const Scene& scene, Record& record) {
-  if (request.out.empty() || record.run.curve.empty()) return;
+  const Body& body = scene.specimen.body;
+  const std::string& folder = request.out.empty() ? request.pieces : request.out;
+  if (folder.empty() || record.run.curve.empty()) return;
   const std::string name = file_name(record.scene, record.run.strategy);
+  if (body.share) write_pieces(folder, name, body, record.run);
+  if (body.share || request.out.empty()) record.run.snapshots.clear();
+  if (request.out.empty()) return;
   write_whole(request.out + "/" + name + "-curve.csv", curve_csv_text(record));
+  if (body.share) return;
   const auto& contact = scene.specimen.contact;
-  write_states(request.out, name, scene.specimen.body, record.run,
-               contact ? contact->obstacles : std::vector<contact::Obstacle>{});
+  write_states(request.out, name, body, record.run, contact ? contact->obstacles : std::vector<contact::Obstacle>{});
   record.run.snapshots.clear();
 }
 

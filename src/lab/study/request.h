@@ -20,6 +20,7 @@ struct Request {
   std::string baseline;   ///< folder of an earlier comparison
   std::string against;    ///< another program whose row stands in each table, "calculix"; empty: none
   std::string reference;  ///< "computed" or "none" for all scenes; empty: as each scene says
+  std::string pieces;     ///< folder of states of which another process writes the tables; empty: none
   std::string command;    ///< as it was typed, for the page
   Shard shard = {};       ///< of the rows of a comparison: what is run here
   int repeats = 0;        ///< 0 = as the scene says

@@ -26,7 +26,7 @@ struct Shared {
     subdomains.reserve(static_cast<std::size_t>(parts));
     for (int part = 0; part < parts; ++part) {
       subdomains.push_back(make_subdomain(body, owners, part));
-      models.emplace_back(subdomains.back().body);
+      models.emplace_back(*subdomains.back().body);
       models.back().add(whole.elasticity().front()->on_subdomain(subdomains.back()));
     }
   }
@@ -103,10 +103,10 @@ TEST_CASE("subdomain: forces, energies and tangents of all are those of the whol
       double energy = 0;
       for (std::size_t part = 0; part < shared.models.size(); ++part) {
         const Subdomain& own = shared.subdomains[part];
-        const State at{Shared::taken(own, positions), Positions::Zero(3, own.body.size())};
+        const State at{Shared::taken(own, positions), Positions::Zero(3, own.body->size())};
         energy += shared.models[part].elastic_energy(at.positions);
         Shared::add(own, shared.models[part].elastic_forces(at.positions), forces_of_all);
-        Positions local(3, own.body.size());
+        Positions local(3, own.body->size());
         Tangent(shared.models[part], at).apply(Shared::taken(own, motion), local);
         Shared::add(own, local, change_of_all);
       }
@@ -133,7 +133,7 @@ TEST_CASE("subdomain: parts of a grid of boxes add up to the whole's, on coarser
           support.molecule = molecule;
           local.push_back(support);
         }
-      const State at = state_at_rest(own.body);
+      const State at = state_at_rest(*own.body);
       std::unique_ptr<BoxLevel> level = assemble_part(Tangent(shared.models[part], at), local, frame_of(body)).level;
       if (coarse) level = level->coarser(true);
       for (int point = 0; point < level->points(); ++point) {

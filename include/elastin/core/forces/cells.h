@@ -323,7 +323,7 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
   }
 
  private:
-  CellElasticity(const CellElasticity& whole, const Subdomain& own) : Block(own.body), kernel_(whole.kernel_) {
+  CellElasticity(const CellElasticity& whole, const Subdomain& own) : Block(*own.body), kernel_(whole.kernel_) {
     for (const int cell : Shape::dimensions == 3 ? own.tetrahedra : own.triangles)
       constants_.push_back(whole.constants_[static_cast<std::size_t>(cell)]);
   }

@@ -21,7 +21,8 @@ struct Support {
   Vector3 velocity = Vector3::Zero();      ///< [m/s] in the fixed directions, of a support that moves in time
 };
 
-/// A body with everything that acts on it. The body must outlive the model.
+/// A body with everything that acts on it. The body must outlive the model. On a process's share of a body
+/// (Body::share) it has the elements that this process computes: energies and forces are summed over the processes.
 class Model {
  public:
   explicit Model(const Body& body);
@@ -30,6 +31,9 @@ class Model {
 
   const Body& body() const { return *body_; }
   void add(std::unique_ptr<Elasticity> elasticity);
+  /// On a share: keeps of elasticity that is added from now on also what other processes compute, for
+  /// force_densities().
+  void keep_all_elements() { keeps_all_ = true; }
   /// Throws InputError where two loads declare history under one name.
   void add(std::unique_ptr<Load> load);
   void add(std::unique_ptr<Viscosity> viscosity) { viscosity_.push_back(std::move(viscosity)); }
@@ -54,8 +58,9 @@ class Model {
   double elastic_energy(const Positions& positions) const;
   /// Potential energy of the loads [J].
   double load_energy(const State& state) const;
-  /// Force density of each connection [N/m]; of cells whose forces are found at their nodes those of the pairs that are
-  /// connections, and visit(block, cell, state) for each of them (see Elasticity::show).
+  /// Force density of each connection [N/m], on a share after keep_all_elements() those of its own molecules; of cells
+  /// whose forces are found at their nodes those of the pairs that are connections, and visit(block, cell, state) for
+  /// each of them (see Elasticity::show).
   VectorX force_densities(
       const Positions& positions,
       const Elasticity::StateVisitor& visit = [](const CellBlock&, int, const CellState&) {}) const;
@@ -99,6 +104,9 @@ class Model {
   friend class Tangent;
   void set_squared_lengths_and_rates(const State& state, VectorX& squared_lengths, VectorX& rates) const;
   const Body* body_;
+  std::unique_ptr<const Subdomain> computed_;  ///< of a share
+  bool keeps_all_ = false;
+  std::vector<std::unique_ptr<Elasticity>> all_elements_;  ///< elasticity on the share with what others compute
   std::vector<std::unique_ptr<Elasticity>> elasticity_;
   std::vector<std::unique_ptr<Viscosity>> viscosity_;
   std::vector<std::unique_ptr<Load>> loads_;

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -63,6 +64,8 @@ std::unique_ptr<LinearSolver> make_direct();
 
 /// Motions of all molecules in all directions, of size 1 and without a pattern that a body could have; always the same.
 Positions scattered_directions(int molecules);
+/// That of one molecule.
+Vector3 scattered_direction(std::int64_t molecule);
 
 /// Removes the fixed components of each supported molecule's column.
 void keep_free(const std::vector<Support>& supports, Positions& vectors);

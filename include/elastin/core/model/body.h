@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -80,6 +81,8 @@ struct Tie {
 /// Molecules of lower numbers and their weights (sum 1), as the shape functions of a cell have them where another lies.
 using MoleculeBetween = std::vector<std::pair<int, double>>;
 
+struct Share;
+
 /// A piece of tissue: molecules (spheres) joined by connections, at rest. Never changes during a run.
 struct Body {
   Positions rest;  ///< places of the molecules, unstressed [m]
@@ -106,6 +109,8 @@ struct Body {
   /// Of a body whose cells were refined, or made of second order, what each of the last so many molecules lies between.
   /// What holds an end of the body holds those of them that lie between others that it holds. Empty of other bodies.
   std::vector<MoleculeBetween> between;
+  /// Where the body is one process's share of a whole that several have among them; see elastin/core/model/share.h.
+  std::shared_ptr<const Share> share;
   int size() const { return static_cast<int>(rest.cols()); }
 };
 

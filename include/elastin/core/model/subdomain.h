@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <vector>
 
 #include "elastin/core/model/body.h"
@@ -12,7 +13,7 @@ struct Subdomain {
   const Body* whole = nullptr;
   /// Molecules that it owns, ascending in the whole, then ghosts, ascending. Connections of the whole between any of
   /// them; triangles and tetrahedra that it computes. It has no blocks, parts or grid.
-  Body body;
+  std::shared_ptr<const Body> body;
   int owned = 0;                           ///< molecules
   std::vector<int> molecules;              ///< number in the whole of each of its molecules
   std::vector<int> connections;            ///< number in the whole of each of its connections

@@ -1,9 +1,11 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "elastin/core/model/body.h"
+#include "elastin/core/model/share.h"
 
 namespace elastin {
 
@@ -16,6 +18,11 @@ struct CubicPattern {
 
 /// Simple cubic lattice of `molecules` along x, y, z (each ≥ 1), `spacing` [m] apart, from the origin; x runs fastest.
 Body cubic_lattice(const std::array<int, 3>& molecules, double spacing, const CubicPattern& pattern);
+
+/// One process's share of it: equal numbers of layers along z, at most as many processes as layers. Its cost is that of
+/// its layers.
+Body cubic_lattice_share(const std::array<int, 3>& molecules, double spacing, const CubicPattern& pattern,
+                         const std::shared_ptr<const Processes>& processes);
 
 /// Body-centred cubic lattice of `cells` cubes of side `spacing` [m]; joined to the 8 nearest neighbours, and to the 6
 /// second ones if `second`.

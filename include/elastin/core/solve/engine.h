@@ -4,15 +4,21 @@
 #include <string>
 
 #include "elastin/core/base/table.h"
+#include "elastin/core/model/share.h"
 #include "elastin/core/solve/statics.h"
 
 namespace elastin {
 
 /// Finds equilibria in place of this process alone, for instance with others to which it hands parts of the model:
-/// StaticOptions::engine. Every process calls it for the same model in the same order, and gets the same results.
+/// StaticOptions::engine. Every process calls it for the same model in the same order, and gets the same results; where
+/// a model's body is the process's share, those of its molecules, and no reaction at a support of a ghost.
 class StaticEngine {
  public:
   virtual ~StaticEngine() = default;
+  /// Those that have shares of a body, see elastin/core/model/share.h; null where this process is alone.
+  virtual std::shared_ptr<const Processes> processes() const { return nullptr; }
+  /// On a model of a share: makes forces [N] that each process has of what it computes those of all.
+  virtual void complete(const Model& /*model*/, Positions& /*forces*/) {}
   /// Why it cannot take a model, in words for a user; "" if it can. The calls below throw InputError with them.
   virtual std::string unsuited(const Model& model) const = 0;
   /// As static_response.

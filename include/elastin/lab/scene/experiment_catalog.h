@@ -40,6 +40,7 @@ struct SceneKey {
 struct ExperimentInfo {
   std::string name, summary, source;  ///< name: its `kind` in scenes; source "" where there is nothing to cite
   bool in_time = false;               ///< whether it runs through time
+  bool of_shares = false;  ///< whether it measures a body of which several processes have shares (Body::share)
   std::vector<ParameterInfo> parameters = {};
   /// From the parameters' values, all there, in SI units. Throws InputError if the body does not suit.
   std::function<std::unique_ptr<Protocol>(const ExperimentContext&, const ParameterValues&)> make = {};

@@ -1,0 +1,265 @@
+#include "elastin/core/model/share.h"
+
+#include <algorithm>
+#include <barrier>
+#include <catch2/catch.hpp>
+#include <deque>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "core/linear/box_assembly.h"
+#include "core/model/faces.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/forces/model.h"
+#include "elastin/core/shapes/arrays.h"
+#include "elastin/core/simulation/catalog.h"
+#include "support/bodies.h"
+
+using namespace elastin;
+using namespace elastin::testing;
+
+namespace {
+
+/// What the threads that play processes have between them.
+struct Table {
+  explicit Table(int processes)
+      : numbers(static_cast<std::size_t>(processes)), all(processes), letters(numbers.size()) {}
+  std::vector<std::vector<double>> numbers;
+  std::barrier<> all;
+  std::mutex guard;
+  std::vector<std::deque<std::vector<char>>> letters;  ///< that process 0 has sent
+};
+
+class Thread final : public Processes {
+ public:
+  Thread(Table& table, int rank) : table_(table), rank_(rank) {}
+  int rank() const override { return rank_; }
+  int count() const override { return static_cast<int>(table_.numbers.size()); }
+  std::vector<double> gather(std::span<const double> own) const override {
+    table_.numbers[static_cast<std::size_t>(rank_)].assign(own.begin(), own.end());
+    table_.all.arrive_and_wait();
+    std::vector<double> together;
+    for (const auto& one : table_.numbers) together.insert(together.end(), one.begin(), one.end());
+    table_.all.arrive_and_wait();
+    return together;
+  }
+  void send(int to, const std::vector<char>& bytes) const override {
+    const std::lock_guard lock(table_.guard);
+    table_.letters[static_cast<std::size_t>(to)].push_back(bytes);
+  }
+  std::vector<char> receive(int) const override {
+    while (true) {
+      {
+        const std::lock_guard lock(table_.guard);
+        auto& mine = table_.letters[static_cast<std::size_t>(rank_)];
+        if (!mine.empty()) {
+          std::vector<char> bytes = std::move(mine.front());
+          mine.pop_front();
+          return bytes;
+        }
+      }
+      std::this_thread::yield();
+    }
+  }
+
+ private:
+  Table& table_;
+  int rank_;
+};
+
+/// What work(processes) gives, of each of so many processes.
+template <class Work>
+auto on_processes(int count, Work work) {
+  using Result = decltype(work(std::shared_ptr<const Processes>()));
+  Table table(count);
+  std::vector<Result> results(static_cast<std::size_t>(count));
+  std::vector<std::thread> threads;
+  for (int rank = 0; rank < count; ++rank)
+    threads.emplace_back(
+        [&, rank] { results[static_cast<std::size_t>(rank)] = work(std::make_shared<const Thread>(table, rank)); });
+  for (std::thread& thread : threads) thread.join();
+  return results;
+}
+
+std::vector<Body> shares_of(const Body& whole, int count) {
+  return on_processes(count, [&](const auto& processes) {
+    std::string why;
+    return share_out([&] { return whole; }, processes, why);
+  });
+}
+
+Body tetrahedra_with_sides() {
+  Body body = jittered_block();
+  add_cell_sides(body, sides_of(body.tetrahedra));
+  return body;
+}
+
+Material soft() {
+  Material material;
+  material.youngs_modulus = 1e4;
+  material.poissons_ratio = 0.3;
+  material.thickness = 1e-3;
+  return material;
+}
+
+}  // namespace
+
+TEST_CASE("share: every molecule has one owner, every element is computed once", "[share]") {
+  for (const Body& whole : {jittered_lattice(), tetrahedra_with_sides(), sheet(1e-3)})
+    for (const int count : {1, 2, 5}) {
+      std::set<std::int64_t> numbers, places;
+      std::size_t connections = 0, cells = 0;
+      for (const Body& share : shares_of(whole, count)) {
+        REQUIRE(share.share);
+        CHECK(share.share->molecules == whole.size());
+        CHECK(share.share->connections == whole.connections.proper());
+        CHECK(std::abs(owned_molecules(share) - whole.size() / count) <= 2);
+        for (int molecule = 0; molecule < share.size(); ++molecule)
+          CHECK(share.rest.col(molecule) == whole.rest.col(number_in_whole(share, molecule)));
+        numbers.insert(share.share->number.begin(), share.share->number.begin() + owned_molecules(share));
+        places.insert(share.share->place.begin(), share.share->place.begin() + owned_molecules(share));
+        const Subdomain own = computed_by(share);
+        connections += static_cast<std::size_t>(std::count(own.computes.begin(), own.computes.end(), 1));
+        cells += own.tetrahedra.size() + own.triangles.size();
+      }
+      CHECK(numbers.size() == static_cast<std::size_t>(whole.size()));
+      CHECK(places.size() == numbers.size());
+      CHECK(connections == static_cast<std::size_t>(whole.connections.size()));
+      CHECK(cells == whole.tetrahedra.size() + whole.triangles.size());
+    }
+}
+
+TEST_CASE("share: constants, forces and energies of all are the whole's", "[share]") {
+  struct Case {
+    Body body;
+    std::string strategy;
+  };
+  const std::vector<Case> cases{{jittered_lattice(), "standard"},
+                                {jittered_lattice(), "lattice+volume"},
+                                {tetrahedra_with_sides(), "van_gelder"},
+                                {tetrahedra_with_sides(), "neo_hookean"},
+                                {tetrahedra_with_sides(), "neo_hookean+volume"},
+                                {sheet(1e-3), "neo_hookean_membrane"}};
+  for (const auto& [whole, strategy] : cases) {
+    CAPTURE(strategy);
+    const Strategy kind = built_in_catalog().find(strategy);
+    Model model(whole);
+    model.add(kind.make(whole, soft(), {}));
+    const Positions positions = deformed(whole, 0.0003);
+    const Positions forces = model.elastic_forces(positions);
+    const double energy = model.elastic_energy(positions);
+    for (const int count : {2, 3}) {
+      Positions sum = Positions::Zero(3, whole.size());
+      double energies = 0;
+      for (const Body& share : shares_of(whole, count)) {
+        Model own(share);
+        own.keep_all_elements();
+        own.add(kind.make(share, soft(), {}));
+        Positions local(3, share.size());
+        for (int i = 0; i < share.size(); ++i) local.col(i) = positions.col(number_in_whole(share, i));
+        const Positions here = own.elastic_forces(local);
+        for (int i = 0; i < share.size(); ++i) sum.col(number_in_whole(share, i)) += here.col(i);
+        energies += own.elastic_energy(local);
+      }
+      CHECK((sum - forces).norm() <= 1e-12 * forces.norm());
+      CHECK(energies == Approx(energy).epsilon(1e-12));
+    }
+  }
+}
+
+TEST_CASE("share: a lattice's is made without the rest of it", "[share]") {
+  const CubicPattern pattern{true, true, false};
+  const std::array<int, 3> molecules{4, 3, 11};
+  const Body whole = cubic_lattice(molecules, 0.01, pattern);
+  for (const int count : {2, 3, 5}) {
+    const auto shares = on_processes(
+        count, [&](const auto& processes) { return cubic_lattice_share(molecules, 0.01, pattern, processes); });
+    int rank = 0;
+    for (const Body& share : shares) {
+      const auto owner = [&](int molecule) {
+        for (int process = 0;; ++process)
+          if (molecule / 12 < 11 * (process + 1) / count) return process;
+      };
+      const auto number = [](int molecule) { return std::int64_t{molecule}; };
+      const Body cut = make_share(whole, {owner, number, number, whole.size()}, rank++);
+      CHECK(share.rest == cut.rest);
+      CHECK(share.connections.ends == cut.connections.ends);
+      CHECK(share.connections.rest_length == cut.connections.rest_length);
+      CHECK(share.cubes == cut.cubes);
+      CHECK(share.share->number == cut.share->number);
+      CHECK(share.share->owned == cut.share->owned);
+      CHECK(share.share->molecules == whole.size());
+      CHECK(share.share->connections == whole.connections.size());
+    }
+  }
+}
+
+TEST_CASE("share: what is asked of all is what the whole says", "[share]") {
+  Body whole = jittered_lattice();
+  set_matter(whole, 1000, 0, std::nullopt);
+  const Face end = end_face(whole, Vector3::UnitZ(), 0.3 * whole.rest.row(2).maxCoeff());
+  const BoxGrid::Frame frame = frame_of(whole);
+  struct Found {
+    double area = 0, share = 0, size = 0, nth = 0;
+    Vector3 high = Vector3::Zero();
+    std::string first;
+    std::size_t molecules = 0;
+  };
+  const auto found = on_processes(3, [&](const auto& processes) {
+    std::string why;
+    const Body share = share_out([&] { return whole; }, processes, why);
+    const Face face = end_face(share, Vector3::UnitZ(), 0.3 * whole.rest.row(2).maxCoeff());
+    Found own;
+    own.area = face.area;
+    own.share = sum_over(share, face.share.sum());
+    for (std::size_t i = 0; i < face.molecules.size(); ++i) {
+      const std::int64_t number = number_in_whole(share, face.molecules[i]);
+      const auto at = std::find(end.molecules.begin(), end.molecules.end(), static_cast<int>(number));
+      own.molecules += at != end.molecules.end();
+      const double expected = face.molecules[i] < owned_molecules(share) && at != end.molecules.end()
+                                  ? end.share[at - end.molecules.begin()]
+                                  : 0;
+      if (std::abs(face.share[static_cast<Eigen::Index>(i)] - expected) > 1e-12) own.molecules = 0;
+    }
+    own.size = frame_of(share).size;
+    own.high = outline_of_whole(share)[1];
+    own.nth = nth_over(share, {1. + processes->rank(), 4.}, 2);
+    own.first = first_over(share, processes->rank() == 1 ? "here" : "");
+    return own;
+  });
+  for (const Found& own : found) {
+    CHECK(own.area == Approx(end.area).epsilon(1e-12));
+    CHECK(own.share == Approx(1).epsilon(1e-12));
+    CHECK(own.molecules > 0);
+    CHECK(own.size == Approx(frame.size).epsilon(1e-6));
+    CHECK(own.high == frame.high);
+    CHECK(own.nth == 3);  // of 1, 2, 3, 4, 4, 4
+    CHECK(own.first == "here");
+  }
+}
+
+TEST_CASE("share: what the first process cannot make no process has", "[share]") {
+  const auto said = on_processes(3, [&](const auto& processes) -> std::string {
+    std::string why;
+    try {
+      share_out([]() -> Body { throw InputError("no such mesh"); }, processes, why);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "nothing";
+  });
+  CHECK(said == std::vector<std::string>(3, "no such mesh"));
+  Body cables = jittered_lattice();
+  cables.cables.push_back({0, 1});
+  for (const auto& [body, why] : on_processes(2, [&](const auto& processes) {
+         std::pair<Body, std::string> made;
+         made.first = share_out([&] { return cables; }, processes, made.second);
+         return made;
+       })) {
+    CHECK(why == "it has cables");
+    CHECK(!body.share);
+    CHECK(body.size() == cables.size());
+  }
+}
