@@ -2,49 +2,51 @@
 
 #include "elastin/command/command.h"
 #include "elastin/openmp/openmp.h"
-#ifdef ELASTIN_WITH_PETSC
+#ifdef ELASTIN_PETSC_PROGRAM
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
-
-#include "command/processes.h"
-#include "elastin/petsc/petsc.h"
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
 
 namespace {
 
-std::FILE* kept_words = nullptr;  // of a process that is not the first
-int own_stderr = -1;
-
-/// What a process other than the first wants to say it says only where the first does not say the same.
-void keep_words() {
-  kept_words = std::tmpfile();
-  if (!kept_words) return;
-  own_stderr = dup(STDERR_FILENO);
-  dup2(fileno(kept_words), STDERR_FILENO);
-}
-void say_kept_words() {
-  if (!kept_words) return;
-  std::fflush(stderr);
-  std::rewind(kept_words);
-  char text[4096];
-  while (const std::size_t size = std::fread(text, 1, sizeof text, kept_words))
-    if (write(own_stderr, text, size) < 0) return;
+/// Becomes the program beside this one that has the engine petsc. Comes back only if there is none.
+void become_shared(char** argv) {
+  std::error_code none;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", none);
+  std::fflush(nullptr);
+  execv((self.parent_path() / ELASTIN_PETSC_PROGRAM).c_str(), argv);
 }
 
-int run_shared(int argc, char** argv, const elastin::Catalog& catalog, const elastin::petsc::Launch& launch) {
-  elastin::petsc::start();
-  if (launch.rank > 0) keep_words();
-  int code = 2;
-  try {
-    const std::vector<std::string> words =
-        elastin::command::shared_arguments({argv, argv + argc}, launch.rank, launch.count);
-    std::vector<const char*> arguments;
-    for (const std::string& word : words) arguments.push_back(word.c_str());
-    code = elastin::command::run_command(static_cast<int>(arguments.size()), arguments.data(), catalog);
-  } catch (const elastin::InputError& error) {
-    std::fprintf(stderr, "elastin: %s\n", error.what());
+const char* const kMissing = "the engine petsc needs the program " ELASTIN_PETSC_PROGRAM " in the folder of this one";
+
+/// Whether this is one of several processes of mpiexec, or its arguments ask for them.
+bool is_shared(char** argv, int argc) {
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
+    if (const char* count = std::getenv(name); count && std::atoi(count) > 1) return true;
+  return std::any_of(argv, argv + argc, [](const char* word) {
+    return std::string_view(word).find("solver.engine=petsc") != std::string_view::npos;
+  });
+}
+
+/// A scene may ask for it as well.
+void let_scenes_share(elastin::Catalog& catalog, char** argv) {
+  elastin::Table<elastin::StaticEngineKind> engines(catalog.engines.kind());
+  for (const auto& row : catalog.engines) {
+    elastin::StaticEngineKind kind = *row;
+    if (kind.name == "petsc") {
+      kind.missing = "";
+      kind.make = [argv]() -> std::shared_ptr<elastin::StaticEngine> {
+        become_shared(argv);
+        throw elastin::InputError(kMissing);
+      };
+    }
+    engines.add(std::move(kind));
   }
-  return elastin::petsc::end(code, say_kept_words);
+  catalog.engines = std::move(engines);
 }
 
 }  // namespace
@@ -53,12 +55,13 @@ int run_shared(int argc, char** argv, const elastin::Catalog& catalog, const ela
 int main(int argc, char** argv) {
   elastin::openmp::let_threads_sleep(argv);
   elastin::Catalog catalog = elastin::built_in_catalog();
-#ifdef ELASTIN_WITH_PETSC
-  elastin::petsc::add_to(catalog);
-  const elastin::petsc::Launch launch = elastin::petsc::launch();
-  if (launch.count > 1) return run_shared(argc, argv, catalog, launch);
-  return elastin::petsc::end(elastin::command::run_command(argc, argv, catalog));
-#else
-  return elastin::command::run_command(argc, argv, catalog);
+#ifdef ELASTIN_PETSC_PROGRAM
+  if (is_shared(argv, argc)) {
+    become_shared(argv);
+    std::fprintf(stderr, "elastin: %s\n", kMissing);
+    return 2;
+  }
+  let_scenes_share(catalog, argv);
 #endif
+  return elastin::command::run_command(argc, argv, catalog);
 }

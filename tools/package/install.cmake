@@ -74,6 +74,9 @@ endforeach()
 
 if(TARGET elastin)
   install(TARGETS elastin COMPONENT command)
+  if(TARGET elastin-petsc)
+    install(TARGETS elastin-petsc COMPONENT command)
+  endif()
   install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/elastin COMPONENT command)
   # What `elastin lab` puts into its pages, where tools/setup --web has built it.
   install(FILES ${PROJECT_BINARY_DIR}/web/bin/elastin.js ${PROJECT_BINARY_DIR}/web/bin/elastin.wasm

@@ -24,6 +24,7 @@ const Table<Stepper>& built_in_steppers() {
     rows.add(velocity_verlet());
     rows.add(backward_euler());
     rows.add(newmark());
+    rows.add(generalized_alpha());
     rows.add(energy_momentum());
     rows.add(block_descent());
     rows.add(xpbd());

@@ -79,20 +79,21 @@ void Implicit::set_kinematics(const State& state, const Positions& a, double dt)
     kinematics_.accelerations = -v / dt;
     return;
   }
-  const double beta = beta_, gamma = gamma_;
-  kinematics_.weights = {gamma / (beta * dt), 1 / (beta * dt * dt)};
-  kinematics_.velocities = v * (1 - gamma / beta) + a * (dt * (1 - gamma / (2 * beta)));
-  kinematics_.accelerations = -v / (beta * dt) - a * (1 / (2 * beta) - 1);
+  const double beta = beta_, gamma = gamma_, share = shares_.forces, of_inertia = shares_.inertia;
+  kinematics_.weights = {gamma / (beta * dt), of_inertia / (share * beta * dt * dt)};
+  kinematics_.velocities = v * (1 - share * gamma / beta) + a * (share * dt * (1 - gamma / (2 * beta)));
+  kinematics_.accelerations = v * (-of_inertia / (beta * dt)) + a * (1 - of_inertia / (2 * beta));
 }
 
 /// Where the search starts: as if nothing changed, if that turns no cell over; else from where the body is.
 void Implicit::set_first_guess(const Model& model, const State& state, double dt) {
-  next_.positions = state.positions + dt * state.velocities;
+  const double share = shares_.forces;
+  next_.positions = state.positions + share * dt * state.velocities;
   next_.velocities = state.velocities;
   next_.carry_over(state);
-  next_.time = state.time + dt;
+  next_.time = state.time + share * dt;
   if (newmark()) {
-    next_.positions += dt * dt / 2 * state.accelerations;
+    next_.positions += share * dt * dt / 2 * state.accelerations;
   } else {
     next_.accelerations.setZero(3, model.body().size());
     balance_as_one(model);
@@ -151,10 +152,47 @@ bool Implicit::withhold_pushes(const Model& model, const State& state, double sh
   return found;
 }
 
+/// Brings `next_` from within the step, where it is in balance, to the step's end.
+void Implicit::go_on_to_end(const Model& model, const State& state, double dt) {
+  const auto [share, of_inertia] = shares_;
+  next_.positions = state.positions + (next_.positions - state.positions) / share;
+  next_.accelerations = state.accelerations + (next_.accelerations - state.accelerations) / of_inertia;
+  next_.velocities = state.velocities + dt * ((1 - gamma_) * state.accelerations + gamma_ * next_.accelerations);
+  next_.time = state.time + dt;
+  apply_supports(model, next_.positions);
+  move_with_supports(model.supports, next_.velocities);
+}
+
+/// A step that is balanced within: y = x₀ + α_f (x₁ − x₀) is sought, on which the velocities and accelerations there
+/// depend linearly, so that it is one of three weights as well.                              [Chung & Hulbert 1993]
+StaticResult Implicit::balance_within(Model& model, const State& state, double dt) {
+  const double share = shares_.forces;
+  ends_ = model.supports;
+  for (Support& support : model.supports) {
+    const Vector3 begin = state.positions.col(support.molecule) - model.body().rest.col(support.molecule);
+    support.displacement = begin + share * (support.displacement - begin);
+    const Vector3 velocity = state.velocities.col(support.molecule);
+    support.velocity = velocity + share * (support.velocity - velocity);
+  }
+  model.begin_step(state, state.time + share * dt);
+  set_kinematics(state, state.accelerations, dt);
+  set_first_guess(model, state, dt);
+  StaticResult solved = balance(model, next_, kinematics_);
+  if (solved.outcome == Outcome::converged) balance_as_one(model);
+  model.supports = ends_;
+  model.begin_step(state, state.time + dt);
+  go_on_to_end(model, state, dt);
+  if (solved.outcome == Outcome::converged && !model.admissible(next_.positions)) {
+    solved.outcome = Outcome::inverted;
+    solved.cause = inverted_text(model.body(), next_.positions) + " at the end of the step";
+  }
+  return solved;
+}
+
 void Implicit::try_step(Model& model, State& state, double dt, StepResult& result) {
   if (model.drive) model.drive(state.time + dt, model.supports);
   model.begin_step(state, state.time + dt);
-  const StaticResult solved = balance_parted(model, state, dt);
+  const StaticResult solved = within() ? balance_within(model, state, dt) : balance_parted(model, state, dt);
   result.newton_iterations += solved.newton_iterations;
   result.linear_iterations += solved.linear_iterations;
   const bool cut_short = kinematics_.cut_short && solved.outcome == Outcome::limit_reached;
@@ -163,7 +201,7 @@ void Implicit::try_step(Model& model, State& state, double dt, StepResult& resul
     result.cause = solved.cause;
     return;
   }
-  balance_as_one(model);
+  if (!within()) balance_as_one(model);
   if (model.max_step_fraction(state, next_) < 1) {
     result.outcome = Outcome::limit_reached;
     result.cause = "something would be passed through within a step";
@@ -209,8 +247,8 @@ ParameterInfo newton_iterations() {
 }
 
 std::unique_ptr<Integrator> make_implicit(const ParameterValues& values, const StaticOptions& newton, double beta,
-                                          double gamma) {
-  auto implicit = std::make_unique<Implicit>(newton, beta, gamma);
+                                          double gamma, EndShares shares = {}) {
+  auto implicit = std::make_unique<Implicit>(newton, beta, gamma, shares);
   implicit->cut_short(static_cast<int>(values.at("newton_iterations")));
   return implicit;
 }
@@ -238,6 +276,25 @@ Stepper newmark() {
           2,
           [](const ParameterValues& values, const StaticOptions& newton) {
             return make_implicit(values, newton, values.at("beta"), values.at("gamma"));
+          },
+          {},
+          "newton_iterations"};
+}
+
+Stepper generalized_alpha() {
+  return {{"generalized_alpha",
+           "implicit, order 2: damps what the steps cannot resolve, as far as its spectral radius says",
+           "[Chung & Hulbert 1993]",
+           {{"spectral_radius", dimension::none, 0, 1, 0.8,
+             "what a step leaves of motions far too fast for it: 0 nothing, 1 all, the midpoint rule"},
+            newton_iterations()}},
+          false,
+          2,
+          [](const ParameterValues& values, const StaticOptions& newton) {
+            const double radius = values.at("spectral_radius");
+            const EndShares shares{1 / (1 + radius), (2 - radius) / (1 + radius)};
+            const double more = shares.inertia - shares.forces;
+            return make_implicit(values, newton, (1 + more) * (1 + more) / 4, 0.5 + more, shares);
           },
           {},
           "newton_iterations"};

@@ -12,13 +12,20 @@ struct Push {
   double energy = 0;  ///< [J]
 };
 
-/// A step of backward Euler's or Newmark's scheme: velocities and accelerations follow from the positions at its end,
-/// which balance() finds; here by Newton's method, in schemes that derive from it in other ways. A step that fails goes
-/// in halves.
+/// How far within a step its balance is: the end's shares in positions, velocities and forces, and in accelerations;
+/// the beginning has the rest.
+struct EndShares {
+  double forces = 1, inertia = 1;  ///< α_f, α_m; the first in (0, 1]
+};
+
+/// A step of backward Euler's, Newmark's or the generalised-α scheme: velocities and accelerations follow from the
+/// positions at its end, or within it, which balance() finds; here by Newton's method, in schemes that derive from it
+/// in other ways. A step that fails goes in halves.
 class Implicit : public Integrator, public HasEffort {
  public:
-  /// Newmark's, or backward Euler where beta is 0.
-  Implicit(const StaticOptions& newton, double beta, double gamma) : newton_(newton), beta_(beta), gamma_(gamma) {}
+  /// Newmark's, or backward Euler where beta is 0, which is balanced at its end.
+  Implicit(const StaticOptions& newton, double beta, double gamma, EndShares shares = {})
+      : newton_(newton), beta_(beta), gamma_(gamma), shares_(shares) {}
   StepResult advance(Model& model, State& state, double dt) override;
 
   /// Whether a step ends after so many Newton iterations, balanced or not; 0: no.
@@ -42,12 +49,17 @@ class Implicit : public Integrator, public HasEffort {
   void set_kinematics(const State& state, const Positions& accelerations, double dt);
   void set_first_guess(const Model& model, const State& state, double dt);
   void balance_as_one(const Model& model);
+  StaticResult balance_within(Model& model, const State& state, double dt);
+  void go_on_to_end(const Model& model, const State& state, double dt);
   bool newmark() const { return beta_ > 0; }
+  bool within() const { return shares_.forces != 1 || shares_.inertia != 1; }
 
   double beta_, gamma_;
+  EndShares shares_;
   // Kept from one step to the next, so that steps ask for no memory.
   State next_, before_;
   Kinematics kinematics_;
+  std::vector<Support> ends_;  // of the step's supports
   Positions forces_;
   Push push_, pushed_;  // at the step's beginning and end
   Positions withheld_;  // the accelerations at its beginning without the pushes of what has parted

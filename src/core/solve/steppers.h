@@ -9,6 +9,7 @@ Stepper symplectic_euler();
 Stepper velocity_verlet();
 Stepper backward_euler();
 Stepper newmark();
+Stepper generalized_alpha();
 Stepper energy_momentum();
 Stepper block_descent();
 Stepper xpbd();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 
 #include "core/model/block_geometry.h"
@@ -214,8 +215,105 @@ class Dilatations final : public Augmented {
   std::vector<double> rest_;  ///< V of the cells
 };
 
+class EnclosedVolume final : public Augmented {
+ public:
+  EnclosedVolume(const Body& body, VolumeConstraint constraint, int number)
+      : Augmented("febio_volume_" + std::to_string(number), 1, constraint.augmentation),
+        first_("febio_volume_" + std::to_string(number) + "_first"),
+        own_(std::move(constraint)),
+        rest_(volume(body.rest)) {}
+
+  void set_step(int step) override { active_ = own_.step < 0 || own_.step == step; }
+
+  std::vector<HistoryBlock> history() const override {
+    std::vector<HistoryBlock> all = Augmented::history();
+    all.push_back({first_, {rest_}});
+    return all;
+  }
+  void commit_step(State& state) const override {
+    Augmented::commit_step(state);
+    if (HistoryBlock* first = state.find_history(first_); first && !active_) first->values[0] = volume(state.positions);
+  }
+  bool update_multipliers(State& state) const override { return active_ && Augmented::update_multipliers(state); }
+
+  void add_forces(const State& state, Positions& forces) const override {
+    if (!active_) return;
+    const double pressure = grown(state, 0, multiplier(state, 0));
+    visit_points(state.positions, [&](const Point& at) {
+      const Vector3 force = pressure * at.weight * at.edges.col(0).cross(at.edges.col(1));
+      for (Eigen::Index a = 0; a < at.values.size(); ++a) forces.col(at.nodes[a]) += at.values[a] * force;
+    });
+  }
+  double energy(const State& state) const override {
+    if (!active_) return 0;
+    const double change = volume(state.positions) - first(state);
+    return -(multiplier(state, 0) + own_.penalty / 2 * change) * change;
+  }
+  void visit_blocks(const State& state, double, const BlockVisitor& visit) const override {
+    if (!active_) return;
+    const double pressure = grown(state, 0, multiplier(state, 0));
+    std::map<int, Vector3> gradient;
+    visit_points(state.positions, [&](const Point& at) {
+      const Vector3 r = at.edges.col(0), s = at.edges.col(1), area = at.weight * r.cross(s);
+      for (Eigen::Index a = 0; a < at.values.size(); ++a)
+        gradient.try_emplace(at.nodes[a], Vector3::Zero()).first->second += at.values[a] * area;
+      for (Eigen::Index b = 0; b < at.values.size(); ++b) {
+        const Matrix3 block = at.slopes(1, b) * across(r) - at.slopes(0, b) * across(s);
+        for (Eigen::Index a = 0; a < at.values.size(); ++a)
+          visit(at.nodes[a], at.nodes[b], -pressure * at.weight * at.values[a] * block);
+      }
+    });
+    for (const auto& [a, of_a] : gradient)
+      for (const auto& [b, of_b] : gradient) visit(a, b, -own_.penalty * of_a * of_b.transpose());
+  }
+
+ private:
+  struct Point {
+    const int* nodes;
+    double weight;
+    VectorX values;
+    const Eigen::MatrixXd& slopes;
+    Eigen::Matrix<double, 3, 2> edges;  ///< ∂x/∂ξ
+    Vector3 place;
+  };
+  template <class Visit>
+  void visit_points(const Positions& positions, const Visit& visit) const {
+    for (const LoadedFace& face : own_.faces) {
+      const Eigen::MatrixXd own = positions_of(positions, face.nodes);
+      for (std::size_t g = 0; g < face.kind->slopes.size(); ++g) {
+        const auto point = static_cast<Eigen::Index>(g);
+        const VectorX values = face.kind->values.col(point);
+        visit(Point{face.nodes.data(), face.kind->weights[point], values, face.kind->slopes[g],
+                    own * face.kind->slopes[g].transpose(), own * values});
+      }
+    }
+  }
+  double volume(const Positions& positions) const {
+    double sum = 0;
+    visit_points(positions, [&](const Point& at) {
+      sum += at.weight / 3 * at.place.dot(Vector3(at.edges.col(0)).cross(Vector3(at.edges.col(1))));
+    });
+    return sum;
+  }
+  double first(const State& state) const {
+    const HistoryBlock* block = state.find_history(first_);
+    return block ? block->values[0] : rest_;
+  }
+  double grown(const State& state, std::size_t, double multiplier) const override {
+    return multiplier + own_.penalty * (volume(state.positions) - first(state));
+  }
+
+  std::string first_;
+  VolumeConstraint own_;
+  double rest_;
+  bool active_ = true;
+};
+
 }  // namespace
 
+std::unique_ptr<TimedLoad> make_volume_constraint(const Body& body, VolumeConstraint constraint, int number) {
+  return std::make_unique<EnclosedVolume>(body, std::move(constraint), number);
+}
 std::unique_ptr<TimedLoad> make_gap_constraint(const Body& body, GapConstraint constraint, int number) {
   return std::make_unique<Gaps>(body, std::move(constraint), number);
 }

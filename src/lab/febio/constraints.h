@@ -46,4 +46,15 @@ struct DilatationConstraint {
 };
 std::unique_ptr<TimedLoad> make_dilatation_constraint(const Body& body, const DilatationConstraint& constraint);
 
+/// The volume V that closed faces enclose, kept as it was when the constraint came into force, by the pressure
+/// p = λ + ε (V − V₀) on them: forces p ∂V/∂x; λ grows by ε (V − V₀).
+struct VolumeConstraint {
+  std::vector<LoadedFace> faces;  ///< closed; normals all outwards or all inwards
+  double penalty = 0;             ///< ε [Pa/m³], < 0 with normals outwards
+  Augmentation augmentation;
+  int step = -1;  ///< in which alone it is in force, or -1: in all
+};
+/// @param number names its history.
+std::unique_ptr<TimedLoad> make_volume_constraint(const Body& body, VolumeConstraint constraint, int number);
+
 }  // namespace elastin::lab::febio

@@ -107,6 +107,7 @@ class ExperimentRig final : public StaticRig {
     const ExperimentSetup& setup = *experiment.setup_;
     const Body& body = experiment.body_;
     for (const auto& [molecule, driven] : experiment.driven_) model.supports.push_back({molecule});
+    *setup.clock = {};
     stiffness_ = 1e3 * model.elastic_forces(1.001 * body.rest).norm();
     if (!setup.dead_loads.empty()) add(make_dead_loads(body, setup.dead_loads));
     for (const SurfaceLoad& load : setup.surface_loads) add(make_surface_load(body, load));
@@ -114,6 +115,8 @@ class ExperimentRig final : public StaticRig {
     for (std::size_t i = 0; i < setup.gaps.size(); ++i)
       add(make_gap_constraint(body, setup.gaps[i], static_cast<int>(i)));
     for (const DilatationConstraint& dilatation : setup.dilatations) add(make_dilatation_constraint(body, dilatation));
+    for (std::size_t i = 0; i < setup.volumes.size(); ++i)
+      add(make_volume_constraint(body, setup.volumes[i], static_cast<int>(i)));
     if (!experiment.dynamic_) return;
     auto inertia = make_inertia(
         body, setup.mass,
@@ -124,12 +127,13 @@ class ExperimentRig final : public StaticRig {
 
   void set_load(double factor) override {
     now_ = experiment_.moment(factor);
-    *experiment_.setup_->time = now_.time;
+    const Step& step = experiment_.setup_->steps[static_cast<std::size_t>(now_.step)];
+    *experiment_.setup_->clock = {now_.time, step.dynamic ? step.integration.alpha_force : 1};
     for (TimedLoad* load : loads_) {
+      load->set_step(now_.step);
       load->set_time(now_.time);
       if (factor == 0) load->remove();
     }
-    const Step& step = experiment_.setup_->steps[static_cast<std::size_t>(now_.step)];
     if (inertia_) inertia_->set_integration(step.dynamic ? &step.integration : nullptr);
     std::size_t support = 0;
     for (const auto& [molecule, all] : experiment_.driven_) {

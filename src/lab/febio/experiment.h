@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -6,6 +7,7 @@
 #include "elastin/lab/experiment/protocol.h"
 #include "lab/febio/constraints.h"
 #include "lab/febio/loads.h"
+#include "lab/febio/stepped_cells.h"
 
 namespace elastin::lab::febio {
 
@@ -38,9 +40,15 @@ struct ExperimentSetup {
   std::vector<LinearSpring> springs;
   std::vector<GapConstraint> gaps;
   std::vector<DilatationConstraint> dilatations;
-  std::shared_ptr<double> time =
-      std::make_shared<double>(0);  ///< [s], of the run that was set last: laws may look at it
-  std::vector<MassPair> mass;       ///< needed where a step is dynamic
+  std::vector<VolumeConstraint> volumes;
+  std::shared_ptr<Clock> clock = std::make_shared<Clock>();  ///< of the run that was set last
+  std::vector<MassPair> mass;                                ///< needed where a step is dynamic
+
+  /// Whether forces are ever those within a step.
+  bool within() const {
+    return std::any_of(steps.begin(), steps.end(),
+                       [](const Step& step) { return step.dynamic && step.integration.alpha_force != 1; });
+  }
 };
 
 /// The steps as one load path whose factor is the share of all increments: time goes with it. An increment of a dynamic

@@ -38,6 +38,8 @@ struct LinearSpring {
 class TimedLoad : public Load {
  public:
   virtual void set_time(double time) = 0;
+  /// Which step leads there.
+  virtual void set_step(int /*step*/) {}
   /// No force until the next set_time: the analysis begins at rest, whatever its loads are then.
   virtual void remove() {}
   bool feels_velocity() const override { return false; }
@@ -49,10 +51,10 @@ std::unique_ptr<TimedLoad> make_surface_load(const Body& body, SurfaceLoad load)
 /// Tension k (l − l₀).
 std::unique_ptr<TimedLoad> make_linear_springs(const Body& body, std::vector<LinearSpring> springs);
 
-/// How a step integrates: M (α_m a₁ + (1 − α_m) a₀) + f(x₁) = 0 with Newmark's β and γ.
-///                                                                    [Newmark 1959; Chung & Hulbert 1993, α_f = 1]
+/// How a step integrates: M (α_m a₁ + (1 − α_m) a₀) + f(α_f x₁ + (1 − α_f) x₀) = 0 with Newmark's β and γ; loads are
+/// those at its end, as FEBio has them.                                      [Newmark 1959; Chung & Hulbert 1993]
 struct Integration {
-  double beta = 0.25, gamma = 0.5, alpha_mass = 1;
+  double beta = 0.25, gamma = 0.5, alpha_mass = 1, alpha_force = 1;
 };
 
 /// Σ over the cells of ρ ∫ N_a N_b dV [kg], by pairs of molecules.

@@ -36,6 +36,20 @@ std::shared_ptr<const LawTerm> term_of(Law law) {
   return std::make_shared<TypedTerm<Law>>(std::move(law));
 }
 
+/// A law times a number.
+class ScaledTerm final : public LawTerm {
+ public:
+  ScaledTerm(std::shared_ptr<const LawTerm> term, double factor) : term_(std::move(term)), factor_(factor) {}
+  bool has_energy() const override { return term_->has_energy(); }
+  Matrix3 stress(const Matrix3& A) const override { return factor_ * term_->stress(A); }
+  TangentModuli<3> tangent(const Matrix3& A) const override { return factor_ * term_->tangent(A); }
+  double energy(const Matrix3& A) const override { return factor_ * term_->energy(A); }
+
+ private:
+  std::shared_ptr<const LawTerm> term_;
+  double factor_;
+};
+
 /// U(J) alone.
 struct NoShape {
   Matrix3 stress(const Matrix3&) const { return Matrix3::Zero(); }
@@ -149,7 +163,8 @@ class DomainLaws final : public PointLaws<3> {
   double energy(int cell, std::span<const Matrix3> A, std::span<const double> weights) const override {
     double sum = 0;
     for (std::size_t g = 0; g < A.size(); ++g)
-      for (const auto& term : at(cell, g)) sum += weights[g] * term->energy(A[g]);
+      if (weights[g] != 0)
+        for (const auto& term : at(cell, g)) sum += weights[g] * term->energy(A[g]);
     return sum;
   }
 
@@ -386,6 +401,7 @@ void read_transversely_isotropic(const Element& element, Material& material, con
   const auto active = element.find("active_contraction");
   if (!active) return;
   const ActiveContraction law = read_active_contraction(*active, time);
+  material.has_energy = false;
   material.terms = [passive = material.terms, law,
                     directions = read_fibre(element.at("fiber"))](const PointPlace& place) {
     LawTerms terms = passive(place);
@@ -421,6 +437,7 @@ void add_solids(const Element& element, Material& material, const MaterialTime& 
     if (solid.volume && solid.volume->modulus != 0)
       child.at("k").refuse("a k of its own in an uncoupled solid mixture", "give it in the mixture");
     material.even &= solid.even;
+    material.has_energy &= solid.has_energy;
   }
   if (solids.empty()) element.fail("<solid> is missing");
   if (!material.volume) {
@@ -446,6 +463,51 @@ void read_uncoupled_mixture(const Element& element, Material& material, const Ma
   add_solids(element, material, time);
 }
 
+/// g₀ + Σ gᵢ e^(−t/tᵢ) times the stress of <elastic>, or of its change of shape.
+void read_relaxing(const Element& element, Material& material, const MaterialTime& time) {
+  const Element elastic = element.at("elastic");
+  const Material solid = read_material(elastic, time);
+  if (solid.relaxation) elastic.refuse("a viscoelastic material in another");
+  if (solid.volume.has_value() != material.volume.has_value())
+    elastic.refuse("type=\"" + elastic.attribute("type") + "\" in a material of type " + element.attribute("type"),
+                   material.volume ? "it must be uncoupled" : "it may not be uncoupled");
+  const double rest = element.number("g0", 1);
+  if (!(rest > 0)) element.at("g0").fail("must be above 0");
+  Relaxation relaxation;
+  for (int i = 1; i <= 6; ++i) {
+    const std::string number = std::to_string(i);
+    const double share = element.number("g" + number, 0), length = element.number("t" + number, 1);
+    if (!(share >= 0)) element.at("g" + number).fail("must be 0 or more");
+    if (!(length > 0)) element.at("t" + number).fail("must be above 0");
+    if (share > 0) relaxation.terms.push_back({share / rest, length});
+  }
+  material.even = solid.even;
+  material.has_energy = solid.has_energy;
+  material.youngs_modulus = solid.youngs_modulus;
+  material.poissons_ratio = solid.poissons_ratio;
+  if (material.volume) material.volume->modulus += solid.volume->modulus;
+  material.terms = solid.terms;
+  if (rest != 1)
+    material.terms = [terms = solid.terms, rest](const PointPlace& place) {
+      LawTerms all = terms(place);
+      for (auto& term : all) term = std::make_shared<ScaledTerm>(std::move(term), rest);
+      return all;
+    };
+  if (!relaxation.terms.empty()) material.relaxation = relaxation;
+}
+
+void read_viscoelastic(const Element& element, Material& material, const MaterialTime& time) {
+  allow_numbers(element, {"g0", "g1", "g2", "g3", "g4", "g5", "g6", "t1", "t2", "t3", "t4", "t5", "t6", "elastic"});
+  read_relaxing(element, material, time);
+}
+
+void read_uncoupled_viscoelastic(const Element& element, Material& material, const MaterialTime& time) {
+  allow_numbers(element, {"k", "pressure_model", "g0", "g1", "g2", "g3", "g4", "g5", "g6", "t1", "t2", "t3", "t4", "t5",
+                          "t6", "elastic"});
+  read_uncoupled(element, material);
+  read_relaxing(element, material, time);
+}
+
 const std::map<std::string, Read>& readers() {
   static const std::map<std::string, Read> table{
       {"neo-Hookean", read_neo_hookean},
@@ -459,6 +521,8 @@ const std::map<std::string, Read>& readers() {
       {"uncoupled fiber-exp-linear", read_uncoupled_fibre_exp_linear},
       {"solid mixture", read_mixture},
       {"uncoupled solid mixture", read_uncoupled_mixture},
+      {"viscoelastic", read_viscoelastic},
+      {"uncoupled viscoelastic", read_uncoupled_viscoelastic},
   };
   return table;
 }
@@ -482,25 +546,49 @@ Material read_material(const Element& element, const MaterialTime& time) {
   return material;
 }
 
-std::unique_ptr<Elasticity> make_domain(const Body& body, const CellBlock& block, const Material& material,
-                                        bool whole_cell) {
+namespace {
+
+/// The laws of the points of a block, with U(J) at each where `with_volume`.
+std::shared_ptr<const DomainLaws> laws_of(const Body& body, const CellBlock& block, const Material& material,
+                                          bool with_volume) {
   const CellKind& kind = *block.kind;
-  const bool at_points = material.volume && !whole_cell;
   std::vector<LawTerms> points;
-  const auto add = [&](const PointPlace& place) {
-    points.push_back(material.terms(place));
-    if (at_points) points.back().push_back(term_of(VolumeOnly{{}, *material.volume}));
-  };
   for (int cell = 0; cell < (material.even ? 1 : block.size()); ++cell) {
     PointPlace place{Vector3::Zero(), positions_of(body.rest, block.cell(cell))};
     for (Eigen::Index g = 0; g < (material.even ? 1 : kind.weights.size()); ++g) {
       place.point = place.nodes * kind.values.col(g);
-      add(place);
+      points.push_back(material.terms(place));
+      if (with_volume) points.back().push_back(term_of(VolumeOnly{{}, *material.volume}));
     }
   }
-  auto laws = std::make_shared<DomainLaws>(std::move(points), static_cast<std::size_t>(kind.weights.size()));
-  if (material.volume && whole_cell) return make_block_cells(body, block, std::move(laws), {*material.volume});
-  return make_block_cells<3>(body, block, std::move(laws));
+  return std::make_shared<DomainLaws>(std::move(points), static_cast<std::size_t>(kind.weights.size()));
+}
+
+/// The cells' change of shape relaxes, their volume stays as elastic as it was.
+std::unique_ptr<Elasticity> make_relaxing(const Body& body, const CellBlock& block, const Material& material,
+                                          bool whole_cell) {
+  std::vector<std::unique_ptr<Elasticity>> terms;
+  terms.push_back(make_block_cells<3>(body, block, laws_of(body, block, material, false)));
+  terms.back()->relax(*material.relaxation);
+  if (!material.volume) return std::move(terms.front());
+  if (whole_cell)
+    terms.push_back(make_block_cells(body, block, make_point_laws<3>(std::vector<NoShape>(1)), {*material.volume}));
+  else
+    terms.push_back(
+        make_block_cells<3>(body, block, make_point_laws<3>(std::vector<VolumeOnly>{{{}, *material.volume}})));
+  return make_sum(std::move(terms), nullptr);
+}
+
+}  // namespace
+
+std::unique_ptr<Elasticity> make_domain(const Body& body, const CellBlock& block, const Material& material,
+                                        bool whole_cell, std::shared_ptr<const Clock> clock, bool stepped) {
+  const auto laws = laws_of(body, block, material, material.volume && !whole_cell);
+  auto cells = material.relaxation             ? make_relaxing(body, block, material, whole_cell)
+               : material.volume && whole_cell ? make_block_cells(body, block, laws, {*material.volume})
+                                               : make_block_cells<3>(body, block, laws);
+  if (!stepped && !material.follows_time()) return cells;
+  return make_stepped_cells(body, block, std::move(cells), laws, std::move(clock));
 }
 
 }  // namespace elastin::lab::febio

@@ -7,6 +7,7 @@
 
 #include "elastin/core/laws/point_laws.h"
 #include "lab/febio/element.h"
+#include "lab/febio/stepped_cells.h"
 
 namespace elastin::lab::febio {
 
@@ -33,10 +34,16 @@ struct Material {
   std::string name;
   double density = 1;
   double youngs_modulus = 1, poissons_ratio = 0;  ///< at rest, of the matrix
-  bool even = true;                               ///< whether its laws are the same at all points
+  bool has_energy = true;
+  bool even = true;  ///< whether its laws are the same at all points
   std::function<LawTerms(const PointPlace& place)> terms;
   /// U(J) of an uncoupled material; the terms are then its change of shape alone.
   std::optional<Volumetric> volume;
+  /// Of the terms, which are those at rest: U(J) does not relax.
+  std::optional<Relaxation> relaxation;
+
+  /// Whether its cells must see the time of each increment.
+  bool follows_time() const { return relaxation.has_value(); }
 };
 
 /// What constants that change in time refer to.
@@ -50,7 +57,8 @@ Material read_material(const Element& element, const MaterialTime& time);
 
 /// The material on the cells of a block. `whole_cell`: its volume is kept by the mean dilatation of each cell.
 /// The body must outlive it.
+/// @param stepped whether increments have forces that are not those at their ends.
 std::unique_ptr<Elasticity> make_domain(const Body& body, const CellBlock& block, const Material& material,
-                                        bool whole_cell);
+                                        bool whole_cell, std::shared_ptr<const Clock> clock, bool stepped);
 
 }  // namespace elastin::lab::febio

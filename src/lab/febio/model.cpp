@@ -65,7 +65,9 @@ class ModelReader {
   void read_body_load(const Element& load);
   void read_surface_load(const Element& load);
   void read_discrete(const Element& discrete);
-  void read_constraints(const Element& constraints);
+  void read_constraints(const Element& constraints, int step);
+  void read_volume(const Element& constraint, int step);
+  void refuse_within() const;
   Augmentation read_augmentation(const Element& constraint, const char* tolerance, double usual, int most) const;
   void read_linear_constraints(const Element& constraint);
   void read_tied_line(const Element& constraint);
@@ -147,7 +149,7 @@ void ModelReader::read_controllers(const Element& data) {
 void ModelReader::read_materials(const Element& section) {
   section.allow({"material"});
   for (const Element& one : section.children()) {
-    built_->materials.push_back(febio::read_material(one, {controllers_, setup_->time}));
+    built_->materials.push_back(febio::read_material(one, {controllers_, {setup_->clock, &setup_->clock->time}}));
     if (built_->materials.back().name.empty()) one.fail("the attribute 'name' is missing");
   }
   if (built_->materials.empty()) section.fail("<material> is missing");
@@ -229,15 +231,15 @@ Step ModelReader::read_control(const Element& control) const {
     arc->refuse("an arc length", "the load follows the time");
   if (!step.dynamic) return step;
   const double radius = solver->number("rhoi", -2);
-  step.integration = {solver->number("beta", 0.25), solver->number("gamma", 0.5), 1};
-  if (radius == -1) step.integration = {0.25, 0.5, 1};
-  if (radius == 0) step.integration = {1, 1.5, 2};
-  if (radius > 0 && radius <= 1)
-    solver->at("rhoi").refuse("a spectral radius above 0",
-                              "forces would be those of a state within the step; 0 and -2 are");
-  const bool own = radius != 0 && radius != -1;
-  if (const auto alpha = solver->find("alpha"); own && alpha && alpha->number() != 1)
-    alpha->refuse("an alpha other than 1", "forces would be those of a state within the step");
+  if (radius == -1) return step;
+  if (radius >= 0 && radius <= 1) {
+    const double force = 1 / (1 + radius), mass = (2 - radius) / (1 + radius), more = mass - force;
+    step.integration = {(1 + more) * (1 + more) / 4, 0.5 + more, mass, force};
+    return step;
+  }
+  const double alpha = solver->number("alpha", 1);
+  if (!(alpha > 0 && alpha <= 1)) solver->at("alpha").fail("must be above 0 and at most 1");
+  step.integration = {solver->number("beta", 0.25), solver->number("gamma", 0.5), alpha, alpha};
   if (!(step.integration.beta > 0)) solver->at("beta").fail("must be above 0");
   return step;
 }
@@ -248,10 +250,12 @@ void ModelReader::read_steps() {
   if (section) {
     section->allow({"step"});
     for (const Element& step : section->children()) {
-      refuse_sections(step, {"Control", "Boundary"});
+      refuse_sections(step, {"Control", "Boundary", "Constraints"});
       setup_->steps.push_back(read_control(step.at("Control")));
       if (const auto boundary = step.find("Boundary"))
         read_boundary(*boundary, static_cast<int>(setup_->steps.size()) - 1);
+      if (const auto constraints = step.find("Constraints"))
+        read_constraints(*constraints, static_cast<int>(setup_->steps.size()) - 1);
     }
   }
   if (setup_->steps.empty()) root_.fail("<Control> is missing, or <Step>");
@@ -493,18 +497,62 @@ Augmentation ModelReader::read_augmentation(const Element& constraint, const cha
   return result;
 }
 
-void ModelReader::read_constraints(const Element& constraints) {
+void ModelReader::read_constraints(const Element& constraints, int step) {
   constraints.allow({"constraint"});
   for (const Element& constraint : constraints.children()) {
     const std::string type = constraint.needed_attribute("type");
-    if (type == "linear constraint")
+    if (type == "volume")
+      read_volume(constraint, step);
+    else if (step >= 0)
+      constraint.refuse("type=\"" + type + "\" in a step", "there volume is");
+    else if (type == "linear constraint")
       read_linear_constraints(constraint);
     else if (type == "tied-line")
       read_tied_line(constraint);
     else if (type == "rigid_wall")
       read_rigid_wall(constraint);
     else
-      constraint.refuse("type=\"" + type + "\"", "linear constraint, tied-line and rigid_wall are");
+      constraint.refuse("type=\"" + type + "\"", "linear constraint, tied-line, rigid_wall and volume are");
+  }
+}
+
+/// The faces must close: each edge of one is passed the other way by another.
+void ModelReader::read_volume(const Element& constraint, int step) {
+  constraint.allow_attributes({"name", "surface", "type"});
+  constraint.allow({"laugon", "augtol", "penalty"});
+  VolumeConstraint result{mesh_.surface(constraint, constraint.needed_attribute("surface")),
+                          constraint.needed_number("penalty"), read_augmentation(constraint, "augtol", 0, 0), step};
+  if (!(result.augmentation.tolerance > 0)) result.augmentation.on = false;
+  std::map<std::pair<int, int>, int> passed;
+  for (const LoadedFace& face : result.faces) {
+    const std::size_t corners = face.nodes.size();
+    if (corners > 4) constraint.refuse("a volume within faces other than tri3 and quad4");
+    for (std::size_t i = 0; i < corners; ++i) ++passed[{face.nodes[i], face.nodes[(i + 1) % corners]}];
+  }
+  for (const auto& [edge, times] : passed) {
+    const auto back = passed.find({edge.second, edge.first});
+    if (times != 1 || back == passed.end() || back->second != 1)
+      constraint.fail("the surface '" + constraint.attribute("surface") +
+                      "' is not closed, or its faces do not all turn " + "the same way");
+  }
+  setup_->volumes.push_back(std::move(result));
+}
+
+/// What has no form where forces are those within a step.
+void ModelReader::refuse_within() const {
+  if (!setup_->within()) return;
+  bool half = false;
+  for (const Step& step : setup_->steps) half |= step.dynamic && step.integration.alpha_force == 0.5;
+  const std::string what = "rhoi above 0, or alpha below 1, ";
+  if (!setup_->gaps.empty() || !setup_->volumes.empty() || !setup_->springs.empty() || !setup_->dilatations.empty())
+    root_.refuse(what + "beside constraints, springs or laugon");
+  for (const SurfaceLoad& load : setup_->surface_loads)
+    if (!load.at_rest) root_.refuse(what + "beside a pressure or traction that follows its surface");
+  for (const Domain& domain : built_->domains) {
+    const Material& material = built_->materials[static_cast<std::size_t>(domain.material)];
+    if (material.relaxation) root_.refuse(what + "in a viscoelastic material");
+    if (half && domain.whole_cell) root_.refuse("rhoi 1, or alpha 0.5, in a three-field-solid");
+    if (half && !material.has_energy) root_.refuse("rhoi 1, or alpha 0.5, in a material without an energy");
   }
 }
 
@@ -643,7 +691,8 @@ FebioModel ModelReader::read() {
   read_steps();
   if (const auto loads = root_.find("Loads")) read_loads(*loads);
   if (const auto discrete = root_.find("Discrete")) read_discrete(*discrete);
-  if (const auto constraints = root_.find("Constraints")) read_constraints(*constraints);
+  if (const auto constraints = root_.find("Constraints")) read_constraints(*constraints, -1);
+  refuse_within();
 
   FebioModel model;
   model.specimen.body = make_body();
@@ -670,12 +719,13 @@ FebioModel ModelReader::read() {
   strategy.unsuited = [blocks](const Body& body) {
     return body.blocks.size() == blocks ? "" : "needs the cells of its own model";
   };
-  strategy.make = [built = built_](const Body& body, const elastin::Material&, const ParameterValues&) {
+  strategy.make = [built = built_, clock = setup_->clock, stepped = setup_->within()](
+                      const Body& body, const elastin::Material&, const ParameterValues&) {
     std::vector<std::unique_ptr<Elasticity>> terms;
     for (std::size_t i = 0; i < body.blocks.size(); ++i) {
       const Domain& domain = built->domains[i];
       terms.push_back(make_domain(body, body.blocks[i], built->materials[static_cast<std::size_t>(domain.material)],
-                                  domain.whole_cell));
+                                  domain.whole_cell, clock, stepped));
     }
     if (terms.size() == 1) return std::move(terms.front());
     return make_sum(std::move(terms), nullptr);

@@ -144,6 +144,49 @@ TEST_CASE("energy stays bounded over 100 000 steps", "[integrator]") {
   }
 }
 
+TEST_CASE("generalised alpha leaves of motions too fast for its steps what its spectral radius says", "[integrator]") {
+  for (const double radius : {0., 0.6, 0.8, 0.95, 1.}) {
+    Oscillator oscillator;
+    oscillator.state.positions(0, 1) = 1.0001;
+    const auto integrator =
+        make_integrator({.scheme = "generalized_alpha", .parameters = {{"spectral_radius", radius}}});
+    std::vector<double> left;  // √(x² + v²/ω²), over the first
+    for (int step = 1; step <= 40; ++step) {
+      REQUIRE(integrator->advance(*oscillator.model, oscillator.state, 100 / kOmega).outcome == Outcome::converged);
+      left.push_back(std::hypot(oscillator.state.positions(0, 1) - 1, oscillator.state.velocities(0, 1) / kOmega) /
+                     1e-4);
+    }
+    // At ω dt = 100 the roots of a step are nearly alike, so that some n radius^n is left after n steps.
+    const double a_step = std::pow(left[39] / left[19], 1. / 20);
+    INFO(radius << ": " << left[2] << ", " << left[19] << ", " << left[39] << ", " << a_step << " a step");
+    if (radius == 0)
+      CHECK(left[2] < 0.02);
+    else if (radius == 1)
+      CHECK(left[39] == Approx(1).epsilon(1e-6));
+    else
+      CHECK(a_step == Approx(radius).epsilon(0.08));
+  }
+}
+
+TEST_CASE("generalised alpha meets prescribed motions at the end of its steps", "[integrator]") {
+  for (const double radius : {0., 0.5, 1.}) {
+    Oscillator oscillator;
+    oscillator.model->drive = [](double time, std::vector<Support>& supports) {
+      supports[0].displacement.x() = 0.1 * time * time;
+      supports[0].velocity.x() = 0.2 * time;
+    };
+    const auto integrator =
+        make_integrator({.scheme = "generalized_alpha", .parameters = {{"spectral_radius", radius}}});
+    for (int step = 1; step <= 20; ++step) {
+      REQUIRE(integrator->advance(*oscillator.model, oscillator.state, 0.05).outcome == Outcome::converged);
+      const double time = 0.05 * step;
+      CHECK(oscillator.state.positions(0, 0) == Approx(0.1 * time * time).margin(1e-14));
+      CHECK(oscillator.state.velocities(0, 0) == Approx(0.2 * time));
+      CHECK(oscillator.state.time == Approx(time));
+    }
+  }
+}
+
 TEST_CASE("backward Euler never gains energy, whatever the step", "[integrator][slow]") {
   for (const double dt : {1e-4, 1e-3, 0.01, 0.1, 1.}) {
     Block block;

@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "lab/febio/constraints.h"
 #include "support/bodies.h"
 
 using namespace elastin;
@@ -55,6 +56,18 @@ TEST_CASE("loads of FEBio's models: energy and tangent by differences", "[febio]
     check_derivatives(*make_surface_load(body, {faces, true, Vector3::Zero(), at_rest, {0.7}}), state, 1);
     check_derivatives(*make_surface_load(body, {faces, false, {0.3, -0.2, 1}, at_rest, {2}}), state, 2);
   }
+  VolumeConstraint volume{{}, -3, {}, 2};
+  for (std::size_t f = 0; f < block.kind->faces.size(); ++f) {
+    LoadedFace face{block.kind->face_kinds[f], {}};
+    for (const int a : block.kind->faces[f]) face.nodes.push_back(block.cell(0)[static_cast<std::size_t>(a)]);
+    volume.faces.push_back(face);
+  }
+  const auto enclosed = make_volume_constraint(body, volume, 0);
+  enclosed->set_step(2);
+  CHECK(enclosed->energy(state) != 0);
+  check_derivatives(*enclosed, state, 5);
+  enclosed->set_step(1);
+  CHECK(enclosed->energy(state) == 0);
   check_derivatives(*make_linear_springs(body, {{{0, 5}, {2}}, {{3, 9}, {0.5}}}), state, 3);
 
   std::vector<MassPair> mass;

@@ -66,6 +66,7 @@ const std::vector<std::string> kRest{
     kBlock + kInTime + "time: {duration: 1, integrator: {scheme: xpbd, iterations: 2, substeps: 3, balanced: 1}}\n",
     kBlock + kInTime + "time: {duration: 1, integrator: {scheme: projective, solves: 2, memory: 3}}\n",
     kBlock + kInTime + "time: {duration: 1, integrator: {scheme: block_descent, sweeps: 2}}\n",
+    kBlock + kInTime + "time: {duration: 1, integrator: {scheme: generalized_alpha, spectral_radius: 0.5}}\n",
     kBlock +
         "experiment: {kind: motion, fixture: {kind: tension, force: 1}, in_time: {step: {at: 0.5}}}\n"
         "time: {duration: 1, integrator: {scheme: newmark}, step: {error: 0.001}}\n"

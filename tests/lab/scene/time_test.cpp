@@ -73,7 +73,7 @@ TEST_CASE("slips in the key time", "[scene][time]") {
                 "time.integrator.beta: only newmark has this");
   check_refusal(kMotion, "time: {duration: 1 s, integrator: {scheme: newmark, gamma: 0.4}}", 6, "at least 0.5");
   check_refusal(kMotion, "time: {duration: 1 s, integrator: {scheme: velocity_verlet, newton_iterations: 1}}", 6,
-                "only backward_euler, newmark have this");
+                "only backward_euler, newmark, generalized_alpha have this");
   check_refusal(kMotion, "time: {duration: 1 s, step: 1 kg}", 6, "time.step: 'kg' cannot be converted to s");
   check_refusal(kMotion, "time: {duration: 1 s, step: {eror: 1e-4}}", 6, "did you mean 'error'?");
   check_refusal(kMotion, "time: {duration: 1 s, step: {smallest: 1 s, largest: 1 ms}}", 6, "must not be below");
@@ -82,7 +82,8 @@ TEST_CASE("slips in the key time", "[scene][time]") {
 
 TEST_CASE("slips in a budget", "[scene][time][budget]") {
   const auto budget = [](const std::string& rest) { return "time: {duration: 1 s, budget: 1 ms" + rest + "}"; };
-  check_refusal(kMotion, budget(""), 6, "one of backward_euler, newmark, block_descent, xpbd, projective");
+  check_refusal(kMotion, budget(""), 6,
+                "one of backward_euler, newmark, generalized_alpha, block_descent, xpbd, projective");
   check_refusal(kMotion, budget(", step: 1 ms, integrator: velocity_verlet"), 6, "chooses how many sweeps");
   check_refusal(kMotion, budget(", integrator: xpbd"), 6, "needs steps of one length");
   check_refusal(kMotion, budget(", integrator: xpbd, step: 1 ms, checkpoint: 1"), 6, "would take other steps");
