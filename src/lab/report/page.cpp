@@ -342,7 +342,8 @@ std::string page_text(const PageMatter& matter) {
       "three.js (MIT licence).</p></footer>\n",
       escaped(matter.machine), escaped(matter.command));
   out += packed_html("id=\"three\"", base64(k_three.data(), k_three.size()));
-  for (const char* script : {k_body_js, k_colours_js, k_marks_js, k_viewer_js, k_stage_js, k_plots_js, k_page_js})
+  for (const char* script : {k_body_js, k_colours_js, k_marks_js, k_graphics_painter_js, k_processor_painter_js,
+                             k_viewer_js, k_stage_js, k_plots_js, k_page_js})
     out += fmt::format("<script>{}</script>\n", script);
   out += "</body></html>\n";
   return out;

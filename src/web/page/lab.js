@@ -7,6 +7,7 @@ const tool_hints = {drag: 'Drag a molecule: the hand pulls it like a spring and 
   push: 'Press on the body: a round probe pushes it away and shows its force.',
   pin: 'Click a molecule: it stays where it is. A second click releases it.',
   turn: 'Drag anywhere: the view turns, and the body is left alone.'};
+const painters = {graphics: GraphicsPainter, processor: ProcessorPainter};  // the page finds which suits, unless its address says it
 const series_colours = ['var(--one)', 'var(--two)', 'var(--three)'];
 
 for (const kind of ['error', 'unhandledrejection'])
@@ -35,7 +36,7 @@ class Lab {
     this.history = [];
     this.waiting = new Map();
     this.curves = {test: new Curve(part('curve'), {x: {title: 'strain', unit: '%'}, y: {title: 'stress', unit: 'Pa'}}),
-      energy: new Curve(part('energy'), {x: {title: 'time', unit: 's'}, y: {title: 'energy', unit: 'J'}})};
+      energy: new Curve(part('energy'), {x: {title: 'time', unit: 's', floating: true}, y: {title: 'energy', unit: 'J'}})};
     this.fill();
     this.choose_tool(this.tool);
     this.read_hash();
@@ -54,7 +55,7 @@ class Lab {
     const rate = Math.sqrt(first.E / first.density) / size, damped = first.phi || first.psi || first.alpha;
     const viscosity = first.E / (rate || 1) / 30;
     this.start = {E: first.E, nu: first.nu, density: first.density, phi: first.phi, psi: first.psi,
-      alpha: damped || scene.released ? first.alpha : 0.6 * rate, pressure: 0, gravity, tilt: 0, load: 100 * (scene.own_load ? 1 : 0),
+      alpha: damped || scene.released ? first.alpha : 0.6 * rate, pressure: 0, gravity, tilt: 0, load: 100 * scene.own_load_share,
       stiffness: Math.max(1e-6, +(0.1 * first.E * size * (scene.membrane && !scene.solid ? 0.02 : 1)).toPrecision(2)), probe: 0.12 * size, strain: 20};
     const scales = {phi: first.phi || viscosity, psi: first.psi || viscosity, alpha: rate, pressure: 0.01 * first.E};
     for (const [name, kind] of Object.entries(slider_kinds))
@@ -100,11 +101,12 @@ class Lab {
     }
     for (const [name, key] of [['colour', 'colour'], ['speed', 'speed']])
       if (hash[key] && [...part(name).options].some(option => option.value === hash[key])) part(name).value = hash[key];
+    this.painter = hash.painter;
     this.show_choices();
   }
 
   hash() {
-    const values = {};
+    const values = {painter: this.painter};
     all('.strategy').forEach((select, i) => { values['s' + (i + 1)] = select.value; });
     Object.assign(values, {scheme: part('scheme').value, one: part('one-iteration').checked ? '1' : '0', colour: part('colour').value,
       speed: part('speed').value});
@@ -310,8 +312,7 @@ class Lab {
     try {
       const text = await unpacked(part('three').textContent);
       document.head.append(Object.assign(document.createElement('script'), {textContent: text}));
-      this.smooth = drawn_by_graphics_card();
-      this.viewer = part('canvas').viewer = new LabViewer(part('canvas'), this.smooth);
+      this.viewer = part('canvas').viewer = new LabViewer(part('canvas'), painters[this.painter]);
       new Hand(part('canvas'), this);
     } catch (problem) {
       complain(`The body is not drawn: ${problem.message}. The tension test, the curves and the numbers work without it.`);
@@ -359,13 +360,12 @@ class Lab {
     this.seen = true;
   }
 
-  /** Nothing moves and nothing was changed since the last picture, which then is drawn once more with all pixels, or, where
-   *  edges are not smooth otherwise, with four of them for each. */
+  /** Nothing moves and nothing was changed since the last picture, which then is drawn once more as sharp as can be. */
   is_still(colour) {
     const state = [colour, this.count_shown, this.playing, JSON.stringify([this.hand, this.probe, [...this.pins]])].join();
     const still = !this.playing && !this.single && this.seen && this.still === state;
     this.still = state;
-    if (this.viewer) this.viewer.sharpen(!still && !this.at_rest ? this.pace.sharpness : this.smooth ? 1 : 2);
+    if (this.viewer) this.viewer.sharpen(!still && !this.at_rest ? this.pace.sharpness : this.viewer.finest);
     return still;
   }
 
@@ -487,7 +487,7 @@ class Lab {
 
   show_cost(bodies) {
     part('cost').replaceChildren(...bodies.map((body, i) => this.row(i, [with_prefix(body.step, 's'),
-      body.cost ? with_prefix(body.cost, 's') : '—', body.cost ? short(body.step / body.cost) : '—'])));
+      body.cost ? with_prefix(body.cost, 's') : '—', body.cost ? `${short(body.step / body.cost)} × real time` : '—'])));
   }
 
   row(body, cells, name = this.strategies[body]) {
@@ -681,7 +681,7 @@ class Lab {
     part('results').replaceChildren(...results.map((result, i) => {
       const problem = bodies[i]?.problem;
       if (!result) return this.row(i, [problem ? 'no equilibrium' : '…', '', ''], this.test_settings.strategies[i]);
-      const row = this.row(i, [with_prefix(result.modulus, 'Pa', 4), `${(100 * result.error).toFixed(2)} %`.replace('-', '−'),
+      const row = this.row(i, [with_prefix(result.modulus, 'Pa', 4), `${result.error > 0 ? '+' : ''}${(100 * result.error).toFixed(2)} %`.replace('-', '−'),
         Number.isFinite(result.ratio) ? result.ratio.toFixed(4) : '—'], result.strategy);
       row.dataset.modulus = result.modulus;
       row.dataset.ratio = result.ratio;
