@@ -265,7 +265,7 @@ std::string scene_html(const Scenery& scene, std::size_t number, const Colours& 
                                         "Error against time", first.scene + "-error");
   const Plot response = response_plot(scene.records, colours);
   out += "<div class=\"pair\">" + error +
-         figure_html(response, response.y.title + "–" + response.x.title + " curve", first.scene + "-course") +
+         figure_html(response, response.y.title + "–" + response.x.title + " curve", first.scene + "-response") +
          "</div>\n";
   if (scene.study) {
     out += "<div class=\"pair\">";
@@ -356,7 +356,7 @@ std::vector<std::pair<std::string, std::string>> plot_files(const std::vector<Re
   for (const Scenery& scene : by_scene(records)) {
     const std::string name = scene.records.front().scene;
     for (const auto& [kind, plot] : {std::pair{"error", error_plot(scene.records, scene.ranking, colours, peers)},
-                                     std::pair{"course", response_plot(scene.records, colours)}})
+                                     std::pair{"response", response_plot(scene.records, colours)}})
       if (!plot.series.empty()) files.emplace_back(name + "-" + kind + ".svg", svg_text(plot, kFile, true));
   }
   return files;

@@ -92,8 +92,10 @@ class Lab {
       const wanted = hash['s' + (i + 1)];
       select.value = names.includes(wanted) ? wanted : i ? '' : first.strategy;
     });
-    const schemes = scene.schemes.map(one => one.name);
-    part('scheme').value = schemes.includes(hash.scheme) ? hash.scheme : first.scheme ?? (scene.cells ? 'backward_euler' : 'symplectic_euler');
+    // What conserves energy in steps of the scene's length may gain it where a hand pulls or springs fold: then the page begins
+    // with what never does.
+    const schemes = scene.schemes.map(one => one.name), own = scene.schemes.find(one => one.name === first.scheme);
+    part('scheme').value = schemes.includes(hash.scheme) ? hash.scheme : own?.newton ? 'backward_euler' : own?.name ?? (scene.cells ? 'backward_euler' : 'symplectic_euler');
     part('one-iteration').checked = hash.one !== undefined ? hash.one === '1' : (first.iterations ?? 1) === 1;
     for (const [name, slider] of Object.entries(this.sliders)) {
       const value = parseFloat(hash[name]);
@@ -459,12 +461,27 @@ class Lab {
     this.ramp = map;
   }
 
+  /** A body that moves out of the picture is followed, as far as three times its size, until somebody turns the view. */
+  keep_in_view() {
+    const {viewer} = this;
+    if (!viewer || viewer.touched || this.hand || !viewer.positions) return;
+    const {x, y, z} = viewer.middle, most = 3 * this.body.size * this.count_shown, p = viewer.positions;
+    let outside = false;
+    for (let i = 0; i < p.length; i += 3) {
+      if (!(Math.hypot(p[i] - x, p[i + 1] - y, p[i + 2] - z) < most)) return;
+      const [right, down] = viewer.seen_at([p[i], p[i + 1], p[i + 2]]);
+      outside ||= right < 0 || down < 0 || right > viewer.canvas.clientWidth || down > viewer.canvas.clientHeight;
+    }
+    if (outside) viewer.fit([...viewer.fitted.slice(-3), p.slice()]);
+  }
+
   /** Numbers in words, four times a second. */
   tell(bodies, gone, passed) {
     this.sum = {gone: (this.sum?.gone ?? 0) + gone, passed: (this.sum?.passed ?? 0) + passed};
     const now = performance.now();
     if (now - (this.told ?? 0) < 250) return;
     this.told = now;
+    this.keep_in_view();
     const forces = bodies.map(body => body.force).filter(Boolean), asked = +part('speed').value;
     const rare = asked * this.sum.passed < 2 * bodies[0].step;  // in slow motion steps may be rarer than these words
     const ratio = rare ? asked : this.sum.passed > 0 ? this.sum.gone / this.sum.passed : 0;
@@ -473,13 +490,14 @@ class Lab {
     if (forces.length) words.push('hand ' + forces.map(force => with_prefix(Math.hypot(...force), 'N')).join(' / '));
     if (this.probe) words.push('probe ' + bodies.map(body => with_prefix(Math.hypot(...(body.push ?? [0, 0, 0])), 'N')).join(' / '));
     part('readout').textContent = words.join(' · ');
-    const stopped = bodies.find(body => body.stopped);
+    const stopped = bodies.find(body => body.stopped) ?? bodies.find(body => body.energies[1] > this.sliders.E.value * this.body.size ** 3);
     const slow = this.playing && ratio < 0.8 * asked && !stopped;
     const cause = this.pace.core > this.pace.drawing ? 'each step costs too much here' : 'this browser takes long to draw';
-    part('readout').textContent += slow ? ` · slower than asked: ${cause}` : '';
-    if (stopped && this.complained !== stopped.stopped) complain(`A body stands still: ${stopped.stopped}. Reset it, or take an implicit stepper.`);
-    if (!stopped && this.complained) complain('');
-    this.complained = stopped?.stopped;
+    part('readout').textContent += slow ? ` · slower than chosen: ${cause}` : '';
+    const trouble = !stopped ? '' : stopped.stopped ? `A body stands still: ${stopped.stopped}. Reset it, or choose an implicit stepper.`
+      : `A body has more elastic energy than it could hold: ${part('scheme').value} is not stable here. Choose backward_euler and reset it.`;
+    if (trouble !== (this.complained ?? '')) complain(trouble);
+    this.complained = trouble;
     part('canvas').setAttribute('aria-label', `The body with ${this.strategies.join(', ')}, coloured by ${this.legend?.title ?? 'tension'}`);
     this.show_cost(bodies);
     this.show_energies();

@@ -121,7 +121,7 @@ TEST_CASE("the page stands alone and says no more than text", "[page]") {
         2 * (1 + 4));  // a body and four strategies each
   CHECK_THAT(page, Contains("class=\"advice") && Contains("Error against time") && Contains("stress–strain curve"));
   CHECK(std::filesystem::exists(folder.path("out/first-error.svg")));
-  CHECK(std::filesystem::exists(folder.path("out/first-course.svg")));
+  CHECK(std::filesystem::exists(folder.path("out/first-response.svg")));
 }
 
 TEST_CASE("positions and tensions come through base64 as they are", "[page]") {
