@@ -192,6 +192,10 @@ broken_by src/lab/scene/time.cpp:1 "lists adams, gear, heun, ralston, and so doe
   'Stepper heun() { Stepper row{{"heun", "of two slopes"}}; return row; }' \
   'Stepper ralston() { return {{"ralston", "of the least error"}}; }' \
   -- src/lab/scene/time.cpp 'for (auto name : {"heun", "gear", "ralston", "adams"}) use(name);'
+broken_by src/lab/report/plot.cpp:1 'lists drop, press, shake, and so does src/lab/scene/a.cpp:1' \
+  src/lab/scene/a.cpp 'return {{.name = "drop", .summary = "falls"}, {.name = "press", .summary = "is pressed"},' \
+  '        {.name = "shake", .summary = "is shaken"}};' \
+  -- src/lab/report/plot.cpp 'for (auto name : {"drop", "press", "shake", "fall"}) use(name);'
 broken_by src/core/laws/uniform.h:2 'has the name uniform, and so has src/core/laws/plain.h:2' \
   src/core/laws/plain.h '#pragma once' 'static constexpr std::string_view name = "uniform";'
 

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <iostream>
 #include <new>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 
@@ -43,9 +44,8 @@ namespace elastin::command {
 using namespace lab;
 namespace {
 
-constexpr const char* kExamples = R"(
-Examples:
-  {0} compare scenes/tension/cube-1000.yaml                 every stiffness strategy of the scene, side by side
+constexpr const char* kExamples =
+    R"(  {0} compare scenes/tension/cube-1000.yaml                 every stiffness strategy of the scene, side by side
   {0} compare scenes/tension/*.yaml --strategies all        every strategy of the catalog, on every scene
   {0} compare scenes/zoo/*.yaml --summary                   what each strategy is worth over all bodies
   {0} compare scenes/material/cantilever.yaml --out out     also a page: error against time, the body in 3D, tables
@@ -63,10 +63,20 @@ Examples:
   {0} export scenes/tension/dogbone.yaml --to vtu --out bone.vtu    the body, or all of the problem, for another program
   {0} compare scenes/study/clamped-block.yaml --against calculix    a row by CalculiX beside them
   {0} list                                                  strategies and their parameters
+  {0} plot out/cube-1000-lattice-curve.csv > curve.svg      stress over strain, or any two columns of a CSV file
   {0} new strip --size '40 x 10 x 4 mm' --modulus '20 kPa'  a commented scene to begin with; without options it asks
-
-Exit codes: 0 all expectations hold; 1 an expectation or a run failed; 2 wrong use or input.
 )";
+constexpr const char* kExitCodes =
+    "Exit codes: 0 all expectations hold; 1 an expectation or a run failed; 2 wrong use or input.\n";
+
+/// The lines of kExamples that are of a command, or all of them.
+std::string examples_of(const std::string& name, const std::string& command) {
+  std::istringstream lines(fmt::format(kExamples, name));
+  std::string out;
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("  " + name + " " + command)) out += line + "\n";
+  return out;
+}
 
 struct Options : Request {
   std::string resume_from, shard_text, x_column, y_column, page, module, format;
@@ -316,7 +326,7 @@ void add_new_options(CLI::App& command, Options& options) {
 }
 
 void add_scene_options(CLI::App& command, Options& options) {
-  command.add_option("scenes", options.scenes, "Scene files (YAML)")->required();
+  command.add_option("SCENE", options.scenes, "Scene files (YAML)")->required();
   command
       .add_option("--set", options.overrides,
                   "Set a key of the scene: KEY.PATH=VALUE; a plain number is SI. May be repeated")
@@ -464,7 +474,7 @@ struct Commands {
     add_scene_options(*check, options);
     add_identify_options(*identify, options);
     list->add_flag("--keys", options.keys, "List every key of a scene instead, as Markdown");
-    plot->add_option("files", options.scenes,
+    plot->add_option("FILE", options.scenes,
                      "CSV files: curves, time histories, runs, rows of benchmarks; or the word material, and scenes")
         ->required();
     plot->add_option("--x", options.x_column,
@@ -486,9 +496,9 @@ struct Commands {
     other->add_option("--to", options.format, formats)->required();
     other->add_option("--out", options.page, "The file; - for standard output")->required();
     add_new_options(*create, options);
-    const std::string examples = fmt::format(kExamples, name);
-    for (CLI::App* command : {&app, run, compare, merge, verify, check, identify, list, plot, lab, other, create})
-      command->footer(examples);
+    app.footer(fmt::format("\nExamples:\n{}\n{}", examples_of(name, ""), kExitCodes));
+    for (CLI::App* command : {run, compare, merge, verify, check, identify, list, plot, lab, other, create})
+      command->footer(fmt::format("\nExamples:\n{}\n{}", examples_of(name, command->get_name()), kExitCodes));
   }
 };
 

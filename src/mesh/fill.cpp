@@ -12,6 +12,7 @@
 #include "core/geometry/triangle_tree.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
 #include "elastin/hull/delaunay.h"
 #include "mesh/spaced_points.h"
 
@@ -216,7 +217,11 @@ Filling FillRegion::fill(const FillOptions& options) const {
   for (int m = 0; m < found.size(); ++m) filling.positions.col(m) = found.positions()[static_cast<std::size_t>(m)];
   if (found.size() >= 4) filling.tetrahedra = tetrahedra_inside(*tree_, filling.positions, filling.on_surface);
   peel(filling.positions, filling.tetrahedra);
-  if (filling.tetrahedra.empty()) throw InputError("the spacing is too wide: no tetrahedron fits inside the surface");
+  if (filling.tetrahedra.empty())
+    throw InputError("the spacing of " + number(options.spacing) +
+                     " m is too wide: no tetrahedron fits inside the surface, "
+                     "whose longest side is " +
+                     number(box.maxCoeff()) + " m");
   leave_out_isolated(filling);
   const VectorX masses = lumped_mass(filling.positions, {}, filling.tetrahedra, 1, 0);
   filling.volume = masses.sum();

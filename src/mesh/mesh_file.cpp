@@ -340,15 +340,22 @@ namespace {
 /// nullptr: read_surface.
 using Reader = void (*)(Cursor, MeshBuilder&);
 
-std::pair<std::string, Reader> reader_for(const std::string& path) {
-  static constexpr std::pair<const char*, Reader> readers[] = {
-      {".msh", read_gmsh}, {".vtk", read_vtk}, {".vtu", read_vtu}, {".inp", read_inp}, {".bdf", read_bdf},
-      {".nas", read_bdf},  {".unv", read_unv}, {".ply", read_ply}, {".obj", nullptr},  {".stl", nullptr}};
+constexpr std::pair<const char*, Reader> kReaders[] = {
+    {".msh", read_gmsh}, {".vtk", read_vtk}, {".vtu", read_vtu}, {".inp", read_inp}, {".bdf", read_bdf},
+    {".nas", read_bdf},  {".unv", read_unv}, {".ply", read_ply}, {".obj", nullptr},  {".stl", nullptr}};
+
+/// With its dot, in small letters; "" where the name has none.
+std::string ending_of(const std::string& path) {
   const std::string name = path.substr(path.find_last_of('/') + 1);
   std::string ending = name.find('.') == std::string::npos ? "" : name.substr(name.rfind('.'));
   for (char& letter : ending) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  return ending;
+}
+
+std::pair<std::string, Reader> reader_for(const std::string& path) {
+  const std::string ending = ending_of(path);
   std::vector<std::string> allowed;
-  for (const auto& [known, reader] : readers) {
+  for (const auto& [known, reader] : kReaders) {
     if (ending == known) return {ending, reader};
     allowed.push_back(known);
   }
@@ -367,6 +374,12 @@ Mesh read_mesh(const File& file) {
 }
 
 }  // namespace format
+
+bool is_mesh_file(const std::string& path) {
+  const std::string ending = format::ending_of(path);
+  return std::any_of(std::begin(format::kReaders), std::end(format::kReaders),
+                     [&](const auto& reader) { return ending == reader.first; });
+}
 
 Mesh load_mesh(const std::string& path) {
   format::reader_for(path);  // an unknown ending is told first, whether the file exists or not

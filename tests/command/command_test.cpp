@@ -194,7 +194,7 @@ TEST_CASE("exit code 2: wrong use or input, told on standard error alone", "[com
            {"run " + cube + " --threds 2", "elastin: unknown option '--threds'; did you mean '--threads'?"},
            {"run " + cube + " --threads -1", "--threads: "},
            {"check " + cube + " --out o", "The following argument was not expected: --out"},
-           {"run", "scenes is required"},
+           {"run", "SCENE is required"},
            {"", "A subcommand is required"}}) {
     INFO(row.arguments);
     const Said said = say(row.arguments);
@@ -383,7 +383,7 @@ TEST_CASE("the option --out leaves every file whole", "[command]") {
   std::set<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(out)) files.insert(entry.path().filename().string());
   std::set<std::string> expected{"runs.csv",   "runs.json",   "runs.jsonl",     "views.jsonl",
-                                 "study.json", "report.html", "cube-error.svg", "cube-course.svg"};
+                                 "study.json", "report.html", "cube-error.svg", "cube-response.svg"};
   for (const std::string run : {"cube-standard", "cube-a~2fb-~26-c"})  // what cannot run leaves no curve
     for (const char* end : {"-curve.csv", ".pvd", "-000.vtu", "-001.vtu", "-002.vtu"}) expected.insert(run + end);
   CHECK(files == expected);

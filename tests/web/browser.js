@@ -6,7 +6,7 @@ class Browser {
   /** browser: the command; flags: more of them. */
   constructor(browser, flags = []) {
     this.folder = fs.mkdtempSync(path.join(os.tmpdir(), 'lab-'));
-    this.process = spawn(browser, ['--headless=new', '--no-sandbox', '--disable-gpu-sandbox', '--use-gl=angle', '--use-angle=swiftshader',
+    this.process = spawn(browser, ['--headless=new', '--no-sandbox', '--disable-gpu', '--use-angle=swiftshader',
       '--enable-unsafe-swiftshader', '--remote-debugging-pipe', `--user-data-dir=${this.folder}`, '--no-first-run', '--hide-scrollbars',
       ...flags, 'about:blank'], {stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe']});
     [this.to, this.from] = [this.process.stdio[3], this.process.stdio[4]];
@@ -46,7 +46,7 @@ class Browser {
       const {targetInfos} = await this.send('Target.getTargets');
       const {sessionId} = await this.send('Target.attachToTarget', {targetId: targetInfos.find(one => one.type === 'page').targetId, flatten: true});
       this.session = sessionId;
-      for (const domain of ['Page', 'Runtime', 'Log', 'Network', 'Accessibility']) await this.send(domain + '.enable');
+      for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await this.send(domain + '.enable');
     }
     await this.send('Emulation.setDeviceMetricsOverride', {width, height, deviceScaleFactor: 1, mobile: width < 600});
     await this.send('Emulation.setTouchEmulationEnabled', {enabled: false});

@@ -3,10 +3,11 @@
 //     drag PAGE                     drags a molecule by mouse and by finger, pins one, pushes, pauses, steps, by keys too
 //     strategies PAGE NAME E NAME E …   switches to each strategy, runs the tension test and compares E [Pa] with the command's
 //     rest PAGE                     a body at rest is not drawn again and again
+//     painters PAGE                 by the graphics card and by the processor the body looks the same
 //     wild PAGE SECONDS SEED        clicks, drags and slides at random: no exception, nothing that is not finite, memory flat
 //     access PAGE                   labels, roles, contrast, what overflows, at 1400 and 390 px, light and dark
 //     axe PAGE AXE                  axe-core's own rules, AXE its axe.min.js, at 1400 and 390 px, light and dark
-//     refused PAGE                  without WebGL the test still runs; without WebAssembly the page says so
+//     refused PAGE                  without WebGL the processor draws; without WebAssembly the page says so
 //     frames PAGE SECONDS [STRATEGY]   pictures a second of a body that swings
 //     pictures PAGE FOLDER          screenshots at 1400 and 390 px, light and dark
 'use strict';
@@ -106,6 +107,18 @@ async function work_controls(browser) {
   must((await browser.eval('location.hash')).includes('gravity=9.81'), 'the address does not carry the settings');
 }
 
+/** The picture of the body as numbers 0 … 255, red, green, blue and opacity of 200 x 160 pixels, and how much of it is covered. */
+async function picture_of(browser) {
+  const numbers = await browser.eval(`(() => {
+    const {viewer} = lab, paper = Object.assign(document.createElement('canvas'), {width: 200, height: 160}).getContext('2d');
+    viewer.sharpen(viewer.finest);
+    viewer.draw();
+    paper.drawImage(viewer.canvas, 0, 0, 200, 160);
+    return Array.from(paper.getImageData(0, 0, 200, 160).data);
+  })()`);
+  return [numbers, numbers.filter((v, i) => i % 4 === 3 && v > 127).length / (200 * 160)];
+}
+
 const actions = {
   async drag(browser) {
     await browser.open(url, 1400, 1000);
@@ -136,6 +149,30 @@ const actions = {
     await browser.until('lab.at_rest', 60);
     const off = await browser.eval('Math.max(...lab.viewer.positions.map((v, i) => Math.abs(v - lab.shown.rest[i]))) / lab.body.size');
     must(off < 1e-3, `after the test the body is drawn ${off} of its size off`);
+  },
+
+  async painters(browser) {
+    for (const parts of [['connections'], ['molecules'], ['surface'], ['connections', 'molecules', 'surface']]) {
+      const pictures = [];
+      for (const painter of ['graphics', 'processor']) {
+        await browser.open(`${url}#painter=${painter}`, 1400, 1000);
+        await browser.until('lab.at_rest', 60);
+        await browser.eval(`for (const name of ['connections', 'molecules', 'surface']) document.getElementById(name).checked = ${JSON.stringify(parts)}.includes(name); lab.look()`);
+        pictures.push((await picture_of(browser))[0]);
+      }
+      // Edges fall within a pixel of each other; elsewhere tints and shades are nearly the same.
+      let covered = 0, apart = 0, differences = 0;
+      const [a, b] = pictures;
+      for (let i = 0; i < a.length; i += 4) {
+        covered += a[i + 3] > 127;
+        apart += Math.abs(a[i + 3] - b[i + 3]) > 127;
+        if (a[i + 3] > 250 && b[i + 3] > 250) differences += (Math.abs(a[i] - b[i]) + Math.abs(a[i + 1] - b[i + 1]) + Math.abs(a[i + 2] - b[i + 2])) / 3;
+      }
+      console.log(`${parts}: ${covered} pixels, ${apart} of them covered by one painter alone, colours ${(differences / covered).toFixed(1)} of 255 apart`);
+      must(covered > 1000, `${parts}: ${covered} pixels are covered`);
+      must(apart < 0.03 * covered, `${parts}: ${apart} of ${covered} pixels are covered by one painter alone`);
+      must(differences < 12 * covered, `${parts}: colours are ${differences / covered} of 255 apart`);
+    }
   },
 
   async strategies(browser) {
@@ -235,6 +272,7 @@ const actions = {
       await browser.until('lab.answer', 30);
       const faults = await browser.eval(`(${check_access})()`);
       must(faults.length === 0, `${width} px, ${dark ? 'dark' : 'light'}: ${faults.join('; ')}`);
+      await browser.send('Accessibility.enable');  // not before: its record of what has changed grows while nobody reads it
       const {nodes} = await browser.send('Accessibility.getFullAXTree');
       const nameless = nodes.filter(node => ['button', 'checkbox', 'radio', 'slider', 'combobox', 'spinbutton', 'img', 'figure', 'application', 'region']
         .includes(node.role?.value) && !node.ignored && !node.name?.value && node.role.value !== 'figure');
@@ -256,7 +294,10 @@ const actions = {
 
   async refused(browser) {
     await browser.open(url, 1400, 1000);  // this browser was started without 3D
-    must((await text(browser, 'problem')).includes('no WebGL'), `without WebGL the page says: ${await text(browser, 'problem')}`);
+    await browser.until('lab.answer', 30);
+    must(await browser.eval('lab.viewer.painter instanceof ProcessorPainter'), 'without WebGL it is not the processor that draws');
+    const [, drawn] = await picture_of(browser);
+    must(drawn > 0.05, `without WebGL the body covers ${drawn} of its picture`);
     await browser.eval('document.getElementById("test").click()');
     await browser.until('document.documentElement.dataset.tested', 120);
     must(+(await browser.eval('document.querySelector("#results tr").dataset.modulus')) > 0, 'no E without WebGL');

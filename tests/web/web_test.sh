@@ -3,7 +3,7 @@
 # core was not built for browsers (tools/setup --web) or there is no node or Chromium.
 #   bits      native steps and those of the module have the same bits, every strategy with every stepper
 #   hand      drag, push, pin, pause, step, keys     strategies    E in the page is that of the command
-#   rest      nothing is drawn while nothing moves
+#   rest      nothing is drawn while nothing moves                painters    card and processor draw the same
 #   wild      a minute at random                     access        labels, contrast, widths     refused    what is said where it cannot run
 #   npm       the package for node and bundlers: closed forms, its errors, its types
 #   wrong     a body that is too large, a folder without the module
@@ -59,10 +59,10 @@ case $what in
     said=$("$elastin" lab --out "$folder/a.html" 2>&1) && exit 1
     [[ ! -e $folder/a.html ]]
     ;;
-  hand | rest | wild | access | refused)
+  hand | rest | painters | wild | access | refused)
     browser
     case $what in
-      hand | rest) page "$scenes/tension/cube-1000.yaml" ;;  # at rest until it is dragged
+      hand | rest | painters) page "$scenes/tension/cube-1000.yaml" ;;  # at rest until it is dragged
       *) page "$scenes/dynamics/labelle-jello.yaml" ;;
     esac
     more=()

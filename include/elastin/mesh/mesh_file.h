@@ -35,6 +35,9 @@ struct Mesh {
 /// times as far apart as by order_in_space: then they get that order, for passes over them would wait for the memory.
 Mesh load_mesh(const std::string& path);
 
+/// Whether load_mesh reads files of this ending.
+bool is_mesh_file(const std::string& path);
+
 /// Numbers that a mesh file has for its cells.
 struct CellData {
   Positions middles;       ///< of the cells, the mean of their points, in the file's own length unit

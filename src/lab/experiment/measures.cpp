@@ -13,7 +13,8 @@ const std::vector<MeasureInfo>& measure_list() {
   constexpr Dimension rate{0, 0, -1};
   static const std::vector<MeasureInfo> list{
       {"effective_modulus", pressure,
-       "Young's modulus: secant F l0 / (A dl) of a bar; of the beam that sinks so; Hill's mean of a material", "E"},
+       "Young's modulus: secant F l0 / (A dl) of a bar; of the beam with this deflection; Hill's mean of a material",
+       "E"},
       {"elongation", length, "dl, read as the scene says; negative in compression; from the state under preload"},
       {"total_elongation", length, "that from rest; under preload only, as the scene's loads or its own start"},
       {"poissons_ratio", none, "- lateral strain at mid height / strain; Hill's mean of a material", "Poisson's ratio"},

@@ -68,6 +68,7 @@ std::string scene_json(const Scene& scene, const Catalog& catalog, const Parcel&
             {"own_constants", material.law && !catalog.material_laws.find(material.law->law)->from_moduli},
             {"parts", body.parts.size()},
             {"own_load", parcel.own_load.cols() > 0},
+            {"own_load_share", parcel.own_load_share},
             {"released", scene.experiment->in_time() != nullptr},
             {"held", parcel.supports.size()},
             {"axis", vector_json(parcel.tension.axis)},
@@ -127,8 +128,8 @@ std::string live_page(const Scene& scene, const Catalog& catalog, const WebModul
   data += tag("type=\"application/gzip\" id=\"wasm\"", packed(module.wasm));
   data += tag("type=\"application/gzip\" id=\"three\"", base64(k_three.data(), k_three.size()));
   data += tag("type=\"text/plain\" id=\"worker\"", module.script + k_elastin_js + k_worker_js);
-  for (const char* script : {k_body_js, k_colours_js, k_marks_js, k_viewer_js, k_curve_js, k_settings_js, k_pace_js,
-                             k_hand_js, k_bodies_js, k_lab_js})
+  for (const char* script : {k_body_js, k_colours_js, k_marks_js, k_graphics_painter_js, k_processor_painter_js,
+                             k_viewer_js, k_curve_js, k_settings_js, k_pace_js, k_hand_js, k_bodies_js, k_lab_js})
     data += tag("", script);
   std::string page = k_lab_html;
   const auto put = [&](const std::string& name, const std::string& text) {

@@ -74,7 +74,20 @@ Positions dead_load(StaticRig& rig, Model& model, const State& rest) {
   return (there - here).norm() <= 1e-9 * here.norm() ? here : Positions(3, 0);
 }
 
-/// The experiment's own load at rest, its supports, and where the body begins.
+/// The load of what an experiment in time is held and loaded by, and how much of it acts as the body begins.
+void add_fixture_load(const Scene& scene, const Specimen& specimen, Model& model, const State& start, Parcel& parcel) {
+  const StaticProtocol* fixture = scene.experiment->calibration();
+  if (!fixture) return;
+  Run run;
+  const auto held = make_model(specimen, *fixture, scene.stiffness, {scene.statics}, run);
+  if (!held) return;
+  parcel.own_load = dead_load(*held->rig->at_rest(), *held->model, start);
+  if (parcel.own_load.isZero(0)) return;
+  const Positions acting = model.load_forces(start) - held->model->load_forces(start);
+  parcel.own_load_share = acting.cwiseProduct(parcel.own_load).sum() / parcel.own_load.squaredNorm();
+}
+
+/// The experiment's own load, its supports, and where the body begins.
 void add_experiment(const Scene& scene, const TensionSetup* tension, Parcel& parcel) {
   Specimen specimen = scene.specimen;
   prepare(specimen, scene.stiffness.strategy);
@@ -88,8 +101,10 @@ void add_experiment(const Scene& scene, const TensionSetup* tension, Parcel& par
     const StaticResult started = timed->start(state, scene.statics);
     if (started.outcome != Outcome::converged)
       throw InputError(scene.path + ": the body cannot be brought to its start: " + started.cause);
+    add_fixture_load(scene, specimen, model, state, parcel);
   } else if (StaticRig* rig = held->rig->at_rest()) {
     if (!tension) parcel.own_load = dead_load(*rig, model, state);
+    parcel.own_load_share = 1;
     rig->release();
   }
   if (parcel.own_load.isZero(0) || !parcel.own_load.allFinite()) parcel.own_load.resize(3, 0);

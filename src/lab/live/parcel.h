@@ -30,7 +30,8 @@ struct Parcel {
   std::vector<NamedLoad> loads;   ///< of the scene, rows of the core's table
   std::vector<Support> supports;  ///< of the experiment, with its load taken off
   Positions positions;            ///< where the body begins [m]
-  Positions own_load;             ///< of the experiment at rest [N], 3 × n; empty where it has none
+  Positions own_load;             ///< of the experiment [N], 3 × n; empty where it has none
+  double own_load_share = 0;      ///< of it that acts as the body begins; the page's own, not among the bytes
   TensionSetup tension;           ///< the test
   bool linear = false;            ///< small displacements
   double tolerance = 1e-10;       ///< of equilibria

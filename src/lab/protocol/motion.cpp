@@ -11,22 +11,6 @@
 namespace elastin::lab {
 namespace {
 
-const char* name_of(MotionKind kind) {
-  switch (kind) {
-    case MotionKind::release:
-      return "release";
-    case MotionKind::creep:
-      return "creep";
-    case MotionKind::relaxation:
-      return "relaxation";
-    case MotionKind::cyclic:
-      return "cyclic";
-    case MotionKind::motion:
-      break;
-  }
-  return "motion";
-}
-
 /// One measure over time, from a time on.
 Series series_of(const std::vector<CurvePoint>& history, std::string_view name, double from = 0) {
   std::vector<double> times, values;
@@ -54,7 +38,7 @@ class Motion final : public TimedProtocol {
       throw InputError("fixture: a " + setup_.fixture->name() + " experiment has no displacement to watch");
   }
 
-  std::string name() const override { return name_of(setup_.kind); }
+  std::string name() const override { return setup_.name; }
   std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
   std::optional<Vector3> axis() const override { return setup_.fixture ? setup_.fixture->axis() : std::nullopt; }
   const StaticProtocol* calibration() const override { return setup_.fixture.get(); }

@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <string>
 
 #include "elastin/contact/contact.h"
 #include "elastin/core/forces/time_function.h"
@@ -17,6 +18,7 @@ enum class MotionKind {
 
 /// A body held and loaded as an experiment at rest says, whose load changes in time.
 struct MotionSetup {
+  std::string name = "motion";  ///< of the experiment
   MotionKind kind = MotionKind::motion;
   std::unique_ptr<const StaticProtocol> fixture;  ///< null: the body is free; only `motion` allows that
   TimeFunction load;                              ///< what the experiment's load is multiplied with

@@ -265,7 +265,7 @@ std::string scene_html(const Scenery& scene, std::size_t number, const Colours& 
                                         "Error against time", first.scene + "-error");
   const Plot response = response_plot(scene.records, colours);
   out += "<div class=\"pair\">" + error +
-         figure_html(response, response.y.title + "–" + response.x.title + " curve", first.scene + "-course") +
+         figure_html(response, response.y.title + "–" + response.x.title + " curve", first.scene + "-response") +
          "</div>\n";
   if (scene.study) {
     out += "<div class=\"pair\">";
@@ -342,7 +342,8 @@ std::string page_text(const PageMatter& matter) {
       "three.js (MIT licence).</p></footer>\n",
       escaped(matter.machine), escaped(matter.command));
   out += packed_html("id=\"three\"", base64(k_three.data(), k_three.size()));
-  for (const char* script : {k_body_js, k_colours_js, k_marks_js, k_viewer_js, k_stage_js, k_plots_js, k_page_js})
+  for (const char* script : {k_body_js, k_colours_js, k_marks_js, k_graphics_painter_js, k_processor_painter_js,
+                             k_viewer_js, k_stage_js, k_plots_js, k_page_js})
     out += fmt::format("<script>{}</script>\n", script);
   out += "</body></html>\n";
   return out;
@@ -355,7 +356,7 @@ std::vector<std::pair<std::string, std::string>> plot_files(const std::vector<Re
   for (const Scenery& scene : by_scene(records)) {
     const std::string name = scene.records.front().scene;
     for (const auto& [kind, plot] : {std::pair{"error", error_plot(scene.records, scene.ranking, colours, peers)},
-                                     std::pair{"course", response_plot(scene.records, colours)}})
+                                     std::pair{"response", response_plot(scene.records, colours)}})
       if (!plot.series.empty()) files.emplace_back(name + "-" + kind + ".svg", svg_text(plot, kFile, true));
   }
   return files;

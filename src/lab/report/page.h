@@ -21,7 +21,7 @@ struct PageMatter {
 /// load, the body in 3D, all tables and warnings; of several scenes a summary in front.
 std::string page_text(const PageMatter& matter);
 
-/// The plots of one scene as files of their own: NAME-error.svg and NAME-course.svg.
+/// The plots of one scene as files of their own: NAME-error.svg and NAME-response.svg.
 std::vector<std::pair<std::string, std::string>> plot_files(const std::vector<Record>& records,
                                                             const std::vector<Peer>& peers);
 

@@ -8,6 +8,8 @@ extern const char* const k_page_css;
 extern const char* const k_body_js;
 extern const char* const k_colours_js;
 extern const char* const k_marks_js;
+extern const char* const k_graphics_painter_js;
+extern const char* const k_processor_painter_js;
 extern const char* const k_viewer_js;
 extern const char* const k_stage_js;
 extern const char* const k_plots_js;

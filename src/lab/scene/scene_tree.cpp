@@ -12,6 +12,7 @@
 #include <set>
 #include <sstream>
 
+#include "elastin/mesh/mesh_file.h"
 #include "lab/scene/formula.h"
 #include "lab/scene/scene_text.h"
 
@@ -131,6 +132,12 @@ class SecondDocument final : public YAML::EventHandler {
 /// The only document of a scene's text. yaml-cpp's LoadAll finds documents without end in some texts that are none.
 YAML::Node load_document(const std::string& path, const std::string& text) {
   const SourceLocation start{path, 1, 1};
+  if (mesh::is_mesh_file(path))
+    throw InputError(SourceLocation{path, 0, 0},
+                     "a mesh is not a scene, but a scene's body may be one: `body: {mesh: {file: " +
+                         std::filesystem::path(path).filename().string() +
+                         ", length_unit: mm}}`, or `fill` in place of `mesh` for a closed surface; `elastin new` "
+                         "writes such a scene");
   if (text.empty()) throw InputError(start, "the scene is empty");
   check_scene_text(path, text);
   YAML::Node document;

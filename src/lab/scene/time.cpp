@@ -59,6 +59,7 @@ std::unique_ptr<const StaticProtocol> read_fixture(const Reader& reader, const E
 
 std::unique_ptr<Protocol> read_motion(Reader reader, MotionKind kind, const ExperimentContext& context) {
   MotionSetup setup;
+  setup.name = reader.at("kind").text();
   setup.kind = kind;
   const bool free = kind == MotionKind::motion;
   const auto fixture = free ? reader.find("fixture") : std::optional(reader.at("fixture"));

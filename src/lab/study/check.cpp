@@ -249,9 +249,15 @@ CheckReport check_scene(Scene& scene, const Catalog& catalog, const std::vector<
 
 namespace {
 
-/// Without the marks of Markdown.
+/// Without the marks of Markdown: of a link [words](address) the words stay.
 std::string plain(std::string text) {
   std::erase(text, '`');
+  for (std::size_t open = 0; (open = text.find('[', open)) != std::string::npos; ++open) {
+    const std::size_t middle = text.find("](", open),
+                      end = middle == std::string::npos ? middle : text.find(')', middle);
+    if (end == std::string::npos) break;
+    text = text.substr(0, open) + text.substr(open + 1, middle - open - 1) + text.substr(end + 1);
+  }
   return text;
 }
 

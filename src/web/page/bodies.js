@@ -21,13 +21,6 @@ function side_by_side(body, count) {
     membrane: body.membrane, size: body.size, offsets, molecules};
 }
 
-/** False where the processor draws, which browsers call a major performance caveat. */
-function drawn_by_graphics_card() {
-  const context = document.createElement('canvas').getContext('webgl2', {failIfMajorPerformanceCaveat: true});
-  context?.getExtension('WEBGL_lose_context')?.loseContext();
-  return !!context;
-}
-
 /** The viewer of a lab: what a hand does is drawn over the bodies. */
 class LabViewer extends Viewer {
   /** The point of the canvas [px] where a place [m] is seen. */
@@ -79,23 +72,21 @@ class LabViewer extends Viewer {
       paper.stroke();
     }
     (this.names ?? []).forEach((text, copy) => {
-      const [x, y] = this.below(copy);
       paper.textAlign = 'center';
-      this.write(paper, text, x, Math.min(y + 24, this.canvas.clientHeight - 12), colour);
+      this.write(paper, text, this.middle_of(copy), 18, colour);
     });
   }
 
-  /** The point of the canvas [px] in the middle of one of the bodies, and as low as its lowest molecule. */
-  below(copy) {
+  /** Where the middle of one of the bodies is seen, from the left [px]. */
+  middle_of(copy) {
     const {camera, positions, names} = this, count = positions.length / names.length, place = new THREE.Vector3();
-    let left = Infinity, right = -Infinity, low = Infinity;
+    let left = Infinity, right = -Infinity;
     for (let i = copy * count; i < (copy + 1) * count; i += 3) {
-      const {x, y} = place.fromArray(positions, i).project(camera);
+      const {x} = place.fromArray(positions, i).project(camera);
       left = Math.min(left, x);
       right = Math.max(right, x);
-      low = Math.min(low, y);
     }
-    return [(2 + left + right) / 4 * this.canvas.clientWidth, (1 - low) / 2 * this.canvas.clientHeight];
+    return (2 + left + right) / 4 * this.canvas.clientWidth;
   }
 
   write(paper, text, x, y, colour) {

@@ -16,7 +16,8 @@ function prefix_for(most) {
 }
 
 class Curve {
-  /** axes: {x: {title, unit}, y: {title, unit}}; a unit "%" shows ratios in per cent. */
+  /** axes: {x: {title, unit, floating}, y: {title, unit}}; a unit "%" shows ratios in per cent; a floating axis need not begin
+   *  at 0. */
   constructor(figure, axes) {
     this.figure = figure;
     this.axes = axes;
@@ -40,11 +41,11 @@ class Curve {
     const width = Math.max(260, this.figure.clientWidth || 420), height = Math.round(Math.min(260, 0.62 * width));
     const [left, right, top, bottom] = [58, 12, 10, 40];
     const points = this.series.flatMap(one => one.points).filter(([x, y]) => Number.isFinite(x) && Number.isFinite(y));
-    const range = k => {
-      const values = points.map(point => point[k]), low = Math.min(0, ...values), high = Math.max(0, ...values);
+    const range = (k, {floating}) => {
+      const values = points.map(point => point[k]), ends = floating ? values : [0, ...values], low = Math.min(...ends), high = Math.max(...ends);
       return high > low ? [low, high] : [0, 1];
     };
-    const [[x0, x1], [y0, y1]] = [k => range(k)].flatMap(of => [of(0), of(1)]);
+    const [[x0, x1], [y0, y1]] = [range(0, this.axes.x), range(1, this.axes.y)];
     const at = ([x, y]) => [left + (x - x0) / (x1 - x0) * (width - left - right), height - bottom - (y - y0) / (y1 - y0) * (height - top - bottom)];
     const x = this.scale('x', x0, x1), y = this.scale('y', y0, y1);
     const number = (value, scale) => String(+(value / scale.factor).toPrecision(4)).replace('-', '−');

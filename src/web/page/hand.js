@@ -24,7 +24,7 @@ class Hand {
   down(event) {
     const {viewer, tool} = this.lab;
     if (!viewer || event.button > 0 || event.shiftKey || this.pointer !== undefined || tool === 'turn') return;
-    const point = this.at(event), molecule = viewer.molecule_at(...point);
+    const point = this.at(event), molecule = viewer.molecule_at(...point, event.pointerType === 'touch' ? 28 : 16);
     if (molecule < 0) return;
     viewer.controls.enabled = false;
     this.canvas.focus({preventScroll: true});

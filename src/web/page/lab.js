@@ -7,6 +7,7 @@ const tool_hints = {drag: 'Drag a molecule: the hand pulls it like a spring and 
   push: 'Press on the body: a round probe pushes it away and shows its force.',
   pin: 'Click a molecule: it stays where it is. A second click releases it.',
   turn: 'Drag anywhere: the view turns, and the body is left alone.'};
+const painters = {graphics: GraphicsPainter, processor: ProcessorPainter};  // the page finds which suits, unless its address says it
 const series_colours = ['var(--one)', 'var(--two)', 'var(--three)'];
 
 for (const kind of ['error', 'unhandledrejection'])
@@ -35,7 +36,7 @@ class Lab {
     this.history = [];
     this.waiting = new Map();
     this.curves = {test: new Curve(part('curve'), {x: {title: 'strain', unit: '%'}, y: {title: 'stress', unit: 'Pa'}}),
-      energy: new Curve(part('energy'), {x: {title: 'time', unit: 's'}, y: {title: 'energy', unit: 'J'}})};
+      energy: new Curve(part('energy'), {x: {title: 'time', unit: 's', floating: true}, y: {title: 'energy', unit: 'J'}})};
     this.fill();
     this.choose_tool(this.tool);
     this.read_hash();
@@ -54,7 +55,7 @@ class Lab {
     const rate = Math.sqrt(first.E / first.density) / size, damped = first.phi || first.psi || first.alpha;
     const viscosity = first.E / (rate || 1) / 30;
     this.start = {E: first.E, nu: first.nu, density: first.density, phi: first.phi, psi: first.psi,
-      alpha: damped || scene.released ? first.alpha : 0.6 * rate, pressure: 0, gravity, tilt: 0, load: 100 * (scene.own_load ? 1 : 0),
+      alpha: damped || scene.released ? first.alpha : 0.6 * rate, pressure: 0, gravity, tilt: 0, load: 100 * scene.own_load_share,
       stiffness: Math.max(1e-6, +(0.1 * first.E * size * (scene.membrane && !scene.solid ? 0.02 : 1)).toPrecision(2)), probe: 0.12 * size, strain: 20};
     const scales = {phi: first.phi || viscosity, psi: first.psi || viscosity, alpha: rate, pressure: 0.01 * first.E};
     for (const [name, kind] of Object.entries(slider_kinds))
@@ -91,8 +92,10 @@ class Lab {
       const wanted = hash['s' + (i + 1)];
       select.value = names.includes(wanted) ? wanted : i ? '' : first.strategy;
     });
-    const schemes = scene.schemes.map(one => one.name);
-    part('scheme').value = schemes.includes(hash.scheme) ? hash.scheme : first.scheme ?? (scene.cells ? 'backward_euler' : 'symplectic_euler');
+    // What conserves energy in steps of the scene's length may gain it where a hand pulls or springs fold: then the page begins
+    // with what never does.
+    const schemes = scene.schemes.map(one => one.name), own = scene.schemes.find(one => one.name === first.scheme);
+    part('scheme').value = schemes.includes(hash.scheme) ? hash.scheme : own?.newton ? 'backward_euler' : own?.name ?? (scene.cells ? 'backward_euler' : 'symplectic_euler');
     part('one-iteration').checked = hash.one !== undefined ? hash.one === '1' : (first.iterations ?? 1) === 1;
     for (const [name, slider] of Object.entries(this.sliders)) {
       const value = parseFloat(hash[name]);
@@ -100,11 +103,12 @@ class Lab {
     }
     for (const [name, key] of [['colour', 'colour'], ['speed', 'speed']])
       if (hash[key] && [...part(name).options].some(option => option.value === hash[key])) part(name).value = hash[key];
+    this.painter = hash.painter;
     this.show_choices();
   }
 
   hash() {
-    const values = {};
+    const values = {painter: this.painter};
     all('.strategy').forEach((select, i) => { values['s' + (i + 1)] = select.value; });
     Object.assign(values, {scheme: part('scheme').value, one: part('one-iteration').checked ? '1' : '0', colour: part('colour').value,
       speed: part('speed').value});
@@ -310,8 +314,7 @@ class Lab {
     try {
       const text = await unpacked(part('three').textContent);
       document.head.append(Object.assign(document.createElement('script'), {textContent: text}));
-      this.smooth = drawn_by_graphics_card();
-      this.viewer = part('canvas').viewer = new LabViewer(part('canvas'), this.smooth);
+      this.viewer = part('canvas').viewer = new LabViewer(part('canvas'), painters[this.painter]);
       new Hand(part('canvas'), this);
     } catch (problem) {
       complain(`The body is not drawn: ${problem.message}. The tension test, the curves and the numbers work without it.`);
@@ -359,13 +362,12 @@ class Lab {
     this.seen = true;
   }
 
-  /** Nothing moves and nothing was changed since the last picture, which then is drawn once more with all pixels, or, where
-   *  edges are not smooth otherwise, with four of them for each. */
+  /** Nothing moves and nothing was changed since the last picture, which then is drawn once more as sharp as can be. */
   is_still(colour) {
     const state = [colour, this.count_shown, this.playing, JSON.stringify([this.hand, this.probe, [...this.pins]])].join();
     const still = !this.playing && !this.single && this.seen && this.still === state;
     this.still = state;
-    if (this.viewer) this.viewer.sharpen(!still && !this.at_rest ? this.pace.sharpness : this.smooth ? 1 : 2);
+    if (this.viewer) this.viewer.sharpen(!still && !this.at_rest ? this.pace.sharpness : this.viewer.finest);
     return still;
   }
 
@@ -459,12 +461,27 @@ class Lab {
     this.ramp = map;
   }
 
+  /** A body that moves out of the picture is followed, as far as three times its size, until somebody turns the view. */
+  keep_in_view() {
+    const {viewer} = this;
+    if (!viewer || viewer.touched || this.hand || !viewer.positions) return;
+    const {x, y, z} = viewer.middle, most = 3 * this.body.size * this.count_shown, p = viewer.positions;
+    let outside = false;
+    for (let i = 0; i < p.length; i += 3) {
+      if (!(Math.hypot(p[i] - x, p[i + 1] - y, p[i + 2] - z) < most)) return;
+      const [right, down] = viewer.seen_at([p[i], p[i + 1], p[i + 2]]);
+      outside ||= right < 0 || down < 0 || right > viewer.canvas.clientWidth || down > viewer.canvas.clientHeight;
+    }
+    if (outside) viewer.fit([...viewer.fitted.slice(-3), p.slice()]);
+  }
+
   /** Numbers in words, four times a second. */
   tell(bodies, gone, passed) {
     this.sum = {gone: (this.sum?.gone ?? 0) + gone, passed: (this.sum?.passed ?? 0) + passed};
     const now = performance.now();
     if (now - (this.told ?? 0) < 250) return;
     this.told = now;
+    this.keep_in_view();
     const forces = bodies.map(body => body.force).filter(Boolean), asked = +part('speed').value;
     const rare = asked * this.sum.passed < 2 * bodies[0].step;  // in slow motion steps may be rarer than these words
     const ratio = rare ? asked : this.sum.passed > 0 ? this.sum.gone / this.sum.passed : 0;
@@ -473,13 +490,14 @@ class Lab {
     if (forces.length) words.push('hand ' + forces.map(force => with_prefix(Math.hypot(...force), 'N')).join(' / '));
     if (this.probe) words.push('probe ' + bodies.map(body => with_prefix(Math.hypot(...(body.push ?? [0, 0, 0])), 'N')).join(' / '));
     part('readout').textContent = words.join(' · ');
-    const stopped = bodies.find(body => body.stopped);
+    const stopped = bodies.find(body => body.stopped) ?? bodies.find(body => body.energies[1] > this.sliders.E.value * this.body.size ** 3);
     const slow = this.playing && ratio < 0.8 * asked && !stopped;
     const cause = this.pace.core > this.pace.drawing ? 'each step costs too much here' : 'this browser takes long to draw';
-    part('readout').textContent += slow ? ` · slower than asked: ${cause}` : '';
-    if (stopped && this.complained !== stopped.stopped) complain(`A body stands still: ${stopped.stopped}. Reset it, or take an implicit stepper.`);
-    if (!stopped && this.complained) complain('');
-    this.complained = stopped?.stopped;
+    part('readout').textContent += slow ? ` · slower than chosen: ${cause}` : '';
+    const trouble = !stopped ? '' : stopped.stopped ? `A body stands still: ${stopped.stopped}. Reset it, or choose an implicit stepper.`
+      : `A body has more elastic energy than it could hold: ${part('scheme').value} is not stable here. Choose backward_euler and reset it.`;
+    if (trouble !== (this.complained ?? '')) complain(trouble);
+    this.complained = trouble;
     part('canvas').setAttribute('aria-label', `The body with ${this.strategies.join(', ')}, coloured by ${this.legend?.title ?? 'tension'}`);
     this.show_cost(bodies);
     this.show_energies();
@@ -487,7 +505,7 @@ class Lab {
 
   show_cost(bodies) {
     part('cost').replaceChildren(...bodies.map((body, i) => this.row(i, [with_prefix(body.step, 's'),
-      body.cost ? with_prefix(body.cost, 's') : '—', body.cost ? short(body.step / body.cost) : '—'])));
+      body.cost ? with_prefix(body.cost, 's') : '—', body.cost ? `${short(body.step / body.cost)} × real time` : '—'])));
   }
 
   row(body, cells, name = this.strategies[body]) {
@@ -681,7 +699,7 @@ class Lab {
     part('results').replaceChildren(...results.map((result, i) => {
       const problem = bodies[i]?.problem;
       if (!result) return this.row(i, [problem ? 'no equilibrium' : '…', '', ''], this.test_settings.strategies[i]);
-      const row = this.row(i, [with_prefix(result.modulus, 'Pa', 4), `${(100 * result.error).toFixed(2)} %`.replace('-', '−'),
+      const row = this.row(i, [with_prefix(result.modulus, 'Pa', 4), `${result.error > 0 ? '+' : ''}${(100 * result.error).toFixed(2)} %`.replace('-', '−'),
         Number.isFinite(result.ratio) ? result.ratio.toFixed(4) : '—'], result.strategy);
       row.dataset.modulus = result.modulus;
       row.dataset.ratio = result.ratio;

@@ -31,6 +31,16 @@ TEST_CASE("a page takes the load of a scene's experiment where it is the same wh
   REQUIRE(hanging.own_load.cols() == hanging.body.size());
   CHECK(hanging.own_load.row(2).sum() == Approx(-9.81 * 1000 * 8e-6).epsilon(1e-9));
   CHECK(hanging.own_load.topRows(2).isZero(1e-15));
+  CHECK(hanging.own_load_share == 1);
+  // In time it is the fixture's: put on at time 0, or taken away then.
+  for (const auto& [load, share] : {std::pair("applied", 1.), std::pair("removed", 0.)}) {
+    const Parcel swinging = parcel_of(
+        std::string("{kind: release, fixture: {kind: bending, axis: x, gravity: 9.81 m/s2, direction: -z}, load: ") +
+        load + "}\ntime: {duration: 1 s, integrator: newmark, step: 5 ms}");
+    REQUIRE(swinging.own_load.cols() == hanging.body.size());
+    CHECK(swinging.own_load.isApprox(hanging.own_load, 1e-12));
+    CHECK(swinging.own_load_share == Approx(share).margin(1e-9));
+  }
   // A tool in the middle of a body that has not moved yet would push it away for ever.
   CHECK(parcel_of("{kind: indentation, indenter: {sphere: {radius: 1 cm}}, depth: 5 mm}\ncontact: {friction: 0}")
             .own_load.cols() == 0);

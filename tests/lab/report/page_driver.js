@@ -6,8 +6,9 @@ const seconds = time => new Promise(done => setTimeout(done, 1000 * time));
 /** Shares of the canvas: how far the body reaches in width and height, and the least distance to an edge. */
 function extent_of(viewer) {
   viewer.draw();
-  const gl = viewer.renderer.getContext(), {width, height} = viewer.canvas, pixels = new Uint8Array(4 * width * height);
-  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  const {width, height} = viewer.canvas, paper = Object.assign(document.createElement('canvas'), {width, height}).getContext('2d');
+  paper.drawImage(viewer.canvas, 0, 0);
+  const pixels = paper.getImageData(0, 0, width, height).data;
   let [left, right, low, high] = [width, -1, height, -1];
   for (let i = 0; i < width * height; ++i) {
     if (!pixels[4 * i + 3]) continue;

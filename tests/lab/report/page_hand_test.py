@@ -38,6 +38,12 @@ def number(text):
     return float(value) * UNITS[unit]
 
 
+# How many pixels a viewer covers.
+PIXELS = ("(() => { const v = %s; v.draw(); const {width, height} = v.canvas, paper = Object.assign(document.createElement('canvas'), "
+          "{width, height}).getContext('2d'); paper.drawImage(v.canvas, 0, 0); const p = paper.getImageData(0, 0, width, height).data; "
+          "let n = 0; for (let i = 3; i < p.length; i += 4) n += p[i] > 0; return n; })()")
+
+
 class Hand(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -176,9 +182,7 @@ class Hand(unittest.TestCase):
 
     def test_a_cut_takes_away_what_lies_before_it(self):
         stage = "document.querySelector('.scene').stage"
-        pixels = (f"(() => {{ const v = {stage}.viewer; v.draw(); const g = v.renderer.getContext(), {{width, height}} = v.canvas, "
-                  "p = new Uint8Array(4 * width * height); g.readPixels(0, 0, width, height, g.RGBA, g.UNSIGNED_BYTE, p); "
-                  "let n = 0; for (let i = 3; i < p.length; i += 4) n += p[i] > 0; return n; })()")
+        pixels = PIXELS % f"{stage}.viewer"
         cut = (f"(() => {{ const c = {stage}.part('cut'); c.value = '%s'; c.dispatchEvent(new Event('change')); }})()")
         whole = self.page.run(pixels)
         self.page.run(cut % "z")
@@ -212,9 +216,7 @@ class Hand(unittest.TestCase):
 class Layout(unittest.TestCase):
     HIDE = "addEventListener('DOMContentLoaded', () => { document.querySelector('.view').style.display = 'none'; })"
     VIEWER = "document.querySelector('.scene').stage.viewer"
-    PIXELS = ("(() => { const v = %s; v.draw(); const g = v.renderer.getContext(), {width, height} = v.canvas, "
-              "p = new Uint8Array(4 * width * height); g.readPixels(0, 0, width, height, g.RGBA, g.UNSIGNED_BYTE, p); "
-              "let n = 0; for (let i = 3; i < p.length; i += 4) n += p[i] > 0; return n; })()") % VIEWER
+    PIXELS = PIXELS % VIEWER
 
     def test_a_body_is_drawn_that_has_no_size_or_a_lost_camera_at_first(self):
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:

@@ -1,215 +1,47 @@
-// A body in 3D, turned by hand: molecules as spheres, connections as rods, faces. Needs three (THREE with OrbitControls),
-// body.js, colours.js and marks.js; knows nothing of strategies, runs or the rest of the page.
+// A body in 3D, turned by hand: what is seen of it, from where, and what is under the pointer. A painter draws it:
+// graphics_painter.js or processor_painter.js. Needs three (THREE with OrbitControls), body.js, colours.js and marks.js; knows
+// nothing of strategies, runs or the rest of the page.
 'use strict';
 
-/** Molecules in a row of the textures that hold their places and colours. */
-const texture_width = 1024;
-
-/** Both shaders of what is drawn once for each molecule or connection: a corner of a flat shape, turned to the eye. Distant
- *  parts fade into the ground. Corners stay as they are from picture to picture, and read where their molecules are from
- *  textures. They are no instances: those of four corners cost a graphics card a whole group of threads each, and one that
- *  is imitated by the processor some 30 µs. */
-const shader_parts = {
-  read: `
-    precision highp sampler2D;
-    uniform sampler2D places, tints, rod_tints;
-    vec4 read(sampler2D numbers, float i) { int at = int(i); return texelFetch(numbers, ivec2(at % ${texture_width}, at / ${texture_width}), 0); }`,
-  fade: `
-    uniform float near_side, depth; uniform vec3 ground; varying float distance_to_eye;
-    uniform vec4 cut; varying vec3 place;
-    // Where nothing is cut, no rod's point is discarded, so that hidden ones are left out before they are computed.
-    void cut_away() {
-    #ifdef CUT
-      if (dot(cut.xyz, place) > cut.w) discard;
-    #endif
-    }
-    vec3 faded(vec3 colour) { return mix(colour, ground, .5 * clamp((distance_to_eye - near_side) / depth, 0., 1.)); }`,
-  // The disc is larger than the sphere at its middle, for it is seen in perspective.
-  sphere_vertex: `
-    varying vec3 place;
-    uniform float share, pixel;
-    varying vec3 tint, middle, at; varying float size, distance_to_eye;
-    void main() {
-      vec4 molecule = read(places, position.z);
-      place = molecule.xyz;
-      vec4 p = modelViewMatrix * vec4(place, 1.);
-      tint = read(tints, position.z).rgb; middle = p.xyz; distance_to_eye = -p.z;
-      size = max(molecule.w * share, 1.2 * pixel * -p.z);
-      at = middle + vec3(1.15 * size * position.xy, 0.);
-      gl_Position = projectionMatrix * vec4(at, 1.);
-    }`,
-  sphere_fragment: `
-    uniform mat4 projectionMatrix; varying vec3 tint, middle, at; varying float size;
-    void main() {
-      cut_away();
-      vec3 ray = normalize(at);
-      float along = dot(ray, middle), inside = along * along - dot(middle, middle) + size * size;
-      if (inside < 0.) discard;
-      vec3 hit = (along - sqrt(inside)) * ray, normal = (hit - middle) / size;
-      vec4 p = projectionMatrix * vec4(hit, 1.);
-      gl_FragDepthEXT = .5 + .5 * p.z / p.w;
-      gl_FragColor = vec4(faded(tint * (.5 + .55 * max(0., dot(normal, normalize(vec3(-.4, .6, .8)))))), 1.);
-    }`,
-  rod_vertex: `
-    attribute vec2 ends;  // this corner's own end first
-    uniform float width, pixel, near; uniform vec2 canvas; uniform bool own_tints;
-    varying vec3 tint, place; varying float across, distance_to_eye;
-    void main() {
-      vec3 own = read(places, ends.x).xyz, other = read(places, ends.y).xyz;
-      vec3 from = position.x < .5 ? own : other, to = position.x < .5 ? other : own;
-      place = own;
-      vec4 a = modelViewMatrix * vec4(from, 1.), b = modelViewMatrix * vec4(to, 1.);
-      float front = -near;  // a rod that passes the eye ends before it
-      if (a.z > front && b.z < front) a = mix(a, b, (a.z - front) / (a.z - b.z));
-      if (b.z > front && a.z < front) b = mix(b, a, (b.z - front) / (b.z - a.z));
-      vec4 p = projectionMatrix * a, q = projectionMatrix * b, end = position.x < .5 ? p : q;
-      vec2 along = (q.xy / q.w - p.xy / p.w) * canvas;
-      vec2 side = length(along) > 0. ? normalize(vec2(-along.y, along.x)) : vec2(0., 1.);
-      float half_width = max(width / (pixel * end.w), 1.);  // in pixels
-      gl_Position = end;
-      gl_Position.xy += side * position.y * 2. * half_width / canvas * end.w;
-      tint = (own_tints ? read(rod_tints, position.z) : read(tints, ends.x)).rgb;
-      across = position.y; distance_to_eye = end.w;
-    }`,
-  rod_fragment: `
-    varying vec3 tint; varying float across;
-    void main() {
-      cut_away();
-      gl_FragColor = vec4(faded(tint * (.65 + .4 * sqrt(max(0., 1. - across * across)))), 1.);
-    }`,
-};
-
-/** Four corners (x, y, number) and two triangles for each of so many flat shapes, x from `least` to 1. */
-function corners_of(count, least) {
-  const geometry = new THREE.BufferGeometry(), corners = new Float32Array(12 * count), index = new Uint32Array(6 * count);
-  for (let i = 0; i < count; ++i) {
-    corners.set([least, -1, i, least, 1, i, 1, -1, i, 1, 1, i], 12 * i);
-    index.set([4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 2, 4 * i + 1, 4 * i + 3], 6 * i);
-  }
-  geometry.setIndex(new THREE.BufferAttribute(index, 1));
-  return geometry.setAttribute('position', new THREE.BufferAttribute(corners, 3));
-}
-
-/** Room for four numbers each. */
-function texture_of(count) {
-  const rows = Math.max(1, Math.ceil(count / texture_width));
-  return new THREE.DataTexture(new Float32Array(4 * texture_width * rows), texture_width, rows, THREE.RGBAFormat, THREE.FloatType);
+/** False where the processor imitates a graphics card, and where there is no WebGL 2 at all. */
+function drawn_by_graphics_card() {
+  const context = document.createElement('canvas').getContext('webgl2', {failIfMajorPerformanceCaveat: true});
+  const names = context?.getExtension('WEBGL_debug_renderer_info'), card = context?.getParameter(names?.UNMASKED_RENDERER_WEBGL ?? context.RENDERER);
+  context?.getExtension('WEBGL_lose_context')?.loseContext();
+  return !!context && !/swiftshader|llvmpipe|software|basic render/i.test(card);
 }
 
 class Viewer {
-  /** Edges are smooth if antialias is true, for three times the time where the processor draws. Throws where the browser has no WebGL 2. */
-  constructor(canvas, antialias = true) {
-    const context = canvas.getContext('webgl2', {antialias, alpha: true, premultipliedAlpha: false});
-    if (!context) throw new Error('this browser has no WebGL 2, or it is switched off');
+  /** Drawn by the graphics card where there is one, unless the page says otherwise: Painter(canvas, camera) has smooth,
+   *  set_body(body), set_state(positions, colours), set_cut(cut, is_cut), paint(view) and release(). */
+  constructor(canvas, Painter = drawn_by_graphics_card() ? GraphicsPainter : ProcessorPainter) {
     this.canvas = canvas;
-    this.marks = canvas.parentElement.appendChild(Object.assign(document.createElement('canvas'), {className: 'marks'}));
-    this.marks.setAttribute('aria-hidden', 'true');
-    this.renderer = new THREE.WebGLRenderer({canvas, context, antialias, alpha: true, premultipliedAlpha: false});
-    this.renderer.setClearColor(0, 0);
-    this.look = {connections: true, molecules: true, surface: false};
-    this.direction = [-0.6, 0.35];  // from which bodies are seen first: about the z axis, and upwards [rad]
-    this.sharpness = 1;
-    this.build_scene();
-    this.listen();
-  }
-
-  build_scene() {
-    this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(24, 1, 1, 10);
     this.camera.up.set(0, 0, 1);
-    this.uniforms = {near_side: {value: 0}, depth: {value: 1}, ground: {value: new THREE.Color()}, share: {value: 1}, width: {value: 0},
-      pixel: {value: 0}, near: {value: 0}, canvas: {value: new THREE.Vector2()}, cut: {value: new THREE.Vector4(0, 0, 0, 1)},
-      places: {value: null}, tints: {value: null}, rod_tints: {value: null}, own_tints: {value: false}};
-    const material = (vertex, fragment) => new THREE.ShaderMaterial({uniforms: this.uniforms, vertexShader: shader_parts.read + vertex,
-      fragmentShader: shader_parts.fade + fragment, defines: {}, side: THREE.DoubleSide, extensions: {fragDepth: true}});
-    const paint = new THREE.MeshPhongMaterial({vertexColors: THREE.VertexColors, flatShading: true, side: THREE.DoubleSide, shininess: 0,
-      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1});
-    this.renderer.localClippingEnabled = true;
-    this.cut_plane = new THREE.Plane(new THREE.Vector3(), 1);
-    paint.clippingPlanes = [this.cut_plane];
-    this.parts = {
-      molecules: new THREE.Mesh(new THREE.BufferGeometry(), material(shader_parts.sphere_vertex, shader_parts.sphere_fragment)),
-      connections: new THREE.Mesh(new THREE.BufferGeometry(), material(shader_parts.rod_vertex, shader_parts.rod_fragment)),
-      surface: new THREE.Mesh(new THREE.BufferGeometry(), paint),
-    };
-    for (const part of Object.values(this.parts)) part.frustumCulled = false;
-    const lamp = new THREE.DirectionalLight(0xffffff, 0.55);
-    lamp.position.set(-0.5, 0.7, 0.9);
-    this.camera.add(lamp);
-    this.scene.add(this.camera, new THREE.AmbientLight(0xffffff, 0.6), ...Object.values(this.parts));
+    this.painter = new Painter(canvas, this.camera);
+    this.marks = canvas.parentElement.appendChild(Object.assign(document.createElement('canvas'), {className: 'marks'}));
+    this.marks.setAttribute('aria-hidden', 'true');
+    this.look = {connections: true, molecules: true, surface: false};
+    this.cut = new THREE.Vector4(0, 0, 0, 1);  // what is beyond the plane cut.xyz · x = cut.w is not drawn
+    this.direction = [-0.6, 0.35];  // from which bodies are seen first: about the z axis, and upwards [rad]
+    this.finest = this.painter.smooth ? 1 : 2;  // pixels along a side for each that is seen: four make edges smooth
+    this.sharpness = this.finest;
+    this.share = 1;  // of a molecule's radius that is drawn
+    this.listen();
   }
 
   /** The body that is shown: {radius, ends, surface}, see body.js. */
   set_body(body) {
     this.body = body;
-    this.stale = new Set();
-    const connections = body.ends.length / 2, faces = new THREE.BufferGeometry();
-    for (const name of ['position', 'color'])
-      faces.setAttribute(name, new THREE.BufferAttribute(new Float32Array(3 * body.surface.length), 3).setUsage(THREE.DynamicDrawUsage));
-    const rods = corners_of(connections, 0), ends = new Float32Array(8 * connections);
-    for (let i = 0; i < connections; ++i) {
-      const [a, b] = [body.ends[2 * i], body.ends[2 * i + 1]];
-      ends.set([a, b, a, b, b, a, b, a], 8 * i);
-    }
-    rods.setAttribute('ends', new THREE.BufferAttribute(ends, 2));
-    this.mean_radius = body.radius.reduce((sum, radius) => sum + radius, 0) / (body.radius.length || 1);
-    for (const [name, geometry] of Object.entries({molecules: corners_of(body.radius.length, -1), connections: rods, surface: faces})) {
-      this.parts[name].geometry.dispose();
-      this.parts[name].geometry = geometry;
-    }
-    this.drawable = {molecules: body.radius.length, connections, surface: body.surface.length};
-    for (const [name, count] of [['places', body.radius.length], ['tints', body.radius.length], ['rod_tints', connections]]) {
-      this.uniforms[name].value?.dispose();
-      this.uniforms[name].value = texture_of(count);
-    }
-    body.radius.forEach((radius, molecule) => { this.uniforms.places.value.image.data[4 * molecule + 3] = radius; });
-  }
-
-  /** Three numbers for each, into the texture of this name. */
-  fill_texture(name, numbers) {
-    const texture = this.uniforms[name].value, {data} = texture.image;
-    for (let from = 0, to = 0; from < numbers.length; from += 3, to += 4) {
-      data[to] = numbers[from];
-      data[to + 1] = numbers[from + 1];
-      data[to + 2] = numbers[from + 2];
-    }
-    texture.needsUpdate = true;
-  }
-
-  fill(part, name, write) {
-    const attribute = this.parts[part].geometry.attributes[name];
-    write(attribute.array);
-    attribute.needsUpdate = true;
+    this.painter.set_body(body);
   }
 
   /** One state. positions: three a molecule [m]. colours, red green blue [0 … 1] each: molecules, one for each; connections,
    *  one for each, or none for those of their ends; faces, one for each, or none for those of their corners. */
   set_state(positions, colours) {
     this.positions = positions;
-    this.colours = colours;
-    this.stale = new Set(['places', 'tints', 'rod_tints', 'surface']);
+    this.painter.set_state(positions, colours);
     this.request();
-  }
-
-  /** Gives what is drawn the last state: what is not seen costs nothing. */
-  fill_parts() {
-    const {positions, colours, look, drawable, body: {surface}} = this, rods = look.connections && drawable.connections > 0;
-    const stale = (name, wanted) => wanted && this.stale.delete(name);
-    const gather = (numbers, from) => array => {
-      for (let i = 0, to = 0; i < numbers.length; ++i) {
-        const at = 3 * numbers[i];
-        array[to++] = from[at];
-        array[to++] = from[at + 1];
-        array[to++] = from[at + 2];
-      }
-    };
-    this.uniforms.own_tints.value = !!colours.connections;
-    if (stale('places', look.molecules || rods)) this.fill_texture('places', positions);
-    if (stale('tints', look.molecules || rods && !colours.connections)) this.fill_texture('tints', colours.molecules);
-    if (stale('rod_tints', rods && colours.connections)) this.fill_texture('rod_tints', colours.connections);
-    if (!stale('surface', look.surface && drawable.surface > 0)) return;
-    this.fill('surface', 'position', gather(surface, positions));
-    this.fill('surface', 'color', colours.faces ? gather(surface.map((_, i) => Math.floor(i / 3)), colours.faces) : gather(surface, colours.molecules));
   }
 
   /** What is drawn: connections, molecules, surface, each true or false. */
@@ -225,7 +57,7 @@ class Viewer {
   /** Draws nothing beyond a plane across an axis, on its upper side (1) or its lower (−1), at a share of the extent of what
    *  was fitted; axis −1 draws all. */
   set_cut(axis, side, share) {
-    const cut = this.uniforms.cut.value.set(0, 0, 0, 1);
+    const cut = this.cut.set(0, 0, 0, 1);
     if (axis >= 0) {
       let low = Infinity, high = -Infinity;
       for (const positions of this.fitted)
@@ -233,19 +65,11 @@ class Viewer {
       cut.setComponent(axis, side);
       cut.w = side * (low + share * (high - low));
     }
-    for (const {material} of [this.parts.molecules, this.parts.connections]) {
-      material.needsUpdate ||= axis >= 0 !== 'CUT' in material.defines;
-      material.defines = axis >= 0 ? {CUT: ''} : {};
-    }
-    this.cut_plane.normal.set(-cut.x, -cut.y, -cut.z);
-    this.cut_plane.constant = cut.w;
+    this.painter.set_cut(cut, axis >= 0);
     this.request();
   }
 
-  is_cut_away(x, y, z) {
-    const cut = this.uniforms.cut.value;
-    return cut.x * x + cut.y * y + cut.z * z > cut.w;
-  }
+  is_cut_away(x, y, z) { return this.cut.x * x + this.cut.y * y + this.cut.z * z > this.cut.w; }
 
   /** What is marked: {molecule} or {face}, or nothing. */
   set_picked(picked) {
@@ -324,29 +148,20 @@ class Viewer {
   }
 
   draw() {
-    const {canvas, camera, renderer} = this, full = Math.min(devicePixelRatio || 1, 2), scale = Math.min(full * this.sharpness, 2);
+    const {canvas, camera, look, body} = this, full = Math.min(devicePixelRatio || 1, 2), scale = Math.min(full * this.sharpness, 2);
     if (!this.positions || !canvas.clientWidth || !canvas.clientHeight || this.released) return;
     if (this.unseen || !Number.isFinite(camera.position.lengthSq() + this.controls.target.lengthSq())) this.look_from(...this.direction);
     if (this.unseen) return;
-    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-    if (canvas.width !== Math.floor(width * scale) || canvas.height !== Math.floor(height * scale)) {
-      renderer.setPixelRatio(scale);
-      renderer.setSize(width, height, false);
-    }
-    const distance = camera.position.distanceTo(this.middle);
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight], distance = camera.position.distanceTo(this.middle);
     camera.aspect = width / height;
     camera.near = Math.max(distance - 1.2 * this.reach, 0.01 * this.reach);
     camera.far = distance + 1.2 * this.reach;
     camera.updateProjectionMatrix();
-    for (const [name, part] of Object.entries(this.parts)) part.visible = this.look[name] && this.drawable[name] > 0;
-    this.fill_parts();
-    const style = getComputedStyle(canvas), ground = style.getPropertyValue('--paper').trim();
-    Object.entries({near_side: distance - this.reach, depth: 2 * this.reach, share: this.radius_share(), near: camera.near,
-      width: 0.05 * this.mean_radius, pixel: 2 * Math.tan(camera.fov * Math.PI / 360) / (height * scale)})
-      .forEach(([name, value]) => { this.uniforms[name].value = value; });
-    this.uniforms.ground.value.set(ground || '#fff');
-    this.uniforms.canvas.value.set(width * scale, height * scale);
-    renderer.render(this.scene, camera);
+    const style = getComputedStyle(canvas);
+    this.share = this.radius_share();
+    this.painter.paint({width, height, scale, share: this.share, near_side: distance - this.reach, depth: 2 * this.reach,
+      ground: style.getPropertyValue('--paper').trim() || '#fff', molecules: look.molecules && body.radius.length > 0,
+      connections: look.connections && body.ends.length > 0, surface: look.surface && body.surface.length > 0});
     this.draw_marks(this.marks, full, style);
   }
 
@@ -373,7 +188,7 @@ class Viewer {
   /** What is seen, with axes, bar and legend, as a canvas of its own. */
   picture(legend) {
     const {canvas, marks, sharpness} = this;
-    this.sharpness = 1;
+    this.sharpness = this.finest;
     this.draw();
     this.sharpness = sharpness;
     const scale = canvas.width / canvas.clientWidth;
@@ -403,12 +218,12 @@ class Viewer {
     return found.filter(one => one).sort((a, b) => a.distance - b.distance)[0];
   }
 
-  /** The molecule that is seen at a point of the canvas [px], or −1. */
-  molecule_at(x, y) { return this.nearest_molecule(x, y)?.molecule ?? -1; }
+  /** The molecule that is seen at a point of the canvas [px], or within `reach` of it where none is; or −1. */
+  molecule_at(x, y, reach = 4) { return (this.nearest_molecule(x, y) ?? this.nearest_molecule(x, y, reach))?.molecule ?? -1; }
 
-  nearest_molecule(x, y) {
+  nearest_molecule(x, y, pixels = 4) {
     const {camera, canvas, positions, body} = this, {origin: o, direction: d} = this.ray_at(x, y);
-    const share = this.uniforms.share.value, slack = 4 * 2 * Math.tan(camera.fov * Math.PI / 360) / canvas.clientHeight;  // four pixels
+    const share = this.share, slack = pixels * 2 * Math.tan(camera.fov * Math.PI / 360) / canvas.clientHeight;
     let found, nearest = Infinity;
     for (let molecule = 0; molecule < body.radius.length; ++molecule) {
       const [px, py, pz] = positions.subarray(3 * molecule, 3 * molecule + 3);
@@ -486,8 +301,7 @@ class Viewer {
     this.sizes.disconnect();
     this.scheme.removeEventListener('change', this.on_scheme);
     this.controls.dispose();
-    this.renderer.dispose();
-    this.renderer.forceContextLoss();
+    this.painter.release();
     this.marks.remove();
   }
 }
