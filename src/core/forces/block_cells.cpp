@@ -973,6 +973,21 @@ class CellLaws final : public PointLaws<dimensions> {
   std::vector<AnyPoint<dimensions>> laws_;
 };
 
+}  // namespace
+
+template <int dimensions>
+std::unique_ptr<Elasticity> make_block_cells(const Body& body, const CellBlock& block,
+                                             std::vector<AnyPoint<dimensions>> laws, std::vector<Volumetric> volume) {
+  return std::make_unique<BlockCells<dimensions>>(body, block, std::make_shared<CellLaws<dimensions>>(std::move(laws)),
+                                                  std::move(volume));
+}
+template std::unique_ptr<Elasticity> make_block_cells<2>(const Body&, const CellBlock&, std::vector<AnyPoint<2>>,
+                                                         std::vector<Volumetric>);
+template std::unique_ptr<Elasticity> make_block_cells<3>(const Body&, const CellBlock&, std::vector<AnyPoint<3>>,
+                                                         std::vector<Volumetric>);
+
+namespace {
+
 /// The sum over the blocks of so many dimensions.
 template <class Make>
 std::unique_ptr<Elasticity> sum_of_blocks(const Body& body, int dimensions, const Make& make) {
@@ -989,8 +1004,7 @@ template <int dimensions>
 std::unique_ptr<Elasticity> make_blocks(const Body& body, const Material& material,
                                         const AnyAtWork<dimensions>& at_work) {
   return sum_of_blocks(body, dimensions, [&](const CellBlock& block) {
-    return make_block_cells<dimensions>(
-        body, block, std::make_shared<CellLaws<dimensions>>(laws_of(body, block, material, at_work)));
+    return make_block_cells<dimensions>(body, block, laws_of(body, block, material, at_work));
   });
 }
 template std::unique_ptr<Elasticity> make_blocks<2>(const Body&, const Material&, const AnyAtWork<2>&);
@@ -1003,7 +1017,7 @@ std::unique_ptr<Elasticity> make_mixed_blocks(const Body& body, const Material& 
     std::vector<Volumetric> volumes;
     for (auto& [shape, volume] : laws_of(body, block, material, at_work))
       shapes.push_back(std::move(shape)), volumes.push_back(volume);
-    return make_block_cells(body, block, std::make_shared<CellLaws<3>>(std::move(shapes)), std::move(volumes));
+    return make_block_cells<3>(body, block, std::move(shapes), std::move(volumes));
   });
 }
 

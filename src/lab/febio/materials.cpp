@@ -572,10 +572,9 @@ std::unique_ptr<Elasticity> make_relaxing(const Body& body, const CellBlock& blo
   terms.back()->relax(*material.relaxation);
   if (!material.volume) return std::move(terms.front());
   if (whole_cell)
-    terms.push_back(make_block_cells(body, block, make_point_laws<3>(std::vector<NoShape>(1)), {*material.volume}));
+    terms.push_back(make_block_cells<3>(body, block, {AnyPoint<3>(NoShape{})}, {*material.volume}));
   else
-    terms.push_back(
-        make_block_cells<3>(body, block, make_point_laws<3>(std::vector<VolumeOnly>{{{}, *material.volume}})));
+    terms.push_back(make_block_cells<3>(body, block, {AnyPoint<3>(VolumeOnly{{}, *material.volume})}));
   return make_sum(std::move(terms), nullptr);
 }
 

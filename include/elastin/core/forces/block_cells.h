@@ -25,6 +25,12 @@ std::unique_ptr<Elasticity> make_block_cells(const Body& body, const CellBlock& 
 std::unique_ptr<Elasticity> make_block_cells(const Body& body, const CellBlock& block,
                                              std::shared_ptr<const PointLaws<3>> laws, std::vector<Volumetric> volume);
 
+/// The same with one law for all cells, or one a cell, and their U(J) where they are split.
+template <int dimensions>
+std::unique_ptr<Elasticity> make_block_cells(const Body& body, const CellBlock& block,
+                                             std::vector<AnyPoint<dimensions>> laws,
+                                             std::vector<Volumetric> volume = {});
+
 /// Mean of a cell's nodes at rest [m].
 inline Vector3 middle_of(const Body& body, const CellBlock& block, int cell) {
   Vector3 sum = Vector3::Zero();
