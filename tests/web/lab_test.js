@@ -78,6 +78,12 @@ async function drag_by_finger(browser) {
 }
 
 async function work_controls(browser) {
+  // A test that is stopped while the page waits for its next step.
+  await browser.eval('document.getElementById("test").click()');
+  await browser.until('lab.testing === "runs"', 20);
+  await browser.eval('lab.worker.postMessage({kind: "stop_test"}), 0');
+  await sleep(300);
+  await browser.eval('document.getElementById("test").click()');
   await rest(browser);
   await browser.eval('document.querySelector("input[value=pin]").click()');
   const {x, y} = await top_molecule(browser);
