@@ -8,7 +8,7 @@
 //     access PAGE                   labels, roles, contrast, what overflows, at 1400 and 390 px, light and dark
 //     axe PAGE AXE                  axe-core's own rules, AXE its axe.min.js, at 1400 and 390 px, light and dark
 //     refused PAGE                  without WebGL the processor draws; without WebAssembly the page says so
-//     frames PAGE SECONDS [STRATEGY]   pictures a second of a body that swings
+//     frames PAGE SECONDS [STRATEGY [PAINTER]]   pictures a second of a body that is pulled; drawn by graphics or processor
 //     pictures PAGE FOLDER          screenshots at 1400 and 390 px, light and dark
 'use strict';
 const fs = require('node:fs'), path = require('node:path'), {Browser, sleep} = require('./browser.js');
@@ -78,6 +78,12 @@ async function drag_by_finger(browser) {
 }
 
 async function work_controls(browser) {
+  // A test that is stopped while the page waits for its next step.
+  await browser.eval('document.getElementById("test").click()');
+  await browser.until('lab.testing === "runs"', 20);
+  await browser.eval('lab.worker.postMessage({kind: "stop_test"}), 0');
+  await sleep(300);
+  await browser.eval('document.getElementById("test").click()');
   await rest(browser);
   await browser.eval('document.querySelector("input[value=pin]").click()');
   const {x, y} = await top_molecule(browser);
@@ -243,8 +249,8 @@ const actions = {
   },
 
   async frames(browser) {
-    const [seconds, strategy] = [+more[0], more[1]];
-    await browser.open(url, 1400, 1000);
+    const [seconds, strategy, painter] = [+more[0], more[1], more[2]];
+    await browser.open(url + (painter ? '#painter=' + painter : ''), 1400, 1000);
     if (strategy) {
       await browser.eval(`(() => { const s = document.getElementById('strategy-1'); s.value = '${strategy}'; s.dispatchEvent(new Event('change')); })()`);
       await browser.until(`lab.settled?.[0] === '${strategy}'`, 60);
@@ -262,7 +268,7 @@ const actions = {
     const end = await count(), passed = (end.at - begin.at) / 1000;
     console.log(`${await text(browser, 'about')} ${await browser.eval('lab.strategies[0]')}: ${((end.pictures - begin.pictures) / passed).toFixed(1)} pictures a second, ` +
       `${((end.time - begin.time) / passed).toFixed(2)} of real time, ${await browser.eval('lab.viewer.canvas.width')} x ${await browser.eval('lab.viewer.canvas.height')} pixels, ` +
-      `sharpness ${(await browser.eval('lab.pace.sharpness')).toFixed(2)}, core ${(1000 * await browser.eval('lab.pace.core')).toFixed(1)} ms a picture`);
+      `by the ${painter ?? 'painter that the page chose'}, sharpness ${(await browser.eval('lab.pace.sharpness')).toFixed(2)}, core ${(1000 * await browser.eval('lab.pace.core')).toFixed(1)} ms a picture`);
     must(end.pictures > begin.pictures && end.time > begin.time, 'nothing moves');
   },
 

@@ -188,7 +188,7 @@ std::string errors_text(const Ranking& ranking, const Record& record) {
 /// What comes nearer than anything without a warning; "" where nothing does that would be near enough.
 std::string warned_text(const Ranking& ranking) {
   if (!ranking.warned || ranking.error(*ranking.warned) > kNear) return "";
-  if (ranking.best && ranking.error(*ranking.best) <= kNear) return "";
+  if (ranking.recommends()) return "";
   return "\n    " + ranking.warned->run.strategy + " comes to " + errors_text(ranking, *ranking.warned) +
          ", with a warning: " + short_warning(ranking.warned->run.warnings.front());
 }
@@ -216,12 +216,11 @@ std::string advice_text(const Ranking& ranking, bool colours) {
   std::string tied;
   for (const Record* record : ranking.tied) tied += (tied.empty() ? " (tied with " : ", ") + record->run.strategy;
   if (!tied.empty()) tied += ")";
-  return fmt::format(
-      "\n  {} {}{}: {} (target: {}), {}{}{}\n",
-      ranking.error(*best) <= kNear ? "recommended:" : "no strategy is near " + goal + "; the nearest is",
-      painted(best->run.strategy, Tone::bold, colours), tied, found, best->prescribed,
-      readable_seconds(best->run.build_seconds + best->run.solve_seconds), warned_text(ranking),
-      directions_text(ranking));
+  return fmt::format("\n  {} {}{}: {} (target: {}), {}{}{}\n",
+                     ranking.recommends() ? "recommended:" : "no strategy is near " + goal + "; the nearest is",
+                     painted(best->run.strategy, Tone::bold, colours), tied, found, best->prescribed,
+                     readable_seconds(best->run.build_seconds + best->run.solve_seconds), warned_text(ranking),
+                     directions_text(ranking));
 }
 
 }  // namespace elastin::lab

@@ -141,7 +141,7 @@ std::string head_html(const Scenery& scene) {
   const bool advised = !scene.study && scene.records.size() > 1 && can_rank(scene.records);
   if (advised || !scene.ranking.no_reference.empty()) {
     const std::string advice = advice_text(scene.ranking, false);  // between line breaks, which the page would show
-    out += fmt::format("<p class=\"advice{}\">{}</p>\n", scene.ranking.best ? "" : " none",
+    out += fmt::format("<p class=\"advice{}\">{}</p>\n", scene.ranking.recommends() ? "" : " none",
                        escaped(advice.substr(1, advice.size() - 2)));
   }
   return out;
@@ -258,8 +258,9 @@ std::string scene_html(const Scenery& scene, std::size_t number, const Colours& 
     const auto colour = colours.find(series);
     return plot_colour(colour == colours.end() ? -1 : colour->second);
   };
-  std::string out = fmt::format("<article class=\"scene\" id=\"scene-{}\" data-best=\"{}\">", number,
-                                escaped(scene.ranking.best ? scene.ranking.best->run.strategy : ""));
+  std::string out = fmt::format("<article class=\"scene\" id=\"scene-{}\" data-best=\"{}\" data-best-word=\"{}\">",
+                                number, escaped(scene.ranking.best ? scene.ranking.best->run.strategy : ""),
+                                scene.ranking.recommends() ? "best" : "nearest");
   out += head_html(scene);
   const std::string error = figure_html(error_plot(scene.records, scene.ranking, colours, matter.peers),
                                         "Error against time", first.scene + "-error");

@@ -33,6 +33,8 @@ struct Ranking {
   /// The largest of the errors that count, as a size; infinite if one is missing. Of ratios that have a computed
   /// reference the difference counts.
   double error(const Record& record) const;
+  /// Whether the best comes near enough to be recommended.
+  bool recommends() const { return best && error(*best) <= kNear; }
 };
 
 /// The best is near enough (0.1 %, or within a tenth of the least error), with nothing to warn of; of those the nearest

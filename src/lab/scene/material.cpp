@@ -350,9 +350,13 @@ void check_material(Reader reader, const Material& material, const Body& body) {
   const bool solid = !membrane || !body.tetrahedra.empty();
   if (material.law && material.poissons_ratio == 0.5 && solid)
     reader.fail("key 'bulk_modulus' is missing: only membranes, bodies of triangles, are incompressible");
-  if (!material.law && material.poissons_ratio > 0.4999 && solid)
-    (reader.has("poissons_ratio") ? reader.at("poissons_ratio") : reader)
-        .fail("is out of range: above 0.4999 only membranes, bodies of triangles, are incompressible");
+  if (!material.law && material.poissons_ratio > 0.4999 && solid) {
+    if (!reader.has("poissons_ratio"))
+      reader.fail("Poisson's ratio is above 0.4999: only membranes, bodies of triangles, are incompressible");
+    const Reader given = reader.at("poissons_ratio");
+    given.fail("'" + given.text() +
+               "' is out of range: above 0.4999 only membranes, bodies of triangles, are incompressible");
+  }
 }
 
 namespace {

@@ -318,7 +318,7 @@ double Reader::number(const Dimension& dimension, const Range& range) const {
   const Quantity quantity = located([&] { return parse_quantity(given, dimension); });
   if (quantity.value < range.low || quantity.value > range.high || (range.open_low && quantity.value == range.low))
     fail("'" + given + "' is out of range: must be " + allowed_text(range, dimension) +
-         (dimension == dimension::none && !quantity.has_unit && quantity.value > range.high &&
+         (dimension == dimension::none && !quantity.has_unit && quantity.value > 1 && quantity.value > range.high &&
                   quantity.value / 100 <= range.high && range.high <= 1
               ? "; is " + given + " % meant?"
               : ""));

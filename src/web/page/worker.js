@@ -184,8 +184,8 @@ const answers = {
 
 onmessage = async ({data}) => {
   try {
-    const said = await answers[data.kind](data);
-    if (!said) return;
+    const said = await answers[data.kind](data) ?? {};
+    if (data.number === undefined) return;  // nobody waits for an answer
     const buffers = (said.bodies ?? []).flatMap(body => [body.positions, body.values]).filter(Boolean).map(array => array.buffer);
     postMessage({...said, answer: data.number}, said.kind === 'frame' ? buffers : []);
   } catch (problem) {

@@ -321,7 +321,7 @@ TEST_CASE("a value that cannot be is named with what can", "[scene]") {
       {"youngs_modulus: 5 kPa", "youngs_modulus: @-5 kPa", "material.youngs_modulus: '-5 kPa' is out of range", {}},
       {"poissons_ratio: 0.25, d",
        "poissons_ratio: @0.5, d",
-       "material.poissons_ratio: is out of range: above 0.4999 only membranes",
+       "material.poissons_ratio: '0.5' is out of range: above 0.4999 only membranes",
        {}},
       {"divisor: 3.75",
        "divisor: @-1",

@@ -15,6 +15,7 @@ const colour_kinds = {
 class Stage {
   /** body and runs (states by strategy, see body.js) of one scene; section holds the controls, each with its data-part. */
   constructor(section, body, runs) {
+    this.section = section;
     this.part = name => section.querySelector(`[data-part="${name}"]`);
     this.canvas = section.querySelector('.view canvas');
     this.body = body;
@@ -40,7 +41,7 @@ class Stage {
 
   fill_controls() {
     const strategy = this.part('strategy'), known = this.runs.has(this.best);
-    for (const name of this.runs.keys()) strategy.append(new Option(name === this.best ? name + ' (best)' : name, name));
+    for (const name of this.runs.keys()) strategy.append(new Option(name === this.best ? `${name} (${this.section.dataset.bestWord})` : name, name));
     if (known) strategy.value = this.best;
     const has = field => [...this.runs.values()].some(({frames}) => frames.some(frame => frame[field]?.length));
     for (const [kind, {field}] of Object.entries(colour_kinds))
