@@ -10,6 +10,7 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/prony.h"
 #include "elastin/core/geometry/numbering.h"
+#include "elastin/core/model/renumbered.h"
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/lab/study/laboratory.h"
 #include "python/bind.h"
@@ -343,6 +344,19 @@ void add_bodies(py::module_& module) {
       py::arg("positions"),
       "The order in which points (n, 3) lie along a curve that fills space, (n,): a large body whose molecules are "
       "numbered like this, positions[order], is passed over several times as fast as one numbered at random.");
+  module.def(
+      "numbered_in_space",
+      [](const Body& body) {
+        RenumberedBody ordered = numbered_in_space(body);
+        const auto numbers = [](const std::vector<int>& list) {
+          return py::array_t<int>(static_cast<py::ssize_t>(list.size()), list.data());
+        };
+        return py::make_tuple(std::make_shared<Body>(std::move(ordered.body)), numbers(ordered.molecule_from),
+                              numbers(ordered.connection_from));
+      },
+      py::arg("body"),
+      "The body with its molecules in the order of order_in_space, and the number that each molecule (n,) and each "
+      "connection (c,) had: what is known of the old body goes over by x[molecule_from]. Bodies of parts keep theirs.");
   module.def("_cell_kinds", [] {
     py::dict numbers;
     for (const CellKind& kind : cell_kinds()) numbers[py::str(std::string(kind.name))] = kind.vtk;

@@ -31,6 +31,13 @@ class Bodies(unittest.TestCase):
         with self.assertRaisesRegex(elastin.InputError, "positions: has numbers that are not finite"):
             elastin.order_in_space([[0, 0, numpy.nan]])
 
+    def test_a_body_is_numbered_in_space(self):
+        body = elastin.body({"lattice": {"kind": "cubic", "molecules": [4, 4, 4], "spacing": 1e-3}})
+        ordered, molecule_from, connection_from = elastin.numbered_in_space(body)
+        numpy.testing.assert_array_equal(ordered.positions, body.positions[molecule_from])
+        numpy.testing.assert_array_equal(numpy.sort(molecule_from[ordered.connections], axis=1),
+                                         numpy.sort(body.connections[connection_from], axis=1))
+
     def test_cells_give_connections_and_masses(self):
         body = elastin.Body(CORNERS, tetrahedra=[[0, 2, 1, 3]])  # turned over: it comes out right
         self.assertEqual(len(body.connections), 6)

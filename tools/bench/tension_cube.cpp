@@ -6,6 +6,7 @@
 
 #include "core/linear/sparse_stiffness.h"
 #include "elastin/core/linear/linear_solver.h"
+#include "elastin/core/model/renumbered.h"
 #include "elastin/core/simulation/catalog.h"
 #include "lab/protocol/tension.h"
 #include "measure.h"
@@ -15,13 +16,11 @@ namespace bench {
 using namespace elastin;
 using namespace elastin::lab;
 
-namespace {
-
-/// The cube with its springs; of a cube that is numbered at random nothing says that it is a lattice.
-std::pair<Body, VectorX> cube_and_constants(int side, Numbering numbering) {
+/// The cube with its springs; of a cube that was numbered at random nothing says that it is a lattice.
+TensionCube::Cube TensionCube::numbered(int side, Numbering numbering) {
   Body cube = make_cube(side);
   VectorX constants = built_in_catalog().find("lattice").constants(cube, kMaterial, {});
-  if (numbering == Numbering::lattice) return {std::move(cube), std::move(constants)};
+  if (numbering == Numbering::lattice) return {std::move(cube), std::move(constants), 0};
   auto shuffled = [generator = std::mt19937(1)](int count) mutable {
     std::vector<int> order(static_cast<std::size_t>(count));
     std::iota(order.begin(), order.end(), 0);
@@ -40,18 +39,19 @@ std::pair<Body, VectorX> cube_and_constants(int side, Numbering numbering) {
     body.connections.rest_length[c] = cube.connections.rest_length[connections[c]];
     own[c] = constants[connections[c]];
   }
-  return {std::move(body), std::move(own)};
+  if (numbering == Numbering::at_random) return {std::move(body), std::move(own), 0};
+  RenumberedBody ordered;
+  const double seconds = seconds_of([&] { ordered = numbered_in_space(body); });
+  return {std::move(ordered.body), own(ordered.connection_from).eval(), seconds};
 }
 
-}  // namespace
+TensionCube::TensionCube(int side, Numbering numbering) : TensionCube(numbered(side, numbering)) {}
 
-TensionCube::TensionCube(int side, Numbering numbering) : TensionCube(cube_and_constants(side, numbering)) {}
-
-TensionCube::TensionCube(std::pair<Body, VectorX> cube) : body(std::move(cube.first)), model(body) {
+TensionCube::TensionCube(Cube cube) : body(std::move(cube.body)), model(body), renumbering(cube.renumbering) {
   TensionSetup setup;
   setup.force = kMaterial.youngs_modulus * kCubeLength * kCubeLength * 1e-5;
   experiment = make_tension(body, setup);
-  model.add(make_springs(body, std::move(cube.second)));
+  model.add(make_springs(body, std::move(cube.constants)));
   experiment->static_rig(model)->set_load(1);
   loads = model.load_forces(state_at_rest(body));
 }

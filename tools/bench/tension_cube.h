@@ -1,7 +1,6 @@
 #pragma once
 #include <Eigen/SparseCore>
 #include <memory>
-#include <utility>
 
 #include "elastin/core/forces/model.h"
 #include "elastin/lab/experiment/protocol.h"
@@ -11,7 +10,7 @@ namespace bench {
 inline constexpr double kTolerance = 1e-8;  ///< of the residual, over the loads
 
 /// How a body's molecules and connections are numbered.
-enum class Numbering { lattice, at_random };
+enum class Numbering { lattice, at_random, in_space };
 
 /// The tension cube under the load that stretches it by 1e-5, ready to be solved.
 struct TensionCube {
@@ -20,9 +19,16 @@ struct TensionCube {
   elastin::Model model;
   std::unique_ptr<elastin::lab::StaticProtocol> experiment;
   elastin::Positions loads;
+  double renumbering;  ///< what numbered_in_space took of it [s]
 
  private:
-  explicit TensionCube(std::pair<elastin::Body, elastin::VectorX> cube);
+  struct Cube {
+    elastin::Body body;
+    elastin::VectorX constants;
+    double renumbering = 0;
+  };
+  static Cube numbered(int side, Numbering numbering);
+  explicit TensionCube(Cube cube);
 };
 
 /// K about rest without a shift; the sliding grips leave three rigid motions, on which the load does no work.

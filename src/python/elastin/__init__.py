@@ -29,7 +29,7 @@ if "OMP_WAIT_POLICY" not in _os.environ:
 
 from ._elastin import (Body, Catalog, InputError, Material, Parameter, Result, Row, Simulation, SimulationState,
                        StaticResult, StepError, StepResult, Strategy, TopologyReport, __version__, linear_solvers, loads,
-                       material_laws, measures, of_parts, order_in_space, set_threads, steppers, threads)
+                       material_laws, measures, numbered_in_space, of_parts, order_in_space, set_threads, steppers, threads)
 from . import _bodies, _simulation  # the methods that Python adds to classes of C++
 from ._bodies import body, lattice, material, read_mesh
 from ._experiments import CLASSES as _experiments, Experiment, experiments
@@ -42,5 +42,5 @@ globals().update(_experiments)
 __all__ = ["Body", "Catalog", "Comparison", "Experiment", "InputError", "Laboratory", "Material", "Parameter", "Result",
            "Row", "Simulation", "SimulationState", "StaticResult", "StepError", "StepResult", "Strategy", "Sweep",
            "TopologyReport", "Verdicts", "body", "compare", "experiments", "identify", "lattice", "law", "linear_solvers",
-           "loads", "material", "material_laws", "measures", "of_parts", "order_in_space", "read_mesh", "run", "set_threads",
-           "steppers", "strategies", "sweep", "threads", "verify", "where", *_experiments]
+           "loads", "material", "material_laws", "measures", "numbered_in_space", "of_parts", "order_in_space", "read_mesh", "run",
+           "set_threads", "steppers", "strategies", "sweep", "threads", "verify", "where", *_experiments]

@@ -517,6 +517,8 @@ def body(description: Mapping[str, Any] | str, material: Material | None = None)
 def order_in_space(positions: ArrayLike) -> Ints:
     """The order in which points (n, 3) lie along a curve that fills space, (n,): a large body whose molecules are
     numbered like this, positions[order], is passed over several times as fast as one numbered at random."""
+def numbered_in_space(body: Body) -> tuple[Body, Ints, Ints]:
+    ...
 def of_parts(parts: Sequence[tuple[str, Body, int]],
              ties: Sequence[tuple[str, str, float, float]] = ...) -> Body:
     """A body of several parts: (name, body, number of its material from 0; below 0: bone, which stays where it is
