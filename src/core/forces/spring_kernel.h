@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstddef>
 #include <span>
 
@@ -27,12 +28,24 @@ using AddInRowFlows = void (*)(RowOf3 positions, int apart, const double* consta
 using SetSpringForceDensities = void (*)(RowOf3 d, const double* constants, const double* rest_lengths, int count,
                                          double* force_densities);
 
+/// Springs between any molecules.
+struct ListedSprings {
+  const std::array<int, 2>* ends;
+  const double *constants, *rest_lengths;
+};
+/// Adds the forces of the springs first … last−1 to those of their ends that are in begin … end−1; the first end of
+/// each must be below `end`. A molecule meets its springs in the order of the list. Positions and forces stand molecule
+/// by molecule and must not overlap.
+using AddListedFlows = void (*)(const ListedSprings& springs, int first, int last, int begin, int end,
+                                const double* positions, double* forces);
+
 /// The same functions for each vector width that this processor has, the best one last. All give bitwise identical
 /// results.
 struct SpringKernel {
   AddRowFlows add_row_flows;
   AddInRowFlows add_in_row_flows;
   SetSpringForceDensities set_force_densities;
+  AddListedFlows add_listed_flows;
 };
 std::span<const SpringKernel> spring_kernels();
 /// The best one.

@@ -61,7 +61,11 @@ class Springs final : public Elasticity, public LocalElasticity {
                   Workspace& workspace) const override {
     if (grid_) return grid_->add_forces(positions, forces, workspace);
     if (!graph.gathers())
-      return graph.for_each_range([&](const Graph::Range& range) { scatter(range, positions, forces); });
+      return graph.for_each_range([&](const Graph::Range& range) {
+        spring_kernel().add_listed_flows({connections_.ends.data(), constants_.data(), connections_.rest_length.data()},
+                                         range.first, range.last, range.begin, range.end, positions.data(),
+                                         forces.data());
+      });
     graph.gather(forces, [&](int c, int a, int b) -> Vector3 {
       const Vector3 d = positions.col(b) - positions.col(a);
       return spring_density(d.norm(), constants_[c], connections_.rest_length[c]) * d;
@@ -127,40 +131,6 @@ class Springs final : public Elasticity, public LocalElasticity {
   }
 
  private:
-  /// Square roots and divisions are what takes time: those of a block of connections are done together, in vectors.
-  void scatter(const Graph::Range& range, const Positions& positions, Positions& forces) const {
-    constexpr int block = 64;
-    double d[3][block], q[block];
-    const SetSpringForceDensities set_force_densities = spring_kernel().set_force_densities;
-    const double* x = positions.data();
-    double* f = forces.data();
-    for (int first = range.first; first < range.last; first += block) {
-      const int count = std::min(block, range.last - first);
-      const auto* ends = connections_.ends.data() + first;
-      for (int i = 0; i < count; ++i) {
-        const double *a = x + 3 * static_cast<std::ptrdiff_t>(ends[i][0]),
-                     *b = x + 3 * static_cast<std::ptrdiff_t>(ends[i][1]);
-        d[0][i] = b[0] - a[0], d[1][i] = b[1] - a[1], d[2][i] = b[2] - a[2];
-      }
-      set_force_densities({d[0], block}, constants_.data() + first, connections_.rest_length.data() + first, count, q);
-      // Connections of one molecule follow each other: its sum need not go through memory.
-      for (int i = 0; i < count;) {
-        const int a = ends[i][0];
-        double* on_a = f + 3 * static_cast<std::ptrdiff_t>(a);
-        double x_sum = on_a[0], y_sum = on_a[1], z_sum = on_a[2];
-        for (; i < count && ends[i][0] == a; ++i) {
-          const double fx = q[i] * d[0][i], fy = q[i] * d[1][i], fz = q[i] * d[2][i];
-          x_sum += fx, y_sum += fy, z_sum += fz;
-          const int b = ends[i][1];
-          if (b < range.begin || b >= range.end) continue;
-          double* on_b = f + 3 * static_cast<std::ptrdiff_t>(b);
-          on_b[0] -= fx, on_b[1] -= fy, on_b[2] -= fz;
-        }
-        if (a >= range.begin) on_a[0] = x_sum, on_a[1] = y_sum, on_a[2] = z_sum;
-      }
-    }
-  }
-
   const Connections& connections_;
   VectorX constants_;
   Positions positions_;  ///< of linearise()

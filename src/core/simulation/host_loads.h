@@ -50,6 +50,9 @@ class Couplings final : public Load {
       visit(coupling.molecule, coupling.molecule,
             (coupling.stiffness + velocity_weight * coupling.damping) * Matrix3::Identity());
   }
+  void visit_points(const PointVisitor& visit) const override {
+    for (const Coupling& coupling : couplings_) visit(coupling.molecule, coupling.stiffness, coupling.damping);
+  }
   bool steady() const override { return false; }
   bool feels_velocity() const override { return resists(); }
   bool resists() const override {

@@ -96,8 +96,9 @@ void Simulation::Impl::make_model() {
   known = terms();
 }
 
-/// The longest part of an explicit step [s]. Grips add to the square of the fastest vibration's frequency, and to the
-/// largest damping rate, no more than what they are worth on their own molecules.
+/// The longest part of an explicit step [s]. Where the scheme takes them at the start of a step, grips add to the
+/// square of the fastest vibration's frequency, and to the largest damping rate, no more than what they are worth on
+/// their own molecules.
 double Simulation::Impl::longest_substep() {
   if (!options.integrator.scheme->is_explicit) return std::numeric_limits<double>::infinity();
   if (!stable) {
@@ -110,6 +111,7 @@ double Simulation::Impl::longest_substep() {
   }
   double stiffest = 0, most_damped = 0;
   for (const Coupling& coupling : couplings) {
+    if (options.integrator.scheme->points_at_end) break;
     double stiffness = 0, damping = 0;
     for (const Coupling& other : couplings)
       if (other.molecule == coupling.molecule) stiffness += other.stiffness, damping += other.damping;

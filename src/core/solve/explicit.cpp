@@ -12,9 +12,14 @@ namespace {
 /// Of one step.
 constexpr double kMaxSubsteps = 10000;
 
+/// Without what supports take.
+void set_free_forces(const Model& model, const State& state, Positions& forces, Workspace& workspace) {
+  model.set_forces(state, forces, workspace);
+  keep_free(model.supports, forces);
+}
+
 void set_accelerations(const Model& model, const State& state, Positions& accelerations, Workspace& workspace) {
-  model.set_forces(state, accelerations, workspace);
-  keep_free(model.supports, accelerations);
+  set_free_forces(model, state, accelerations, workspace);
   const VectorX& mass = model.body().mass;
   parallel_for(
       model.body().size(), [&](int i) { accelerations.col(i) /= mass[i]; }, kMoleculeThreshold);
@@ -67,9 +72,10 @@ class Explicit final : public Integrator {
 
   StepResult step(Model& model, State& state, double dt) {
     const int n = model.body().size();
-    if (!verlet_)
-      set_accelerations(model, state, accelerations_, workspace_);
-    else if (state.accelerations.cols() != n)
+    if (!verlet_) {
+      set_free_forces(model, state, forces_, workspace_);
+      take_points_at_end(model, state, dt);
+    } else if (state.accelerations.cols() != n)
       set_accelerations(model, state, state.accelerations, workspace_);
     next_.positions.resize(3, n);
     next_.velocities.resize(3, n);
@@ -78,7 +84,7 @@ class Explicit final : public Integrator {
     model.begin_step(state, next_.time);
     if (model.drive) model.drive(next_.time, model.supports);
     StepResult result;
-    const double largest = verlet_ ? verlet_step(model, state, dt) : euler_step(state, dt);
+    const double largest = verlet_ ? verlet_step(model, state, dt) : euler_step(model.body().mass, state, dt);
     apply_supports(model, next_.positions);
     move_with_supports(model.supports, next_.velocities);
     // Local error: Verlet's is dt³/6 of the third derivative, as in central differences; Euler's dt²/2 of the second.
@@ -100,18 +106,51 @@ class Explicit final : public Integrator {
     return result;
   }
 
+  /// −k (x − p) − c (v − w) as it is at the end of the step, where x and v are dt v' and dt a' on: the rest of the
+  /// forces stays. (m + dt c + dt² k) a' = F − dt k v. Stable with any k and c where the step is without them.
+  void take_points_at_end(const Model& model, const State& state, double dt) {
+    points_.clear();
+    for (const auto& load : model.loads())
+      load->visit_points([this](int molecule, double stiffness, double damping) {
+        for (Point& known : points_)
+          if (known.molecule == molecule) return void((known.stiffness += stiffness, known.damping += damping));
+        points_.push_back({molecule, stiffness, damping});
+      });
+    for (const auto& [molecule, stiffness, damping] : points_) {
+      const double mass = model.body().mass[molecule];
+      forces_.col(molecule) = mass / (mass + dt * (damping + dt * stiffness)) *
+                              (forces_.col(molecule) - dt * stiffness * state.velocities.col(molecule));
+    }
+  }
+
+  /// So many molecules that what one loop leaves for the next stays near.
+  static constexpr int kBlock = 64;
+
+  static void set_inverse(const double* mass, int count, double* inverse) {
+    for (int i = 0; i < count; ++i) inverse[3 * i] = inverse[3 * i + 1] = inverse[3 * i + 2] = 1 / mass[i];
+  }
+
   /// Kick, drift. The largest square of an acceleration, infinity if something is not finite.
-  double euler_step(const State& state, double dt) {
+  double euler_step(const VectorX& mass, const State& state, double dt) {
     next_.accelerations.resize(3, 0);
     return largest_of_ranges(
         static_cast<int>(state.positions.cols()),
         [&](int begin, int end) {
-          double most = 0;
-          for (int i = begin; i < end; ++i) {
-            const Vector3 velocity = state.velocities.col(i) + dt * accelerations_.col(i);
-            next_.velocities.col(i) = velocity;
-            next_.positions.col(i) = state.positions.col(i) + dt * velocity;
-            most = larger(most, accelerations_.col(i).squaredNorm(), velocity.squaredNorm());
+          double inverse[3 * kBlock], squares[3 * kBlock], sizes[3 * kBlock], most = 0;
+          for (int first = begin; first < end; first += kBlock) {
+            const int count = std::min(kBlock, end - first);
+            set_inverse(mass.data() + first, count, inverse);
+            const double *x = state.positions.data() + 3 * first, *v = state.velocities.data() + 3 * first,
+                         *f = forces_.data() + 3 * first;
+            double *next_x = next_.positions.data() + 3 * first, *next_v = next_.velocities.data() + 3 * first;
+            for (int i = 0; i < 3 * count; ++i) {
+              const double acceleration = f[i] * inverse[i], velocity = v[i] + dt * acceleration;
+              squares[i] = acceleration * acceleration;
+              sizes[i] = velocity * velocity;
+              next_v[i] = velocity;
+              next_x[i] = x[i] + dt * velocity;
+            }
+            most = largest_square(squares, sizes, count, most);
           }
           return most;
         },
@@ -149,11 +188,10 @@ class Explicit final : public Integrator {
 
   /// The second half of a kick, from the forces in next_.accelerations, which become accelerations.
   double kick(const VectorX& mass, const State& state, double half, int begin, int end) {
-    constexpr int block = 64;  // so many molecules that what one loop leaves for the next stays near
-    double inverse[3 * block], changes[3 * block], sizes[3 * block], most = 0;
-    for (int first = begin; first < end; first += block) {
-      const int count = std::min(block, end - first);
-      for (int i = 0; i < count; ++i) inverse[3 * i] = inverse[3 * i + 1] = inverse[3 * i + 2] = 1 / mass[first + i];
+    double inverse[3 * kBlock], changes[3 * kBlock], sizes[3 * kBlock], most = 0;
+    for (int first = begin; first < end; first += kBlock) {
+      const int count = std::min(kBlock, end - first);
+      set_inverse(mass.data() + first, count, inverse);
       const double *v = state.velocities.data() + 3 * first, *a = state.accelerations.data() + 3 * first;
       double *next_v = next_.velocities.data() + 3 * first, *next_a = next_.accelerations.data() + 3 * first;
       for (int i = 0; i < 3 * count; ++i) {
@@ -163,23 +201,32 @@ class Explicit final : public Integrator {
         next_a[i] = now;
         next_v[i] = velocity;
       }
-      for (int i = 0; i < 3 * count; i += 3)
-        most = larger(most, changes[i] + changes[i + 1] + changes[i + 2], sizes[i] + sizes[i + 1] + sizes[i + 2]);
+      most = largest_square(changes, sizes, count, most);
     }
     return most;
   }
 
-  /// The larger of two squares, infinity if the second or `size` is not finite. A place that is not gives forces that
-  /// are not.
-  static double larger(double most, double square, double size) {
-    const double value = square + (size - size);  // infinity less itself is no number
-    if (value <= most) return most;
-    return value < std::numeric_limits<double>::infinity() ? value : std::numeric_limits<double>::infinity();
+  /// The largest of `most` and the squares of `count` vectors, infinity if one of these or of their `sizes` is not
+  /// finite. A place that is not gives forces that are not.
+  static double largest_square(const double* squares, const double* sizes, int count, double most) {
+    for (int i = 0; i < 3 * count; i += 3) {
+      const double size = sizes[i] + sizes[i + 1] + sizes[i + 2];
+      const double value = squares[i] + squares[i + 1] + squares[i + 2] + (size - size);  // ∞ − ∞ is no number
+      if (value <= most) continue;
+      most = value < std::numeric_limits<double>::infinity() ? value : std::numeric_limits<double>::infinity();
+    }
+    return most;
   }
 
+  struct Point {
+    int molecule;
+    double stiffness, damping;
+  };
+
   bool verlet_;
+  std::vector<Point> points_;  // forces on single molecules, each molecule once
   State next_, before_;
-  Positions accelerations_;  // of a step's start, where the next step has no use for them
+  Positions forces_;  // of a step's start
   Workspace workspace_;
 };
 
@@ -206,7 +253,10 @@ Stepper symplectic_euler() {
   return {{"symplectic_euler", "explicit, order 1: v += dt a(x, v), x += dt v; no energy drift", "[Hairer 2006]"},
           true,
           1,
-          [](const ParameterValues&, const StaticOptions&) { return std::make_unique<Explicit>(false); }};
+          [](const ParameterValues&, const StaticOptions&) { return std::make_unique<Explicit>(false); },
+          {},
+          {},
+          true};
 }
 
 Stepper velocity_verlet() {

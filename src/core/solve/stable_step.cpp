@@ -38,12 +38,11 @@ double spectral_norm(const Matrix3& block) {
   return std::sqrt(symmetric_eigenvalues3(Matrix3(block.transpose() * block)).maxCoeff());
 }
 
-/// Row sums of the blocks' norms over the molecules' masses.
-std::pair<double, int> bound_of(const Tangent& tangent) {
-  const Body& body = tangent.model().body();
+/// Row sums of the norms of the blocks that `visit` hands over, over the molecules' masses.
+std::pair<double, int> bound_of(const Body& body, const std::function<void(const Load::BlockVisitor&)>& visit) {
   // The parts of one block must be added before its norm is taken, or cells would count many times: blocks by row.
   std::vector<std::vector<std::pair<int, Matrix3>>> rows(body.size());
-  tangent.visit_blocks([&](int a, int b, const Matrix3& block) {
+  visit([&](int a, int b, const Matrix3& block) {
     auto& row = rows[a];
     const auto at = std::find_if(row.begin(), row.end(), [&](const auto& entry) { return entry.first == b; });
     if (at == row.end())
@@ -58,6 +57,27 @@ std::pair<double, int> bound_of(const Tangent& tangent) {
     if (sum > most.first) most = {sum, a};
   }
   return most;
+}
+
+std::pair<double, int> bound_of(const Tangent& tangent) {
+  return bound_of(tangent.model().body(), [&](const Load::BlockVisitor& visit) { tangent.visit_blocks(visit); });
+}
+
+/// Of the damping alone: of loads by their own blocks, of internal damping as what stiffness w so large leaves that the
+/// rest is a millionth of the frequency.
+double damping_bound(Model& model, const State& state, double frequency) {
+  if (!model.viscosity().empty()) {
+    const double w = 1e6 * std::max(frequency, 1.);
+    return bound_of(Tangent(model, state, {.velocity = w})).first / w;
+  }
+  return bound_of(model.body(),
+                  [&](const Load::BlockVisitor& visit) {
+                    for (const auto& load : model.loads()) {
+                      load->visit_blocks(state, 1, visit);
+                      load->visit_blocks(state, 0, [&](int a, int b, const Matrix3& block) { visit(a, b, -block); });
+                    }
+                  })
+      .first;
 }
 
 /// Which connection or cell stores most of a mode's energy, ½ (2 d·δ)² slope and q |δ|² of springs.
@@ -125,10 +145,7 @@ StableStep bounded_stable_step(Model& model, const State& state) {
   const auto [square, molecule] = bound_of(Tangent(model, state));
   found.frequency = found.bound = std::sqrt(square);
   found.molecule = molecule;
-  if (resists(model)) {  // of K + w C alone, w so large that K adds a millionth of the frequency
-    const double weight = 1e6 * std::max(found.frequency, 1.);
-    found.damping_rate = bound_of(Tangent(model, state, {.velocity = weight})).first / weight;
-  }
+  if (resists(model)) found.damping_rate = damping_bound(model, state, found.frequency);
   found.step = longest(found);
   return found;
 }

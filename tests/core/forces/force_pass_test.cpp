@@ -162,6 +162,51 @@ TEST_CASE("springs: every vector width gives bitwise identical results", "[force
   }
 }
 
+TEST_CASE("springs of a list: every vector width adds them one after the other, to the molecules of its range alone",
+          "[force_pass]") {
+  constexpr int molecules = 40;
+  std::mt19937_64 generator(11);
+  const auto number = [&] { return 1e-3 * static_cast<double>(generator() % 2000) - 1; };
+  std::vector<double> positions(3 * molecules), constants, rest_lengths;
+  for (double& one : positions) one = number();
+  std::copy_n(positions.begin(), 3, positions.begin() + 3);  // the molecules 0 and 1 in one place
+  std::vector<std::array<int, 2>> ends{{0, 1}};
+  for (int molecule = 0; molecule < molecules; ++molecule)  // some in order, with many springs in a row
+    for (int other = molecule + 1; other < std::min(molecules, molecule + 2 + molecule % 6); ++other)
+      ends.push_back({molecule, other});
+  for (int more = 0; more < 57; ++more) {  // and some in none, from either end
+    const int one = static_cast<int>(generator() % molecules), on = 1 + static_cast<int>(generator() % (molecules - 1));
+    ends.push_back({one, (one + on) % molecules});
+  }
+  for (std::size_t spring = 0; spring < ends.size(); ++spring)
+    constants.push_back(number()), rest_lengths.push_back(number() + 1);
+  const int count = static_cast<int>(ends.size());
+  const auto from_29 = std::find_if(ends.begin(), ends.end(), [](const auto& of) { return of[0] >= 29; });
+  const int before_29 = static_cast<int>(from_29 - ends.begin());
+  for (const auto& [first, last, begin, end] :
+       {std::array{0, count, 0, molecules}, {3, before_29, 7, 29}, {5, 6, 0, molecules}, {9, 9, 0, molecules}}) {
+    std::vector<double> expected(3 * molecules, 0.1);
+    for (int spring = first; spring < last; ++spring) {
+      const auto& [a, b] = ends[spring];
+      double d[3];
+      for (int axis = 0; axis < 3; ++axis) d[axis] = positions[3 * b + axis] - positions[3 * a + axis];
+      const double l = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+      const double q = l > 0 ? constants[spring] * (l - rest_lengths[spring]) / l : 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        if (a >= begin && a < end) expected[3 * a + axis] += q * d[axis];
+        if (b >= begin && b < end) expected[3 * b + axis] -= q * d[axis];
+      }
+    }
+    for (const SpringKernel& kernel : spring_kernels()) {
+      std::vector<double> forces(3 * molecules, 0.1);
+      kernel.add_listed_flows({ends.data(), constants.data(), rest_lengths.data()}, first, last, begin, end,
+                              positions.data(), forces.data());
+      CAPTURE(first, last, begin, end);
+      CHECK(forces == expected);
+    }
+  }
+}
+
 TEST_CASE("forces are bitwise identical on any number of threads", "[force_pass][threads]") {
   const Body lattice = large_lattice(), list = without_grid(lattice), mixed = shuffled(lattice);
   Body block = tetrahedral_block(BlockKind::kuhn, {21, 21, 21}, {0.21, 0.21, 0.21});  // 55 566 cells

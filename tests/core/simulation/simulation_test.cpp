@@ -281,9 +281,39 @@ TEST_CASE("simulation: an explicit step goes in as many parts as its body and it
   const double longest = 0.8 * find_stable_step(model, state_at_rest(tissue.body())).step;
   CHECK(tissue.step(3.5 * longest).substeps == 4);
   CHECK(tissue.step(0.9 * longest).substeps == 1);
-  // A grip much stiffer than the tissue: its own oscillation sets the step, 2/√(k/m).
-  tissue.couple(13, tissue.positions().col(13), 1e6);
-  const double stiff = 0.8 * 2 / std::sqrt(1e6 / tissue.body().mass[13]);
-  CHECK(tissue.step(10.5 * stiff).substeps == 11);
-  run(tissue, 20);
+  // A grip much stiffer than the tissue: its own oscillation sets the step of Verlet's, 2/√(k/m) …
+  Simulation verlet = simulation_of(tissue_cube(3), "velocity_verlet");
+  verlet.couple(13, verlet.positions().col(13), 1e6);
+  const double stiff = 0.8 * 2 / std::sqrt(1e6 / verlet.body().mass[13]);
+  CHECK(verlet.step(10.5 * stiff).substeps == 11);
+  run(verlet, 20);
+  // … and none of a scheme that takes it at the end of the step: two of them, with dampers that alone would ask for
+  // steps of 2 m/c = 1e-8 of this one.
+  const Vector3 at = tissue.positions().col(13) + Vector3(1e-4, 0, 0);
+  tissue.couple(13, at, 1e6, tissue.body().mass[13] * 2e8 / longest);
+  const CouplingId other = tissue.couple(13, at, 1e3);
+  for (int step = 0; step < 2000; ++step) {
+    const StepResult result = tissue.step(0.99 * longest);
+    REQUIRE(result.outcome == Outcome::converged);
+    REQUIRE(result.substeps == 1);
+  }
+  // So stiff a damper creeps; nothing swings.
+  CHECK((tissue.positions().col(13) - at).norm() < 1e-4);
+  CHECK(tissue.velocities().cwiseAbs().maxCoeff() < 1e-4 / (100 * longest));
+  CHECK((tissue.coupling_force(other) - 1e3 * (at - tissue.positions().col(13))).norm() < 1e-12);
+}
+
+TEST_CASE("simulation: a grip at the end of explicit steps tends to the motion of short steps with order 1") {
+  const auto end_after = [](const char* scheme, int steps) {
+    Simulation tissue = simulation_of(tissue_cube(3), scheme);
+    for (int molecule = 0; molecule < 9; ++molecule) tissue.fix(molecule);
+    tissue.couple(22, tissue.positions().col(22) + Vector3(2e-4, 0, 1e-4), 20, 2e-3);
+    for (int step = 0; step < steps; ++step) REQUIRE(tissue.step(8e-3 / steps).outcome == Outcome::converged);
+    return Positions(tissue.positions());
+  };
+  const Positions limit = end_after("velocity_verlet", 20000);
+  const double coarse = difference(end_after("symplectic_euler", 500), limit),
+               fine = difference(end_after("symplectic_euler", 1000), limit);
+  CHECK(coarse > 0);
+  CHECK(std::log2(coarse / fine) == Approx(1).margin(0.1));
 }

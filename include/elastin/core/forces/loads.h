@@ -46,6 +46,10 @@ class Load {
   }
   /// Whether its forces change with the velocities; if not it must not look at them.
   virtual bool feels_velocity() const { return changes(); }
+  /// Calls visit for each force −k (x − p) − c (v − w) that it has on one molecule alone, k [N/m], c [N s/m]. A stepper
+  /// whose row says `points_at_end` takes them as they are at the end of a step, where they limit no step.
+  using PointVisitor = std::function<void(int molecule, double stiffness, double damping)>;
+  virtual void visit_points(const PointVisitor&) const {}
   /// Whether the blocks of visit_blocks make a symmetric matrix.
   virtual bool symmetric() const { return true; }
 

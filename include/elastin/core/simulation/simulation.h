@@ -24,7 +24,8 @@ struct SimulationOptions {
   IntegratorOptions integrator = {"symplectic_euler"};
   ParameterValues parameters = {};  ///< of the strategy
   /// Explicit schemes part a step so that each part is at most this share (0 … 1] of the longest stable step of the
-  /// body at rest and of its grips; see stable_step. A law that stiffens much as it is strained wants less.
+  /// body at rest, with its grips unless the scheme takes them at the end of a step; see find_stable_step. A law that
+  /// stiffens much as it is strained wants less.
   double safety = 0.8;
   /// A step that would take more parts ends as limit_reached and leaves the state as it was: real time has a limit.
   int max_substeps = 1000;

@@ -22,6 +22,7 @@ struct Stepper : Descriptor {
   std::function<std::string(const Model& model)> unsuited = {};
   /// The parameter that says how many iterations a step takes; empty: none does.
   std::string effort = {};
+  bool points_at_end = false;  ///< whether forces on single molecules limit no explicit step; see Load::visit_points
 };
 
 /// Why a scheme cannot step this model, in words, or "".
