@@ -178,11 +178,13 @@ StaticResult Implicit::balance_within(Model& model, const State& state, double d
   set_kinematics(state, state.accelerations, dt);
   set_first_guess(model, state, dt);
   StaticResult solved = balance(model, next_, kinematics_);
-  if (solved.outcome == Outcome::converged) balance_as_one(model);
+  const bool usable =
+      solved.outcome == Outcome::converged || (kinematics_.cut_short && solved.outcome == Outcome::limit_reached);
+  if (usable) balance_as_one(model);
   model.supports = ends_;
   model.begin_step(state, state.time + dt);
   go_on_to_end(model, state, dt);
-  if (solved.outcome == Outcome::converged && !model.admissible(next_.positions)) {
+  if (usable && !model.admissible(next_.positions)) {
     solved.outcome = Outcome::inverted;
     solved.cause = inverted_text(model.body(), next_.positions) + " at the end of the step";
   }

@@ -30,7 +30,7 @@ void report(const std::string& path, const std::string& name, const mesh::Fillin
   const double part = filling.volume / filling.surface_volume;
   remarks.notes.push_back(fmt::format(
       "{} filled: {} molecules, {} of them on the surface, {} tetrahedra; volume {:.2f} % of the surface's {:.5g} cm3, "
-      "masses scaled to the surface's",
+      "masses scaled to the surface's; a computed reference is that of these cells",
       name, filling.positions.cols(), filling.on_surface, filling.tetrahedra.size(), 100 * part,
       1e6 * filling.surface_volume));
   if (filling.slivers > 0)
