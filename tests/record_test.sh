@@ -7,6 +7,7 @@ record=$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")/../tools/record
 work=$(mktemp -d)
 trap 'rm -rf -- "$work"' EXIT
 cd -- "$work"
+export TMPDIR=$work
 cases=0 failures=0
 
 expect() {  # exit code, words… that the output has ("!words": has not), then -- and the arguments
@@ -71,8 +72,8 @@ expect 0 -- --diff before.json after.json
 changed 's/4e-14/4e-11/'
 expect 1 'measures.axial_force' -- --diff before.json after.json
 changed 's/"height": 1e-3, /"height": 1.0000001e-3, /; s/5e-4/5.0001e-4/; s/"height": 1e-3}/"height": 1.00001e-3}/'
-expect 1 'measures.height  0.001' 'curve[1].height' 'curve[2].height' '3 differences' '2.0e-05' -- --diff before.json after.json
-expect 1 'measures.height' 'curve[1].height' '!curve[2].height' '2 differences' -- --diff before.json after.json --worst
+expect 1 'measures.height  0.001' 'curve[1].height' 'curve[2].height' '3 differences' '2.0e-05' -- --diff before.json after.json --all
+expect 1 'measures.height' 'curve[1].height' '!curve[2].height' '2 differences' -- --diff before.json after.json
 
 changed 's/"iterations": 7/"iterations": 8/'
 expect 1 'a/bar.yaml  run  angles  iterations  7  8' -- --diff before.json after.json --tolerance 1
@@ -150,6 +151,13 @@ then failures=$((failures + 1)); fi
 echo 2.6 >tree/scenes/c/good.yaml
 expect 0 'c/good.yaml, ' '!wrong.yaml, ' -- first.json "${recorded[@]}"
 expect 1 'c/good.yaml  verify  curve  measures.force  2.6  2.5' '3 differences' -- --diff first.json second.json
+
+# --- two commands
+sed 's/"force": \$/"force": 1\$/' command >other
+chmod +x other
+expect 1 'c/good.yaml  run  curve  measures.force  2.6  12.6' "the records are $work/record-" '3 differences in 1 of 1' -- \
+  --between command other --tree tree --timeout 1 --scenes c/good.yaml
+expect 0 '0 differences' -- --between command command --tree tree --timeout 1 --scenes c/good.yaml
 
 # --- wrong use
 expect 2 'takes two records' -- --diff first.json
