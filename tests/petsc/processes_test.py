@@ -242,7 +242,9 @@ def check_shares(folder):
         for count in ("molecules", "connections", "cells"):
             check(one.get(count) == plain.get(count), f"{name}: {count} {one.get(count)}, not {plain.get(count)}")
     bent = "experiment: {kind: bending, axis: z, direction: x, force: 1 mN}\n"
-    for text, why in ((LATTICE + SOFT % (0.25, "lattice") + bent + TIGHT % "small", "the experiment is measured on"),
+    for text, why in ((PACKING + SOFT % (0.25, "voronoi") + LOADED % "" + TIGHT % "small", "its Voronoi cells are those"),
+                      (LATTICE + SOFT % (0.25, "patch") + LOADED % "" + TIGHT % "small", "equations join all"),
+                      (LATTICE + SOFT % (0.25, "lattice") + bent + TIGHT % "small", "the experiment is measured on"),
                       (LATTICE + SOFT % (0.25, "lattice") + LOADED % "" + TIGHT % "small" +
                        "supports: [{symmetry: x}]\n", "`supports` is read")):
         scene = os.path.join(folder, "whole.yaml")
@@ -292,6 +294,14 @@ def check_broken_files(folder):
     done = run(2, "run", scene, seconds=60)
     check(done.returncode == 2 and done.stderr.count("cut.msh") == 1,
           f"a cut mesh: exit code {done.returncode}, not named once: {done.stdout}{done.stderr}")
+    out = os.path.join(folder, "taken")
+    taken = os.path.join(out, "springs-small-lattice-001.p1.vtu")
+    os.makedirs(os.path.join(taken, "inside"))
+    done = run(2, "run", os.path.join(folder, "springs-small.yaml"), "--out", out, seconds=60)
+    check(done.returncode == 2 and done.stderr.count(taken + ": cannot write") == 1 and
+          not os.path.exists(taken.replace(".p1.vtu", ".pvtu")) and
+          os.path.exists(taken.replace("001.p1.vtu", "000.pvtu")),
+          f"a piece that cannot be written: exit code {done.returncode}, {sorted(os.listdir(out))}: {done.stderr}")
     done = run(2, "run", os.path.join(folder, "springs-small.yaml"), "--json", "/dev/full", seconds=60)
     check(done.returncode != 0 and done.stderr.count("No space left on device") == 1,
           f"a full disk: exit code {done.returncode}, not named once: {done.stdout}{done.stderr}")

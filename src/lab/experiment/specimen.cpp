@@ -248,8 +248,9 @@ Run run_strategy(const Specimen& specimen, const Protocol& experiment, const Str
   for (std::string& finding : findings_at_start(at_work, model, run.uses_cells))
     run.warnings.push_back(std::move(finding));
   run.build_seconds = build.seconds();
-  if (!specimen.body.share && !experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0))
-    count_modes(model, run);
+  const auto& share = specimen.body.share;
+  const bool whole = !share || share->processes->count() == 1;
+  if (whole && !experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0)) count_modes(model, run);
 
   const Stopwatch solve;
   if (TimedRig* timed = held->rig->in_time())

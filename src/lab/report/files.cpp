@@ -377,10 +377,18 @@ void write_pieces(const std::string& folder, const std::string& name, const Body
   std::string collection = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
   for (const Snapshot& shot : run.snapshots) {
     VtuDeclared declared;
-    write_whole_by(folder + "/" + piece_file(name, shot.number, processes.rank()), [&](std::ostream& stream) {
-      std::string out;
-      declared = put_vtu(piece.body, on_piece(shot, piece), piece_states(share, shot, piece), constants, out, &stream);
-    });
+    std::string failed;
+    try {
+      write_whole_by(folder + "/" + piece_file(name, shot.number, processes.rank()), [&](std::ostream& stream) {
+        std::string out;
+        declared =
+            put_vtu(piece.body, on_piece(shot, piece), piece_states(share, shot, piece), constants, out, &stream);
+      });
+    } catch (const InputError& error) {
+      failed = error.what();
+    }
+    failed = first_over(share, failed);  // no file names a piece that is not there
+    if (!failed.empty()) throw InputError(failed);
     if (processes.rank() > 0) continue;
     std::vector<std::string> pieces;
     for (int process = 0; process < processes.count(); ++process)

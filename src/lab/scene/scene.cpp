@@ -6,6 +6,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "core/laws/springs/patch.h"
 #include "elastin/core/base/text.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
@@ -207,8 +208,15 @@ std::string needs_whole_body(Reader& reader, const ExperimentCatalog& experiment
   return of_shares ? "" : "the experiment is measured on the whole body";
 }
 
+/// The same of its strategy, seen on a share.
+std::string needs_whole_body(const Strategy& strategy, const Body& share, const Material& material) {
+  if (lacks_voronoi(share, strategy, {material})) return "its Voronoi cells are those of the whole";
+  if (strategy.name.starts_with(Patch::name)) return "the rule's equations join all molecules";
+  return "";
+}
+
 /// The scene's one body; of several processes that solve it together each has its share where that is possible.
-Body read_one_body(Reader& reader, const ExperimentCatalog& experiments, Scene& scene) {
+Body read_one_body(Reader& reader, const Catalog& catalog, const ExperimentCatalog& experiments, Scene& scene) {
   const Material& material = scene.specimen.material;
   const Remarks remarks{scene.warnings, scene.notes};
   const auto make = [&] {
@@ -223,6 +231,9 @@ Body read_one_body(Reader& reader, const ExperimentCatalog& experiments, Scene& 
   Body body = !why.empty() ? make()
               : alone      ? read_body(reader.at("body"), material, remarks, processes)
                            : share_out(make, processes, why);
+  if (body.share) why = needs_whole_body(read_strategy(reader.at("stiffness"), catalog).strategy, body, material);
+  if (!why.empty() && body.share) body = make();
+  if (processes->count() == 1) return body;
   const std::string who = "each of " + std::to_string(processes->count()) + " processes has ";
   if (!body.share)
     scene.notes.push_back(who + "the whole body: " + why);
@@ -253,7 +264,7 @@ void read_whole_body(Reader& reader, const Catalog& catalog, const ExperimentCat
   if (!reader.has("body"))
     if (const auto identify = reader.find("identify"))
       identify->fail("the scene has no body: it is one for `elastin identify`");
-  specimen.body = read_one_body(reader, experiments, scene);
+  specimen.body = read_one_body(reader, catalog, experiments, scene);
   scene.bare_graph = (reader.at("body").has("molecules") || reader.at("body").given_body("given") ||
                       reader.at("body").given_body("given_shape")) &&
                      specimen.body.tetrahedra.empty() && specimen.body.triangles.empty();
