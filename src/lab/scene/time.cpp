@@ -59,7 +59,9 @@ std::unique_ptr<const StaticProtocol> read_fixture(const Reader& reader, const E
 
 std::unique_ptr<Protocol> read_motion(Reader reader, MotionKind kind, const ExperimentContext& context) {
   MotionSetup setup;
+  reader.set_section("experiment");  // the key that the table of experiments was asked by
   setup.name = reader.at("kind").text();
+  reader.set_section("experiment." + setup.name);
   setup.kind = kind;
   const bool free = kind == MotionKind::motion;
   const auto fixture = free ? reader.find("fixture") : std::optional(reader.at("fixture"));

@@ -518,7 +518,8 @@ def order_in_space(positions: ArrayLike) -> Ints:
     """The order in which points (n, 3) lie along a curve that fills space, (n,): a large body whose molecules are
     numbered like this, positions[order], is passed over several times as fast as one numbered at random."""
 def numbered_in_space(body: Body) -> tuple[Body, Ints, Ints]:
-    ...
+    """The body with its molecules in the order of order_in_space, and the number that each molecule (n,) and each
+    connection (c,) had: what is known of the old body goes over by x[molecule_from]. Bodies of parts keep theirs."""
 def of_parts(parts: Sequence[tuple[str, Body, int]],
              ties: Sequence[tuple[str, str, float, float]] = ...) -> Body:
     """A body of several parts: (name, body, number of its material from 0; below 0: bone, which stays where it is
