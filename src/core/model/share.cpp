@@ -1,7 +1,6 @@
 #include "elastin/core/model/share.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -320,17 +319,18 @@ std::string first_over(const Body& body, const std::string& own) {
 
 /// Halves the range of the numbers' bits, which are ordered as they are.
 double nth_over(const Body& body, const std::vector<double>& own, std::int64_t nth) {
-  std::uint64_t low = 0, high = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
+  std::uint64_t low = 0, high = Eigen::numext::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
   while (low < high) {
     const std::uint64_t middle = low + (high - low) / 2;
-    const auto at_most = std::count_if(own.begin(), own.end(),
-                                       [&](double number) { return std::bit_cast<std::uint64_t>(number) <= middle; });
+    const auto at_most = std::count_if(own.begin(), own.end(), [&](double number) {
+      return Eigen::numext::bit_cast<std::uint64_t>(number) <= middle;
+    });
     if (sum_over(body, static_cast<double>(at_most)) > static_cast<double>(nth))
       high = middle;
     else
       low = middle + 1;
   }
-  return std::bit_cast<double>(low);
+  return Eigen::numext::bit_cast<double>(low);
 }
 
 int owned_molecules(const Body& body) { return body.share ? body.share->owned : body.size(); }
