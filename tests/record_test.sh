@@ -159,6 +159,18 @@ expect 1 'c/good.yaml  run  curve  measures.force  2.6  12.6' "the records are $
   --between command other --tree tree --timeout 1 --scenes c/good.yaml
 expect 0 '0 differences' -- --between command command --tree tree --timeout 1 --scenes c/good.yaml
 
+# --- a comparison of steppers
+cat >steppers <<'END'
+#!/usr/bin/env bash
+echo "{\"steppers\": [{\"strategy\": \"curve\", \"rows\": [{\"stepper\": \"xpbd\", \"iterations\": 2, \"step\": 0.5, \"outcome\": \"converged\",
+ \"at_rest\": {\"force\": 3}, \"seconds_per_step\": $RANDOM}]}]}" >"$4"
+END
+sed "s/: 3}/: 4}/" steppers >others
+chmod +x steppers others
+expect 0 '0 differences' -- --between steppers steppers --tree tree --timeout 1 --scenes c/good.yaml
+expect 1 'c/good.yaml  run  curve, xpbd, 2 iterations, step 0.5  at_rest.force  3  4' -- \
+  --between steppers others --tree tree --timeout 1 --scenes c/good.yaml
+
 # --- wrong use
 expect 2 'takes two records' -- --diff first.json
 expect 2 'no scene is called d/*' -- third.json "${recorded[@]}" --scenes 'd/*'
