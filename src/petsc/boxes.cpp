@@ -18,9 +18,9 @@ bool is_last(const BoxGrid& grid) {
 }
 
 /// Rows of numbers that each process has of its own, three for each row here (MAIJ).
-class Weights {
+class Interpolation {
  public:
-  Weights(MPI_Comm communicator, PetscInt rows, PetscInt all_columns, int most) : most_(most) {
+  Interpolation(MPI_Comm communicator, PetscInt rows, PetscInt all_columns, int most) : most_(most) {
     check(MatCreateAIJ(communicator, rows, PETSC_DECIDE, PETSC_DETERMINE, all_columns, most, nullptr, most, nullptr,
                        weights_.out()));
     check(MatSetOption(weights_, MAT_IGNORE_ZERO_ENTRIES, PETSC_TRUE));
@@ -164,7 +164,7 @@ BoxHierarchy::BoxHierarchy(const Model& local, const SharedBody& body) : frame_(
   while (!is_last(grids_.back())) grids_.push_back(grids_.back().coarser());
 
   const MPI_Comm communicator = body.communicator();
-  Weights molecules(communicator, body.owned(), grids_.front().points(), BoxGrid::kCorners);
+  Interpolation molecules(communicator, body.owned(), grids_.front().points(), BoxGrid::kCorners);
   for (int a = 0; a < body.owned(); ++a) {
     const BoxGrid::Location location = grids_.front().locate(own.rest.col(a));
     const auto values = BoxGrid::values_at(location.at);
@@ -175,7 +175,7 @@ BoxHierarchy::BoxHierarchy(const Model& local, const SharedBody& body) : frame_(
   for (std::size_t level = 0; level + 1 < grids_.size(); ++level) {
     const BoxGrid &fine = grids_[level], &coarse = grids_[level + 1];
     const auto [first, count] = own_rows(communicator, fine.points());
-    Weights weights(communicator, count, coarse.points(), BoxGrid::kCorners);
+    Interpolation weights(communicator, count, coarse.points(), BoxGrid::kCorners);
     for (PetscInt point = first; point < first + count; ++point) {
       const auto& [x, y, z] = fine.at(static_cast<int>(point));
       const double weight = 1. / static_cast<double>(1 << (x % 2 + y % 2 + z % 2));
