@@ -326,20 +326,28 @@ std::string first_over(const Body& body, const std::string& own) {
   return "";
 }
 
-/// Halves the range of the numbers' bits, which are ordered as they are.
+/// Halves the range of the bits, which are ordered as the numbers are, of those that it can still be.
 double nth_over(const Body& body, const std::vector<double>& own, std::int64_t nth) {
-  std::uint64_t low = 0, high = Eigen::numext::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
-  while (low < high) {
+  const auto bits_of = [](double number) { return Eigen::numext::bit_cast<std::uint64_t>(number); };
+  std::vector<double> left = own;
+  while (true) {
+    constexpr double none = std::numeric_limits<double>::infinity();
+    std::array<double, 2> ends{-none, -none};  // largest, − least
+    for (const double number : left) ends[0] = std::max(ends[0], number), ends[1] = std::max(ends[1], -number);
+    largest_over(body, ends);
+    const std::uint64_t low = bits_of(std::abs(ends[1])), high = bits_of(ends[0]);
+    if (!(low < high)) return ends[0];
     const std::uint64_t middle = low + (high - low) / 2;
-    const auto at_most = std::count_if(own.begin(), own.end(), [&](double number) {
-      return Eigen::numext::bit_cast<std::uint64_t>(number) <= middle;
-    });
-    if (sum_over(body, static_cast<double>(at_most)) > static_cast<double>(nth))
-      high = middle;
-    else
-      low = middle + 1;
+    const auto above =
+        std::partition(left.begin(), left.end(), [&](double number) { return bits_of(number) <= middle; });
+    const double below = sum_over(body, static_cast<double>(above - left.begin()));
+    if (below > static_cast<double>(nth)) {
+      left.erase(above, left.end());
+    } else {
+      nth -= static_cast<std::int64_t>(below);
+      left.erase(left.begin(), above);
+    }
   }
-  return Eigen::numext::bit_cast<double>(low);
 }
 
 int owned_molecules(const Body& body) { return body.share ? body.share->owned : body.size(); }
