@@ -18,9 +18,9 @@ bool is_last(const BoxGrid& grid) {
 }
 
 /// Rows of numbers that each process has of its own, three for each row here (MAIJ).
-class Weights {
+class Interpolation {
  public:
-  Weights(MPI_Comm communicator, PetscInt rows, PetscInt all_columns, int most) : most_(most) {
+  Interpolation(MPI_Comm communicator, PetscInt rows, PetscInt all_columns, int most) : most_(most) {
     check(MatCreateAIJ(communicator, rows, PETSC_DECIDE, PETSC_DETERMINE, all_columns, most, nullptr, most, nullptr,
                        weights_.out()));
     check(MatSetOption(weights_, MAT_IGNORE_ZERO_ENTRIES, PETSC_TRUE));
@@ -50,8 +50,9 @@ std::pair<PetscInt, PetscInt> own_rows(MPI_Comm communicator, PetscInt all) {
   return {last - count, count};
 }
 
-/// The sum over all processes of their parts of a level, on the points of the whole grid.
-Matrix summed(const BoxLevel& part, const BoxGrid& grid, MPI_Comm communicator) {
+/// The sum over all processes of their parts of a level, on the points of the whole grid: its upper half, or, to be
+/// factorised, all of it.
+Matrix summed(const BoxLevel& part, const BoxGrid& grid, bool upper, MPI_Comm communicator) {
   const PetscInt points = grid.points();
   const auto [first, count] = own_rows(communicator, points);
   std::vector<PetscInt> here(static_cast<std::size_t>(count), 0), elsewhere = here;
@@ -60,12 +61,12 @@ Matrix summed(const BoxLevel& part, const BoxGrid& grid, MPI_Comm communicator) 
       const auto [x, y, z] = around(code);
       const auto& at = grid.at(static_cast<int>(first + row));
       const int other = grid.point_at({at[0] + x, at[1] + y, at[2] + z});
-      if (other < 0) continue;
+      if (other < 0 || (upper && other < first + row)) continue;
       ++(other >= first && other < first + count ? here : elsewhere)[static_cast<std::size_t>(row)];
     }
   Matrix matrix;
-  check(MatCreateBAIJ(communicator, 3, 3 * count, 3 * count, 3 * points, 3 * points, 0, here.data(), 0,
-                      elsewhere.data(), matrix.out()));
+  check((upper ? MatCreateSBAIJ : MatCreateBAIJ)(communicator, 3, 3 * count, 3 * count, 3 * points, 3 * points, 0,
+                                                 here.data(), 0, elsewhere.data(), matrix.out()));
   std::vector<PetscInt> columns;
   std::vector<double> values;
   double size = 0;
@@ -76,9 +77,11 @@ Matrix summed(const BoxLevel& part, const BoxGrid& grid, MPI_Comm communicator) 
     for (int code = 0; code < BoxGrid::kAround; ++code) {
       const int other = part.neighbour(point, code);
       if (other == point && code != BoxGrid::kSelf) continue;
+      const PetscInt column = grid.point_at(part.grid().at(other));
+      if (upper && column < row) continue;
       blocks[columns.size()] = part.block_to(point, code);
       if (code == BoxGrid::kSelf) size += blocks[columns.size()].trace();
-      columns.push_back(grid.point_at(part.grid().at(other)));
+      columns.push_back(column);
     }
     values.clear();
     for (int r = 0; r < 3; ++r)
@@ -127,7 +130,36 @@ double largest_eigenvalue(Mat matrix, PC blocks) {
   return largest;
 }
 
-void set_smoother(KSP smoother, Mat matrix) {
+PetscErrorCode apply_blocks(PC pc, Vec x, Vec y) {
+  const std::vector<Matrix3>* blocks = nullptr;
+  const PetscScalar* from = nullptr;
+  PetscScalar* to = nullptr;
+  PetscCall(PCShellGetContext(pc, &blocks));
+  PetscCall(VecGetArrayRead(x, &from));
+  PetscCall(VecGetArrayWrite(y, &to));
+  for (std::size_t i = 0; i < blocks->size(); ++i)
+    Eigen::Map<Vector3>(to + 3 * i) = (*blocks)[i] * Eigen::Map<const Vector3>(from + 3 * i);
+  PetscCall(VecRestoreArrayWrite(y, &to));
+  return VecRestoreArrayRead(x, &from);
+}
+
+/// The inverses of the diagonal blocks of this process's points: of symmetric matrices PETSc has none.
+std::vector<Matrix3> inverse_blocks(Mat matrix) {
+  Mat own = nullptr;
+  check(MatGetDiagonalBlock(matrix, &own));
+  PetscInt rows = 0;
+  check(MatGetLocalSize(matrix, &rows, nullptr));
+  std::vector<Matrix3> inverses;
+  for (PetscInt row = 0; row < rows; row += 3) {
+    const std::array<PetscInt, 3> at{row, row + 1, row + 2};
+    Matrix3 block;
+    check(MatGetValues(own, 3, at.data(), 3, at.data(), block.data()));
+    inverses.push_back(block.inverse());
+  }
+  return inverses;
+}
+
+void set_smoother(KSP smoother, Mat matrix, std::vector<Matrix3>& inverses) {
   check(KSPSetOperators(smoother, matrix, matrix));
   check(KSPSetType(smoother, KSPCHEBYSHEV));
   check(KSPSetNormType(smoother, KSP_NORM_NONE));
@@ -135,7 +167,10 @@ void set_smoother(KSP smoother, Mat matrix) {
   check(KSPSetTolerances(smoother, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, kSmoothing));
   PC blocks = nullptr;
   check(KSPGetPC(smoother, &blocks));
-  check(PCSetType(blocks, PCPBJACOBI));
+  inverses = inverse_blocks(matrix);
+  check(PCSetType(blocks, PCSHELL));
+  check(PCShellSetContext(blocks, &inverses));
+  check(PCShellSetApply(blocks, apply_blocks));
   check(PCSetOperators(blocks, matrix, matrix));
   check(PCSetUp(blocks));
   const double largest = 1.1 * largest_eigenvalue(matrix, blocks);
@@ -164,7 +199,7 @@ BoxHierarchy::BoxHierarchy(const Model& local, const SharedBody& body) : frame_(
   while (!is_last(grids_.back())) grids_.push_back(grids_.back().coarser());
 
   const MPI_Comm communicator = body.communicator();
-  Weights molecules(communicator, body.owned(), grids_.front().points(), BoxGrid::kCorners);
+  Interpolation molecules(communicator, body.owned(), grids_.front().points(), BoxGrid::kCorners);
   for (int a = 0; a < body.owned(); ++a) {
     const BoxGrid::Location location = grids_.front().locate(own.rest.col(a));
     const auto values = BoxGrid::values_at(location.at);
@@ -175,7 +210,7 @@ BoxHierarchy::BoxHierarchy(const Model& local, const SharedBody& body) : frame_(
   for (std::size_t level = 0; level + 1 < grids_.size(); ++level) {
     const BoxGrid &fine = grids_[level], &coarse = grids_[level + 1];
     const auto [first, count] = own_rows(communicator, fine.points());
-    Weights weights(communicator, count, coarse.points(), BoxGrid::kCorners);
+    Interpolation weights(communicator, count, coarse.points(), BoxGrid::kCorners);
     for (PetscInt point = first; point < first + count; ++point) {
       const auto& [x, y, z] = fine.at(static_cast<int>(point));
       const double weight = 1. / static_cast<double>(1 << (x % 2 + y % 2 + z % 2));
@@ -196,9 +231,11 @@ BoxCycle::BoxCycle(const BoxHierarchy& hierarchy, const Tangent& local, const st
   std::unique_ptr<BoxLevel> part = assemble_part(local, supports, hierarchy.frame()).level;
   for (std::size_t level = 0; level < hierarchy.grids().size(); ++level) {
     if (level > 0) part = part->coarser(true);
-    stiffness_.push_back(summed(*part, hierarchy.grids()[level], communicator));
+    const bool last = level + 1 == hierarchy.grids().size();
+    stiffness_.push_back(summed(*part, hierarchy.grids()[level], !last, communicator));
   }
   part.reset();
+  inverses_.resize(stiffness_.size());
   const auto levels = static_cast<PetscInt>(stiffness_.size());
   check(KSPCreate(communicator, cycle_.out()));
   check(KSPSetType(cycle_, KSPPREONLY));
@@ -224,7 +261,7 @@ BoxCycle::BoxCycle(const BoxHierarchy& hierarchy, const Tangent& local, const st
     }
     check(PCMGSetInterpolation(multigrid, level, hierarchy.interpolation(grid)));
     check(PCMGGetSmoother(multigrid, level, &smoother));
-    set_smoother(smoother, stiffness_[grid]);
+    set_smoother(smoother, stiffness_[grid], inverses_[grid]);
   }
   check(KSPSetUp(cycle_));
   check(MatCreateVecs(stiffness_.front(), motion_.out(), force_.out()));

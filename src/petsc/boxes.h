@@ -39,7 +39,8 @@ class BoxCycle {
 
  private:
   const BoxHierarchy& hierarchy_;
-  std::vector<Matrix> stiffness_;  ///< of each grid
+  std::vector<Matrix> stiffness_;               ///< of each grid, its upper half but of the last
+  std::vector<std::vector<Matrix3>> inverses_;  ///< of the diagonal blocks of each grid but the last
   Solver cycle_;
   Vector force_, motion_;  ///< of the first grid's points
 };

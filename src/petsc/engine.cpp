@@ -35,6 +35,7 @@ class Engine final : public StaticEngine {
   std::shared_ptr<const Processes> processes() const override { return make_processes(); }
 
   void complete(const Model& model, Positions& forces) override {
+    if (model.has_complete_rows()) return model.spread(forces);
     const SharedBody& body = setting(model).body;
     const Vector sums = body.make_vector();
     body.add_up(forces, sums);
@@ -42,23 +43,7 @@ class Engine final : public StaticEngine {
   }
 
   std::string unsuited(const Model& model) const override {
-    const Body& body = model.body();
-    int processes = 1;
-    MPI_Comm_size(PETSC_COMM_WORLD, &processes);
-    if (molecules_of_whole(body) < processes)
-      return "engine petsc: " + counted(body.size(), "molecule") + " cannot be shared out among " +
-             counted(processes, "process", "processes");
-    Subdomain nothing;
-    nothing.whole = &body;
-    nothing.body = std::make_shared<const Body>();
-    for (const auto& term : model.elasticity())  // a share's model has only what can be
-      if (!body.share && !term->on_subdomain(nothing)) return std::string("engine petsc: ") + kNotShared;
-    for (const auto& load : model.loads())
-      if (load->changes() && load->acts_at_rest())
-        return "engine petsc: a load changes as the body moves, and only dead ones are shared out: gravity, forces, "
-               "prescribed displacements";
-    if (!model.conservative()) return "engine petsc: the law or a load has no energy, by which equilibria are found";
-    return "";
+    return model.has_complete_rows() ? unsuited_for_any(model) : unsuited_for_balance(model);
   }
 
   StaticResponse respond(Model& model, const Positions& at, const Positions& load_change, const Positions& displacement,
@@ -70,21 +55,61 @@ class Engine final : public StaticEngine {
     return petsc::balance(model, setting(model), state, options);
   }
 
- private:
-  /// That of the last model, if it is the same body.
-  SharedSetting& setting(const Model& model) {
-    const std::string why = unsuited(model);
-    if (!why.empty()) throw InputError(why);
-    const Body& body = model.body();
-    const std::uint64_t mark = mark_of(body);
-    if (any_over(body, !setting_ || &setting_->body.given() != &body || mark != mark_)) {
-      setting_ = std::make_unique<SharedSetting>(body);
-      mark_ = mark;
-    }
-    return *setting_;
+  Model::Spread spreading(const Body& share) override {
+    if (!share.share) return nullptr;
+    return [setting = setting(share)](Positions& values) { setting->body.spread(values); };
   }
 
-  std::unique_ptr<SharedSetting> setting_;
+  StaticResult balance_step(Model& model, State& state, const StaticOptions& options,
+                            const Kinematics& kinematics) override {
+    if (!setting_ || &setting_->body.given() != &model.body()) setting(model.body());  // else spreading() made it
+    return petsc::balance(model, *setting_, state, options, &kinematics);
+  }
+
+ private:
+  /// Why it can take no part in equilibria or steps of a model; "" if it can.
+  static std::string unsuited_for_any(const Model& model) {
+    const Body& body = model.body();
+    int processes = 1;
+    MPI_Comm_size(PETSC_COMM_WORLD, &processes);
+    if (molecules_of_whole(body) < processes)
+      return "engine petsc: " + counted(body.size(), "molecule") + " cannot be shared out among " +
+             counted(processes, "process", "processes");
+    Subdomain nothing;
+    nothing.whole = &body;
+    nothing.body = std::make_shared<const Body>();
+    for (const auto& term : model.elasticity())  // a share's model has only what can be
+      if (!body.share && !term->on_subdomain(nothing)) return std::string("engine petsc: ") + kNotShared;
+    if (!model.conservative()) return "engine petsc: the law or a load has no energy, by which equilibria are found";
+    return "";
+  }
+
+  /// The same of an equilibrium.
+  static std::string unsuited_for_balance(const Model& model) {
+    for (const auto& load : model.loads())
+      if (load->changes() && load->acts_at_rest())
+        return "engine petsc: a load changes as the body moves, and equilibria are shared out under dead ones only: "
+               "gravity, forces, prescribed displacements";
+    return unsuited_for_any(model);
+  }
+
+  SharedSetting& setting(const Model& model) {
+    const std::string why = unsuited_for_balance(model);
+    if (!why.empty()) throw InputError(why);
+    return *setting(model.body());
+  }
+
+  /// The last one, if it is of the same body.
+  const std::shared_ptr<SharedSetting>& setting(const Body& body) {
+    const std::uint64_t mark = mark_of(body);
+    if (any_over(body, !setting_ || &setting_->body.given() != &body || mark != mark_)) {
+      setting_ = std::make_shared<SharedSetting>(body);
+      mark_ = mark;
+    }
+    return setting_;
+  }
+
+  std::shared_ptr<SharedSetting> setting_;
   std::uint64_t mark_ = 0;
 };
 

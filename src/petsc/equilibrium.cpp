@@ -62,31 +62,37 @@ double fixed_norm(const SharedModel& model, const Positions& owned) {
 
 /// Where Newton's method stands.
 struct Point {
-  Positions local;  ///< [m]
+  State state;  ///< of the subdomain; of an equilibrium positions alone
   Vector unbalanced;
   double energy = 0, norm = 0, scale = 0, noise = 0;
 };
 
 class Newton {
  public:
-  Newton(Model& model, SharedSetting& setting, const StaticOptions& options)
-      : whole_(model),
+  Newton(Model& model, SharedSetting& setting, const StaticOptions& options, const Kinematics* kinematics)
+      : given_(model),
         setting_(setting),
         body_(setting.body),
         options_(options),
-        model_(model, setting.body),
-        loads_(dead_loads(model, setting.body)),
-        motion_(setting.body.make_vector()) {}
+        kinematics_(kinematics),
+        model_(model, setting.body, kinematics ? SharedModel::Use::step : SharedModel::Use::equilibrium),
+        with_energy_(Problem(model, kinematics).with_energy),
+        motion_(setting.body.make_vector()) {
+    if (!kinematics) loads_ = dead_loads(model, setting.body);
+  }
 
   StaticResult solve(State& state) {
     StaticResult result;
     Point now;
-    body_.take(state.positions, now.local);
+    if (kinematics_)
+      now.state = state;
+    else
+      body_.take(state.positions, now.state.positions);
     evaluate(now);
     if (!std::isfinite(now.energy)) {
       result.outcome = Outcome::inverted;
-      const bool here = !std::isfinite(model_.local().elastic_energy(now.local)) || !body_.of_share();
-      result.cause = first_over(whole_.body(), here ? inverted_text(whole_.body(), state.positions) : "") +
+      const bool here = !std::isfinite(model_.local().elastic_energy(now.state.positions)) || !body_.of_share();
+      result.cause = first_over(given_.body(), here ? inverted_text(given_.body(), state.positions) : "") +
                      " at the start of the step";
       return result;
     }
@@ -99,12 +105,12 @@ class Newton {
         stop(Outcome::diverged, "the forces are too large for numbers", result);
         break;
       }
-      const SharedTangent tangent(model_, now.local);
+      const SharedTangent tangent(model_, now.state, kinematics_ ? kinematics_->weights : Weights{});
       result.scale = now.scale;
       result.residual = now.scale > 0 ? now.norm / now.scale : 0;
       const double goal = std::max(options_.tolerance * now.scale, 2 * tangent.rounding_floor());
       if (now.norm <= goal) {
-        if (!options_.probe || saddles == kSaddles || !may_buckle(now.local)) break;
+        if (!options_.probe || kinematics_ || saddles == kSaddles || !may_buckle(now.state.positions)) break;
         result.unstable = find_negative_direction(tangent, motion_, result.linear_iterations);
         if (!result.unstable || !stable_start || !leave_saddle(now)) break;
         ++saddles;
@@ -112,15 +118,17 @@ class Newton {
         continue;
       }
       if (result.newton_iterations == options_.newton_limit) {
-        stop(Outcome::limit_reached, "no equilibrium within " + counted(options_.newton_limit, "Newton iteration"),
-             result);
+        const bool cut_short = kinematics_ && kinematics_->cut_short;
+        stop(Outcome::limit_reached,
+             cut_short ? "" : "no equilibrium within " + counted(options_.newton_limit, "Newton iteration"), result);
         break;
       }
       // Solve each step no further than the next unbalanced force can use. [Eisenstat & Walker 1996, choice 2]
       if (result.newton_iterations > 0) forcing = std::min(1e-2, 0.5 * std::pow(now.norm / last, 2));
       forcing = std::max(forcing, 0.1 * goal / now.norm);
       last = now.norm;
-      const BoxHierarchy* boxes = chosen_boxes(whole_, model_.local(), setting_, options_, forcing, result.reason);
+      const BoxHierarchy* boxes =  // inertia keeps iterations few
+          kinematics_ ? nullptr : chosen_boxes(given_, model_.local(), setting_, options_, forcing, result.reason);
       const SharedLinearResult linear = solve_linear(tangent, boxes, now.unbalanced, forcing, motion_);
       preconditioner = linear.preconditioner;
       result.linear_iterations += linear.iterations;
@@ -142,8 +150,12 @@ class Newton {
            result);
       break;
     }
-    body_.gather(now.local.leftCols(body_.owned()), state.positions);
     result.solver = solver_name("newton", preconditioner, body_);
+    if (kinematics_) {
+      state = std::move(now.state);
+      return result;  // nobody asks for the reactions of a step
+    }
+    body_.gather(now.state.positions.leftCols(body_.owned()), state.positions);
     result.reactions = reactions(state, now);
     return result;
   }
@@ -158,45 +170,79 @@ class Newton {
   Positions reactions(const State& state, const Point& now) {
     Positions forces;
     if (!body_.of_share()) {
-      whole_.set_forces(state, forces);
+      given_.set_forces(state, forces);
     } else {
       forces_.setZero(3, body_.size());
-      model_.local().add_elastic_forces(now.local, forces_, workspace_);
+      model_.local().add_elastic_forces(now.state.positions, forces_, workspace_);
       const Vector sums = body_.make_vector();
       body_.add_up(forces_, sums);
       body_.read(sums, owned_);
       forces = Positions::Zero(3, body_.size());
       forces.leftCols(body_.owned()) = owned_ + loads_.owned;
     }
-    return -fixed_components(whole_.supports, forces);
+    return -fixed_components(given_.supports, forces);
   }
 
   /// Sets all of a point that follows from its positions.
   void evaluate(Point& point) {
-    const Positions& x = point.local;
+    const Positions& x = point.state.positions;
     point.norm = point.scale = point.noise = 0;
-    const auto moved = (x - model_.local().body().rest).leftCols(body_.owned());
-    const double work = (loads_.owned.array() * moved.array()).sum();
-    double own = model_.local().elastic_energy(x) - work;
+    if (kinematics_) {
+      set_velocities(given_, *kinematics_, point.state);
+      const Weights& weights = kinematics_->weights;
+      point.state.accelerations = kinematics_->accelerations + weights.acceleration * (x - kinematics_->start);
+    }
+    double own = given_energy(point.state);
     if (!model_.local().admissible(x)) own = std::numeric_limits<double>::infinity();
     point.energy = body_.sum(own);
     if (!std::isfinite(point.energy)) return;
     forces_.setZero(3, body_.size());
     model_.local().add_elastic_forces(x, forces_, workspace_);
     if (!point.unbalanced) point.unbalanced = body_.make_vector();
-    body_.add_up(forces_, point.unbalanced);
-    body_.read(point.unbalanced, owned_);
-    owned_ += loads_.owned;
+    if (kinematics_) {
+      given_.add_other_forces(point.state, forces_, workspace_);
+      owned_ = forces_.leftCols(body_.owned());
+      point.scale = add_inertia(point.state);
+    } else {
+      body_.add_up(forces_, point.unbalanced);
+      body_.read(point.unbalanced, owned_);
+      owned_ += loads_.owned;
+      point.scale = loads_.scale;
+    }
     body_.write(owned_, point.unbalanced);
-    point.scale = loads_.scale + fixed_norm(model_, owned_);
+    point.scale += fixed_norm(model_, owned_);
     model_.keep_free(point.unbalanced);
     check(VecNorm(point.unbalanced, NORM_2, &point.norm));
-    set_noise(point);
+    if (with_energy_) set_noise(point);
+  }
+
+  /// Of what this process counts; of a step with that of the inertia, see elastin::evaluate.
+  double given_energy(const State& state) {
+    const Positions& x = state.positions;
+    if (!kinematics_) {
+      const auto moved = (x - model_.local().body().rest).leftCols(body_.owned());
+      return model_.local().elastic_energy(x) - (loads_.owned.array() * moved.array()).sum();
+    }
+    return given_.elastic_energy(x) + given_.load_energy(state) + step_energy(given_, *kinematics_, x);
+  }
+
+  /// Takes the inertia of owned molecules from their forces. The size of loads and inertia [N].
+  double add_inertia(const State& state) {
+    const int owned = body_.owned();
+    double scale = 0;
+    for (const auto& load : given_.loads()) {
+      forces_.setZero();
+      load->add_forces(state, forces_);
+      scale += std::sqrt(body_.sum(forces_.leftCols(owned).squaredNorm()));
+    }
+    const Positions inertia = state.accelerations.leftCols(owned) * given_.body().mass.head(owned).asDiagonal();
+    owned_ -= inertia;
+    return scale + std::sqrt(body_.sum(inertia.squaredNorm()));
   }
 
   /// What rounding of the positions does to the energy [J].
   void set_noise(Point& point) {
-    const Positions& x = point.local;
+    const Positions& x = point.state.positions;
     const Connections& connections = model_.local().body().connections;
     densities_.setZero(connections.size());
     for (const auto& term : model_.local().elasticity()) term->add_force_densities(x, densities_, workspace_);
@@ -220,14 +266,20 @@ class Newton {
     check(VecDot(now.unbalanced, motion_, &slope));
     slope = -slope;
     Point trial;
+    if (kinematics_) trial.state = now.state;
     for (double step = 1; step > 1e-9; step /= 2) {
-      trial.local = now.local + step * motion;
+      trial.state.positions = now.state.positions + step * motion;
       evaluate(trial);
       inverted |= std::isinf(trial.energy);
       if (!std::isfinite(trial.energy) || !std::isfinite(trial.norm)) continue;
-      const bool falls = slope < 0 && trial.energy <= now.energy + 1e-4 * step * slope;
+      bool falls = with_energy_ && slope < 0 && trial.energy <= now.energy + 1e-4 * step * slope;
+      if (!with_energy_) {  // of a step: its forces' work on the way says the same
+        double work = 0;
+        check(VecDot(trial.unbalanced, motion_, &work));
+        falls = slope < 0 && (work - slope) / 2 >= -1e-4 * slope;
+      }
       const bool calmer = trial.norm < (1 - 1e-4 * step) * now.norm;
-      if (falls || (calmer && trial.energy - now.energy <= trial.noise)) {
+      if (falls || (calmer && (!with_energy_ || trial.energy - now.energy <= trial.noise))) {
         std::swap(now, trial);
         return true;
       }
@@ -237,7 +289,7 @@ class Newton {
 
   /// Whether the body may be strained enough to buckle; as solve_newton.
   bool may_buckle(const Positions& x) const {
-    const auto [low, high] = outline_of_whole(whole_.body());
+    const auto [low, high] = outline_of_whole(given_.body());
     const Vector3 size = high - low;
     const double thin = size.minCoeff() / size.maxCoeff(), limit = std::min(1e-4, 0.1 * thin * thin);
     const Connections& connections = body_.local().connections;
@@ -255,11 +307,11 @@ class Newton {
     Positions direction;
     body_.spread(motion_, direction);
     const double furthest = body_.largest(direction.cols() ? direction.colwise().norm().maxCoeff() : 0);
-    const double length = 0.1 * mean_length(whole_.body()) / furthest;
+    const double length = 0.1 * mean_length(given_.body()) / furthest;
     Point trial;
     for (double step = length; step > 1e-6 * length; step /= 4)
       for (const double factor : {step, -step}) {
-        trial.local = now.local + factor * direction;
+        trial.state.positions = now.state.positions + factor * direction;
         evaluate(trial);
         if (!(now.energy - trial.energy > 10 * std::max(now.noise, trial.noise))) continue;
         std::swap(now, trial);
@@ -273,15 +325,17 @@ class Newton {
     Positions motion;
     body_.read(motion_, motion);
     const double furthest = body_.largest(motion.cols() ? motion.colwise().norm().maxCoeff() : 0);
-    const double most = 0.5 * mean_length(whole_.body());
+    const double most = 0.5 * mean_length(given_.body());
     if (furthest > most) check(VecScale(motion_, most / furthest));
   }
 
-  Model& whole_;
+  Model& given_;
   SharedSetting& setting_;
   const SharedBody& body_;
   const StaticOptions& options_;
+  const Kinematics* kinematics_;  ///< null: an equilibrium
   SharedModel model_;
+  bool with_energy_;  ///< whether what is sought has the least of one
   DeadLoads loads_;
   Vector motion_;
   Positions forces_, owned_;
@@ -291,8 +345,9 @@ class Newton {
 
 }  // namespace
 
-StaticResult balance(Model& model, SharedSetting& setting, State& state, const StaticOptions& options) {
-  return Newton(model, setting, options).solve(state);
+StaticResult balance(Model& model, SharedSetting& setting, State& state, const StaticOptions& options,
+                     const Kinematics* kinematics) {
+  return Newton(model, setting, options, kinematics).solve(state);
 }
 
 StaticResponse respond(Model& model, SharedSetting& setting, const Positions& at, const Positions& load_change,
@@ -306,7 +361,7 @@ StaticResponse respond(Model& model, SharedSetting& setting, const Positions& at
   }
   Positions local, motion, loads, owned;
   body.take(at, local);
-  const SharedTangent tangent(shared, std::move(local));
+  const SharedTangent tangent(shared, State{std::move(local), Positions()});
   body.take(prescribed, motion);
   body.take(load_change, loads);
   Vector rhs = body.make_vector(), solution = body.make_vector();

@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 
+#include "core/solve/trial.h"
 #include "elastin/core/solve/statics.h"
 #include "petsc/boxes.h"
 #include "petsc/shared_model.h"
@@ -18,7 +19,9 @@ struct SharedSetting {
 StaticResponse respond(Model& model, SharedSetting& setting, const Positions& at, const Positions& load_change,
                        const Positions& displacement, const StaticOptions& options);
 
-/// Newton's method with a line search on the energy, as elastin::solve_newton of a static problem.
-StaticResult balance(Model& model, SharedSetting& setting, State& state, const StaticOptions& options);
+/// Newton's method with a line search on the energy, as elastin::solve_newton; `kinematics`: of a step in time of a
+/// model with complete rows, null: an equilibrium.
+StaticResult balance(Model& model, SharedSetting& setting, State& state, const StaticOptions& options,
+                     const Kinematics* kinematics = nullptr);
 
 }  // namespace elastin::petsc

@@ -28,6 +28,7 @@ Matrix assembled(const SharedTangent& tangent) {
   check(MatMPIAIJSetPreallocation(matrix, 90, nullptr, 45, nullptr));
   check(MatSetOption(matrix, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));  // cells may reach further
   const auto add = [&](int a, int b, const Matrix3& block) {
+    if (model.of_step() && a >= body.owned()) return;  // another process has the whole row
     const PetscInt row = body.numbers()[static_cast<std::size_t>(a)],
                    column = body.numbers()[static_cast<std::size_t>(b)];
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> values =
@@ -200,6 +201,12 @@ void set_free_motions(const SharedTangent& tangent, Mat operation) {
   check(MatNullSpaceDestroy(&free_motions));
 }
 
+/// What damps looks at them, at rest too.
+State with_velocities(State state, const Model& model) {
+  if (state.velocities.size() == 0 && model.feels_velocity()) state.velocities.setZero(3, state.positions.cols());
+  return state;
+}
+
 LinearStatus status_of(KSPConvergedReason reason) {
   if (reason > 0) return LinearStatus::solved;
   if (reason == KSP_DIVERGED_INDEFINITE_MAT) return LinearStatus::negative_mode;
@@ -209,15 +216,17 @@ LinearStatus status_of(KSPConvergedReason reason) {
 
 }  // namespace
 
-SharedTangent::SharedTangent(SharedModel& model, Positions local)
-    : model_(model), state_{std::move(local), Positions()}, tangent_(model.local(), state_) {
+SharedTangent::SharedTangent(SharedModel& model, State state, const Weights& weights)
+    : model_(model),
+      state_(with_velocities(std::move(state), model.local())),
+      tangent_(model.local(), state_, weights) {
   const SharedBody& body = model.body();
   diagonal_.resize(static_cast<std::size_t>(body.owned()));
   Vector sums = body.make_vector();
   Positions column(3, body.size()), owned;
   for (int k = 0; k < 3; ++k) {
     for (int a = 0; a < body.size(); ++a) column.col(a) = tangent_.diagonal(a).col(k);
-    body.add_up(column, sums);
+    model.collect(column, sums);
     body.read(sums, owned);
     for (int a = 0; a < body.owned(); ++a) diagonal_[static_cast<std::size_t>(a)].col(k) = owned.col(a);
   }
@@ -227,7 +236,7 @@ SharedTangent::SharedTangent(SharedModel& model, Positions local)
 
 void SharedTangent::apply(const Positions& local, Vec result) const {
   tangent_.apply(local, forces_, workspace_);
-  model_.body().add_up(forces_, result);
+  model_.collect(forces_, result);
 }
 
 void SharedTangent::apply(Vec motion, Vec result) const {

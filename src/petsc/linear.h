@@ -12,8 +12,8 @@ namespace elastin::petsc {
 /// The stiffness of a shared model at one state.
 class SharedTangent {
  public:
-  /// Positions [m] of the subdomain's molecules.
-  SharedTangent(SharedModel& model, Positions local);
+  /// `state`: of the subdomain's molecules. `weights`: of a step in time.
+  SharedTangent(SharedModel& model, State state, const Weights& weights = {});
 
   SharedModel& model() const { return model_; }
   const Tangent& local() const { return tangent_; }

@@ -62,6 +62,10 @@ class MpiProcesses final : public Processes {
     return all;
   }
 
+  void largest(std::span<double> own) const override {
+    MPI_Allreduce(MPI_IN_PLACE, own.data(), static_cast<int>(own.size()), MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
+  }
+
   void send(int to, const std::vector<char>& bytes) const override {
     const auto size = static_cast<std::uint64_t>(bytes.size());
     MPI_Send(&size, 1, MPI_UINT64_T, to, 0, PETSC_COMM_WORLD);

@@ -47,30 +47,44 @@ Vector SharedBody::make_vector() const {
   return vector;
 }
 
-void SharedBody::spread(Vec owned, Positions& local) const {
-  check(VecCopy(owned, ghosted_));
-  check(VecGhostUpdateBegin(ghosted_, INSERT_VALUES, SCATTER_FORWARD));
-  check(VecGhostUpdateEnd(ghosted_, INSERT_VALUES, SCATTER_FORWARD));
-  Vec form = nullptr;
-  check(VecGhostGetLocalForm(ghosted_, &form));
+namespace {
+
+/// The numbers of a vector stand elsewhere for a while.
+class Placed {
+ public:
+  Placed(Vec vector, Positions& columns) : vector_(vector) { check(VecPlaceArray(vector, columns.data())); }
+  ~Placed() { VecResetArray(vector_); }
+  Placed(const Placed&) = delete;
+  Placed& operator=(const Placed&) = delete;
+
+ private:
+  Vec vector_;
+};
+
+}  // namespace
+
+void SharedBody::spread(Vec owned_values, Positions& local) const {
+  local.resize(3, size());
   const PetscScalar* values = nullptr;
-  check(VecGetArrayRead(form, &values));
-  local = Eigen::Map<const Positions>(values, 3, size());
-  check(VecRestoreArrayRead(form, &values));
-  check(VecGhostRestoreLocalForm(ghosted_, &form));
+  check(VecGetArrayRead(owned_values, &values));
+  local.leftCols(owned()) = Eigen::Map<const Positions>(values, 3, owned());
+  check(VecRestoreArrayRead(owned_values, &values));
+  spread(local);
 }
 
-void SharedBody::add_up(const Positions& local, Vec owned) const {
-  Vec form = nullptr;
-  check(VecGhostGetLocalForm(ghosted_, &form));
-  PetscScalar* values = nullptr;
-  check(VecGetArrayWrite(form, &values));
-  Eigen::Map<Positions>(values, 3, size()) = local;
-  check(VecRestoreArrayWrite(form, &values));
-  check(VecGhostRestoreLocalForm(ghosted_, &form));
-  check(VecGhostUpdateBegin(ghosted_, ADD_VALUES, SCATTER_REVERSE));
-  check(VecGhostUpdateEnd(ghosted_, ADD_VALUES, SCATTER_REVERSE));
-  check(VecCopy(ghosted_, owned));
+void SharedBody::spread(Positions& local) const {
+  const Placed placed(ghosted_, local);
+  check(VecGhostUpdateBegin(ghosted_, INSERT_VALUES, SCATTER_FORWARD));
+  check(VecGhostUpdateEnd(ghosted_, INSERT_VALUES, SCATTER_FORWARD));
+}
+
+void SharedBody::add_up(Positions& local, Vec owned_values) const {
+  {
+    const Placed placed(ghosted_, local);
+    check(VecGhostUpdateBegin(ghosted_, ADD_VALUES, SCATTER_REVERSE));
+    check(VecGhostUpdateEnd(ghosted_, ADD_VALUES, SCATTER_REVERSE));
+  }
+  write(local, owned_values);
 }
 
 void SharedBody::take(const Positions& given, Positions& local) const {
@@ -128,13 +142,14 @@ double SharedBody::largest(double own) const {
   return result;
 }
 
-SharedModel::SharedModel(Model& given, const SharedBody& body) : body_(body), given_(given) {
-  if (!body.of_share()) {
+SharedModel::SharedModel(Model& given, const SharedBody& body, Use use) : body_(body), given_(given), use_(use) {
+  if (!body.of_share() || (given.has_complete_rows() && use == Use::equilibrium)) {
     subdomain_.emplace(body.local());
-    for (const auto& term : given.elasticity()) subdomain_->add(term->on_subdomain(body.own()));
+    for (const auto& term : given.elasticity())
+      subdomain_->add(body.of_share() ? term->clone() : term->on_subdomain(body.own()));
   }
   for (const Support& support : given.supports) {
-    const int molecule = subdomain_ ? body.own().local(support.molecule) : support.molecule;
+    const int molecule = body.of_share() ? support.molecule : body.own().local(support.molecule);
     if (molecule < 0) continue;
     Support own = support;
     own.molecule = molecule;

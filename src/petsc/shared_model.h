@@ -38,8 +38,10 @@ class SharedBody {
   Vector make_vector() const;
   /// Values of owned molecules for all of the subdomain.
   void spread(Vec owned, Positions& local) const;
-  /// The sums of what all subdomains have for a molecule, for its owner.
-  void add_up(const Positions& local, Vec owned) const;
+  /// Of what is in place for all molecules of a share, the owners' values for the others.
+  void spread(Positions& local) const;
+  /// The sums of what all subdomains have for a molecule, for its owner, in `local` too.
+  void add_up(Positions& local, Vec owned) const;
   /// Columns of what was given that are the subdomain's.
   void take(const Positions& given, Positions& local) const;
   /// Values of owned molecules as columns, and back.
@@ -65,21 +67,30 @@ class SharedBody {
 /// A model among processes: its elements, loads and supports, each where it is computed.
 class SharedModel {
  public:
+  /// What is solved: an equilibrium, by elements each of which one process computes; or the end of a step in time of a
+  /// model with complete rows, by these.
+  enum class Use { equilibrium, step };
   /// `given`, of the whole or of a share, must take part, see StaticEngine::unsuited, and outlive it.
-  SharedModel(Model& given, const SharedBody& body);
+  SharedModel(Model& given, const SharedBody& body, Use use = Use::equilibrium);
 
   const SharedBody& body() const { return body_; }
-  /// On the subdomain: elasticities that it computes, and the supports of all its molecules. No loads.
+  /// On the subdomain: elasticities that it computes, and the supports of all its molecules. No loads, but of a step.
   Model& local() { return subdomain_ ? *subdomain_ : given_; }
   /// Supports of owned molecules.
   const std::vector<Support>& supports() const { return owned_supports_; }
+  bool of_step() const { return use_ == Use::step; }
+  /// What has to be added for owned molecules: what all processes have for them, or, of complete rows, what is there.
+  void collect(Positions& local, Vec owned) const {
+    of_step() ? body_.write(local, owned) : body_.add_up(local, owned);
+  }
   /// Takes the fixed components of owned molecules out.
   void keep_free(Vec vector) const;
 
  private:
   const SharedBody& body_;
   Model& given_;
-  std::optional<Model> subdomain_;  ///< of a whole
+  Use use_;
+  std::optional<Model> subdomain_;  ///< of a whole, or beside complete rows
   std::vector<Support> owned_supports_;
 };
 

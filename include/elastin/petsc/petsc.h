@@ -25,9 +25,11 @@ int end(int code, void (*last_words)() = nullptr);
 /// method on PETSc's vectors, conjugate gradients (KSPCG) on a tangent without a matrix (MATSHELL), preconditioned by 3
 /// × 3 blocks and, as `linear_solver` says, by a V-cycle (PCMG) on the boxes of multigrid.
 ///
-/// Every process hands over the same whole model and gets the same whole result: the body itself, and what is read off
-/// it, is not shared out. Models with loads that change as the body moves, with laws that remember, and with cells that
-/// are driven at their nodes are not taken; see StaticEngine::unsuited.
+/// Every process hands over the same whole model and gets the same whole result, or that of its share of a body
+/// (Body::share) and gets what belongs to it. Of shares it also balances implicit steps, and explicit ones take from it
+/// what gives ghosts what their owners have (Model::complete_rows). Models in equilibrium with loads that change as the
+/// body moves, with laws that remember, and, of a whole body, with cells that are driven at their nodes are not taken;
+/// see StaticEngine::unsuited.
 std::shared_ptr<StaticEngine> make_engine();
 
 /// Makes the engine `petsc` of a catalog one that works.

@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "elastin/core/forces/floor.h"
+#include "elastin/core/model/share.h"
 
 namespace elastin {
 namespace {
@@ -31,7 +32,7 @@ class FloorPenalty final : public Load, private HalfSpace {
   }
   double energy(const State& state) const override {
     double sum = 0;
-    for (int molecule = 0; molecule < body_.size(); ++molecule) {
+    for (int molecule = 0; molecule < owned_molecules(body_); ++molecule) {
       const double d = depth(state, molecule), e = onset(molecule);
       if (d > 0) sum += floor_.stiffness * (d < e ? d * d * d / (6 * e) : e * e / 6 + (d - e) * d / 2);
     }
@@ -91,7 +92,9 @@ class FloorDamping final : public Load, private HalfSpace {
 }  // namespace
 
 double default_floor_stiffness(const Body& body, const Material& material) {
-  return material.youngs_modulus * 2 * body.radius.mean();
+  const int owned = owned_molecules(body);
+  return material.youngs_modulus * 2 * sum_over(body, body.radius.head(owned).sum()) /
+         static_cast<double>(molecules_of_whole(body));
 }
 
 std::unique_ptr<Load> make_floor(const Body& body, const Floor& floor) {

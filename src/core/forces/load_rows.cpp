@@ -6,6 +6,7 @@
 #include "elastin/core/forces/air.h"
 #include "elastin/core/forces/floor.h"
 #include "elastin/core/forces/pressure.h"
+#include "elastin/core/model/share.h"
 
 namespace elastin {
 namespace {
@@ -75,6 +76,7 @@ LoadKind gravity() {
   load.add = [](Model& model, const LoadValues& values, const Material*) {
     model.add(make_gravity(model.body(), values.vectors.at("acceleration")));
   };
+  load.of_shares = true;
   return load;
 }
 
@@ -88,6 +90,7 @@ LoadKind point() {
     model.add(std::make_unique<PointLoads>(
         model.body(), molecules, values.vectors.at("force").replicate(1, static_cast<Eigen::Index>(molecules.size()))));
   };
+  load.of_shares = true;
   return load;
 }
 
@@ -144,6 +147,7 @@ LoadKind floor_plane() {
     model.add(make_floor(model.body(), floor));
     if (floor.damping > 0) model.add(make_floor_damping(model.body(), floor));
   };
+  load.of_shares = true;
   return load;
 }
 
@@ -181,6 +185,7 @@ LoadKind stokes_drag() {
     model.add(make_stokes_drag(model.body(), values.numbers.at("viscosity")));
   };
   load.acts_at_rest = never_at_rest;
+  load.of_shares = true;
   return load;
 }
 
@@ -194,6 +199,7 @@ LoadKind quadratic_drag() {
     model.add(make_quadratic_drag(model.body(), values.numbers.at("density"), values.numbers.at("drag_coefficient")));
   };
   load.acts_at_rest = never_at_rest;
+  load.of_shares = true;
   return load;
 }
 
@@ -206,6 +212,7 @@ LoadKind damping() {
     model.add(make_damping(values.numbers.at("coefficient")));
   };
   load.acts_at_rest = never_at_rest;
+  load.of_shares = true;
   return load;
 }
 
@@ -216,12 +223,14 @@ LoadKind cell_damping() {
                  {required("bulk", dimension::viscosity, "bulk viscosity phi of the stress phi tr(rate) I"),
                   required("shear", dimension::viscosity, "shear viscosity psi of the stress 2 psi rate")}}};
   load.check = [](const Body& body, const LoadValues&) {
-    if (body.tetrahedra.empty()) throw InputError("needs a body with tetrahedra; `damping` works on connections");
+    if (!any_over(body, !body.tetrahedra.empty()))
+      throw InputError("needs a body with tetrahedra; `damping` works on connections");
   };
   load.add = [](Model& model, const LoadValues& values, const Material*) {
     model.add(make_cell_damping(model.body(), values.numbers.at("bulk"), values.numbers.at("shear")));
   };
   load.acts_at_rest = never_at_rest;
+  load.of_shares = true;
   return load;
 }
 
@@ -243,6 +252,7 @@ LoadKind rayleigh() {
       for (const auto& law : model.elasticity()) model.add(make_stiffness_damping(model.body(), *law, time));
   };
   load.acts_at_rest = never_at_rest;
+  load.of_shares = true;
   return load;
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/parallel/parallel.h"
+#include "elastin/core/model/share.h"
 
 namespace elastin {
 namespace {
@@ -15,7 +16,7 @@ class Gravity final : public Load {
     parallel_for(body_.size(), [&](int molecule) { forces.col(molecule) += body_.mass[molecule] * acceleration_; });
   }
   double energy(const State& state) const override {
-    return -ordered_sum(body_.size(), [&](int molecule) {
+    return -ordered_sum(owned_molecules(body_), [&](int molecule) {
       return body_.mass[molecule] * acceleration_.dot(state.positions.col(molecule) - body_.rest.col(molecule));
     });
   }
@@ -132,8 +133,9 @@ void PointLoads::add_forces(const State&, Positions& forces) const {
 double PointLoads::energy(const State& state) const {
   double work = 0;
   for (std::size_t i = 0; i < molecules_.size(); ++i)
-    work += forces_.col(static_cast<Eigen::Index>(i))
-                .dot(state.positions.col(molecules_[i]) - body_.rest.col(molecules_[i]));
+    if (molecules_[i] < owned_molecules(body_))
+      work += forces_.col(static_cast<Eigen::Index>(i))
+                  .dot(state.positions.col(molecules_[i]) - body_.rest.col(molecules_[i]));
   return -factor_ * work;
 }
 

@@ -44,8 +44,12 @@ void Model::add(std::unique_ptr<Elasticity> elasticity) {
   if (computed_) {
     auto own = elasticity->on_subdomain(*computed_);
     if (!own) throw InputError(kNotShared);
-    std::swap(own, elasticity);
-    if (keeps_all_) all_elements_.push_back(std::move(own));
+    if (has_complete_rows()) {
+      counted_.push_back(std::move(own));
+    } else {
+      std::swap(own, elasticity);
+      if (keeps_all_) all_elements_.push_back(std::move(own));
+    }
   }
   const std::string name = "law" + std::to_string(elasticity_.size());
   insert(elasticity->history(name), history_);
@@ -108,7 +112,8 @@ double Model::max_step_fraction(const State& from, const State& to) const {
 double Model::square_frequency(const State& state, double ahead) const {
   double sum = 0;
   for (const auto& load : loads_) sum += load->square_frequency(state, ahead);
-  return sum;
+  const bool may_set_in = std::any_of(loads_.begin(), loads_.end(), [](const auto& load) { return load->changes(); });
+  return may_set_in ? largest_over(*body_, sum) : sum;
 }
 
 bool Model::has_full_tangent() const {
@@ -127,7 +132,7 @@ bool Model::feels_velocity() const {
 
 double Model::elastic_energy(const Positions& positions) const {
   double energy = 0;
-  for (const auto& term : elasticity_) energy += term->energy(positions);
+  for (const auto& term : has_complete_rows() ? counted_ : elasticity_) energy += term->energy(positions);
   return energy;
 }
 
@@ -196,6 +201,7 @@ void Model::set_forces(const State& state, Positions& forces, Workspace& workspa
   forces.setZero(3, body_->size());
   add_elastic_forces(state.positions, forces, workspace);
   add_other_forces(state, forces, workspace);
+  spread(forces);
 }
 
 void Model::add_other_forces(const State& state, Positions& forces, Workspace& workspace) const {

@@ -92,6 +92,17 @@ Eigen::Matrix<double, 3, 2> across(const Vector3& axis) {
   return plane;
 }
 
+Points2 hull_over(const Body& body, const Points2& own) {
+  if (!body.share) return convex_hull(own);
+  const Points2 hull = own.cols() == 0 ? own : convex_hull(own);
+  const std::vector<double> all = gathered_over(body, std::span(hull.data(), static_cast<std::size_t>(hull.size())));
+  return convex_hull(Eigen::Map<const Points2>(all.data(), 2, static_cast<Eigen::Index>(all.size()) / 2));
+}
+
+Points2 hull_of_whole(const Body& body, const Eigen::Matrix<double, 3, 2>& plane) {
+  return hull_over(body, plane.transpose() * body.rest.leftCols(owned_molecules(body)));
+}
+
 Face end_face(const Body& body, const Vector3& direction, double depth) {
   const VectorX height = body.rest.transpose() * direction;
   const double low = least_over(body, height.minCoeff()), high = largest_over(body, height.maxCoeff());
@@ -107,7 +118,7 @@ Face end_face(const Body& body, const Vector3& direction, double depth) {
   auto share = face.share.head(static_cast<Eigen::Index>(owned));
   share.setConstant(1. / static_cast<double>(layer.cols()));
   if (!(face.area > 0)) return face;
-  if (!body.tetrahedra.empty()) {
+  if (any_over(body, !body.tetrahedra.empty())) {
     const VectorX parts = has_blocks(body, 3) ? face_shares(body, face.molecules, direction)
                                               : triangle_thirds(body, face.molecules, direction);
     if (const double sum = sum_over(body, parts.head(share.size()).sum()); sum > 0) {
@@ -121,17 +132,19 @@ Face end_face(const Body& body, const Vector3& direction, double depth) {
   return face;
 }
 
-Vector3 middle_of(const Face& face, const Positions& positions) {
+Vector3 middle_of(const Body& body, const Face& face, const Positions& positions) {
   Vector3 middle = Vector3::Zero();
   for (std::size_t i = 0; i < face.molecules.size(); ++i)
     middle += face.share[static_cast<Eigen::Index>(i)] * positions.col(face.molecules[i]);
+  sum_over(body, {middle.data(), 3});
   return middle;
 }
 
 BoxSides find_box(const Body& body, const Matrix3& axes, double depth) {
   const Positions along = axes.transpose() * body.rest;
   BoxSides box;
-  box.size = along.rowwise().maxCoeff() - along.rowwise().minCoeff();
+  for (int k = 0; k < 3; ++k)
+    box.size[k] = largest_over(body, along.row(k).maxCoeff()) - least_over(body, along.row(k).minCoeff());
   for (int side = 0; side < 6; ++side) {
     const int axis = side / 2;
     box.sides[static_cast<std::size_t>(side)] = end_face(body, (side % 2 ? 1 : -1) * axes.col(axis), depth);
@@ -146,13 +159,16 @@ BoxSides find_box(const Body& body, const Matrix3& axes, double depth) {
 Surface find_surface(const Body& body, const Matrix3& axes, double depth) {
   Surface surface;
   std::vector<char> outside(static_cast<std::size_t>(body.size()), 0);
-  if (!body.tetrahedra.empty()) {
+  if (any_over(body, !body.tetrahedra.empty())) {
     if (depth > 0) throw InputError("grip_depth: the body's cells say what its surface is");
     for (const auto& triangle : boundary_of(body.tetrahedra))
       for (const int corner : triangle) outside[static_cast<std::size_t>(corner)] = 1;
-    for (const auto& cell : body.tetrahedra) surface.volume += signed_volume(body.rest, cell);
+    for (const auto& cell : body.tetrahedra)
+      if (lowest_in_whole(body, cell) < owned_molecules(body)) surface.volume += signed_volume(body.rest, cell);
+    surface.volume = sum_over(body, surface.volume);
+    mark_ghosts_as_owners(body, outside);
   } else {
-    if (!body.triangles.empty()) throw InputError("a membrane of triangles is no solid");
+    if (any_over(body, !body.triangles.empty())) throw InputError("a membrane of triangles is no solid");
     const BoxSides box = find_box(body, axes, depth);
     surface.volume = box.size.prod();
     for (const Face& side : box.sides)

@@ -10,6 +10,11 @@ namespace elastin {
 /// Two directions that span the plane across an axis, as columns.
 Eigen::Matrix<double, 3, 2> across(const Vector3& axis);
 
+/// The convex hull of the body at rest, seen on a plane: of the whole, whatever this process has of it.
+Points2 hull_of_whole(const Body& body, const Eigen::Matrix<double, 3, 2>& plane);
+/// The same of some points of each process.
+Points2 hull_over(const Body& body, const Points2& own);
+
 /// The molecules at one end of a body.
 struct Face {
   std::vector<int> molecules;
@@ -26,7 +31,7 @@ struct Face {
 Face end_face(const Body& body, const Vector3& direction, double depth);
 
 /// Middle of a face: mean place of its molecules by share [m].
-Vector3 middle_of(const Face& face, const Positions& positions);
+Vector3 middle_of(const Body& body, const Face& face, const Positions& positions);
 
 /// A solid body in the form of a box.
 struct BoxSides {

@@ -290,8 +290,17 @@ double sum_over(const Body& body, double own) {
   return own;
 }
 
+void Processes::largest(std::span<double> own) const {
+  const std::vector<double> all = gather(own);
+  for (std::size_t i = 0; i < all.size(); ++i) own[i % own.size()] = std::max(own[i % own.size()], all[i]);
+}
+
+void largest_over(const Body& body, std::span<double> own) {
+  if (body.share) body.share->processes->largest(own);
+}
+
 double largest_over(const Body& body, double own) {
-  for (const double other : gathered_over(body, std::span(&own, 1))) own = std::max(own, other);
+  largest_over(body, std::span(&own, 1));
   return own;
 }
 
@@ -317,20 +326,28 @@ std::string first_over(const Body& body, const std::string& own) {
   return "";
 }
 
-/// Halves the range of the numbers' bits, which are ordered as they are.
+/// Halves the range of the bits, which are ordered as the numbers are, of those that it can still be.
 double nth_over(const Body& body, const std::vector<double>& own, std::int64_t nth) {
-  std::uint64_t low = 0, high = Eigen::numext::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
-  while (low < high) {
+  const auto bits_of = [](double number) { return Eigen::numext::bit_cast<std::uint64_t>(number); };
+  std::vector<double> left = own;
+  while (true) {
+    constexpr double none = std::numeric_limits<double>::infinity();
+    std::array<double, 2> ends{-none, -none};  // largest, − least
+    for (const double number : left) ends[0] = std::max(ends[0], number), ends[1] = std::max(ends[1], -number);
+    largest_over(body, ends);
+    const std::uint64_t low = bits_of(std::abs(ends[1])), high = bits_of(ends[0]);
+    if (!(low < high)) return ends[0];
     const std::uint64_t middle = low + (high - low) / 2;
-    const auto at_most = std::count_if(own.begin(), own.end(), [&](double number) {
-      return Eigen::numext::bit_cast<std::uint64_t>(number) <= middle;
-    });
-    if (sum_over(body, static_cast<double>(at_most)) > static_cast<double>(nth))
-      high = middle;
-    else
-      low = middle + 1;
+    const auto above =
+        std::partition(left.begin(), left.end(), [&](double number) { return bits_of(number) <= middle; });
+    const double below = sum_over(body, static_cast<double>(above - left.begin()));
+    if (below > static_cast<double>(nth)) {
+      left.erase(above, left.end());
+    } else {
+      nth -= static_cast<std::int64_t>(below);
+      left.erase(left.begin(), above);
+    }
   }
-  return Eigen::numext::bit_cast<double>(low);
 }
 
 int owned_molecules(const Body& body) { return body.share ? body.share->owned : body.size(); }
@@ -343,6 +360,34 @@ std::int64_t molecules_of_whole(const Body& body) { return body.share ? body.sha
 
 std::int64_t number_in_whole(const Body& body, int molecule) {
   return body.share ? body.share->number[static_cast<std::size_t>(molecule)] : molecule;
+}
+
+int molecule_of_whole(const Body& body, std::int64_t number) {
+  if (!body.share) return number >= 0 && number < body.size() ? static_cast<int>(number) : -1;
+  const auto& numbers = body.share->number;
+  const auto first = numbers.begin(), ghosts = first + body.share->owned;
+  for (const auto& [from, to] : {std::pair{first, ghosts}, std::pair{ghosts, numbers.end()}})
+    if (const auto at = std::lower_bound(from, to, number); at != to && *at == number)
+      return static_cast<int>(at - first);
+  return -1;
+}
+
+void mark_ghosts_as_owners(const Body& body, std::vector<char>& marks) {
+  if (!body.share) return;
+  std::vector<double> own;  // exact to 2⁵³
+  for (int molecule = 0; molecule < owned_molecules(body); ++molecule)
+    if (marks[static_cast<std::size_t>(molecule)]) own.push_back(static_cast<double>(number_in_whole(body, molecule)));
+  std::fill(marks.begin() + owned_molecules(body), marks.end(), 0);
+  for (const double number : gathered_over(body, own))
+    if (const int molecule = molecule_of_whole(body, static_cast<std::int64_t>(number)); molecule >= 0)
+      marks[static_cast<std::size_t>(molecule)] = 1;
+}
+
+Vector3 middle_of_whole(const Body& body) {
+  if (!body.share) return body.rest.rowwise().mean();
+  Vector3 sum = body.rest.leftCols(owned_molecules(body)).rowwise().sum();
+  sum_over(body, {sum.data(), 3});
+  return sum / static_cast<double>(molecules_of_whole(body));
 }
 
 std::array<Vector3, 2> outline_of_whole(const Body& body) {

@@ -1,7 +1,12 @@
 #include "core/solve/steppers.h"
+#include "elastin/core/base/error.h"
 #include "elastin/core/solve/engine.h"
 
 namespace elastin {
+
+StaticResult StaticEngine::balance_step(Model&, State&, const StaticOptions&, const Kinematics&) {
+  throw InputError("this engine takes no steps in time");
+}
 
 const Table<StaticEngineKind>& built_in_engines() {
   static const Table<StaticEngineKind> table = [] {
@@ -35,6 +40,13 @@ const Table<Stepper>& built_in_steppers() {
 }
 
 std::string unsuited_for(const Stepper& scheme, const Model& model) {
+  if (model.body().share && !scheme.of_shares) {
+    std::string able;
+    for (const auto& row : built_in_steppers())
+      if (row->of_shares) able += (able.empty() ? "" : ", ") + row->name;
+    return scheme.name + " steps whole bodies alone, and each process has its share; those that step shares are " +
+           able;
+  }
   return scheme.unsuited ? scheme.unsuited(model) : "";
 }
 

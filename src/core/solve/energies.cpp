@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/parallel/parallel.h"
+#include "elastin/core/model/share.h"
 #include "elastin/core/solve/integrator.h"
 
 namespace elastin {
@@ -22,11 +23,10 @@ void add_loads(const Model& model, const State& state, Which which, Positions& f
     if (which(*load)) load->add_forces(state, forces);
 }
 
-/// ½ (a + b)·way, 0 where there are no forces.
-double work_of(const Positions& a, const Positions& b, const Positions& displacement) {
+/// ½ (a + b)·way of the molecules that its process owns, 0 where there are no forces.
+double work_of(const Body& body, const Positions& a, const Positions& b, const Positions& displacement) {
   if (a.cols() == 0) return 0;
-  return ordered_sum(static_cast<int>(displacement.cols()),
-                     [&](int i) { return (a.col(i) + b.col(i)).dot(displacement.col(i)) / 2; });
+  return ordered_sum(owned_molecules(body), [&](int i) { return (a.col(i) + b.col(i)).dot(displacement.col(i)) / 2; });
 }
 
 }  // namespace
@@ -57,6 +57,7 @@ Ledger::Border Ledger::border(const Model& model, const State& state) const {
     for (const Support& support : model.supports) {
       const Vector3 force = all.col(support.molecule), velocity = state.velocities.col(support.molecule);
       forces.supporting.col(support.molecule) = support.free * force - force;
+      if (support.molecule >= owned_molecules(model.body())) continue;
       forces.support_kinetic +=
           model.body().mass[support.molecule] * (velocity - support.free * velocity).squaredNorm() / 2;
     }
@@ -68,9 +69,9 @@ namespace {
 
 /// The same of forces that take energy. What has parted by the step's end, and feels none then, felt none that counts:
 /// Newmark's scheme takes it out (see implicit.cpp), and energy that was not taken must not look as if it were made.
-double resisted_work(const Positions& before, const Positions& after, const Positions& displacement) {
+double resisted_work(const Body& body, const Positions& before, const Positions& after, const Positions& displacement) {
   if (before.cols() == 0) return 0;
-  return ordered_sum(static_cast<int>(displacement.cols()), [&](int i) {
+  return ordered_sum(owned_molecules(body), [&](int i) {
     return after.col(i).isZero(0) ? 0 : (before.col(i) + after.col(i)).dot(displacement.col(i)) / 2;
   });
 }
@@ -81,13 +82,14 @@ void Ledger::record(const Model& model, const State& state) {
   if (!open_) return;
   const Positions displacement = state.positions - positions_;
   Border now = border(model, state);
-  dissipated -= resisted_work(last_.resisting, now.resisting, displacement);
-  work += work_of(last_.driving, now.driving, displacement) + work_of(last_.supporting, now.supporting, displacement) +
-          now.support_kinetic - last_.support_kinetic;
+  const Body& body = model.body();
+  dissipated -= resisted_work(body, last_.resisting, now.resisting, displacement);
+  work += work_of(body, last_.driving, now.driving, displacement) +
+          work_of(body, last_.supporting, now.supporting, displacement) + now.support_kinetic - last_.support_kinetic;
   if (now.driving.cols()) {
     const double step = state.time - time_;
-    const VectorX& mass = model.body().mass;
-    jumps += ordered_sum(static_cast<int>(mass.size()), [&](int i) {
+    const VectorX& mass = body.mass;
+    jumps += ordered_sum(owned_molecules(body), [&](int i) {
       return mass[i] > 0 ? step * step * (now.driving.col(i) - last_.driving.col(i)).squaredNorm() / (2 * mass[i]) : 0;
     });
   }
@@ -98,7 +100,7 @@ void Ledger::record(const Model& model, const State& state) {
 
 Energies Ledger::energies(const Model& model, const State& state) const {
   const VectorX& mass = model.body().mass;
-  const int n = model.body().size();
+  const int n = owned_molecules(model.body());
   Energies found;
   found.kinetic = ordered_sum(n, [&](int i) { return mass[i] * state.velocities.col(i).squaredNorm() / 2; });
   found.elastic = model.elastic_energy(state.positions);
@@ -114,7 +116,12 @@ Energies Ledger::energies(const Model& model, const State& state) const {
         return mass[i] * Vector3(state.positions.col(i)).cross(Vector3(state.velocities.col(i)));
       },
       Vector3(Vector3::Zero()));
-  return found;
+  if (!model.body().share) return found;
+  Eigen::Matrix<double, 11, 1> sums;
+  sums << found.kinetic, found.elastic, found.potential, found.dissipated, found.work, found.momentum,
+      found.angular_momentum;
+  sum_over(model.body(), {sums.data(), 11});
+  return {sums[0], sums[1], sums[2], sums[3], sums[4], sums.segment<3>(5), sums.segment<3>(8)};
 }
 
 }  // namespace elastin

@@ -1,10 +1,12 @@
 #include "core/solve/steppers.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "core/parallel/parallel.h"
 #include "core/solve/newton.h"
+#include "elastin/core/model/share.h"
 
 namespace elastin {
 namespace {
@@ -84,17 +86,20 @@ class Explicit final : public Integrator {
     model.begin_step(state, next_.time);
     if (model.drive) model.drive(next_.time, model.supports);
     StepResult result;
-    const double largest = verlet_ ? verlet_step(model, state, dt) : euler_step(model.body().mass, state, dt);
+    const double most = verlet_ ? verlet_step(model, state, dt) : euler_step(model.body().mass, state, dt);
     apply_supports(model, next_.positions);
     move_with_supports(model.supports, next_.velocities);
+    std::array<double, 2> worst{most, model.admissible(next_.positions) ? 0. : 1.};
+    largest_over(model.body(), worst);
+    const auto [largest, inverted] = worst;
     // Local error: Verlet's is dt³/6 of the third derivative, as in central differences; Euler's dt²/2 of the second.
     result.error = dt * dt / (verlet_ ? 6 : 2) * std::sqrt(largest);
     if (!std::isfinite(largest)) {
       result.outcome = Outcome::diverged;
       result.cause = "the next step has no finite velocities: the step is too long";
-    } else if (!model.admissible(next_.positions)) {
+    } else if (inverted != 0) {
       result.outcome = Outcome::inverted;
-      result.cause = inverted_text(model.body(), next_.positions);
+      result.cause = inverted_anywhere(model, next_.positions);
     } else if (const double fraction = model.max_step_fraction(state, next_); fraction < 1) {
       return again_in_substeps(model, state, dt, std::ceil(1 / fraction));
     } else {
@@ -237,6 +242,11 @@ std::string inverted_text(const Body& body, const Positions& positions) {
   return cells.empty() ? "a cell is flat or inverted" : flat_or_inverted_text(cells, solid_cells(body));
 }
 
+std::string inverted_anywhere(const Model& model, const Positions& positions) {
+  const bool here = !model.body().share || !model.admissible(positions);
+  return first_over(model.body(), here ? inverted_text(model.body(), positions) : "");
+}
+
 void move_with_supports(const std::vector<Support>& supports, Positions& velocities) {
   for (const Support& support : supports) {
     const Vector3 off = support.velocity - velocities.col(support.molecule);
@@ -250,20 +260,22 @@ void set_accelerations(const Model& model, State& state) {
 }
 
 Stepper symplectic_euler() {
-  return {{"symplectic_euler", "explicit, order 1: v += dt a(x, v), x += dt v; no energy drift", "[Hairer 2006]"},
-          true,
-          1,
-          [](const ParameterValues&, const StaticOptions&) { return std::make_unique<Explicit>(false); },
-          {},
-          {},
-          true};
+  Stepper row{{"symplectic_euler", "explicit, order 1: v += dt a(x, v), x += dt v; no energy drift", "[Hairer 2006]"},
+              true,
+              1,
+              [](const ParameterValues&, const StaticOptions&) { return std::make_unique<Explicit>(false); }};
+  row.points_at_end = true;
+  row.of_shares = true;
+  return row;
 }
 
 Stepper velocity_verlet() {
-  return {{"velocity_verlet", "explicit, order 2: half a kick, drift, half a kick", "[Swope 1982]"},
-          true,
-          2,
-          [](const ParameterValues&, const StaticOptions&) { return std::make_unique<Explicit>(true); }};
+  Stepper row{{"velocity_verlet", "explicit, order 2: half a kick, drift, half a kick", "[Swope 1982]"},
+              true,
+              2,
+              [](const ParameterValues&, const StaticOptions&) { return std::make_unique<Explicit>(true); }};
+  row.of_shares = true;
+  return row;
 }
 
 }  // namespace elastin

@@ -20,8 +20,8 @@ Matrix3 unit_strain(int load_case) {
 
 }  // namespace
 
-Matrix3 virial(const Positions& forces, const std::vector<int>& molecules, const Positions& positions) {
-  const Vector3 middle = positions.rowwise().mean();  // smaller arms, less rounding; the forces' sum is zero
+Matrix3 virial(const Positions& forces, const std::vector<int>& molecules, const Positions& positions,
+               const Vector3& middle) {
   Matrix3 sum = Matrix3::Zero();
   for (std::size_t i = 0; i < molecules.size(); ++i)
     sum += forces.col(static_cast<Eigen::Index>(i)) * (positions.col(molecules[i]) - middle).transpose();
@@ -43,7 +43,8 @@ Homogenised homogenise(Model& model, const std::vector<int>& surface, double vol
     response.result.residual = std::max(response.result.residual, found.result.residual);
     found.result = std::move(response.result);
     if (found.result.outcome != Outcome::converged) return {Stiffness6::Zero(), std::move(found.result)};
-    const Matrix3 stress = axes.transpose() * virial(found.result.reactions, surface, at) * axes / volume;
+    const Matrix3 stress =
+        axes.transpose() * virial(found.result.reactions, surface, at, at.rowwise().mean()) * axes / volume;
     for (int row = 0; row < 6; ++row) {
       const auto [i, j] = kVoigt[row];
       found.stiffness(row, load_case) = (stress(i, j) + stress(j, i)) / 2;

@@ -1,6 +1,7 @@
 #include "core/solve/implicit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -8,6 +9,8 @@
 #include "core/parallel/parallel.h"
 #include "core/solve/steppers.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
+#include "elastin/core/solve/engine.h"
 
 namespace elastin {
 namespace {
@@ -45,6 +48,7 @@ void Implicit::cut_short(int iterations) {
 }
 
 StaticResult Implicit::balance(Model& model, State& next, const Kinematics& kinematics) {
+  if (model.has_complete_rows()) return newton_.engine->balance_step(model, next, newton_, kinematics);
   return solve_newton(model, next, newton_, &kinematics, workspace_);
 }
 
@@ -99,7 +103,7 @@ void Implicit::set_first_guess(const Model& model, const State& state, double dt
     balance_as_one(model);
   }
   apply_supports(model, next_.positions);
-  if (model.admissible(next_.positions)) return;
+  if (!any_over(model.body(), !model.admissible(next_.positions))) return;
   next_.positions = state.positions;
   apply_supports(model, next_.positions);
 }
@@ -118,7 +122,7 @@ StaticResult Implicit::balance_parted(Model& model, const State& state, double d
     withheld_ = state.accelerations;
   }
   StaticResult solved = balance(model, next_, kinematics_);
-  if (!may_part || push_.forces.isZero(0)) return solved;
+  if (!may_part || !any_over(model.body(), !push_.forces.isZero(0))) return solved;
   for (const double share : {0., 0.5})  // first what has parted, then what has nearly
     while (solved.outcome == Outcome::converged && withhold_pushes(model, state, share)) {
       set_kinematics(state, withheld_, dt);
@@ -135,21 +139,27 @@ StaticResult Implicit::balance_parted(Model& model, const State& state, double d
 /// them is left at its end. Whether there were any.
 bool Implicit::withhold_pushes(const Model& model, const State& state, double share) {
   set_push(model, next_, pushed_);
-  const int n = model.body().size();
-  const double work = ordered_sum(n, [&](int i) {
-    return (push_.elastic.col(i) + pushed_.elastic.col(i)).dot(next_.positions.col(i) - state.positions.col(i)) / 2;
-  });
-  const double made = work + pushed_.energy - push_.energy;
-  if (!(made > 1e-9 * std::max(std::abs(push_.energy), std::abs(pushed_.energy)))) return false;
+  const Body& body = model.body();
+  std::array<double, 3> energies{ordered_sum(owned_molecules(body),
+                                             [&](int i) {
+                                               return (push_.elastic.col(i) + pushed_.elastic.col(i))
+                                                          .dot(next_.positions.col(i) - state.positions.col(i)) /
+                                                      2;
+                                             }),
+                                 push_.energy, pushed_.energy};
+  sum_over(body, energies);
+  const auto [work, before_step, after_step] = energies;
+  const double made = work + after_step - before_step;
+  if (!(made > 1e-9 * std::max(std::abs(before_step), std::abs(after_step)))) return false;
   bool found = false;
-  for (int i = 0; i < n; ++i) {
+  for (int i = 0; i < body.size(); ++i) {
     const double before = push_.forces.col(i).norm();
     if (before == 0 || pushed_.forces.col(i).norm() > share * before) continue;
-    withheld_.col(i) -= push_.forces.col(i) / model.body().mass[i];
+    withheld_.col(i) -= push_.forces.col(i) / body.mass[i];
     push_.forces.col(i).setZero(), push_.elastic.col(i).setZero();
     found = true;
   }
-  return found;
+  return any_over(body, found);
 }
 
 /// Brings `next_` from within the step, where it is in balance, to the step's end.
@@ -184,9 +194,9 @@ StaticResult Implicit::balance_within(Model& model, const State& state, double d
   model.supports = ends_;
   model.begin_step(state, state.time + dt);
   go_on_to_end(model, state, dt);
-  if (usable && !model.admissible(next_.positions)) {
+  if (usable && any_over(model.body(), !model.admissible(next_.positions))) {
     solved.outcome = Outcome::inverted;
-    solved.cause = inverted_text(model.body(), next_.positions) + " at the end of the step";
+    solved.cause = inverted_anywhere(model, next_.positions) + " at the end of the step";
   }
   return solved;
 }
@@ -198,7 +208,7 @@ void Implicit::try_step(Model& model, State& state, double dt, StepResult& resul
   result.newton_iterations += solved.newton_iterations;
   result.linear_iterations += solved.linear_iterations;
   const bool cut_short = kinematics_.cut_short && solved.outcome == Outcome::limit_reached;
-  if ((solved.outcome != Outcome::converged && !cut_short) || !next_.positions.allFinite()) {
+  if ((solved.outcome != Outcome::converged && !cut_short) || any_over(model.body(), !next_.positions.allFinite())) {
     result.outcome = solved.outcome == Outcome::converged ? Outcome::diverged : solved.outcome;
     result.cause = solved.cause;
     return;
@@ -212,8 +222,8 @@ void Implicit::try_step(Model& model, State& state, double dt, StepResult& resul
   model.commit_step(next_);
   ++result.substeps;
   result.cause.clear();
-  const double change = newmark() ? largest_square(next_.accelerations - state.accelerations)  //
-                                  : largest_square(next_.accelerations);
+  const double change = largest_over(model.body(), newmark() ? largest_square(next_.accelerations - state.accelerations)
+                                                             : largest_square(next_.accelerations));
   // Newmark: [Zienkiewicz & Xie 1991]; Euler: half of dt² times the acceleration.
   const double factor = newmark() ? std::max(std::abs(beta_ - 1. / 6), 1. / 12) : 0.5;
   result.error = factor * dt * dt * std::sqrt(change);
@@ -223,12 +233,16 @@ void Implicit::try_step(Model& model, State& state, double dt, StepResult& resul
 /// What iterations leave unbalanced of a free body's whole force would add up over the steps: the body moves as one to
 /// where it is not, which changes no length, so that momentum is kept to rounding.
 void Implicit::balance_as_one(const Model& model) {
-  if (!model.supports.empty()) return;
-  forces_.setZero(3, model.body().size());  // those within the body cancel
+  const Body& body = model.body();
+  if (any_over(body, !model.supports.empty())) return;
+  forces_.setZero(3, body.size());  // those within the body cancel
   model.add_other_forces(next_, forces_, workspace_.trials.force_pass);
-  const double mass = model.body().mass.sum();
-  const Vector3 needed = next_.accelerations * model.body().mass;
-  const Vector3 missing = (forces_.rowwise().sum() - needed) / mass;
+  const int owned = owned_molecules(body);
+  Eigen::Vector4d sums;
+  sums << forces_.leftCols(owned).rowwise().sum() - next_.accelerations.leftCols(owned) * body.mass.head(owned),
+      body.mass.head(owned).sum();
+  sum_over(body, {sums.data(), 4});
+  const Vector3 missing = sums.head<3>() / sums[3];
   const Weights& weights = kinematics_.weights;
   next_.accelerations.colwise() += missing;
   next_.velocities.colwise() += missing * (weights.velocity / weights.acceleration);
@@ -264,7 +278,9 @@ Stepper backward_euler() {
       1,
       [](const ParameterValues& values, const StaticOptions& newton) { return make_implicit(values, newton, 0, 0); },
       {},
-      "newton_iterations"};
+      "newton_iterations",
+      false,
+      true};
 }
 
 Stepper newmark() {
@@ -280,7 +296,9 @@ Stepper newmark() {
             return make_implicit(values, newton, values.at("beta"), values.at("gamma"));
           },
           {},
-          "newton_iterations"};
+          "newton_iterations",
+          false,
+          true};
 }
 
 Stepper generalized_alpha() {
@@ -299,7 +317,9 @@ Stepper generalized_alpha() {
             return make_implicit(values, newton, (1 + more) * (1 + more) / 4, 0.5 + more, shares);
           },
           {},
-          "newton_iterations"};
+          "newton_iterations",
+          false,
+          true};
 }
 
 }  // namespace elastin

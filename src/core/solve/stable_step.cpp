@@ -9,6 +9,7 @@
 #include "elastin/core/base/dense.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/linear/linear_solver.h"
+#include "elastin/core/model/share.h"
 
 namespace elastin {
 namespace {
@@ -18,14 +19,21 @@ using Operator = std::function<void(const Positions& motion, Positions& result)>
 /// Scaled by √mass, so that M⁻¹ K becomes symmetric.
 VectorX inverse_root_mass(const Body& body) { return body.mass.cwiseSqrt().cwiseInverse(); }
 
+/// Of all molecules of the whole.
+double norm_of(const Body& body, const Positions& vectors) {
+  if (!body.share) return ordered_norm(vectors);
+  return std::sqrt(sum_over(
+      body, ordered_sum(owned_molecules(body), [&](int molecule) { return vectors.col(molecule).squaredNorm(); })));
+}
+
 /// Largest eigenvalue by size of a symmetric operator by Lanczos-free power iteration; `mode` is left at its vector.
-double largest_eigenvalue(const Operator& apply, Positions& mode) {
+double largest_eigenvalue(const Body& body, const Operator& apply, Positions& mode) {
   Positions image(3, mode.cols());
   double value = 0;
-  mode /= std::max(ordered_norm(mode), std::numeric_limits<double>::min());
+  mode /= std::max(norm_of(body, mode), std::numeric_limits<double>::min());
   for (int iteration = 0; iteration < 500; ++iteration) {
     apply(mode, image);
-    const double norm = ordered_norm(image), last = value;
+    const double norm = norm_of(body, image), last = value;
     value = norm;
     if (!(norm > 0) || !std::isfinite(norm)) return 0;
     mode = image / norm;
@@ -38,7 +46,8 @@ double spectral_norm(const Matrix3& block) {
   return std::sqrt(symmetric_eigenvalues3(Matrix3(block.transpose() * block)).maxCoeff());
 }
 
-/// Row sums of the norms of the blocks that `visit` hands over, over the molecules' masses.
+/// Row sums of the norms of the blocks that `visit` hands over, over the molecules' masses. Of a share the largest that
+/// a process owns, and its own molecule.
 std::pair<double, int> bound_of(const Body& body, const std::function<void(const Load::BlockVisitor&)>& visit) {
   // The parts of one block must be added before its norm is taken, or cells would count many times: blocks by row.
   std::vector<std::vector<std::pair<int, Matrix3>>> rows(body.size());
@@ -51,11 +60,12 @@ std::pair<double, int> bound_of(const Body& body, const std::function<void(const
       at->second += block;
   });
   std::pair<double, int> most{0, -1};
-  for (int a = 0; a < body.size(); ++a) {
+  for (int a = 0; a < owned_molecules(body); ++a) {
     double sum = 0;
     for (const auto& [b, block] : rows[a]) sum += spectral_norm(block) / std::sqrt(body.mass[a] * body.mass[b]);
     if (sum > most.first) most = {sum, a};
   }
+  most.first = largest_over(body, most.first);
   return most;
 }
 
@@ -160,17 +170,21 @@ StableStep find_stable_step(Model& model, const State& state) {
     tangent.apply(moved, result);
     result = (result * root.asDiagonal()).eval();
     keep_free(model.supports, result);
+    model.spread(result);
   };
-  Positions mode = scattered_directions(body.size());
+  Positions mode(3, body.size());
+  for (int molecule = 0; molecule < body.size(); ++molecule)
+    mode.col(molecule) = scattered_direction(number_in_whole(body, molecule));
   keep_free(model.supports, mode);
   const Positions start = mode;
-  found.frequency = std::sqrt(
-      largest_eigenvalue([&](const Positions& motion, Positions& result) { scaled(stiffness, motion, result); }, mode));
+  found.frequency = std::sqrt(largest_eigenvalue(
+      body, [&](const Positions& motion, Positions& result) { scaled(stiffness, motion, result); }, mode));
   const Positions fastest = mode * root.asDiagonal();
   if (resists(model)) {
     mode = start;
     Positions other(3, body.size());
     found.damping_rate = largest_eigenvalue(
+        body,
         [&](const Positions& motion, Positions& result) {
           scaled(damped, motion, result);
           scaled(stiffness, motion, other);
@@ -182,6 +196,7 @@ StableStep find_stable_step(Model& model, const State& state) {
   const auto [bound, molecule] = bound_of(stiffness);
   found.bound = std::sqrt(bound);
   found.molecule = molecule;
+  if (body.share) return found;
   const bool at_nodes = std::any_of(model.elasticity().begin(), model.elasticity().end(),
                                     [](const auto& term) { return term->at_nodes(); });
   if (at_nodes)

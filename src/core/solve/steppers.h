@@ -24,6 +24,8 @@ class HasEffort {
 
 /// "cell 3 is flat or inverted", or the same without a number where no single cell is.
 std::string inverted_text(const Body& body, const Positions& positions);
+/// The same where any of the processes that share the body finds it; they call it together.
+std::string inverted_anywhere(const Model& model, const Positions& positions);
 
 /// Gives supported molecules the velocities of their supports in the held directions.
 void move_with_supports(const std::vector<Support>& supports, Positions& velocities);

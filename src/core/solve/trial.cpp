@@ -49,16 +49,6 @@ void follow(const Model& model, const Kinematics& kinematics, State& state) {
   move_with_supports(model.supports, state.velocities);
 }
 
-/// What the step's kinetic energy adds to the energy that its end minimises: ½ w_a |Δx|² + a₀·Δx, by mass.
-double step_energy(const Model& model, const Kinematics& kinematics, const Positions& positions) {
-  const VectorX& mass = model.body().mass;
-  return ordered_sum(model.body().size(), [&](int i) {
-    const Vector3 displacement = positions.col(i) - kinematics.start.col(i);
-    return mass[i] * (kinematics.weights.acceleration / 2 * displacement.squaredNorm() +
-                      kinematics.accelerations.col(i).dot(displacement));
-  });
-}
-
 /// What rounding of the positions does to the energy [J].
 double noise_of(const Model& model, const Trial& trial, TrialWorkspace& workspace) {
   const Positions& positions = trial.state.positions;
@@ -90,6 +80,15 @@ void set_state(const State& from, double factor, const Positions& motion, State&
 }
 
 }  // namespace
+
+double step_energy(const Model& model, const Kinematics& kinematics, const Positions& positions) {
+  const VectorX& mass = model.body().mass;
+  return ordered_sum(owned_molecules(model.body()), [&](int i) {
+    const Vector3 displacement = positions.col(i) - kinematics.start.col(i);
+    return mass[i] * (kinematics.weights.acceleration / 2 * displacement.squaredNorm() +
+                      kinematics.accelerations.col(i).dot(displacement));
+  });
+}
 
 Problem::Problem(Model& a_model, const Kinematics* some_kinematics) : model(a_model), kinematics(some_kinematics) {
   with_energy = model.conservative();

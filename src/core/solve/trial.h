@@ -48,6 +48,10 @@ struct TrialWorkspace {
   Workspace force_pass;
 };
 
+/// What the step's kinetic energy adds to the energy [J] that its end minimises: ½ w_a |Δx|² + a₀·Δx, by mass, of the
+/// molecules that its process owns.
+double step_energy(const Model& model, const Kinematics& kinematics, const Positions& positions);
+
 /// Sets all of the trial that follows from its state's positions.
 void evaluate(const Problem& problem, bool with_energy, Trial& trial, TrialWorkspace& workspace);
 

@@ -9,6 +9,7 @@
 #include "core/model/visit_state.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
+#include "elastin/core/model/share.h"
 #include "elastin/core/solve/energies.h"
 #include "elastin/lab/experiment/protocol.h"
 #include "lab/experiment/contact_measures.h"
@@ -37,7 +38,7 @@ double largest_strain(const Model& model, const State& state) {
     if (rest > 0)
       largest = std::max(largest, std::abs((state.positions.col(b) - state.positions.col(a)).norm() / rest - 1));
   }
-  return largest;
+  return largest_over(model.body(), largest);
 }
 
 /// One run's way through time.
@@ -55,6 +56,7 @@ class TimedRun {
         begin_(state_.positions),
         ledger_(model, state_),
         control_(model, state_, *options.time, scheme, options.statics),
+        mass_(sum_over(model.body(), model.body().mass.head(owned_molecules(model.body())).sum())),
         energies_(model.has_energy() && !model.dissipates()) {}
 
   void resume() {
@@ -123,7 +125,7 @@ class TimedRun {
     const StepResult stepped = control_.advance(model_, state_, until, [&](const State& now) {
       ledger_.record(model_, now);
       if (now.time < until && is_sampled()) history_.push_back(read({}));
-      return now.time >= until || !is_stopped();
+      return now.time >= until || model_.body().share || !is_stopped();  // processes that share it stop at frames
     });
     if (stepped.outcome == Outcome::interrupted) {
       go_back(*before);
@@ -167,10 +169,9 @@ class TimedRun {
     row.time = state_.time;
     row.measures = rig_.read(state_);
     Measures& m = row.measures;
-    const VectorX& mass = model_.body().mass;
     const Energies e = ledger_.energies(model_, state_);
-    m.set("speed", e.momentum.norm() / mass.sum());
-    m.set("centre_way", ((state_.positions - begin_) * mass).norm() / mass.sum());
+    m.set("speed", e.momentum.norm() / mass_);
+    m.set("centre_way", centre_way() / mass_);
     m.set("largest_strain", largest_strain(model_, state_));
     m.set("kinetic_energy", e.kinetic);
     m.set("potential_energy", e.potential);
@@ -191,6 +192,15 @@ class TimedRun {
     return row;
   }
 
+  /// Mass times the way of the centre [kg m].
+  double centre_way() const {
+    const Body& body = model_.body();
+    const int owned = owned_molecules(body);
+    Vector3 way = (state_.positions - begin_).leftCols(owned) * body.mass.head(owned);
+    sum_over(body, {way.data(), 3});
+    return way.norm();
+  }
+
   const Measures& first_measures(const Measures& now) const {
     return history_.empty() ? now : history_.front().measures;
   }
@@ -208,7 +218,7 @@ class TimedRun {
     const Measures& first = first_measures(m);
     const double released = std::abs(m.get("potential_energy") - first.get("potential_energy"));
     const double available = first.get("kinetic_energy") + first.get("energy") + released + std::abs(m.get("work")) +
-                             ledger_.jumps + rounding_energy();
+                             sum_over(model_.body(), ledger_.jumps) + rounding_energy();
     const double now = m.get("kinetic_energy") + m.get("energy");
     available_ = std::max(available_, available);
     if (!(m.get("energy_balance") > kEnergyLost * available_)) return true;
@@ -219,10 +229,9 @@ class TimedRun {
 
   /// With less than this [J] the body moves by 1e-10 of its size within the duration: rounding.
   double rounding_energy() const {
-    const Positions& rest = model_.body().rest;
-    const double size = (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
-    const double speed = 1e-10 * size / options_.time->duration;
-    return model_.body().mass.sum() * speed * speed / 2;
+    const auto [low, high] = outline_of_whole(model_.body());
+    const double speed = 1e-10 * (high - low).norm() / options_.time->duration;
+    return mass_ * speed * speed / 2;
   }
 
   void keep_snapshot() { lab::keep_snapshot(model_, state_, state_.time, frame_, options_, run_); }
@@ -233,7 +242,7 @@ class TimedRun {
                                      identity_));
   }
 
-  bool is_stopped() const { return options_.stop && options_.stop(); }
+  bool is_stopped() const { return options_.stop && any_over(model_.body(), options_.stop()); }
 
   /// To the frame that was begun: whoever goes on takes the same steps as a run that nobody stopped.
   void go_back(const Before& before) {
@@ -251,7 +260,7 @@ class TimedRun {
   }
 
   void interrupt() {
-    if (options_.checkpoint) save();
+    if (options_.checkpoint && !model_.body().share) save();
     run_.outcome = Outcome::interrupted;
     run_.cause = "stopped after frame " + std::to_string(frame_) + " of " + std::to_string(options_.time->frames) +
                  ", at t = " + number(state_.time, 4) + " s";
@@ -308,6 +317,7 @@ class TimedRun {
   Ledger ledger_;
   double available_ = 0;  ///< the most energy that there has been [J]
   StepControl control_;
+  double mass_;  ///< of the whole [kg]
   bool energies_;
   int frame_ = 0;
 };
@@ -329,6 +339,8 @@ void run_in_time(Model& model, const TimedProtocol& experiment, TimedRig& rig, c
     run.cause = why;
     return;
   }
+  if (model.body().share && !options.restart.empty())
+    throw InputError(options.restart_path + ": several processes that share a body go on from no restart file");
   run.time = TimeReport{};
   run.time->scheme = scheme->name;
   run.time->reason = reason;
@@ -348,11 +360,11 @@ void run_in_time(Model& model, const TimedProtocol& experiment, TimedRig& rig, c
   if (model.drive) model.drive(0, model.supports);
   model.declare_history(state);
   model.commit_step(state);
-  if (!model.admissible(state.positions)) {
+  if (any_over(model.body(), !model.admissible(state.positions))) {
     run.outcome = Outcome::inverted;
-    run.cause =
-        flat_or_inverted_text(flat_or_inverted_cells(model.body(), state.positions), solid_cells(model.body())) +
-        " at time 0";
+    run.cause = first_over(model.body(), flat_or_inverted_text(flat_or_inverted_cells(model.body(), state.positions),
+                                                               solid_cells(model.body()))) +
+                " at time 0";
     return;
   }
   const std::string identity = restart_identity(model.body(), run.strategy, *options.time, run.time->scheme);

@@ -99,12 +99,7 @@ double hull_area(const Body& body, const Eigen::Matrix<double, 3, 2>& plane, con
   Points2 seen(2, static_cast<Eigen::Index>(inside.size()));
   for (std::size_t i = 0; i < inside.size(); ++i)
     seen.col(static_cast<Eigen::Index>(i)) = plane.transpose() * body.rest.col(inside[i]);
-  if (body.share) {  // the hull of all is that of the processes' hulls
-    const Points2 own = inside.empty() ? seen : convex_hull(seen);
-    const std::vector<double> all = gathered_over(body, std::span(own.data(), static_cast<std::size_t>(own.size())));
-    seen = Eigen::Map<const Points2>(all.data(), 2, static_cast<Eigen::Index>(all.size()) / 2);
-  }
-  return seen.cols() == 0 ? 0 : polygon_area(convex_hull(seen));
+  return any_over(body, !inside.empty()) ? polygon_area(hull_over(body, seen)) : 0;
 }
 
 Section hull_section(const Body& body, const Vector3& axis, const VectorX& heights, double from, double to) {

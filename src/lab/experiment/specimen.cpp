@@ -182,6 +182,8 @@ std::optional<HeldModel> make_model(const Specimen& specimen, const Protocol& ex
   if (!elasticity) return std::nullopt;
   HeldModel held{std::make_unique<Model>(specimen.body), nullptr};
   if (options.keep_snapshots) held.model->keep_all_elements();
+  if (specimen.body.share && experiment.in_time())
+    held.model->complete_rows(options.statics.engine->spreading(specimen.body));
   held.model->add(std::move(elasticity));
   held.rig = add_surroundings(*held.model, specimen, experiment, choice);
   return held;
@@ -217,7 +219,7 @@ Run run_strategy(const Specimen& specimen, const Protocol& experiment, const Str
   note_lost_faces(specimen.body, choice.strategy, run);
   if (std::string found = locking_finding(specimen, any.strategy); !found.empty())
     run.warnings.push_back(std::move(found));
-  run.uses_cells = needs_cells(choice.strategy, specimen.body);
+  run.uses_cells = any_over(specimen.body, needs_cells(choice.strategy, specimen.body));
   if (run.uses_cells) {
     std::string flat;
     if (const auto cells = flat_or_inverted_cells(specimen.body, specimen.body.rest); !cells.empty())

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
 #include "elastin/core/solve/stable_step.h"
 
 namespace elastin::lab {
@@ -12,7 +13,10 @@ namespace {
 constexpr double kSafety = 0.8;   ///< of the longest stable step: room for a body that stiffens between two looks
 constexpr int kWatchEvery = 100;  ///< steps
 
-double size_of(const Body& body) { return (body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).norm(); }
+double size_of(const Body& body) {
+  const auto [low, high] = outline_of_whole(body);
+  return (high - low).norm();
+}
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 
 #include "core/model/faces.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
 #include "lab/experiment/section.h"
 
 namespace elastin::lab {
@@ -27,8 +28,8 @@ class Bending final : public StaticProtocol {
     full_forces_ = setup.gravity * setup.direction * body.mass.transpose();
     for (std::size_t i = 0; i < tip.molecules.size(); ++i)
       full_forces_.col(tip.molecules[i]) += setup.force * tip.share[static_cast<Eigen::Index>(i)] * setup.direction;
-    const double root_height = setup.axis.dot(middle_of(root_, body.rest));
-    length_ = setup.axis.dot(middle_of(tip, body.rest)) - root_height;
+    const double root_height = setup.axis.dot(middle_of(body, root_, body.rest));
+    length_ = setup.axis.dot(middle_of(body, tip, body.rest)) - root_height;
     find_beam_deflection(root_height, material.poissons_ratio);
   }
 
@@ -69,15 +70,17 @@ class Bending final : public StaticProtocol {
  private:
   friend class BendingRig;
   void choose_tip(const Face& tip) {
-    const Vector3 middle = middle_of(tip, body_.rest);
+    const Vector3 middle = middle_of(body_, tip, body_.rest);
     const auto plane = across(setup_.axis);
     std::vector<double> distance;
     for (const int molecule : tip.molecules)
       distance.push_back((plane.transpose() * (body_.rest.col(molecule) - middle)).norm());
-    const double nearest = *std::min_element(distance.begin(), distance.end());
-    const double reach = nearest + 1e-6 * *std::max_element(distance.begin(), distance.end());
+    double nearest = std::numeric_limits<double>::infinity(), furthest = 0;
+    for (const double own : distance) nearest = std::min(nearest, own), furthest = std::max(furthest, own);
+    const double reach = least_over(body_, nearest) + 1e-6 * largest_over(body_, furthest);
     for (std::size_t i = 0; i < distance.size(); ++i)
-      if (distance[i] <= reach) tip_.push_back(tip.molecules[i]);
+      if (distance[i] <= reach && tip.molecules[i] < owned_molecules(body_)) tip_.push_back(tip.molecules[i]);
+    tip_count_ = sum_over(body_, static_cast<double>(tip_.size()));
   }
 
   /// E times the deflection of the beam's tip: Σ F (x² (3L − x) / (6 I) + x (12 + 11ν) / (5 A)) over the forces F at
@@ -85,24 +88,27 @@ class Bending final : public StaticProtocol {
   void find_beam_deflection(double root_height, double poissons_ratio) {
     Eigen::Matrix<double, 3, 2> plane;
     plane << setup_.direction, setup_.axis.cross(setup_.direction);
-    const Points2 section = convex_hull(plane.transpose() * body_.rest);
+    const Points2 section = hull_of_whole(body_, plane);
     const double area = polygon_area(section), moment = polygon_second_moment(section);
     if (!(area > 0 && moment > 0)) throw InputError("the body's molecules span no cross-section that could bend");
     const VectorX height = body_.rest.transpose() * setup_.axis;
-    const Section solid = find_section(body_, setup_.axis, height.minCoeff(), height.maxCoeff(), 0);
+    const Section solid = find_section(body_, setup_.axis, least_over(body_, height.minCoeff()),
+                                       largest_over(body_, height.maxCoeff()), 0);
     apparent_ = !solid.prism() || std::abs(solid.area / area - 1) > kSameSection;
-    for (int molecule = 0; molecule < body_.size(); ++molecule) {
+    for (int molecule = 0; molecule < owned_molecules(body_); ++molecule) {
       const double x = std::max(0., setup_.axis.dot(body_.rest.col(molecule)) - root_height);
       const double force = setup_.direction.dot(full_forces_.col(molecule));
       deflection_times_modulus_ +=
           force * (x * x * (3 * length_ - x) / (6 * moment) + x * (12 + 11 * poissons_ratio) / (5 * area));
     }
+    deflection_times_modulus_ = sum_over(body_, deflection_times_modulus_);
   }
 
   const Body& body_;
   BendingSetup setup_;
   Face root_;
-  std::vector<int> tip_;  // molecules whose mean is the tip's middle
+  std::vector<int> tip_;  // owned molecules whose mean is the tip's middle
+  double tip_count_ = 0;  // of all processes
   Positions full_forces_;
   double length_ = 0, deflection_times_modulus_ = 0;
   bool apparent_ = false;
@@ -131,18 +137,22 @@ class BendingRig final : public StaticRig {
   Measures measure(const Start& start, const State& state, const StaticOptions&, StaticResult& solved) const override {
     Vector3 motion = Vector3::Zero();
     for (const int molecule : protocol_.tip_)
-      motion +=
-          (state.positions.col(molecule) - start.positions.col(molecule)) / static_cast<double>(protocol_.tip_.size());
+      motion += (state.positions.col(molecule) - start.positions.col(molecule)) / protocol_.tip_count_;
+    motion = vector_sum_over(body_, motion);
     const double deflection = setup_.direction.dot(motion);
-    const Vector3 weight = factor_ * protocol_.full_forces_.rowwise().sum();
+    const int owned = owned_molecules(body_);
+    const Vector3 weight =
+        vector_sum_over(body_, Vector3(factor_ * protocol_.full_forces_.leftCols(owned).rowwise().sum()));
     Measures measures;
     if (std::abs(deflection) <= kSmallDeflection * protocol_.length_ || solved.linear)
       measures.set("effective_modulus", factor_ * protocol_.deflection_times_modulus_ / deflection);
     measures.set("tip_deflection", deflection);
     measures.set("tip_shortening", -setup_.axis.dot(motion));
     measures.set("force", weight.norm());
-    if (model_.has_energy() && !solved.linear) measures.set("energy", model_.elastic_energy(state.positions));
-    const Vector3 left = model_.load_forces(state).rowwise().sum() + solved.reactions.rowwise().sum();
+    if (model_.has_energy() && !solved.linear)
+      measures.set("energy", sum_over(body_, model_.elastic_energy(state.positions)));
+    const Vector3 left = vector_sum_over(
+        body_, Vector3(model_.load_forces(state).leftCols(owned).rowwise().sum() + solved.reactions.rowwise().sum()));
     measures.set("reaction_balance", left.norm() / weight.norm());
     return measures;
   }

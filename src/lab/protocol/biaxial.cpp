@@ -8,6 +8,7 @@
 
 #include "core/model/faces.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
 #include "lab/experiment/section.h"
 #include "lab/protocol/driven.h"
 
@@ -34,9 +35,10 @@ class Biaxial final : public Driven {
       const VectorX height = body.rest.transpose() * direction.along;
       const Face near = end_face(body, -direction.along, setup.grip_depth);
       ends[k] = end_face(body, direction.along, setup.grip_depth);
-      direction.low = height.minCoeff(), direction.length = height.maxCoeff() - height.minCoeff();
+      const double high = largest_over(body, height.maxCoeff());
+      direction.low = least_over(body, height.minCoeff()), direction.length = high - direction.low;
       if (!(direction.length > 0)) throw InputError("the body has no length along one of the axes");
-      direction.area = find_section(body, direction.along, height.minCoeff(), height.maxCoeff(), setup.thickness).area;
+      direction.area = find_section(body, direction.along, direction.low, high, setup.thickness).area;
       if (!(direction.area > 0))
         throw InputError("the body's cells fill no section that the load could be referred to");
       for (const Face* face : {&near, &std::as_const(ends[k])})
@@ -52,9 +54,10 @@ class Biaxial final : public Driven {
             ends[k].molecules.end())
           directions_[k].loaded.push_back(index);
     third_ = directions_[0].along.cross(directions_[1].along);
-    middle_ = body.rest.rowwise().mean();
-    const VectorX height = (body.rest.colwise() - middle_).transpose() * third_;
-    sheet_ = !(height.squaredNorm() > 1e-12 * (body.rest.colwise() - middle_).squaredNorm());
+    middle_ = middle_of_whole(body);
+    const Positions arms = body.rest.leftCols(owned_molecules(body)).colwise() - middle_;
+    const double thick = sum_over(body, (arms.transpose() * third_).squaredNorm());
+    sheet_ = !(thick > 1e-12 * sum_over(body, arms.squaredNorm()));
   }
 
   std::string name() const override { return name_; }
@@ -67,6 +70,7 @@ class Biaxial final : public Driven {
     for (std::size_t k = 0; k < 2; ++k) {
       for (const std::size_t index : directions_[k].loaded)
         force[k] += directions_[k].along.dot(pull.col(static_cast<Eigen::Index>(index)));
+      force[k] = sum_over(body_, force[k]);
       stress[k] = force[k] / directions_[k].area;
     }
     const double first = held.factor * directions_[0].strain, second = held.factor * directions_[1].strain;
@@ -82,7 +86,7 @@ class Biaxial final : public Driven {
     measures.set("strain", first);
     measures.set("stress_across", stress[1]);
     measures.set("lateral_strain", third);
-    add_state(held.model, state, solved, pull.colwise().norm().sum(), measures);
+    add_state(held.model, state, solved, sum_over(body_, pull.colwise().norm().sum()), measures);
     return measures;
   }
 
@@ -103,8 +107,10 @@ class Biaxial final : public Driven {
   /// Slope of the motion along the third direction over the height along it; NaN of a sheet.
   double thickness_strain(const Positions& motion) const {
     if (sheet_) return std::numeric_limits<double>::quiet_NaN();
-    const VectorX height = (body_.rest.colwise() - middle_).transpose() * third_, moved = motion.transpose() * third_;
-    return height.dot(moved) / height.squaredNorm();
+    const int owned = owned_molecules(body_);
+    const VectorX height = (body_.rest.leftCols(owned).colwise() - middle_).transpose() * third_,
+                  moved = motion.leftCols(owned).transpose() * third_;
+    return sum_over(body_, height.dot(moved)) / sum_over(body_, height.squaredNorm());
   }
 
   Vector3 displacement(std::size_t index, double factor) const override {

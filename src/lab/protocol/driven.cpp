@@ -1,5 +1,6 @@
 #include "lab/protocol/driven.h"
 
+#include "elastin/core/model/share.h"
 #include "elastin/core/solve/homogenisation.h"
 
 namespace elastin::lab {
@@ -50,13 +51,21 @@ void Driven::fix_fully(const std::vector<int>& molecules) {
 Matrix3 Driven::virial(const Positions& pull, const Positions& positions) const {
   std::vector<int> molecules;
   for (const Fixed& fixed : fixed_) molecules.push_back(fixed.molecule);
-  return elastin::virial(pull, molecules, positions);
+  const Vector3 middle = vector_sum_over(body_, Vector3(positions.leftCols(owned_molecules(body_)).rowwise().sum())) /
+                         static_cast<double>(molecules_of_whole(body_));
+  Matrix3 sum = elastin::virial(pull, molecules, positions, middle);
+  sum_over(body_, {sum.data(), 9});
+  return sum;
 }
 
 void Driven::add_state(const Model& model, const State& state, const StaticResult& solved, double scale,
                        Measures& measures) {
-  if (model.has_energy() && !solved.linear) measures.set("energy", model.elastic_energy(state.positions));
-  const Vector3 left = model.load_forces(state).rowwise().sum() + solved.reactions.rowwise().sum();
+  const Body& body = model.body();
+  if (model.has_energy() && !solved.linear)
+    measures.set("energy", sum_over(body, model.elastic_energy(state.positions)));
+  const Vector3 left =
+      vector_sum_over(body, Vector3(model.load_forces(state).leftCols(owned_molecules(body)).rowwise().sum() +
+                                    solved.reactions.rowwise().sum()));
   measures.set("reaction_balance", left.norm() / scale);
 }
 

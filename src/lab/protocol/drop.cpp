@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "elastin/core/forces/floor.h"
+#include "elastin/core/model/share.h"
 #include "lab/experiment/contact_measures.h"
 #include "lab/protocol/motion.h"
 
@@ -15,13 +17,14 @@ class Drop final : public TimedProtocol {
     const VectorX height = body.rest.transpose() * up_;
     reach_ = body.radius;
     if (setup.contact && setup.contact->surface == contact::ContactSurface::triangles) reach_.setZero();
-    length_ = (height + reach_).maxCoeff() - (height - reach_).minCoeff();
+    const double lowest = least_over(body, (height - reach_).minCoeff());
+    length_ = largest_over(body, (height + reach_).maxCoeff()) - lowest;
     if (setup.contact) {
       find_plane();
       return;
     }
     floor_.normal = up_;
-    floor_.point = ((height - body.radius).minCoeff() - setup.height) * up_;
+    floor_.point = (lowest - setup.height) * up_;
     floor_.stiffness = setup.stiffness;
     floor_.damping = setup.damping;
   }
@@ -118,13 +121,17 @@ class DropRig final : public TimedRig {
   Measures read(const State& state) const override {
     const VectorX height = state.positions.transpose() * protocol_.up_;
     Measures measures;
-    const double lowest = (height - protocol_.reach_).minCoeff(),
+    const double lowest = least_over(body_, (height - protocol_.reach_).minCoeff()),
                  ground = protocol_.plane_ ? protocol_.floor_.point.dot(protocol_.up_) : lowest;
     if (protocol_.plane_) measures.set("gap", lowest - ground);
     measures.set("floor_force", push(state).dot(protocol_.up_));
-    measures.set("compression",
-                 1 - ((height + protocol_.reach_).maxCoeff() - std::max(ground, lowest)) / protocol_.length_);
-    measures.set("impact_speed", -protocol_.up_.dot(state.velocities * body_.mass) / body_.mass.sum());
+    const double highest = largest_over(body_, (height + protocol_.reach_).maxCoeff());
+    measures.set("compression", 1 - (highest - std::max(ground, lowest)) / protocol_.length_);
+    const int owned = owned_molecules(body_);
+    std::array<double, 2> sums{-protocol_.up_.dot(state.velocities.leftCols(owned) * body_.mass.head(owned)),
+                               body_.mass.head(owned).sum()};
+    sum_over(body_, sums);
+    measures.set("impact_speed", sums[0] / sums[1]);
     return measures;
   }
 
@@ -134,7 +141,9 @@ class DropRig final : public TimedRig {
     if (contact_) return contact_->report(state).forces.rowwise().sum();
     Positions force = Positions::Zero(3, body_.size());
     pressing_->add_forces(state, force);
-    return force.rowwise().sum();
+    Vector3 sum = force.leftCols(owned_molecules(body_)).rowwise().sum();
+    sum_over(body_, {sum.data(), 3});
+    return sum;
   }
 
   const Drop& protocol_;

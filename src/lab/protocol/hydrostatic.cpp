@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/model/faces.h"
+#include "elastin/core/model/share.h"
 #include "lab/experiment/moduli.h"
 #include "lab/protocol/driven.h"
 
@@ -12,7 +13,7 @@ namespace {
 class Hydrostatic final : public Driven {
  public:
   Hydrostatic(const Body& body, const HydrostaticSetup& setup, const Matrix3& axes)
-      : Driven(body, setup.load_steps), strain_(setup.strain), middle_(body.rest.rowwise().mean()) {
+      : Driven(body, setup.load_steps), strain_(setup.strain), middle_(middle_of_whole(body)) {
     if (setup.walls == Walls::affine) {
       const Surface surface = find_surface(body, axes, setup.grip_depth);
       fix_fully(surface.molecules);
@@ -47,7 +48,7 @@ class Hydrostatic final : public Driven {
     measures.set("bulk_modulus", -pressure / volume_strain);
     measures.set("pressure", pressure);
     measures.set("volume_strain", volume_strain);
-    add_state(held.model, state, solved, pull.colwise().norm().sum(), measures);
+    add_state(held.model, state, solved, sum_over(body_, pull.colwise().norm().sum()), measures);
     return measures;
   }
 

@@ -5,6 +5,7 @@
 
 #include "core/solve/newton.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
 #include "lab/experiment/load_path.h"
 #include "lab/experiment/time_history_fits.h"
 
@@ -154,7 +155,7 @@ class MotionRig final : public TimedRig {
     if (!fixture_) return {};
     fixture_->set_load(0);
     StaticResult result;
-    if (!model_.load_forces(state).isZero(0)) {
+    if (any_over(model_.body(), !model_.load_forces(state).isZero(0))) {
       result = solve_static(model_, state, options);
       if (result.outcome != Outcome::converged) return result;
       start_ = {state.positions, result.reactions};
@@ -175,6 +176,9 @@ class MotionRig final : public TimedRig {
     model_.set_forces(state, forces);
     StaticResult held;
     held.reactions = -fixed_components(model_.supports, forces);
+    for (std::size_t i = 0; i < model_.supports.size(); ++i)  // those of ghosts are their owners'
+      if (model_.supports[i].molecule >= owned_molecules(model_.body()))
+        held.reactions.col(static_cast<Eigen::Index>(i)).setZero();
     const Measures all = fixture_->measure(start_, state, {}, held);
     Measures kept;
     for (const auto& [name, value] : all.all())

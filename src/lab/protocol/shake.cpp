@@ -3,6 +3,7 @@
 
 #include "core/model/faces.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
 #include "lab/experiment/time_history_fits.h"
 #include "lab/protocol/motion.h"
 
@@ -72,8 +73,8 @@ class ShakeRig final : public TimedRig {
 
   StaticResult start(State& state, const StaticOptions& options) override {
     StaticResult result;
-    if (!model_.load_forces(state).isZero(0)) result = solve_static(model_, state, options);
-    middle_ = middle_of(protocol_.far_, state.positions);
+    if (any_over(model_.body(), !model_.load_forces(state).isZero(0))) result = solve_static(model_, state, options);
+    middle_ = middle_of(model_.body(), protocol_.far_, state.positions);
     model_.drive = [this](double time, std::vector<Support>& supports) {
       const TimeFunction wave = TimeFunction::sine(setup_.frequency);
       for (Support& support : supports) {
@@ -86,8 +87,8 @@ class ShakeRig final : public TimedRig {
 
   Measures read(const State& state) const override {
     Measures measures;
-    measures.set("base_way", setup_.direction.dot(model_.supports.front().displacement));
-    measures.set("far_way", setup_.direction.dot(middle_of(protocol_.far_, state.positions) - middle_));
+    measures.set("base_way", setup_.amplitude * TimeFunction::sine(setup_.frequency).value(state.time));
+    measures.set("far_way", setup_.direction.dot(middle_of(model_.body(), protocol_.far_, state.positions) - middle_));
     return measures;
   }
 

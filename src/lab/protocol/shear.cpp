@@ -1,9 +1,11 @@
 #include "lab/protocol/shear.h"
 
+#include <array>
 #include <cmath>
 
 #include "core/model/faces.h"
 #include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
 #include "lab/experiment/moduli.h"
 #include "lab/experiment/section.h"
 #include "lab/protocol/driven.h"
@@ -15,15 +17,13 @@ class Shear final : public Driven {
  public:
   Shear(const Body& body, const ShearSetup& setup, const Matrix3& axes)
       : Driven(body, setup.load_steps), setup_(setup), rise_(body.rest.transpose() * setup.axis) {
-    rise_.array() -= rise_.minCoeff();
+    const double low = least_over(body, rise_.minCoeff()), high = largest_over(body, rise_.maxCoeff());
+    rise_.array() -= low;
     area_ = setup.cross_section;
-    if (area_ == 0) {
-      const VectorX height = body.rest.transpose() * setup.axis;
-      area_ = find_section(body, setup.axis, height.minCoeff(), height.maxCoeff(), 0).area;
-    }
+    if (area_ == 0) area_ = find_section(body, setup.axis, low, high, 0).area;
     if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
     if (setup.sides == Sides::affine)
-      follow_shear(axes);
+      follow_shear(axes, high - low);
     else
       clamp_ends();
   }
@@ -31,7 +31,7 @@ class Shear final : public Driven {
   std::string name() const override { return "shear"; }
   ResponseMeasures response_measures() const override { return {"strain", "force"}; }
   std::optional<std::size_t> first_released() const override {
-    if (loaded_ == 0) return std::nullopt;
+    if (volume_ > 0) return std::nullopt;
     return fixed_.size() - static_cast<std::size_t>(loaded_);
   }
 
@@ -41,8 +41,8 @@ class Shear final : public Driven {
     const double strain =
         held.released ? mean_displacement(state.positions) * strain_ / displacement_ : held.factor * strain_;
     // Simple shear keeps the volume and the area of the sheared planes: first Piola-Kirchhoff = Cauchy on them.
-    const Vector3 traction = volume_ > 0 ? Vector3(virial(pull, body_.rest) * setup_.axis / volume_)
-                                         : Vector3(pull.rightCols(loaded_).rowwise().sum() / area_);
+    const Vector3 traction =
+        volume_ > 0 ? Vector3(virial(pull, body_.rest) * setup_.axis / volume_) : Vector3(loaded_sum(pull) / area_);
     const double stress = traction.dot(setup_.direction);
     Measures measures;
     measures.set("shear_modulus", stress / strain);
@@ -65,16 +65,20 @@ class Shear final : public Driven {
     fix_fully(fixed.molecules);
     fix_fully(loaded.molecules);
     loaded_ = static_cast<Eigen::Index>(loaded.molecules.size());
-    const double height = setup_.axis.dot(middle_of(loaded, body_.rest) - middle_of(fixed, body_.rest));
+    const double height = setup_.axis.dot(middle_of(body_, loaded, body_.rest) - middle_of(body_, fixed, body_.rest));
     displacement_ = setup_.displacement != 0 ? setup_.displacement : setup_.strain * height;
     strain_ = displacement_ / height;
   }
 
-  void follow_shear(const Matrix3& axes) {
+  Vector3 loaded_sum(const Positions& pull) const {
+    return vector_sum_over(body_, Vector3(pull.rightCols(loaded_).rowwise().sum()));
+  }
+
+  void follow_shear(const Matrix3& axes, double height) {
     const Surface surface = find_surface(body_, axes, setup_.grip_depth);
     fix_fully(surface.molecules);
     volume_ = surface.volume;
-    strain_ = setup_.displacement != 0 ? setup_.displacement / rise_.maxCoeff() : setup_.strain;
+    strain_ = setup_.displacement != 0 ? setup_.displacement / height : setup_.strain;
   }
 
   Vector3 displacement(std::size_t index, double factor) const override {
@@ -85,10 +89,15 @@ class Shear final : public Driven {
 
   /// Way of the loaded end along the shear [m].
   double mean_displacement(const Positions& positions) const {
-    double sum = 0;
-    for (std::size_t i = fixed_.size() - static_cast<std::size_t>(loaded_); i < fixed_.size(); ++i)
-      sum += setup_.direction.dot(positions.col(fixed_[i].molecule) - body_.rest.col(fixed_[i].molecule));
-    return sum / static_cast<double>(loaded_);
+    std::array<double, 2> sums{0, 0};
+    for (std::size_t i = fixed_.size() - static_cast<std::size_t>(loaded_); i < fixed_.size(); ++i) {
+      const int molecule = fixed_[i].molecule;
+      if (molecule >= owned_molecules(body_)) continue;
+      sums[0] += setup_.direction.dot(positions.col(molecule) - body_.rest.col(molecule));
+      ++sums[1];
+    }
+    sum_over(body_, sums);
+    return sums[0] / sums[1];
   }
 
   ShearSetup setup_;

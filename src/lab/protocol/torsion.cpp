@@ -1,9 +1,11 @@
 #include "lab/protocol/torsion.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "core/model/faces.h"
+#include "elastin/core/model/share.h"
 #include "lab/experiment/moduli.h"
 #include "lab/protocol/driven.h"
 
@@ -26,9 +28,9 @@ class Torsion final : public Driven {
     fix_fully(fixed.molecules);
     first_loaded_ = fixed_.size();
     fix_fully(loaded.molecules);
-    middle_ = middle_of(loaded, body.rest);
-    length_ = setup.axis.dot(middle_ - middle_of(fixed, body.rest));
-    section_ = section_constant(convex_hull(across(setup.axis).transpose() * body.rest));
+    middle_ = middle_of(body, loaded, body.rest);
+    length_ = setup.axis.dot(middle_ - middle_of(body, fixed, body.rest));
+    section_ = section_constant(hull_of_whole(body, across(setup.axis)));
   }
 
   std::string name() const override { return "torsion"; }
@@ -39,13 +41,15 @@ class Torsion final : public Driven {
                    StaticResult& solved) const override {
     const Positions pull = pull_of(start, solved);
     const Positions& positions = solved.linear ? body_.rest : state.positions;
-    double torque = 0, axial = 0, size = 0;
+    std::array<double, 3> sums{0, 0, 0};
     for (std::size_t i = first_loaded_; i < fixed_.size(); ++i) {
       const Vector3 force = pull.col(static_cast<Eigen::Index>(i));
-      torque += setup_.axis.dot((positions.col(fixed_[i].molecule) - middle_).cross(force));
-      axial += setup_.axis.dot(force);
-      size += force.norm();
+      sums[0] += setup_.axis.dot((positions.col(fixed_[i].molecule) - middle_).cross(force));
+      sums[1] += setup_.axis.dot(force);
+      sums[2] += force.norm();
     }
+    sum_over(body_, sums);
+    const auto [torque, axial, size] = sums;
     const double angle = held.released ? turn_of(state.positions) : held.factor * setup_.angle;
     Measures measures;
     measures.set("torque", torque);
@@ -86,16 +90,18 @@ class Torsion final : public Driven {
 
   /// Angle [rad] by which the end has turned in the mean.
   double turn_of(const Positions& positions) const {
-    double across = 0, along = 0;
+    std::array<double, 2> sums{0, 0};  // across, along
     for (std::size_t i = first_loaded_; i < fixed_.size(); ++i) {
       const int molecule = fixed_[i].molecule;
+      if (molecule >= owned_molecules(body_)) continue;
       Vector3 arm = body_.rest.col(molecule) - middle_;
       arm -= setup_.axis.dot(arm) * setup_.axis;
       const Vector3 now = positions.col(molecule) - middle_;
-      across += setup_.axis.dot(arm.cross(now));
-      along += arm.dot(now);
+      sums[0] += setup_.axis.dot(arm.cross(now));
+      sums[1] += arm.dot(now);
     }
-    return std::atan2(across, along);
+    sum_over(body_, sums);
+    return std::atan2(sums[0], sums[1]);
   }
 
   TorsionSetup setup_;

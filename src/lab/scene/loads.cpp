@@ -29,6 +29,7 @@ LoadKind face() {
     model.add(std::make_unique<PointLoads>(model.body(), end.molecules,
                                            end.area * values.vectors.at("traction") * end.share.transpose()));
   };
+  load.of_shares = true;
   return load;
 }
 

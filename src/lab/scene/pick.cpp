@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "elastin/core/model/parts.h"
+#include "elastin/core/model/share.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
@@ -17,12 +18,21 @@ namespace {
 class Picked {
  public:
   Picked(const Body& body, const Matrix3& rotation)
-      : places_(rotation.transpose() * body.rest), in_(static_cast<std::size_t>(body.size()), true) {}
+      : body_(body), places_(rotation.transpose() * body.rest), in_(static_cast<std::size_t>(body.size()), true) {
+    for (int k = 0; k < 3; ++k) {
+      low_[k] = least_over(body, places_.row(k).minCoeff());
+      high_[k] = largest_over(body, places_.row(k).maxCoeff());
+    }
+  }
 
   /// Positions before the scene was turned.
   Vector3 place(int molecule) const { return places_.col(molecule); }
   const Positions& places() const { return places_; }
-  double size() const { return (places_.rowwise().maxCoeff() - places_.rowwise().minCoeff()).norm(); }
+  const Body& body() const { return body_; }
+  /// Corners of the outline of the whole body.
+  const Vector3& low() const { return low_; }
+  const Vector3& high() const { return high_; }
+  double size() const { return (high_ - low_).norm(); }
 
   void keep(const std::function<bool(int molecule)>& there) {
     for (std::size_t molecule = 0; molecule < in_.size(); ++molecule)
@@ -36,8 +46,10 @@ class Picked {
   }
 
  private:
+  const Body& body_;
   Positions places_;
   std::vector<bool> in_;
+  Vector3 low_, high_;
 };
 
 void keep_in_box(Reader box, Picked& picked) {
@@ -80,8 +92,21 @@ void keep_side(const Reader& side, Picked& picked) {
   const VectorX height = picked.places().transpose() * direction;
   double end = -std::numeric_limits<double>::infinity();
   for (const int molecule : picked.molecules()) end = std::max(end, height[molecule]);
-  end -= 1e-6 * picked.size();
+  end = largest_over(picked.body(), end) - 1e-6 * picked.size();
   picked.keep([&](int molecule) { return height[molecule] >= end; });
+}
+
+/// Of equally near ones the first of the whole; none where another process has it.
+std::vector<int> nearest_of(const Picked& picked, const std::vector<int>& molecules, const Vector3& point) {
+  const Body& body = picked.body();
+  double least = std::numeric_limits<double>::infinity(), first = least;
+  for (const int molecule : molecules) least = std::min(least, (picked.place(molecule) - point).norm());
+  least = least_over(body, least);
+  for (const int molecule : molecules)
+    if ((picked.place(molecule) - point).norm() == least)
+      first = std::min(first, static_cast<double>(number_in_whole(body, molecule)));
+  const int molecule = molecule_of_whole(body, static_cast<std::int64_t>(least_over(body, first)));
+  return molecule < 0 ? std::vector<int>{} : std::vector{molecule};
 }
 
 }  // namespace
@@ -101,7 +126,10 @@ std::vector<int> rim_of(const Body& body) {
 std::vector<int> read_molecules(const Reader& reader, const Body& body, const Matrix3& rotation) {
   if (!reader.is_map()) {
     std::vector<int> molecules;
-    for (const Reader& item : reader.items()) molecules.push_back(item.molecule(body.size()));
+    for (const Reader& item : reader.items()) {
+      const int number = item.molecule(static_cast<int>(molecules_of_whole(body)));
+      if (const int molecule = molecule_of_whole(body, number); molecule >= 0) molecules.push_back(molecule);
+    }
     return molecules;
   }
   Reader map = reader;
@@ -118,23 +146,22 @@ std::vector<int> read_molecules(const Reader& reader, const Body& body, const Ma
   if (plane) keep_in_plane(*plane, picked);
   if (sphere) keep_in_sphere(*sphere, picked);
   if (rim && rim->choice<bool>({{"true", true}, {"false", false}})) {
-    if (body.triangles.empty() || !body.tetrahedra.empty()) rim->fail("is of bodies of triangles; this one is a solid");
-    const std::vector<int> edge = rim_of(body);
-    picked.keep([&](int molecule) { return std::binary_search(edge.begin(), edge.end(), molecule); });
+    if (!any_over(body, !body.triangles.empty()) || any_over(body, !body.tetrahedra.empty()))
+      rim->fail("is of bodies of triangles; this one is a solid");
+    std::vector<char> edge(static_cast<std::size_t>(body.size()), 0);
+    for (const int molecule : rim_of(body)) edge[static_cast<std::size_t>(molecule)] = 1;
+    mark_ghosts_as_owners(body, edge);
+    picked.keep([&](int molecule) { return edge[static_cast<std::size_t>(molecule)] != 0; });
   }
   if (set) {
     const std::vector<int> members = set->mesh_set();
     picked.keep([&](int molecule) { return std::binary_search(members.begin(), members.end(), molecule); });
   }
   std::vector<int> molecules = picked.molecules();
-  if (nearest && !molecules.empty()) {
-    const Vector3 point = nearest->vector(dimension::length);
-    const auto distance = [&](int molecule) { return (picked.place(molecule) - point).norm(); };
-    molecules = {
-        *std::min_element(molecules.begin(), molecules.end(), [&](int a, int b) { return distance(a) < distance(b); })};
-  }
-  if (!molecules.empty()) return molecules;
-  const Vector3 low = picked.places().rowwise().minCoeff(), high = picked.places().rowwise().maxCoeff();
+  const bool any = any_over(body, !molecules.empty());
+  if (nearest && any) molecules = nearest_of(picked, molecules, nearest->vector(dimension::length));
+  if (any) return molecules;
+  const Vector3 &low = picked.low(), &high = picked.high();
   map.fail(
       fmt::format("no molecule lies there; the body reaches from [{:.6g}, {:.6g}, {:.6g}] mm to [{:.6g}, {:.6g}, "
                   "{:.6g}] mm",

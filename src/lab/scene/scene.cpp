@@ -191,21 +191,50 @@ std::string problem_text(Reader& reader, const Scene& scene) {
   return text;
 }
 
+/// Whether one of these items picks molecules by a set of the mesh.
+bool names_sets(const Reader& reader) {
+  for (Reader& item : reader.items()) {
+    if (!item.is_map()) continue;
+    for (const std::string& key : item.keys()) {
+      Reader value = item.at(key);
+      Reader molecules = value.is_map() && value.has("molecules") ? value.at("molecules") : value;
+      if (molecules.is_map() && molecules.has("set")) return true;
+    }
+  }
+  return false;
+}
+
+/// Whether an experiment, and that of its fixture, measures a body of which several processes have shares.
+bool is_of_shares(Reader experiment, const ExperimentCatalog& experiments) {
+  if (!experiment.is_map() || !experiment.has("kind")) return false;
+  const std::string kind = experiment.at("kind").text();
+  const auto& all = experiments.experiments();
+  const bool own =
+      std::any_of(all.begin(), all.end(), [&](const auto& info) { return info.name == kind && info.of_shares; });
+  const auto fixture = own ? experiment.find("fixture") : std::nullopt;
+  return own && (!fixture || is_of_shares(*fixture, experiments));
+}
+
 /// Why each of several processes needs the whole body; "" where shares of it do.
-std::string needs_whole_body(Reader& reader, const ExperimentCatalog& experiments) {
-  for (const char* key : {"bodies", "contact", "supports", "initial", "calibrate"})
+std::string needs_whole_body(Reader& reader, const Catalog& catalog, const ExperimentCatalog& experiments) {
+  for (const char* key : {"bodies", "contact", "initial", "calibrate"})
     if (reader.has(key)) return "`" + std::string(key) + "` is read on the whole body";
+  for (const char* key : {"supports", "loads"})  // the file of the mesh has them, which one process reads alone
+    if (reader.has(key) && names_sets(reader.at(key))) return "sets of the mesh are read on the whole body";
   for (const char* key : {"fields", "bending"})
     if (reader.at("material").has(key)) return "`material." + std::string(key) + "` is read on the whole body";
+  const auto all = scene_loads(catalog);
   if (auto loads = reader.find("loads"))
-    for (Reader& item : loads->items())
-      if (!item.is_map() || !item.has("gravity")) return "loads other than gravity are read on the whole body";
-  Reader experiment = reader.at("experiment");
-  const std::string kind = experiment.is_map() && experiment.has("kind") ? experiment.at("kind").text() : "";
-  const auto& all = experiments.experiments();
-  const bool of_shares =
-      std::any_of(all.begin(), all.end(), [&](const auto& info) { return info.name == kind && info.of_shares; });
-  return of_shares ? "" : "the experiment is measured on the whole body";
+    for (Reader& item : loads->items()) {
+      const bool of_shares = item.is_map() && std::any_of(all.begin(), all.end(), [&](const auto& load) {
+                               return load->of_shares && item.has(load->name);
+                             });
+      std::string able;
+      for (const auto& load : all)
+        if (load->of_shares) able += (able.empty() ? "" : ", ") + load->name;
+      if (!of_shares) return "loads other than " + able + " are read on the whole body";
+    }
+  return is_of_shares(reader.at("experiment"), experiments) ? "" : "the experiment is measured on the whole body";
 }
 
 /// The same of its strategy, seen on a share.
@@ -226,13 +255,14 @@ Body read_one_body(Reader& reader, const Catalog& catalog, const ExperimentCatal
   };
   const auto processes = scene.statics.engine ? scene.statics.engine->processes() : nullptr;
   if (!processes) return make();
-  std::string why = needs_whole_body(reader, experiments);
+  std::string why = needs_whole_body(reader, catalog, experiments);
   const bool alone = why.empty() && makes_shares(reader.at("body"), processes->count());
   Body body = !why.empty() ? make()
               : alone      ? read_body(reader.at("body"), material, remarks, processes)
                            : share_out(make, processes, why);
   if (body.share) why = needs_whole_body(read_strategy(reader.at("stiffness"), catalog).strategy, body, material);
   if (!why.empty() && body.share) body = make();
+  scene.whole_body = body.share ? "" : why;
   if (processes->count() == 1) return body;
   const std::string who = "each of " + std::to_string(processes->count()) + " processes has ";
   if (!body.share)
@@ -281,6 +311,22 @@ void turn_fibres(Specimen& specimen, const Matrix3& rotation) {
   for (Material& material : specimen.materials) rotate(material, rotation);
 }
 
+/// Says what an engine that is not this process alone cannot take.
+void refuse_of_engine(Reader& reader, const Scene& scene, bool timed, bool contact) {
+  Reader solver = reader.at("solver");
+  const Reader engine = solver.at("engine");
+  const std::string name = "'" + engine.text() + "' ";
+  if (contact) engine.fail(name + "goes without contact, which stays on one process; write engine: threads");
+  if (!timed) return;
+  if (!scene.specimen.body.share)
+    engine.fail(name + "steps bodies of which each process has its share, and of this one each has the whole: " +
+                (scene.whole_body.empty() ? "the engine has no processes" : scene.whole_body) +
+                "; write engine: threads");
+  if (const auto linear = solver.find("linear_solver"); linear && linear->text() == "multigrid")
+    linear->fail("'multigrid' does not go with steps in time of engine: " + engine.text() +
+                 ", whose inertia keeps iterations few; allowed: automatic, pcg");
+}
+
 std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalog,
                                   const std::vector<std::string>& overrides, double most_molecules,
                                   const ExperimentCatalog& experiments, KeyUses* uses, const BodyChange& change = {}) {
@@ -312,13 +358,7 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   if (const auto calibrate = reader.find("calibrate"))
     scene->specimen.calibration = read_calibration(*calibrate, context);
   const bool timed = scene->experiment->in_time() != nullptr;
-  if (scene->statics.engine && (timed || contact)) {
-    const Reader engine = reader.at("solver").at("engine");
-    engine.fail("'" + engine.text() + "' finds equilibria " +
-                (timed ? "alone, and a " + scene->experiment->name() + " experiment runs through time"
-                       : "without contact, which stays on one process") +
-                "; write engine: threads");
-  }
+  if (scene->statics.engine) refuse_of_engine(reader, *scene, timed, contact.has_value());
   if (const auto supports = reader.find("supports")) {
     if (timed) supports->fail("goes with experiments at rest; a " + scene->experiment->name() + " runs through time");
     std::vector<Support> held = read_supports(*supports, scene->specimen.body, rotation);
@@ -343,6 +383,8 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
     experiment.fail("a " + scene->experiment->name() + " experiment runs through time: key 'time' is missing, " +
                     "for example time: {duration: 1 s}");
   if (time) scene->time = read_time(*time, catalog.steppers);
+  if (time && scene->specimen.body.share && scene->time->checkpoint)
+    reader.at("time").at("checkpoint").fail("several processes that share a body write no restart files; leave it out");
   if (auto initial = reader.find("initial"))
     scene->specimen.start = read_initial(*initial, scene->specimen.body, rotation, timed);
   if (auto loads = reader.find("loads"))

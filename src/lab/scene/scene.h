@@ -56,6 +56,7 @@ struct Scene {
   Study study;                        ///< what `compare` changes from run to run; empty where the scene has none
   std::optional<StepperStudy> steppers;  ///< where `compare` compares steppers and not strategies
   std::vector<std::string> warnings;     ///< of the scene as a whole
+  std::string whole_body = {};           ///< why each of several processes has the whole body; "" where shares of it
   std::vector<std::string> notes;        ///< what was made of it that its author may want to know
   double build_seconds = 0;              ///< body and experiment
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <barrier>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <deque>
 #include <mutex>
 #include <set>
@@ -15,6 +16,9 @@
 #include "elastin/core/forces/model.h"
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/core/simulation/catalog.h"
+#include "elastin/core/solve/energies.h"
+#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stable_step.h"
 #include "support/bodies.h"
 
 using namespace elastin;
@@ -238,6 +242,120 @@ TEST_CASE("share: what is asked of all is what the whole says", "[share]") {
     CHECK(own.nth == 3);  // of 1, 2, 3, 4, 4, 4
     CHECK(own.first == "here");
   }
+}
+
+namespace {
+
+/// Gives ghosts what their owners have.
+Model::Spread spread_of(const Body& share) {
+  return [&share](Positions& values) {
+    const auto owned = static_cast<std::size_t>(3 * owned_molecules(share));
+    const std::vector<double> all = share.share->processes->gather({values.data(), owned});
+    for (int ghost = owned_molecules(share); ghost < share.size(); ++ghost)
+      values.col(ghost) =
+          Eigen::Map<const Vector3>(all.data() + 3 * share.share->place[static_cast<std::size_t>(ghost)]);
+  };
+}
+
+struct Stepped {
+  Positions positions;  ///< of the whole, those that the process owns
+  double energy = 0, error = 0, stable_step = 0;
+  bool ghosts_follow = true, converged = true;
+};
+
+/// Some steps of a model that has a load and damping, from a deformed state; the body a share or the whole.
+Stepped stepped(const Body& body, int molecules, const std::string& strategy, const std::string& scheme, double dt) {
+  Model model(body);
+  if (body.share) model.complete_rows(spread_of(body));
+  model.add(built_in_catalog().find(strategy).make(body, soft(), {}));
+  model.add(make_gravity(body, {0, 1, -9.81}));
+  model.add(make_damping(1e-3));
+  State state = state_at_rest(body);
+  for (int i = 0; i < body.size(); ++i) {
+    const auto number = static_cast<double>(number_in_whole(body, i));
+    state.positions.col(i) += 2e-4 * Vector3(std::sin(number), std::cos(2 * number), std::sin(3 * number));
+    if (number < 8) model.supports.push_back({i});
+  }
+  Stepped found;
+  found.stable_step = find_stable_step(model, state).step;
+  const auto integrator = make_integrator({scheme});
+  Ledger ledger(model, state);
+  for (int step = 0; step < 5; ++step) {
+    const StepResult result = integrator->advance(model, state, dt);
+    found.converged &= result.outcome == Outcome::converged;
+    ledger.record(model, state);
+    found.error = result.error;
+  }
+  found.energy = ledger.energies(model, state).balance();
+  Positions ghosts = state.positions;
+  model.spread(ghosts);
+  found.ghosts_follow = ghosts == state.positions;
+  found.positions = Positions::Zero(3, molecules);
+  for (int i = 0; i < owned_molecules(body); ++i)
+    found.positions.col(number_in_whole(body, i)) = state.positions.col(i);
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("share: explicit steps are the whole's, on any number of processes bit by bit", "[share]") {
+  Body lattice = jittered_lattice(), tetrahedra = tetrahedra_with_sides();
+  for (Body* body : {&lattice, &tetrahedra}) set_matter(*body, 1000, 0, std::nullopt);
+  const std::vector<std::pair<const Body*, std::string>> cases{
+      {&lattice, "lattice+volume"}, {&tetrahedra, "neo_hookean"}, {&tetrahedra, "neo_hookean+volume"}};
+  for (const auto& [body, strategy] : cases)
+    for (const std::string scheme : {"velocity_verlet", "symplectic_euler"}) {
+      CAPTURE(strategy, scheme);
+      const Body& whole = *body;
+      const Stepped plain = stepped(whole, whole.size(), strategy, scheme, 1e-4);
+      REQUIRE(plain.stable_step > 1e-4);
+      Positions first;
+      for (const int count : {1, 2, 3}) {
+        const auto all = on_processes(count, [&](const auto& processes) {
+          std::string why;
+          const Body share = share_out([&] { return whole; }, processes, why);
+          return stepped(share, whole.size(), strategy, scheme, 1e-4);
+        });
+        Positions together = Positions::Zero(3, whole.size());
+        for (const Stepped& own : all) {
+          together += own.positions;
+          CHECK(own.converged);
+          CHECK(own.ghosts_follow);
+          CHECK(own.energy == Approx(plain.energy).epsilon(1e-9));
+          CHECK(own.error == Approx(plain.error).epsilon(1e-9));
+          CHECK(own.stable_step == Approx(plain.stable_step).epsilon(1e-9));
+        }
+        if (count == 1) first = together;
+        CHECK(together == first);
+        CHECK((together - plain.positions).norm() <= 1e-12 * (plain.positions - whole.rest).norm());
+      }
+    }
+}
+
+TEST_CASE("share: molecules are known by their numbers in the whole, and ghosts as their owners", "[share]") {
+  const Body whole = tetrahedra_with_sides();
+  const Surface surface = find_surface(whole, Matrix3::Identity(), 0);
+  const auto found = on_processes(3, [&](const auto& processes) {
+    std::string why;
+    const Body share = share_out([&] { return whole; }, processes, why);
+    int wrong = 0;
+    for (std::int64_t number = -1; number <= whole.size(); ++number) {
+      const int molecule = molecule_of_whole(share, number);
+      wrong += molecule >= 0 && number_in_whole(share, molecule) != number;
+    }
+    for (int molecule = 0; molecule < share.size(); ++molecule)
+      wrong += molecule_of_whole(share, number_in_whole(share, molecule)) != molecule;
+    std::vector<int> expected;
+    for (const int number : surface.molecules)
+      if (const int molecule = molecule_of_whole(share, number); molecule >= 0) expected.push_back(molecule);
+    std::sort(expected.begin(), expected.end());
+    const Surface own = find_surface(share, Matrix3::Identity(), 0);
+    wrong += own.molecules != expected;
+    wrong += std::abs(own.volume - surface.volume) > 1e-12 * surface.volume;
+    wrong += (middle_of_whole(share) - middle_of_whole(whole)).norm() > 1e-14;
+    return wrong;
+  });
+  CHECK(found == std::vector<int>{0, 0, 0});
 }
 
 TEST_CASE("share: what the first process cannot make no process has", "[share]") {

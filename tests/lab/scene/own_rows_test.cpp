@@ -111,9 +111,10 @@ TEST_CASE("an engine is refused by name and place where it cannot work", "[table
   CHECK_THAT(said(pulled + "solver: {engine: own, linear_solver: direct}\n", own),
              Contains(":5:38: solver.linear_solver: 'direct' does not go with engine: own; allowed: automatic"));
   CHECK_THAT(said("experiment: {kind: motion}\nsolver: {engine: own}\ntime: {duration: 1 ms}\n", own),
-             Contains(":5:18: solver.engine: 'own' finds equilibria alone, and a motion experiment runs through time"));
+             Contains(":5:18: solver.engine: 'own' steps bodies of which each process has its share, and of this one "
+                      "each has the whole"));
   CHECK_THAT(said(pulled + "solver: {engine: own}\ncontact: {surface: spheres}\n", own),
-             Contains(":5:18: solver.engine: 'own' finds equilibria without contact, which stays on one process"));
+             Contains(":5:18: solver.engine: 'own' goes without contact, which stays on one process"));
 }
 
 TEST_CASE("`list` prints every row of every table", "[tables]") {

@@ -29,6 +29,8 @@ struct LoadKind : Descriptor {
   std::function<void(const Body& body, const LoadValues& values)> check = [](const Body&, const LoadValues&) {};
   /// False of drag and damping, which a body that does not move cannot feel.
   std::function<bool(const LoadValues& values)> acts_at_rest = [](const LoadValues&) { return true; };
+  /// Whether it acts on a process's share of a body (Body::share): on owned molecules as on those of the whole.
+  bool of_shares = false;
 };
 
 /// gravity, point, pressure, gas, floor, air, stokes_drag, quadratic_drag, damping, cell_damping, rayleigh.

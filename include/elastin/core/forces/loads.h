@@ -21,7 +21,8 @@ class Load {
   virtual ~Load() = default;
   /// Adds the force on each molecule [N].
   virtual void add_forces(const State& state, Positions& forces) const = 0;
-  /// Potential energy [J], zero at rest; 0 for forces that have none (drag, damping).
+  /// Potential energy [J], zero at rest; 0 for forces that have none (drag, damping). On a share that of the molecules
+  /// that its process owns.
   virtual double energy(const State&) const { return 0; }
   /// Whether the forces change with the state; if not, the next two do nothing.
   virtual bool changes() const { return false; }

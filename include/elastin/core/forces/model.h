@@ -22,7 +22,8 @@ struct Support {
 };
 
 /// A body with everything that acts on it. The body must outlive the model. On a process's share of a body
-/// (Body::share) it has the elements that this process computes: energies and forces are summed over the processes.
+/// (Body::share) it has the elements that this process computes: energies and forces are summed over the processes,
+/// unless it has complete_rows().
 class Model {
  public:
   explicit Model(const Body& body);
@@ -34,6 +35,17 @@ class Model {
   /// On a share: keeps of elasticity that is added from now on also what other processes compute, for
   /// force_densities().
   void keep_all_elements() { keeps_all_ = true; }
+  /// On a share, before elasticity is added: it has all elements of the share, so that forces and rows of the tangent
+  /// of owned molecules are those of the whole, added in the same order on any number of processes; energies are still
+  /// summed over them. `spread` gives the ghosts what their owners have, and all processes call it together:
+  /// set_forces() does. Ghosts then move as what they are ghosts of, bit by bit.
+  using Spread = std::function<void(Positions& values)>;
+  void complete_rows(Spread spread) { spread_ = std::move(spread); }
+  bool has_complete_rows() const { return static_cast<bool>(spread_); }
+  /// Gives the ghosts of a share with complete rows what their owners have; nothing elsewhere.
+  void spread(Positions& values) const {
+    if (spread_) spread_(values);
+  }
   /// Throws InputError where two loads declare history under one name.
   void add(std::unique_ptr<Load> load);
   void add(std::unique_ptr<Viscosity> viscosity) { viscosity_.push_back(std::move(viscosity)); }
@@ -54,7 +66,7 @@ class Model {
   bool admissible(const Positions& positions) const;
   /// Whether a force depends on velocities: damping, drag.
   bool feels_velocity() const;
-  /// Elastic energy [J], +infinity where a cell is flat or inverted.
+  /// Elastic energy [J], +infinity where a cell is flat or inverted; on a share of what this process computes.
   double elastic_energy(const Positions& positions) const;
   /// Potential energy of the loads [J].
   double load_energy(const State& state) const;
@@ -73,7 +85,7 @@ class Model {
   /// Gives a state that begins the blocks of history(), unless it has them: blocks of other names or sizes go.
   void declare_history(State& state) const;
   /// Calls these of the loads, see there: commit_step, update_multipliers (any), max_step_fraction (the least),
-  /// square_frequency (the sum).
+  /// square_frequency (the sum; of shares the largest).
   void commit_step(State& state) const;
   bool update_multipliers(State& state) const;
   /// Calls Elasticity::begin_step, see there: before forces at the end of a step to a time [s] are asked for.
@@ -107,6 +119,8 @@ class Model {
   std::unique_ptr<const Subdomain> computed_;  ///< of a share
   bool keeps_all_ = false;
   std::vector<std::unique_ptr<Elasticity>> all_elements_;  ///< elasticity on the share with what others compute
+  std::vector<std::unique_ptr<Elasticity>> counted_;       ///< beside complete rows: whose energy is this process's
+  Spread spread_;
   std::vector<std::unique_ptr<Elasticity>> elasticity_;
   std::vector<std::unique_ptr<Viscosity>> viscosity_;
   std::vector<std::unique_ptr<Load>> loads_;

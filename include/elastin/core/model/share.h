@@ -22,6 +22,8 @@ class Processes {
   virtual int count() const = 0;
   /// The numbers of all processes, one process after the other.
   virtual std::vector<double> gather(std::span<const double> own) const = 0;
+  /// Makes each number the largest that a process has in its place.
+  virtual void largest(std::span<double> own) const;
   /// Hands bytes from one process to another, which waits for them.
   virtual void send(int to, const std::vector<char>& bytes) const = 0;
   virtual std::vector<char> receive(int from) const = 0;
@@ -66,7 +68,12 @@ Subdomain computed_by(const Body& share);
 /// Over all processes that have the body; of a whole body the values themselves.
 double sum_over(const Body& body, double own);
 void sum_over(const Body& body, std::span<double> own);
+inline Vector3 vector_sum_over(const Body& body, Vector3 own) {
+  sum_over(body, std::span<double>(own.data(), 3));
+  return own;
+}
 double largest_over(const Body& body, double own);
+void largest_over(const Body& body, std::span<double> own);
 double least_over(const Body& body, double own);
 bool any_over(const Body& body, bool own);
 /// The first that is not empty.
@@ -84,6 +91,13 @@ bool computes(const Body& body, int connection);
 std::int64_t molecules_of_whole(const Body& body);
 /// The number of a molecule in the whole.
 std::int64_t number_in_whole(const Body& body, int molecule);
+/// The own number of a molecule of the whole; −1 where this process does not have it.
+int molecule_of_whole(const Body& body, std::int64_t number);
+/// Marks one a molecule, right for owned ones: makes those of ghosts what their owners say. Takes messages as long as
+/// what is marked.
+void mark_ghosts_as_owners(const Body& body, std::vector<char>& marks);
+/// Mean place of the whole's molecules at rest [m].
+Vector3 middle_of_whole(const Body& body);
 /// Of an element's molecules that which is lowest in the whole.
 template <class Element>
 int lowest_in_whole(const Body& body, const Element& element) {

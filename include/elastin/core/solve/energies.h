@@ -17,7 +17,8 @@ struct Energies {
   double balance() const { return kinetic + elastic + potential + dissipated - work; }
 };
 
-/// Keeps the account of a run: adds up what passes the body's border, by the trapezoidal rule over its steps.
+/// Keeps the account of a run: adds up what passes the body's border, by the trapezoidal rule over its steps. Of a
+/// share (Body::share) each process keeps that of the molecules that it owns, and all ask for the energies together.
 class Ledger {
  public:
   Ledger(const Model& model, const State& start);
@@ -25,7 +26,7 @@ class Ledger {
   void record(const Model& model, const State& state);
   Energies energies(const Model& model, const State& state) const;
 
-  double dissipated = 0, work = 0;  ///< [J], so far
+  double dissipated = 0, work = 0;  ///< [J], so far; of a share this process's part of them
   /// What loads that change within a step may have given beside the work counted, Σ (Δt ΔF)²/2m [J]: of smooth ones
   /// next to nothing, of one that jumps the speed of one step.
   double jumps = 0;

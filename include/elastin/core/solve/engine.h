@@ -9,6 +9,8 @@
 
 namespace elastin {
 
+struct Kinematics;
+
 /// Finds equilibria in place of this process alone, for instance with others to which it hands parts of the model:
 /// StaticOptions::engine. Every process calls it for the same model in the same order, and gets the same results; where
 /// a model's body is the process's share, those of its molecules, and no reaction at a support of a ghost.
@@ -26,6 +28,12 @@ class StaticEngine {
                                  const Positions& displacement, const StaticOptions& options) = 0;
   /// As solve_static with large displacements, from positions at which the supports are where they are wanted.
   virtual StaticResult balance(Model& model, State& state, const StaticOptions& options) = 0;
+  /// What gives the ghosts of a share what their owners have, for Model::complete_rows, whose model it then steps. Null
+  /// where it steps no shares.
+  virtual Model::Spread spreading(const Body& /*share*/) { return nullptr; }
+  /// The same as `balance` at the end of an implicit step, of a model with complete rows.
+  virtual StaticResult balance_step(Model& model, State& state, const StaticOptions& options,
+                                    const Kinematics& kinematics);
 };
 
 /// A row of the table of engines: what scenes name under solver.engine.

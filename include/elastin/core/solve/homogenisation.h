@@ -9,9 +9,11 @@ namespace elastin {
 /// Elastic stiffness, Voigt's order xx yy zz yz xz xy with engineering shear strains [Pa].
 using Stiffness6 = Eigen::Matrix<double, 6, 6>;
 
-/// Σ f xᵀ [N m] of forces [N], one a molecule of the list, at `positions` [m]: of all forces on a body in balance, its
-/// volume times its mean stress.
-Matrix3 virial(const Positions& forces, const std::vector<int>& molecules, const Positions& positions);
+/// Σ f (x − middle)ᵀ [N m] of forces [N], one a molecule of the list, at `positions` [m]: of all forces on a body in
+/// balance, its volume times its mean stress, whatever the `middle`; one near theirs has small arms and little
+/// rounding.
+Matrix3 virial(const Positions& forces, const std::vector<int>& molecules, const Positions& positions,
+               const Vector3& middle);
 
 /// The displacement [m] of each molecule, 3 × n, under the strain whose Voigt number `load_case` (0 … 5) is 1, in the
 /// directions of `axes` (orthonormal columns).

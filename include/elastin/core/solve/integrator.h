@@ -23,6 +23,7 @@ struct Stepper : Descriptor {
   /// The parameter that says how many iterations a step takes; empty: none does.
   std::string effort = {};
   bool points_at_end = false;  ///< whether forces on single molecules limit no explicit step; see Load::visit_points
+  bool of_shares = false;  ///< whether it steps a body of which several processes have shares (Model::complete_rows)
 };
 
 /// Why a scheme cannot step this model, in words, or "".

@@ -16,7 +16,8 @@ struct StableStep {
 
 /// ω_max by power iteration on M⁻¹ K about the state (from a fixed start: bitwise identical every time), the damping
 /// rate in the same way; dt_crit = 2 / (√(ω² + c²) + c), c the damping rate: exact for velocity Verlet on one
-/// oscillator without damping, and on one without stiffness. Supports are taken into account.
+/// oscillator without damping, and on one without stiffness. Supports are taken into account. Of a model of a share
+/// (Model::complete_rows), whose processes call this together, neither connection nor cell is named.
 StableStep find_stable_step(Model& model, const State& state);
 
 /// The same from bounds alone, without the connection and the cell: a step that is never too long, and on meshes some
