@@ -99,7 +99,7 @@ const Task kTasks[] = {
      [](int level) {
        return std::array{2 * level, 2 * level, level};
      },
-     {1, 2, 3, 4, 6, 8, 12},
+     {1, 2, 3, 4, 5, 6, 8, 12},
      {1, 2, 3, 4, 6, 8, 12, 16},
      "neo_hookean",
      {1, 2, 3, 4, 5, 6, 8},

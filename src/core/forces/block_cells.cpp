@@ -9,6 +9,7 @@
 #include "core/base/rows.h"
 #include "core/forces/cell_pressures.h"
 #include "core/forces/relaxing.h"
+#include "core/geometry/reference_slopes.h"
 #include "core/model/block_geometry.h"
 #include "core/model/incidence.h"
 #include "core/parallel/parallel.h"
@@ -20,8 +21,7 @@
 namespace elastin {
 namespace {
 
-constexpr int kMostNodes = 27, kMostPoints = 27, kMostPressures = 4;
-using NodeVectors = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMostNodes>;
+constexpr int kMostPressures = 4;
 /// A symmetric tensor's independent components, order 11 22 33 12 13 23, or 11 22 12.
 template <int d>
 using Components = Eigen::Matrix<double, d*(d + 1) / 2, 1>;
@@ -63,6 +63,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
         block_(block),
         kind_(*block.kind),
         points_(static_cast<int>(kind_.slopes.size())),
+        slopes_(kind_),
         laws_(std::move(laws)),
         volume_(std::move(volume)),
         slots_(rows_by_target(body.size(), block.nodes)) {
@@ -130,13 +131,15 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     add_cells(forces, workspace, [&](int cell, NodeVectors& own) {
       Stresses now;
       set_stresses(positions, cell, now);
+      PointGradients<d> P;
       for (int g = 0; g < points_; ++g) {
         const auto at = static_cast<std::size_t>(g);
-        Gradient P = now.F[at] * now.S[at];
+        P[at] = now.F[at] * now.S[at];
         if constexpr (d == 3)
-          if (!volume_.empty()) P += now.p[at] * cofactors(now.F[at]);
-        spread(cell, g, -rest(cell, g).weight * P, own);
+          if (!volume_.empty()) P[at] += now.p[at] * cofactors(now.F[at]);
+        P[at] *= -rest(cell, g).weight;
       }
+      spread(cell, P, own);
     });
   }
 
@@ -221,11 +224,10 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
 
   void add_stiffness(const Positions& motion, Positions& result, Workspace& workspace) const override {
     add_cells(result, workspace, [&](int cell, NodeVectors& own) {
-      const NodeVectors moved = gathered(motion, cell);
-      std::array<Gradient, kMostPoints> change, P;
+      PointGradients<d> change, P;
+      set_gradients(cell, gathered(motion, cell), change);
       for (int g = 0; g < points_; ++g) {
         const auto at = static_cast<std::size_t>(g);
-        change[at] = gradient(cell, g, moved);
         const Now& now = this->now(cell, g);
         Components<d> of_C;
         const Square half = now.F.transpose() * change[at];
@@ -254,7 +256,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
           for (int g = 0; g < points_; ++g)
             P[static_cast<std::size_t>(g)] += rest(cell, g).weight * at_point(p, g) * cofactors(now(cell, g).F);
         }
-      for (int g = 0; g < points_; ++g) spread(cell, g, P[static_cast<std::size_t>(g)], own);
+      spread(cell, P, own);
     });
   }
 
@@ -351,10 +353,12 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
       parallel_for(
           block_.size(),
           [&](int cell) {
-            const NodeVectors moved = gathered(motion, cell);
+            PointGradients<d> change;
+            set_gradients(cell, gathered(motion, cell), change);
             Pressures own = Pressures::Zero();
             for (int g = 0; g < points_; ++g)
-              own += rest(cell, g).weight * cofactors(now(cell, g).F).cwiseProduct(gradient(cell, g, moved)).sum() *
+              own += rest(cell, g).weight *
+                     cofactors(now(cell, g).F).cwiseProduct(change[static_cast<std::size_t>(g)]).sum() *
                      functions_[static_cast<std::size_t>(g)];
             swelling.segment(static_cast<Eigen::Index>(cell) * m, m) = own.head(m);
           },
@@ -367,8 +371,10 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
       add_cells(forces, workspace, [&](int cell, NodeVectors& own) {
         Pressures all = Pressures::Zero();
         all.head(m) = pressures.segment(static_cast<Eigen::Index>(cell) * m, m);
+        PointGradients<d> P;
         for (int g = 0; g < points_; ++g)
-          spread(cell, g, Gradient(rest(cell, g).weight * at_point(all, g) * cofactors(now(cell, g).F)), own);
+          P[static_cast<std::size_t>(g)] = rest(cell, g).weight * at_point(all, g) * cofactors(now(cell, g).F);
+        spread(cell, P, own);
       });
   }
   void resist(const Eigen::Ref<const VectorX>& swelling, Eigen::Ref<VectorX> pressures) const override {
@@ -456,7 +462,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     Moduli D;
   };
   struct Strains {
-    std::array<Gradient, kMostPoints> F;
+    PointGradients<d> F;
     std::array<Square, kMostPoints> A;
     std::array<double, kMostPoints> swelling;  ///< det F − 1, of solids
     bool inverted = false;
@@ -545,9 +551,10 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   void set_rest() {
     rest_.reserve(static_cast<std::size_t>(block_.size() * points_));
     for (int cell = 0; cell < block_.size(); ++cell) {
-      const NodeVectors own = gathered(body_.rest, cell);
+      PointGradients<d> all;
+      slopes_.gradients(gathered(body_.rest, cell), all);
       for (int g = 0; g < points_; ++g) {
-        const Gradient edges = reference_gradient(g, own);
+        const Gradient& edges = all[static_cast<std::size_t>(g)];
         Square in_frame;
         if constexpr (d == 3) {
           in_frame = edges;
@@ -577,28 +584,21 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   /// B_a at a point.
   Direction slope(int cell, int g, int a) const { return rest(cell, g).inverse.transpose() * reference_slope(g, a); }
 
-  /// Σ v_a ⊗ B_a.
-  Gradient gradient(int cell, int g, const NodeVectors& values) const {
-    return reference_gradient(g, values) * rest(cell, g).inverse;
+  /// Σ v_a ⊗ B_a at each point.
+  void set_gradients(int cell, const NodeVectors& values, PointGradients<d>& at_points) const {
+    slopes_.gradients(values, at_points);
+    for (int g = 0; g < points_; ++g) {
+      Gradient& own = at_points[static_cast<std::size_t>(g)];
+      own = (own * rest(cell, g).inverse).eval();
+    }
   }
-  /// Σ v_a ⊗ ∂N_a/∂ξ. By hand: matrices of unknown size have no fast product so small, and take seconds to compile.
-  Gradient reference_gradient(int g, const NodeVectors& values) const {
-    const double* slopes = kind_.slopes[static_cast<std::size_t>(g)].data();
-    const double* v = values.data();
-    Gradient sum = Gradient::Zero();
-    for (int a = 0; a < kind_.nodes; ++a, v += 3, slopes += d)
-      for (int i = 0; i < d; ++i)
-        for (int k = 0; k < 3; ++k) sum(k, i) += v[k] * slopes[i];
-    return sum;
-  }
-  /// own.col(a) += P B_a.
-  void spread(int cell, int g, const Gradient& P, NodeVectors& own) const {
-    const Gradient of_reference = P * rest(cell, g).inverse.transpose();
-    const double* slopes = kind_.slopes[static_cast<std::size_t>(g)].data();
-    double* v = own.data();
-    for (int a = 0; a < kind_.nodes; ++a, v += 3, slopes += d)
-      for (int i = 0; i < d; ++i)
-        for (int k = 0; k < 3; ++k) v[k] += of_reference(k, i) * slopes[i];
+  /// own.col(a) += Σ_g P_g B_a; P becomes what its reference slopes multiply.
+  void spread(int cell, PointGradients<d>& P, NodeVectors& own) const {
+    for (int g = 0; g < points_; ++g) {
+      Gradient& at = P[static_cast<std::size_t>(g)];
+      at = (at * rest(cell, g).inverse.transpose()).eval();
+    }
+    slopes_.spread(P, own);
   }
 
   void set_strains(const Positions& positions, int cell, Strains& now) const {
@@ -606,9 +606,10 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     const int* nodes = block_.cell(cell).data();
     for (int a = 0; a < kind_.nodes; ++a) displacement.col(a) = positions.col(nodes[a]) - body_.rest.col(nodes[a]);
     now.inverted = false;
+    set_gradients(cell, displacement, now.F);
     for (int g = 0; g < points_; ++g) {
       const auto at = static_cast<std::size_t>(g);
-      const Gradient H = gradient(cell, g, displacement), E = frame(cell, g);
+      const Gradient H = now.F[at], E = frame(cell, g);
       now.F[at] = E + H;
       const Square linear = E.transpose() * H;
       now.A[at] = linear + linear.transpose() + H.transpose() * H;
@@ -900,6 +901,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   const CellBlock& block_;
   const CellKind& kind_;
   int points_;
+  ReferenceSlopes<d> slopes_;
   std::shared_ptr<const PointLaws<d>> laws_;
   std::vector<Volumetric> volume_;  ///< empty: the laws' own
   std::vector<int> numbers_;        ///< on a subdomain of the whole's cells; empty: the same

@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "core/base/cross_matrix.h"
 #include "core/model/incidence.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/error.h"
@@ -13,12 +14,6 @@
 
 namespace elastin {
 namespace {
-
-Matrix3 cross_matrix(const Vector3& v) {
-  Matrix3 matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
 
 /// The volume, and how it changes under a motion.
 Eigen::Vector2d volume_and_change(const Cells<3>& triangles, const Positions& positions, const Vector3& apex,

@@ -48,6 +48,7 @@ void Tangent::linearise_at(const State& state, const Weights& weights) {
     }
   }
   stressed_ = !force_densities_.isZero(0);
+  linked_ = stressed_ || coupled_ || !slopes_.isZero(0);
   if (!stressed_ && weights.acceleration == 0) force_densities_.resize(0);
   const auto& loads = model_.loads();
   loads_change_ = std::any_of(loads.begin(), loads.end(), [&](const auto& load) {
@@ -64,7 +65,7 @@ void Tangent::apply(const Positions& motion, Positions& result, ApplyWorkspace& 
         kParallelThreshold / 10);
   else
     result.setZero();
-  apply_links(motion, result, workspace);
+  if (linked_) apply_links(motion, result, workspace);
   for (const auto& term : model_.elasticity())
     if (term->at_nodes()) term->add_stiffness(motion, result, workspace.force_pass);
   if (!loads_change_) return;

@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/cross_matrix.h"
 #include "core/forces/volume_groups.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/error.h"
@@ -174,10 +175,8 @@ class Volume final : public Elasticity {
     for (int t = 0; t < tetrahedra(); ++t)
       for (int c = 0; c < 6; ++c) {
         const int a = cell(t)[pairs[c][0]], b = cell(t)[pairs[c][1]];
-        const Vector3 e =
-            pressures_[t] / 6 * (positions_.col(cell(t)[across[c][1]]) - positions_.col(cell(t)[across[c][0]]));
-        Matrix3 turn;
-        turn << 0, -e.z(), e.y(), e.z(), 0, -e.x(), -e.y(), e.x(), 0;
+        const Matrix3 turn = cross_matrix(
+            pressures_[t] / 6 * (positions_.col(cell(t)[across[c][1]]) - positions_.col(cell(t)[across[c][0]])));
         const Matrix3 density = 2 * pressures_[t] * now_[t].slope[c] * Matrix3::Identity();
         visit(a, b, density - turn);
         visit(b, a, density + turn);

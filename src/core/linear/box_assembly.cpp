@@ -158,7 +158,16 @@ class Assembly {
 
   void add_points(const StiffPoints& points, const Sorted& by_box) {
     for_each_box([&](int box) {
-      for (int at = by_box.start[box]; at < by_box.start[box + 1]; ++at) add_point(points, by_box.items[at], box);
+      if (by_box.start[box] == by_box.start[box + 1]) return;
+      PointBlocks sum;
+      for (auto& of_corner : sum) of_corner.fill(Corners::Zero());
+      for (int at = by_box.start[box]; at < by_box.start[box + 1]; ++at) add_point(points, by_box.items[at], sum);
+      Eigen::Matrix<float, 3 * kCorners, 3 * kCorners> whole;
+      for (int j = 0; j < kCorners; ++j)
+        for (int c = 0; c < 3; ++c)
+          for (int r = 0; r < 3; ++r)
+            for (int i = 0; i < kCorners; ++i) whole(3 * i + r, 3 * j + c) = sum[j][3 * c + r][i];
+      add_box(box, whole);
     });
   }
 
@@ -238,23 +247,26 @@ class Assembly {
     add_box(box, resisted.lazyProduct(change.transpose()));
   }
 
-  void add_point(const StiffPoints& points, int point, int number) {
+  /// The stiffness of a box in 3 × 3 blocks: of each second corner, of each entry, of all first corners.
+  using PointBlocks = std::array<std::array<Corners, 9>, kCorners>;
+  /// Σ_pq a_p[i] a_q[j] K_pq, with the slopes a of the corners' values.
+  void add_point(const StiffPoints& points, int point, PointBlocks& sum) const {
     const auto [frame, stiffness] = points.stiffness_at(point);
     const BoxGrid::Location location = grid_.locate(points.place_of(point));
     const Eigen::Index axes = frame.cols();
     std::array<Corners, 3> along;
     for (Eigen::Index p = 0; p < axes; ++p)
       along[static_cast<std::size_t>(p)] = slopes_along(location.at, grid_.along(frame.col(p)).cast<float>());
-    Eigen::Matrix<float, 3 * kCorners, 3 * kCorners> box = Eigen::Matrix<float, 3 * kCorners, 3 * kCorners>::Zero();
-    for (Eigen::Index p = 0; p < axes; ++p)
+    for (Eigen::Index p = 0; p < axes; ++p) {
+      std::array<Corners, 9> of_second;  // Σ_q a_q[j] K_pq
+      of_second.fill(Corners::Zero());
       for (Eigen::Index q = 0; q < axes; ++q) {
         const Eigen::Matrix3f part = stiffness.block<3, 3>(3 * p, 3 * q).cast<float>();
-        for (int i = 0; i < kCorners; ++i)
-          for (int j = i; j < kCorners; ++j)
-            box.block<3, 3>(3 * i, 3 * j) +=
-                (along[static_cast<std::size_t>(p)][i] * along[static_cast<std::size_t>(q)][j]) * part;
+        for (int e = 0; e < 9; ++e) of_second[e] += part.data()[e] * along[static_cast<std::size_t>(q)];
       }
-    add_box(number, box);
+      for (int j = 0; j < kCorners; ++j)
+        for (int e = 0; e < 9; ++e) sum[j][e] += of_second[e][j] * along[static_cast<std::size_t>(p)];
+    }
   }
 
   Vector3 rest_vector(int c) const {
@@ -377,7 +389,7 @@ GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports,
   of_link = {};
   grid_level.level = std::make_unique<BoxLevel>(std::move(grid));
   Assembly assembly(tangent, *grid_level.level);
-  assembly.add_links(links);
+  if (tangent.linked()) assembly.add_links(links);
   auto next = of_elements.begin();
   const auto next_sorted = [&] { return sorted_by_box(assembly.grid(), std::exchange(*next++, {})); };
   tangent.visit_cells([&](const CellSlopes& cells) { assembly.add_cells(cells, next_sorted()); });

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/reference_slopes.h"
 #include "core/model/block_geometry.h"
 #include "elastin/core/model/body.h"
 
@@ -52,14 +53,18 @@ std::vector<int> flat_or_inverted_in_blocks(const Body& body, const Positions& p
   int number = 0;
   for (const CellBlock& block : body.blocks) {
     if (block.kind->dimensions != 3) continue;
+    const ReferenceSlopes<3> slopes(*block.kind);
+    const auto points = static_cast<std::ptrdiff_t>(block.kind->slopes.size());
+    PointGradients<3> edges;
     for (int cell = 0; cell < block.size(); ++cell, ++number) {
-      const Eigen::MatrixXd own = positions_of(positions, block.cell(cell));
+      const NodeVectors own = positions_of(positions, block.cell(cell));
       double longest = 0;
       for (const auto& [a, b] : block.kind->edges) longest = std::max(longest, (own.col(a) - own.col(b)).norm());
-      const auto is_flat = [&](const Eigen::MatrixXd& slopes) {
-        return !(measure_of(own * slopes.transpose()) > 1e-12 * longest * longest * longest);
+      slopes.gradients(own, edges);
+      const auto is_flat = [&](const Matrix3& at_point) {
+        return !(at_point.determinant() > 1e-12 * longest * longest * longest);
       };
-      if (std::any_of(block.kind->slopes.begin(), block.kind->slopes.end(), is_flat)) found.push_back(number);
+      if (std::any_of(edges.begin(), edges.begin() + points, is_flat)) found.push_back(number);
     }
   }
   return found;

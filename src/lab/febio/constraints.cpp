@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "core/base/cross_matrix.h"
 #include "core/model/block_geometry.h"
 
 namespace elastin::lab::febio {
@@ -118,12 +119,6 @@ class Gaps final : public Augmented {
   double shift_ = 0;
 };
 
-Matrix3 across(const Vector3& v) {
-  Matrix3 result;
-  result << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
-  return result;
-}
-
 class Dilatations final : public Augmented {
  public:
   Dilatations(const Body& body, const DilatationConstraint& constraint)
@@ -168,7 +163,7 @@ class Dilatations final : public Augmented {
             for (int k = 0; k < 3; ++k) {
               const int i = (k + 1) % 3, j = (k + 2) % 3;
               own += block_.kind->weights[static_cast<Eigen::Index>(g)] * (N(j, a) * N(i, b) - N(i, a) * N(j, b)) *
-                     across(edges.col(k));
+                     cross_matrix(edges.col(k));
             }
           }
           visit(nodes[static_cast<std::size_t>(a)], nodes[static_cast<std::size_t>(b)], force * own);
@@ -239,7 +234,7 @@ class EnclosedVolume final : public Augmented {
   void add_forces(const State& state, Positions& forces) const override {
     if (!active_) return;
     const double pressure = grown(state, 0, multiplier(state, 0));
-    visit_points(state.positions, [&](const Point& at) {
+    visit_face_points(own_.faces, state.positions, [&](const FacePoint& at) {
       const Vector3 force = pressure * at.weight * at.edges.col(0).cross(at.edges.col(1));
       for (Eigen::Index a = 0; a < at.values.size(); ++a) forces.col(at.nodes[a]) += at.values[a] * force;
     });
@@ -253,12 +248,12 @@ class EnclosedVolume final : public Augmented {
     if (!active_) return;
     const double pressure = grown(state, 0, multiplier(state, 0));
     std::map<int, Vector3> gradient;
-    visit_points(state.positions, [&](const Point& at) {
+    visit_face_points(own_.faces, state.positions, [&](const FacePoint& at) {
       const Vector3 r = at.edges.col(0), s = at.edges.col(1), area = at.weight * r.cross(s);
       for (Eigen::Index a = 0; a < at.values.size(); ++a)
         gradient.try_emplace(at.nodes[a], Vector3::Zero()).first->second += at.values[a] * area;
       for (Eigen::Index b = 0; b < at.values.size(); ++b) {
-        const Matrix3 block = at.slopes(1, b) * across(r) - at.slopes(0, b) * across(s);
+        const Matrix3 block = at.slopes(1, b) * cross_matrix(r) - at.slopes(0, b) * cross_matrix(s);
         for (Eigen::Index a = 0; a < at.values.size(); ++a)
           visit(at.nodes[a], at.nodes[b], -pressure * at.weight * at.values[a] * block);
       }
@@ -268,30 +263,10 @@ class EnclosedVolume final : public Augmented {
   }
 
  private:
-  struct Point {
-    const int* nodes;
-    double weight;
-    VectorX values;
-    const Eigen::MatrixXd& slopes;
-    Eigen::Matrix<double, 3, 2> edges;  ///< ∂x/∂ξ
-    Vector3 place;
-  };
-  template <class Visit>
-  void visit_points(const Positions& positions, const Visit& visit) const {
-    for (const LoadedFace& face : own_.faces) {
-      const Eigen::MatrixXd own = positions_of(positions, face.nodes);
-      for (std::size_t g = 0; g < face.kind->slopes.size(); ++g) {
-        const auto point = static_cast<Eigen::Index>(g);
-        const VectorX values = face.kind->values.col(point);
-        visit(Point{face.nodes.data(), face.kind->weights[point], values, face.kind->slopes[g],
-                    own * face.kind->slopes[g].transpose(), own * values});
-      }
-    }
-  }
   double volume(const Positions& positions) const {
     double sum = 0;
-    visit_points(positions, [&](const Point& at) {
-      sum += at.weight / 3 * at.place.dot(Vector3(at.edges.col(0)).cross(Vector3(at.edges.col(1))));
+    visit_face_points(own_.faces, positions, [&](const FacePoint& at) {
+      sum += at.weight / 3 * at.position.dot(Vector3(at.edges.col(0)).cross(Vector3(at.edges.col(1))));
     });
     return sum;
   }

@@ -3,7 +3,7 @@
 #include <Eigen/SparseCore>
 #include <cmath>
 
-#include "core/model/block_geometry.h"
+#include "core/base/cross_matrix.h"
 
 namespace elastin::lab::febio {
 namespace {
@@ -26,12 +26,6 @@ class DeadLoads final : public TimedLoad {
   Positions now_;
 };
 
-Matrix3 cross_matrix(const Vector3& v) {
-  Matrix3 result;
-  result << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
-  return result;
-}
-
 class SurfaceForces final : public TimedLoad {
  public:
   SurfaceForces(const Body& body, SurfaceLoad load) : body_(body), load_(std::move(load)) { set_time(0); }
@@ -43,7 +37,7 @@ class SurfaceForces final : public TimedLoad {
   bool symmetric() const override { return load_.at_rest; }
 
   void add_forces(const State& state, Positions& forces) const override {
-    visit_points(load_.at_rest ? body_.rest : state.positions, [&](const Point& at) {
+    visit_face_points(load_.faces, load_.at_rest ? body_.rest : state.positions, [&](const FacePoint& at) {
       const Vector3 area = at.edges.col(0).cross(at.edges.col(1));
       const Vector3 force = factor_ * at.weight * (load_.pressure ? Vector3(-area) : area.norm() * load_.traction);
       for (Eigen::Index a = 0; a < at.values.size(); ++a) forces.col(at.nodes[a]) += at.values[a] * force;
@@ -62,7 +56,7 @@ class SurfaceForces final : public TimedLoad {
   }
   void visit_blocks(const State& state, double, const BlockVisitor& visit) const override {
     if (load_.at_rest) return;
-    visit_points(state.positions, [&](const Point& at) {
+    visit_face_points(load_.faces, state.positions, [&](const FacePoint& at) {
       const Vector3 r = at.edges.col(0), s = at.edges.col(1), n = r.cross(s).normalized();
       for (Eigen::Index b = 0; b < at.values.size(); ++b) {
         const double by_r = at.slopes(0, b), by_s = at.slopes(1, b);
@@ -77,25 +71,6 @@ class SurfaceForces final : public TimedLoad {
   }
 
  private:
-  struct Point {
-    const int* nodes;
-    double weight;
-    VectorX values;
-    const Eigen::MatrixXd& slopes;
-    Eigen::Matrix<double, 3, 2> edges;  ///< ∂x/∂ξ
-  };
-  template <class Visit>
-  void visit_points(const Positions& positions, const Visit& visit) const {
-    for (const LoadedFace& face : load_.faces) {
-      const Eigen::MatrixXd own = positions_of(positions, face.nodes);
-      for (std::size_t g = 0; g < face.kind->slopes.size(); ++g) {
-        const auto point = static_cast<Eigen::Index>(g);
-        visit(Point{face.nodes.data(), face.kind->weights[point], face.kind->values.col(point), face.kind->slopes[g],
-                    own * face.kind->slopes[g].transpose()});
-      }
-    }
-  }
-
   const Body& body_;
   SurfaceLoad load_;
   double factor_ = 0;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "elastin/core/forces/loads.h"
-#include "elastin/core/geometry/cell_kind.h"
+#include "lab/febio/faces.h"
 #include "lab/febio/load_controller.h"
 
 namespace elastin::lab::febio {
@@ -13,12 +13,6 @@ namespace elastin::lab::febio {
 struct DeadLoad {
   Positions forces;
   Value factor;
-};
-
-/// A face on which a pressure or a traction acts.
-struct LoadedFace {
-  const CellKind* kind;    ///< of two dimensions
-  std::vector<int> nodes;  ///< molecules in its order; the normal is by the right hand
 };
 
 struct SurfaceLoad {

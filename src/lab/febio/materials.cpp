@@ -11,6 +11,7 @@
 #include "core/laws/solids/yeoh.h"
 #include "core/model/block_geometry.h"
 #include "elastin/core/forces/block_cells.h"
+#include "lab/febio/muscle.h"
 
 namespace elastin::lab::febio {
 namespace {
@@ -412,6 +413,28 @@ void read_transversely_isotropic(const Element& element, Material& material, con
   };
 }
 
+void read_muscle(const Element& element, Material& material, const MaterialTime&) {
+  allow_numbers(
+      element, {"k", "pressure_model", "g1", "g2", "g3", "p1", "p2", "Lofl", "smax", "lam_max", "activation", "fiber"});
+  read_uncoupled(element, material);
+  Muscle law{.direction = Vector3::UnitX(),
+             .along = element.number("g1", 0),
+             .across = element.number("g2", 0),
+             .matrix = element.number("g3", 0),
+             .passive = element.needed_number("p1"),
+             .rate = element.needed_number("p2"),
+             .optimal = positive(element, "Lofl"),
+             .straight = element.needed_number("lam_max"),
+             .peak = element.needed_number("smax"),
+             .activation = element.number("activation", 0)};
+  law.straight /= law.optimal;
+  if (!(law.straight >= 1)) element.at("lam_max").fail("must be Lofl or more");
+  if (!(law.rate >= 0 && law.rate * (law.straight - 1) <= 500))
+    element.at("p2").fail("must be 0 or more, and p2 (lam_max/Lofl - 1) at most 500");
+  set_moduli(material, 2 * law.across);
+  set_along(material, element.at("fiber"), law);
+}
+
 void read_fibre_exp_linear(const Element& element, Material& material, const MaterialTime&) {
   allow_numbers(element, {"c3", "c4", "c5", "lambda", "fiber"});
   set_along(material, element.at("fiber"), WholeStretchFibres{Vector3::UnitX(), read_toe_and_line(element, "lambda")});
@@ -517,6 +540,7 @@ const std::map<std::string, Read>& readers() {
       {"Ogden", read_ogden},
       {"Yeoh", read_yeoh},
       {"trans iso Mooney-Rivlin", read_transversely_isotropic},
+      {"muscle material", read_muscle},
       {"fiber-exp-linear", read_fibre_exp_linear},
       {"uncoupled fiber-exp-linear", read_uncoupled_fibre_exp_linear},
       {"solid mixture", read_mixture},

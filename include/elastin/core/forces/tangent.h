@@ -53,6 +53,8 @@ class Tangent {
     return block;
   }
 
+  /// Whether any connection has a force density, or one that changes.
+  bool linked() const { return linked_; }
   /// What one connection does by itself.
   struct Link {
     Vector3 d;
@@ -99,7 +101,7 @@ class Tangent {
   VectorX slopes_;
   std::vector<Six> diagonal_;
   Workspace workspace_;
-  bool stressed_ = false, coupled_ = false, loads_change_ = false;
+  bool stressed_ = false, coupled_ = false, linked_ = false, loads_change_ = false;
 };
 
 }  // namespace elastin
