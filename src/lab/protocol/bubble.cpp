@@ -169,7 +169,7 @@ class BubbleRig final : public StaticRig {
       measures.set("measured_height", setup_.heights[step]);
       measures.set("height_misfit", height / setup_.heights[step] - 1);
     }
-    measures.set("energy", model_.elastic_energy(positions));
+    if (model_.has_energy() && !solved.linear) measures.set("energy", model_.elastic_energy(positions));
     const Positions loads = model_.load_forces(state);
     measures.set("reaction_balance",
                  (loads.rowwise().sum() + solved.reactions.rowwise().sum()).norm() /

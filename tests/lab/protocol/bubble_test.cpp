@@ -100,6 +100,8 @@ TEST_CASE("a bubble's measures as a spherical cap", "[bubble][TP]") {
   CHECK(run.measures.get("stress") == Approx(8940 * R / (2 * kThickness / (stretch * stretch))));
   CHECK(run.measures.get("pressure") == 8940);
   CHECK(run.measures.get("reaction_balance") < 1e-8);
+  CHECK(std::isnan(run.measures.get("energy")));  // this law has none
+  CHECK(blow_up(6, 1.8e6, 0.45, "curve_membrane", {8940}).measures.get("energy") > 0);
 }
 
 namespace {
