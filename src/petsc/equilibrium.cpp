@@ -192,7 +192,7 @@ class Newton {
       const Weights& weights = kinematics_->weights;
       point.state.accelerations = kinematics_->accelerations + weights.acceleration * (x - kinematics_->start);
     }
-    double own = given_energy(point.state);
+    double own = own_energy(point.state);
     if (!model_.local().admissible(x)) own = std::numeric_limits<double>::infinity();
     point.energy = body_.sum(own);
     if (!std::isfinite(point.energy)) return;
@@ -217,7 +217,7 @@ class Newton {
   }
 
   /// Of what this process counts; of a step with that of the inertia, see elastin::evaluate.
-  double given_energy(const State& state) {
+  double own_energy(const State& state) {
     const Positions& x = state.positions;
     if (!kinematics_) {
       const auto moved = (x - model_.local().body().rest).leftCols(body_.owned());

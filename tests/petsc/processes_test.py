@@ -299,6 +299,8 @@ def check_refusals(folder):
     timed = os.path.join(folder, "release-newmark.yaml")
     refused("'multigrid' does not go with steps in time", 2, "run", timed, "--set", "solver.linear_solver=multigrid")
     refused("write no restart files", 2, "run", timed, "--set", "time.checkpoint=2")
+    refused("would choose different steps", 2, "run", timed, "--set", "time.step=1 ms", "--set", "time.budget=1 ms",
+            "--set", "time.integrator=newmark")
     scattered = os.path.join(folder, "scattered.yaml")
     with open(timed, encoding="utf-8") as text, open(scattered, "w", encoding="utf-8") as file:
         file.write(text.read() + "initial: {scatter: {amount: 0.1 mm}}\n")

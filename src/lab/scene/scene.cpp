@@ -383,8 +383,14 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
     experiment.fail("a " + scene->experiment->name() + " experiment runs through time: key 'time' is missing, " +
                     "for example time: {duration: 1 s}");
   if (time) scene->time = read_time(*time, catalog.steppers);
-  if (time && scene->specimen.body.share && scene->time->checkpoint)
-    reader.at("time").at("checkpoint").fail("several processes that share a body write no restart files; leave it out");
+  if (time && scene->specimen.body.share) {
+    Reader keys = reader.at("time");
+    if (scene->time->checkpoint)
+      keys.at("checkpoint").fail("several processes that share a body write no restart files; leave it out");
+    if (scene->time->budget > 0)
+      keys.at("budget").fail(
+          "the clocks of several processes that share a body would choose different steps; leave it out");
+  }
   if (auto initial = reader.find("initial"))
     scene->specimen.start = read_initial(*initial, scene->specimen.body, rotation, timed);
   if (auto loads = reader.find("loads"))
