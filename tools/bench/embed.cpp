@@ -29,14 +29,20 @@ struct Contender {
   const char* name;
   IntegratorOptions integrator;
   const char* strategy = "lattice";
+  double safety = 0.98;  // of explicit steps
 };
 
-/// Of springs, or of six tetrahedra a cube, molecules in the same places.
+/// Of springs, or of six tetrahedra a cube, molecules in the same places. Each cube's mass goes to its corners, as the
+/// cubes share out the springs' stiffness: equal masses would be too heavy on faces and edges, and too light inside.
 Body soft_cube(int side, bool cells) {
   const double spacing = kEdge / (side - 1);
   Body body = cells ? tetrahedral_block(BlockKind::kuhn, {side - 1, side - 1, side - 1}, Vector3::Constant(kEdge))
                     : cubic_lattice({side, side, side}, spacing, {.axis = true, .face = true});
   elastin::set_matter(body, spacing / 2, kSoft.density, 0, cells ? 0 : std::pow(kEdge, 3));
+  if (cells) return body;
+  body.mass.setZero();
+  for (const auto& cube : body.cubes)
+    for (const int corner : cube) body.mass[corner] += kSoft.density * std::pow(spacing, 3) / 8;
   return body;
 }
 
@@ -46,7 +52,7 @@ class Host {
   Host(int side, const Contender& contender)
       : tissue_(soft_cube(side, std::string_view(contender.strategy) != "lattice"),
                 built_in_catalog().find(contender.strategy), kSoft,
-                {.integrator = contender.integrator, .threads = 1}) {
+                {.integrator = contender.integrator, .safety = contender.safety, .threads = 1}) {
     const Body& body = tissue_.body();
     tissue_.model().add(make_gravity(body, {0, 0, -9.81}));
     tissue_.model().add(make_mass_damping(body, 10));

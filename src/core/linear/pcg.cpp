@@ -174,6 +174,11 @@ void keep_free(const std::vector<Support>& supports, Positions& vectors) {
   for (const Support& support : supports) vectors.col(support.molecule) = support.free * vectors.col(support.molecule);
 }
 
+double ordered_dot(const Positions& a, const Positions& b) {
+  return ordered_sum(
+      static_cast<int>(a.cols()), [&](int i) { return a.col(i).dot(b.col(i)); }, 0., kMoleculeThreshold);
+}
+
 double ordered_norm(const Positions& vectors) {
   return std::sqrt(ordered_sum(static_cast<int>(vectors.cols()), [&](int i) { return vectors.col(i).squaredNorm(); }));
 }

@@ -5,6 +5,7 @@
 #include "core/model/visit_state.h"
 #include "core/simulation/host_loads.h"
 #include "core/simulation/simulation_impl.h"
+#include "core/solve/steppers.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
 
@@ -114,8 +115,17 @@ void Simulation::observe(int every, std::function<void(const Simulation&)> see) 
 }
 
 SimulationState Simulation::save() const {
-  SimulationState saved{impl_->shown,      impl_->model.supports,    impl_->host_forces, impl_->couplings, {}, 0,
-                        impl_->tools->all, impl_->shared_topology(), impl_->effort};
+  SimulationState saved{impl_->shown,
+                        impl_->model.supports,
+                        impl_->host_forces,
+                        impl_->couplings,
+                        {},
+                        0,
+                        impl_->tools->all,
+                        impl_->shared_topology(),
+                        impl_->effort,
+                        impl_->watch ? impl_->watch->seen() : SeenFrequency()};
+  if (saved.seen.turn != 1) saved.seen.positions.resize(3, 0), saved.seen.elastic_forces.resize(3, 0);
   impl_->host_supports.save(saved);
   return saved;
 }
@@ -126,6 +136,10 @@ void Simulation::Impl::restore(const SimulationState& saved) {
   if (saved.host_forces.cols() > 0 && (saved.host_forces.cols() != in.body.size() || !saved.host_forces.allFinite()))
     throw InputError("the saved state has host forces on " + std::to_string(saved.host_forces.cols()) +
                      " molecules, or forces that are not finite");
+  const Eigen::Index seen = saved.seen.turn == 1 ? in.body.size() : 0;
+  if (saved.seen.positions.cols() != seen || saved.seen.elastic_forces.cols() != seen || !(saved.seen.frequency >= 0) ||
+      saved.seen.turn < 0)
+    throw InputError("the saved state has seen frequencies of another body");
   for (const Support& support : saved.supports) in.check_molecule(support.molecule);
   if (saved.others_supports < 0 || static_cast<std::size_t>(saved.others_supports) > saved.supports.size())
     throw InputError("the saved state has " + std::to_string(saved.supports.size()) + " supports, " +
@@ -154,6 +168,7 @@ void Simulation::Impl::restore(const SimulationState& saved) {
   in.tools->all = saved.tools;
   in.tools->start = in.tools->end = in.shown.time;
   if (saved.effort > 0 && saved.effort != in.effort) in.set_effort(saved.effort);
+  if (in.watch) in.watch->watch(saved.seen);
   in.forces_known = in.tensions_known = false;
 }
 

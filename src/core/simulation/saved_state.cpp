@@ -14,7 +14,7 @@ namespace elastin {
 namespace {
 
 /// Grows with every change of what follows. Read as a number it tells the byte order too.
-constexpr std::uint64_t kMark = 0x656c617374310003;  // "elast1", version 3
+constexpr std::uint64_t kMark = 0x656c617374310004;  // "elast1", version 4
 
 /// Stands before the state.
 struct Head {
@@ -63,6 +63,9 @@ void visit(Archive& archive, SimulationState& saved) {
   archive.whole(saved.others_supports);
   visit_all(archive, saved.tools);
   archive.whole(saved.effort);
+  visit(archive, saved.seen.frequency);
+  archive.whole(saved.seen.turn);
+  for (Positions* field : {&saved.seen.positions, &saved.seen.elastic_forces}) visit(archive, *field);
   int changed = saved.topology != nullptr;
   archive.whole(changed);
   if (!changed) return;

@@ -74,7 +74,8 @@ StepResult refused(std::string cause) { return {Outcome::limit_reached, std::mov
 }  // namespace
 
 Simulation::Impl::Impl(Body a_body, SimulationOptions some_options)
-    : body(std::move(a_body)), options(std::move(some_options)), integrator(make_integrator(options.integrator)) {
+    : body(std::move(a_body)), options(std::move(some_options)) {
+  make_own_integrator();
   shown = work = state_at_rest(body);
   const Stepper& scheme = *options.integrator.scheme;
   if (!scheme.effort.empty()) {
@@ -83,6 +84,13 @@ Simulation::Impl::Impl(Body a_body, SimulationOptions some_options)
     // Of a scheme that iterates to the end unless it is told otherwise.
     if (options.budget > 0) set_effort(std::max(1, effort));
   }
+}
+
+void Simulation::Impl::make_own_integrator() {
+  const SeenFrequency before{.frequency = watch ? watch->seen().frequency : 0};
+  integrator = make_integrator(options.integrator);
+  watch = dynamic_cast<FrequencyWatch*>(integrator.get());
+  if (watch) watch->watch(before);
 }
 
 void Simulation::Impl::set_effort(int number) {
@@ -118,7 +126,8 @@ double Simulation::Impl::longest_substep() {
     stiffest = std::max(stiffest, stiffness / body.mass[coupling.molecule]);
     most_damped = std::max(most_damped, damping / body.mass[coupling.molecule]);
   }
-  const double square = stable->frequency * stable->frequency + stiffest, rate = stable->damping_rate + most_damped;
+  const double frequency = std::max(stable->frequency, watch ? watch->seen().frequency : 0);
+  const double square = frequency * frequency + stiffest, rate = stable->damping_rate + most_damped;
   const double sum = std::sqrt(square + rate * rate) + rate;
   return sum > 0 ? options.safety * 2 / sum : std::numeric_limits<double>::infinity();
 }
@@ -240,6 +249,7 @@ const Model& Simulation::model() const noexcept { return impl_->model; }
 double Simulation::time() const noexcept { return impl_->shown.time; }
 const Positions& Simulation::positions() const noexcept { return impl_->shown.positions; }
 const Positions& Simulation::velocities() const noexcept { return impl_->shown.velocities; }
+const State& Simulation::state() const noexcept { return impl_->shown; }
 
 StepResult Simulation::step(double dt) noexcept {
   if (!impl_) return refused("an empty simulation: it was moved from");
@@ -312,7 +322,7 @@ void Simulation::put(std::function<void(Model&)> add) {
       block = *own;
   if (!in.shown.history.empty() || in.shown.time > 0) in.work.history = in.shown.history = std::move(history);
   in.stable.reset();
-  in.integrator = make_integrator(in.options.integrator);
+  in.make_own_integrator();
   if (in.effort > 0) in.set_effort(in.effort);
   in.budget.begin_anew();
   in.forces_known = in.tensions_known = false;

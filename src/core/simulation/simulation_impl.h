@@ -13,12 +13,15 @@
 
 namespace elastin {
 
+class FrequencyWatch;
+
 struct Simulation::Impl {
   Impl(Body a_body, SimulationOptions some_options);
 
   StepResult step(double dt);
   StepResult substeps_of(double dt, int substeps);
   double longest_substep();
+  void make_own_integrator();
   void begin_step(double start, double end);
   void go_back();
   void set_effort(int number);
@@ -69,6 +72,7 @@ struct Simulation::Impl {
   bool has_host_forces = false, has_couplings = false;
   CouplingId next_coupling = 1;
   std::optional<StableStep> stable;  // of the body at rest, nothing held or gripped
+  FrequencyWatch* watch = nullptr;   // of an integrator that has one
   // Read off the state shown when the host asks.
   Workspace workspace;
   Positions forces;

@@ -21,6 +21,7 @@ SimulationState carried_over(const SimulationState& before, const ChangedBody& c
     after.state.accelerations = before.state.accelerations(Eigen::all, changed.molecule_from);
   after.tools = before.tools;
   after.effort = before.effort;
+  after.seen.frequency = before.seen.frequency;
   std::vector<Support> copies;
   for (std::size_t number = 0; number < before.supports.size(); ++number) {
     bool first = true;

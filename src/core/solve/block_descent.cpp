@@ -6,6 +6,7 @@
 #include "core/parallel/parallel.h"
 #include "core/solve/colours.h"
 #include "core/solve/implicit.h"
+#include "core/solve/mixing.h"
 #include "core/solve/outer_forces.h"
 #include "core/solve/steppers.h"
 #include "elastin/core/laws/local.h"
@@ -18,6 +19,8 @@ constexpr int kColourThreshold = 1500;
 /// A motion that changes an element by more than this part goes only as far as the energy falls.
 constexpr double kLargeChange = 0.2;
 constexpr int kHalvings = 20;
+/// So few sweeps are not worth what mixing them takes.
+constexpr int kBeforeMixing = 4;
 
 constexpr const char* kUnsuited =
     "block_descent takes energies of connections and cells one by one: springs with constants or curves, cell laws "
@@ -54,13 +57,16 @@ TermSlots slots_of(const LocalElasticity& term, int molecules) {
 struct DescentOptions {
   int sweeps;
   double tolerance, spectral_radius;
+  int mixing;
 };
 
 /// Vertex block descent: Φ(x) = w_a/2 |x − y|²_M + W(x) + loads is lowered one molecule after the other, by Newton's
-/// step of its own three coordinates.                                                              [Chen et al. 2024]
+/// step of its own three coordinates. Pairs of sweeps, there and back, are mixed as far as that lowers Φ.
+///                                                                                                 [Chen et al. 2024]
 class BlockDescent final : public Implicit {
  public:
-  explicit BlockDescent(const DescentOptions& options) : Implicit({}, 0, 0), options_(options) {}
+  explicit BlockDescent(const DescentOptions& options)
+      : Implicit({}, 0, 0), options_(options), mixing_(options.mixing) {}
   void set_effort(int effort) override { options_.sweeps = effort; }
 
  private:
@@ -108,8 +114,10 @@ class BlockDescent final : public Implicit {
     const double outer = ordered_sum(
         static_cast<int>(positions.cols()),
         [&](int i) {
+          const Vector3 off = positions.col(i) - outer_.positions().col(i);
           return weight / 2 * (*mass_)[i] * (positions.col(i) - inertia_.col(i)).squaredNorm() -
-                 outer_.forces().col(i).dot(positions.col(i));
+                 outer_.forces().col(i).dot(positions.col(i)) +
+                 (outer_.vary() ? off.dot(outer_.block(i) * off) / 2 : 0);
         },
         0., kMoleculeThreshold);
     return outer + model.elastic_energy(positions);
@@ -118,7 +126,11 @@ class BlockDescent final : public Implicit {
   void descend(Model& model, State& next, const Kinematics& kinematics, StaticResult& result) {
     double omega = 1, last = std::numeric_limits<double>::infinity();
     int accelerated = 0;
+    // A pair begins where the one before it was mixed to.
+    const bool mixes = options_.mixing > 0 && options_.sweeps > kBeforeMixing;
+    if (mixes) mixing_.begin(next.positions.cols());
     for (int sweep = 0; sweep < options_.sweeps; ++sweep) {
+      if (mixes && sweep % 2 == 0) pair_start_ = next.positions;
       if (outer_.vary() && sweep > 0) {
         set_velocities(model, kinematics, next);
         outer_.update(model, next);
@@ -129,6 +141,7 @@ class BlockDescent final : public Implicit {
       ++result.newton_iterations;
       result.residual = most / length_;
       if (!std::isfinite(most) || most <= options_.tolerance * length_) break;
+      if (mixes && sweep % 2 == 1 && sweep + 1 < options_.sweeps) mix(model, next, kinematics);
       if (!chebyshev) continue;
       // Begun anew where a sweep moves further than the one before it.             [Wang 2015, eq. 14]
       accelerated = most > last ? 0 : accelerated + 1;
@@ -138,6 +151,19 @@ class BlockDescent final : public Implicit {
       if (omega > 1) extrapolate(model, omega, next.positions);
       older_ = before_;
     }
+  }
+
+  /// Goes to where the last pairs of sweeps point, where Φ is no higher there.
+  void mix(const Model& model, State& next, const Kinematics& kinematics) {
+    trial_ = next.positions - pair_start_;
+    if (!mixing_.mix(pair_start_, trial_)) return;
+    trial_ += pair_start_;
+    for (const Support& support : model.supports) {
+      const Matrix3 held = Matrix3::Identity() - support.free;
+      trial_.col(support.molecule) += held * (next.positions.col(support.molecule) - trial_.col(support.molecule));
+    }
+    const double weight = kinematics.weights.acceleration;
+    if (potential(model, trial_, weight) <= potential(model, next.positions, weight)) std::swap(trial_, next.positions);
   }
 
   /// x ← ω (x − x₋₂) + x₋₂, where that turns no cell over.
@@ -263,7 +289,8 @@ class BlockDescent final : public Implicit {
   Rows colours_;
   std::vector<int> support_of_;
   OuterForces outer_;
-  Positions inertia_, before_, older_, trial_;
+  Mixing mixing_;
+  Positions inertia_, before_, older_, trial_, pair_start_;
 };
 
 }  // namespace
@@ -289,12 +316,18 @@ Stepper block_descent() {
              "largest motion of a sweep, over the mean length of connections, at which a step ends; 0: after all "
              "sweeps"},
             {"chebyshev", dimension::none, 0, 0.9999, 0,
-             "spectral radius of the sweeps that Chebyshev's acceleration assumes; 0: no acceleration"}}},
+             "spectral radius of the sweeps that Chebyshev's acceleration assumes; 0: no acceleration"},
+            {"mixing", dimension::none, 0, Mixing::kMost, 5,
+             "last pairs of sweeps that are mixed (Anderson), where that lowers the energy; 0: none, and none with "
+             "chebyshev",
+             false, ValueKind::whole}}},
           false,
           1,
           [](const ParameterValues& values, const StaticOptions&) {
+            const double chebyshev = values.at("chebyshev");
             return std::make_unique<BlockDescent>(
-                DescentOptions{static_cast<int>(values.at("sweeps")), values.at("tolerance"), values.at("chebyshev")});
+                DescentOptions{static_cast<int>(values.at("sweeps")), values.at("tolerance"), chebyshev,
+                               chebyshev > 0 ? 0 : static_cast<int>(values.at("mixing"))});
           },
           [](const Model& model) -> std::string { return has_local_terms(model) ? "" : kUnsuited; },
           "sweeps"};

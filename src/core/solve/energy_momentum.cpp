@@ -6,6 +6,7 @@
 
 #include "core/parallel/parallel.h"
 #include "core/solve/implicit.h"
+#include "core/solve/mixing.h"
 #include "core/solve/steppers.h"
 #include "elastin/core/base/dense.h"
 
@@ -22,27 +23,6 @@ struct End {
   VectorX squared_lengths;  ///< s [m²]
   double energy = 0;        ///< W [J]
 };
-
-/// Puts the x of A x = b in b's place, of the first `count` rows of a positive definite A, whose lower half is lost
-/// [Cholesky]; false if it is none. Eigen's own of this size takes seconds to compile, and one of any size asks for
-/// memory.
-template <class Matrix, class Vector>
-bool solve_positive(Matrix& A, Vector& b, int count) {
-  for (int j = 0; j < count; ++j) {
-    for (int i = j; i < count; ++i)
-      for (int k = 0; k < j; ++k) A(i, j) -= A(i, k) * A(j, k);
-    if (!(A(j, j) > 0)) return false;
-    const double root = std::sqrt(A(j, j));
-    for (int i = j; i < count; ++i) A(i, j) /= root;
-    for (int k = 0; k < j; ++k) b[j] -= A(j, k) * b[k];
-    b[j] /= A(j, j);
-  }
-  for (int j = count - 1; j >= 0; --j) {
-    for (int i = j + 1; i < count; ++i) b[j] -= A(i, j) * b[i];
-    b[j] /= A(j, j);
-  }
-  return true;
-}
 
 /// The implicit midpoint rule with force densities that do exactly the work that the energy says: of any law that is
 /// force densities
@@ -174,7 +154,7 @@ class EnergyMomentum final : public Implicit {
     if (model.supports.empty()) keep_momentum(model, state);
     workspace_.solver.forget();
     evaluate(model, state, now_);
-    used_ = 0;
+    mixing_.begin(now_.positions.cols());
     cut_ = false;
     double last_norm = 0;
     for (int iteration = 0; iteration <= kMostIterations; ++iteration) {
@@ -208,12 +188,8 @@ class EnergyMomentum final : public Implicit {
 
   /// Goes by the motion, mixed with the last ones; half as far, and alone, where that turns a cell over.
   bool move(const Model& model, const State& state) {
-    if (last_.cols() == motion_.cols() && used_ > 0) {
-      Past& past = pasts_[static_cast<std::size_t>(used_ - 1) % kMemory];
-      past.change = motion_ - last_;
-    }
-    mix();
-    last_ = motion_;
+    mixed_ = motion_;
+    mixing_.mix(now_.positions, mixed_);
     before_ = now_.positions;
     for (double part = 1; part > 1e-3; part /= 2) {
       now_.positions = before_ + part * (part == 1 ? mixed_ : motion_);
@@ -221,31 +197,9 @@ class EnergyMomentum final : public Implicit {
       if (!model.admissible(now_.positions)) continue;
       evaluate(model, state, now_);
       if (!std::isfinite(now_.norm)) continue;
-      pasts_[static_cast<std::size_t>(used_) % kMemory].step = now_.positions - before_;
-      ++used_;
       return true;
     }
     return false;
-  }
-
-  /// The motion less what the last steps say that it will be wrong by, in least squares.
-  void mix() {
-    mixed_ = motion_;
-    const int count = std::min(used_, kMemory);
-    if (count == 0) return;
-    const auto dot = [](const Positions& a, const Positions& b) {
-      return ordered_sum(
-          static_cast<int>(a.cols()), [&](int i) { return a.col(i).dot(b.col(i)); }, 0., kMoleculeThreshold);
-    };
-    Eigen::Matrix<double, kMemory, kMemory> products;
-    Eigen::Matrix<double, kMemory, 1> parts;
-    for (int i = 0; i < count; ++i) {
-      for (int j = 0; j <= i; ++j) products(i, j) = products(j, i) = dot(pasts_[i].change, pasts_[j].change);
-      products(i, i) *= 1 + 1e-12;
-      parts[i] = dot(pasts_[i].change, motion_);
-    }
-    if (!solve_positive(products, parts, count)) return;
-    for (int i = 0; i < count; ++i) mixed_ -= parts[i] * (pasts_[i].step + pasts_[i].change);
   }
 
   /// What iterations leave unbalanced of a free body's whole force would add up over the steps: it moves as one.
@@ -265,19 +219,14 @@ class EnergyMomentum final : public Implicit {
     next_.velocities.colwise() += missing / mass.sum();
   }
 
-  struct Past {
-    Positions step, change;  ///< how far an iteration went, and what became of the motion
-  };
-
   double dt_ = 0;
   End begin_, end_;
   Matrix3 turn_;  ///< from half-way to the end of the step, as far as the body turns as one
   Trial now_;
   State middle_, next_;
   VectorX change_, mean_;
-  Positions spare_, forces_, motion_, mixed_, last_, before_;
-  std::array<Past, kMemory> pasts_;
-  int used_ = 0;
+  Positions spare_, forces_, motion_, mixed_, before_;
+  Mixing mixing_{kMemory};
   bool cut_ = false;  ///< whether the last iteration went less far, for a cell that would turn over
 };
 

@@ -1,8 +1,10 @@
 #include "core/solve/steppers.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/parallel/parallel.h"
 #include "core/solve/newton.h"
@@ -14,23 +16,20 @@ namespace {
 /// Of one step.
 constexpr double kMaxSubsteps = 10000;
 
-/// Without what supports take.
-void set_free_forces(const Model& model, const State& state, Positions& forces, Workspace& workspace) {
-  model.set_forces(state, forces, workspace);
-  keep_free(model.supports, forces);
-}
-
 void set_accelerations(const Model& model, const State& state, Positions& accelerations, Workspace& workspace) {
-  set_free_forces(model, state, accelerations, workspace);
+  model.set_forces(state, accelerations, workspace);
+  keep_free(model.supports, accelerations);
   const VectorX& mass = model.body().mass;
   parallel_for(
       model.body().size(), [&](int i) { accelerations.col(i) /= mass[i]; }, kMoleculeThreshold);
 }
 
 /// Passes over the molecules are bound by memory: each array is read and written as seldom as can be.
-class Explicit final : public Integrator {
+class Explicit final : public Integrator, public FrequencyWatch {
  public:
   explicit Explicit(bool verlet) : verlet_(verlet) {}
+  void watch(const SeenFrequency& before) override { watches_ = true, seen_ = before; }
+  const SeenFrequency& seen() const override { return seen_; }
 
   /// In parts where a stiffness sets in that the step is too long for, or something would be passed through.
   StepResult advance(Model& model, State& state, double dt) override {
@@ -75,7 +74,7 @@ class Explicit final : public Integrator {
   StepResult step(Model& model, State& state, double dt) {
     const int n = model.body().size();
     if (!verlet_) {
-      set_free_forces(model, state, forces_, workspace_);
+      set_forces(model, state, forces_);
       take_points_at_end(model, state, dt);
     } else if (state.accelerations.cols() != n)
       set_accelerations(model, state, state.accelerations, workspace_);
@@ -111,6 +110,41 @@ class Explicit final : public Integrator {
     return result;
   }
 
+  /// Without what supports take.
+  void set_forces(const Model& model, const State& state, Positions& forces) {
+    forces.setZero(3, model.body().size());
+    model.add_elastic_forces(state.positions, forces, workspace_);
+    if (watches_) look(model, state.positions, forces);
+    model.add_other_forces(state, forces, workspace_);
+    keep_free(model.supports, forces);
+  }
+
+  /// From one state to the next the elastic forces change by Δf = −K Δx, K the mean stiffness on the way: so
+  /// ω² = |M^−½ Δf|² / (−Δx·Δf) is at most the largest of M⁻¹ K, and the more of what vibrates fastest there is in the
+  /// motion, the nearer to it. What the steps are too long for grows until it is most of Δf, long before it shows.
+  void look(const Model& model, const Positions& positions, const Positions& elastic) {
+    const int turn = std::exchange(seen_.turn, (seen_.turn + 1) % kBetweenLooks);
+    if (turn == 0) {
+      if (!model.has_energy() || model.dissipates()) watches_ = false;  // forces change by themselves there
+      seen_.positions = positions, seen_.elastic_forces = elastic;
+    }
+    if (turn != 1) return;
+    const VectorX& mass = model.body().mass;
+    const Vector3 sums = ordered_sum<Vector3>(
+        static_cast<int>(positions.cols()),
+        [&](int i) {
+          const Vector3 force = elastic.col(i) - seen_.elastic_forces.col(i),
+                        way = positions.col(i) - seen_.positions.col(i);
+          return Vector3(force.squaredNorm() / mass[i], -force.dot(way), mass[i] * positions.col(i).squaredNorm());
+        },
+        Vector3::Zero(), kMoleculeThreshold);
+    const double square = sums[0] / sums[1];
+    // Nothing is seen in what rounding of the positions does to the forces.
+    const double rounding = 8 * std::numeric_limits<double>::epsilon() * square * std::sqrt(sums[2]);
+    if (sums[1] > 0 && std::sqrt(sums[0]) > 1e3 * rounding)
+      seen_.frequency = std::max(seen_.frequency, std::sqrt(square));
+  }
+
   /// −k (x − p) − c (v − w) as it is at the end of the step, where x and v are dt v' and dt a' on: the rest of the
   /// forces stays. (m + dt c + dt² k) a' = F − dt k v. Stable with any k and c where the step is without them.
   void take_points_at_end(const Model& model, const State& state, double dt) {
@@ -132,7 +166,9 @@ class Explicit final : public Integrator {
   static constexpr int kBlock = 64;
 
   static void set_inverse(const double* mass, int count, double* inverse) {
-    for (int i = 0; i < count; ++i) inverse[3 * i] = inverse[3 * i + 1] = inverse[3 * i + 2] = 1 / mass[i];
+    double own[kBlock];
+    for (int i = 0; i < count; ++i) own[i] = 1 / mass[i];
+    for (int i = 0; i < count; ++i) inverse[3 * i] = inverse[3 * i + 1] = inverse[3 * i + 2] = own[i];
   }
 
   /// Kick, drift. The largest square of an acceleration, infinity if something is not finite.
@@ -141,7 +177,7 @@ class Explicit final : public Integrator {
     return largest_of_ranges(
         static_cast<int>(state.positions.cols()),
         [&](int begin, int end) {
-          double inverse[3 * kBlock], squares[3 * kBlock], sizes[3 * kBlock], most = 0;
+          double inverse[3 * kBlock], squares[3 * kBlock], sizes[3 * kBlock] = {}, most = 0;
           for (int first = begin; first < end; first += kBlock) {
             const int count = std::min(kBlock, end - first);
             set_inverse(mass.data() + first, count, inverse);
@@ -151,13 +187,13 @@ class Explicit final : public Integrator {
             for (int i = 0; i < 3 * count; ++i) {
               const double acceleration = f[i] * inverse[i], velocity = v[i] + dt * acceleration;
               squares[i] = acceleration * acceleration;
-              sizes[i] = velocity * velocity;
+              sizes[i] += velocity * velocity;
               next_v[i] = velocity;
               next_x[i] = x[i] + dt * velocity;
             }
-            most = largest_square(squares, sizes, count, most);
+            most = largest_square(squares, count, most);
           }
-          return most;
+          return all_finite(sizes) ? most : std::numeric_limits<double>::infinity();
         },
         kMoleculeThreshold);
   }
@@ -185,15 +221,14 @@ class Explicit final : public Integrator {
         kMoleculeThreshold);
     apply_supports(model, next_.positions);
     if (guess) move_with_supports(model.supports, next_.velocities);
-    model.set_forces(next_, next_.accelerations, workspace_);
-    keep_free(model.supports, next_.accelerations);
+    set_forces(model, next_, next_.accelerations);
     return largest_of_ranges(
         n, [&](int begin, int end) { return kick(model.body().mass, state, half, begin, end); }, kMoleculeThreshold);
   }
 
   /// The second half of a kick, from the forces in next_.accelerations, which become accelerations.
   double kick(const VectorX& mass, const State& state, double half, int begin, int end) {
-    double inverse[3 * kBlock], changes[3 * kBlock], sizes[3 * kBlock], most = 0;
+    double inverse[3 * kBlock], changes[3 * kBlock], sizes[3 * kBlock] = {}, most = 0;
     for (int first = begin; first < end; first += kBlock) {
       const int count = std::min(kBlock, end - first);
       set_inverse(mass.data() + first, count, inverse);
@@ -202,25 +237,27 @@ class Explicit final : public Integrator {
       for (int i = 0; i < 3 * count; ++i) {
         const double now = next_a[i] * inverse[i], velocity = v[i] + half * (a[i] + now);
         changes[i] = (now - a[i]) * (now - a[i]);
-        sizes[i] = velocity * velocity;
+        sizes[i] += velocity * velocity;
         next_a[i] = now;
         next_v[i] = velocity;
       }
-      most = largest_square(changes, sizes, count, most);
+      most = largest_square(changes, count, most);
+    }
+    return all_finite(sizes) ? most : std::numeric_limits<double>::infinity();
+  }
+
+  /// The largest of `most` and the squares of `count` vectors.
+  static double largest_square(const double* squares, int count, double most) {
+    for (int i = 0; i < 3 * count; i += 3) {
+      const double value = squares[i] + squares[i + 1] + squares[i + 2];
+      most = value > most ? value : most;
     }
     return most;
   }
 
-  /// The largest of `most` and the squares of `count` vectors, infinity if one of these or of their `sizes` is not
-  /// finite. A place that is not gives forces that are not.
-  static double largest_square(const double* squares, const double* sizes, int count, double most) {
-    for (int i = 0; i < 3 * count; i += 3) {
-      const double size = sizes[i] + sizes[i + 1] + sizes[i + 2];
-      const double value = squares[i] + squares[i + 1] + squares[i + 2] + (size - size);  // ∞ − ∞ is no number
-      if (value <= most) continue;
-      most = value < std::numeric_limits<double>::infinity() ? value : std::numeric_limits<double>::infinity();
-    }
-    return most;
+  /// Of sums of squares of velocities: a position that is not finite gives forces that are not, and those velocities.
+  static bool all_finite(const double* sums) {
+    return std::all_of(sums, sums + 3 * kBlock, [](double sum) { return std::isfinite(sum); });
   }
 
   struct Point {
@@ -228,7 +265,10 @@ class Explicit final : public Integrator {
     double stiffness, damping;
   };
 
-  bool verlet_;
+  static constexpr int kBetweenLooks = 8;  ///< steps
+
+  bool verlet_, watches_ = false;
+  SeenFrequency seen_;
   std::vector<Point> points_;  // forces on single molecules, each molecule once
   State next_, before_;
   Positions forces_;  // of a step's start

@@ -17,11 +17,6 @@ namespace {
 /// Above so many molecules the matrix is not factorised: the factor would fill memory, and a cycle of multigrid serves.
 constexpr int kFactorLimit = 4000;
 
-double dot(const Positions& a, const Positions& b) {
-  return ordered_sum(
-      static_cast<int>(a.cols()), [&](int i) { return a.col(i).dot(b.col(i)); }, 0., kMoleculeThreshold);
-}
-
 /// (K at rest + w_a M + w_v C)⁻¹, exactly or nearly, made once for a step length and a set of supports.
 class RestInverse {
  public:
@@ -172,7 +167,7 @@ class Projective final : public Implicit {
     Pair& pair = pairs_[static_cast<std::size_t>(used_) % pairs_.size()];
     pair.motion = now.state.positions - from_;
     pair.change = before_ - now.forces.unbalanced;
-    pair.product = dot(pair.motion, pair.change);
+    pair.product = ordered_dot(pair.motion, pair.change);
     if (pair.product > 0) ++used_;
   }
 
@@ -185,13 +180,13 @@ class Projective final : public Implicit {
     weights_.resize(static_cast<std::size_t>(count));
     rest_ = unbalanced;
     for (int back = 0; back < count; ++back) {
-      const double weight = dot(pair(back).motion, rest_) / pair(back).product;
+      const double weight = ordered_dot(pair(back).motion, rest_) / pair(back).product;
       weights_[static_cast<std::size_t>(back)] = weight;
       rest_ -= weight * pair(back).change;
     }
     inverse_.apply(rest_, direction_);
     for (int back = count - 1; back >= 0; --back) {
-      const double weight = dot(pair(back).change, direction_) / pair(back).product;
+      const double weight = ordered_dot(pair(back).change, direction_) / pair(back).product;
       direction_ += (weights_[static_cast<std::size_t>(back)] - weight) * pair(back).motion;
     }
   }

@@ -22,6 +22,16 @@ class HasEffort {
   virtual void set_effort(int effort) = 0;
 };
 
+/// An integrator that sees in its own steps how fast the body vibrates, where that has an elastic energy: two passes
+/// over the molecules every few steps.
+class FrequencyWatch {
+ public:
+  virtual ~FrequencyWatch() = default;
+  /// Begins to watch, or goes on from there.
+  virtual void watch(const SeenFrequency& before) = 0;
+  virtual const SeenFrequency& seen() const = 0;
+};
+
 /// "cell 3 is flat or inverted", or the same without a number where no single cell is.
 std::string inverted_text(const Body& body, const Positions& positions);
 /// The same where any of the processes that share the body finds it; they call it together.

@@ -1,13 +1,18 @@
 // What every strategy of the catalog must keep, on every body that it can run on.
 
 #include <catch2/catch.hpp>
+#include <map>
+#include <set>
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/model.h"
 #include "elastin/core/forces/tangent.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/simulation/fibres.h"
+#include "elastin/core/solve/integrator.h"
+#include "elastin/core/solve/stable_step.h"
 #include "elastin/mesh/voronoi.h"
+#include "support/allocations.h"
 #include "support/bodies.h"
 #include "support/law_constants.h"
 
@@ -200,4 +205,39 @@ TEST_CASE("a program adds its own rule in one line", "[catalog]") {
   const Body body = jittered_lattice();
   CHECK(catalog.find("twice").constants(body, kMaterial, {})[0] == 4e4);
   CHECK(catalog.find("twice").kind == StrategyKind::spring_rule);
+}
+
+TEST_CASE("every strategy and stepper: steps ask for no memory after the first ones", "[conformance][steppers][slow]") {
+  if (allocations() == 0) return;  // they cannot be counted here
+  std::set<std::string> done;      // each strategy on one body, one of them on all
+  std::map<std::string, int> steps;
+  for_each_pair([&](const Strategy& strategy, const Body& body, Model& model, std::size_t) {
+    if (strategy.kind == StrategyKind::updated_spring_rule) return;  // sets its springs anew in every pass
+    if (!done.insert(strategy.name).second && strategy.name != "neo_hookean") return;
+    model.add(make_gravity(body, {0, 0, -9.81}));
+    model.add(make_mass_damping(body, 10));
+    model.supports.push_back({0});
+    for (const auto& row : built_in_steppers()) {
+      const Stepper& scheme = *row;
+      if (!unsuited_for(scheme, model).empty()) continue;
+      State state = state_at_rest(body);
+      state.velocities = 0.01 * random_motion(body, 33);
+      const double dt = scheme.is_explicit ? 0.2 * bounded_stable_step(model, state).step : 2e-4;
+      const auto integrator = make_integrator({scheme.name});
+      const int parts = integrator->advance(model, state, dt).substeps;
+      bool went = true;
+      for (int step = 0; step < 2; ++step) went &= integrator->advance(model, state, dt).substeps == parts;
+      const long before = allocations();
+      for (int step = 0; step < 4; ++step) {
+        const StepResult result = integrator->advance(model, state, dt);
+        went &= result.outcome == Outcome::converged && result.substeps == parts;
+      }
+      const long after = allocations();
+      INFO(scheme.name);
+      CHECK(went);
+      CHECK(after == before);
+      ++steps[scheme.name];
+    }
+  });
+  for (const auto& scheme : built_in_steppers()) CHECK(steps[scheme->name] > 2);
 }

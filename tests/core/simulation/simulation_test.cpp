@@ -303,6 +303,76 @@ TEST_CASE("simulation: an explicit step goes in as many parts as its body and it
   CHECK((tissue.coupling_force(other) - 1e3 * (at - tissue.positions().col(13))).norm() < 1e-12);
 }
 
+TEST_CASE("simulation: explicit steps see that the body stiffens, and go in shorter parts from there on") {
+  // Slack below a strain of 3 %, ten times as stiff above it, as fibres are; drawn out by 8 % between its grips.
+  Material fibrous = kTissue;
+  fibrous.curve = StressStrain::toe(0.03, 1e4, 1e5);
+  fibrous.youngs_modulus = fibrous.curve->modulus(0);
+  for (const char* scheme : {"symplectic_euler", "velocity_verlet"}) {
+    SimulationOptions options;
+    options.integrator.scheme = scheme, options.safety = 0.95;
+    Simulation tissue(tissue_cube(5), built_in_catalog().find("lattice"), fibrous, options);
+    tissue.model().add(make_mass_damping(tissue.body(), 50));
+    const Positions& rest = tissue.body().rest;
+    const double height = rest.row(2).maxCoeff();
+    std::vector<int> top;
+    for (int molecule = 0; molecule < tissue.body().size(); ++molecule) {
+      if (rest(2, molecule) > height - 1e-9) top.push_back(molecule);
+      if (rest(2, molecule) < 1e-9 || rest(2, molecule) > height - 1e-9) tissue.fix(molecule);
+    }
+    const auto longest = [&](const Positions& positions) {
+      Model model(tissue.body());
+      model.add(built_in_catalog().find("lattice").make(tissue.body(), fibrous, {}));
+      model.supports = tissue.model().supports;
+      return find_stable_step(model, {positions, Positions::Zero(3, positions.cols())}).step;
+    };
+    const double dt = 0.9 * longest(rest);
+    int first = 0, last = 0;
+    for (int step = 0; tissue.time() < 0.8; ++step) {
+      const double drawn = 1 + 0.08 * std::min(1., (tissue.time() + dt) / 0.2);
+      for (const int molecule : top) tissue.move_to(molecule, rest.col(molecule).cwiseProduct(Vector3(1, 1, drawn)));
+      const StepResult result = tissue.step(dt);
+      INFO(scheme << ", step " << step << ": " << result.cause);
+      REQUIRE(result.outcome == Outcome::converged);
+      (step == 0 ? first : last) = result.substeps;
+    }
+    INFO(scheme);
+    CHECK(first == 1);
+    const double now = longest(tissue.positions());
+    REQUIRE(now < dt / 2);  // whole steps would go wild
+    CHECK(last >= dt / now);
+    // What the steps were too long for for a moment has not grown: the body hangs between the grips.
+    CHECK(tissue.velocities().cwiseAbs().maxCoeff() < 1e-3 * 0.08 * height / 0.2);
+  }
+}
+
+TEST_CASE(
+    "simulation: what explicit steps have seen of the body's frequency is never more than there is, and is saved") {
+  const auto shaken = [] {
+    SimulationOptions options;
+    options.safety = 0.95;
+    Simulation tissue = simulation_of(tissue_cube(5), "symplectic_euler", "lattice", options);
+    tissue.couple(124, tissue.positions().col(124) + Vector3(5e-4, 0, 5e-4), 20);
+    return tissue;
+  };
+  Simulation tissue = shaken(), other = shaken();
+  Model model(tissue.body());
+  model.add(built_in_catalog().find("lattice").make(tissue.body(), kTissue, {}));
+  const StableStep rest = find_stable_step(model, state_at_rest(tissue.body()));
+  for (int step = 0; step < 300; ++step) REQUIRE(tissue.step(0.94 * rest.step).substeps == 1);
+  const SimulationState saved = tissue.save();
+  CHECK(saved.seen.frequency > 0.3 * rest.frequency);
+  CHECK(saved.seen.frequency < 1.005 * rest.frequency);  // it is a little strained
+  other.restore(saved);
+  for (int step = 0; step < 50; ++step) tissue.step(0.94 * rest.step), other.step(0.94 * rest.step);
+  CHECK(tissue.save().seen.frequency == other.save().seen.frequency);
+  CHECK(difference(tissue.positions(), other.positions()) == 0);
+  // At rest there is nothing to see: rounding is no vibration.
+  Simulation still = simulation_of(tissue_cube(5));
+  for (int step = 0; step < 50; ++step) still.step(rest.step / 2);
+  CHECK(still.save().seen.frequency <= rest.frequency);
+}
+
 TEST_CASE("simulation: a grip at the end of explicit steps tends to the motion of short steps with order 1") {
   const auto end_after = [](const char* scheme, int steps) {
     Simulation tissue = simulation_of(tissue_cube(3), scheme);

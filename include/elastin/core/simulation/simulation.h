@@ -24,8 +24,9 @@ struct SimulationOptions {
   IntegratorOptions integrator = {"symplectic_euler"};
   ParameterValues parameters = {};  ///< of the strategy
   /// Explicit schemes part a step so that each part is at most this share (0 … 1] of the longest stable step of the
-  /// body at rest, with its grips unless the scheme takes them at the end of a step; see find_stable_step. A law that
-  /// stiffens much as it is strained wants less.
+  /// body at rest, with its grips unless the scheme takes them at the end of a step; see find_stable_step. The steps
+  /// themselves show where the body has become stiffer, and those after it are shorter for good; so that 0.95 does for
+  /// laws that stiffen slowly, as springs do.
   double safety = 0.8;
   /// A step that would take more parts ends as limit_reached and leaves the state as it was: real time has a limit.
   int max_substeps = 1000;
@@ -91,6 +92,7 @@ struct SimulationState {
   std::vector<Tool> tools;
   std::shared_ptr<const Topology> topology;  ///< null: the body is as the simulation was made with it
   int effort = 0;                            ///< of the last step; see Simulation::effort
+  SeenFrequency seen = {};                   ///< in explicit steps; see SimulationOptions::safety
 };
 
 /// A body that moves: what a simulator embeds. Any number may run in as many threads, each in one at a time.
@@ -139,6 +141,8 @@ class Simulation {
 
   const Positions& positions() const noexcept;   ///< [m], 3 × n
   const Positions& velocities() const noexcept;  ///< [m/s], 3 × n
+  /// All that moves, as what reads a state wants it: energies, contact reports.
+  const State& state() const noexcept;
   /// All forces of the state reached [N], 3 × n; the reaction of a fixed molecule is minus its components in the fixed
   /// directions. One pass over the body at the first call after a step; none without a call.
   const Positions& forces() const noexcept;

@@ -50,6 +50,13 @@ struct StepResult {
   double error = 0;
 };
 
+/// What explicit steps have seen of how fast a body vibrates.
+struct SeenFrequency {
+  double frequency = 0;  ///< [rad/s], never above the fastest vibration between the states that they came through
+  int turn = 0;          ///< of the next step: they look now and then
+  Positions positions = {}, elastic_forces = {};  ///< [m], [N], of the last step, where turn is 1
+};
+
 /// Brings a state forward in time.
 class Integrator {
  public:
