@@ -57,6 +57,7 @@
 #include "elastin/core/model/state.h"
 #include "elastin/core/model/stress_strain.h"
 #include "elastin/core/model/subdomain.h"
+#include "elastin/core/model/surface.h"
 #include "elastin/core/model/topology.h"
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/shapes/arrays.h"

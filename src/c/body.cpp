@@ -7,6 +7,7 @@
 #include "elastin/mesh/mesh_file.h"
 #endif
 #include "c/handles.h"
+#include "elastin/core/model/surface.h"
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/core/shapes/shapes.h"
 
@@ -166,5 +167,13 @@ elastin_status elastin_body_connections(const elastin_body* body, const int** mo
 
 elastin_status elastin_body_triangles(const elastin_body* body, const int** molecules, size_t* count) {
   return guarded([&] { elastin::c::show_numbers(given(body, "body").body.triangles, molecules, count); });
+}
+
+elastin_status elastin_body_surface(const elastin_body* body, const int** molecules, size_t* count) {
+  return guarded([&] {
+    const elastin_body& own = given(body, "body");
+    own.surface = elastin::surface_of(own.body);
+    elastin::c::show_numbers(own.surface, molecules, count);
+  });
 }
 }

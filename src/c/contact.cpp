@@ -93,20 +93,11 @@ elastin_status elastin_contact_force(const elastin_simulation* simulation, size_
   return guarded([&] {
     const elastin::Simulation& tissue = given(simulation, "simulation").simulation;
     given(force, "force");
-    const elastin::State state = tissue.save().state;
-    std::size_t first = 0;
-    for (const auto& load : tissue.model().loads())
-      if (const auto* contact = dynamic_cast<const elastin::contact::Contact*>(load.get())) {
-        const auto own = contact->obstacles().size();
-        if (obstacle < first + own) {
-          const elastin::Vector3 on_it = contact->report(state).on_obstacles[obstacle - first];
-          for (int axis = 0; axis < 3; ++axis) force[axis] = on_it[axis];
-          return;
-        }
-        first += own;
-      }
-    throw elastin::InputError("obstacle " + std::to_string(obstacle) + ": there are " + std::to_string(first) +
-                              ", from 0");
+    const auto forces = elastin::contact::forces_on_obstacles(tissue);
+    if (obstacle >= forces.size())
+      throw elastin::InputError("obstacle " + std::to_string(obstacle) + ": there are " +
+                                std::to_string(forces.size()) + ", from 0");
+    for (int axis = 0; axis < 3; ++axis) force[axis] = forces[obstacle].second[axis];
   });
 }
 

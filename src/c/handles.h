@@ -29,6 +29,7 @@ class CallbackRunner final : public elastin::TaskRunner {
 
 struct elastin_body {
   elastin::Body body;
+  mutable elastin::Cells<3> surface = {};  ///< as it was last asked for
 };
 
 struct elastin_simulation {

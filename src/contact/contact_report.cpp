@@ -44,4 +44,14 @@ ContactReport ContactForce::report(const State& state) const {
   return report;
 }
 
+std::vector<std::pair<std::string, Vector3>> forces_on_obstacles(const Simulation& simulation) {
+  std::vector<std::pair<std::string, Vector3>> forces;
+  for (const auto& load : simulation.model().loads())
+    if (const auto* contact = dynamic_cast<const Contact*>(load.get())) {
+      const std::vector<Vector3> on = contact->report(simulation.state()).on_obstacles;
+      for (std::size_t i = 0; i < on.size(); ++i) forces.emplace_back(contact->obstacles()[i].name, on[i]);
+    }
+  return forces;
+}
+
 }  // namespace elastin::contact

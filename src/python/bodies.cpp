@@ -11,6 +11,7 @@
 #include "elastin/core/forces/prony.h"
 #include "elastin/core/geometry/numbering.h"
 #include "elastin/core/model/renumbered.h"
+#include "elastin/core/model/surface.h"
 #include "elastin/core/shapes/arrays.h"
 #include "elastin/lab/study/laboratory.h"
 #include "python/bind.h"
@@ -106,6 +107,8 @@ py::dict cells_of(const Body& body) {
     cells["triangle3"] = array_of(body.triangles);
   return cells;
 }
+
+py::array surface_from(const Body& body) { return array_of(surface_of(body)); }
 
 VectorX numbers_or_none(const py::handle& given, const char* name) {
   return given.is_none() ? VectorX() : numbers_from(given, name);
@@ -323,6 +326,9 @@ void add_bodies(py::module_& module) {
       .def_property_readonly("triangles", part_of_body([](const Body& b) -> auto& { return b.triangles; }), "(k, 3).")
       .def_property_readonly("tetrahedra", part_of_body([](const Body& b) -> auto& { return b.tetrahedra; }),
                              "(k, 4), turned to positive volume.")
+      .def_property_readonly("surface", &surface_from,
+                             "Triangles of its surface, (k, 3), counter-clockwise seen from outside: the faces of its "
+                             "solid cells, else of a lattice's cubes, and its triangles; a copy. A cut makes another.")
       .def_property_readonly("cells", &cells_of,
                              "Every cell by its shape: {'tetrahedron4': (k, 4), 'hexahedron20': (k, 20), …}, copies; "
                              "triangles only where there are no solids.")

@@ -70,15 +70,8 @@ void add_contact_to(Moving& self, double stiffness, const std::vector<py::dict>&
 }
 
 py::dict contact_forces(Moving& self) {
-  std::map<std::string, Vector3> forces;
-  self.in_turn([&](Simulation& simulation) {
-    const State state = simulation.save().state;
-    for (const auto& load : simulation.model().loads())
-      if (const auto* contact = dynamic_cast<const contact::Contact*>(load.get())) {
-        const auto on = contact->report(state).on_obstacles;
-        for (std::size_t i = 0; i < on.size(); ++i) forces[contact->obstacles()[i].name] = on[i];
-      }
-  });
+  std::vector<std::pair<std::string, Vector3>> forces;
+  self.in_turn([&](Simulation& simulation) { forces = contact::forces_on_obstacles(simulation); });
   py::dict named;
   for (const auto& [name, force] : forces) named[name.c_str()] = force;
   return named;

@@ -112,7 +112,7 @@ int main(void) {
   double force[3];
   size_t bytes = 0, count = 0;
   char* saved;
-  const int* origin = NULL;
+  const int *origin = NULL, *surface = NULL;
   elastin_body* now = NULL;
   elastin_counts of_body = {0};
   both[0] = tissue, both[1] = other;
@@ -135,6 +135,8 @@ int main(void) {
   OK(elastin_current_body(tissue, &now));
   OK(elastin_body_counts(now, &of_body));
   check(of_body.molecules == 252, "the body as it is now");
+  OK(elastin_body_surface(now, &surface, &count));
+  check(count == 3 * 2 * 25 * 8, "the cut has given the cube's six sides two more");
   elastin_body_free(now);
 
   OK(elastin_save(tissue, NULL, 0, &bytes));

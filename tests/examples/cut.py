@@ -16,11 +16,12 @@ probe = tissue.add_tool((0.03, 0.01, 0.02))
 tissue.add_contact(2e7, [{"shape": "sphere", "radius": 4e-3, "tool": probe, "name": "probe"}])
 
 corner = numpy.argmin(numpy.linalg.norm(tissue.body.positions - (0, 0, 0.01), axis=1))
+drawn = tissue.body.surface
 hook = None
 for frame in range(120):
     if frame == 20:  # from one side, 5 mm below the top, as far as the middle
         cut = tissue.cut_blade([(-0.001, -1, 0.005), (-0.001, 1, 0.005)], [(0.02, -1, 0.005), (0.02, 1, 0.005)])
-        print(f"{cut.split_molecules} molecules split, {len(tissue.positions)} now")
+        print(f"{cut.split_molecules} molecules split, {len(tissue.body.surface) - len(drawn)} triangles more to draw")
         hook = tissue.couple(corner, tissue.positions[corner], 50, 0.05)
     if hook:
         tissue.move_coupling(hook, (-1e-3, 0, 0.01 + 1e-4 * (frame - 20)))

@@ -33,6 +33,7 @@ class Topology(unittest.TestCase):
         self.assertAlmostEqual(tissue.body.masses.sum() / mass, 1, delta=1e-14)
         self.assertEqual(list(cut.molecule_from[:216]), list(range(216)))
         self.assertEqual(len(tissue.origin), 252)
+        self.assertEqual((len(body.surface), len(tissue.body.surface)), (2 * 25 * 6, 2 * 25 * 8))  # a cube, two halves
         tissue.step(1e-3, 3)
         numpy.testing.assert_array_equal(before, shown)  # a view of what was
         self.assertEqual(len(body.positions), 216)

@@ -1,9 +1,12 @@
 #pragma once
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "elastin/contact/obstacle.h"
 #include "elastin/core/forces/loads.h"
+#include "elastin/core/simulation/simulation.h"
 
 namespace elastin::contact {
 
@@ -61,5 +64,9 @@ class Contact : public Load {
 
 /// Throws InputError on options out of range, or a body without triangles where the surface asks for them.
 std::unique_ptr<Contact> make_contact(const Body& body, const ContactOptions& options);
+
+/// Force of a simulation's body on each obstacle by its name [N], what a device gets that holds the obstacle's tool:
+/// of all contacts that act on it, in order. Searches once more, and allocates.
+std::vector<std::pair<std::string, Vector3>> forces_on_obstacles(const Simulation& simulation);
 
 }  // namespace elastin::contact

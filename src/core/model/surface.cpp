@@ -1,4 +1,4 @@
-#include "core/model/surface.h"
+#include "elastin/core/model/surface.h"
 
 #include "core/geometry/boundary.h"
 

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "core/geometry/triangle_tree.h"
-#include "core/model/surface.h"
 #include "core/model/ties.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
+#include "elastin/core/model/surface.h"
 
 namespace elastin {
 namespace {

@@ -55,6 +55,10 @@ class Body:
     def tetrahedra(self) -> Ints:
         """(k, 4), turned to positive volume."""
     @property
+    def surface(self) -> Ints:
+        """Triangles of its surface, (k, 3), counter-clockwise seen from outside: the faces of its solid cells, else of
+        a lattice's cubes, and its triangles; a copy. A cut makes another."""
+    @property
     def cells(self) -> dict[str, Ints]:
         """Every cell by its shape: {'tetrahedron4': (k, 4), 'hexahedron20': (k, 20), …}, copies; triangles only where
         there are no solids."""
