@@ -1,12 +1,11 @@
 #include "elastin/contact/surface_check.h"
 
-#include <fcl/narrowphase/detail/traversal/collision/intersect.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <limits>
 #include <vector>
 
+#include "contact/triangles_cross.h"
 #include "core/geometry/box_tree.h"
 #include "elastin/core/shapes/surfaces.h"
 
@@ -104,8 +103,8 @@ class Crossings {
       if (std::find(other.begin(), other.end(), corner) != other.end()) shared.push_back(corner);
     bool crossed = false;
     if (shared.empty())
-      crossed = fcl::detail::Intersect<double>::intersect_Triangle(point(one[0]), point(one[1]), point(one[2]),
-                                                                   point(other[0]), point(other[1]), point(other[2]));
+      crossed = triangles_cross({point(one[0]), point(one[1]), point(one[2])},
+                                {point(other[0]), point(other[1]), point(other[2])});
     else if (shared.size() == 1)
       crossed = far_side_cuts(one, other, shared[0]) || far_side_cuts(other, one, shared[0]);
     if (!crossed) return;

@@ -1,8 +1,4 @@
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
-
 #include <array>
-#include <assimp/Importer.hpp>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -11,6 +7,7 @@
 
 #include "elastin/core/base/error.h"
 #include "mesh/mesh_formats.h"
+#include "mesh/polygons.h"
 
 namespace elastin::mesh::format {
 namespace {
@@ -49,48 +46,39 @@ class Places {
 };
 
 /// The longest side of the box around all corners.
-double extent_of(const aiScene& scene) {
+double extent_of(const Polygons& polygons) {
   Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (unsigned part = 0; part < scene.mNumMeshes; ++part)
-    for (unsigned corner = 0; corner < scene.mMeshes[part]->mNumVertices; ++corner) {
-      const aiVector3D& at = scene.mMeshes[part]->mVertices[corner];
-      low = low.cwiseMin(Vector3(at.x, at.y, at.z));
-      high = high.cwiseMax(Vector3(at.x, at.y, at.z));
-    }
+  for (const Polygons::Piece& piece : polygons.pieces)
+    for (const Vector3& at : piece.corners) low = low.cwiseMin(at), high = high.cwiseMax(at);
   const double extent = (high - low).maxCoeff();
   return std::isfinite(extent) ? extent : 0;
 }
 
 }  // namespace
 
-/// Assimp hands out a corner once for each face or normal that it has; corners at the same position are one molecule
-/// here. It keeps places in single precision: 6e-8 of their size. Polygons become triangles.
+/// Corners at the same position are one molecule here.
 void read_surface(const File& file, const std::string& ending, MeshBuilder& mesh) {
   const auto refuse = [&](const std::string& why) { throw InputError(SourceLocation{file.path, 0, 0}, why); };
-  Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFileFromMemory(file.bytes.data(), file.bytes.size(), aiProcess_Triangulate,
-                                                     ending.substr(1).c_str());
-  if (!scene) refuse(std::string("not a surface that can be read: ") + importer.GetErrorString());
-  Places places(extent_of(*scene));
+  const Polygons polygons = read_polygons(file.bytes, ending.substr(1));
+  if (!polygons.trouble.empty()) refuse("not a surface that can be read: " + polygons.trouble);
+  Places places(extent_of(polygons));
   std::size_t number = 0;
-  for (unsigned part = 0; part < scene->mNumMeshes; ++part) {
-    const aiMesh& piece = *scene->mMeshes[part];
-    std::vector<int> point(piece.mNumVertices);
-    for (unsigned corner = 0; corner < piece.mNumVertices; ++corner) {
-      const aiVector3D& at = piece.mVertices[corner];
-      const Vector3 position(at.x, at.y, at.z);
-      if (!position.allFinite()) refuse("point " + std::to_string(corner) + " has a coordinate that is not finite");
-      point[corner] = places.point_at(position, mesh);
+  for (const Polygons::Piece& piece : polygons.pieces) {
+    std::vector<int> point;
+    for (const Vector3& position : piece.corners) {
+      if (!position.allFinite())
+        refuse("point " + std::to_string(point.size()) + " has a coordinate that is not finite");
+      point.push_back(places.point_at(position, mesh));
     }
-    for (unsigned face = 0; face < piece.mNumFaces; ++face, ++number) {
-      const aiFace& corners = piece.mFaces[face];
+    for (const std::vector<int>& corners : piece.faces) {
       std::array<int, 4> cell{};
-      for (unsigned i = 0; i < corners.mNumIndices && i < 3; ++i) cell[i] = point[corners.mIndices[i]];
-      const CellUse use = corners.mNumIndices == 3   ? CellUse::triangle
-                          : corners.mNumIndices == 2 ? CellUse::line
-                                                     : CellUse::point;
+      for (std::size_t i = 0; i < corners.size() && i < 3; ++i) cell[i] = point[static_cast<std::size_t>(corners[i])];
+      const CellUse use = corners.size() == 3   ? CellUse::triangle
+                          : corners.size() == 2 ? CellUse::line
+                                                : CellUse::point;
       const std::string wrong = mesh.add_cell({0, use, 0, ""}, cell);
       if (!wrong.empty()) refuse("face " + std::to_string(number) + wrong);
+      ++number;
     }
   }
 }

@@ -1,0 +1,41 @@
+#include "command/later.h"
+
+#include <dlfcn.h>
+
+#include "elastin/core/base/error.h"
+
+namespace elastin::command {
+namespace {
+
+const Later& later() {
+  static const Later* const found = [] {
+    void* module = dlopen(ELASTIN_LATER, RTLD_NOW | RTLD_LOCAL);
+    const void* table = module ? dlsym(module, "elastin_later") : nullptr;
+    if (!table) throw InputError(std::string("a part of elastin cannot be loaded: ") + dlerror());
+    return static_cast<const Later*>(table);
+  }();
+  return *found;
+}
+
+}  // namespace
+}  // namespace elastin::command
+
+// In the program these stand before the libraries' own functions, which are then not linked, and so not what they need.
+
+using elastin::command::later;
+
+std::vector<elastin::contact::Overlap> elastin::contact::find_overlaps(const Body& body, const Positions& positions,
+                                                                       double tolerance) {
+  return later().find_overlaps(body, positions, tolerance);
+}
+bool elastin::contact::triangles_cross(const std::array<Vector3, 3>& one, const std::array<Vector3, 3>& other) {
+  return later().triangles_cross(one, other);
+}
+elastin::mesh::format::Polygons elastin::mesh::format::read_polygons(std::string_view bytes,
+                                                                     const std::string& ending) {
+  return later().read_polygons(bytes, ending);
+}
+elastin::lab::LeastSquaresResult elastin::lab::minimise_squares(const LeastSquaresProblem& problem,
+                                                                const VectorX& start) {
+  return later().minimise_squares(problem, start);
+}

@@ -1,0 +1,20 @@
+#pragma once
+#include "contact/triangles_cross.h"
+#include "elastin/contact/overlaps.h"
+#include "lab/experiment/least_squares.h"
+#include "mesh/polygons.h"
+
+namespace elastin::command {
+
+/// What the module has.
+struct Later {
+  decltype(&contact::find_overlaps) find_overlaps;
+  decltype(&contact::triangles_cross) triangles_cross;
+  decltype(&mesh::format::read_polygons) read_polygons;
+  decltype(&lab::minimise_squares) minimise_squares;
+};
+
+}  // namespace elastin::command
+
+/// The module's only name.
+extern "C" __attribute__((visibility("default"))) const elastin::command::Later elastin_later;

@@ -1,0 +1,5 @@
+#include "command/later.h"
+
+extern "C" const elastin::command::Later elastin_later{
+    &elastin::contact::find_overlaps, &elastin::contact::triangles_cross, &elastin::mesh::format::read_polygons,
+    &elastin::lab::minimise_squares};
