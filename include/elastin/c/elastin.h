@@ -109,8 +109,8 @@ ELASTIN_API elastin_status elastin_body_positions(const elastin_body* body, cons
 /* Two molecules of each connection; three of each triangle: what a renderer draws. */
 ELASTIN_API elastin_status elastin_body_connections(const elastin_body* body, const int** molecules, size_t* count);
 ELASTIN_API elastin_status elastin_body_triangles(const elastin_body* body, const int** molecules, size_t* count);
-/* The same of its surface, triangles counter-clockwise seen from outside: the faces of its tetrahedra, else of its cubes
- * (each cut in two), and its triangles. Found anew by each call, which ends what the last one showed. */
+/* The same of its surface, triangles counter-clockwise seen from outside: the faces of its tetrahedra, else of its
+ * cubes (each cut in two), and its triangles. Found anew by each call, which ends what the last one showed. */
 ELASTIN_API elastin_status elastin_body_surface(const elastin_body* body, const int** molecules, size_t* count);
 
 /* ---- materials and strategies ---- */
