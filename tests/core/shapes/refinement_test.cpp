@@ -20,7 +20,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-double surface_of(const Body& body) {
+double area_of(const Body& body) {
   double sum = 0;
   for (const auto& triangle : boundary_of(body.tetrahedra)) sum += area_vector(body.rest, triangle).norm();
   return sum;
@@ -57,7 +57,7 @@ TEST_CASE("halved tetrahedra fill the same space, face to face, eight to one", "
   const auto before = moments_of_cells(coarse), after = moments_of_cells(fine);
   for (std::size_t i = 0; i < before.size(); ++i) CHECK(after[i] == Approx(before[i]).epsilon(1e-12));
   // Inner faces that did not fit would count as surface.
-  CHECK(surface_of(fine) == Approx(surface_of(coarse)).epsilon(1e-12));
+  CHECK(area_of(fine) == Approx(area_of(coarse)).epsilon(1e-12));
   CHECK(inspect(fine).pieces == 1);
   CHECK(fine.rest.leftCols(coarse.size()) == coarse.rest);
   for (std::size_t i = 0; i < fine.between.size(); ++i) {
