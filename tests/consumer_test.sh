@@ -12,6 +12,7 @@ what=$1 build=$(readlink -f -- "$2")
 source=$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")
 work=$build/consumer
 compiler=$(sed -n 's/^CMAKE_CXX_COMPILER:[A-Z]*=//p' "$build/CMakeCache.txt")
+generator=$(sed -n 's/^CMAKE_GENERATOR:[A-Z]*=//p' "$build/CMakeCache.txt")
 launcher=$(sed -n 's/^CMAKE_CXX_COMPILER_LAUNCHER:[A-Z]*=//p' "$build/CMakeCache.txt")
 fail() { echo "$*"; exit 1; }
 
@@ -19,7 +20,7 @@ build_project() {  # folder, flags for cmake…
   local folder=$1
   shift
   rm -rf -- "$folder"
-  cmake -S "$source/tests/consumer" -B "$folder" -DCMAKE_CXX_COMPILER="$compiler" \
+  cmake -S "$source/tests/consumer" -B "$folder" -G "$generator" -DCMAKE_CXX_COMPILER="$compiler" \
     -DCMAKE_CXX_COMPILER_LAUNCHER="$launcher" "$@"
   cmake --build "$folder" --parallel 2
 }

@@ -27,14 +27,15 @@ class Multigrid::CoarsestSolver {
     factor_.compute(matrix);
   }
   bool positive() const { return factor_.positive(); }
-  void solve(const BoxLevel::Vectors& b, BoxLevel::Vectors& x) const {
-    const VectorX rhs = Eigen::Map<const Eigen::VectorXf>(b.data(), b.size()).cast<double>();
-    const VectorX solution = factor_.solve(rhs);
-    Eigen::Map<Eigen::VectorXf>(x.data(), x.size()) = solution.cast<float>();
+  void solve(const BoxLevel::Vectors& b, BoxLevel::Vectors& x) {
+    right_ = Eigen::Map<const Eigen::VectorXf>(b.data(), b.size()).cast<double>();
+    factor_.solve(right_, spare_, solution_);
+    Eigen::Map<Eigen::VectorXf>(x.data(), x.size()) = solution_.cast<float>();
   }
 
  private:
   SparseFactor factor_;
+  VectorX right_, spare_, solution_;
 };
 
 namespace {

@@ -116,6 +116,7 @@ class Explicit final : public Integrator, public FrequencyWatch {
     model.add_elastic_forces(state.positions, forces, workspace_);
     if (watches_) look(model, state.positions, forces);
     model.add_other_forces(state, forces, workspace_);
+    model.spread(forces);
     keep_free(model.supports, forces);
   }
 
