@@ -89,6 +89,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(3, 200));
   app.add_option("--threads", settings.threads, "numbers of threads: 1,2")->delimiter(',')->check(CLI::Range(1, 256));
   app.add_option("--seconds", settings.seconds, "how long embed steps steadily")->check(CLI::Range(0.1, 86400.));
+  app.add_option("--only", settings.only, "of embed, the steppers whose row has this text in its name");
   app.add_option("--csv", csv, "file for all rows, SI units");
   app.add_flag("--list", list, "name the cases and stop");
   try {

@@ -61,6 +61,7 @@ struct Settings {
   int repeats = 5;
   std::vector<int> sides{10, 22, 47}, threads{1, 2};
   double seconds = 60;  ///< of steady stepping
+  std::string only;     ///< what a row's name has in it
 };
 
 /// Gives each molecule the radius and mass that a scene would.
