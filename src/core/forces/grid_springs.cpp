@@ -15,6 +15,7 @@ struct GridSprings::Window {
   int slots;
   int first_slot;  // of the present row
 
+  static std::ptrdiff_t pitch_of(int length) { return (length + 7) / 8 * 8; }
   RowOf3 at(int slot, int half) const { return {buffer + (2 * slot + half) * 3 * pitch, pitch}; }
   int slot(int rows_on) const { return first_slot + rows_on - (first_slot + rows_on >= slots ? slots : 0); }
   RowOf3 positions(int rows_on) const { return at(slot(rows_on), 0); }
@@ -85,11 +86,11 @@ class GridSprings::Builder {
       code = 3 * code + step + 1;
     }
     Row& row = rows_[code - kDirections - 1];
-    if (row.numbers.empty()) row.numbers.assign(2 * static_cast<std::size_t>(springs_.pitch()), 0);
+    if (row.numbers.empty()) row.numbers.assign(2 * static_cast<std::size_t>(length_), 0);
     const int at = a % length_;
     if (row.numbers[at] != 0) return false;
     row.numbers[at] = constant;
-    row.numbers[springs_.pitch() + at] = rest_length;
+    row.numbers[length_ + at] = rest_length;
     return true;
   }
 
@@ -121,10 +122,9 @@ class GridSprings::Builder {
   }
 
   bool alike(const double* one, const double* other) const {
-    const double *lengths = one + springs_.pitch(), *other_lengths = other + springs_.pitch();
     for (int i = 0; i < length_; ++i) {
-      const double length = lengths[i];
-      if (std::abs(other_lengths[i] - length) > length_error_) return false;
+      const double length = one[length_ + i];
+      if (std::abs(other[length_ + i] - length) > length_error_) return false;
       if (std::abs(other[i] - one[i]) * length > length_error_ * std::abs(one[i])) return false;
     }
     return true;
@@ -149,7 +149,7 @@ std::optional<GridSprings> GridSprings::make(const Body& body, const VectorX& co
 void GridSprings::add_forces(const Positions& positions, Positions& forces, Workspace& workspace) const {
   const int springs = length_ * rows_ * static_cast<int>(directions_.size());
   const int ranges = springs < kParallelThreshold ? 1 : std::clamp(rows_ / (reach_ + 1), 1, threads());
-  const Eigen::Index buffer = (2 * (reach_ + 1) + 1) * 3 * pitch();
+  const Eigen::Index buffer = (2 * (reach_ + 1) + 1) * 3 * Window::pitch_of(length_);
   workspace.reserve_ranges(ranges);
   for (int range = 0; range < ranges; ++range) workspace.range_buffer(range, buffer);
   parallel_for(
@@ -164,13 +164,12 @@ void GridSprings::add_forces(const Positions& positions, Positions& forces, Work
 void GridSprings::add_rows(int begin, int end, const Positions& positions, Positions& forces,
                            Eigen::Map<VectorX> buffer) const {
   const int first = std::max(0, begin - reach_);
-  Window window{buffer.data(), pitch(), reach_ + 1, 0};
+  Window window{buffer.data(), Window::pitch_of(length_), reach_ + 1, 0};
   const auto load = [&](int row, int rows_on) {
     if (row >= rows_) return;
     const double* from = positions.data() + 3 * static_cast<std::ptrdiff_t>(row) * length_;
     const RowOf3 to = window.positions(rows_on), zero = window.forces(rows_on);
     for (int i = 0; i < length_; ++i) to.x[i] = from[3 * i], to.y()[i] = from[3 * i + 1], to.z()[i] = from[3 * i + 2];
-    for (std::ptrdiff_t i = length_; i < to.pitch; ++i) to.x[i] = to.y()[i] = to.z()[i] = 0;
     std::fill_n(zero.x, 3 * zero.pitch, 0.);
   };
   for (int on = 0; on < reach_; ++on) load(first + on, on);
@@ -184,21 +183,20 @@ void GridSprings::add_rows(int begin, int end, const Positions& positions, Posit
   }
 }
 
-/// Adds the forces of the springs that start in a row, where they reach the row `begin` or a later one. By fours:
-/// behind a row stand springs that have no constant.
+/// Adds the forces of the springs that start in a row, where they reach the row `begin` or a later one.
 void GridSprings::add_row(int row, int begin, const Window& window) const {
   const SpringKernel& kernel = spring_kernel();
   const RowOf3 positions = window.positions(0), forces = window.forces(0);
   for (const Direction& direction : directions_) {
     const int at = direction.numbers_at[row];
     if (at < 0 || row + direction.rows < begin) continue;
-    const int skip = std::max(0, -direction.x), count = (length_ - std::abs(direction.x) + 3) / 4 * 4;
+    const int skip = std::max(0, -direction.x), count = length_ - std::abs(direction.x);
     const double* constants = numbers_.data() + at + skip;
     if (direction.rows == 0)
-      kernel.add_in_row_flows(positions, direction.x, constants, constants + pitch(), count, forces, window.spare());
+      kernel.add_in_row_flows(positions, direction.x, constants, constants + length_, count, forces, window.spare());
     else
       kernel.add_row_flows(positions.from(skip), window.positions(direction.rows).from(skip + direction.x), constants,
-                           constants + pitch(), count, forces.from(skip),
+                           constants + length_, count, forces.from(skip),
                            window.forces(direction.rows).from(skip + direction.x));
   }
 }

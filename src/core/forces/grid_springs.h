@@ -31,16 +31,13 @@ class GridSprings {
   struct Window;
 
   GridSprings(int length, int rows) : length_(length), rows_(rows) {}
-  /// Room of a row, with at least three molecules' behind it that move nothing: springs go by fours.
-  std::ptrdiff_t pitch() const { return (length_ + 3 + 7) / 8 * 8; }
   void add_rows(int begin, int end, const Positions& positions, Positions& forces, Eigen::Map<VectorX> buffer) const;
   void add_row(int row, int begin, const Window& window) const;
 
   int length_, rows_;  ///< molecules in a row; rows
   int reach_ = 0;      ///< most rows between the ends of a spring
   std::vector<Direction> directions_;
-  /// k of each molecule of a row, then L of each, `pitch()` numbers apart. Rows that are alike share them: then they
-  /// stay in the cache.
+  /// k of each molecule of a row, then L of each. Rows that are alike share them: then they stay in the cache.
   std::vector<double> numbers_;
 };
 

@@ -1,45 +1,19 @@
 #include "elastin/core/forces/loads.h"
 
-#include <algorithm>
 #include <numbers>
 #include <utility>
 
-#include "core/forces/on_each.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/model/share.h"
 
 namespace elastin {
 namespace {
 
-/// Numbers of molecules, each three times, for so many at once that they stay near: loops over coordinates fill
-/// vectors.
-struct Threefold {
-  static constexpr int kMost = 64;
-  double values[3 * kMost];
-  Threefold(const double* of_molecules, int count) {
-    for (int i = 0; i < count; ++i) values[3 * i] = values[3 * i + 1] = values[3 * i + 2] = of_molecules[i];
-  }
-};
-
-/// Calls work(first, count) for such blocks of begin … end−1.
-template <class Work>
-void in_blocks(int begin, int end, Work&& work) {
-  for (int first = begin; first < end; first += Threefold::kMost) work(first, std::min(Threefold::kMost, end - first));
-}
-
 class Gravity final : public Load {
  public:
-  Gravity(const Body& body, const Vector3& acceleration) : body_(body), acceleration_(acceleration) {
-    for (int i = 0; i < 3 * Threefold::kMost; ++i) accelerations_[i] = acceleration[i % 3];
-  }
-  void add_forces(const State& state, Positions& forces) const override { add_forces_on_all(*this, state, forces); }
-  bool on_each() const override { return true; }
-  void add_forces_on(const State&, int begin, int end, Positions& forces) const override {
-    in_blocks(begin, end, [&](int first, int count) {
-      const Threefold mass(body_.mass.data() + first, count);
-      double* f = forces.data() + 3 * static_cast<std::ptrdiff_t>(first);
-      for (int i = 0; i < 3 * count; ++i) f[i] += mass.values[i] * accelerations_[i];
-    });
+  Gravity(const Body& body, const Vector3& acceleration) : body_(body), acceleration_(acceleration) {}
+  void add_forces(const State&, Positions& forces) const override {
+    parallel_for(body_.size(), [&](int molecule) { forces.col(molecule) += body_.mass[molecule] * acceleration_; });
   }
   double energy(const State& state) const override {
     return -ordered_sum(owned_molecules(body_), [&](int molecule) {
@@ -50,22 +24,15 @@ class Gravity final : public Load {
  private:
   const Body& body_;
   Vector3 acceleration_;
-  double accelerations_[3 * Threefold::kMost];  ///< the same again and again
 };
 
 /// F = −c V, c [N s/m] one a molecule: Stokes's drag, mass-proportional damping.
 class LinearDrag final : public Load {
  public:
   explicit LinearDrag(VectorX factor) : factor_(std::move(factor)) {}
-  void add_forces(const State& state, Positions& forces) const override { add_forces_on_all(*this, state, forces); }
-  bool on_each() const override { return true; }
-  void add_forces_on(const State& state, int begin, int end, Positions& forces) const override {
-    in_blocks(begin, end, [&](int first, int count) {
-      const Threefold factor(factor_.data() + first, count);
-      const double* v = state.velocities.data() + 3 * static_cast<std::ptrdiff_t>(first);
-      double* f = forces.data() + 3 * static_cast<std::ptrdiff_t>(first);
-      for (int i = 0; i < 3 * count; ++i) f[i] -= factor.values[i] * v[i];
-    });
+  void add_forces(const State& state, Positions& forces) const override {
+    parallel_for(static_cast<int>(factor_.size()),
+                 [&](int molecule) { forces.col(molecule) -= factor_[molecule] * state.velocities.col(molecule); });
   }
   bool changes() const override { return true; }
   void add_change(const State&, const Positions&, const Positions& change, Positions& forces) const override {
@@ -86,13 +53,11 @@ class QuadraticDrag final : public Load {
  public:
   QuadraticDrag(const Body& body, double density, double drag_coefficient)
       : factor_(0.5 * density * drag_coefficient * std::numbers::pi * body.radius.array().square()) {}
-  void add_forces(const State& state, Positions& forces) const override { add_forces_on_all(*this, state, forces); }
-  bool on_each() const override { return true; }
-  void add_forces_on(const State& state, int begin, int end, Positions& forces) const override {
-    for (int molecule = begin; molecule < end; ++molecule) {
+  void add_forces(const State& state, Positions& forces) const override {
+    parallel_for(static_cast<int>(factor_.size()), [&](int molecule) {
       const auto velocity = state.velocities.col(molecule);
       forces.col(molecule) -= factor_[molecule] * velocity.norm() * velocity;
-    }
+    });
   }
   bool changes() const override { return true; }
   void visit_blocks(const State& state, double velocity_weight, const BlockVisitor& visit) const override {

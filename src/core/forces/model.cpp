@@ -212,23 +212,7 @@ void Model::add_other_forces(const State& state, Positions& forces, Workspace& w
       term->add_force_densities(workspace.squared_lengths, workspace.rates, workspace.force_densities, workspace);
     gather(state.positions, workspace.force_densities, forces);
   }
-  for (auto load = loads_.begin(); load != loads_.end();) {
-    const auto last = std::find_if(load, loads_.end(), [](const auto& one) { return !one->on_each(); });
-    if (last == load) {
-      (*load++)->add_forces(state, forces);
-      continue;
-    }
-    constexpr int block = 512;  // so many molecules that what one load leaves for the next stays near
-    parallel_ranges(
-        body_->size(),
-        [&](int begin, int end) {
-          for (int first = begin; first < end; first += block)
-            for (auto one = load; one != last; ++one)
-              (*one)->add_forces_on(state, first, std::min(end, first + block), forces);
-        },
-        kMoleculeThreshold);
-    load = last;
-  }
+  for (const auto& load : loads_) load->add_forces(state, forces);
 }
 
 void Model::gather(const Positions& positions, const VectorX& force_densities, Positions& forces) const {

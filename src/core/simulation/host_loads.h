@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/forces/on_each.h"
 #include "elastin/core/forces/loads.h"
 #include "elastin/core/simulation/simulation.h"
 
@@ -12,11 +11,7 @@ namespace elastin {
 class HostForces final : public Load {
  public:
   HostForces(const Body& body, const Positions& forces) : body_(body), forces_(forces) {}
-  void add_forces(const State& state, Positions& forces) const override { add_forces_on_all(*this, state, forces); }
-  bool on_each() const override { return true; }
-  void add_forces_on(const State&, int begin, int end, Positions& forces) const override {
-    forces.middleCols(begin, end - begin) += forces_.middleCols(begin, end - begin);
-  }
+  void add_forces(const State&, Positions& forces) const override { forces += forces_; }
   double energy(const State& state) const override { return -forces_.cwiseProduct(state.positions - body_.rest).sum(); }
   bool steady() const override { return false; }
 

@@ -21,10 +21,6 @@ class Load {
   virtual ~Load() = default;
   /// Adds the force on each molecule [N].
   virtual void add_forces(const State& state, Positions& forces) const = 0;
-  /// Whether the force on each molecule depends on nothing but that molecule's own motion. If so, add_forces_on adds
-  /// those on the molecules begin … end−1, and add_forces those on all: passes over the molecules are made together.
-  virtual bool on_each() const { return false; }
-  virtual void add_forces_on(const State&, int /*begin*/, int /*end*/, Positions& /*forces*/) const {}
   /// Potential energy [J], zero at rest; 0 for forces that have none (drag, damping). On a share that of the molecules
   /// that its process owns.
   virtual double energy(const State&) const { return 0; }
