@@ -9,11 +9,6 @@
 namespace elastin {
 namespace {
 
-double dot(const Positions& a, const Positions& b) {
-  return ordered_sum(
-      static_cast<int>(a.cols()), [&](int i) { return a.col(i).dot(b.col(i)); }, 0., kMoleculeThreshold);
-}
-
 /// result = a + factor b
 void combine(const Positions& a, double factor, const Positions& b, Positions& result) {
   parallel_for(
@@ -52,14 +47,14 @@ class BiCgStab final : public LinearSolver {
       ++result.iterations;
       precondition(p, ready);
       apply(ready, v);
-      const double curvature = dot(shadow, v);
+      const double curvature = ordered_dot(shadow, v);
       if (curvature == 0 || !std::isfinite(curvature)) break;
       const double alpha = rho / curvature;
       combine(x, alpha, ready, x);
       combine(r, -alpha, v, r);
       precondition(r, ready);
       apply(ready, t);
-      const double size = dot(t, t), omega = size > 0 ? dot(t, r) / size : 0;
+      const double size = ordered_dot(t, t), omega = size > 0 ? ordered_dot(t, r) / size : 0;
       combine(x, omega, ready, x);
       combine(r, -omega, t, r);
       const double norm = ordered_norm(r);
@@ -70,7 +65,7 @@ class BiCgStab final : public LinearSolver {
         break;
       }
       if (result.iterations - best_at > kPatience) break;
-      const double last = std::exchange(rho, dot(shadow, r));
+      const double last = std::exchange(rho, ordered_dot(shadow, r));
       if (omega == 0 || std::abs(rho) < 1e-30 * first * first || std::abs(rho) < 1e-8 * norm * ordered_norm(shadow)) {
         shadow = p = r;  // the two sequences have come apart: begin anew from here
         rho = norm * norm;
