@@ -172,14 +172,26 @@ def compare(name, own, other, tolerance, what):
         check(close, f"{name}: {measure} is {value!r} {what} and {there!r} otherwise")
 
 
-def check_measures(folder):
+def written(folder, scenes):
+    """The files of scenes."""
     files = []
-    for name, text in SCENES.items():
+    for name, text in scenes.items():
         files.append(os.path.join(folder, name + ".yaml"))
         with open(files[-1], "w", encoding="utf-8") as file:
             file.write(text)
-    plain, one, two, four = (runs_of(processes, files) for processes in (0, 1, 2, 4))
-    for name in SCENES if plain and one and two and four else []:
+    return files
+
+
+def run_each(folder, scenes):
+    """The runs by name, of the plain engine and on 1, 2 and 4 processes; and the names, none where one could not run."""
+    files = written(folder, scenes)
+    runs = [runs_of(processes, files) for processes in (0, 1, 2, 4)]
+    return runs, list(scenes) if all(runs) else []
+
+
+def check_measures(folder):
+    (plain, one, two, four), names = run_each(folder, SCENES)
+    for name in names:
         for processes, shared in ((1, one), (2, two), (4, four)):
             check("petsc" not in plain[name]["solver"] and f"on {processes} process" in shared[name]["solver"],
                   f"{name}: solvers {plain[name]['solver']}, {shared[name]['solver']}")
@@ -194,13 +206,8 @@ def check_measures(folder):
 
 
 def check_others(folder):
-    files = []
-    for name, text in OTHERS.items():
-        files.append(os.path.join(folder, name + ".yaml"))
-        with open(files[-1], "w", encoding="utf-8") as file:
-            file.write(text)
-    plain, one, two, four = (runs_of(processes, files) for processes in (0, 1, 2, 4))
-    for name in OTHERS if plain and one and two and four else []:
+    (plain, one, two, four), names = run_each(folder, OTHERS)
+    for name in names:
         for processes, shared in ((1, one), (2, two), (4, four)):
             check(f"on {processes} process" in shared[name]["solver"] and
                   (processes == 1 or any("its share of the body" in note for note in shared[name]["notes"])),
@@ -237,11 +244,8 @@ def displacements_of(folder, name):
 
 def check_steps(folder):
     """Through time: the same on any number of processes, of explicit steps from rest bit by bit."""
-    files = []
-    for name, text in {**EXPLICIT, **IMPLICIT}.items():
-        files.append(os.path.join(folder, name + ".yaml"))
-        with open(files[-1], "w", encoding="utf-8") as file:
-            file.write(text)
+    files = written(folder, {**EXPLICIT, **IMPLICIT})
+
     def runs(processes):
         out = os.path.join(folder, f"steps-{processes}")
         engine = ["--set", "solver.engine=petsc"] if processes == 1 else []
