@@ -223,17 +223,14 @@ std::string needs_whole_body(Reader& reader, const Catalog& catalog, const Exper
     if (reader.has(key) && names_sets(reader.at(key))) return "sets of the mesh are read on the whole body";
   for (const char* key : {"fields", "bending"})
     if (reader.at("material").has(key)) return "`material." + std::string(key) + "` is read on the whole body";
-  const auto all = scene_loads(catalog);
+  std::vector<std::string> able;
+  std::string names;
+  for (const auto& load : scene_loads(catalog))
+    if (load->of_shares) able.push_back(load->name), names += (names.empty() ? "" : ", ") + load->name;
   if (auto loads = reader.find("loads"))
-    for (Reader& item : loads->items()) {
-      const bool of_shares = item.is_map() && std::any_of(all.begin(), all.end(), [&](const auto& load) {
-                               return load->of_shares && item.has(load->name);
-                             });
-      std::string able;
-      for (const auto& load : all)
-        if (load->of_shares) able += (able.empty() ? "" : ", ") + load->name;
-      if (!of_shares) return "loads other than " + able + " are read on the whole body";
-    }
+    for (Reader& item : loads->items())
+      if (!item.is_map() || std::none_of(able.begin(), able.end(), [&](const auto& name) { return item.has(name); }))
+        return "loads other than " + names + " are read on the whole body";
   return is_of_shares(reader.at("experiment"), experiments) ? "" : "the experiment is measured on the whole body";
 }
 
