@@ -59,10 +59,9 @@ TEST_CASE("sliding turns with its scene and knows the scene's own floor", "[slid
 }
 
 TEST_CASE("scenes of contact come out as they say", "[contact][scenes][slow]") {
-  // Those that take long stand elsewhere, coarser; see indentation_test and press_test. What punch-layer expects it
-  // says it does not reproduce.
-  const std::set<std::string> elsewhere{"indentation-sphere", "indentation-linear",       "indentation-springs",
-                                        "indentation-flat",   "indentation-second-order", "punch-layer"};
+  // Those that take long stand elsewhere, coarser; see indentation_test and press_test.
+  const std::set<std::string> elsewhere{"indentation-sphere", "indentation-linear", "indentation-springs",
+                                        "indentation-flat", "indentation-second-order"};
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(kContact)) {
     if (entry.path().extension() != ".yaml" || elsewhere.count(entry.path().stem().string())) continue;
