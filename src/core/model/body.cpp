@@ -15,9 +15,28 @@
 namespace elastin {
 namespace {
 
+/// In ascending order, each once. Pairs of cells come many times: they are put by their first molecule before they are
+/// compared, a few at a time.
+void sort_once(std::vector<std::array<int, 2>>& pairs) {
+  int most = -1;
+  for (const auto& pair : pairs) most = std::max(most, pair[0]);
+  std::vector<std::size_t> next(static_cast<std::size_t>(most) + 2, 0);
+  for (const auto& pair : pairs) ++next[static_cast<std::size_t>(pair[0]) + 1];
+  for (std::size_t row = 1; row < next.size(); ++row) next[row] += next[row - 1];
+  std::vector<int> seconds(pairs.size());
+  for (const auto& pair : pairs) seconds[next[static_cast<std::size_t>(pair[0])]++] = pair[1];
+  pairs.clear();
+  auto begin = seconds.begin();
+  for (int first = 0; first <= most; ++first) {
+    const auto end = seconds.begin() + static_cast<std::ptrdiff_t>(next[static_cast<std::size_t>(first)]);
+    std::sort(begin, end);
+    for (auto last = std::unique(begin, end); begin != last; ++begin) pairs.push_back({first, *begin});
+    begin = end;
+  }
+}
+
 Connections with_present_lengths(const Positions& positions, std::vector<std::array<int, 2>> ends) {
-  std::sort(ends.begin(), ends.end());
-  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  sort_once(ends);
   numbered(static_cast<std::int64_t>(ends.size()), "connections");
   Connections connections{std::move(ends), {}, 0};
   connections.rest_length.reserve(connections.ends.size());
@@ -84,8 +103,7 @@ std::vector<std::array<int, 2>> sides_of(const Cells<4>& tetrahedra) {
   std::vector<std::array<int, 2>> sides;
   sides.reserve(6 * tetrahedra.size());
   add_edges(tetrahedra, sides);
-  std::sort(sides.begin(), sides.end());
-  sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
+  sort_once(sides);
   return sides;
 }
 
