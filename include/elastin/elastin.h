@@ -3,6 +3,8 @@
 /// All public headers: bodies, laws, forces, solvers, simulations (elastin::core), and what the optional libraries add.
 /// Including it asks for Eigen alone; linking asks for the libraries whose functions are called.
 #include "elastin/command/command.h"
+#include "elastin/config/held_scene.h"
+#include "elastin/config/scene_key.h"
 #include "elastin/contact/contact.h"
 #include "elastin/contact/obstacle.h"
 #include "elastin/contact/overlaps.h"
@@ -84,10 +86,9 @@
 #include "elastin/core/solve/statics.h"
 #include "elastin/core/solve/vibrations.h"
 #include "elastin/hull/delaunay.h"
-#include "elastin/lab/experiment/measures.h"
-#include "elastin/lab/experiment/protocol.h"
-#include "elastin/lab/scene/experiment_catalog.h"
-#include "elastin/lab/scene/held_scene.h"
+#include "elastin/lab/experiment/experiment_catalog.h"
+#include "elastin/lab/run/experiment.h"
+#include "elastin/lab/run/measures.h"
 #include "elastin/lab/study/laboratory.h"
 #include "elastin/mesh/fill.h"
 #include "elastin/mesh/mesh_file.h"

@@ -29,6 +29,7 @@
 #include "lab/report/progress.h"
 #include "lab/report/screen.h"
 #include "lab/report/table.h"
+#include "lab/scene/key_reference.h"
 #include "lab/scene/scene.h"
 #include "lab/study/check.h"
 #include "lab/study/compare.h"

@@ -11,8 +11,7 @@
 #include "lab/identify/report.h"
 #include "lab/report/files.h"
 #include "lab/report/progress.h"
-#include "lab/scene/edited_scene.h"
-#include "lab/scene/scene_tree.h"
+#include "lab/run/config_names.h"
 #include "lab/study/compare.h"
 
 namespace elastin::command {

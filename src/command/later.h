@@ -1,7 +1,7 @@
 #pragma once
 #include "contact/triangles_cross.h"
 #include "elastin/contact/overlaps.h"
-#include "lab/experiment/least_squares.h"
+#include "lab/run/least_squares.h"
 #include "mesh/polygons.h"
 
 namespace elastin::command {

@@ -28,7 +28,7 @@ Rows neighbours_of(const Body& body) {
       to.insert(to.end(), {corner, tie.molecule});
     }
   Rows rows = rows_by_target(body.size(), from);
-  for (int& entry : rows.entries) entry = to[static_cast<std::size_t>(entry)];
+  for (int& entry : rows.entries) entry = to[entry];
   return rows;
 }
 
@@ -56,17 +56,17 @@ BroadPhase::BroadPhase(const ContactGeometry& geometry) : geometry_(geometry), s
   std::vector<char> moves(static_cast<std::size_t>(geometry.body.size()), 0);
   for (const Sample& sample : geometry.samples) {
     piece_of_sample_.push_back(sample.piece);
-    seen[static_cast<std::size_t>(sample.piece)] = 1;
-    for (int k = 0; k < sample.count; ++k) moves[static_cast<std::size_t>(sample.molecules[k])] = 1;
+    seen[sample.piece] = 1;
+    for (int k = 0; k < sample.count; ++k) moves[sample.molecules[k]] = 1;
   }
-  for (const int piece : geometry.piece_of_triangle) seen[static_cast<std::size_t>(piece)] = 1;
+  for (const int piece : geometry.piece_of_triangle) seen[piece] = 1;
   within_body_ = (geometry.spheres || !geometry.triangles.empty()) &&
                  (geometry.self || std::count(seen.begin(), seen.end(), 1) > 1);
   if (within_body_ && !geometry.spheres)
     for (const auto& triangle : geometry.triangles)
-      for (const int molecule : triangle) moves[static_cast<std::size_t>(molecule)] = 1;
+      for (const int molecule : triangle) moves[molecule] = 1;
   for (int molecule = 0; molecule < geometry.body.size(); ++molecule)
-    if (moves[static_cast<std::size_t>(molecule)]) moving_.push_back(molecule);
+    if (moves[molecule]) moving_.push_back(molecule);
   if (geometry.self) neighbours_ = neighbours_of(geometry.body);
   positions_.resize(3, static_cast<Eigen::Index>(moving_.size()));
   sample_boxes_.resize(geometry.samples.size());
@@ -77,16 +77,16 @@ void BroadPhase::refit(const Positions& positions) {
   parallel_for(
       static_cast<int>(sample_boxes_.size()),
       [&](int s) {
-        const Sample& sample = geometry_.samples[static_cast<std::size_t>(s)];
+        const Sample& sample = geometry_.samples[s];
         const Vector3 position = geometry_.position_of(sample, positions), wide = Vector3::Constant(sample.radius);
-        sample_boxes_[static_cast<std::size_t>(s)] = {position - wide, position + wide};
+        sample_boxes_[s] = {position - wide, position + wide};
       },
       kManyBoxes);
   parallel_for(
       static_cast<int>(triangle_boxes_.size()),
       [&](int t) {
         const auto [a, b, c] = geometry_.corners_of(t, positions);
-        triangle_boxes_[static_cast<std::size_t>(t)] = {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
+        triangle_boxes_[t] = {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
       },
       kManyBoxes);
   const auto serve = [](BoxTree& tree, const std::vector<Box>& boxes, const std::vector<int>& groups) {
@@ -102,7 +102,7 @@ bool BroadPhase::still_valid(const Positions& positions, const std::vector<Pose>
   const double square = largest_of_ranges(static_cast<int>(moving_.size()), [&](int begin, int end) {
     double most = 0;
     for (int i = begin; i < end; ++i)
-      most = std::max(most, (positions.col(moving_[static_cast<std::size_t>(i)]) - positions_.col(i)).squaredNorm());
+      most = std::max(most, (positions.col(moving_[i]) - positions_.col(i)).squaredNorm());
     return most;
   });
   const Box& all = samples_.nodes()[0].box;
@@ -151,8 +151,7 @@ void BroadPhase::sort_candidates() {
   std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
   if (sorted_.capacity() < candidates_.size()) sorted_.reserve(2 * candidates_.size());
   sorted_.resize(candidates_.size());
-  for (const Candidate& candidate : candidates_)
-    sorted_[static_cast<std::size_t>(starts_[static_cast<std::size_t>(candidate.sample)]++)] = candidate;
+  for (const Candidate& candidate : candidates_) sorted_[starts_[candidate.sample]++] = candidate;
   auto begin = sorted_.begin();
   for (std::size_t s = 0; s < geometry_.samples.size(); ++s) {  // each start is now its row's end
     const auto end = sorted_.begin() + starts_[s];
@@ -163,9 +162,9 @@ void BroadPhase::sort_candidates() {
 }
 
 void BroadPhase::visit_obstacle(int node, int obstacle, const Pose& pose, double within) {
-  const BoxTree::Node& here = samples_.nodes()[static_cast<std::size_t>(node)];
+  const BoxTree::Node& here = samples_.nodes()[node];
   const bool leaf = here.second < 0;
-  const double around = leaf ? geometry_.samples[static_cast<std::size_t>(here.item)].radius : here.box.half_diagonal();
+  const double around = leaf ? geometry_.samples[here.item].radius : here.box.half_diagonal();
   const auto o = static_cast<std::size_t>(obstacle);
   const double gap = geometry_.obstacles[o].at(pose.to_own(here.box.middle())).value - around;
   if (!(gap < within)) {
@@ -179,8 +178,8 @@ void BroadPhase::visit_obstacle(int node, int obstacle, const Pose& pose, double
 }
 
 void BroadPhase::visit_triangles(int node, int other, double within) {
-  const BoxTree::Node& samples = samples_.nodes()[static_cast<std::size_t>(node)];
-  const BoxTree::Node& triangles = triangles_.nodes()[static_cast<std::size_t>(other)];
+  const BoxTree::Node& samples = samples_.nodes()[node];
+  const BoxTree::Node& triangles = triangles_.nodes()[other];
   if (!geometry_.self && samples.group >= 0 && samples.group == triangles.group) return;
   const double gap = samples.box.distance(triangles.box);
   if (!(gap < within)) {
@@ -198,7 +197,7 @@ void BroadPhase::visit_triangles(int node, int other, double within) {
 }
 
 void BroadPhase::visit_spheres(int node, double within) {
-  const BoxTree::Node& here = samples_.nodes()[static_cast<std::size_t>(node)];
+  const BoxTree::Node& here = samples_.nodes()[node];
   if (here.second < 0 || (!geometry_.self && here.group >= 0)) return;
   visit_spheres(node + 1, within);
   visit_spheres(here.second, within);
@@ -206,8 +205,8 @@ void BroadPhase::visit_spheres(int node, double within) {
 }
 
 void BroadPhase::visit_sphere_pairs(int node, int other, double within) {
-  const BoxTree::Node& one = samples_.nodes()[static_cast<std::size_t>(node)];
-  const BoxTree::Node& two = samples_.nodes()[static_cast<std::size_t>(other)];
+  const BoxTree::Node& one = samples_.nodes()[node];
+  const BoxTree::Node& two = samples_.nodes()[other];
   if (!geometry_.self && one.group >= 0 && one.group == two.group) return;
   const double gap = one.box.distance(two.box);
   if (!(gap < within)) {
@@ -243,12 +242,10 @@ bool BroadPhase::overlap_at_rest(const Sample& sample, int triangle) const {
 }
 
 void BroadPhase::add_triangle(int s, int triangle, double within) {
-  const Sample& sample = geometry_.samples[static_cast<std::size_t>(s)];
-  const int piece = geometry_.piece_of_triangle[static_cast<std::size_t>(triangle)];
+  const Sample& sample = geometry_.samples[s];
+  const int piece = geometry_.piece_of_triangle[triangle];
   if (piece == sample.piece) {
-    if (!geometry_.self || joined(sample, geometry_.triangles[static_cast<std::size_t>(triangle)]) ||
-        overlap_at_rest(sample, triangle))
-      return;
+    if (!geometry_.self || joined(sample, geometry_.triangles[triangle]) || overlap_at_rest(sample, triangle)) return;
   }
   const Vector3 position = geometry_.position_of(sample, *now_);
   const double gap =
@@ -261,8 +258,8 @@ void BroadPhase::add_triangle(int s, int triangle, double within) {
 }
 
 void BroadPhase::add_spheres(int first, int second) {
-  const Sample& one = geometry_.samples[static_cast<std::size_t>(first)];
-  const Sample& two = geometry_.samples[static_cast<std::size_t>(second)];
+  const Sample& one = geometry_.samples[first];
+  const Sample& two = geometry_.samples[second];
   if (one.piece == two.piece) {
     const Positions& rest = geometry_.body.rest;
     if (!geometry_.self || joined(one, {two.molecules.data(), static_cast<std::size_t>(two.count)}) ||

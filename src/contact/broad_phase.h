@@ -27,7 +27,7 @@ struct ContactGeometry {
     return position;
   }
   std::array<Vector3, 3> corners_of(int triangle, const Positions& positions) const {
-    const auto& [a, b, c] = triangles[static_cast<std::size_t>(triangle)];
+    const auto& [a, b, c] = triangles[triangle];
     return {positions.col(a), positions.col(b), positions.col(c)};
   }
 };

@@ -71,8 +71,8 @@ void ContactForce::store(const State& state) const {
   cached_positions_.resize(3, count);
   cached_velocities_.resize(3, resists() ? count : 0);
   for (Eigen::Index i = 0; i < count; ++i) {
-    cached_positions_.col(i) = state.positions.col(watched_[static_cast<std::size_t>(i)]);
-    if (resists()) cached_velocities_.col(i) = state.velocities.col(watched_[static_cast<std::size_t>(i)]);
+    cached_positions_.col(i) = state.positions.col(watched_[i]);
+    if (resists()) cached_velocities_.col(i) = state.velocities.col(watched_[i]);
   }
   cached_time_ = state.time;
   cached_memory_ = state.contact_history;

@@ -29,7 +29,7 @@ ContactGeometry geometry_of(const Body& body, std::vector<Sample> samples, Cells
   for (const Obstacle& obstacle : obstacles) geometry.obstacles.emplace_back(obstacle.shape);
   double sides = 0;
   for (std::size_t t = 0; t < geometry.triangles.size(); ++t) {
-    geometry.piece_of_triangle.push_back(findings.piece_of[static_cast<std::size_t>(geometry.triangles[t][0])]);
+    geometry.piece_of_triangle.push_back(findings.piece_of[geometry.triangles[t][0]]);
     const auto [a, b, c] = geometry.corners_of(static_cast<int>(t), body.rest);
     sides += (b - a).norm() + (c - b).norm() + (a - c).norm();
   }
@@ -49,7 +49,7 @@ std::vector<char> closed_pieces(const ContactGeometry& geometry) {
   std::vector<char> closed(static_cast<std::size_t>(geometry.pieces), 1);
   for (std::size_t i = 0, next; i < sides.size(); i = next) {
     for (next = i + 1; next < sides.size() && sides[next] == sides[i];) ++next;
-    if ((next - i) % 2 == 1) closed[static_cast<std::size_t>(sides[i][0])] = 0;
+    if ((next - i) % 2 == 1) closed[sides[i][0]] = 0;
   }
   return closed;
 }
@@ -101,22 +101,21 @@ void ContactSearch::Impl::set_groups() {
 
 bool ContactSearch::Impl::contact_point(int group, const Positions& positions, const std::vector<Pose>& poses,
                                         double reach, ContactPoint& found) const {
-  const Candidate& candidate = broad.candidates()[static_cast<std::size_t>(groups[static_cast<std::size_t>(group)])];
+  const Candidate& candidate = broad.candidates()[groups[group]];
   found = ContactPoint{};
   found.sample = candidate.sample;
   found.target = candidate.target;
-  const Vector3 position =
-      geometry.position_of(geometry.samples[static_cast<std::size_t>(candidate.sample)], positions);
+  const Vector3 position = geometry.position_of(geometry.samples[candidate.sample], positions);
   if (candidate.target < geometry.first_piece())
-    return add_obstacle_contact(poses[static_cast<std::size_t>(candidate.target)], position, reach, found);
+    return add_obstacle_contact(poses[candidate.target], position, reach, found);
   if (candidate.target < geometry.first_sphere()) return add_surface_contact(group, positions, position, reach, found);
   return add_sphere_contact(positions, position, reach, found);
 }
 
 bool ContactSearch::Impl::add_obstacle_contact(const Pose& pose, const Vector3& position, double reach,
                                                ContactPoint& found) const {
-  const Distance distance = geometry.obstacles[static_cast<std::size_t>(found.target)].at(pose.to_own(position));
-  found.gap = distance.value - geometry.samples[static_cast<std::size_t>(found.sample)].radius;
+  const Distance distance = geometry.obstacles[found.target].at(pose.to_own(position));
+  found.gap = distance.value - geometry.samples[found.sample].radius;
   if (!(found.gap < reach)) return false;
   found.normal = pose.turn * distance.normal;
   found.position = position - distance.value * found.normal;
@@ -126,10 +125,10 @@ bool ContactSearch::Impl::add_obstacle_contact(const Pose& pose, const Vector3& 
 
 bool ContactSearch::Impl::add_sphere_contact(const Positions& positions, const Vector3& position, double reach,
                                              ContactPoint& found) const {
-  const Sample& target = geometry.samples[static_cast<std::size_t>(found.target - geometry.first_sphere())];
+  const Sample& target = geometry.samples[found.target - geometry.first_sphere()];
   const Vector3 middle = geometry.position_of(target, positions), away = position - middle;
   const double distance = away.norm();
-  found.gap = distance - geometry.samples[static_cast<std::size_t>(found.sample)].radius - target.radius;
+  found.gap = distance - geometry.samples[found.sample].radius - target.radius;
   if (!(found.gap < reach)) return false;
   const bool apart = distance > 1e-12 * target.radius && distance > 0;
   found.normal = apart ? Vector3(away / distance) : Vector3::UnitZ();
@@ -149,15 +148,15 @@ bool ContactSearch::Impl::add_surface_contact(int group, const Positions& positi
     NearestPoint position{};
     bool same_direction = false;
   } nearest, facing;  // of all, and of those that look at the sample's own side
-  const Sample& sample = geometry.samples[static_cast<std::size_t>(found.sample)];
+  const Sample& sample = geometry.samples[found.sample];
   const int piece = found.target - geometry.first_piece();
   Vector3 looks = Vector3::Zero();
   if (sample.count == 3) {
     const Vector3 a = positions.col(sample.molecules[0]);
     looks = (positions.col(sample.molecules[1]) - a).cross(positions.col(sample.molecules[2]) - a).normalized();
   }
-  for (int c = groups[static_cast<std::size_t>(group)]; c < groups[static_cast<std::size_t>(group) + 1]; ++c) {
-    const int triangle = broad.candidates()[static_cast<std::size_t>(c)].item;
+  for (int c = groups[group]; c < groups[static_cast<std::size_t>(group) + 1]; ++c) {
+    const int triangle = broad.candidates()[c].item;
     const auto corners = geometry.corners_of(triangle, positions);
     const Vector3 across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     const double same_direction = across.dot(looks), limit = kSameDirection * across.norm();
@@ -169,7 +168,7 @@ bool ContactSearch::Impl::add_surface_contact(int group, const Positions& positi
   }
   if (nearest.triangle < 0) return false;
   Distance distance = distance_to_surface(normals, positions, nearest.triangle, nearest.position, position);
-  if (!closed[static_cast<std::size_t>(piece)]) {  // a sheet has two fronts and no inside
+  if (!closed[piece]) {  // a sheet has two fronts and no inside
     if (distance.value < 0) distance = {-distance.value, -distance.normal, -distance.turning};
   } else if (distance.value < 0) {
     if (nearest.same_direction) {  // more than half through: back to where it came in
@@ -184,7 +183,7 @@ bool ContactSearch::Impl::add_surface_contact(int group, const Positions& positi
   found.normal = distance.normal;
   found.turning = distance.turning;
   found.position = nearest.position.position;
-  found.molecules = geometry.triangles[static_cast<std::size_t>(nearest.triangle)];
+  found.molecules = geometry.triangles[nearest.triangle];
   found.weights = nearest.position.weights;
   found.count = 3;
   found.slopes = weight_slopes(geometry.corners_of(nearest.triangle, positions), nearest.position.weights);

@@ -33,14 +33,14 @@ std::vector<int> surface_molecules(const Body& body) {
   std::vector<char> inside(static_cast<std::size_t>(body.size()), 0);
   const auto mark = [&](const auto& cells, char what) {
     for (const auto& cell : cells)
-      for (const int molecule : cell) inside[static_cast<std::size_t>(molecule)] = what;
+      for (const int molecule : cell) inside[molecule] = what;
   };
   mark(body.tetrahedra, 1);
   mark(body.cubes, 1);
   mark(surface_triangles(body), 0);
   std::vector<int> found;
   for (int molecule = 0; molecule < body.size(); ++molecule)
-    if (!inside[static_cast<std::size_t>(molecule)]) found.push_back(molecule);
+    if (!inside[molecule]) found.push_back(molecule);
   return found;
 }
 
@@ -54,7 +54,7 @@ std::vector<Sample> sphere_samples(const Body& body, const std::vector<int>& mol
     sample.weights[0] = 1;
     sample.radius = body.radius[molecule];
     sample.area = 4 * sample.radius * sample.radius;
-    sample.piece = piece_of[static_cast<std::size_t>(molecule)];
+    sample.piece = piece_of[molecule];
     samples.push_back(sample);
   }
   return samples;
@@ -69,10 +69,10 @@ std::vector<Sample> triangle_samples(const Body& body, const Cells<3>& triangles
       Sample sample;
       sample.molecules = triangle;
       sample.weights = {1. / 6, 1. / 6, 1. / 6};
-      sample.weights[static_cast<std::size_t>(k)] = 2. / 3;
+      sample.weights[k] = 2. / 3;
       sample.count = 3;
       sample.area = area_vector(body.rest, triangle).norm() / 3;
-      sample.piece = piece_of[static_cast<std::size_t>(triangle[0])];
+      sample.piece = piece_of[triangle[0]];
       samples.push_back(sample);
     }
   return samples;

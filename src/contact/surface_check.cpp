@@ -76,15 +76,15 @@ class Crossings {
   Vector3 point(int number) const { return points_.col(number); }
 
   void visit(int node) {
-    const int second = tree_.nodes()[static_cast<std::size_t>(node)].second;
+    const int second = tree_.nodes()[node].second;
     if (second < 0) return;
     visit(node + 1);
     visit(second);
     visit_pairs(node + 1, second);
   }
   void visit_pairs(int node, int other) {
-    const BoxTree::Node& one = tree_.nodes()[static_cast<std::size_t>(node)];
-    const BoxTree::Node& two = tree_.nodes()[static_cast<std::size_t>(other)];
+    const BoxTree::Node& one = tree_.nodes()[node];
+    const BoxTree::Node& two = tree_.nodes()[other];
     if (one.box.distance(two.box) > 0) return;
     if (one.second < 0 && two.second < 0) return look_at(std::min(one.item, two.item), std::max(one.item, two.item));
     if (two.second < 0 || (one.second >= 0 && one.box.half_diagonal() > two.box.half_diagonal())) {
@@ -97,7 +97,7 @@ class Crossings {
   }
 
   void look_at(int a, int b) {
-    const Triangle &one = triangles_[static_cast<std::size_t>(a)], &other = triangles_[static_cast<std::size_t>(b)];
+    const Triangle &one = triangles_[a], &other = triangles_[b];
     std::vector<int> shared;
     for (const int corner : one)
       if (std::find(other.begin(), other.end(), corner) != other.end()) shared.push_back(corner);
@@ -150,7 +150,7 @@ std::string check_surface(const Positions& points, const Cells<3>& triangles) {
   std::string problems;
   const auto add = [&](const std::string& problem) { problems += (problems.empty() ? "" : "; ") + problem; };
   const auto middle_of = [&](int t) {
-    const auto& [a, b, c] = triangles[static_cast<std::size_t>(t)];
+    const auto& [a, b, c] = triangles[t];
     return text((points.col(a) + points.col(b) + points.col(c)) / 3);
   };
   const auto middle_of_side = [&](const Edge& side) {

@@ -9,7 +9,7 @@ Distance distance_to_surface(const SurfaceNormals& normals, const Positions& pos
   const Vector3 outward = normals.at(positions, triangle, nearest.weights), away = point - nearest.position;
   const auto zeros = std::count(nearest.weights.begin(), nearest.weights.end(), 0);
   if (zeros == 0) return {away.dot(outward), outward, Matrix3::Zero()};
-  const auto& [a, b, c] = normals.triangles()[static_cast<std::size_t>(triangle)];
+  const auto& [a, b, c] = normals.triangles()[triangle];
   const std::array<Vector3, 3> corners{positions.col(a), positions.col(b), positions.col(c)};
   const double length = away.norm(), sign = away.dot(outward) < 0 ? -1 : 1;
   // Rounding has a say in the direction of what is short; there it comes from the surface.

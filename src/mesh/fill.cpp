@@ -45,11 +45,11 @@ class Voxels {
     parallel_for(static_cast<int>(kinds_.size()), [&](int voxel) {
       const double distance = tree.signed_distance(corner(voxel) + Vector3::Constant(size_ / 2));
       const bool far = std::abs(distance) > size_ * std::sqrt(3.) / 2;
-      kinds_[static_cast<std::size_t>(voxel)] = !far ? Kind::across : distance < 0 ? Kind::inside : Kind::outside;
+      kinds_[voxel] = !far ? Kind::across : distance < 0 ? Kind::inside : Kind::outside;
     });
   }
   int count() const { return static_cast<int>(kinds_.size()); }
-  Kind kind(int voxel) const { return kinds_[static_cast<std::size_t>(voxel)]; }
+  Kind kind(int voxel) const { return kinds_[voxel]; }
   Vector3 corner(int voxel) const {
     return low_ + size_ * Vector3(voxel % counts_[0], voxel / counts_[0] % counts_[1], voxel / counts_[0] / counts_[1]);
   }
@@ -72,10 +72,9 @@ void add_lattice(const TriangleTree& tree, const FillOptions& options, SpacedPoi
   const auto position = [&](int at) -> Vector3 {
     return first + options.spacing * Vector3(at % counts[0], at / counts[0] % counts[1], at / counts[0] / counts[1]);
   };
-  parallel_for(static_cast<int>(depths.size()),
-               [&](int at) { depths[static_cast<std::size_t>(at)] = -tree.signed_distance(position(at)); });
+  parallel_for(static_cast<int>(depths.size()), [&](int at) { depths[at] = -tree.signed_distance(position(at)); });
   for (int at = 0; at < static_cast<int>(depths.size()); ++at)
-    if (depths[static_cast<std::size_t>(at)] >= least) found.add(position(at));
+    if (depths[at] >= least) found.add(position(at));
 }
 
 /// Candidates in every cube of a grid in turn, so that no place is left bare; cubes far inside ask no distance.
@@ -89,7 +88,7 @@ void add_blue_noise(const TriangleTree& tree, const FillOptions& options, Spaced
   const double least = options.follow ? kFromSurface * options.spacing : 0;
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t i = open.size(); i > 1; --i)
-      std::swap(open[i - 1], open[static_cast<std::size_t>(unit_random(generator) * static_cast<double>(i))]);
+      std::swap(open[i - 1], open[unit_random(generator) * static_cast<double>(i)]);
     for (const int voxel : open) {
       Vector3 position = voxels.corner(voxel);
       for (int axis = 0; axis < 3; ++axis) position[axis] += options.spacing * unit_random(generator);
@@ -123,9 +122,7 @@ Cells<4> tetrahedra_inside(const TriangleTree& tree, const Positions& positions,
            is_inside(tree, positions, cell);
   });
   std::vector<char> kept(cells.size());
-  parallel_for(static_cast<int>(cells.size()), [&](int cell) {
-    kept[static_cast<std::size_t>(cell)] = is_inside(tree, positions, cells[static_cast<std::size_t>(cell)]);
-  });
+  parallel_for(static_cast<int>(cells.size()), [&](int cell) { kept[cell] = is_inside(tree, positions, cells[cell]); });
   Cells<4> inside;
   for (std::size_t cell = 0; cell < cells.size(); ++cell)
     if (kept[cell]) inside.push_back(cells[cell]);
@@ -137,7 +134,7 @@ void peel(const Positions& positions, Cells<4>& cells) {
   for (bool peeled = true; peeled;) {
     std::vector<int> uses(static_cast<std::size_t>(positions.cols()), 0);
     for (const auto& cell : cells)
-      for (const int corner : cell) ++uses[static_cast<std::size_t>(corner)];
+      for (const int corner : cell) ++uses[corner];
     std::set<std::array<int, 3>> boundary;
     for (auto face : boundary_of(cells)) std::sort(face.begin(), face.end()), boundary.insert(face);
     const auto at_surface = [&](const std::array<int, 4>& cell) {
@@ -150,9 +147,8 @@ void peel(const Positions& positions, Cells<4>& cells) {
     };
     const auto needless = [&](const std::array<int, 4>& cell) {
       if (flatness(positions, cell) >= kPeel || !at_surface(cell)) return false;
-      if (std::any_of(cell.begin(), cell.end(), [&](int c) { return uses[static_cast<std::size_t>(c)] < 2; }))
-        return false;
-      for (const int corner : cell) --uses[static_cast<std::size_t>(corner)];
+      if (std::any_of(cell.begin(), cell.end(), [&](int c) { return uses[c] < 2; })) return false;
+      for (const int corner : cell) --uses[corner];
       return true;
     };
     peeled = std::erase_if(cells, needless) > 0;
@@ -181,16 +177,16 @@ void check_count(double molecules, const char* where, const FillOptions& options
 void leave_out_isolated(Filling& filling) {
   std::vector<int> number(static_cast<std::size_t>(filling.positions.cols()), -1), left;
   for (const auto& cell : filling.tetrahedra)
-    for (const int corner : cell) number[static_cast<std::size_t>(corner)] = 0;
+    for (const int corner : cell) number[corner] = 0;
   int on_surface = 0;
   for (int m = 0; m < filling.positions.cols(); ++m)
-    if (number[static_cast<std::size_t>(m)] == 0) {
-      number[static_cast<std::size_t>(m)] = static_cast<int>(left.size());
+    if (number[m] == 0) {
+      number[m] = static_cast<int>(left.size());
       left.push_back(m);
       on_surface += m < filling.on_surface;
     }
   for (auto& cell : filling.tetrahedra)
-    for (int& corner : cell) corner = number[static_cast<std::size_t>(corner)];
+    for (int& corner : cell) corner = number[corner];
   filling.left_out = static_cast<int>(number.size() - left.size());
   filling.on_surface = on_surface;
   filling.positions = filling.positions(Eigen::all, left).eval();
@@ -214,7 +210,7 @@ Filling FillRegion::fill(const FillOptions& options) const {
   options.packing == FillPacking::lattice ? add_lattice(*tree_, options, found)
                                           : add_blue_noise(*tree_, options, found);
   filling.positions.resize(3, found.size());
-  for (int m = 0; m < found.size(); ++m) filling.positions.col(m) = found.positions()[static_cast<std::size_t>(m)];
+  for (int m = 0; m < found.size(); ++m) filling.positions.col(m) = found.positions()[m];
   if (found.size() >= 4) filling.tetrahedra = tetrahedra_inside(*tree_, filling.positions, filling.on_surface);
   peel(filling.positions, filling.tetrahedra);
   if (filling.tetrahedra.empty())
@@ -238,21 +234,21 @@ Connections FillRegion::connections_within(const Filling& filling, double reach)
                [&](int m) { depth[m] = -tree_->signed_distance(filling.positions.col(m)); });
   std::vector<char> kept(near.ends.size());
   parallel_for(near.size(), [&](int c) {
-    const auto& [a, b] = near.ends[static_cast<std::size_t>(c)];
-    const double length = near.rest_length[static_cast<std::size_t>(c)];
+    const auto& [a, b] = near.ends[c];
+    const double length = near.rest_length[c];
     const Vector3 from = filling.positions.col(a), segment = filling.positions.col(b) - from;
     bool sees = true;
     constexpr int parts = 8;
     if (depth[a] + depth[b] < length)  // else the way lies in two spheres that are inside
       for (int part = 1; part < parts && sees; ++part)
         sees = tree_->signed_distance(from + segment * part / parts) <= 0.05 * length;
-    kept[static_cast<std::size_t>(c)] = sees || std::binary_search(sides.begin(), sides.end(), std::array{a, b});
+    kept[c] = sees || std::binary_search(sides.begin(), sides.end(), std::array{a, b});
   });
   Connections connections;
   for (int c = 0; c < near.size(); ++c)
-    if (kept[static_cast<std::size_t>(c)]) {
-      connections.ends.push_back(near.ends[static_cast<std::size_t>(c)]);
-      connections.rest_length.push_back(near.rest_length[static_cast<std::size_t>(c)]);
+    if (kept[c]) {
+      connections.ends.push_back(near.ends[c]);
+      connections.rest_length.push_back(near.rest_length[c]);
     }
   return connections;
 }

@@ -202,7 +202,7 @@ void read_entities(Cursor& in, const Format& format, Groups& groups) {
   std::array<std::size_t, 4> counts{};
   for (std::size_t& count : counts) count = in.count("the number of entities", uint64);
   for (long long dimension = 0; dimension < 4; ++dimension)
-    for (std::size_t entity = 0; entity < counts[static_cast<std::size_t>(dimension)]; ++entity) {
+    for (std::size_t entity = 0; entity < counts[dimension]; ++entity) {
       const long long tag = in.integer("the number of an entity");
       in.skip_numbers(dimension == 0 ? 3 : 6, float64);  // where it lies
       const std::size_t physical = in.count("the number of groups", uint64);
@@ -228,7 +228,7 @@ const CellType& read_cell(Cursor& in, std::size_t at, long long name, long long 
     const long long tag = in.integer("a point of a cell", width);
     const int point = tags.find(tag);
     if (point < 0) in.fail(corner_at, cell() + " uses point " + std::to_string(tag) + ", which $Nodes does not have");
-    corners[static_cast<std::size_t>(corner)] = point;
+    corners[corner] = point;
   }
   if (mesh.wanted_data()) numbers[name] = mesh.cell_count();
   const std::string problem = mesh.add_cell(type, {corners.data(), static_cast<std::size_t>(type.points)});
@@ -418,7 +418,7 @@ class GmshElements {
     text_ += std::to_string(++count_) + " " + std::to_string(type.code) + " 2 " + std::to_string(group) + " " +
              std::to_string(entity);
     std::vector<int> in_file(nodes.begin(), nodes.end());
-    for (std::size_t a = 0; a < type.order.size(); ++a) in_file[static_cast<std::size_t>(type.order[a])] = nodes[a];
+    for (std::size_t a = 0; a < type.order.size(); ++a) in_file[type.order[a]] = nodes[a];
     for (const int node : in_file) text_ += " " + std::to_string(node + 1);
     text_ += '\n';
   }

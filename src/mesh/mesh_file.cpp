@@ -40,13 +40,13 @@ std::string left_out(const std::vector<std::string>& parts) {
 template <std::size_t corners>
 void mark_used(const std::vector<std::array<int, corners>>& cells, std::vector<int>& points) {
   for (const auto& cell : cells)
-    for (const int corner : cell) points[static_cast<std::size_t>(corner)] = 0;
+    for (const int corner : cell) points[corner] = 0;
 }
 
 template <std::size_t corners>
 void renumber(const std::vector<int>& new_number, std::vector<std::array<int, corners>>& cells) {
   for (auto& cell : cells)
-    for (int& corner : cell) corner = new_number[static_cast<std::size_t>(corner)];
+    for (int& corner : cell) corner = new_number[corner];
 }
 
 /// Calls `visit` with the corners of each cell, numbers of points.
@@ -64,8 +64,8 @@ double mean_span(const Mesh& mesh, const std::vector<int>& number) {
   for_each_cell(mesh, [&](std::span<const int> cell) {
     int least = std::numeric_limits<int>::max(), most = 0;
     for (const int corner : cell) {
-      least = std::min(least, number[static_cast<std::size_t>(corner)]);
-      most = std::max(most, number[static_cast<std::size_t>(corner)]);
+      least = std::min(least, number[corner]);
+      most = std::max(most, number[corner]);
     }
     sum += most - least, ++cells;
   });
@@ -83,14 +83,14 @@ void number_in_space(const std::vector<Vector3>& points, Mesh& mesh, std::vector
     if (number[point] >= 0) positions.col(number[point]) = points[point];
   const std::vector<int> order = order_in_space(positions);
   std::vector<int> rank(order.size()), along = number;
-  for (std::size_t i = 0; i < order.size(); ++i) rank[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
+  for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<int>(i);
   for (int& own : along)
-    if (own >= 0) own = rank[static_cast<std::size_t>(own)];
+    if (own >= 0) own = rank[own];
   if (!(mean_span(mesh, number) > much * mean_span(mesh, along))) return;
   number = std::move(along);
   const auto lowest = [&](const auto& cell) {
     int least = std::numeric_limits<int>::max();
-    for (const int corner : cell) least = std::min(least, number[static_cast<std::size_t>(corner)]);
+    for (const int corner : cell) least = std::min(least, number[corner]);
     return least;
   };
   const auto by_lowest = [&](const auto& a, const auto& b) { return lowest(a) < lowest(b); };
@@ -141,8 +141,7 @@ int MeshBuilder::point_at(const Vector3& position) {
 
 std::string MeshBuilder::add_cell(const CellType& type, std::span<const int> points) {
   Vector3 middle = Vector3::Zero();
-  for (const int point : points)
-    middle += points_[static_cast<std::size_t>(point)] / static_cast<double>(points.size());
+  for (const int point : points) middle += points_[point] / static_cast<double>(points.size());
   places_.push_back({middle, dimension_of(type)});
   switch (type.use) {
     case CellUse::tetrahedron:
@@ -178,9 +177,9 @@ std::vector<std::size_t> mirrored(const CellKind& kind) {
 std::string MeshBuilder::add_block_cell(const CellType& type, std::span<const int> points) {
   const CellKind& kind = cell_kind(type.shape);
   std::vector<int> nodes(points.begin(), points.end());
-  for (std::size_t a = 0; a < type.order.size(); ++a) nodes[a] = points[static_cast<std::size_t>(type.order[a])];
+  for (std::size_t a = 0; a < type.order.size(); ++a) nodes[a] = points[type.order[a]];
   Eigen::MatrixXd x(3, kind.nodes);
-  for (int a = 0; a < kind.nodes; ++a) x.col(a) = points_[static_cast<std::size_t>(nodes[static_cast<std::size_t>(a)])];
+  for (int a = 0; a < kind.nodes; ++a) x.col(a) = points_[nodes[a]];
   double longest = 0, least = std::numeric_limits<double>::infinity(), most = -least;
   for (const auto& [a, b] : kind.edges) longest = std::max(longest, (x.col(a) - x.col(b)).norm());
   for (const auto& slopes : kind.slopes) {
@@ -206,7 +205,7 @@ std::string MeshBuilder::add_block_cell(const CellType& type, std::span<const in
 
 std::string MeshBuilder::add_triangle(const std::array<int, 3>& corners) {
   std::array<Vector3, 3> x;
-  for (std::size_t corner = 0; corner < 3; ++corner) x[corner] = points_[static_cast<std::size_t>(corners[corner])];
+  for (std::size_t corner = 0; corner < 3; ++corner) x[corner] = points_[corners[corner]];
   const double area = (x[1] - x[0]).cross(x[2] - x[0]).norm() / 2;
   const double longest = longest_side(x);
   triangles_.push_back(corners);
@@ -219,7 +218,7 @@ std::string MeshBuilder::add_tetrahedron(std::array<int, 4> corners) {
   Positions positions(3, 4);
   std::array<Vector3, 4> x;
   for (std::size_t corner = 0; corner < 4; ++corner) {
-    x[corner] = points_[static_cast<std::size_t>(corners[corner])];
+    x[corner] = points_[corners[corner]];
     positions.col(static_cast<Eigen::Index>(corner)) = x[corner];
   }
   const double volume = signed_volume(positions, {0, 1, 2, 3});
@@ -247,18 +246,17 @@ CellData MeshBuilder::finish_data(const std::string& path) const {
     throw InputError(location, "has no data " + quoted(name) + " of its cells" +
                                    suggestion(name, {data_names_.begin(), data_names_.end()}));
   int dimensions = 0;
-  for (const int cell : with_data_)
-    dimensions = std::max(dimensions, places_[static_cast<std::size_t>(cell)].dimensions);
+  for (const int cell : with_data_) dimensions = std::max(dimensions, places_[cell].dimensions);
   if (dimensions < 2) throw InputError(location, "has data " + quoted(name) + ", but not of tetrahedra or triangles");
   const auto components = static_cast<Eigen::Index>(data_.size() / with_data_.size());
   const Eigen::Map<const Eigen::MatrixXd> all(data_.data(), components, static_cast<Eigen::Index>(with_data_.size()));
   std::vector<int> rows, cells;
   for (std::size_t row = 0; row < with_data_.size(); ++row)
-    if (places_[static_cast<std::size_t>(with_data_[row])].dimensions == dimensions)
+    if (places_[with_data_[row]].dimensions == dimensions)
       rows.push_back(static_cast<int>(row)), cells.push_back(with_data_[row]);
   CellData data{Positions(3, rows.size()), all(Eigen::all, rows)};
   for (std::size_t i = 0; i < cells.size(); ++i)
-    data.middles.col(static_cast<Eigen::Index>(i)) = places_[static_cast<std::size_t>(cells[i])].middle;
+    data.middles.col(static_cast<Eigen::Index>(i)) = places_[cells[i]].middle;
   return data;
 }
 
@@ -297,7 +295,7 @@ Mesh MeshBuilder::finish(const std::string& path) const {
   mark_used(mesh.tetrahedra, new_number);
   mark_used(mesh.triangles, new_number);
   for (const CellBlock& block : mesh.blocks)
-    for (const int node : block.nodes) new_number[static_cast<std::size_t>(node)] = 0;
+    for (const int node : block.nodes) new_number[node] = 0;
   int used = 0;
   for (int& molecule : new_number)
     if (molecule == 0) molecule = used++;
@@ -305,14 +303,14 @@ Mesh MeshBuilder::finish(const std::string& path) const {
   renumber(new_number, mesh.tetrahedra);
   renumber(new_number, mesh.triangles);
   for (CellBlock& block : mesh.blocks)
-    for (int& node : block.nodes) node = new_number[static_cast<std::size_t>(node)];
+    for (int& node : block.nodes) node = new_number[node];
   mesh.points.resize(3, used);
   for (std::size_t point = 0; point < points_.size(); ++point)
     if (new_number[point] >= 0) mesh.points.col(new_number[point]) = points_[point];
 
   for (const auto& [name, points] : sets_)
     for (const int point : points)
-      if (const int own = new_number[static_cast<std::size_t>(point)]; own >= 0) mesh.sets[name].push_back(own);
+      if (const int own = new_number[point]; own >= 0) mesh.sets[name].push_back(own);
   for (auto& [name, points] : mesh.sets) std::sort(points.begin(), points.end());
 
   const std::size_t unused = points_.size() - static_cast<std::size_t>(used);

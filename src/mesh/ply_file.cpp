@@ -144,7 +144,7 @@ void read_face(Cursor& in, std::size_t number, const Property& corners, const st
     if (vertex < 0 || static_cast<std::size_t>(vertex) >= points.size())
       vertices.fail(i, "face " + std::to_string(number) + " uses vertex " + std::to_string(vertex) +
                            ", but there are " + std::to_string(points.size()));
-    corner.push_back(points[static_cast<std::size_t>(vertex)]);
+    corner.push_back(points[vertex]);
   }
   for (std::size_t i = 2; i < size; ++i) {
     const std::string problem = mesh.add_triangle({corner[0], corner[i - 1], corner[i]});

@@ -97,8 +97,7 @@ void add_line(const Positions& points, const std::vector<int>& line, double spac
 
 bool SpacedPoints::is_free(const Vector3& position, double distance, const Vector3& normal) const {
   return !buckets_.visit_near(position, [&](int other) {
-    return (positions_[static_cast<std::size_t>(other)] - position).squaredNorm() < distance * distance &&
-           !(normals_[static_cast<std::size_t>(other)].dot(normal) < 0);
+    return (positions_[other] - position).squaredNorm() < distance * distance && !(normals_[other].dot(normal) < 0);
   });
 }
 

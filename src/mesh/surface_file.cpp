@@ -72,7 +72,7 @@ void read_surface(const File& file, const std::string& ending, MeshBuilder& mesh
     }
     for (const std::vector<int>& corners : piece.faces) {
       std::array<int, 4> cell{};
-      for (std::size_t i = 0; i < corners.size() && i < 3; ++i) cell[i] = point[static_cast<std::size_t>(corners[i])];
+      for (std::size_t i = 0; i < corners.size() && i < 3; ++i) cell[i] = point[corners[i]];
       const CellUse use = corners.size() == 3   ? CellUse::triangle
                           : corners.size() == 2 ? CellUse::line
                                                 : CellUse::point;

@@ -87,11 +87,10 @@ VoronoiCells voronoi_cells(const Body& body) {
       result.volume[molecule] = cell.volume() * std::pow(spacing, 3);
       for (std::size_t face = 0; face < areas.size(); ++face) {
         const double area = areas[face] * spacing * spacing;
-        if (neighbours[face] <= -10)
-          result.surface_area.col(molecule) += area * planes[static_cast<std::size_t>(-10 - neighbours[face])].normal;
+        if (neighbours[face] <= -10) result.surface_area.col(molecule) += area * planes[-10 - neighbours[face]].normal;
         for (const int c : incident[molecule]) {
           if (c >= body.connections.proper()) continue;
-          const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+          const auto& [a, b] = body.connections.ends[c];
           if (a == molecule && b == neighbours[face]) result.face_area[c] = area;
         }
       }
@@ -105,8 +104,7 @@ VoronoiCells voronoi_cells(const Body& body) {
 
 double lost_share(const Body& body, const VoronoiCells& cells) {
   double sum = 0;
-  for (int c = 0; c < body.connections.proper(); ++c)
-    sum += cells.face_area[c] * body.connections.rest_length[static_cast<std::size_t>(c)];
+  for (int c = 0; c < body.connections.proper(); ++c) sum += cells.face_area[c] * body.connections.rest_length[c];
   return 1 - sum / (3 * cells.volume.sum());
 }
 

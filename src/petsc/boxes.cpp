@@ -62,7 +62,7 @@ Matrix summed(const BoxLevel& part, const BoxGrid& grid, bool upper, MPI_Comm co
       const auto& at = grid.at(static_cast<int>(first + row));
       const int other = grid.point_at({at[0] + x, at[1] + y, at[2] + z});
       if (other < 0 || (upper && other < first + row)) continue;
-      ++(other >= first && other < first + count ? here : elsewhere)[static_cast<std::size_t>(row)];
+      ++(other >= first && other < first + count ? here : elsewhere)[row];
     }
   Matrix matrix;
   check((upper ? MatCreateSBAIJ : MatCreateBAIJ)(communicator, 3, 3 * count, 3 * count, 3 * points, 3 * points, 0,
@@ -204,7 +204,7 @@ BoxHierarchy::BoxHierarchy(const Model& local, const SharedBody& body) : frame_(
     const BoxGrid::Location location = grids_.front().locate(own.rest.col(a));
     const auto values = BoxGrid::values_at(location.at);
     for (int c = 0; c < BoxGrid::kCorners; ++c)
-      molecules.add(body.numbers()[static_cast<std::size_t>(a)], grids_.front().corners(location.box)[c], values[c]);
+      molecules.add(body.numbers()[a], grids_.front().corners(location.box)[c], values[c]);
   }
   to_molecules_ = molecules.finished();
   for (std::size_t level = 0; level + 1 < grids_.size(); ++level) {

@@ -248,7 +248,7 @@ class Newton {
     for (const auto& term : model_.local().elasticity()) term->add_force_densities(x, densities_, workspace_);
     double pull = 0;
     for (int c = 0; c < connections.size(); ++c) {
-      const auto& [a, b] = connections.ends[static_cast<std::size_t>(c)];
+      const auto& [a, b] = connections.ends[c];
       pull += std::abs(densities_[c]) * (x.col(b) - x.col(a)).norm();
     }
     for (const auto& term : model_.local().elasticity()) pull += term->internal_force(x);
@@ -295,8 +295,8 @@ class Newton {
     const Connections& connections = body_.local().connections;
     bool strained = false;
     for (int c = 0; c < connections.size() && !strained; ++c) {
-      const auto& [a, b] = connections.ends[static_cast<std::size_t>(c)];
-      const double length = connections.rest_length[static_cast<std::size_t>(c)];
+      const auto& [a, b] = connections.ends[c];
+      const double length = connections.rest_length[c];
       strained = !(std::abs((x.col(b) - x.col(a)).norm() - length) < limit * length);
     }
     return !body_.all(!strained);

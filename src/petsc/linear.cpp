@@ -18,7 +18,7 @@ Matrix assembled(const SharedTangent& tangent) {
   SharedModel& model = tangent.model();
   const SharedBody& body = model.body();
   std::vector<Matrix3> free(static_cast<std::size_t>(body.size()), Matrix3::Identity());
-  for (const Support& support : model.local().supports) free[static_cast<std::size_t>(support.molecule)] = support.free;
+  for (const Support& support : model.local().supports) free[support.molecule] = support.free;
   Matrix matrix;
   check(MatCreate(body.communicator(), matrix.out()));
   check(MatSetSizes(matrix, 3 * body.owned(), 3 * body.owned(), PETSC_DETERMINE, PETSC_DETERMINE));
@@ -29,10 +29,8 @@ Matrix assembled(const SharedTangent& tangent) {
   check(MatSetOption(matrix, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));  // cells may reach further
   const auto add = [&](int a, int b, const Matrix3& block) {
     if (model.of_step() && a >= body.owned()) return;  // another process has the whole row
-    const PetscInt row = body.numbers()[static_cast<std::size_t>(a)],
-                   column = body.numbers()[static_cast<std::size_t>(b)];
-    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> values =
-        free[static_cast<std::size_t>(a)] * block * free[static_cast<std::size_t>(b)];
+    const PetscInt row = body.numbers()[a], column = body.numbers()[b];
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> values = free[a] * block * free[b];
     check(MatSetValuesBlocked(matrix, 1, &row, 1, &column, values.data(), ADD_VALUES));
   };
   tangent.local().visit_blocks(add);
@@ -228,7 +226,7 @@ SharedTangent::SharedTangent(SharedModel& model, State state, const Weights& wei
     for (int a = 0; a < body.size(); ++a) column.col(a) = tangent_.diagonal(a).col(k);
     model.collect(column, sums);
     body.read(sums, owned);
-    for (int a = 0; a < body.owned(); ++a) diagonal_[static_cast<std::size_t>(a)].col(k) = owned.col(a);
+    for (int a = 0; a < body.owned(); ++a) diagonal_[a].col(k) = owned.col(a);
   }
   motion_.resize(3, body.size());
   forces_.resize(3, body.size());

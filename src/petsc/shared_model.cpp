@@ -26,18 +26,18 @@ void SharedBody::number_whole() {
   const std::vector<int> owners = bisect(given_.rest, processes);
   own_ = make_subdomain(given_, owners, rank);
   counts_.assign(static_cast<std::size_t>(processes), 0);
-  for (const int owner : owners) counts_[static_cast<std::size_t>(owner)] += 3;
+  for (const int owner : owners) counts_[owner] += 3;
   offsets_.assign(counts_.size(), 0);
   for (std::size_t i = 1; i < counts_.size(); ++i) offsets_[i] = offsets_[i - 1] + counts_[i - 1];
   std::vector<int> next = offsets_, number_of(owners.size());
   molecule_at_.resize(owners.size());
   for (std::size_t molecule = 0; molecule < owners.size(); ++molecule) {
-    int& at = next[static_cast<std::size_t>(owners[molecule])];
+    int& at = next[owners[molecule]];
     number_of[molecule] = at / 3;
-    molecule_at_[static_cast<std::size_t>(at / 3)] = static_cast<int>(molecule);
+    molecule_at_[at / 3] = static_cast<int>(molecule);
     at += 3;
   }
-  for (const int molecule : own_.molecules) numbers_.push_back(number_of[static_cast<std::size_t>(molecule)]);
+  for (const int molecule : own_.molecules) numbers_.push_back(number_of[molecule]);
 }
 
 Vector SharedBody::make_vector() const {
@@ -93,7 +93,7 @@ void SharedBody::take(const Positions& given, Positions& local) const {
     return;
   }
   local.resize(3, size());
-  for (int i = 0; i < size(); ++i) local.col(i) = given.col(own_.molecules[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < size(); ++i) local.col(i) = given.col(own_.molecules[i]);
 }
 
 void SharedBody::read(Vec owned_values, Positions& columns) const {
@@ -121,7 +121,7 @@ void SharedBody::gather(const Positions& owned_columns, Positions& given) const 
   MPI_Allgatherv(owned_columns.data(), 3 * owned(), MPI_DOUBLE, ordered.data(), counts_.data(), offsets_.data(),
                  MPI_DOUBLE, communicator_);
   given.resize(3, count);
-  for (Eigen::Index i = 0; i < count; ++i) given.col(molecule_at_[static_cast<std::size_t>(i)]) = ordered.col(i);
+  for (Eigen::Index i = 0; i < count; ++i) given.col(molecule_at_[i]) = ordered.col(i);
 }
 
 double SharedBody::sum(double own) const {

@@ -26,7 +26,7 @@ class SharedBody {
   int owned() const { return of_share() ? owned_molecules(given_) : own_.owned; }
   /// Number of each molecule in the whole.
   std::int64_t number(int molecule) const {
-    return of_share() ? number_in_whole(given_, molecule) : own_.molecules[static_cast<std::size_t>(molecule)];
+    return of_share() ? number_in_whole(given_, molecule) : own_.molecules[molecule];
   }
   std::int64_t all_molecules() const { return molecules_of_whole(given_); }
   MPI_Comm communicator() const { return communicator_; }

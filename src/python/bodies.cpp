@@ -63,7 +63,7 @@ std::vector<std::array<int, columns>> rows_from(const py::handle& given, const c
       if (number < std::numeric_limits<int>::min() || number > std::numeric_limits<int>::max())
         throw InputError(std::string(name) + "[" + std::to_string(row) + "]: there is no molecule " +
                          std::to_string(number));
-      rows[static_cast<std::size_t>(row)][column] = static_cast<int>(number);
+      rows[row][column] = static_cast<int>(number);
     }
   return rows;
 }

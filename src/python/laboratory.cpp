@@ -2,7 +2,7 @@
 
 #include <pybind11/eigen.h>
 
-#include "lab/experiment/run.h"
+#include "lab/run/run.h"
 #include "python/bind.h"
 #include "python/pickling.h"
 
@@ -51,7 +51,7 @@ py::dict columns_of(const LaboratoryResult& result) {
     return columns[name].cast<py::array_t<double>>().mutable_data();
   };
   for (py::ssize_t row = 0; row < rows; ++row) {
-    const auto& [at, measures] = result.curve[static_cast<std::size_t>(row)];
+    const auto& [at, measures] = result.curve[row];
     column("at")[row] = at;
     for (const Measured& one : measures) column(one.name.c_str())[row] = one.value;
   }

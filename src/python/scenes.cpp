@@ -1,4 +1,4 @@
-#include "elastin/lab/scene/held_scene.h"
+#include "elastin/config/held_scene.h"
 #include "lab/study/verdicts.h"
 #include "python/bind.h"
 

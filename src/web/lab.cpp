@@ -194,14 +194,14 @@ elastin_status elastin_lab_stress(const elastin_lab* lab, elastin_simulation* si
     const VectorX densities = tissue.model().force_densities(positions);
     std::vector<Matrix3> sums(static_cast<std::size_t>(body.size()), Matrix3::Zero());
     for (int connection = 0; connection < body.connections.size(); ++connection) {
-      const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(connection)];
+      const auto& [a, b] = body.connections.ends[connection];
       const Vector3 d = positions.col(b) - positions.col(a);
       const Matrix3 half = 0.5 * densities[connection] * d * d.transpose();
-      sums[static_cast<std::size_t>(a)] += half;
-      sums[static_cast<std::size_t>(b)] += half;
+      sums[a] += half;
+      sums[b] += half;
     }
     for (int molecule = 0; molecule < body.size(); ++molecule)
-      values[molecule] = web::von_mises(sums[static_cast<std::size_t>(molecule)] * (density / body.mass[molecule]));
+      values[molecule] = web::von_mises(sums[molecule] * (density / body.mass[molecule]));
   });
 }
 }

@@ -12,7 +12,7 @@ using namespace elastin;
 /// One way to load the body, step by step.
 struct Drawing {
   Simulation simulation;
-  std::unique_ptr<lab::StaticProtocol> protocol;
+  std::unique_ptr<lab::StaticExperiment> experiment;
   std::unique_ptr<lab::StaticRig> rig;
   State state;
   lab::Start start;
@@ -32,8 +32,8 @@ std::unique_ptr<Drawing> make_drawing(const elastin_lab& lab, const elastin_lab_
                                       const lab::TensionSetup& setup) {
   auto drawing = std::make_unique<Drawing>(Drawing{lab.simulation(settings, true), nullptr, nullptr, {}, {}, 1});
   const Body& body = drawing->simulation.body();
-  drawing->protocol = lab::make_tension(body, setup);
-  drawing->rig = drawing->protocol->static_rig(drawing->simulation.model());
+  drawing->experiment = lab::make_tension(body, setup);
+  drawing->rig = drawing->experiment->static_rig(drawing->simulation.model());
   drawing->state = state_at_rest(body);
   drawing->simulation.model().declare_history(drawing->state);
   drawing->steps = setup.load_steps;
@@ -135,7 +135,7 @@ elastin_status elastin_lab_test_tensions(elastin_lab_test* test, const double** 
     const Body& body = drawing.simulation.body();
     test->tensions = drawing.simulation.model().force_densities(drawing.state.positions);
     for (int connection = 0; connection < body.connections.size(); ++connection) {
-      const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(connection)];
+      const auto& [a, b] = body.connections.ends[connection];
       test->tensions[connection] *= (drawing.state.positions.col(b) - drawing.state.positions.col(a)).norm();
     }
     c::show(test->tensions, values, count);

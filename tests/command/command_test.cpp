@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "elastin/core/simulation/catalog.h"
-#include "elastin/lab/experiment/measures.h"
+#include "elastin/lab/run/measures.h"
 #include "support/temporary_folder.h"
 
 using Catch::Matchers::Contains;

@@ -296,7 +296,7 @@ TEST_CASE("a gap's gradient is the normal times the weights, and the normal turn
         };
         if (zeros(*after) != zeros(*before)) continue;  // the nearest point went over a side
         Vector3 moved = Vector3::Zero(), turned = Vector3::Zero();
-        const Sample& sample = search.samples()[static_cast<std::size_t>(contact_point.sample)];
+        const Sample& sample = search.samples()[contact_point.sample];
         for (int k = 0; k < sample.count; ++k) moved += sample.weights[k] * motion.col(sample.molecules[k]);
         for (int k = 0; k < contact_point.count; ++k) {
           moved -= contact_point.weights[k] * motion.col(contact_point.molecules[k]);
@@ -326,7 +326,7 @@ TEST_CASE("a sample deep in another piece is pushed back out where it came in, o
     ContactSearch search = setting.search();
     int from_block = 0;
     for (const ContactPoint& contact_point : found_by(search, setting.body.rest, {}, 0)) {
-      const Sample& sample = search.samples()[static_cast<std::size_t>(contact_point.sample)];
+      const Sample& sample = search.samples()[contact_point.sample];
       if (sample.piece != 1) continue;
       const Vector3 position = position_of(sample, setting.body.rest);
       if (position.z() > 0.002 - depth + 1e-6) continue;  // of the block's lower face alone
@@ -340,8 +340,7 @@ TEST_CASE("a sample deep in another piece is pushed back out where it came in, o
   const Setting through{together(plate, block, {0.021, 0.022, -0.001}), false};
   ContactSearch search = through.search();
   for (const ContactPoint& contact_point : found_by(search, through.body.rest, {}, 0)) {
-    const Vector3 position =
-        position_of(search.samples()[static_cast<std::size_t>(contact_point.sample)], through.body.rest);
+    const Vector3 position = position_of(search.samples()[contact_point.sample], through.body.rest);
     if (position.z() < 1e-6) CHECK(std::abs(contact_point.normal.z()) < 1e-12);
   }
 }
@@ -370,7 +369,7 @@ TEST_CASE("a layer folded onto itself touches itself, not through its own thickn
     if (strip.rest(0, molecule) > 0.3) closed(0, molecule) -= 2 * 0.03 + 4e-4;
   int pressed = 0;
   for (const ContactPoint& contact_point : found_by(search, closed, {}, 0)) {
-    const Vector3 position = position_of(search.samples()[static_cast<std::size_t>(contact_point.sample)], closed);
+    const Vector3 position = position_of(search.samples()[contact_point.sample], closed);
     if (position.z() < 0.1) continue;  // where the strip was torn along to get there
     ++pressed;
     CHECK(contact_point.gap == Approx(-4e-4).epsilon(1e-6));

@@ -51,7 +51,7 @@ TEST_CASE("Delaunay tetrahedra fill the hull, face to face, whatever lies on one
       const double own = signed_volume(body.rest, cell);
       REQUIRE(own > 0);
       filled += own;
-      for (const int molecule : cell) used[static_cast<std::size_t>(molecule)] = 1;
+      for (const int molecule : cell) used[molecule] = 1;
     }
     CHECK(filled == Approx(volume).epsilon(1e-9));
     CHECK(count_slivers(body.rest, cells) == 0);

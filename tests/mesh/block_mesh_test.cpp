@@ -67,8 +67,7 @@ std::string gmsh_text(const GmshCell& kind, const Body& body) {
     for (std::size_t a = 0; a < corners; ++a) text << ' ' << nodes[a] + 1;
     for (const auto& around : kind.middles) {
       Vector3 middle = Vector3::Zero();
-      for (const int corner : around)
-        middle += body.rest.col(nodes[static_cast<std::size_t>(corner)]) / static_cast<double>(around.size());
+      for (const int corner : around) middle += body.rest.col(nodes[corner]) / static_cast<double>(around.size());
       for (const int node : nodes)
         if ((body.rest.col(node) - middle).norm() < 1e-9) text << ' ' << node + 1;
     }
@@ -109,10 +108,8 @@ TEST_CASE("a mesh of second order that Gmsh wrote", "[mesh_file]") {
     for (int a = 4; a < 10; ++a) {
       const auto nodes = fine.blocks[0].cell(cell);
       const auto [i, j] = fine.blocks[0].kind->edges[static_cast<std::size_t>(a) - 4];
-      const Vector3 middle =
-          (fine.points.col(nodes[static_cast<std::size_t>(i)]) + fine.points.col(nodes[static_cast<std::size_t>(j)])) /
-          2;
-      CHECK((fine.points.col(nodes[static_cast<std::size_t>(a)]) - middle).norm() < 1e-9);
+      const Vector3 middle = (fine.points.col(nodes[i]) + fine.points.col(nodes[j])) / 2;
+      CHECK((fine.points.col(nodes[a]) - middle).norm() < 1e-9);
     }
 }
 

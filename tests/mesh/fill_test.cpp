@@ -141,7 +141,7 @@ TEST_CASE("a filled box keeps its corners, sides and volume", "[fill]") {
       const std::array<double, 3> ends{4, 2, 2};
       for (int axis = 0; axis < 3; ++axis) {
         const double x = filling.positions(axis, m);
-        planes += std::abs(x) < 1e-9 || std::abs(x - ends[static_cast<std::size_t>(axis)]) < 1e-9;
+        planes += std::abs(x) < 1e-9 || std::abs(x - ends[axis]) < 1e-9;
       }
       corners += planes == 3, on_sides += planes == 2;
     }

@@ -78,7 +78,7 @@ bool sound(const Mesh& mesh) {
   std::vector<bool> used(static_cast<std::size_t>(mesh.points.cols()), false);
   const auto use = [&](int point) {
     if (point < 0 || point >= mesh.points.cols()) return false;
-    used[static_cast<std::size_t>(point)] = true;
+    used[point] = true;
     return true;
   };
   for (const auto& cell : mesh.tetrahedra)
@@ -208,8 +208,7 @@ TEST_CASE("Gmsh 1, Nastran and I-DEAS files that Gmsh wrote give the same box", 
       for (std::size_t edge = 0; edge < 6; ++edge) {
         const auto nodes = block.cell(cell);
         const auto [i, j] = block.kind->edges[edge];
-        const Vector3 ends =
-            mesh.points.col(nodes[static_cast<std::size_t>(i)]) + mesh.points.col(nodes[static_cast<std::size_t>(j)]);
+        const Vector3 ends = mesh.points.col(nodes[i]) + mesh.points.col(nodes[j]);
         CHECK((2 * mesh.points.col(nodes[edge + 4]) - ends).norm() < 1e-9);
       }
   }
@@ -587,7 +586,7 @@ TEST_CASE("a large mesh that is numbered at random is numbered in space, any oth
   const Body block = tetrahedral_block(BlockKind::kuhn, {side, side, side}, Vector3::Ones());
   const auto text_of = [&](const std::vector<int>& number) {
     std::vector<int> at(number.size());
-    for (std::size_t m = 0; m < number.size(); ++m) at[static_cast<std::size_t>(number[m])] = static_cast<int>(m);
+    for (std::size_t m = 0; m < number.size(); ++m) at[number[m]] = static_cast<int>(m);
     std::ostringstream text;
     text.precision(17);
     text << "*NODE\n";
@@ -599,12 +598,12 @@ TEST_CASE("a large mesh that is numbered at random is numbered in space, any oth
     int label = 0;
     for (const auto& cell : block.tetrahedra) {
       text << ++label;
-      for (const int corner : cell) text << ", " << number[static_cast<std::size_t>(corner)] + 1;
+      for (const int corner : cell) text << ", " << number[corner] + 1;
       text << "\n";
     }
     text << "*NSET, NSET=bottom\n";
     for (int m = 0; m < block.size(); ++m)
-      if (block.rest(2, m) == 0) text << number[static_cast<std::size_t>(m)] + 1 << "\n";
+      if (block.rest(2, m) == 0) text << number[m] + 1 << "\n";
     return text.str();
   };
   std::vector<int> number(static_cast<std::size_t>(block.size()));

@@ -25,7 +25,7 @@ std::string ascii_stl() {
     text += "facet normal 0 0 0\nouter loop\n";
     for (const int corner : triangle) {
       text += "vertex";
-      for (const float x : kPoints[static_cast<std::size_t>(corner)]) text += " " + std::to_string(x);
+      for (const float x : kPoints[corner]) text += " " + std::to_string(x);
       text += "\n";
     }
     text += "endloop\nendfacet\n";
@@ -45,7 +45,7 @@ std::string binary_stl() {
   const std::array<float, 3> normal{};
   for (const auto& triangle : kTriangles) {
     append(bytes, normal.data(), 12);
-    for (const int corner : triangle) append(bytes, kPoints[static_cast<std::size_t>(corner)].data(), 12);
+    for (const int corner : triangle) append(bytes, kPoints[corner].data(), 12);
     bytes += std::string(2, '\0');
   }
   return bytes;
@@ -114,7 +114,7 @@ TEST_CASE("corners that differ by rounding are one, and those further apart are 
       text += "facet normal 0 0 0\nouter loop\n";
       for (const int corner : triangle) {
         text += "vertex";
-        for (const float x : kPoints[static_cast<std::size_t>(corner)]) {
+        for (const float x : kPoints[corner]) {
           char word[32];
           std::snprintf(word, sizeof word, " %.9g", x + noise * (++number - 18) / 18.);
           text += word;

@@ -36,7 +36,7 @@ TEST_CASE("Voronoi cells of a cubic lattice: faces h2 along the axes, a half and
     return (position.array() < 0.1 || position.array() > high - 0.1).cast<int>();
   };
   for (int c = 0; c < body.connections.size(); ++c) {
-    const auto [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+    const auto [a, b] = body.connections.ends[c];
     const Vector3 gap = grid.col(b) - grid.col(a);
     // A wall halves the face where it holds both molecules.
     const double walls = (on_walls(grid.col(a)) * on_walls(grid.col(b)) * (gap.array().abs() < 0.5).cast<int>()).sum();
@@ -58,11 +58,11 @@ TEST_CASE("inside a body-centred lattice the cells are truncated octahedra", "[v
   const VoronoiCells cells = voronoi_cells(body);
   int inside = 0;
   for (int c = 0; c < body.connections.size(); ++c) {
-    const auto [first, second] = body.connections.ends[static_cast<std::size_t>(c)];
+    const auto [first, second] = body.connections.ends[c];
     const auto deep = [&](int m) { return ((body.rest.col(m).array() - 3).abs() < 1.9).all(); };
     if (!deep(first) || !deep(second)) continue;
     ++inside;
-    const bool nearest = body.connections.rest_length[static_cast<std::size_t>(c)] < 0.9 * a;
+    const bool nearest = body.connections.rest_length[c] < 0.9 * a;
     REQUIRE(cells.face_area[c] == Approx(nearest ? 3 * std::sqrt(3.) / 16 * a * a : a * a / 8).epsilon(1e-10));
     REQUIRE(cells.volume[first] == Approx(a * a * a / 2).epsilon(1e-10));
   }

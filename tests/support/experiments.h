@@ -5,7 +5,7 @@
 
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/shapes/shapes.h"
-#include "lab/experiment/specimen.h"
+#include "lab/run/specimen.h"
 
 namespace elastin::testing {
 using namespace lab;
@@ -37,7 +37,7 @@ struct OneThread {
 };
 
 /// A run that must converge.
-inline Run solve(const Specimen& specimen, const Protocol& experiment, const std::string& strategy,
+inline Run solve(const Specimen& specimen, const Experiment& experiment, const std::string& strategy,
                  const StaticOptions& statics = {}) {
   static const Catalog catalog = built_in_catalog();
   Run run = run_strategy(specimen, experiment, choose_strategy(catalog, strategy), {.statics = statics});

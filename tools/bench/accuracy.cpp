@@ -71,12 +71,11 @@ constexpr double kLength = 1, kSide = 0.2;
 double mean_over_top(const Deck& deck, const std::map<int, Vector3>& motion) {
   double sum = 0, area = 0;
   for (const int cell : deck.cell_sets.at("TOP")) {
-    const auto& nodes = deck.cells[static_cast<std::size_t>(cell)];
+    const auto& nodes = deck.cells[cell];
     const bool quadratic = nodes.size() == 20;
-    for (const int corner : {4, 5, 6, 7})
-      sum += (quadratic ? -1. / 12 : 1. / 4) * motion.at(nodes[static_cast<std::size_t>(corner)]).z();
+    for (const int corner : {4, 5, 6, 7}) sum += (quadratic ? -1. / 12 : 1. / 4) * motion.at(nodes[corner]).z();
     for (const int middle : {12, 13, 14, 15})
-      if (quadratic) sum += motion.at(nodes[static_cast<std::size_t>(middle)]).z() / 3;
+      if (quadratic) sum += motion.at(nodes[middle]).z() / 3;
     area += 1;
   }
   return sum / area;

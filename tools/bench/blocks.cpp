@@ -7,10 +7,10 @@
 #include <stdexcept>
 
 #include "elastin/core/simulation/catalog.h"
-#include "lab/protocol/bending.h"
-#include "lab/protocol/shear.h"
-#include "lab/protocol/tension.h"
-#include "lab/protocol/torsion.h"
+#include "lab/experiment/bending/bending.h"
+#include "lab/experiment/shear/shear.h"
+#include "lab/experiment/tension/tension.h"
+#include "lab/experiment/torsion/torsion.h"
 
 namespace bench {
 

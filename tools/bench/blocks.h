@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "elastin/core/shapes/shapes.h"
-#include "lab/experiment/specimen.h"
+#include "lab/run/specimen.h"
 
 /// Boxes of tetrahedra whose converged solutions are known from other programs (dolfinx, CalculiX, GetFEM).
 namespace bench {
@@ -16,7 +16,7 @@ struct BlockCase {
   double modulus;         ///< E [Pa]
   double poissons_ratio;
   const char* law;  ///< "linear", or a cell law at large displacements
-  std::function<std::unique_ptr<elastin::lab::Protocol>(const elastin::Body&, const elastin::Material&)> experiment;
+  std::function<std::unique_ptr<elastin::lab::Experiment>(const elastin::Body&, const elastin::Material&)> experiment;
   const char* measure;
   double reference;  ///< of the measure, SI
   double error;      ///< of the reference, relative

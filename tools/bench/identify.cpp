@@ -113,7 +113,7 @@ std::vector<Figures> time_slopes(const Settings& settings) {
   const auto test = specimen.make(task);
   const Trial start = task.material;
   VectorX values(3);
-  for (Eigen::Index i = 0; i < 3; ++i) values[i] = specimen.numbers()[static_cast<std::size_t>(i)].value;
+  for (Eigen::Index i = 0; i < 3; ++i) values[i] = specimen.numbers()[i].value;
   const auto curve = [&](const VectorX& at) {
     return test->predict({specimen.row(), with_numbers(specimen.row(), start, specimen.numbers(), at), {}})->values;
   };

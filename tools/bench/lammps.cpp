@@ -43,7 +43,7 @@ struct BondTypes {
   BondTypes(const Body& body, const VectorX& constants) {
     std::map<std::array<std::string, 2>, int> known;
     for (int c = 0; c < body.connections.size(); ++c) {
-      const double k = constants[c], length = body.connections.rest_length[static_cast<std::size_t>(c)];
+      const double k = constants[c], length = body.connections.rest_length[c];
       const auto [at, is_new] =
           known.try_emplace({fmt::format("{:.8e}", k), fmt::format("{:.8e}", length)}, static_cast<int>(known.size()));
       if (is_new) constant_and_length.push_back({k, length});
@@ -66,8 +66,8 @@ void write_data(const Start& start, const BondTypes& types, const std::filesyste
     file.print("{} 1 1 {} {} {}\n", i + 1, start.positions(0, i), start.positions(1, i), start.positions(2, i));
   file.print("\nBonds\n\n");
   for (int c = 0; c < body.connections.size(); ++c) {
-    const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
-    file.print("{} {} {} {}\n", c + 1, types.of_connection[static_cast<std::size_t>(c)], a + 1, b + 1);
+    const auto& [a, b] = body.connections.ends[c];
+    file.print("{} {} {} {}\n", c + 1, types.of_connection[c], a + 1, b + 1);
   }
 }
 

@@ -7,8 +7,8 @@
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/shapes/surfaces.h"
-#include "lab/experiment/specimen.h"
-#include "lab/protocol/inflation.h"
+#include "lab/experiment/inflation/inflation.h"
+#include "lab/run/specimen.h"
 #include "measure.h"
 
 namespace bench {

@@ -15,7 +15,7 @@
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/solve/statics.h"
-#include "lab/protocol/tension.h"
+#include "lab/experiment/tension/tension.h"
 #include "measure.h"
 #include "tension_cube.h"
 

@@ -8,7 +8,7 @@
 #include "elastin/core/linear/linear_solver.h"
 #include "elastin/core/model/renumbered.h"
 #include "elastin/core/simulation/catalog.h"
-#include "lab/protocol/tension.h"
+#include "lab/experiment/tension/tension.h"
 #include "measure.h"
 
 namespace bench {

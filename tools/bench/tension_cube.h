@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "elastin/core/forces/model.h"
-#include "elastin/lab/experiment/protocol.h"
+#include "elastin/lab/run/experiment.h"
 
 namespace bench {
 
@@ -17,7 +17,7 @@ struct TensionCube {
   explicit TensionCube(int side, Numbering numbering = Numbering::lattice);
   elastin::Body body;
   elastin::Model model;
-  std::unique_ptr<elastin::lab::StaticProtocol> experiment;
+  std::unique_ptr<elastin::lab::StaticExperiment> experiment;
   elastin::Positions loads;
   double renumbering;  ///< what numbered_in_space took of it [s]
 

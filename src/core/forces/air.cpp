@@ -30,7 +30,7 @@ class AirDrag final : public Load {
 
   void add_change(const State& state, const Positions&, const Positions& dv, Positions& forces) const override {
     gather(forces, [&](int cell) -> Vector3 {
-      const auto& [a, b, c] = body_.triangles[static_cast<std::size_t>(cell)];
+      const auto& [a, b, c] = body_.triangles[cell];
       return -slope(Flow(*this, state, cell)) * (dv.col(a) + dv.col(b) + dv.col(c)) / 3;
     });
   }
@@ -50,7 +50,7 @@ class AirDrag final : public Load {
  private:
   struct Flow {
     Flow(const AirDrag& drag, const State& state, int cell) {
-      const auto& [a, b, c] = drag.body_.triangles[static_cast<std::size_t>(cell)];
+      const auto& [a, b, c] = drag.body_.triangles[cell];
       const Positions &x = state.positions, &v = state.velocities;
       const Vector3 twice = Vector3(x.col(b) - x.col(a)).cross(Vector3(x.col(c) - x.col(a)));
       area = twice.norm() / 2;

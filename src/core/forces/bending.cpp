@@ -63,8 +63,7 @@ struct Plate {
 
 Plate plate_of(const Patch& patch, const Eigen::Matrix2Xd& positions, double rigidity, double nu) {
   Plane2 own;
-  for (int corner = 0; corner < 3; ++corner)
-    own.col(corner) = positions.col(patch.molecules[static_cast<std::size_t>(corner)]);
+  for (int corner = 0; corner < 3; ++corner) own.col(corner) = positions.col(patch.molecules[corner]);
   const Plane2 gradients = gradients_of(own);
   Eigen::Matrix2d edges;
   edges << own.col(1) - own.col(0), own.col(2) - own.col(0);
@@ -76,7 +75,7 @@ Plate plate_of(const Patch& patch, const Eigen::Matrix2Xd& positions, double rig
   for (int e = 0; e < 3; ++e) {
     normals.col(e) = -gradients.col(e).normalized();
     share[e] = (own.col((e + 2) % 3) - own.col((e + 1) % 3)).norm() / (2 * area);
-    const int tip = patch.molecules[static_cast<std::size_t>(3 + e)];
+    const int tip = patch.molecules[3 + e];
     (tip < 0 ? rim : inner).push_back(e);
     if (tip < 0) continue;
     Plane2 other = own;
@@ -112,7 +111,7 @@ class Bending final : public Elasticity {
   Bending(const Body& body, double rigidity, double nu) : patches_(patches_of(body.triangles)) {
     std::map<Pair, int> connections;
     for (int c = 0; c < body.connections.size(); ++c) {
-      const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+      const auto& [a, b] = body.connections.ends[c];
       connections.emplace(ordered(a, b), c);
     }
     const Vector3 normal = normal_of(body), first = normal.unitOrthogonal();
@@ -126,7 +125,7 @@ class Bending final : public Elasticity {
           plates_.back().weights.transpose() * plates_.back().stiffness * plates_.back().weights;
       for (int i = 0; i < 6; ++i)
         for (int j = 0; j < i; ++j) {
-          const int a = patch.molecules[static_cast<std::size_t>(i)], b = patch.molecules[static_cast<std::size_t>(j)];
+          const int a = patch.molecules[i], b = patch.molecules[j];
           if (a < 0 || b < 0 || a == b || Q(i, j) == 0) continue;
           const auto found = connections.find(ordered(a, b));
           if (found == connections.end())
@@ -140,12 +139,11 @@ class Bending final : public Elasticity {
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<Bending>(*this); }
   double energy(const Positions& positions) const override {
     return ordered_sum(static_cast<int>(patches_.size()), [&](int cell) {
-      const auto& [weights, stiffness] = plates_[static_cast<std::size_t>(cell)];
+      const auto& [weights, stiffness] = plates_[cell];
       Eigen::Matrix<double, 3, 6> relative = Eigen::Matrix<double, 3, 6>::Zero();
-      const Vector3 origin = positions.col(patches_[static_cast<std::size_t>(cell)].molecules[0]);
+      const Vector3 origin = positions.col(patches_[cell].molecules[0]);
       for (int i = 0; i < 6; ++i)
-        if (const int molecule = patches_[static_cast<std::size_t>(cell)].molecules[static_cast<std::size_t>(i)];
-            molecule >= 0)
+        if (const int molecule = patches_[cell].molecules[i]; molecule >= 0)
           relative.col(i) = positions.col(molecule) - origin;
       const Matrix3 hinges = relative * weights.transpose();
       return (hinges * stiffness).cwiseProduct(hinges).sum() / 2;

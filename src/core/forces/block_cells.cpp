@@ -185,9 +185,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
             static_cast<std::size_t>(cell) * static_cast<std::size_t>(kind_.nodes * (kind_.nodes - 1) / 2);
         for (int a = 0; a < kind_.nodes; ++a)
           for (int b = a + 1; b < kind_.nodes; ++b, ++pair)
-            if (connections[pair] >= 0)
-              force_densities[connections[pair]] -=
-                  weight * B[static_cast<std::size_t>(a)].dot(SB[static_cast<std::size_t>(b)]);
+            if (connections[pair] >= 0) force_densities[connections[pair]] -= weight * B[a].dot(SB[b]);
       }
       state.strain /= rest_size;
       if (size > 0) state.stress /= size;
@@ -213,7 +211,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
             if constexpr (d == 3)
               if (!volume_.empty()) add_pressure(now.p[at], now.A[at], now.S[at], D[at]);
             const double weight = rest(cell, g).weight;
-            now_[static_cast<std::size_t>(cell * points_ + g)] = {now.F[at], weight * now.S[at], weight * D[at]};
+            now_[cell * points_ + g] = {now.F[at], weight * now.S[at], weight * D[at]};
           }
           if constexpr (d == 3)
             if (!volume_.empty()) set_stiffness_of_pressures(cell, now);
@@ -233,13 +231,13 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
         const Square half = now.F.transpose() * change[at];
         constexpr auto order = components<d>();
         for (int k = 0; k < of_C.size(); ++k) {
-          const auto [i, j] = order[static_cast<std::size_t>(k)];
+          const auto [i, j] = order[k];
           of_C[k] = (half(i, j) + half(j, i)) * (i == j ? 1 : 2);
         }
         const Components<d> of_S = now.D * of_C;
         Square dS;
         for (int k = 0; k < of_S.size(); ++k) {
-          const auto [i, j] = order[static_cast<std::size_t>(k)];
+          const auto [i, j] = order[k];
           dS(i, j) = dS(j, i) = of_S[k];
         }
         P[at].noalias() = change[at] * now.S;
@@ -249,12 +247,9 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
         if (!volume_.empty()) {
           Pressures swelling = Pressures::Zero();
           for (int g = 0; g < points_; ++g)
-            swelling += rest(cell, g).weight *
-                        cofactors(now(cell, g).F).cwiseProduct(change[static_cast<std::size_t>(g)]).sum() *
-                        functions_[static_cast<std::size_t>(g)];
-          const Pressures p = stiffness_of_pressures_[static_cast<std::size_t>(cell)] * swelling;
-          for (int g = 0; g < points_; ++g)
-            P[static_cast<std::size_t>(g)] += rest(cell, g).weight * at_point(p, g) * cofactors(now(cell, g).F);
+            swelling += rest(cell, g).weight * cofactors(now(cell, g).F).cwiseProduct(change[g]).sum() * functions_[g];
+          const Pressures p = stiffness_of_pressures_[cell] * swelling;
+          for (int g = 0; g < points_; ++g) P[g] += rest(cell, g).weight * at_point(p, g) * cofactors(now(cell, g).F);
         }
       spread(cell, P, own);
     });
@@ -267,25 +262,19 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
       std::fill(K.begin(), K.end(), Matrix3::Zero());
       for (int g = 0; g < points_; ++g) {
         std::array<Acting, kMostNodes> at;
-        for (int a = 0; a < n; ++a) at[static_cast<std::size_t>(a)] = acting(this->now(cell, g), slope(cell, g, a));
+        for (int a = 0; a < n; ++a) at[a] = acting(this->now(cell, g), slope(cell, g, a));
         for (int a = 0; a < n; ++a)
-          for (int b = 0; b < n; ++b)
-            add_pair(at[static_cast<std::size_t>(a)], at[static_cast<std::size_t>(b)],
-                     K[static_cast<std::size_t>(a * n + b)]);
+          for (int b = 0; b < n; ++b) add_pair(at[a], at[b], K[a * n + b]);
       }
       if constexpr (d == 3)
         if (!volume_.empty()) {
           const std::vector<PressureGradient> G = pressure_gradients(cell);
           for (int a = 0; a < n; ++a)
-            for (int b = 0; b < n; ++b)
-              add_pressures(G[static_cast<std::size_t>(a)], stiffness_of_pressures_[static_cast<std::size_t>(cell)],
-                            G[static_cast<std::size_t>(b)], K[static_cast<std::size_t>(a * n + b)]);
+            for (int b = 0; b < n; ++b) add_pressures(G[a], stiffness_of_pressures_[cell], G[b], K[a * n + b]);
         }
       const auto nodes = block_.cell(cell);
       for (int a = 0; a < n; ++a)
-        for (int b = 0; b < n; ++b)
-          visit(nodes[static_cast<std::size_t>(a)], nodes[static_cast<std::size_t>(b)],
-                K[static_cast<std::size_t>(a * n + b)]);
+        for (int b = 0; b < n; ++b) visit(nodes[a], nodes[b], K[a * n + b]);
     }
   }
 
@@ -302,7 +291,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
         const UpperTriangle own = blocks.col(i);
         Matrix3 block;
         block << own[0], own[1], own[2], own[1], own[3], own[4], own[2], own[4], own[5];
-        visit(block_.nodes[static_cast<std::size_t>(first * n + i)], block);
+        visit(block_.nodes[first * n + i], block);
       }
     }
   }
@@ -314,16 +303,14 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
       for (int cell = 0; cell < (volume_.empty() ? 0 : block_.size()); ++cell) {
         const int m = kind_.pressures;
         const std::vector<PressureGradient> G = pressure_gradients(cell);
-        const SymmetricEigen eigen =
-            symmetric_eigen(stiffness_of_pressures_[static_cast<std::size_t>(cell)].topLeftCorner(m, m));
+        const SymmetricEigen eigen = symmetric_eigen(stiffness_of_pressures_[cell].topLeftCorner(m, m));
         for (int k = 0; k < m; ++k) {
           if (!(eigen.values[k] > 0)) continue;
           Pressures along = Pressures::Zero();
           for (int j = 0; j < m; ++j) along[j] = eigen.vectors(j, k);
           gradient.clear();
           const auto nodes = block_.cell(cell);
-          for (int a = 0; a < kind_.nodes; ++a)
-            gradient.emplace_back(nodes[static_cast<std::size_t>(a)], G[static_cast<std::size_t>(a)] * along);
+          for (int a = 0; a < kind_.nodes; ++a) gradient.emplace_back(nodes[a], G[a] * along);
           visit(gradient, eigen.values[k]);
         }
       }
@@ -357,9 +344,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
             set_gradients(cell, gathered(motion, cell), change);
             Pressures own = Pressures::Zero();
             for (int g = 0; g < points_; ++g)
-              own += rest(cell, g).weight *
-                     cofactors(now(cell, g).F).cwiseProduct(change[static_cast<std::size_t>(g)]).sum() *
-                     functions_[static_cast<std::size_t>(g)];
+              own += rest(cell, g).weight * cofactors(now(cell, g).F).cwiseProduct(change[g]).sum() * functions_[g];
             swelling.segment(static_cast<Eigen::Index>(cell) * m, m) = own.head(m);
           },
           kCellThreshold);
@@ -372,8 +357,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
         Pressures all = Pressures::Zero();
         all.head(m) = pressures.segment(static_cast<Eigen::Index>(cell) * m, m);
         PointGradients<d> P;
-        for (int g = 0; g < points_; ++g)
-          P[static_cast<std::size_t>(g)] = rest(cell, g).weight * at_point(all, g) * cofactors(now(cell, g).F);
+        for (int g = 0; g < points_; ++g) P[g] = rest(cell, g).weight * at_point(all, g) * cofactors(now(cell, g).F);
         spread(cell, P, own);
       });
   }
@@ -384,7 +368,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
         [&](int cell) {
           const auto at = static_cast<Eigen::Index>(cell) * m;
           pressures.segment(at, m).noalias() =
-              stiffness_of_pressures_[static_cast<std::size_t>(cell)].topLeftCorner(m, m) * swelling.segment(at, m);
+              stiffness_of_pressures_[cell].topLeftCorner(m, m) * swelling.segment(at, m);
         },
         kCellThreshold);
   }
@@ -400,13 +384,13 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   Stiffness stiffness_at(int point) const override {
     const int cell = point / points_, g = point % points_;
     std::array<Acting, d> at;
-    for (int p = 0; p < d; ++p) at[static_cast<std::size_t>(p)] = acting(now(cell, g), Direction::Unit(p));
+    for (int p = 0; p < d; ++p) at[p] = acting(now(cell, g), Direction::Unit(p));
     Stiffness found{frame(cell, g), {}};
     found.stiffness.resize(3 * d, 3 * d);
     for (int p = 0; p < d; ++p)
       for (int q = 0; q < d; ++q) {
         Matrix3 block = Matrix3::Zero();
-        add_pair(at[static_cast<std::size_t>(p)], at[static_cast<std::size_t>(q)], block);
+        add_pair(at[p], at[q], block);
         found.stiffness.template block<3, 3>(3 * p, 3 * q) = block;
       }
     return found;
@@ -491,7 +475,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     set_strains(positions, cell, now);
     if (d == 3 && now.inverted) return std::numeric_limits<double>::infinity();
     std::array<double, kMostPoints> weights;
-    for (int g = 0; g < points_; ++g) weights[static_cast<std::size_t>(g)] = rest(cell, g).weight;
+    for (int g = 0; g < points_; ++g) weights[g] = rest(cell, g).weight;
     double sum = softened_
                      ? softened_energy_of(cell, now)
                      : laws_->energy(number(cell), span(now.A), {weights.data(), static_cast<std::size_t>(points_)});
@@ -503,7 +487,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     if (!relaxing_) return sum;
     sum *= relaxing_.factor();
     for (int g = 0; g < points_; ++g)
-      sum += rest(cell, g).weight / 2 * left_stress(cell, g).cwiseProduct(now.A[static_cast<std::size_t>(g)]).sum();
+      sum += rest(cell, g).weight / 2 * left_stress(cell, g).cwiseProduct(now.A[g]).sum();
     return sum;
   }
 
@@ -532,10 +516,10 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
       if (!volume_.empty()) add_pressures(G, stiffness_of_pressures(cell, now), G, block.hessian);
   }
 
-  const Rest& rest(int cell, int g) const { return rest_[static_cast<std::size_t>(cell * points_ + g)]; }
-  const Now& now(int cell, int g) const { return now_[static_cast<std::size_t>(cell * points_ + g)]; }
+  const Rest& rest(int cell, int g) const { return rest_[cell * points_ + g]; }
+  const Now& now(int cell, int g) const { return now_[cell * points_ + g]; }
   /// Of a cell where laws and volumes have theirs.
-  int number(int cell) const { return numbers_.empty() ? cell : numbers_[static_cast<std::size_t>(cell)]; }
+  int number(int cell) const { return numbers_.empty() ? cell : numbers_[cell]; }
   const Volumetric& volume_of(int cell) const {
     return volume_[volume_.size() == 1 ? 0 : static_cast<std::size_t>(number(cell))];
   }
@@ -545,7 +529,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     if constexpr (d == 3)
       return Matrix3::Identity();
     else
-      return frames_[static_cast<std::size_t>(cell * points_ + g)];
+      return frames_[cell * points_ + g];
   }
 
   void set_rest() {
@@ -554,7 +538,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
       PointGradients<d> all;
       slopes_.gradients(gathered(body_.rest, cell), all);
       for (int g = 0; g < points_; ++g) {
-        const Gradient& edges = all[static_cast<std::size_t>(g)];
+        const Gradient& edges = all[g];
         Square in_frame;
         if constexpr (d == 3) {
           in_frame = edges;
@@ -578,9 +562,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     return own;
   }
 
-  Direction reference_slope(int g, int a) const {
-    return Eigen::Map<const Direction>(kind_.slopes[static_cast<std::size_t>(g)].data() + d * a);
-  }
+  Direction reference_slope(int g, int a) const { return Eigen::Map<const Direction>(kind_.slopes[g].data() + d * a); }
   /// B_a at a point.
   Direction slope(int cell, int g, int a) const { return rest(cell, g).inverse.transpose() * reference_slope(g, a); }
 
@@ -588,14 +570,14 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   void set_gradients(int cell, const NodeVectors& values, PointGradients<d>& at_points) const {
     slopes_.gradients(values, at_points);
     for (int g = 0; g < points_; ++g) {
-      Gradient& own = at_points[static_cast<std::size_t>(g)];
+      Gradient& own = at_points[g];
       own = (own * rest(cell, g).inverse).eval();
     }
   }
   /// own.col(a) += Σ_g P_g B_a; P becomes what its reference slopes multiply.
   void spread(int cell, PointGradients<d>& P, NodeVectors& own) const {
     for (int g = 0; g < points_; ++g) {
-      Gradient& at = P[static_cast<std::size_t>(g)];
+      Gradient& at = P[g];
       at = (at * rest(cell, g).inverse.transpose()).eval();
     }
     slopes_.spread(P, own);
@@ -624,7 +606,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     set_strains(positions, cell, now);
     laws_->stresses(number(cell), span(now.A), span(now.S));
     if (softened_)
-      for (int g = 0; g < points_; ++g) now.S[static_cast<std::size_t>(g)] *= softened_at(cell, g, now).factor;
+      for (int g = 0; g < points_; ++g) now.S[g] *= softened_at(cell, g, now).factor;
     set_pressures(cell, now, now.p);
   }
   void set_stresses(const Positions& positions, int cell, Stresses& now) const {
@@ -642,7 +624,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   /// W of the laws at one point [J/m³], [J/m²].
   double density(int cell, int g, const Strains& now) const {
     const double one = 1;
-    return laws_->energy(number(cell), {&now.A[static_cast<std::size_t>(g)], 1}, {&one, 1});
+    return laws_->energy(number(cell), {&now.A[g], 1}, {&one, 1});
   }
   SoftenedEnergy softened_at(int cell, int g, const Strains& now) const {
     return softened_.at(cell * points_ + g, density(cell, g, now));
@@ -667,7 +649,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     Components<d> own;
     constexpr auto order = components<d>();
     for (int k = 0; k < own.size(); ++k) {
-      const auto [i, j] = order[static_cast<std::size_t>(k)];
+      const auto [i, j] = order[k];
       own[k] = tensor(i, j);
     }
     return own;
@@ -678,7 +660,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     Square tensor;
     constexpr auto order = components<d>();
     for (int k = 0; k < kComponents; ++k) {
-      const auto [i, j] = order[static_cast<std::size_t>(k)];
+      const auto [i, j] = order[k];
       tensor(i, j) = tensor(j, i) = own[k];
     }
     return tensor;
@@ -714,7 +696,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     Changes V;
     constexpr auto order = components<d>();
     for (int k = 0; k < V.rows(); ++k) {
-      const auto [p, q] = order[static_cast<std::size_t>(k)];
+      const auto [p, q] = order[k];
       for (int i = 0; i < 3; ++i) V(k, i) = (F(i, p) * B[q] + F(i, q) * B[p]) * (p == q ? 1 : 2);
     }
     return V;
@@ -764,8 +746,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
         const std::vector<PressureGradient> G = pressure_gradients(cell);
         for (int a = 0; a < kind_.nodes; ++a) {
           Matrix3 block = Matrix3::Zero();
-          add_pressures(G[static_cast<std::size_t>(a)], stiffness_of_pressures_[static_cast<std::size_t>(cell)],
-                        G[static_cast<std::size_t>(a)], block);
+          add_pressures(G[a], stiffness_of_pressures_[cell], G[a], block);
           blocks.col(a) += upper_triangle(block);
         }
       }
@@ -787,7 +768,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   void set_pressure_functions() {
     functions_.assign(static_cast<std::size_t>(points_), Pressures::Zero());
     for (int g = 0; g < points_; ++g) {
-      Pressures& own = functions_[static_cast<std::size_t>(g)];
+      Pressures& own = functions_[g];
       own[0] = 1;
       for (int k = 1; k < kind_.pressures; ++k) own[k] = kind_.points(k - 1, g);
     }
@@ -795,7 +776,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     for (int cell = 0; cell < block_.size(); ++cell) {
       PressureMatrix M = PressureMatrix::Zero();
       for (int g = 0; g < points_; ++g) {
-        const Pressures& own = functions_[static_cast<std::size_t>(g)];
+        const Pressures& own = functions_[g];
         M += rest(cell, g).weight * own * own.transpose();
       }
       PressureMatrix inverted = PressureMatrix::Zero();
@@ -803,24 +784,24 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
       inverse_mass_.push_back(inverted);
     }
   }
-  double at_point(const Pressures& values, int g) const { return functions_[static_cast<std::size_t>(g)].dot(values); }
+  double at_point(const Pressures& values, int g) const { return functions_[g].dot(values); }
   /// M⁻¹ ∫ φ v.
   template <class Value>
   Pressures projected(int cell, Value value) const {
     Pressures sum = Pressures::Zero();
-    for (int g = 0; g < points_; ++g) sum += rest(cell, g).weight * value(g) * functions_[static_cast<std::size_t>(g)];
-    return inverse_mass_[static_cast<std::size_t>(cell)] * sum;
+    for (int g = 0; g < points_; ++g) sum += rest(cell, g).weight * value(g) * functions_[g];
+    return inverse_mass_[cell] * sum;
   }
   /// θ − 1.
   Pressures projected_swelling(int cell, const Strains& now) const {
-    return projected(cell, [&](int g) { return now.swelling[static_cast<std::size_t>(g)]; });
+    return projected(cell, [&](int g) { return now.swelling[g]; });
   }
   /// p at the points: the projection of U′(θ) [Pa].
   void set_pressures(int cell, const Strains& now, std::array<double, kMostPoints>& p) const {
     if (volume_.empty()) return;
     const Pressures theta = projected_swelling(cell, now);
     const Pressures own = projected(cell, [&](int g) { return volume_of(cell).slope(at_point(theta, g)); });
-    for (int g = 0; g < points_; ++g) p[static_cast<std::size_t>(g)] = at_point(own, g);
+    for (int g = 0; g < points_; ++g) p[g] = at_point(own, g);
   }
   /// S += p J C⁻¹ and D += ½ p J (G_ij G_kl − G_ik G_jl − G_il G_jk), G = C⁻¹.
   static void add_pressure(double p, const Matrix3& A, Matrix3& S, TangentModuli<3>& D) {
@@ -831,23 +812,23 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     constexpr auto order = components<3>();
     for (int row = 0; row < 6; ++row)
       for (int column = 0; column < 6; ++column) {
-        const auto [i, j] = order[static_cast<std::size_t>(row)];
-        const auto [k, l] = order[static_cast<std::size_t>(column)];
+        const auto [i, j] = order[row];
+        const auto [k, l] = order[column];
         D(row, column) += pJ / 2 * (G(i, j) * G(k, l) - G(i, k) * G(j, l) - G(i, l) * G(j, k));
       }
   }
   /// Q in δp = Q ∫ φ δJ: M⁻¹ ∫ U″ φ φᵀ M⁻¹.
   void set_stiffness_of_pressures(int cell, const Strains& now) {
-    stiffness_of_pressures_[static_cast<std::size_t>(cell)] = stiffness_of_pressures(cell, now);
+    stiffness_of_pressures_[cell] = stiffness_of_pressures(cell, now);
   }
   PressureMatrix stiffness_of_pressures(int cell, const Strains& now) const {
     const Pressures theta = projected_swelling(cell, now);
     PressureMatrix sum = PressureMatrix::Zero();
     for (int g = 0; g < points_; ++g) {
-      const Pressures& own = functions_[static_cast<std::size_t>(g)];
+      const Pressures& own = functions_[g];
       sum += rest(cell, g).weight * volume_of(cell).curvature(at_point(theta, g)) * own * own.transpose();
     }
-    const PressureMatrix& M = inverse_mass_[static_cast<std::size_t>(cell)];
+    const PressureMatrix& M = inverse_mass_[cell];
     return pressure_part_ * (relaxing_ ? relaxing_.factor() : 1) * M * sum * M;
   }
   /// Of each node.
@@ -856,9 +837,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     if constexpr (d == 3)
       for (int g = 0; g < points_; ++g) {
         const Matrix3 to_node = rest(cell, g).weight * cofactors(now(cell, g).F);
-        for (int a = 0; a < kind_.nodes; ++a)
-          G[static_cast<std::size_t>(a)] +=
-              (to_node * slope(cell, g, a)) * functions_[static_cast<std::size_t>(g)].transpose();
+        for (int a = 0; a < kind_.nodes; ++a) G[a] += (to_node * slope(cell, g, a)) * functions_[g].transpose();
       }
     return G;
   }

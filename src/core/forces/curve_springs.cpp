@@ -122,8 +122,7 @@ std::unique_ptr<Elasticity> make_springs(const Body& body, VectorX constants, co
 std::unique_ptr<Elasticity> make_cables(const Body& body) {
   VectorX sections = VectorX::Zero(body.connections.size());  // w L P(ε) = EA ε with a modulus of 1 Pa
   for (const Cable& cable : body.cables)
-    sections[cable.connection] =
-        cable.stiffness / body.connections.rest_length[static_cast<std::size_t>(cable.connection)];
+    sections[cable.connection] = cable.stiffness / body.connections.rest_length[cable.connection];
   return make_curve_springs(body, std::move(sections), StressStrain::linear(1).without_compression());
 }
 

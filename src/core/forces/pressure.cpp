@@ -21,7 +21,7 @@ Eigen::Vector2d volume_and_change(const Cells<3>& triangles, const Positions& po
   return ordered_sum<Eigen::Vector2d>(
       static_cast<int>(triangles.size()),
       [&](int cell) -> Eigen::Vector2d {
-        const auto& [a, b, c] = triangles[static_cast<std::size_t>(cell)];
+        const auto& [a, b, c] = triangles[cell];
         const Vector3 x = positions.col(a) - apex, y = positions.col(b) - apex, z = positions.col(c) - apex;
         const Vector3 yz = y.cross(z), zx = z.cross(x), xy = x.cross(y);
         return {x.dot(yz) / 6, (yz.dot(motion.col(a)) + zx.dot(motion.col(b)) + xy.dot(motion.col(c))) / 6};
@@ -56,7 +56,7 @@ PressureLaw controlled_volume(double volume, double stiffness, double pressure) 
 
 double enclosed_volume(const Cells<3>& triangles, const Positions& positions, const Vector3& apex) {
   return ordered_sum(static_cast<int>(triangles.size()), [&](int cell) {
-    const auto& [a, b, c] = triangles[static_cast<std::size_t>(cell)];
+    const auto& [a, b, c] = triangles[cell];
     const Vector3 x = positions.col(a) - apex, y = positions.col(b) - apex, z = positions.col(c) - apex;
     return x.dot(y.cross(z)) / 6;
   });
@@ -116,22 +116,20 @@ void Pressure::add_to_corners(Positions& sums, OfTriangle&& of_triangle) const {
   const int triangles = static_cast<int>(body_.triangles.size());
   if (triangles < kParallelThreshold || threads() == 1) {
     for (int cell = 0; cell < triangles; ++cell) {
-      const auto& corners = body_.triangles[static_cast<std::size_t>(cell)];
+      const auto& corners = body_.triangles[cell];
       const Vector3 vector = of_triangle(corners);
       for (const int corner : corners) sums.col(corner) += vector;
     }
     return;
   }
   Positions vectors(3, triangles);
-  parallel_for(triangles,
-               [&](int cell) { vectors.col(cell) = of_triangle(body_.triangles[static_cast<std::size_t>(cell)]); });
+  parallel_for(triangles, [&](int cell) { vectors.col(cell) = of_triangle(body_.triangles[cell]); });
   parallel_for(
       body_.size(),
       [&](int molecule) {
         Vector3 sum = sums.col(molecule);
         const auto at = static_cast<std::size_t>(molecule);
-        for (int slot = start_[at]; slot < start_[at + 1]; ++slot)
-          sum += vectors.col(slots_[static_cast<std::size_t>(slot)] / 3);
+        for (int slot = start_[at]; slot < start_[at + 1]; ++slot) sum += vectors.col(slots_[slot] / 3);
         sums.col(molecule) = sum;
       },
       1);

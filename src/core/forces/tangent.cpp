@@ -176,8 +176,7 @@ void Tangent::set_diagonal() {
   const Body& body = model_.body();
   diagonal_.assign(static_cast<std::size_t>(body.size()), Six::Zero());
   const auto add = [&](int a, const Matrix3& block) {
-    diagonal_[static_cast<std::size_t>(a)] +=
-        Six{block(0, 0), block(0, 1), block(0, 2), block(1, 1), block(1, 2), block(2, 2)};
+    diagonal_[a] += Six{block(0, 0), block(0, 1), block(0, 2), block(1, 1), block(1, 2), block(2, 2)};
   };
   if (weights_.acceleration != 0)  // bodies that never move need no masses
     for (int a = 0; a < body.size(); ++a) add(a, weights_.acceleration * body.mass[a] * Matrix3::Identity());
@@ -221,8 +220,7 @@ void Tangent::add_diagonal_of(const CellSlopes& cells) {
         for (int b = 0; b < n - 1; ++b)
           for (int c = 0; c < n - 1; ++c) own(b, c) = slopes(kSidesAt<n>[a][b], kSidesAt<n>[a][c]);
         const Matrix3 block = 2 * cells.factor * d * own * d.transpose();
-        diagonal_[static_cast<std::size_t>(nodes[a])] +=
-            Six{block(0, 0), block(0, 1), block(0, 2), block(1, 1), block(1, 2), block(2, 2)};
+        diagonal_[nodes[a]] += Six{block(0, 0), block(0, 1), block(0, 2), block(1, 1), block(1, 2), block(2, 2)};
       }
     }
   };

@@ -17,7 +17,7 @@ std::vector<Matrix3> triangle_tensions(const Model& model, const Positions& posi
   for (const auto& term : model.elasticity()) term->add_triangle_force_densities(positions, own, shared, workspace);
   std::vector<int> triangles(static_cast<std::size_t>(body.connections.size()), 0);
   for (const auto& cell : sides)
-    for (const int c : cell) ++triangles[static_cast<std::size_t>(c)];
+    for (const int c : cell) ++triangles[c];
 
   std::vector<Matrix3> tensions(sides.size(), Matrix3::Zero());
   for (std::size_t cell = 0; cell < sides.size(); ++cell) {
@@ -26,7 +26,7 @@ std::vector<Matrix3> triangle_tensions(const Model& model, const Positions& posi
     const double area = ab.cross(ac).norm() / 2;
     if (!(area > 0)) continue;
     for (int side = 0; side < 3; ++side) {
-      const auto connection = static_cast<std::size_t>(sides[cell][static_cast<std::size_t>(side)]);
+      const auto connection = static_cast<std::size_t>(sides[cell][side]);
       const auto& [from, to] = body.connections.ends[connection];
       const Vector3 d = positions.col(to) - positions.col(from);
       const double q = own(side, static_cast<Eigen::Index>(cell)) +

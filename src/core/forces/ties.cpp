@@ -15,7 +15,7 @@ class Ties final : public Load {
   void add_forces(const State& state, Positions& forces) const override { add_pulls(state.positions, forces); }
   double energy(const State& state) const override {
     return ordered_sum(static_cast<int>(body_.ties.size()), [&](int t) {
-      const Tie& tie = body_.ties[static_cast<std::size_t>(t)];
+      const Tie& tie = body_.ties[t];
       return tie.stiffness / 2 * gap(tie, state.positions).squaredNorm();
     });
   }

@@ -98,7 +98,7 @@ class Volume final : public Elasticity {
       : groups_(std::move(groups)), graph_(body.connections, groups_.tetrahedra), modulus_(modulus) {
     for (const auto& cell : groups_.tetrahedra) rest_volume_.push_back(signed_volume(body.rest, cell));
     group_volume_.resize(groups_.size());
-    set_group_sums([&](int t) { return rest_volume_[static_cast<std::size_t>(t)]; }, group_volume_);
+    set_group_sums([&](int t) { return rest_volume_[t]; }, group_volume_);
   }
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<Volume>(*this); }
@@ -136,7 +136,7 @@ class Volume final : public Elasticity {
     pressures_.resize(tetrahedra());
     set_pressures(positions, changes_, pressures_);
     now_.resize(static_cast<std::size_t>(tetrahedra()));
-    parallel_for(tetrahedra(), [&](int t) { now_[static_cast<std::size_t>(t)] = tetrahedron(positions, t); });
+    parallel_for(tetrahedra(), [&](int t) { now_[t] = tetrahedron(positions, t); });
   }
 
   void add_own_slopes(VectorX&) const override {}
@@ -213,15 +213,14 @@ class Volume final : public Elasticity {
         modulus_(whole.modulus_) {
     const std::vector<int> chosen = chosen_groups(whole.groups_, own);
     group_volume_.resize(groups_.size());
-    for (int group = 0; group < groups_.size(); ++group)
-      group_volume_[group] = whole.group_volume_[chosen[static_cast<std::size_t>(group)]];
+    for (int group = 0; group < groups_.size(); ++group) group_volume_[group] = whole.group_volume_[chosen[group]];
     for (const auto& cell : groups_.tetrahedra) rest_volume_.push_back(signed_volume(own.body->rest, cell));
   }
 
   int tetrahedra() const { return static_cast<int>(groups_.tetrahedra.size()); }
-  const std::array<int, 4>& cell(int t) const { return groups_.tetrahedra[static_cast<std::size_t>(t)]; }
+  const std::array<int, 4>& cell(int t) const { return groups_.tetrahedra[t]; }
   Tetrahedron tetrahedron(const Positions& positions, int t) const {
-    return {positions, cell(t), std::abs(rest_volume_[static_cast<std::size_t>(t)])};
+    return {positions, cell(t), std::abs(rest_volume_[t])};
   }
 
   /// Σ w value(T) over each group.

@@ -56,7 +56,7 @@ std::vector<int> chosen_groups(const VolumeGroups& whole, const Subdomain& own) 
     if (!whole.of_molecules) {
       std::vector<int> molecules;
       for (const int t : whole.members[group])
-        for (const int molecule : whole.tetrahedra[static_cast<std::size_t>(t)]) molecules.push_back(molecule);
+        for (const int molecule : whole.tetrahedra[t]) molecules.push_back(molecule);
       lowest = lowest_in_whole(*own.whole, molecules);
     }
     if (own.owns(lowest)) chosen.push_back(group);
@@ -82,7 +82,7 @@ VolumeGroups groups_on(const VolumeGroups& whole, const Subdomain& own, const st
     result.members.start.push_back(static_cast<int>(result.members.entries.size()));
   }
   for (const int t : kept) {
-    auto cell = whole.tetrahedra[static_cast<std::size_t>(t)];
+    auto cell = whole.tetrahedra[t];
     for (int& molecule : cell) molecule = own.local(molecule);
     result.tetrahedra.push_back(cell);
     for (const int group : whole.groups_of[t])

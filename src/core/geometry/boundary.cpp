@@ -18,7 +18,7 @@ std::vector<std::array<int, sides>> all_faces(const std::vector<std::array<int, 
   for (const auto& cell : cells)
     for (const auto& face : faces) {
       auto& added = all.emplace_back();
-      for (std::size_t side = 0; side < sides; ++side) added[side] = cell[static_cast<std::size_t>(face[side])];
+      for (std::size_t side = 0; side < sides; ++side) added[side] = cell[face[side]];
     }
   return all;
 }

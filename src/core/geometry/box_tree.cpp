@@ -14,9 +14,9 @@ BoxTree::BoxTree(const std::vector<Box>& items, const std::vector<int>& groups) 
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     Node& node = nodes_[n];
     if (node.second < 0) {
-      node.group = groups.empty() ? 0 : groups[static_cast<std::size_t>(node.item)];
+      node.group = groups.empty() ? 0 : groups[node.item];
     } else {
-      const int first = nodes_[n + 1].group, second = nodes_[static_cast<std::size_t>(node.second)].group;
+      const int first = nodes_[n + 1].group, second = nodes_[node.second].group;
       node.group = first == second ? first : -1;
     }
   }
@@ -32,7 +32,7 @@ void BoxTree::lay_out(const std::vector<Box>& items, std::span<int> order) {
     nodes_[here].item = order[0];
     return;
   }
-  const auto box_of = [&](int item) -> const Box& { return items[static_cast<std::size_t>(item)]; };
+  const auto box_of = [&](int item) -> const Box& { return items[item]; };
   Vector3 low = box_of(order[0]).low, high = box_of(order[0]).high;
   for (const int item : order) low = low.cwiseMin(box_of(item).low), high = high.cwiseMax(box_of(item).high);
   int axis = 0;
@@ -50,10 +50,10 @@ void BoxTree::refit(const std::vector<Box>& items) {
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     Node& node = nodes_[n];
     if (node.second < 0) {
-      node.box = items[static_cast<std::size_t>(node.item)];
+      node.box = items[node.item];
       continue;
     }
-    const Box &first = nodes_[n + 1].box, &second = nodes_[static_cast<std::size_t>(node.second)].box;
+    const Box &first = nodes_[n + 1].box, &second = nodes_[node.second].box;
     node.box = {first.low.cwiseMin(second.low), first.high.cwiseMax(second.high)};
     size_ += node.box.half_diagonal();
   }

@@ -116,7 +116,7 @@ MatrixXd box_nodes(int dimensions, int nodes) {
   int count = 0;
   for (int c = 0; c < corners; ++c) all.col(count++) = Vector3(corner[c][0], corner[c][1], corner[c][2]);
   for (int e = 0; e < edges; ++e) {
-    const auto [a, b] = hexahedron_edges()[static_cast<std::size_t>(e)];
+    const auto [a, b] = hexahedron_edges()[e];
     all.col(count++) = (all.col(a) + all.col(b)) / 2;
   }
   for (int f = dimensions == 3 ? 0 : 6; f < 7; ++f) all.col(count++) = Vector3(face[f][0], face[f][1], face[f][2]);
@@ -271,7 +271,7 @@ std::vector<Lists> parts_of_27() {
     Lists own;
     for (const auto& face : faces) {
       auto& added = own.emplace_back();
-      for (const int c : face) added.push_back(corners[static_cast<std::size_t>(c)]);
+      for (const int c : face) added.push_back(corners[c]);
     }
     parts.push_back(std::move(own));
   }
@@ -288,10 +288,10 @@ std::vector<Lists> parts_of_20() {
   for (const auto& face : faces) {  // corners 0 … 3, then the middle of the edge behind each
     middle.push_back({face[4], face[5], face[6], face[7]});
     for (std::size_t i = 0; i < 4; ++i)
-      corner_triangles[static_cast<std::size_t>(face[i])].push_back({face[i], face[4 + i], face[4 + (i + 3) % 4]});
+      corner_triangles[face[i]].push_back({face[i], face[4 + i], face[4 + (i + 3) % 4]});
   }
   for (int c = 0; c < 8; ++c) {
-    Lists& own = corner_triangles[static_cast<std::size_t>(c)];
+    Lists& own = corner_triangles[c];
     // The triangle across: {c, next, previous} on each face runs outward; across runs through the three middles.
     std::vector<int> ring{own[0][1], own[0][2]};
     for (const auto& triangle : own)
@@ -404,15 +404,13 @@ std::vector<std::vector<int>> hexahedra_of_27() {
     for (int c = 0; c < 8; ++c) {
       const Vector3 place = (small.col(part) + small.col(c)) / 2;
       for (int a = 0; a < 27; ++a)
-        if ((all.col(a) - place).norm() < 1e-9) parts[static_cast<std::size_t>(part)].push_back(a);
+        if ((all.col(a) - place).norm() < 1e-9) parts[part].push_back(a);
     }
   return parts;
 }
 
 std::vector<std::vector<int>> simplices_of(const CellKind& kind, std::span<const int> numbers) {
-  const auto before = [&](int a, int b) {
-    return numbers[static_cast<std::size_t>(a)] < numbers[static_cast<std::size_t>(b)];
-  };
+  const auto before = [&](int a, int b) { return numbers[a] < numbers[b]; };
   std::vector<std::vector<int>> simplices;
   const auto add_face = [&](const std::vector<int>& face, int apex) {
     const auto first = static_cast<std::size_t>(std::min_element(face.begin(), face.end(), before) - face.begin());

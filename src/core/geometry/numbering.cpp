@@ -31,9 +31,7 @@ std::vector<int> order_in_space(const Positions& positions) {
     const Vector3 cell = (positions.col(static_cast<Eigen::Index>(i)) - low) / side * 0x1fffff;
     for (int axis = 0; axis < 3; ++axis) along[i] |= spread(static_cast<std::uint64_t>(cell[axis])) << axis;
   }
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return along[static_cast<std::size_t>(a)] < along[static_cast<std::size_t>(b)];
-  });
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return along[a] < along[b]; });
   return order;
 }
 

@@ -35,7 +35,7 @@ ReferenceSlopes<d>::ReferenceSlopes(const CellKind& kind) : kind_(kind), points_
   nodes_.resize(27);
   for (int a = 0; a < 27; ++a) {
     const Eigen::Vector3i at = (kind.reference.col(a).array() + 1).round().template cast<int>();
-    nodes_[static_cast<std::size_t>(at[0] + 3 * at[1] + 9 * at[2])] = a;
+    nodes_[at[0] + 3 * at[1] + 9 * at[2]] = a;
   }
   // Of the nodes on the x axis at the points on it: along y and z the functions of one coordinate are the same.
   for (int g = 0; g < 3; ++g) {
@@ -50,9 +50,9 @@ template <int d>
 void ReferenceSlopes<d>::gradients(const NodeVectors& values, PointGradients<d>& at_points) const {
   if (!nodes_.empty()) return gradients_by_products(values, at_points);
   for (int g = 0; g < points_; ++g) {
-    const double* slopes = kind_.slopes[static_cast<std::size_t>(g)].data();
+    const double* slopes = kind_.slopes[g].data();
     const double* v = values.data();
-    auto& sum = at_points[static_cast<std::size_t>(g)];
+    auto& sum = at_points[g];
     sum.setZero();
     for (int a = 0; a < kind_.nodes; ++a, v += 3, slopes += d)
       for (int i = 0; i < d; ++i)
@@ -64,8 +64,8 @@ template <int d>
 void ReferenceSlopes<d>::spread(const PointGradients<d>& at_points, NodeVectors& own) const {
   if (!nodes_.empty()) return spread_by_products(at_points, own);
   for (int g = 0; g < points_; ++g) {
-    const auto& of_reference = at_points[static_cast<std::size_t>(g)];
-    const double* slopes = kind_.slopes[static_cast<std::size_t>(g)].data();
+    const auto& of_reference = at_points[g];
+    const double* slopes = kind_.slopes[g].data();
     double* v = own.data();
     for (int a = 0; a < kind_.nodes; ++a, v += 3, slopes += d)
       for (int i = 0; i < d; ++i)
@@ -78,7 +78,7 @@ void ReferenceSlopes<d>::gradients_by_products(const NodeVectors& values, PointG
   if constexpr (d == 3) {
     Places v, by_z, of_z, by_y, of_zy, of_y;
     for (std::size_t at = 0; at < 27; ++at)
-      for (int k = 0; k < 3; ++k) v[at][static_cast<std::size_t>(k)] = values(k, nodes_[at]);
+      for (int k = 0; k < 3; ++k) v[at][k] = values(k, nodes_[at]);
     multiply<2, false, false>(values_, v, of_z);
     multiply<2, false, false>(slopes_, v, by_z);
     multiply<1, false, false>(values_, of_z, of_zy);
@@ -90,7 +90,7 @@ void ReferenceSlopes<d>::gradients_by_products(const NodeVectors& values, PointG
     multiply<0, false, false>(values_, of_y, slopes[2]);
     for (std::size_t g = 0; g < 27; ++g)
       for (int i = 0; i < 3; ++i)
-        for (int k = 0; k < 3; ++k) at_points[g](k, i) = slopes[i][g][static_cast<std::size_t>(k)];
+        for (int k = 0; k < 3; ++k) at_points[g](k, i) = slopes[i][g][k];
   }
 }
 
@@ -100,7 +100,7 @@ void ReferenceSlopes<d>::spread_by_products(const PointGradients<d>& at_points, 
     Places slopes[3], by_x, of_xy, of_x, of_y, sum;
     for (std::size_t g = 0; g < 27; ++g)
       for (int i = 0; i < 3; ++i)
-        for (int k = 0; k < 3; ++k) slopes[i][g][static_cast<std::size_t>(k)] = at_points[g](k, i);
+        for (int k = 0; k < 3; ++k) slopes[i][g][k] = at_points[g](k, i);
     multiply<0, true, false>(slopes_, slopes[0], by_x);
     multiply<0, true, false>(values_, slopes[1], of_x);
     multiply<0, true, false>(values_, slopes[2], of_y);
@@ -110,7 +110,7 @@ void ReferenceSlopes<d>::spread_by_products(const PointGradients<d>& at_points, 
     multiply<2, true, false>(values_, of_xy, sum);
     multiply<2, true, true>(slopes_, of_x, sum);
     for (std::size_t at = 0; at < 27; ++at)
-      for (int k = 0; k < 3; ++k) own(k, nodes_[at]) += sum[at][static_cast<std::size_t>(k)];
+      for (int k = 0; k < 3; ++k) own(k, nodes_[at]) += sum[at][k];
   }
 }
 

@@ -39,7 +39,7 @@ SurfaceNormals::SurfaceNormals(int points, const Cells<3>& triangles) : triangle
 }
 
 Vector3 SurfaceNormals::at(const Positions& positions, int triangle, const std::array<double, 3>& weights) const {
-  const auto& corners = triangles_[static_cast<std::size_t>(triangle)];
+  const auto& corners = triangles_[triangle];
   const auto zeros = std::count(weights.begin(), weights.end(), 0);
   const Vector3 face = unit_or_zero(cross_of(positions, corners));
   Vector3 sum = face;
@@ -48,13 +48,12 @@ Vector3 SurfaceNormals::at(const Positions& positions, int triangle, const std::
     const int from = corners[(out + 1) % 3], to = corners[(out + 2) % 3];
     sum.setZero();
     for (const int other : around_[from])
-      if (const auto& its = triangles_[static_cast<std::size_t>(other)]; has(its, to))
-        sum += unit_or_zero(cross_of(positions, its));
+      if (const auto& its = triangles_[other]; has(its, to)) sum += unit_or_zero(cross_of(positions, its));
   } else if (zeros == 2) {
     const int corner = corners[weights[0] != 0 ? 0 : weights[1] != 0 ? 1 : 2];
     sum.setZero();
     for (const int other : around_[corner]) {
-      const auto& its = triangles_[static_cast<std::size_t>(other)];
+      const auto& its = triangles_[other];
       sum += angle_at(positions, its, corner) * unit_or_zero(cross_of(positions, its));
     }
   }

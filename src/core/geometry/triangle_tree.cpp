@@ -15,7 +15,7 @@ TriangleTree::TriangleTree(Positions points, Cells<3> triangles)
 }
 
 std::array<Vector3, 3> TriangleTree::corners(int triangle) const {
-  const auto& [a, b, c] = triangles()[static_cast<std::size_t>(triangle)];
+  const auto& [a, b, c] = triangles()[triangle];
   return {points_.col(a), points_.col(b), points_.col(c)};
 }
 

@@ -139,7 +139,7 @@ std::vector<double> tributary_areas(const Points2& points, const Points2& polygo
         if (other != i) part = nearer_half(part, mine, points.col(other));
       });
     }
-    areas[static_cast<std::size_t>(i)] = part.size() < 3 ? 0 : area(part);
+    areas[i] = part.size() < 3 ? 0 : area(part);
   }
   return areas;
 }

@@ -192,7 +192,7 @@ Jet3 evaluated(const Steps& steps, const Invariants& at) {
   std::array<Jet3, kMost> results;
   std::size_t next = 0;
   for (const auto& step : steps) {
-    const auto of = [&](std::size_t i) -> const Jet3& { return results[static_cast<std::size_t>(step.of[i])]; };
+    const auto of = [&](std::size_t i) -> const Jet3& { return results[step.of[i]]; };
     Jet3& result = results[next++];
     if (step.kind == Kind::number)
       result = Jet3::constant(step.number);

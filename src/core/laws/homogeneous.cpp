@@ -159,7 +159,7 @@ class Balance {
   }
 
  private:
-  int component(Eigen::Index unknown) const { return free_[static_cast<std::size_t>(unknown)]; }
+  int component(Eigen::Index unknown) const { return free_[unknown]; }
   Matrix3 direction(Eigen::Index unknown) const {
     const auto [row, column] = kComponents[component(unknown)];
     Matrix3 result = Matrix3::Zero();

@@ -38,8 +38,7 @@ struct Jet3 {
     result.value = f;
     for (std::size_t i = 0; i < 3; ++i) result.slope[i] = f1 * slope[i];
     for (std::size_t p = 0; p < 6; ++p)
-      result.curvature[p] = f1 * curvature[p] + f2 * slope[static_cast<std::size_t>(pairs[p][0])] *
-                                                    slope[static_cast<std::size_t>(pairs[p][1])];
+      result.curvature[p] = f1 * curvature[p] + f2 * slope[pairs[p][0]] * slope[pairs[p][1]];
     return result;
   }
 };

@@ -17,7 +17,7 @@ class BlockInverses {
   void compute(const Tangent& tangent, const std::vector<Support>& supports);
   /// Of a force [N]; [m].
   Vector3 times(int molecule, const Vector3& force) const {
-    const auto& [xx, xy, xz, yy, yz, zz] = blocks_[static_cast<std::size_t>(molecule)];
+    const auto& [xx, xy, xz, yy, yz, zz] = blocks_[molecule];
     const Vector3 f = flexibility_ * force;
     return {xx * f.x() + xy * f.y() + xz * f.z(), xy * f.x() + yy * f.y() + yz * f.z(),
             xz * f.x() + yz * f.y() + zz * f.z()};

@@ -68,9 +68,9 @@ double spacing_of(const Body& body) {
   std::vector<std::array<float, 3>> shortest(static_cast<std::size_t>(body.size()), {none, none, none});
   const Connections& connections = body.connections;
   for (int c = 0; c < connections.size(); ++c) {
-    const auto length = static_cast<float>(connections.rest_length[static_cast<std::size_t>(c)]);
-    for (const int end : connections.ends[static_cast<std::size_t>(c)]) {
-      auto& [first, second, third] = shortest[static_cast<std::size_t>(end)];
+    const auto length = static_cast<float>(connections.rest_length[c]);
+    for (const int end : connections.ends[c]) {
+      auto& [first, second, third] = shortest[end];
       if (length >= third) continue;
       third = length;
       if (third < second) std::swap(second, third);
@@ -81,7 +81,7 @@ double spacing_of(const Body& body) {
   for (int molecule = 0; molecule < owned_molecules(body); ++molecule) {
     float sum = 0;
     int count = 0;
-    for (const float length : shortest[static_cast<std::size_t>(molecule)])
+    for (const float length : shortest[molecule])
       if (length < none) sum += length, ++count;
     if (sum > 0) means.push_back(double{sum / static_cast<float>(count)});
   }
@@ -102,7 +102,7 @@ double long_connection(const Body& body) {
   if (body.share) {
     lengths.clear();
     for (int c = 0; c < body.connections.size(); ++c)
-      if (computes(body, c)) lengths.push_back(body.connections.rest_length[static_cast<std::size_t>(c)]);
+      if (computes(body, c)) lengths.push_back(body.connections.rest_length[c]);
     const auto all = static_cast<std::int64_t>(sum_over(body, static_cast<double>(lengths.size())));
     return all > 0 ? nth_over(body, lengths, all - 1 - all / 32) : 0;
   }
@@ -123,8 +123,7 @@ Sorted sorted_by_box(const BoxGrid& grid, const std::vector<int>& outline_boxes)
   for (std::size_t box = 1; box < sorted.start.size(); ++box) sorted.start[box] += sorted.start[box - 1];
   std::vector<int> next(sorted.start.begin(), sorted.start.end() - 1);
   for (std::size_t item = 0; item < outline_boxes.size(); ++item)
-    sorted.items[static_cast<std::size_t>(next[static_cast<std::size_t>(grid.number_of(outline_boxes[item]))]++)] =
-        static_cast<int>(item);
+    sorted.items[next[grid.number_of(outline_boxes[item])]++] = static_cast<int>(item);
   return sorted;
 }
 
@@ -132,7 +131,7 @@ Sorted sorted_by_box(const BoxGrid& grid, const std::vector<int>& outline_boxes)
 Vector3 middle_of(const Body& body, const CellSlopes& cells, int cell) {
   Vector3 sum = Vector3::Zero();
   for (const int c : cells.connections_of(cell))
-    for (const int end : body.connections.ends[static_cast<std::size_t>(c)]) sum += body.rest.col(end);
+    for (const int end : body.connections.ends[c]) sum += body.rest.col(end);
   return sum / (2 * cells.sides);
 }
 
@@ -256,21 +255,21 @@ class Assembly {
     const Eigen::Index axes = frame.cols();
     std::array<Corners, 3> along;
     for (Eigen::Index p = 0; p < axes; ++p)
-      along[static_cast<std::size_t>(p)] = slopes_along(location.at, grid_.along(frame.col(p)).cast<float>());
+      along[p] = slopes_along(location.at, grid_.along(frame.col(p)).cast<float>());
     for (Eigen::Index p = 0; p < axes; ++p) {
       std::array<Corners, 9> of_second;  // Σ_q a_q[j] K_pq
       of_second.fill(Corners::Zero());
       for (Eigen::Index q = 0; q < axes; ++q) {
         const Eigen::Matrix3f part = stiffness.block<3, 3>(3 * p, 3 * q).cast<float>();
-        for (int e = 0; e < 9; ++e) of_second[e] += part.data()[e] * along[static_cast<std::size_t>(q)];
+        for (int e = 0; e < 9; ++e) of_second[e] += part.data()[e] * along[q];
       }
       for (int j = 0; j < kCorners; ++j)
-        for (int e = 0; e < 9; ++e) sum[j][e] += of_second[e][j] * along[static_cast<std::size_t>(p)];
+        for (int e = 0; e < 9; ++e) sum[j][e] += of_second[e][j] * along[p];
     }
   }
 
   Vector3 rest_vector(int c) const {
-    const auto& [a, b] = body_.connections.ends[static_cast<std::size_t>(c)];
+    const auto& [a, b] = body_.connections.ends[c];
     return body_.rest.col(b) - body_.rest.col(a);
   }
 
@@ -333,11 +332,11 @@ void add_at_molecules(const Tangent& tangent, const std::vector<Support>& suppor
   std::vector<Matrix3> own;
   tangent.visit_other_diagonal([&](int molecule, const Matrix3& block) {
     if (own.empty()) own.assign(static_cast<std::size_t>(body.size()), Matrix3::Zero());
-    own[static_cast<std::size_t>(molecule)] += block;
+    own[molecule] += block;
   });
   const double inertia = tangent.weights().acceleration;
   for (int a = 0; a < body.size() && (inertia != 0 || !own.empty()); ++a) {
-    Matrix3 block = own.empty() ? Matrix3::Zero() : positive_part(own[static_cast<std::size_t>(a)]);
+    Matrix3 block = own.empty() ? Matrix3::Zero() : positive_part(own[a]);
     if (inertia != 0) block.diagonal().array() += inertia * body.mass[a];
     if (!block.isZero(0)) assembly.add_at(body.rest.col(a), block);
   }
@@ -364,7 +363,7 @@ GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports,
   std::vector<std::vector<int>> of_elements;  // cells, then points, of each law and shape
   const auto used_boxes = [&](int count, const auto& place_of) {
     auto& boxes = of_elements.emplace_back(static_cast<std::size_t>(count));
-    parallel_for(count, [&](int i) { boxes[static_cast<std::size_t>(i)] = grid.outline_box(place_of(i)); });
+    parallel_for(count, [&](int i) { boxes[i] = grid.outline_box(place_of(i)); });
     for (const int box : boxes) grid.use(box);
   };
   tangent.visit_cells([&](const CellSlopes& cells) {

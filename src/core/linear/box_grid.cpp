@@ -47,7 +47,7 @@ int BoxGrid::point_at(const std::array<int, 3>& at) const {
     if (at[axis] < 0 || at[axis] > counts_[axis]) return -1;
     point = point * (counts_[axis] + 1) + at[axis];
   }
-  return number_of_point_[static_cast<std::size_t>(point)];
+  return number_of_point_[point];
 }
 
 void BoxGrid::number() {
@@ -77,8 +77,7 @@ void BoxGrid::number() {
   corners_.resize(static_cast<std::size_t>(boxes));
   for (std::size_t box = 0; box < used_.size(); ++box)
     for (int c = 0; used_[box] && c < kCorners; ++c)
-      corners_[static_cast<std::size_t>(number_of_box_[box])][static_cast<std::size_t>(c)] =
-          number_of_point_[corner(box, c)];
+      corners_[number_of_box_[box]][c] = number_of_point_[corner(box, c)];
 }
 
 BoxGrid BoxGrid::coarser() const {
@@ -92,7 +91,7 @@ BoxGrid BoxGrid::coarser() const {
   for (std::size_t box = 0; box < used_.size(); ++box) {
     const int b = static_cast<int>(box);
     const int x = b % counts_[0] / 2, y = b / counts_[0] % counts_[1] / 2, z = b / counts_[0] / counts_[1] / 2;
-    if (used_[box]) grid.used_[static_cast<std::size_t>(x + grid.counts_[0] * (y + grid.counts_[1] * z))] = 1;
+    if (used_[box]) grid.used_[x + grid.counts_[0] * (y + grid.counts_[1] * z)] = 1;
   }
   grid.number();
   return grid;

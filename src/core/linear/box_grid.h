@@ -42,7 +42,7 @@ class BoxGrid {
   /// The box of the outline that holds a place.
   int outline_box(const Vector3& position) const;
   /// Until the boxes are numbered: keeps one.
-  void use(int outline_box) { used_[static_cast<std::size_t>(outline_box)] = 1; }
+  void use(int outline_box) { used_[outline_box] = 1; }
   /// Until then too: whether each box of the outline is kept, 0 or 1.
   std::vector<char>& used() { return used_; }
   /// Numbers the boxes that were kept, and their points.
@@ -56,19 +56,19 @@ class BoxGrid {
   double size() const { return size_; }
   int layers() const { return counts_[2]; }
   /// The first box of a layer, boxes() for layer = layers().
-  int first_box(int layer) const { return layer_start_[static_cast<std::size_t>(layer)]; }
+  int first_box(int layer) const { return layer_start_[layer]; }
 
   /// Of a box that was kept.
-  int number_of(int outline_box) const { return number_of_box_[static_cast<std::size_t>(outline_box)]; }
+  int number_of(int outline_box) const { return number_of_box_[outline_box]; }
   Location locate(const Vector3& position) const;
   /// A vector of the body's space along the grid's axes, in units of a box's size.
   Vector3 along(const Vector3& vector) const {
     return Vector3(vector[axes_[0]], vector[axes_[1]], vector[axes_[2]]) * per_size_;
   }
   /// The points of a box, corner x + 2 y + 4 z.
-  const std::array<int, kCorners>& corners(int box) const { return corners_[static_cast<std::size_t>(box)]; }
+  const std::array<int, kCorners>& corners(int box) const { return corners_[box]; }
   /// Where a point is on the grid.
-  const std::array<int, 3>& at(int point) const { return at_[static_cast<std::size_t>(point)]; }
+  const std::array<int, 3>& at(int point) const { return at_[point]; }
   /// The point there, −1 where there is none.
   int point_at(const std::array<int, 3>& at) const;
 

@@ -40,7 +40,7 @@ BoxLevel::BoxLevel(BoxGrid grid)
 }
 
 Matrix3 BoxLevel::block_to(int point, int code) const {
-  const Row& row = rows_[static_cast<std::size_t>(point)];
+  const Row& row = rows_[point];
   if (code != BoxGrid::kSelf) {
     const Eigen::Matrix<float, 1, 9> numbers = row.row(code);
     return as_block(numbers.data()).cast<double>();
@@ -81,13 +81,13 @@ void BoxLevel::finish(bool is_part) {
 
 /// (A x)_i
 inline Eigen::Vector3f BoxLevel::difference(const Vectors& x, int point) const {
-  const Row& row = rows_[static_cast<std::size_t>(point)];
-  const auto& others = around_[static_cast<std::size_t>(point)];
+  const Row& row = rows_[point];
+  const auto& others = around_[point];
   alignas(16) float d[3][kSlots];
   const float* all = x.data();
   const float* own = all + 3 * static_cast<std::ptrdiff_t>(point);
   for (int code = 0; code < BoxGrid::kAround; ++code) {
-    const float* other = all + 3 * static_cast<std::ptrdiff_t>(others[static_cast<std::size_t>(code)]);
+    const float* other = all + 3 * static_cast<std::ptrdiff_t>(others[code]);
     for (int k = 0; k < 3; ++k) d[k][code] = other[k] - own[k];
   }
   for (int k = 0; k < 3; ++k) d[k][BoxGrid::kSelf] = own[k], d[k][27] = 0;

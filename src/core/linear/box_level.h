@@ -21,10 +21,10 @@ class BoxLevel {
   int points() const { return grid_.points(); }
 
   /// Adds to the block between two points, `code` above the middle: that below follows from finish().
-  auto block(int point, int code) { return rows_[static_cast<std::size_t>(point)].row(code); }
+  auto block(int point, int code) { return rows_[point].row(code); }
   /// Adds to S of a point.
-  Matrix3& sum(int point) { return sums_[static_cast<std::size_t>(point)]; }
-  const Matrix3& sum(int point) const { return sums_[static_cast<std::size_t>(point)]; }
+  Matrix3& sum(int point) { return sums_[point]; }
+  const Matrix3& sum(int point) const { return sums_[point]; }
   /// Mirrors the blocks and makes ready for the calls below; a level that is a part of one only for coarser(),
   /// neighbour() and block_to().
   void finish(bool is_part = false);
@@ -45,9 +45,7 @@ class BoxLevel {
 
   /// The block A_ij, itself included, in double precision.
   Matrix3 block_to(int point, int code) const;
-  int neighbour(int point, int code) const {
-    return around_[static_cast<std::size_t>(point)][static_cast<std::size_t>(code)];
-  }
+  int neighbour(int point, int code) const { return around_[point][code]; }
 
  private:
   Eigen::Vector3f difference(const Vectors& x, int point) const;

@@ -22,10 +22,10 @@ class Factor {
     wide_.resize(parts.front().direction.size(), count);
     MatrixX border = MatrixX::Zero(count, count);
     for (Eigen::Index i = 0; i < count; ++i) {
-      Positions direction = parts[static_cast<std::size_t>(i)].direction;
+      Positions direction = parts[i].direction;
       keep_free(supports, direction);
       wide_.col(i) = Eigen::Map<const VectorX>(direction.data(), direction.size());
-      border(i, i) = 1 / parts[static_cast<std::size_t>(i)].factor;
+      border(i, i) = 1 / parts[i].factor;
     }
     const auto positive = [](const MatrixX& matrix) {
       return static_cast<int>((symmetric_eigenvalues(matrix).array() > 0).count());

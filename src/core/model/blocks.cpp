@@ -19,7 +19,7 @@ void set_simplices(Body& body) {
   for (const CellBlock& block : body.blocks)
     for (int cell = 0; cell < block.size(); ++cell) {
       const auto nodes = block.cell(cell);
-      const auto node = [&](int own) { return nodes[static_cast<std::size_t>(own)]; };
+      const auto node = [&](int own) { return nodes[own]; };
       for (const auto& simplex : simplices_of(*block.kind, nodes))
         if (block.kind->dimensions == 2)
           body.triangles.push_back({node(simplex[0]), node(simplex[1]), node(simplex[2])});
@@ -86,8 +86,7 @@ VectorX lumped_volumes(const Body& body, double thickness) {
         squares += weight * kind.values.col(point).cwiseAbs2();
       }
       if (kind.dimensions == 2) volume *= thickness;
-      for (int a = 0; a < kind.nodes; ++a)
-        volumes[nodes[static_cast<std::size_t>(a)]] += volume * squares[a] / squares.sum();
+      for (int a = 0; a < kind.nodes; ++a) volumes[nodes[a]] += volume * squares[a] / squares.sum();
     }
   }
   return volumes;
@@ -106,11 +105,10 @@ double measure_of(const Eigen::MatrixXd& edges) {
 
 VectorX face_shares(const Body& body, const std::vector<int>& molecules, const Vector3& direction) {
   std::vector<char> among(static_cast<std::size_t>(body.size()), 0);
-  for (const int molecule : molecules) among[static_cast<std::size_t>(molecule)] = 1;
+  for (const int molecule : molecules) among[molecule] = 1;
   VectorX areas = VectorX::Zero(body.size());
   for (const BlockFace& face : boundary_faces(body)) {
-    if (!std::all_of(face.nodes.begin(), face.nodes.end(),
-                     [&](int molecule) { return among[static_cast<std::size_t>(molecule)] != 0; }))
+    if (!std::all_of(face.nodes.begin(), face.nodes.end(), [&](int molecule) { return among[molecule] != 0; }))
       continue;
     const CellKind& kind = *face.kind;
     const Eigen::MatrixXd own = positions_of(body.rest, face.nodes);
@@ -119,8 +117,7 @@ VectorX face_shares(const Body& body, const std::vector<int>& molecules, const V
       const auto point = static_cast<Eigen::Index>(g);
       const double area =
           kind.weights[point] * std::abs(Vector3(edges.col(0)).cross(Vector3(edges.col(1))).dot(direction));
-      for (int a = 0; a < kind.nodes; ++a)
-        areas[face.nodes[static_cast<std::size_t>(a)]] += area * kind.values(a, point);
+      for (int a = 0; a < kind.nodes; ++a) areas[face.nodes[a]] += area * kind.values(a, point);
     }
   }
   return areas(molecules);
@@ -138,7 +135,7 @@ std::vector<BlockFace> boundary_faces(const Body& body) {
       for (std::size_t f = 0; f < block.kind->faces.size(); ++f) {
         Entry entry;
         entry.face.kind = block.kind->face_kinds[f];
-        for (const int own : block.kind->faces[f]) entry.face.nodes.push_back(nodes[static_cast<std::size_t>(own)]);
+        for (const int own : block.kind->faces[f]) entry.face.nodes.push_back(nodes[own]);
         entry.sorted = entry.face.nodes;
         std::sort(entry.sorted.begin(), entry.sorted.end());
         all.push_back(std::move(entry));

@@ -24,11 +24,11 @@ void sort_once(std::vector<std::array<int, 2>>& pairs) {
   for (const auto& pair : pairs) ++next[static_cast<std::size_t>(pair[0]) + 1];
   for (std::size_t row = 1; row < next.size(); ++row) next[row] += next[row - 1];
   std::vector<int> seconds(pairs.size());
-  for (const auto& pair : pairs) seconds[next[static_cast<std::size_t>(pair[0])]++] = pair[1];
+  for (const auto& pair : pairs) seconds[next[pair[0]]++] = pair[1];
   pairs.clear();
   auto begin = seconds.begin();
   for (int first = 0; first <= most; ++first) {
-    const auto end = seconds.begin() + static_cast<std::ptrdiff_t>(next[static_cast<std::size_t>(first)]);
+    const auto end = seconds.begin() + static_cast<std::ptrdiff_t>(next[first]);
     std::sort(begin, end);
     for (auto last = std::unique(begin, end); begin != last; ++begin) pairs.push_back({first, *begin});
     begin = end;

@@ -17,9 +17,9 @@ namespace {
 /// A third of the area, seen along `direction`, of each boundary triangle whose three corners are in the face.
 VectorX triangle_thirds(const Body& body, const std::vector<int>& molecules, const Vector3& direction) {
   std::vector<char> among(static_cast<std::size_t>(body.size()), 0);
-  for (const int molecule : molecules) among[static_cast<std::size_t>(molecule)] = 1;
+  for (const int molecule : molecules) among[molecule] = 1;
   VectorX areas = VectorX::Zero(body.size());
-  const auto is_among = [&](int molecule) { return among[static_cast<std::size_t>(molecule)] != 0; };
+  const auto is_among = [&](int molecule) { return among[molecule] != 0; };
   Cells<4> cells;  // with a side in the face
   for (const auto& cell : body.tetrahedra)
     if (std::count_if(cell.begin(), cell.end(), is_among) >= 3) cells.push_back(cell);
@@ -46,13 +46,12 @@ std::vector<int> molecules_above(const Body& body, const VectorX& height, double
               [&](int a, int b) { return number_in_whole(body, a) < number_in_whole(body, b); });
   for (const int molecule : ascending) {
     const auto at = static_cast<std::size_t>(molecule);
-    const MoleculeBetween* between =
-        molecule < first ? nullptr : &body.between[static_cast<std::size_t>(molecule - first)];
+    const MoleculeBetween* between = molecule < first ? nullptr : &body.between[molecule - first];
     if (!between || between->empty())
       above[at] = height[molecule] >= low;
     else
-      above[at] = std::all_of(between->begin(), between->end(),
-                              [&](const auto& other) { return above[static_cast<std::size_t>(other.first)] != 0; });
+      above[at] =
+          std::all_of(between->begin(), between->end(), [&](const auto& other) { return above[other.first] != 0; });
     if (above[at]) molecules.push_back(molecule);
   }
   std::sort(molecules.begin(), molecules.end());
@@ -147,9 +146,9 @@ BoxSides find_box(const Body& body, const Matrix3& axes, double depth) {
     box.size[k] = largest_over(body, along.row(k).maxCoeff()) - least_over(body, along.row(k).minCoeff());
   for (int side = 0; side < 6; ++side) {
     const int axis = side / 2;
-    box.sides[static_cast<std::size_t>(side)] = end_face(body, (side % 2 ? 1 : -1) * axes.col(axis), depth);
+    box.sides[side] = end_face(body, (side % 2 ? 1 : -1) * axes.col(axis), depth);
     const double whole = box.size.prod() / box.size[axis];
-    if (!(box.sides[static_cast<std::size_t>(side)].area >= 0.5 * whole))
+    if (!(box.sides[side].area >= 0.5 * whole))
       throw InputError("the body is no box: its molecules at the end of " + std::string(side % 2 ? "+" : "-") +
                        "xyz"[axis] + " span less than half of that side (give grip_depth if they lie behind it)");
   }
@@ -162,7 +161,7 @@ Surface find_surface(const Body& body, const Matrix3& axes, double depth) {
   if (any_over(body, !body.tetrahedra.empty())) {
     if (depth > 0) throw InputError("grip_depth: the body's cells say what its surface is");
     for (const auto& triangle : boundary_of(body.tetrahedra))
-      for (const int corner : triangle) outside[static_cast<std::size_t>(corner)] = 1;
+      for (const int corner : triangle) outside[corner] = 1;
     for (const auto& cell : body.tetrahedra)
       if (lowest_in_whole(body, cell) < owned_molecules(body)) surface.volume += signed_volume(body.rest, cell);
     surface.volume = sum_over(body, surface.volume);
@@ -172,10 +171,10 @@ Surface find_surface(const Body& body, const Matrix3& axes, double depth) {
     const BoxSides box = find_box(body, axes, depth);
     surface.volume = box.size.prod();
     for (const Face& side : box.sides)
-      for (const int molecule : side.molecules) outside[static_cast<std::size_t>(molecule)] = 1;
+      for (const int molecule : side.molecules) outside[molecule] = 1;
   }
   for (int molecule = 0; molecule < body.size(); ++molecule)
-    if (outside[static_cast<std::size_t>(molecule)]) surface.molecules.push_back(molecule);
+    if (outside[molecule]) surface.molecules.push_back(molecule);
   return surface;
 }
 

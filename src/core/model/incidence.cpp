@@ -48,7 +48,7 @@ std::vector<int> connections_of_pairs(const Connections& connections, std::span<
   std::ptrdiff_t pair = (none - result.begin()) % pairs;
   int i = 0;
   for (; pair >= of_each - 1 - i; ++i) pair -= of_each - 1 - i;
-  const auto node = [&](std::ptrdiff_t number) { return nodes[static_cast<std::size_t>(cell * of_each + number)]; };
+  const auto node = [&](std::ptrdiff_t number) { return nodes[cell * of_each + number]; };
   throw InputError("cell " + std::to_string(cell) + " has no connection between molecules " + std::to_string(node(i)) +
                    " and " + std::to_string(node(i + 1 + pair)));
 }

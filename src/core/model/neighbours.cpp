@@ -23,7 +23,7 @@ std::vector<SharedSide> shared(std::vector<std::array<int, corners>> sides, int 
   std::vector<int> row;
   for (int molecule = 0; molecule < molecules; ++molecule) {
     row.assign(rows[molecule].begin(), rows[molecule].end());
-    const auto of = [&](int side) -> const auto& { return sides[static_cast<std::size_t>(side)]; };
+    const auto of = [&](int side) -> const auto& { return sides[side]; };
     std::stable_sort(row.begin(), row.end(), [&](int a, int b) { return of(a) < of(b); });
     for (std::size_t at = 1; at < row.size(); ++at) {
       if (of(row[at]) != of(row[at - 1])) continue;
@@ -88,7 +88,7 @@ Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> Neighbours::edges(int number, 
     }
     span.col(axis).setZero();  // corners of a cube are numbered by the bits of x, y, z
     for (int corner = 0; corner < 8; ++corner)
-      span.col(axis) += (corner >> axis & 1 ? 0.25 : -0.25) * positions.col(own[static_cast<std::size_t>(corner)]);
+      span.col(axis) += (corner >> axis & 1 ? 0.25 : -0.25) * positions.col(own[corner]);
   }
   return span;
 }

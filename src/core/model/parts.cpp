@@ -44,9 +44,9 @@ void append_connections(Body& whole, const Body& body, int shift) {
   Connections all;
   const auto add = [&](const Connections& from, int first, int last, int by) {
     for (int c = first; c < last; ++c) {
-      const auto& [a, b] = from.ends[static_cast<std::size_t>(c)];
+      const auto& [a, b] = from.ends[c];
       all.ends.push_back({a + by, b + by});
-      all.rest_length.push_back(from.rest_length[static_cast<std::size_t>(c)]);
+      all.rest_length.push_back(from.rest_length[c]);
     }
   };
   const Connections &one = whole.connections, &other = body.connections;
@@ -124,30 +124,29 @@ PartAlone part_alone(const Body& whole, const Part& part) {
   Body& body = result.body;
   result.molecules = molecules_of(part);
   std::vector<int> own(static_cast<std::size_t>(whole.size()), -1);
-  for (std::size_t i = 0; i < result.molecules.size(); ++i)
-    own[static_cast<std::size_t>(result.molecules[i])] = static_cast<int>(i);
+  for (std::size_t i = 0; i < result.molecules.size(); ++i) own[result.molecules[i]] = static_cast<int>(i);
   body.rest = whole.rest(Eigen::all, result.molecules);
   body.mass = whole.mass(result.molecules), body.radius = whole.radius(result.molecules);
   for (int c = 0; c < whole.connections.size(); ++c) {
-    const auto& [a, b] = whole.connections.ends[static_cast<std::size_t>(c)];
-    const std::array ends{own[static_cast<std::size_t>(a)], own[static_cast<std::size_t>(b)]};
+    const auto& [a, b] = whole.connections.ends[c];
+    const std::array ends{own[a], own[b]};
     if (ends[0] < 0 || ends[1] < 0) continue;
     result.connections.push_back(c);
     body.connections.ends.push_back(ends);
-    body.connections.rest_length.push_back(whole.connections.rest_length[static_cast<std::size_t>(c)]);
+    body.connections.rest_length.push_back(whole.connections.rest_length[c]);
     body.connections.cell_sides += c >= whole.connections.proper();
   }
   const auto take = [&](auto& to, const auto& from, const CellRange& range) {
     to.assign(from.begin() + range.first, from.begin() + range.first + range.count);
     for (auto& cell : to)
-      for (int& corner : cell) corner = own[static_cast<std::size_t>(corner)];
+      for (int& corner : cell) corner = own[corner];
   };
   take(body.triangles, whole.triangles, part.triangles);
   take(body.tetrahedra, whole.tetrahedra, part.tetrahedra);
   take(body.cubes, whole.cubes, part.cubes);
   body.blocks = blocks_of(whole, part);
   for (CellBlock& block : body.blocks)
-    for (int& node : block.nodes) node = own[static_cast<std::size_t>(node)];
+    for (int& node : block.nodes) node = own[node];
   if (whole.connection_stiffness.size()) body.connection_stiffness = whole.connection_stiffness(result.connections);
   if (whole.cell_stiffness.size()) {
     const CellRange& range = whole.tetrahedra.empty() ? part.triangles : part.tetrahedra;

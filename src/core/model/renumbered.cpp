@@ -24,7 +24,7 @@ template <class Values>
 void permute(Values& values, const Numbers& from) {
   if (values.size() == 0) return;
   const Values before = values;
-  for (std::size_t at = 0; at < from.size(); ++at) values[at] = before[static_cast<std::size_t>(from[at])];
+  for (std::size_t at = 0; at < from.size(); ++at) values[at] = before[from[at]];
 }
 void permute(VectorX& values, const Numbers& from) {
   if (values.size()) values = values(from).eval();
@@ -37,12 +37,12 @@ void permute(Positions& values, const Numbers& from) {
 template <std::size_t nodes>
 Numbers renumber(std::vector<std::array<int, nodes>>& cells, const Numbers& number) {
   for (auto& cell : cells)
-    for (int& node : cell) node = number[static_cast<std::size_t>(node)];
+    for (int& node : cell) node = number[node];
   Numbers from;
   append_in_order(
       0, static_cast<int>(cells.size()),
       [&](int cell) {
-        const auto& own = cells[static_cast<std::size_t>(cell)];
+        const auto& own = cells[cell];
         return *std::min_element(own.begin(), own.end());
       },
       from);
@@ -51,7 +51,7 @@ Numbers renumber(std::vector<std::array<int, nodes>>& cells, const Numbers& numb
 }
 
 void renumber(CellBlock& block, const Numbers& number) {
-  for (int& node : block.nodes) node = number[static_cast<std::size_t>(node)];
+  for (int& node : block.nodes) node = number[node];
   Numbers from;
   append_in_order(
       0, block.size(), [&](int cell) { return *std::min_element(block.cell(cell).begin(), block.cell(cell).end()); },
@@ -70,8 +70,7 @@ RenumberedBody numbered_in_space(const Body& body) {
   RenumberedBody result{body, order_in_space(body.rest), {}};
   Body& own = result.body;
   Numbers number(result.molecule_from.size());
-  for (std::size_t at = 0; at < number.size(); ++at)
-    number[static_cast<std::size_t>(result.molecule_from[at])] = static_cast<int>(at);
+  for (std::size_t at = 0; at < number.size(); ++at) number[result.molecule_from[at]] = static_cast<int>(at);
 
   permute(own.rest, result.molecule_from);
   permute(own.mass, result.molecule_from);
@@ -80,10 +79,10 @@ RenumberedBody numbered_in_space(const Body& body) {
 
   Connections& connections = own.connections;
   for (auto& ends : connections.ends) {
-    for (int& end : ends) end = number[static_cast<std::size_t>(end)];
+    for (int& end : ends) end = number[end];
     std::sort(ends.begin(), ends.end());
   }
-  const auto ends_of = [&](int connection) { return connections.ends[static_cast<std::size_t>(connection)]; };
+  const auto ends_of = [&](int connection) { return connections.ends[connection]; };
   append_in_order(0, connections.proper(), ends_of, result.connection_from);
   append_in_order(connections.proper(), connections.size(), ends_of, result.connection_from);
   permute(connections.ends, result.connection_from);
@@ -92,8 +91,8 @@ RenumberedBody numbered_in_space(const Body& body) {
   if (!own.cables.empty()) {
     Numbers connection(result.connection_from.size());
     for (std::size_t at = 0; at < connection.size(); ++at)
-      connection[static_cast<std::size_t>(result.connection_from[at])] = static_cast<int>(at);
-    for (Cable& cable : own.cables) cable.connection = connection[static_cast<std::size_t>(cable.connection)];
+      connection[result.connection_from[at]] = static_cast<int>(at);
+    for (Cable& cable : own.cables) cable.connection = connection[cable.connection];
   }
 
   const Numbers triangles = renumber(own.triangles, number), tetrahedra = renumber(own.tetrahedra, number);

@@ -64,13 +64,12 @@ class ShareBuilder {
 
   Body make() {
     std::vector<char> near(static_cast<std::size_t>(body_.size()));
-    for (int molecule = 0; molecule < body_.size(); ++molecule)
-      near[static_cast<std::size_t>(molecule)] = owners_.of(molecule) == own_;
+    for (int molecule = 0; molecule < body_.size(); ++molecule) near[molecule] = owners_.of(molecule) == own_;
     near = with_neighbours(with_neighbours(near));
     auto share = std::make_shared<Share>();
     for (const bool ghosts : {false, true})
       for (int molecule = 0; molecule < body_.size(); ++molecule) {
-        if (!near[static_cast<std::size_t>(molecule)] || ghosts == (owners_.of(molecule) == own_)) continue;
+        if (!near[molecule] || ghosts == (owners_.of(molecule) == own_)) continue;
         molecules_.push_back(molecule);
         share->owned += !ghosts;
         share->number.push_back(owners_.number(molecule));
@@ -80,8 +79,7 @@ class ShareBuilder {
     share->connections = body_.connections.proper();
     share->cells = static_cast<std::int64_t>(count_cells(body_));
     local_.assign(static_cast<std::size_t>(body_.size()), -1);
-    for (std::size_t i = 0; i < molecules_.size(); ++i)
-      local_[static_cast<std::size_t>(molecules_[i])] = static_cast<int>(i);
+    for (std::size_t i = 0; i < molecules_.size(); ++i) local_[molecules_[i]] = static_cast<int>(i);
     Body result = elements();
     result.share = std::move(share);
     return result;
@@ -91,8 +89,8 @@ class ShareBuilder {
   std::vector<char> with_neighbours(const std::vector<char>& chosen) const {
     std::vector<char> reached = chosen;
     const auto reach = [&](const auto& element) {
-      if (std::any_of(element.begin(), element.end(), [&](int m) { return chosen[static_cast<std::size_t>(m)] != 0; }))
-        for (const int molecule : element) reached[static_cast<std::size_t>(molecule)] = 1;
+      if (std::any_of(element.begin(), element.end(), [&](int m) { return chosen[m] != 0; }))
+        for (const int molecule : element) reached[molecule] = 1;
     };
     for (const auto& ends : body_.connections.ends) reach(ends);
     for (const auto& cell : body_.triangles) reach(cell);
@@ -108,7 +106,7 @@ class ShareBuilder {
     std::vector<int> numbers;
     for (std::size_t number = 0; number < all.size(); ++number) {
       auto element = all[number];
-      for (int& molecule : element) molecule = local_[static_cast<std::size_t>(molecule)];
+      for (int& molecule : element) molecule = local_[molecule];
       if (*std::min_element(element.begin(), element.end()) < 0) continue;
       own.push_back(element);
       numbers.push_back(static_cast<int>(number));
@@ -123,8 +121,8 @@ class ShareBuilder {
     const int first = body_.size() - static_cast<int>(body_.between.size());
     for (std::size_t i = 0; i < molecules_.size(); ++i) {
       if (molecules_[i] < first) continue;
-      MoleculeBetween own = body_.between[static_cast<std::size_t>(molecules_[i] - first)];
-      for (auto& [molecule, weight] : own) molecule = local_[static_cast<std::size_t>(molecule)];
+      MoleculeBetween own = body_.between[molecules_[i] - first];
+      for (auto& [molecule, weight] : own) molecule = local_[molecule];
       if (std::all_of(own.begin(), own.end(), [](const auto& end) { return end.first >= 0; }))
         result.between[i] = std::move(own);
     }
@@ -137,7 +135,7 @@ class ShareBuilder {
     if (body_.radius.size()) result.radius = body_.radius(molecules_);
     const std::vector<int> connections = keep(body_.connections.ends, result.connections.ends);
     for (const int c : connections) {
-      result.connections.rest_length.push_back(body_.connections.rest_length[static_cast<std::size_t>(c)]);
+      result.connections.rest_length.push_back(body_.connections.rest_length[c]);
       result.connections.cell_sides += c >= body_.connections.proper();
     }
     if (body_.connection_stiffness.size()) result.connection_stiffness = body_.connection_stiffness(connections);
@@ -152,9 +150,9 @@ class ShareBuilder {
       std::vector<int> cells;
       for (int cell = 0; cell < block.size(); ++cell) {
         const auto nodes = block.cell(cell);
-        const auto has = [&](int molecule) { return local_[static_cast<std::size_t>(molecule)] >= 0; };
+        const auto has = [&](int molecule) { return local_[molecule] >= 0; };
         if (!std::all_of(nodes.begin(), nodes.end(), has)) continue;
-        for (const int molecule : nodes) own.nodes.push_back(local_[static_cast<std::size_t>(molecule)]);
+        for (const int molecule : nodes) own.nodes.push_back(local_[molecule]);
         cells.push_back(cell);
       }
       if (block.stiffness.size()) own.stiffness = block.stiffness(cells);
@@ -204,11 +202,10 @@ Body share_out(const std::function<Body()>& make, const std::shared_ptr<const Pr
     std::vector<std::int64_t> place(owner.size()), next(static_cast<std::size_t>(processes->count()) + 1, 0);
     for (const int one : owner) ++next[static_cast<std::size_t>(one) + 1];
     std::partial_sum(next.begin(), next.end(), next.begin());
-    for (std::size_t molecule = 0; molecule < owner.size(); ++molecule)
-      place[molecule] = next[static_cast<std::size_t>(owner[molecule])]++;
-    const Owners owners{[&](int molecule) { return owner[static_cast<std::size_t>(molecule)]; },
+    for (std::size_t molecule = 0; molecule < owner.size(); ++molecule) place[molecule] = next[owner[molecule]]++;
+    const Owners owners{[&](int molecule) { return owner[molecule]; },
                         [](int molecule) { return std::int64_t{molecule}; },
-                        [&](int molecule) { return place[static_cast<std::size_t>(molecule)]; }, whole.size()};
+                        [&](int molecule) { return place[molecule]; }, whole.size()};
     for (int to = 1; to < processes->count(); ++to) processes->send(to, packed(make_share(whole, owners, to)));
     own = make_share(whole, owners, 0);
   } else {
@@ -252,7 +249,7 @@ Subdomain computed_by(const Body& share) {
   if (share.triangles.empty() && share.tetrahedra.empty() && share.blocks.empty()) return own;
   Body body = share;
   const auto keep = [](auto& cells, const std::vector<int>& chosen) {
-    for (std::size_t i = 0; i < chosen.size(); ++i) cells[i] = cells[static_cast<std::size_t>(chosen[i])];
+    for (std::size_t i = 0; i < chosen.size(); ++i) cells[i] = cells[chosen[i]];
     cells.resize(chosen.size());
   };
   keep(body.triangles, own.triangles);
@@ -352,14 +349,12 @@ double nth_over(const Body& body, const std::vector<double>& own, std::int64_t n
 
 int owned_molecules(const Body& body) { return body.share ? body.share->owned : body.size(); }
 
-bool computes(const Body& body, int connection) {
-  return body.connections.ends[static_cast<std::size_t>(connection)][0] < owned_molecules(body);
-}
+bool computes(const Body& body, int connection) { return body.connections.ends[connection][0] < owned_molecules(body); }
 
 std::int64_t molecules_of_whole(const Body& body) { return body.share ? body.share->molecules : body.size(); }
 
 std::int64_t number_in_whole(const Body& body, int molecule) {
-  return body.share ? body.share->number[static_cast<std::size_t>(molecule)] : molecule;
+  return body.share ? body.share->number[molecule] : molecule;
 }
 
 int molecule_of_whole(const Body& body, std::int64_t number) {
@@ -376,11 +371,11 @@ void mark_ghosts_as_owners(const Body& body, std::vector<char>& marks) {
   if (!body.share) return;
   std::vector<double> own;  // exact to 2⁵³
   for (int molecule = 0; molecule < owned_molecules(body); ++molecule)
-    if (marks[static_cast<std::size_t>(molecule)]) own.push_back(static_cast<double>(number_in_whole(body, molecule)));
+    if (marks[molecule]) own.push_back(static_cast<double>(number_in_whole(body, molecule)));
   std::fill(marks.begin() + owned_molecules(body), marks.end(), 0);
   for (const double number : gathered_over(body, own))
     if (const int molecule = molecule_of_whole(body, static_cast<std::int64_t>(number)); molecule >= 0)
-      marks[static_cast<std::size_t>(molecule)] = 1;
+      marks[molecule] = 1;
 }
 
 Vector3 middle_of_whole(const Body& body) {
@@ -403,7 +398,7 @@ std::array<Vector3, 2> outline_of_whole(const Body& body) {
 std::pair<double, double> lengths_of_whole(const Body& body) {
   std::array<double, 2> sums{0, 0};
   for (int c = 0; c < body.connections.size(); ++c)
-    if (computes(body, c)) sums[0] += body.connections.rest_length[static_cast<std::size_t>(c)], ++sums[1];
+    if (computes(body, c)) sums[0] += body.connections.rest_length[c], ++sums[1];
   sum_over(body, sums);
   return {sums[0], sums[1]};
 }

@@ -12,7 +12,7 @@ namespace {
 /// Shares out `molecules` among the owners first … first + parts − 1.
 void bisect(const Positions& positions, std::span<int> molecules, int first, int parts, std::vector<int>& owners) {
   if (parts == 1) {
-    for (const int molecule : molecules) owners[static_cast<std::size_t>(molecule)] = first;
+    for (const int molecule : molecules) owners[molecule] = first;
     return;
   }
   Vector3 low = Vector3::Constant(INFINITY), high = -low;
@@ -59,13 +59,13 @@ class SubdomainBuilder {
   }
 
  private:
-  bool owns(int molecule) const { return owners_[static_cast<std::size_t>(molecule)] == own_; }
-  int local(int molecule) const { return local_[static_cast<std::size_t>(molecule)]; }
+  bool owns(int molecule) const { return owners_[molecule] == own_; }
+  int local(int molecule) const { return local_[molecule]; }
 
   void set_molecules() {
     std::vector<char> reached(owners_.size(), 0);
     const auto reach = [&](const auto& nodes) {
-      for (const int molecule : nodes) reached[static_cast<std::size_t>(molecule)] = 1;
+      for (const int molecule : nodes) reached[molecule] = 1;
     };
     for (const auto& ends : whole_.connections.ends)
       if (owns(ends[0])) reach(ends);
@@ -77,13 +77,12 @@ class SubdomainBuilder {
       if (std::any_of(cell.begin(), cell.end(), [&](int molecule) { return owns(molecule); })) reach(cell);
     for (const bool ghosts : {false, true})
       for (int molecule = 0; molecule < whole_.size(); ++molecule)
-        if (ghosts ? !owns(molecule) && reached[static_cast<std::size_t>(molecule)] : owns(molecule)) {
+        if (ghosts ? !owns(molecule) && reached[molecule] : owns(molecule)) {
           result_.molecules.push_back(molecule);
           result_.owned += !ghosts;
         }
     local_.assign(owners_.size(), -1);
-    for (std::size_t i = 0; i < result_.molecules.size(); ++i)
-      local_[static_cast<std::size_t>(result_.molecules[i])] = static_cast<int>(i);
+    for (std::size_t i = 0; i < result_.molecules.size(); ++i) local_[result_.molecules[i]] = static_cast<int>(i);
     body_.rest = whole_.rest(Eigen::all, result_.molecules);
     if (whole_.mass.size()) body_.mass = whole_.mass(result_.molecules);  // equilibria do without
     if (whole_.radius.size()) body_.radius = whole_.radius(result_.molecules);
@@ -94,13 +93,13 @@ class SubdomainBuilder {
     const Connections& all = whole_.connections;
     Connections& own = body_.connections;
     for (int c = 0; c < all.size(); ++c) {
-      const auto& [a, b] = all.ends[static_cast<std::size_t>(c)];
+      const auto& [a, b] = all.ends[c];
       const bool computes = owns(a);
       if (!computes && !cells) continue;  // only cells need the connections that others compute
       const int first = local(a), second = local(b);
       if (first < 0 || second < 0) continue;
       own.ends.push_back({first, second});
-      own.rest_length.push_back(all.rest_length[static_cast<std::size_t>(c)]);
+      own.rest_length.push_back(all.rest_length[c]);
       own.cell_sides += c >= all.proper();
       result_.connections.push_back(c);
       result_.computes.push_back(computes);

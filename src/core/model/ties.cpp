@@ -39,8 +39,8 @@ Side side_of(const Body& body, const Part& part) {
 VectorX longest_connections(const Body& body) {
   VectorX longest = VectorX::Zero(body.size());
   for (int c = 0; c < body.connections.size(); ++c)
-    for (const int end : body.connections.ends[static_cast<std::size_t>(c)])
-      longest[end] = std::max(longest[end], body.connections.rest_length[static_cast<std::size_t>(c)]);
+    for (const int end : body.connections.ends[c])
+      longest[end] = std::max(longest[end], body.connections.rest_length[c]);
   return longest;
 }
 
@@ -64,8 +64,8 @@ std::vector<std::array<int, 2>> pairs_at_one_position(const Body& body, const Si
   std::vector<std::array<int, 2>> pairs;
   if (!(reach > 0)) return pairs;
   for (const auto& [a, b] : connections_within(body.rest(Eigen::all, both), reach).ends) {
-    if (a >= firsts || b < firsts || both[static_cast<std::size_t>(a)] == both[static_cast<std::size_t>(b)]) continue;
-    const int from = both[static_cast<std::size_t>(a)], to = both[static_cast<std::size_t>(b)];
+    if (a >= firsts || b < firsts || both[a] == both[b]) continue;
+    const int from = both[a], to = both[b];
     const double apart = (body.rest.col(from) - body.rest.col(to)).norm();
     if (apart <= kSamePosition * std::min(longest[from], longest[to])) pairs.push_back({from, to});
   }
@@ -78,7 +78,7 @@ std::vector<int> new_numbers(const std::vector<int>& kept) {
   int next = 0;
   for (std::size_t m = 0; m < kept.size(); ++m)
     if (kept[m] == static_cast<int>(m)) number[m] = next++;
-  for (std::size_t m = 0; m < kept.size(); ++m) number[m] = number[static_cast<std::size_t>(kept[m])];
+  for (std::size_t m = 0; m < kept.size(); ++m) number[m] = number[kept[m]];
   return number;
 }
 
@@ -89,14 +89,14 @@ std::vector<int> renumber_connections(Body& body, const std::vector<int>& number
   std::unordered_map<long long, int> number_of;
   std::vector<int> now, left;
   for (int c = 0; c < body.connections.size(); ++c) {
-    auto [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
-    a = number[static_cast<std::size_t>(a)], b = number[static_cast<std::size_t>(b)];
+    auto [a, b] = body.connections.ends[c];
+    a = number[a], b = number[b];
     const long long key = static_cast<long long>(std::min(a, b)) << 32 | std::max(a, b);
     const auto [found, fresh] = number_of.try_emplace(key, kept.size());
     now.push_back(found->second);
     if (!fresh) continue;
     kept.ends.push_back({a, b});
-    kept.rest_length.push_back(body.connections.rest_length[static_cast<std::size_t>(c)]);
+    kept.rest_length.push_back(body.connections.rest_length[c]);
     kept.cell_sides += c >= body.connections.proper();
     left.push_back(c);
   }
@@ -108,11 +108,11 @@ std::vector<int> renumber_connections(Body& body, const std::vector<int>& number
 void renumber_parts(Body& body, const std::vector<int>& kept, const std::vector<int>& number) {
   for (Part& part : body.parts) {
     std::set<int> shared;
-    for (const int molecule : part.shared) shared.insert(number[static_cast<std::size_t>(molecule)]);
+    for (const int molecule : part.shared) shared.insert(number[molecule]);
     int first = -1, count = 0;
     for (int m = part.first; m < part.first + part.count; ++m) {
-      const int now = number[static_cast<std::size_t>(m)];
-      if (kept[static_cast<std::size_t>(m)] != m) {
+      const int now = number[m];
+      if (kept[m] != m) {
         shared.insert(now);
         continue;
       }
@@ -134,26 +134,26 @@ void renumber_parts(Body& body, const std::vector<int>& kept, const std::vector<
 std::vector<int> join(Body& body, const std::vector<std::array<int, 2>>& pairs) {
   std::vector<int> kept(static_cast<std::size_t>(body.size()));
   for (std::size_t m = 0; m < kept.size(); ++m) kept[m] = static_cast<int>(m);
-  for (const auto& [a, b] : pairs) kept[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  for (const auto& [a, b] : pairs) kept[std::max(a, b)] = std::min(a, b);
   for (int& molecule : kept)
-    while (kept[static_cast<std::size_t>(molecule)] != molecule) molecule = kept[static_cast<std::size_t>(molecule)];
+    while (kept[molecule] != molecule) molecule = kept[molecule];
   std::vector<int> left;
   for (int m = 0; m < body.size(); ++m)
-    if (kept[static_cast<std::size_t>(m)] == m)
+    if (kept[m] == m)
       left.push_back(m);
     else
-      body.mass[kept[static_cast<std::size_t>(m)]] += body.mass[m];
+      body.mass[kept[m]] += body.mass[m];
   const std::vector<int> number = new_numbers(kept);
   const auto renumber = [&](auto& cells) {
     for (auto& cell : cells)
-      for (int& corner : cell) corner = number[static_cast<std::size_t>(corner)];
+      for (int& corner : cell) corner = number[corner];
   };
   renumber(body.triangles), renumber(body.tetrahedra), renumber(body.cubes);
   const std::vector<int> connection = renumber_connections(body, number);
-  for (Cable& cable : body.cables) cable.connection = connection[static_cast<std::size_t>(cable.connection)];
+  for (Cable& cable : body.cables) cable.connection = connection[cable.connection];
   for (Tie& tie : body.ties) {
-    tie.molecule = number[static_cast<std::size_t>(tie.molecule)];
-    for (int& corner : tie.corners) corner = number[static_cast<std::size_t>(corner)];
+    tie.molecule = number[tie.molecule];
+    for (int& corner : tie.corners) corner = number[corner];
   }
   renumber_parts(body, kept, number);
   body.rest = body.rest(Eigen::all, left).eval();
@@ -205,26 +205,24 @@ void fix(Body& body, Part& rigid, const Side& side, double within, TieReport& re
 void tie_to(Body& body, const Side& slaves, const std::vector<TriangleTree::Nearest>& nearest, const Side& masters,
             double within, double stiffness, TieReport& report) {
   std::vector<char> taken(static_cast<std::size_t>(body.size()), 0);
-  for (const int molecule : masters.molecules) taken[static_cast<std::size_t>(molecule)] = 1;
-  for (const Tie& tie : body.ties) taken[static_cast<std::size_t>(tie.molecule)] = 1;
+  for (const int molecule : masters.molecules) taken[molecule] = 1;
+  for (const Tie& tie : body.ties) taken[tie.molecule] = 1;
   const VectorX areas = surface_shares(body, slaves.triangles);
   for (std::size_t i = 0; i < slaves.molecules.size(); ++i) {
     const int molecule = slaves.molecules[i];
     const auto& [triangle, on, distance] = nearest[i];
-    if (distance > within || taken[static_cast<std::size_t>(molecule)]) continue;
+    if (distance > within || taken[molecule]) continue;
     const double area = slaves.triangles.empty() ? 4 * std::pow(body.radius[molecule], 2) : areas[molecule];
-    body.ties.push_back(
-        {molecule, masters.triangles[static_cast<std::size_t>(triangle)], on.weights, stiffness * std::sqrt(area)});
+    body.ties.push_back({molecule, masters.triangles[triangle], on.weights, stiffness * std::sqrt(area)});
     body.rest.col(molecule) = on.position;
     report.furthest = std::max(report.furthest, distance);
     ++report.tied;
   }
   std::vector<char> moved(static_cast<std::size_t>(body.size()), 0);
-  for (const Tie& tie : body.ties) moved[static_cast<std::size_t>(tie.molecule)] = 1;
+  for (const Tie& tie : body.ties) moved[tie.molecule] = 1;
   for (int c = 0; c < body.connections.size(); ++c) {
-    const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
-    if (moved[static_cast<std::size_t>(a)] || moved[static_cast<std::size_t>(b)])
-      body.connections.rest_length[static_cast<std::size_t>(c)] = (body.rest.col(b) - body.rest.col(a)).norm();
+    const auto& [a, b] = body.connections.ends[c];
+    if (moved[a] || moved[b]) body.connections.rest_length[c] = (body.rest.col(b) - body.rest.col(a)).norm();
   }
 }
 
@@ -264,7 +262,7 @@ TieReport tie_parts(Body& body, const std::string& first, const std::string& sec
   if (one.rigid && other.rigid) throw InputError("'" + first + "' and '" + second + "' are both rigid");
   TieReport report;
   if (one.rigid || other.rigid) {
-    Part& rigid = body.parts[static_cast<std::size_t>((one.rigid ? &one : &other) - body.parts.data())];
+    Part& rigid = body.parts[(one.rigid ? &one : &other) - body.parts.data()];
     fix(body, rigid, side_of(body, one.rigid ? other : one), within, report);
   } else {
     tie_soft(body, one, other, within, stiffness, report, numbers);

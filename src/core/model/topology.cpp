@@ -42,13 +42,12 @@ class CellTear {
     stretch_ = VectorX::Zero(body.size());
     direction_.setZero(3, body.size());
     std::vector<Matrix3> of_cell(static_cast<std::size_t>(cells.size()));
-    for (int cell = 0; cell < cells.size(); ++cell)
-      of_cell[static_cast<std::size_t>(cell)] = cells.deformation(cell, body.rest, positions);
+    for (int cell = 0; cell < cells.size(); ++cell) of_cell[cell] = cells.deformation(cell, body.rest, positions);
     for (int molecule = 0; molecule < body.size(); ++molecule) {
       Matrix3 sum = Matrix3::Zero();
       double volume = 0;
       for (const int cell : cells.cells_of[molecule]) {
-        sum += cells.volume[cell] * of_cell[static_cast<std::size_t>(cell)];
+        sum += cells.volume[cell] * of_cell[cell];
         volume += cells.volume[cell];
       }
       if (!(volume > 0)) continue;
@@ -60,13 +59,13 @@ class CellTear {
     largest_.assign(static_cast<std::size_t>(body.size()), 1);
     for (const auto& [a, b] : body.connections.ends) {
       const bool second = stretch_[b] > stretch_[a] || (stretch_[b] == stretch_[a] && b < a);
-      largest_[static_cast<std::size_t>(second ? a : b)] = 0;
+      largest_[second ? a : b] = 0;
     }
   }
 
   bool parts(const SharedSide& side, double strain) const {
     for (const int molecule : side.molecules) {
-      if (molecule < 0 || !largest_[static_cast<std::size_t>(molecule)] || !(stretch_[molecule] > 1 + strain)) continue;
+      if (molecule < 0 || !largest_[molecule] || !(stretch_[molecule] > 1 + strain)) continue;
       if (ahead(molecule, side.cells[0]) != ahead(molecule, side.cells[1])) return true;
     }
     return false;
@@ -115,10 +114,9 @@ ChangedBody tear(const Body& body, const Positions& positions, double strain) {
   TopologyChange change = no_change(body, cells);
   if (cells.of_each == 0) {
     for (int c = 0; c < body.connections.proper(); ++c) {
-      const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
-      const double rest = body.connections.rest_length[static_cast<std::size_t>(c)];
-      change.connections[static_cast<std::size_t>(c)] =
-          (positions.col(b) - positions.col(a)).norm() > (1 + strain) * rest;
+      const auto& [a, b] = body.connections.ends[c];
+      const double rest = body.connections.rest_length[c];
+      change.connections[c] = (positions.col(b) - positions.col(a)).norm() > (1 + strain) * rest;
     }
   } else {
     const CellTear crack(body, positions, cells);
@@ -137,7 +135,7 @@ ChangedBody without(const Body& body, const std::vector<int>& connections, const
       if (one < 0 || static_cast<std::size_t>(one) >= marks.size())
         throw InputError(std::string("remove: ") + what + " " + std::to_string(one) + " is none: there are " +
                          std::to_string(marks.size()) + ", from 0");
-      marks[static_cast<std::size_t>(one)] = 1;
+      marks[one] = 1;
     }
   };
   mark(connections, change.connections, "connection");

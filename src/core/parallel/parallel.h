@@ -55,11 +55,11 @@ Value ordered_sum(int count, Term&& term, Value zero = Value(0), int threshold =
   std::array<Value, most> sums;
   for (int first = 0; first < blocks; first += most) {
     const int some = std::min(most, blocks - first);
-    auto work = [&](int block) { sums[static_cast<std::size_t>(block)] = block_sum(first + block); };
+    auto work = [&](int block) { sums[block] = block_sum(first + block); };
     detail::run_ranges(some, &work, [](void* context, int begin, int end) {
       for (int block = begin; block < end; ++block) (*static_cast<decltype(work)*>(context))(block);
     });
-    for (int block = 0; block < some; ++block) total += sums[static_cast<std::size_t>(block)];
+    for (int block = 0; block < some; ++block) total += sums[block];
   }
   return total;
 }

@@ -126,7 +126,7 @@ Body make_body(const BodyArrays& arrays) {
 double shortest_connection(const Body& body) {
   double shortest = 0;
   for (int c = 0; c < body.connections.proper(); ++c) {
-    const double length = body.connections.rest_length[static_cast<std::size_t>(c)];
+    const double length = body.connections.rest_length[c];
     if (length > 0 && (shortest == 0 || length < shortest)) shortest = length;
   }
   return shortest;

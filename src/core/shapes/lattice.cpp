@@ -33,8 +33,7 @@ std::vector<Eigen::Vector3i> offsets_of(const CubicPattern& pattern) {
 /// Pairs of molecules of a simple cubic lattice that are so far apart.
 std::int64_t pairs_along(const std::array<int, 3>& molecules, const Eigen::Vector3i& offset) {
   std::int64_t pairs = 1;
-  for (int axis = 0; axis < 3; ++axis)
-    pairs *= std::max(0, molecules[static_cast<std::size_t>(axis)] - std::abs(offset[axis]));
+  for (int axis = 0; axis < 3; ++axis) pairs *= std::max(0, molecules[axis] - std::abs(offset[axis]));
   return pairs;
 }
 
@@ -68,7 +67,7 @@ void add_body_centred(const std::array<int, 3>& cubes, Body& body) {
   const int count = static_cast<int>(body.cubes.size());
   const std::array<int, 3> stride{1, cubes[0], cubes[0] * cubes[1]};
   for (int c = 0; c < count; ++c) {
-    const auto& cube = body.cubes[static_cast<std::size_t>(c)];
+    const auto& cube = body.cubes[c];
     const int middle = body.size() + c;
     for (int axis = 0; axis < 3; ++axis)
       for (const int side : {0, 1}) {

@@ -50,15 +50,15 @@ Body bare(const Body& body) {
 bool leave_out_unused(Body& body) {
   std::vector<int> number(static_cast<std::size_t>(body.size()), -1), kept;
   for (const CellBlock& block : body.blocks)
-    for (const int node : block.nodes) number[static_cast<std::size_t>(node)] = 0;
+    for (const int node : block.nodes) number[node] = 0;
   for (int molecule = 0; molecule < body.size(); ++molecule) {
-    if (number[static_cast<std::size_t>(molecule)] < 0) continue;
-    number[static_cast<std::size_t>(molecule)] = static_cast<int>(kept.size());
+    if (number[molecule] < 0) continue;
+    number[molecule] = static_cast<int>(kept.size());
     kept.push_back(molecule);
   }
   body.rest = body.rest(Eigen::all, kept).eval();
   for (CellBlock& block : body.blocks)
-    for (int& node : block.nodes) node = number[static_cast<std::size_t>(node)];
+    for (int& node : block.nodes) node = number[node];
   return kept.size() < number.size();
 }
 
@@ -85,7 +85,7 @@ Body with_cells(const Body& body, const CellKind& kind) {
         Vector3 place = Vector3::Zero();
         for (int c = 0; c < kind.corners; ++c) {
           if (!(weights[c] > 1e-9)) continue;
-          ends.push_back(corners[static_cast<std::size_t>(c)]);
+          ends.push_back(corners[c]);
           place += weights[c] * body.rest.col(ends.back());
         }
         std::sort(ends.begin(), ends.end());
@@ -94,7 +94,7 @@ Body with_cells(const Body& body, const CellKind& kind) {
           added.push_back(place);
           auto& own = weights_of_added.emplace_back();
           for (int c = 0; c < kind.corners; ++c)
-            if (weights[c] > 1e-9) own.emplace_back(corners[static_cast<std::size_t>(c)], weights[c]);
+            if (weights[c] > 1e-9) own.emplace_back(corners[c], weights[c]);
         }
         changed.nodes.push_back(at->second);
       }

@@ -72,7 +72,7 @@ int shortest_diagonal(const MatrixXd& x) {
                                       (middle(0, 3) - middle(1, 2)).norm()};
   int shortest = 0;
   for (int i = 1; i < 3; ++i)
-    if (lengths[static_cast<std::size_t>(i)] < lengths[static_cast<std::size_t>(shortest)] * (1 - 1e-9)) shortest = i;
+    if (lengths[i] < lengths[shortest] * (1 - 1e-9)) shortest = i;
   return shortest;
 }
 
@@ -96,7 +96,7 @@ class Molecules {
   int at(std::span<const int> nodes, const VectorX& weights) {
     MoleculeBetween between;
     for (Eigen::Index a = 0; a < weights.size(); ++a)
-      if (std::abs(weights[a]) > 1e-9) between.emplace_back(nodes[static_cast<std::size_t>(a)], weights[a]);
+      if (std::abs(weights[a]) > 1e-9) between.emplace_back(nodes[a], weights[a]);
     if (between.size() == 1) return between.front().first;
     std::sort(between.begin(), between.end());
     std::vector<std::pair<int, long>> key;
@@ -197,8 +197,7 @@ Body refined(const Body& coarse) {
   fine.rest.leftCols(old) = coarse.rest;
   for (int i = 0; i < added; ++i) {
     Vector3 place = Vector3::Zero();
-    for (const auto& [molecule, weight] : between[static_cast<std::size_t>(i)])
-      place += weight * coarse.rest.col(molecule);
+    for (const auto& [molecule, weight] : between[i]) place += weight * coarse.rest.col(molecule);
     fine.rest.col(old + i) = place;
   }
   if (coarse.blocks.empty()) {
@@ -229,9 +228,9 @@ std::array<double, 10> moments_of_cells(const Body& body) {
     // ∫ x xᵀ of a simplex with n corners is (Σ x_a x_aᵀ + n² m mᵀ) / (n (n + 1)) of its size.
     const Matrix3 second = (spread + n * n * middle * middle.transpose()) / (n * (n + 1));
     sum[0] += size;
-    for (int i = 0; i < 3; ++i) sum[static_cast<std::size_t>(1 + i)] += size * middle[i];
+    for (int i = 0; i < 3; ++i) sum[1 + i] += size * middle[i];
     for (int i = 0, at = 4; i < 3; ++i)
-      for (int j = i; j < 3; ++j, ++at) sum[static_cast<std::size_t>(at)] += size * second(i, j);
+      for (int j = i; j < 3; ++j, ++at) sum[at] += size * second(i, j);
   };
   for (const auto& cell : body.tetrahedra) add(size_of(body.rest, cell), cell);
   if (body.tetrahedra.empty())

@@ -102,7 +102,7 @@ class RoundSolid {
     const auto [found, fresh] = molecules_.try_emplace(key, static_cast<int>(positions_.size()));
     if (fresh) {
       Vector3 position = Vector3::Zero();
-      for (const auto& [corner, weight] : key) position += weight * solid_.corners[static_cast<std::size_t>(corner)];
+      for (const auto& [corner, weight] : key) position += weight * solid_.corners[corner];
       positions_.push_back(radius_ * position.normalized());
     }
     return found->second;
@@ -130,7 +130,7 @@ Body grid(const std::vector<double>& x, const std::vector<double>& y, SheetPatte
   std::map<std::pair<int, int>, int> molecules;
   const auto molecule = [&](int i, int j) {
     const auto [found, fresh] = molecules.try_emplace({j, i}, static_cast<int>(positions.size()));
-    if (fresh) positions.emplace_back(x[static_cast<std::size_t>(i)], y[static_cast<std::size_t>(j)], 0);
+    if (fresh) positions.emplace_back(x[i], y[j], 0);
     return found->second;
   };
   for (int j = 0; j + 1 < static_cast<int>(y.size()); ++j)
@@ -139,7 +139,7 @@ Body grid(const std::vector<double>& x, const std::vector<double>& y, SheetPatte
       const int a = molecule(i, j), b = molecule(i + 1, j), c = molecule(i + 1, j + 1), d = molecule(i, j + 1);
       if (pattern == SheetPattern::crossed) {
         const int middle = static_cast<int>(positions.size());
-        positions.push_back((positions[static_cast<std::size_t>(a)] + positions[static_cast<std::size_t>(c)]) / 2);
+        positions.push_back((positions[a] + positions[c]) / 2);
         for (const auto& [from, to] : {std::pair{a, b}, {b, c}, {c, d}, {d, a}})
           triangles.push_back({from, to, middle});
       } else if (pattern == SheetPattern::alternating && (i + j) % 2) {
@@ -227,14 +227,13 @@ void hang_load(Body& body, HungFrom from, const Vector3& position, double stiffn
       }
     for (const auto& [side, count] : sides)
       if (count == 1)
-        for (const int molecule : side) chosen[static_cast<std::size_t>(molecule)] = 1;
+        for (const int molecule : side) chosen[molecule] = 1;
   } else {
     const Vector3 low = body.rest.rowwise().minCoeff(), high = body.rest.rowwise().maxCoeff();
     const double near = 1e-6 * (high - low).norm();
     for (int molecule = 0; molecule < load; ++molecule)
       for (int k = 0; k < 2; ++k)
-        if (std::min(body.rest(k, molecule) - low[k], high[k] - body.rest(k, molecule)) <= near)
-          chosen[static_cast<std::size_t>(molecule)] = 1;
+        if (std::min(body.rest(k, molecule) - low[k], high[k] - body.rest(k, molecule)) <= near) chosen[molecule] = 1;
   }
   body.rest.conservativeResize(3, load + 1);
   body.mass.conservativeResize(load + 1);
@@ -243,7 +242,7 @@ void hang_load(Body& body, HungFrom from, const Vector3& position, double stiffn
   body.mass[load] = mass;
   body.radius[load] = radius;
   for (int molecule = 0; molecule < load; ++molecule) {
-    if (!chosen[static_cast<std::size_t>(molecule)]) continue;
+    if (!chosen[molecule]) continue;
     const double length = (body.rest.col(molecule) - position).norm();
     if (!(length > 0)) throw InputError("a molecule of the body lies where the load hangs");
     body.cables.push_back({body.connections.size(), stiffness});

@@ -9,8 +9,7 @@ void HostSupports::fix(int molecule, const Matrix3& free, const Vector3& positio
   if (fixed_.empty()) others_supports_ = static_cast<int>(model_.supports.size());
   if (support_of(molecule) < 0) {
     model_.supports.push_back({molecule});
-    if (!seen_.empty())
-      seen_[static_cast<std::size_t>(molecule)].support = static_cast<int>(model_.supports.size()) - 1;
+    if (!seen_.empty()) seen_[molecule].support = static_cast<int>(model_.supports.size()) - 1;
   }
   Fixed& fixed = entry_of(molecule);
   Support& now = support(fixed);
@@ -29,7 +28,7 @@ void HostSupports::release(int molecule) {
   if (mine != fixed_.end() && at >= others_supports_)
     model_.supports.erase(model_.supports.begin() + at);
   else
-    model_.supports[static_cast<std::size_t>(at)].free.setIdentity();
+    model_.supports[at].free.setIdentity();
   if (mine != fixed_.end()) fixed_.erase(mine);
   index();
 }
@@ -43,7 +42,7 @@ bool HostSupports::move_to(int molecule, const Vector3& position) {
 
 const Support* HostSupports::find(int molecule) const {
   const int at = support_of(molecule);
-  return at < 0 ? nullptr : &model_.supports[static_cast<std::size_t>(at)];
+  return at < 0 ? nullptr : &model_.supports[at];
 }
 
 void HostSupports::begin(double start, double end) {
@@ -111,18 +110,15 @@ void HostSupports::attach() {
 void HostSupports::index() {
   seen_.assign(static_cast<std::size_t>(model_.body().size()), {});
   for (std::size_t at = 0; at < model_.supports.size(); ++at)
-    seen_[static_cast<std::size_t>(model_.supports[at].molecule)].support = static_cast<int>(at);
-  for (std::size_t at = 0; at < fixed_.size(); ++at)
-    seen_[static_cast<std::size_t>(fixed_[at].molecule)].fixed = static_cast<int>(at);
+    seen_[model_.supports[at].molecule].support = static_cast<int>(at);
+  for (std::size_t at = 0; at < fixed_.size(); ++at) seen_[fixed_[at].molecule].fixed = static_cast<int>(at);
 }
 
 int HostSupports::support_of(int molecule) const {
   const auto& supports = model_.supports;
   if (!seen_.empty()) {
-    const int at = seen_[static_cast<std::size_t>(molecule)].support;
-    if (at >= 0 && at < static_cast<int>(supports.size()) &&
-        supports[static_cast<std::size_t>(at)].molecule == molecule)
-      return at;
+    const int at = seen_[molecule].support;
+    if (at >= 0 && at < static_cast<int>(supports.size()) && supports[at].molecule == molecule) return at;
   }
   const auto found = std::find_if(supports.begin(), supports.end(),
                                   [molecule](const Support& support) { return support.molecule == molecule; });
@@ -132,12 +128,12 @@ int HostSupports::support_of(int molecule) const {
 /// The record of a molecule that has a support; from where that is now, if it is new.
 HostSupports::Fixed& HostSupports::entry_of(int molecule) {
   if (seen_.empty()) index();
-  int& at = seen_[static_cast<std::size_t>(molecule)].fixed;
+  int& at = seen_[molecule].fixed;
   if (at < 0) {
     at = static_cast<int>(fixed_.size());
     fixed_.push_back({molecule, find(molecule)->displacement, std::nullopt});
   }
-  return fixed_[static_cast<std::size_t>(at)];
+  return fixed_[at];
 }
 
 }  // namespace elastin

@@ -52,7 +52,7 @@ class HostSupports {
   void attach();
   void index();
   int support_of(int molecule) const;
-  Support& support(const Fixed& fixed) { return model_.supports[static_cast<std::size_t>(support_of(fixed.molecule))]; }
+  Support& support(const Fixed& fixed) { return model_.supports[support_of(fixed.molecule)]; }
   Fixed& entry_of(int molecule);
 
   Model& model_;

@@ -173,11 +173,11 @@ void add_companions(Model& model, const Strategy& strategy, const Material& mate
 
 void fix_rigid_parts(Model& model) {
   std::vector<char> held(static_cast<std::size_t>(model.body().size()), 0);
-  for (const Support& support : model.supports) held[static_cast<std::size_t>(support.molecule)] = 1;
+  for (const Support& support : model.supports) held[support.molecule] = 1;
   for (const Part& part : model.body().parts)
     if (part.rigid)
       for (const int molecule : molecules_of(part))
-        if (!std::exchange(held[static_cast<std::size_t>(molecule)], 1)) model.supports.push_back({molecule});
+        if (!std::exchange(held[molecule], 1)) model.supports.push_back({molecule});
 }
 
 }  // namespace elastin

@@ -14,7 +14,7 @@ const Material& material_of(const std::vector<Material>& materials, int number, 
   if (number < 0 || static_cast<std::size_t>(number) >= materials.size())
     throw InputError(whose + " has material " + std::to_string(number) + "; there are " +
                      std::to_string(materials.size()) + ", from 0");
-  return materials[static_cast<std::size_t>(number)];
+  return materials[number];
 }
 
 bool lacks_voronoi(const Body& whole, const Strategy& strategy, const Material& material) {

@@ -9,7 +9,7 @@ namespace elastin {
 void set_tensions(const Model& model, const State& state, VectorX& tensions, Workspace& workspace) {
   const Connections& connections = model.body().connections;
   const int count = connections.size();
-  const auto ends_of = [&](int c) { return connections.ends[static_cast<std::size_t>(c)]; };
+  const auto ends_of = [&](int c) { return connections.ends[c]; };
   tensions.setZero(count);
   for (const auto& term : model.elasticity()) term->add_force_densities(state.positions, tensions, workspace);
   workspace.squared_lengths.resize(count);

@@ -44,7 +44,7 @@ SimulationState carried_over(const SimulationState& before, const ChangedBody& c
   if (before.host_forces.cols() > 0) {
     after.host_forces = before.host_forces(Eigen::all, changed.molecule_from);
     for (Eigen::Index molecule = 0; molecule < after.host_forces.cols(); ++molecule)
-      after.host_forces.col(molecule) *= changed.molecule_share[static_cast<std::size_t>(molecule)];
+      after.host_forces.col(molecule) *= changed.molecule_share[molecule];
   }
   return after;
 }
@@ -118,7 +118,7 @@ TopologyReport Simulation::change(ChangedBody changed) {
   if (in.recipe.constants && in.constants.size() == 0) in.constants = in.recipe.constants(in);
   Topology next{std::move(changed.body), {}, std::vector<int>(report.molecule_from.size())};
   for (std::size_t molecule = 0; molecule < next.origin.size(); ++molecule)
-    next.origin[molecule] = origin()[static_cast<std::size_t>(report.molecule_from[molecule])];
+    next.origin[molecule] = origin()[report.molecule_from[molecule]];
   if (in.constants.size()) {
     next.constants = in.constants(report.connection_from);
     for (std::size_t c = 0; c < report.connection_from.size(); ++c)

@@ -43,13 +43,12 @@ TermSlots slots_of(const LocalElasticity& term, int molecules) {
   for (int element = 0; element < term.elements(); ++element)
     for (const int molecule : term.molecules_of(element)) ++result.start[static_cast<std::size_t>(molecule) + 1];
   for (int molecule = 0; molecule < molecules; ++molecule)
-    result.start[static_cast<std::size_t>(molecule) + 1] += result.start[static_cast<std::size_t>(molecule)];
+    result.start[static_cast<std::size_t>(molecule) + 1] += result.start[molecule];
   result.slots.resize(static_cast<std::size_t>(result.start.back()));
   std::vector<int> next(result.start.begin(), result.start.end() - 1);
   for (int element = 0; element < term.elements(); ++element) {
     int node = 0;
-    for (const int molecule : term.molecules_of(element))
-      result.slots[static_cast<std::size_t>(next[static_cast<std::size_t>(molecule)]++)] = {element, node++};
+    for (const int molecule : term.molecules_of(element)) result.slots[next[molecule]++] = {element, node++};
   }
   return result;
 }
@@ -184,8 +183,7 @@ class BlockDescent final : public Implicit {
           static_cast<int>(molecules.size()),
           [&](int begin, int end) {
             double largest = 0;
-            for (int i = begin; i < end; ++i)
-              largest = std::max(largest, move(positions, weight, molecules[static_cast<std::size_t>(i)]));
+            for (int i = begin; i < end; ++i) largest = std::max(largest, move(positions, weight, molecules[i]));
             return largest;
           },
           kColourThreshold);
@@ -196,8 +194,8 @@ class BlockDescent final : public Implicit {
 
   /// One molecule to where its own energy is least, nearly; how far [m].
   double move(Positions& positions, double weight, int molecule) const {
-    const int support = support_of_[static_cast<std::size_t>(molecule)];
-    if (support >= 0 && (*supports_)[static_cast<std::size_t>(support)].free.isZero(0)) return 0;
+    const int support = support_of_[molecule];
+    if (support >= 0 && (*supports_)[support].free.isZero(0)) return 0;
     LocalBlock block;
     const double inertia = weight * (*mass_)[molecule];
     const Vector3 position = positions.col(molecule);
@@ -209,7 +207,7 @@ class BlockDescent final : public Implicit {
     block.hessian.diagonal().array() += inertia;
     for (const TermSlots& term : terms_) term.term->add_blocks(positions, term.of(molecule), block);
     if (support >= 0) {
-      const Matrix3& free = (*supports_)[static_cast<std::size_t>(support)].free;
+      const Matrix3& free = (*supports_)[support].free;
       block.gradient = (free * block.gradient).eval();
       block.hessian = (free * block.hessian * free).eval();
     }
@@ -267,14 +265,14 @@ class BlockDescent final : public Implicit {
         for (int element = 0; element < term->elements(); ++element) elements.emplace_back(term, element);
       }
       colours_ = colours_of_molecules(n, static_cast<int>(elements.size()), [&](int element) {
-        const auto& [term, own] = elements[static_cast<std::size_t>(element)];
+        const auto& [term, own] = elements[element];
         return term->molecules_of(own);
       });
     }
     supports_ = &model.supports;
     support_of_.assign(static_cast<std::size_t>(n), -1);
     for (std::size_t i = 0; i < model.supports.size(); ++i)
-      support_of_[static_cast<std::size_t>(model.supports[i].molecule)] = static_cast<int>(i);
+      support_of_[model.supports[i].molecule] = static_cast<int>(i);
     return suited_;
   }
 

@@ -24,12 +24,12 @@ Rows colours_of_items(int items, int molecules, const std::function<std::span<co
   std::vector<int> colours(static_cast<std::size_t>(items)), seen;
   for (int item = 0; item < items; ++item) {
     for (const int molecule : molecules_of(item))
-      for (const int colour : used[static_cast<std::size_t>(molecule)]) {
+      for (const int colour : used[molecule]) {
         if (static_cast<int>(seen.size()) <= colour) seen.resize(static_cast<std::size_t>(colour) + 1, -1);
-        seen[static_cast<std::size_t>(colour)] = item;
+        seen[colour] = item;
       }
-    const int own = colours[static_cast<std::size_t>(item)] = first_free(seen, item);
-    for (const int molecule : molecules_of(item)) used[static_cast<std::size_t>(molecule)].push_back(own);
+    const int own = colours[item] = first_free(seen, item);
+    for (const int molecule : molecules_of(item)) used[molecule].push_back(own);
   }
   return rows_of(colours);
 }
@@ -37,17 +37,17 @@ Rows colours_of_items(int items, int molecules, const std::function<std::span<co
 Rows colours_of_molecules(int molecules, int elements, const std::function<std::span<const int>(int)>& molecules_of) {
   std::vector<std::vector<int>> elements_at(static_cast<std::size_t>(molecules));
   for (int element = 0; element < elements; ++element)
-    for (const int molecule : molecules_of(element)) elements_at[static_cast<std::size_t>(molecule)].push_back(element);
+    for (const int molecule : molecules_of(element)) elements_at[molecule].push_back(element);
   std::vector<int> colours(static_cast<std::size_t>(molecules), -1), seen;
   for (int molecule = 0; molecule < molecules; ++molecule) {
-    for (const int element : elements_at[static_cast<std::size_t>(molecule)])
+    for (const int element : elements_at[molecule])
       for (const int other : molecules_of(element)) {
-        const int colour = colours[static_cast<std::size_t>(other)];
+        const int colour = colours[other];
         if (colour < 0) continue;
         if (static_cast<int>(seen.size()) <= colour) seen.resize(static_cast<std::size_t>(colour) + 1, -1);
-        seen[static_cast<std::size_t>(colour)] = molecule;
+        seen[colour] = molecule;
       }
-    colours[static_cast<std::size_t>(molecule)] = first_free(seen, molecule);
+    colours[molecule] = first_free(seen, molecule);
   }
   return rows_of(colours);
 }

@@ -77,7 +77,7 @@ class EnergyMomentum final : public Implicit {
       term->add_force_densities(positions, end.densities, workspace_.trials.force_pass);
     end.squared_lengths.resize(connections);
     parallel_for(connections, [&](int c) {
-      const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+      const auto& [a, b] = body.connections.ends[c];
       end.squared_lengths[c] = (positions.col(b) - positions.col(a)).squaredNorm();
     });
     end.energy = model.elastic_energy(positions);

@@ -50,13 +50,13 @@ bool Mixing::mix(const Positions& from, Positions& motion) {
   Eigen::Matrix<double, kMost, kMost> products;
   Eigen::Matrix<double, kMost, 1> shares;
   for (int i = 0; i < count; ++i) {
-    const Positions& own = pasts_[static_cast<std::size_t>(i)].motion;
-    for (int j = 0; j <= i; ++j) products(i, j) = ordered_dot(own, pasts_[static_cast<std::size_t>(j)].motion);
+    const Positions& own = pasts_[i].motion;
+    for (int j = 0; j <= i; ++j) products(i, j) = ordered_dot(own, pasts_[j].motion);
     products(i, i) *= 1 + 1e-12;
     shares[i] = ordered_dot(own, motion);
   }
   if (!solve_positive(products, shares, count)) return false;
-  for (int i = 0; i < count; ++i) motion -= shares[i] * pasts_[static_cast<std::size_t>(i)].end;
+  for (int i = 0; i < count; ++i) motion -= shares[i] * pasts_[i].end;
   return true;
 }
 

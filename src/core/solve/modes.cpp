@@ -238,7 +238,7 @@ class Search {
         Eigen::Index column = 0;
         for (int i = 0; i < size; ++i) {
           const int m = molecule_of[unknowns[i]];
-          if (own[static_cast<std::size_t>(column)] != m) ++column;
+          if (own[column] != m) ++column;
           one.col(column) += eigen.vectors(i, k) * free_basis_[m].col(unknowns[i] - first_unknown[m]);
         }
         if (k == 0) motion = one;
@@ -247,7 +247,7 @@ class Search {
       std::vector<Eigen::Index> moving;
       for (Eigen::Index column = 0; column < count; ++column)
         if (reach[column] > 1e-12) {
-          mode.molecules.push_back(own[static_cast<std::size_t>(column)]);
+          mode.molecules.push_back(own[column]);
           moving.push_back(column);
         }
       mode.direction = common_direction(motion(Eigen::all, moving), mode);

@@ -12,21 +12,20 @@ ModeReport find_modes_in_parts(const Body& body, const std::vector<Support>& sup
     if (part.rigid) continue;
     const PartAlone alone = part_alone(body, part);
     std::vector<int> own(static_cast<std::size_t>(body.size()), -1);
-    for (std::size_t i = 0; i < alone.molecules.size(); ++i)
-      own[static_cast<std::size_t>(alone.molecules[i])] = static_cast<int>(i);
+    for (std::size_t i = 0; i < alone.molecules.size(); ++i) own[alone.molecules[i]] = static_cast<int>(i);
     std::vector<Support> held;
     for (Support support : supports)
-      if ((support.molecule = own[static_cast<std::size_t>(support.molecule)]) >= 0) held.push_back(support);
+      if ((support.molecule = own[support.molecule]) >= 0) held.push_back(support);
     std::vector<char> counts;
     if (!stiff.empty())
-      for (const int c : alone.connections) counts.push_back(stiff[static_cast<std::size_t>(c)]);
+      for (const int c : alone.connections) counts.push_back(stiff[c]);
     ModeReport report = find_zero_energy_modes(alone.body, held, counts);
     sum.rigid_motions += report.rigid_motions;
     sum.zero_energy_modes += report.zero_energy_modes;
     sum.counted = sum.counted && report.counted;
     for (ZeroEnergyMode& mode : report.modes) {
       mode.text = "body '" + part.name + "': " + mode.text;
-      for (int& molecule : mode.molecules) molecule = alone.molecules[static_cast<std::size_t>(molecule)];
+      for (int& molecule : mode.molecules) molecule = alone.molecules[molecule];
       sum.modes.push_back(std::move(mode));
     }
   }

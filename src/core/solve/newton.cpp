@@ -99,8 +99,8 @@ bool may_buckle(const Body& body, const Positions& positions) {
   const Vector3 size = body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff();
   const double thin = size.minCoeff() / size.maxCoeff(), limit = std::min(1e-4, 0.1 * thin * thin);
   for (int c = 0; c < body.connections.size(); ++c) {
-    const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
-    const double rest = body.connections.rest_length[static_cast<std::size_t>(c)];
+    const auto& [a, b] = body.connections.ends[c];
+    const double rest = body.connections.rest_length[c];
     if (!(std::abs((positions.col(b) - positions.col(a)).norm() - rest) < limit * rest)) return true;
   }
   return false;

@@ -12,7 +12,7 @@ void OuterForces::begin(const Model& model, const State& state, const Weights& w
                     std::any_of(loads.begin(), loads.end(), [](const auto& load) { return load->changes(); });
   blocks_.assign(static_cast<std::size_t>(model.body().size()), Matrix3::Zero());
   const auto add = [this](int a, int b, const Matrix3& block) {
-    Matrix3& own = blocks_[static_cast<std::size_t>(a)];
+    Matrix3& own = blocks_[a];
     if (a == b)
       own += (block + block.transpose()) / 2;
     else
@@ -41,7 +41,7 @@ void OuterForces::add_viscous_blocks(const Model& model, const State& state, con
   slopes_.setZero(connections.size());
   squared_lengths_.resize(connections.size()), rates_.resize(connections.size());
   for (int c = 0; c < connections.size(); ++c) {
-    const auto& [a, b] = connections.ends[static_cast<std::size_t>(c)];
+    const auto& [a, b] = connections.ends[c];
     const Vector3 d = state.positions.col(b) - state.positions.col(a);
     squared_lengths_[c] = d.squaredNorm();
     rates_[c] = 2 * d.dot(state.velocities.col(b) - state.velocities.col(a));
@@ -61,11 +61,11 @@ void OuterForces::add_viscous_blocks(const Model& model, const State& state, con
     term->visit_cells(visit);
   }
   for (int c = 0; c < connections.size(); ++c) {
-    const auto& [a, b] = connections.ends[static_cast<std::size_t>(c)];
+    const auto& [a, b] = connections.ends[c];
     const Vector3 d = state.positions.col(b) - state.positions.col(a);
     const Matrix3 block = 4 * std::max(0., slopes_[c]) * d * d.transpose();
-    blocks_[static_cast<std::size_t>(a)] += block;
-    blocks_[static_cast<std::size_t>(b)] += block;
+    blocks_[a] += block;
+    blocks_[b] += block;
   }
 }
 

@@ -22,7 +22,7 @@ class OuterForces {
   const Positions& forces() const { return forces_; }        ///< [N]
   const Positions& positions() const { return positions_; }  ///< of the state at which they are these [m]
   /// D of a molecule [N/m].
-  const Matrix3& block(int molecule) const { return blocks_[static_cast<std::size_t>(molecule)]; }
+  const Matrix3& block(int molecule) const { return blocks_[molecule]; }
 
  private:
   void add_viscous_blocks(const Model& model, const State& state, const Weights& weights);

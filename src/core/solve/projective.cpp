@@ -182,13 +182,13 @@ class Projective final : public Implicit {
     rest_ = unbalanced;
     for (int back = 0; back < count; ++back) {
       const double weight = ordered_dot(pair(back).motion, rest_) / pair(back).product;
-      weights_[static_cast<std::size_t>(back)] = weight;
+      weights_[back] = weight;
       rest_ -= weight * pair(back).change;
     }
     inverse_.apply(rest_, direction_);
     for (int back = count - 1; back >= 0; --back) {
       const double weight = ordered_dot(pair(back).change, direction_) / pair(back).product;
-      direction_ += (weights_[static_cast<std::size_t>(back)] - weight) * pair(back).motion;
+      direction_ += (weights_[back] - weight) * pair(back).motion;
     }
   }
 

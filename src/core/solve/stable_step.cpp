@@ -131,8 +131,7 @@ void name_block_cell(const Body& body, const Positions& mode, StableStep& found)
       double sum = 0;
       for (const auto& [a, b] : block.kind->edges) {
         const auto nodes = block.cell(cell);
-        sum +=
-            (mode.col(nodes[static_cast<std::size_t>(a)]) - mode.col(nodes[static_cast<std::size_t>(b)])).squaredNorm();
+        sum += (mode.col(nodes[a]) - mode.col(nodes[b])).squaredNorm();
       }
       if (sum > most) most = sum, found.cell = number, found.connection = -1;
     }

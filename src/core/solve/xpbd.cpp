@@ -28,8 +28,7 @@ struct Measures {
   Measures(const NeoHookeanConstraint& cell, const Positions& positions) {
     static constexpr auto pairs = node_pairs<4>();
     Eigen::Matrix<double, 3, 4> x;
-    for (int corner = 0; corner < 4; ++corner)
-      x.col(corner) = positions.col(cell.molecules[static_cast<std::size_t>(corner)]);
+    for (int corner = 0; corner < 4; ++corner) x.col(corner) = positions.col(cell.molecules[corner]);
     gradient[0].setZero();
     double trace = 0, most_product = 0;
     for (std::size_t pair = 0; pair < 6; ++pair) {
@@ -143,14 +142,14 @@ class Xpbd final : public Implicit {
     const int n = model.body().size();
     inverses_.resize(static_cast<std::size_t>(n));
     for (int i = 0; i < n; ++i)
-      inverses_[static_cast<std::size_t>(i)] =
-          outer_.vary() ? Matrix3(weight * positive_inverse(weight * mass[i] * Matrix3::Identity() + outer_.block(i)))
-                        : Matrix3(Matrix3::Identity() / mass[i]);
+      inverses_[i] = outer_.vary()
+                         ? Matrix3(weight * positive_inverse(weight * mass[i] * Matrix3::Identity() + outer_.block(i)))
+                         : Matrix3(Matrix3::Identity() / mass[i]);
     for (const Support& support : model.supports) {
       Matrix3 block = weight * mass[support.molecule] * Matrix3::Identity();
       if (outer_.vary()) block += outer_.block(support.molecule);
       const Matrix3 free = support.free;
-      inverses_[static_cast<std::size_t>(support.molecule)] =
+      inverses_[support.molecule] =
           free.isZero(0) ? Matrix3(Matrix3::Zero()) : Matrix3(weight * positive_inverse(free * block * free));
     }
     mass_ = &mass;
@@ -170,7 +169,7 @@ class Xpbd final : public Implicit {
           Vector3 force = outer_.forces().col(i);
           if (outer_.vary()) force -= outer_.block(i) * (positions.col(i) - outer_.positions().col(i));
           const Vector3 missing = (*mass_)[i] * (target_.col(i) - positions.col(i)) + force / weight + residual_.col(i);
-          positions.col(i) += (inverses_[static_cast<std::size_t>(i)] * missing) / (1 + turns_[i] / (*mass_)[i]);
+          positions.col(i) += (inverses_[i] * missing) / (1 + turns_[i] / (*mass_)[i]);
         },
         kMoleculeThreshold);
   }
@@ -178,7 +177,7 @@ class Xpbd final : public Implicit {
   /// Their forces, and twice the sizes of their geometric stiffness on each molecule, both over w_a.
   void add_multipliers(const Positions& positions) {
     for_each_colour(spring_colours_, kSpringThreshold, [&](int c) {
-      const SpringConstraint& spring = constraints_.springs[static_cast<std::size_t>(c)];
+      const SpringConstraint& spring = constraints_.springs[c];
       const auto [a, b] = spring.molecules;
       const Vector3 d = positions.col(b) - positions.col(a);
       const double length = d.norm();
@@ -190,10 +189,10 @@ class Xpbd final : public Implicit {
       turns_[b] += 2 * std::abs(density);
     });
     for_each_colour(cell_colours_, kTetrahedronThreshold, [&](int c) {
-      const NeoHookeanConstraint& cell = constraints_.tetrahedra[static_cast<std::size_t>(c)];
+      const NeoHookeanConstraint& cell = constraints_.tetrahedra[c];
       const Measures now(cell, positions);
       for (int corner = 0; corner < 4; ++corner) {
-        const int molecule = cell.molecules[static_cast<std::size_t>(corner)];
+        const int molecule = cell.molecules[corner];
         for (int i = 0; i < 2; ++i) residual_.col(molecule) += cell_multipliers_(i, c) * now.gradient[i].col(corner);
         turns_[molecule] += 2 * (std::abs(cell_multipliers_(0, c)) * now.turn[0] +  //
                                  std::abs(cell_multipliers_(1, c)) * now.turn[1]);
@@ -203,14 +202,13 @@ class Xpbd final : public Implicit {
 
   void project_springs(Positions& positions, double weight) {
     for_each_colour(spring_colours_, kSpringThreshold, [&](int c) {
-      const SpringConstraint& spring = constraints_.springs[static_cast<std::size_t>(c)];
+      const SpringConstraint& spring = constraints_.springs[c];
       const auto [a, b] = spring.molecules;
       const Vector3 d = positions.col(b) - positions.col(a);
       const double length = d.norm();
       if (!(length > 0)) return;
       const Vector3 along = d / length;
-      const Vector3 of_a = inverses_[static_cast<std::size_t>(a)] * along,
-                    of_b = inverses_[static_cast<std::size_t>(b)] * along;
+      const Vector3 of_a = inverses_[a] * along, of_b = inverses_[b] * along;
       const double k = spring.constant / weight;
       const double more =
           -(spring_multipliers_[c] + k * (length - spring.rest_length)) / (1 + k * along.dot(of_a + of_b));
@@ -223,12 +221,12 @@ class Xpbd final : public Implicit {
   /// Both measures of a tetrahedron at once.                                          [Macklin & Müller 2021]
   void project_cells(Positions& positions, double weight) {
     for_each_colour(cell_colours_, kTetrahedronThreshold, [&](int c) {
-      const NeoHookeanConstraint& cell = constraints_.tetrahedra[static_cast<std::size_t>(c)];
+      const NeoHookeanConstraint& cell = constraints_.tetrahedra[c];
       const Measures now(cell, positions);
       Eigen::Matrix<double, 3, 4> moved[2];
       Eigen::Matrix2d W = Eigen::Matrix2d::Zero();
       for (int corner = 0; corner < 4; ++corner) {
-        const Matrix3& inverse = inverses_[static_cast<std::size_t>(cell.molecules[static_cast<std::size_t>(corner)])];
+        const Matrix3& inverse = inverses_[cell.molecules[corner]];
         for (int i = 0; i < 2; ++i) {
           moved[i].col(corner) = inverse * now.gradient[i].col(corner);
           for (int j = 0; j < 2; ++j) W(j, i) += now.gradient[j].col(corner).dot(moved[i].col(corner));
@@ -239,8 +237,7 @@ class Xpbd final : public Implicit {
       const Eigen::Vector2d more = -response.inverse() * lacking;
       cell_multipliers_.col(c) += more;
       for (int corner = 0; corner < 4; ++corner)
-        positions.col(cell.molecules[static_cast<std::size_t>(corner)]) +=
-            more[0] * moved[0].col(corner) + more[1] * moved[1].col(corner);
+        positions.col(cell.molecules[corner]) += more[0] * moved[0].col(corner) + more[1] * moved[1].col(corner);
     });
   }
 
@@ -267,15 +264,13 @@ class Xpbd final : public Implicit {
     for (const LocalElasticity* term : terms) term->add_constraints(all);
     const int n = model.body().size();
     constraints_ = {};
-    const Rows springs = colours_of_items(static_cast<int>(all.springs.size()), n, [&](int c) {
-      return std::span<const int>(all.springs[static_cast<std::size_t>(c)].molecules);
-    });
-    for (const int c : springs.entries) constraints_.springs.push_back(all.springs[static_cast<std::size_t>(c)]);
+    const Rows springs = colours_of_items(static_cast<int>(all.springs.size()), n,
+                                          [&](int c) { return std::span<const int>(all.springs[c].molecules); });
+    for (const int c : springs.entries) constraints_.springs.push_back(all.springs[c]);
     spring_colours_ = springs.start;
-    const Rows cells = colours_of_items(static_cast<int>(all.tetrahedra.size()), n, [&](int c) {
-      return std::span<const int>(all.tetrahedra[static_cast<std::size_t>(c)].molecules);
-    });
-    for (const int c : cells.entries) constraints_.tetrahedra.push_back(all.tetrahedra[static_cast<std::size_t>(c)]);
+    const Rows cells = colours_of_items(static_cast<int>(all.tetrahedra.size()), n,
+                                        [&](int c) { return std::span<const int>(all.tetrahedra[c].molecules); });
+    for (const int c : cells.entries) constraints_.tetrahedra.push_back(all.tetrahedra[c]);
     cell_colours_ = cells.start;
     return true;
   }

@@ -145,8 +145,7 @@ class CalculixDeck : Deck {
     const Yeoh::Density density = Yeoh{}.density(material);
     check_terms(density.terms);
     write("*HYPERELASTIC, YEOH\n");
-    for (int i = 0; i < kMostTerms; ++i)
-      write("{:.12e},", i < density.terms ? density.c[static_cast<std::size_t>(i)] : 0);
+    for (int i = 0; i < kMostTerms; ++i) write("{:.12e},", i < density.terms ? density.c[i] : 0);
     write("{:.12e},0.,0.\n", volume_of(material));
   }
   void write_ogden(const Material& material) {

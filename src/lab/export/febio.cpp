@@ -113,8 +113,7 @@ class FebioDeck : Deck {
   void write_yeoh(const Material& material) {
     write_volume(ConstantsOf(material, Yeoh::name));
     const Yeoh::Density density = Yeoh{}.density(material);
-    for (int i = 0; i < density.terms; ++i)
-      write_number(numbered("c", i).c_str(), density.c[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < density.terms; ++i) write_number(numbered("c", i).c_str(), density.c[i]);
   }
   void write_ogden(const Material& material) {
     write_volume(ConstantsOf(material, Ogden::name));
@@ -157,8 +156,8 @@ class FebioDeck : Deck {
       for (int cell = 0; cell < cells.size(); ++cell) {
         write("<elem id=\"{}\">", ++number);
         for (int node = 0; node < cells.kind->nodes; ++node) {
-          const int own = shape->order.empty() ? node : shape->order[static_cast<std::size_t>(node)];
-          write("{}{}", node > 0 ? "," : "", cells.nodes[static_cast<std::size_t>(cell * cells.kind->nodes + own)] + 1);
+          const int own = shape->order.empty() ? node : shape->order[node];
+          write("{}{}", node > 0 ? "," : "", cells.nodes[cell * cells.kind->nodes + own] + 1);
         }
         write("</elem>\n");
       }
@@ -213,7 +212,7 @@ class FebioDeck : Deck {
       if (const Course course = course_of(driven.displacements); course.controller == 0)
         fixed[driven.molecule] |= 1 << driven.axis;
       else
-        moved[static_cast<std::size_t>(driven.axis)][course].push_back(driven.molecule);
+        moved[driven.axis][course].push_back(driven.molecule);
     std::map<int, Numbers> alike;
     for (const auto& [molecule, axes] : fixed) alike[axes].push_back(molecule);
     std::string text;
@@ -237,8 +236,7 @@ class FebioDeck : Deck {
       for (int axis = 0; axis < 3; ++axis) {
         std::vector<double> values;
         for (const Positions& forces : problem_.forces) values.push_back(forces(axis, molecule));
-        if (const Course course = course_of(values); course.controller != 0)
-          loaded[static_cast<std::size_t>(axis)][course].push_back(molecule);
+        if (const Course course = course_of(values); course.controller != 0) loaded[axis][course].push_back(molecule);
       }
     std::string text;
     for (std::size_t axis = 0; axis < 3; ++axis)

@@ -20,16 +20,15 @@ std::map<std::string, std::vector<int>> groups_of(const Scene& scene) {
   std::vector<char> loaded(static_cast<std::size_t>(body.size()), 0);
   if (!scene.specimen.contact) {
     const Positions forces = model.load_forces(state_at_rest(body));
-    for (int molecule = 0; molecule < body.size(); ++molecule)
-      loaded[static_cast<std::size_t>(molecule)] = !forces.col(molecule).isZero(0);
+    for (int molecule = 0; molecule < body.size(); ++molecule) loaded[molecule] = !forces.col(molecule).isZero(0);
   }
   for (const Support& support : model.supports)
     if (support.displacement.isZero(0))
       groups["held"].push_back(support.molecule);
     else
-      loaded[static_cast<std::size_t>(support.molecule)] = 1;
+      loaded[support.molecule] = 1;
   for (int molecule = 0; molecule < body.size(); ++molecule)
-    if (loaded[static_cast<std::size_t>(molecule)]) groups["loaded"].push_back(molecule);
+    if (loaded[molecule]) groups["loaded"].push_back(molecule);
   for (auto& [name, molecules] : groups) std::sort(molecules.begin(), molecules.end());
   return groups;
 }

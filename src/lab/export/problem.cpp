@@ -92,7 +92,7 @@ class Reading {
         supports_.push_back(&support - model_.supports.data());
       }
   }
-  void read_steps(const StaticProtocol& experiment) {
+  void read_steps(const StaticExperiment& experiment) {
     const State rest = state_at_rest(model_.body());
     double before = 0;
     for (int step = 1; step <= experiment.load_steps(); ++step) {
@@ -106,7 +106,7 @@ class Reading {
     for (const double factor : problem_.steps) {
       rig_->set_load(factor);
       for (std::size_t i = 0; i < supports_.size(); ++i) {
-        const Support& support = model_.supports[static_cast<std::size_t>(supports_[i])];
+        const Support& support = model_.supports[supports_[i]];
         problem_.driven[i].displacements.push_back(support.displacement[problem_.driven[i].axis]);
       }
       problem_.forces.push_back(model_.load_forces(rest));

@@ -166,23 +166,23 @@ class Dilatations final : public Augmented {
                      cross_matrix(edges.col(k));
             }
           }
-          visit(nodes[static_cast<std::size_t>(a)], nodes[static_cast<std::size_t>(b)], force * own);
+          visit(nodes[a], nodes[b], force * own);
         }
     }
   }
 
  private:
   static const CellBlock& block_of(const Body& body, const DilatationConstraint& constraint) {
-    return body.blocks[static_cast<std::size_t>(constraint.block)];
+    return body.blocks[constraint.block];
   }
   double grown(const State& state, std::size_t number, double multiplier) const override {
     return multiplier + modulus_ * log_dilatation(state, static_cast<int>(number));
   }
   double strength(const State& state, int cell) const {
-    return multiplier(state, static_cast<std::size_t>(cell)) * rest_[static_cast<std::size_t>(cell)];
+    return multiplier(state, static_cast<std::size_t>(cell)) * rest_[cell];
   }
   double log_dilatation(const State& state, int cell) const {
-    return std::log(volume_of(cell, state.positions) / rest_[static_cast<std::size_t>(cell)]);
+    return std::log(volume_of(cell, state.positions) / rest_[cell]);
   }
   double volume_of(int cell, const Positions& positions) const {
     const Eigen::MatrixXd x = positions_of(positions, block_.cell(cell));

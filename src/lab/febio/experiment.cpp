@@ -15,7 +15,7 @@ struct Moment {
   int step = 0;  ///< in force on the way to this time
 };
 
-class Experiment final : public StaticProtocol {
+class Experiment final : public StaticExperiment {
  public:
   Experiment(const Body& body, std::shared_ptr<const ExperimentSetup> setup) : body_(body), setup_(std::move(setup)) {
     for (const DrivenComponent& driven : setup_->driven) driven_[driven.molecule].push_back(&driven);
@@ -56,7 +56,7 @@ class Experiment final : public StaticProtocol {
   std::array<const DrivenComponent*, 3> in_force(const std::vector<const DrivenComponent*>& driven, int step) const {
     std::array<const DrivenComponent*, 3> result{};
     for (const DrivenComponent* one : driven)
-      if (one->step < 0 || one->step == step) result[static_cast<std::size_t>(one->axis)] = one;
+      if (one->step < 0 || one->step == step) result[one->axis] = one;
     return result;
   }
 
@@ -71,15 +71,15 @@ class Experiment final : public StaticProtocol {
     for (int axis = 0; axis < 3; ++axis) {
       std::vector<int> row(static_cast<std::size_t>(body_.size()), 0);
       for (const auto& [molecule, driven] : driven_)
-        if (in_force(driven, 0)[static_cast<std::size_t>(axis)]) row[static_cast<std::size_t>(molecule)] = -1;
+        if (in_force(driven, 0)[axis]) row[molecule] = -1;
       std::vector<Eigen::Triplet<double>> entries;
       std::vector<char> heavy(row.size(), 0);
-      for (const MassPair& pair : setup_->mass) heavy[static_cast<std::size_t>(pair.a)] = 1;
+      for (const MassPair& pair : setup_->mass) heavy[pair.a] = 1;
       int free = 0;
       for (std::size_t a = 0; a < row.size(); ++a) row[a] = row[a] < 0 || !heavy[a] ? -1 : free++;
       if (free == 0) continue;
       for (const MassPair& pair : setup_->mass) {
-        const int a = row[static_cast<std::size_t>(pair.a)], b = row[static_cast<std::size_t>(pair.b)];
+        const int a = row[pair.a], b = row[pair.b];
         if (a >= 0 && b >= 0) entries.emplace_back(a, b, pair.mass);
       }
       Eigen::SparseMatrix<double> mass(free, free);
@@ -127,7 +127,7 @@ class ExperimentRig final : public StaticRig {
 
   void set_load(double factor) override {
     now_ = experiment_.moment(factor);
-    const Step& step = experiment_.setup_->steps[static_cast<std::size_t>(now_.step)];
+    const Step& step = experiment_.setup_->steps[now_.step];
     *experiment_.setup_->clock = {now_.time, step.dynamic ? step.integration.alpha_force : 1};
     for (TimedLoad* load : loads_) {
       load->set_step(now_.step);
@@ -141,7 +141,7 @@ class ExperimentRig final : public StaticRig {
       own.free = Matrix3::Identity();
       const auto driven = experiment_.in_force(all, now_.step);
       for (Eigen::Index axis = 0; axis < 3; ++axis)
-        if (const DrivenComponent* one = driven[static_cast<std::size_t>(axis)]) {
+        if (const DrivenComponent* one = driven[axis]) {
           own.free(axis, axis) = 0;
           own.displacement[axis] = one->at(now_.time);
         }
@@ -160,7 +160,7 @@ class ExperimentRig final : public StaticRig {
       free.col(support.molecule) = (support.free * free.col(support.molecule)).eval();
     measures.set("solution_norm", free.norm());
     if (model_.has_energy()) measures.set("energy", model_.elastic_energy(state.positions));
-    const bool moving = experiment_.setup_->steps[static_cast<std::size_t>(now_.step)].dynamic;
+    const bool moving = experiment_.setup_->steps[now_.step].dynamic;
     if (!moving && stressed) {
       const Vector3 left = model_.load_forces(state).rowwise().sum() + solved.reactions.rowwise().sum();
       measures.set("reaction_balance", left.norm() / solved.scale);
@@ -188,7 +188,7 @@ std::unique_ptr<StaticRig> Experiment::static_rig(Model& model) const {
 
 }  // namespace
 
-std::unique_ptr<StaticProtocol> make_experiment(const Body& body, std::shared_ptr<const ExperimentSetup> setup) {
+std::unique_ptr<StaticExperiment> make_experiment(const Body& body, std::shared_ptr<const ExperimentSetup> setup) {
   return std::make_unique<Experiment>(body, std::move(setup));
 }
 

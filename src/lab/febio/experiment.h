@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "elastin/lab/experiment/protocol.h"
+#include "elastin/lab/run/experiment.h"
 #include "lab/febio/constraints.h"
 #include "lab/febio/loads.h"
 #include "lab/febio/stepped_cells.h"
@@ -53,6 +53,6 @@ struct ExperimentSetup {
 
 /// The steps as one load path whose factor is the share of all increments: time goes with it. An increment of a dynamic
 /// step is an equilibrium with inertia.
-std::unique_ptr<StaticProtocol> make_experiment(const Body& body, std::shared_ptr<const ExperimentSetup> setup);
+std::unique_ptr<StaticExperiment> make_experiment(const Body& body, std::shared_ptr<const ExperimentSetup> setup);
 
 }  // namespace elastin::lab::febio

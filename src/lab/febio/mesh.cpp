@@ -44,7 +44,7 @@ const ShapeName& find_shape(const Element& element, const std::string& type, con
 std::vector<int> in_order(const std::vector<int>& nodes, const ShapeName& shape) {
   if (shape.order.empty()) return nodes;
   std::vector<int> result(nodes.size());
-  for (std::size_t a = 0; a < nodes.size(); ++a) result[static_cast<std::size_t>(shape.order[a])] = nodes[a];
+  for (std::size_t a = 0; a < nodes.size(); ++a) result[shape.order[a]] = nodes[a];
   return result;
 }
 

@@ -188,7 +188,7 @@ void ModelReader::read_domain(const Element& domain) {
   const Augmentation augmentation = read_augmentation(domain, "atol", 0.01, 0);
   if (augmentation.on && whole_cell)
     setup_->dilatations.push_back({own->block, material->volume->modulus, augmentation});
-  built_->domains[static_cast<std::size_t>(own->block)] = {static_cast<int>(material - materials.begin()), whole_cell};
+  built_->domains[own->block] = {static_cast<int>(material - materials.begin()), whole_cell};
 }
 
 /// FEBio's automatic steps are at most dtmax long, and grow by a fifth of what is left to that where increments
@@ -400,7 +400,7 @@ void ModelReader::read_body_load(const Element& load) {
     DeadLoad dead{Positions::Zero(3, mesh_.body().size()), factor};
     visit_points(
         [&](std::size_t block, std::span<const int> nodes, const VectorX& values, const Vector3& place, double weight) {
-          const Material& material = built_->materials[static_cast<std::size_t>(built_->domains[block].material)];
+          const Material& material = built_->materials[built_->domains[block].material];
           const double force = -weight * material.density * at(place);
           for (std::size_t a = 0; a < nodes.size(); ++a)
             dead.forces(axis, nodes[a]) += values[static_cast<Eigen::Index>(a)] * force;
@@ -426,7 +426,7 @@ void ModelReader::read_body_load(const Element& load) {
     force.allow_attributes({"lc"});
     const std::vector<double> numbers = force.numbers(3);
     for (int axis = 0; axis < 3; ++axis)
-      if (const double one = numbers[static_cast<std::size_t>(axis)]; one != 0)
+      if (const double one = numbers[axis]; one != 0)
         add(axis, [](const Vector3&) { return 1.; }, {one, force.controller(controllers_)});
   } else {
     load.refuse("type=\"" + type + "\"", "const, non-const and body force are");
@@ -549,7 +549,7 @@ void ModelReader::refuse_within() const {
   for (const SurfaceLoad& load : setup_->surface_loads)
     if (!load.at_rest) root_.refuse(what + "beside a pressure or traction that follows its surface");
   for (const Domain& domain : built_->domains) {
-    const Material& material = built_->materials[static_cast<std::size_t>(domain.material)];
+    const Material& material = built_->materials[domain.material];
     if (material.relaxation) root_.refuse(what + "in a viscoelastic material");
     if (half && domain.whole_cell) root_.refuse("rhoi 1, or alpha 0.5, in a three-field-solid");
     if (half && !material.has_energy) root_.refuse("rhoi 1, or alpha 0.5, in a material without an energy");
@@ -633,7 +633,7 @@ void ModelReader::read_rigid_wall(const Element& constraint) {
     const Eigen::MatrixXd own = positions_of(rest, face.nodes);
     for (Eigen::Index a = 0; a < 4; ++a) {
       const Eigen::MatrixXd edges = own * face.kind->function_slopes(face.kind->reference.col(a)).transpose();
-      areas[face.nodes[static_cast<std::size_t>(a)]] += Vector3(edges.col(0)).cross(Vector3(edges.col(1))).norm();
+      areas[face.nodes[a]] += Vector3(edges.col(0)).cross(Vector3(edges.col(1))).norm();
     }
   }
   for (const auto& [molecule, area] : areas) {
@@ -651,7 +651,7 @@ void ModelReader::set_mass(Body& body) {
   body.mass = VectorX::Zero(body.size());
   visit_points(
       [&](std::size_t block, std::span<const int> nodes, const VectorX& values, const Vector3&, double weight) {
-        const double density = built_->materials[static_cast<std::size_t>(built_->domains[block].material)].density;
+        const double density = built_->materials[built_->domains[block].material].density;
         for (std::size_t a = 0; a < nodes.size(); ++a) {
           body.mass[nodes[a]] += weight * density / static_cast<double>(nodes.size());
           for (std::size_t b = 0; dynamic && b < nodes.size(); ++b)
@@ -668,9 +668,9 @@ void ModelReader::set_mass(Body& body) {
 Body ModelReader::make_body() {
   Body body = mesh_.body();
   const auto& materials = built_->materials;
-  const Material& first = materials[static_cast<std::size_t>(built_->domains.front().material)];
+  const Material& first = materials[built_->domains.front().material];
   for (std::size_t i = 0; i < body.blocks.size(); ++i) {
-    const Material& own = materials[static_cast<std::size_t>(built_->domains[i].material)];
+    const Material& own = materials[built_->domains[i].material];
     if (own.youngs_modulus != first.youngs_modulus)
       body.blocks[i].stiffness = VectorX::Constant(body.blocks[i].size(), own.youngs_modulus / first.youngs_modulus);
   }
@@ -696,7 +696,7 @@ FebioModel ModelReader::read() {
 
   FebioModel model;
   model.specimen.body = make_body();
-  const Material& first = built_->materials[static_cast<std::size_t>(built_->domains.front().material)];
+  const Material& first = built_->materials[built_->domains.front().material];
   model.specimen.material.youngs_modulus = first.youngs_modulus;
   model.specimen.material.poissons_ratio = first.poissons_ratio;
   model.specimen.material.density = first.density;
@@ -724,8 +724,8 @@ FebioModel ModelReader::read() {
     std::vector<std::unique_ptr<Elasticity>> terms;
     for (std::size_t i = 0; i < body.blocks.size(); ++i) {
       const Domain& domain = built->domains[i];
-      terms.push_back(make_domain(body, body.blocks[i], built->materials[static_cast<std::size_t>(domain.material)],
-                                  domain.whole_cell, clock, stepped));
+      terms.push_back(
+          make_domain(body, body.blocks[i], built->materials[domain.material], domain.whole_cell, clock, stepped));
     }
     if (terms.size() == 1) return std::move(terms.front());
     return make_sum(std::move(terms), nullptr);

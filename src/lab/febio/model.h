@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "elastin/lab/experiment/protocol.h"
-#include "lab/experiment/choice.h"
-#include "lab/experiment/run.h"
+#include "elastin/lab/run/experiment.h"
+#include "lab/run/choice.h"
+#include "lab/run/run.h"
 
 namespace elastin::lab {
 
@@ -17,7 +17,7 @@ struct FebioModel {
   Specimen specimen;
   StrategyChoice stiffness;  ///< "febio": each domain with its own material
   /// The steps on the specimen's body, which must outlive it.
-  std::function<std::unique_ptr<StaticProtocol>(const Body& body)> make_experiment;
+  std::function<std::unique_ptr<StaticExperiment>(const Body& body)> make_experiment;
   std::vector<std::string> warnings, notes;
 };
 

@@ -17,7 +17,7 @@ class SideFinder {
   explicit SideFinder(const Connections& connections) {
     numbers_.reserve(static_cast<std::size_t>(connections.size()));
     for (int c = 0; c < connections.size(); ++c) {
-      const auto& [a, b] = connections.ends[static_cast<std::size_t>(c)];
+      const auto& [a, b] = connections.ends[c];
       numbers_.emplace(key(a, b), c);
     }
   }

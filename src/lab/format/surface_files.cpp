@@ -91,8 +91,7 @@ contact::Pose drawn_pose(const contact::Obstacle& obstacle, contact::Pose pose, 
 void add_cells(VtuArrays& arrays, std::string& out, const Cells<3>& triangles) {
   const int count = static_cast<int>(triangles.size());
   out += "<Cells>\n";
-  arrays.add("connectivity", "Int32", 3, count,
-             [&](int t, int k) { return triangles[t][static_cast<std::size_t>(k)]; });
+  arrays.add("connectivity", "Int32", 3, count, [&](int t, int k) { return triangles[t][k]; });
   arrays.add("offsets", "Int32", 1, count, [](int t, int) { return 3 * t + 3; });
   arrays.add("types", "UInt8", 1, count, [](int, int) { return 5; });
   out += "</Cells>\n";
@@ -117,7 +116,7 @@ std::string surface_vtu_text(const Body& body, const Cells<3>& triangles, const 
   Cells<3> renumbered = triangles;
   for (auto& triangle : renumbered)
     for (int& corner : triangle) {
-      int& known = number[static_cast<std::size_t>(corner)];
+      int& known = number[corner];
       if (known < 0) {
         known = static_cast<int>(molecules.size());
         molecules.push_back(corner);
@@ -139,7 +138,7 @@ std::string surface_vtu_text(const Body& body, const Cells<3>& triangles, const 
              [&](int i, int k) { return shot.positions(k, molecules[i]) - body.rest(k, molecules[i]); });
   arrays.add("largest_strain", "Float64", 1, n, [&](int i, int) { return strain[molecules[i]]; });
   const std::vector<int> piece = inspect(body).piece_of;
-  arrays.add("piece", "Int32", 1, n, [&](int i, int) { return piece[static_cast<std::size_t>(molecules[i])]; });
+  arrays.add("piece", "Int32", 1, n, [&](int i, int) { return piece[molecules[i]]; });
   out += "</PointData>\n";
   add_cells(arrays, out, renumbered);
   return out + kVtuEnd;
@@ -163,9 +162,9 @@ std::string obstacles_vtu_text(const std::vector<contact::Obstacle>& obstacles, 
   const int n = static_cast<int>(points.size()), count = static_cast<int>(triangles.size());
   std::string out = vtu_head(n, count) + "<Points>\n";
   VtuArrays arrays(out);
-  arrays.add("positions", "Float64", 3, n, [&](int i, int k) { return points[static_cast<std::size_t>(i)][k]; });
+  arrays.add("positions", "Float64", 3, n, [&](int i, int k) { return points[i][k]; });
   out += "</Points>\n<CellData Scalars=\"obstacle\">\n";
-  arrays.add("obstacle", "Int32", 1, count, [&](int t, int) { return numbers[static_cast<std::size_t>(t)]; });
+  arrays.add("obstacle", "Int32", 1, count, [&](int t, int) { return numbers[t]; });
   out += "</CellData>\n";
   add_cells(arrays, out, triangles);
   return out + kVtuEnd;

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "elastin/contact/obstacle.h"
-#include "lab/experiment/run.h"
+#include "lab/run/run.h"
 
 namespace elastin::lab {
 

@@ -11,7 +11,7 @@
 #include "elastin/core/base/text.h"
 #include "elastin/core/base/units.h"
 #include "lab/format/csv.h"
-#include "lab/scene/reader.h"
+#include "lab/run/config_names.h"
 
 namespace elastin::lab {
 namespace {
@@ -243,10 +243,9 @@ class DataFile {
       const double step = data.x[i] - data.x[i - 1];
       if (direction == 0) direction = step;
       if (step * direction < 0)
-        fail_at(data.lines[static_cast<std::size_t>(i)],
-                data.along->name +
-                    " goes back; give one branch, in order: sort the rows, or choose some by `rows`, "
-                    "`from` and `to`");
+        fail_at(data.lines[i], data.along->name +
+                                   " goes back; give one branch, in order: sort the rows, or choose some by `rows`, "
+                                   "`from` and `to`");
     }
     const int first = data.lines.front();
     if (direction == 0) fail_at(first, data.along->name + " is the same in all rows; a curve needs several values");
@@ -266,7 +265,7 @@ void check_signs(const MeasuredData& data) {
   int wrong = 0, line = 0;
   for (Eigen::Index i = 0; i < data.y.size(); ++i) {
     if (data.x[i] * data.y[i] >= 0 || std::abs(data.y[i]) < 0.02 * largest) continue;
-    if (wrong++ == 0) line = data.lines[static_cast<std::size_t>(i)];
+    if (wrong++ == 0) line = data.lines[i];
   }
   if (2 * wrong > data.y.size())
     throw InputError(SourceLocation{data.file, line},

@@ -13,7 +13,7 @@
 #include "core/base/random.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/text.h"
-#include "lab/experiment/least_squares.h"
+#include "lab/run/least_squares.h"
 
 namespace elastin::lab {
 namespace {
@@ -46,7 +46,7 @@ class Scaling {
     size = VectorX::Ones(start.size()), sign_ = VectorX::Zero(start.size());
     low = VectorX::Ones(start.size()), high = low;
     for (Eigen::Index i = 0; i < start.size(); ++i) {
-      const MaterialNumber& number = unknown.unknowns[static_cast<std::size_t>(i)];
+      const MaterialNumber& number = unknown.unknowns[i];
       const double typical = number.unit == dimension::pressure ? 0.1 * unknown.trial.material.youngs_modulus : 1;
       size[i] = start[i] != 0 ? std::abs(start[i]) : typical;
       if (logarithmic && start[i] != 0) sign_[i] = start[i] > 0 ? 1 : -1;
@@ -205,7 +205,7 @@ std::optional<VectorX> random_start(const UnknownMaterial& unknown, Residuals& r
   for (int draw = 0; draw < kMostDraws; ++draw) {
     VectorX values = starts_of(unknown.unknowns);
     for (Eigen::Index i = 0; i < values.size(); ++i) {
-      const MaterialNumber& number = unknown.unknowns[static_cast<std::size_t>(i)];
+      const MaterialNumber& number = unknown.unknowns[i];
       const double normal =
           std::sqrt(-2 * std::log1p(-unit_random(generator))) * std::cos(2 * std::numbers::pi * unit_random(generator));
       const bool turned = unit_random(generator) < 0.2;
@@ -222,7 +222,7 @@ std::optional<VectorX> random_start(const UnknownMaterial& unknown, Residuals& r
 
 void find_bounds(const UnknownMaterial& unknown, const Residuals& residuals, Fit& fit) {
   for (Eigen::Index i = 0; i < fit.values.size(); ++i) {
-    const MaterialNumber& number = unknown.unknowns[static_cast<std::size_t>(i)];
+    const MaterialNumber& number = unknown.unknowns[i];
     const double near = 1e-7 * residuals.scaling.size[i];
     if (fit.values[i] - number.low < near || number.high - fit.values[i] < near)
       fit.at_bound.push_back(static_cast<std::size_t>(i));
@@ -251,8 +251,7 @@ void judge(const UnknownMaterial& unknown, Fit& fit) {
     fit.outcome = FitOutcome::flat_valley;
     std::string names;
     for (Eigen::Index i = 0; i < known.flattest.size(); ++i)
-      if (std::abs(known.flattest[i]) > 0.1)
-        names += (names.empty() ? "" : ", ") + unknown.unknowns[static_cast<std::size_t>(i)].name;
+      if (std::abs(known.flattest[i]) > 0.1) names += (names.empty() ? "" : ", ") + unknown.unknowns[i].name;
     fit.cause = "the data do not change with a change of " + names + " together: fix one of them";
   } else if (fit.at_bound.empty() && leaning(fit) > kLeaning) {
     fit.outcome = FitOutcome::bound_reached;
@@ -381,7 +380,7 @@ std::optional<double> foreseen_squares(const UnknownMaterial& others, std::vecto
   const auto go = [&](const VectorX& step) {
     values += step;
     for (Eigen::Index i = 0; i < values.size(); ++i) {  // no further than to a tenth, and within its bounds
-      const MaterialNumber& number = others.unknowns[static_cast<std::size_t>(i)];
+      const MaterialNumber& number = others.unknowns[i];
       if (values[i] * start[i] < 0.01 * start[i] * start[i]) values[i] = 0.1 * start[i];
       values[i] = std::clamp(values[i], number.low, number.high);
     }

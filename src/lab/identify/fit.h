@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "lab/experiment/material_numbers.h"
 #include "lab/identify/measured_test.h"
 #include "lab/identify/statistics.h"
+#include "lab/run/material_numbers.h"
 
 namespace elastin::lab {
 

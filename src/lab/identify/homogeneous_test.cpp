@@ -1,7 +1,7 @@
 #include <cmath>
 
-#include "lab/experiment/material_numbers.h"
 #include "lab/identify/measured_test.h"
+#include "lab/run/material_numbers.h"
 
 namespace elastin::lab {
 

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "elastin/core/base/text.h"
-#include "lab/scene/reader.h"
+#include "lab/run/config_names.h"
 #include "lab/scene/scene.h"
 
 namespace elastin::lab {
@@ -232,7 +232,7 @@ std::vector<WeightedTest> make_tests(const IdentifyTask& task, const Catalog& ca
     for (Eigen::Index i = 0; stated.relative && i < data.y.size(); ++i)
       if (data.y[i] == 0)
         throw InputError(
-            SourceLocation{data.file, data.lines[static_cast<std::size_t>(i)]},
+            SourceLocation{data.file, data.lines[i]},
             data.up->name +
                 " is 0, and relative residuals are over it: leave the row out, or write residuals: absolute");
   }

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "elastin/core/simulation/catalog.h"
-#include "lab/experiment/material_numbers.h"
 #include "lab/identify/data.h"
+#include "lab/run/material_numbers.h"
 
 namespace elastin::lab {
 

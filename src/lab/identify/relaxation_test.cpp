@@ -1,7 +1,7 @@
 #include <cmath>
 
-#include "lab/experiment/material_numbers.h"
 #include "lab/identify/measured_test.h"
+#include "lab/run/material_numbers.h"
 
 namespace elastin::lab {
 namespace {
@@ -124,7 +124,7 @@ std::unique_ptr<MeasuredTest> make_specimen_relaxation_test(const DataTest& test
   Eigen::Index largest = 0;
   data.y.cwiseAbs().maxCoeff(&largest);
   ramp.y = data.y[largest] * ramp.x;
-  ramp.lines.assign(static_cast<std::size_t>(ramp.x.size()), data.lines[static_cast<std::size_t>(largest)]);
+  ramp.lines.assign(static_cast<std::size_t>(ramp.x.size()), data.lines[largest]);
   return std::make_unique<SpecimenRelaxationTest>(
       std::move(data), test.ramp, make_specimen_test(test, std::move(ramp), catalog, overrides, strategy));
 }

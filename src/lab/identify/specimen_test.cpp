@@ -7,9 +7,9 @@
 #include <numeric>
 
 #include "core/solve/responses.h"
-#include "lab/experiment/load_path.h"
-#include "lab/experiment/repeated_curve.h"
 #include "lab/identify/measured_test.h"
+#include "lab/run/load_path.h"
+#include "lab/run/repeated_curve.h"
 #include "lab/scene/scene.h"
 
 namespace elastin::lab {
@@ -35,14 +35,14 @@ class SpecimenTest final : public MeasuredTest {
         scene_(std::move(scene)),
         choice_(choice),
         own_(scene_->specimen.material) {
-    protocol_ = scene_->experiment->at_rest();
-    if (!protocol_) test.fail("scene: " + scene_->path + " runs in time; identification needs an experiment at rest");
+    experiment_ = scene_->experiment->at_rest();
+    if (!experiment_) test.fail("scene: " + scene_->path + " runs in time; identification needs an experiment at rest");
     if (scene_->statics.linear)
       test.fail("scene: " + scene_->path + " takes small displacements; leave out solver.small_displacements");
     if (!scene_->specimen.materials.empty()) test.fail("scene: " + scene_->path + " has several bodies");
     options_.statics = scene_->statics;
     prepare(scene_->specimen, choice_.strategy);
-    if (const std::string reason = unsuited(scene_->specimen, *protocol_, choice_); !reason.empty())
+    if (const std::string reason = unsuited(scene_->specimen, *experiment_, choice_); !reason.empty())
       test.fail("scene: " + choice_.label + " " + reason);
     const Specimen& specimen = scene_->specimen;
     follows_modulus_ = specimen.contact && specimen.contact->stiffness ==
@@ -214,9 +214,9 @@ class SpecimenTest final : public MeasuredTest {
       for (const auto& [name, value] : trial.rule) choice.values[name] = value;
       Run run;
       if (choice.label != choice_.label)
-        if (const std::string reason = unsuited(specimen, *protocol_, choice); !reason.empty())
+        if (const std::string reason = unsuited(specimen, *experiment_, choice); !reason.empty())
           run.cause = choice.label + " " + reason;
-      if (run.cause.empty()) held = make_model(specimen, *protocol_, choice, options_, run);
+      if (run.cause.empty()) held = make_model(specimen, *experiment_, choice, options_, run);
       if (!held) why_ = run.cause;
     } catch (const InputError& error) {
       why_ = error.what();
@@ -360,13 +360,13 @@ class SpecimenTest final : public MeasuredTest {
       const double part = data_.x[point] / whole_;
       if (part < 0)
         throw InputError(
-            SourceLocation{data_.file, data_.lines[static_cast<std::size_t>(point)]},
+            SourceLocation{data_.file, data_.lines[point]},
             fmt::format("{} of {:.6g} has the other sign than what {} prescribes, {:.6g} (SI); of compression both "
                         "displacement and force are negative",
                         data_.along->name, data_.x[point], scene_->path, whole_));
       if (part < 0 || part > 1 + kAgreement)
         throw InputError(
-            SourceLocation{data_.file, data_.lines[static_cast<std::size_t>(point)]},
+            SourceLocation{data_.file, data_.lines[point]},
             fmt::format("{} of {:.6g} is beyond what {} prescribes, {:.6g} (SI): change its load, or cut the "
                         "data by `from` and `to`",
                         data_.along->name, data_.x[point], scene_->path, whole_));
@@ -390,7 +390,7 @@ class SpecimenTest final : public MeasuredTest {
     data_.x.cwiseAbs().maxCoeff(&last);
     if (data_.y[last] * response >= 0) return;
     throw InputError(
-        SourceLocation{data_.file, data_.lines[static_cast<std::size_t>(last)]},
+        SourceLocation{data_.file, data_.lines[last]},
         fmt::format("{} of {:.6g} (SI) has the other sign than the specimen's: of tension displacement and "
                     "force are positive, of compression both negative",
                     data_.up->name, data_.y[last]));
@@ -417,14 +417,14 @@ class SpecimenTest final : public MeasuredTest {
       if (data_.x[i] == 0) {
         if (std::abs(data_.y[i]) > offset * data_.y.cwiseAbs().maxCoeff())
           throw InputError(
-              SourceLocation{data_.file, data_.lines[static_cast<std::size_t>(i)]},
+              SourceLocation{data_.file, data_.lines[i]},
               fmt::format("{} is {:.6g} (SI) at rest, where it is 0: subtract that from all rows, or leave "
                           "this one out",
                           data_.up->name, data_.y[i]));
         continue;
       }
       kept.x[count] = data_.x[i], kept.y[count++] = data_.y[i];
-      kept.lines.push_back(data_.lines[static_cast<std::size_t>(i)]);
+      kept.lines.push_back(data_.lines[i]);
     }
     kept.x.conservativeResize(count), kept.y.conservativeResize(count);
     data_ = std::move(kept);
@@ -434,7 +434,7 @@ class SpecimenTest final : public MeasuredTest {
   std::unique_ptr<Scene> scene_;
   StrategyChoice choice_;
   Material own_;
-  const StaticProtocol* protocol_ = nullptr;
+  const StaticExperiment* experiment_ = nullptr;
   RunOptions options_;
   std::string along_, up_;  ///< measures
   double whole_ = 0;        ///< what the scene's whole load prescribes, SI

@@ -76,7 +76,7 @@ Positions dead_load(StaticRig& rig, Model& model, const State& rest) {
 
 /// The load of what an experiment in time is held and loaded by, and how much of it acts as the body begins.
 void add_fixture_load(const Scene& scene, const Specimen& specimen, Model& model, const State& start, Parcel& parcel) {
-  const StaticProtocol* fixture = scene.experiment->calibration();
+  const StaticExperiment* fixture = scene.experiment->calibration();
   if (!fixture) return;
   Run run;
   const auto held = make_model(specimen, *fixture, scene.stiffness, {scene.statics}, run);

@@ -8,7 +8,7 @@
 #include "elastin/core/forces/load_table.h"
 #include "elastin/core/forces/model.h"
 #include "elastin/core/model/material.h"
-#include "lab/protocol/tension.h"
+#include "lab/experiment/tension/tension.h"
 
 /// What a scene's body takes with it to where there are no scenes: the lab in a browser. The command writes it, and the
 /// module of src/web, which is built of the same sources, reads it. See base/archive.

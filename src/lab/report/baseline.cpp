@@ -47,7 +47,7 @@ std::vector<Record> load_baseline(const std::string& folder) {
       if (!entry.is_object() || !entry.contains("run")) throw InputError("no run of ours");
       Record record = record_of_json(entry["run"].dump());
       if (const Record* known = same_run(records, record))
-        records[static_cast<std::size_t>(known - records.data())].add_repeat(record);
+        records[known - records.data()].add_repeat(record);
       else
         records.push_back(std::move(record));
     } catch (const InputError& error) {

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "core/model/faces.h"
-#include "lab/experiment/moduli.h"
 #include "lab/report/ranking.h"
 #include "lab/report/table.h"
+#include "lab/run/moduli.h"
 
 namespace elastin::lab {
 namespace {
@@ -87,8 +87,7 @@ DirectionErrors direction_errors(const Stiffness6& stiffness, const Material& ma
     ranges.add(*compliance, {radius * std::cos(angle), radius * std::sin(angle), z});
   }
   const double E = material.youngs_modulus, G = shear_modulus(material);
-  for (int axis = 0; axis < 3; ++axis)
-    errors.youngs[static_cast<std::size_t>(axis)] = 1 / (*compliance)(axis, axis) / E - 1;
+  for (int axis = 0; axis < 3; ++axis) errors.youngs[axis] = 1 / (*compliance)(axis, axis) / E - 1;
   errors.least_youngs = ranges.least_youngs / E - 1;
   errors.largest_youngs = ranges.largest_youngs / E - 1;
   errors.least_shear = ranges.least_shear / G - 1;

@@ -242,7 +242,7 @@ VtuDeclared put_vtu(const Body& body, const Snapshot& shot, const std::vector<Ce
   }
   declared.point_data = arrays.declared();
   out += "</PointData>\n<CellData Scalars=\"strain\">\n";
-  const auto state = [&](int cell) -> const CellState& { return states[static_cast<std::size_t>(cell - m)]; };
+  const auto state = [&](int cell) -> const CellState& { return states[cell - m]; };
   const auto of_connection = [&](const char* name, const auto& value) {
     arrays.add(name, "Float64", 1, cells, [&](int cell, int) { return cell < m ? value(cell) : 0; });
   };
@@ -258,9 +258,7 @@ VtuDeclared put_vtu(const Body& body, const Snapshot& shot, const std::vector<Ce
     const auto has = [&](int wanted) {
       return std::find(dimensions.begin(), dimensions.end(), wanted) != dimensions.end();
     };
-    const auto is = [&](int cell, int wanted) {
-      return cell >= m && (wanted == 0 || dimensions[static_cast<std::size_t>(cell - m)] == wanted);
-    };
+    const auto is = [&](int cell, int wanted) { return cell >= m && (wanted == 0 || dimensions[cell - m] == wanted); };
     const auto tensor = [&](const char* name, int wanted, Matrix3 CellState::*value) {
       arrays.add(name, "Float64", 9, cells,
                  [&](int cell, int k) { return is(cell, wanted) ? (state(cell).*value)(k / 3, k % 3) : 0; });
@@ -293,19 +291,19 @@ Piece piece_of(const Body& share) {
   std::vector<int> local(static_cast<std::size_t>(share.size()), -1);
   const auto reach = [&](const auto& elements) {
     for (const auto& element : elements)
-      for (const int molecule : element) local[static_cast<std::size_t>(molecule)] = 0;
+      for (const int molecule : element) local[molecule] = 0;
   };
   for (std::size_t c = 0; c < own.computes.size(); ++c)
     if (own.computes[c]) piece.connections.push_back(static_cast<int>(c));
   Body& body = piece.body;
   for (const int c : piece.connections) {
-    body.connections.ends.push_back(share.connections.ends[static_cast<std::size_t>(c)]);
-    body.connections.rest_length.push_back(share.connections.rest_length[static_cast<std::size_t>(c)]);
+    body.connections.ends.push_back(share.connections.ends[c]);
+    body.connections.rest_length.push_back(share.connections.rest_length[c]);
     body.connections.cell_sides += c >= share.connections.proper();
   }
   piece.triangles = own.triangles, piece.tetrahedra = own.tetrahedra;
-  for (const int cell : own.triangles) body.triangles.push_back(share.triangles[static_cast<std::size_t>(cell)]);
-  for (const int cell : own.tetrahedra) body.tetrahedra.push_back(share.tetrahedra[static_cast<std::size_t>(cell)]);
+  for (const int cell : own.triangles) body.triangles.push_back(share.triangles[cell]);
+  for (const int cell : own.tetrahedra) body.tetrahedra.push_back(share.tetrahedra[cell]);
   reach(body.connections.ends), reach(body.triangles), reach(body.tetrahedra);
   int number = 0;
   for (const CellBlock& all : share.blocks) {
@@ -316,21 +314,21 @@ Piece piece_of(const Body& share) {
       block.nodes.insert(block.nodes.end(), nodes.begin(), nodes.end());
       piece.block_cells.push_back(number);
     }
-    for (const int molecule : block.nodes) local[static_cast<std::size_t>(molecule)] = 0;
+    for (const int molecule : block.nodes) local[molecule] = 0;
   }
   for (int molecule = 0; molecule < share.size(); ++molecule) {
-    int& here = local[static_cast<std::size_t>(molecule)];
+    int& here = local[molecule];
     if (here < 0 && molecule >= own.owned) continue;
     here = static_cast<int>(piece.molecules.size());
     piece.molecules.push_back(molecule);
   }
   const auto renumber = [&](auto& elements) {
     for (auto& element : elements)
-      for (int& molecule : element) molecule = local[static_cast<std::size_t>(molecule)];
+      for (int& molecule : element) molecule = local[molecule];
   };
   renumber(body.connections.ends), renumber(body.triangles), renumber(body.tetrahedra);
   for (CellBlock& block : body.blocks)
-    for (int& molecule : block.nodes) molecule = local[static_cast<std::size_t>(molecule)];
+    for (int& molecule : block.nodes) molecule = local[molecule];
   body.rest = share.rest(Eigen::all, piece.molecules);
   body.mass = share.mass(piece.molecules), body.radius = share.radius(piece.molecules);
   return piece;
@@ -341,8 +339,7 @@ std::vector<CellState> piece_states(const Body& share, const Snapshot& shot, con
   const FileCells written(share);
   const std::vector<CellState> all = file_states(share, shot);
   std::vector<CellState> own;
-  for (const int cell : written.triangles ? piece.triangles : std::vector<int>())
-    own.push_back(all[static_cast<std::size_t>(cell)]);
+  for (const int cell : written.triangles ? piece.triangles : std::vector<int>()) own.push_back(all[cell]);
   for (const int cell : written.tetrahedra ? piece.tetrahedra : std::vector<int>())
     own.push_back(all[written.triangles + static_cast<std::size_t>(cell)]);
   for (const int cell : piece.block_cells)

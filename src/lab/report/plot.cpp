@@ -267,8 +267,8 @@ double add_legend(Sheet& sheet, double top) {
 
 std::string plot_colour(int colour) {
   if (colour < 0) return "#8a93a5";
-  const auto& hue = kHues[static_cast<std::size_t>(colour % kPlotHues)];
-  const auto& [other, share] = kShades[static_cast<std::size_t>(colour / kPlotHues % kPlotShades)];
+  const auto& hue = kHues[colour % kPlotHues];
+  const auto& [other, share] = kShades[colour / kPlotHues % kPlotShades];
   std::string out = "#";
   for (const int part : hue) out += fmt::format("{:02x}", std::lround(part + share * (other - part)));
   return out;

@@ -28,7 +28,7 @@ std::string law_text(const Material& material) {
 std::string prescribed_of_parts(const Specimen& specimen) {
   std::string text;
   for (const Part& part : specimen.body.parts) {
-    const Material& material = specimen.materials[static_cast<std::size_t>(part.material)];
+    const Material& material = specimen.materials[part.material];
     text += fmt::format("{}{}: ", text.empty() ? "" : "; ", part.name);
     text += part.rigid ? "rigid"
                        : fmt::format("E = {}, nu = {:g}{}{}", readable(material.youngs_modulus, dimension::pressure),
@@ -66,7 +66,7 @@ Neighbours neighbours_inside(const Body& body) {
   const auto& lengths = body.connections.rest_length;
   std::vector<int> count(static_cast<std::size_t>(body.size()));
   for (int c = 0; c < proper; ++c)
-    for (const int end : body.connections.ends[c]) ++count[static_cast<std::size_t>(end)];
+    for (const int end : body.connections.ends[c]) ++count[end];
   const double longest =
       largest_over(body, proper > 0 ? *std::max_element(lengths.begin(), lengths.begin() + proper) : 0);
   const auto [low, high] = outline_of_whole(body);
@@ -75,7 +75,7 @@ Neighbours neighbours_inside(const Body& body) {
   for (int molecule = 0; molecule < owned_molecules(body); ++molecule) {
     const auto position = body.rest.col(molecule);
     if ((position - low).minCoeff() > longest && (high - position).minCoeff() > longest)
-      inside.push_back(count[static_cast<std::size_t>(molecule)]);
+      inside.push_back(count[molecule]);
   }
   const std::vector<int>& counted = any_over(body, !inside.empty()) ? inside : count;
   const auto least = std::min_element(counted.begin(), counted.end());

@@ -7,7 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "elastin/lab/experiment/measures.h"
+#include "elastin/lab/run/measures.h"
 #include "lab/report/page_parts.h"
 #include "lab/report/plot.h"
 #include "lab/report/table.h"

@@ -62,9 +62,9 @@ std::vector<int> cells_behind(const Body& body, const std::vector<std::array<int
   std::vector<char> outer(static_cast<std::size_t>(body.size()), 0);
   for (const auto& side : surface) {
     behind[sorted(side)] = -1;
-    for (const int molecule : side) outer[static_cast<std::size_t>(molecule)] = 1;
+    for (const int molecule : side) outer[molecule] = 1;
   }
-  const auto is_outer = [&](int molecule) { return outer[static_cast<std::size_t>(molecule)] != 0; };
+  const auto is_outer = [&](int molecule) { return outer[molecule] != 0; };
   const auto note = [&](int a, int b, int c, int cell) {
     if (!is_outer(a) || !is_outer(b) || !is_outer(c)) return;
     if (const auto at = behind.find(sorted({a, b, c})); at != behind.end()) at->second = cell;
@@ -107,11 +107,11 @@ struct Shown {
 std::vector<char> on_surface(const Body& body, const std::vector<std::array<int, 3>>& surface) {
   std::vector<char> outer(static_cast<std::size_t>(body.size()), 0);
   for (const auto& side : surface)
-    for (const int molecule : side) outer[static_cast<std::size_t>(molecule)] = 1;
+    for (const int molecule : side) outer[molecule] = 1;
   if (!surface.empty()) return outer;
   std::vector<int> count(outer.size());
   for (const auto& ends : body.connections.ends)
-    for (const int molecule : ends) ++count[static_cast<std::size_t>(molecule)];
+    for (const int molecule : ends) ++count[molecule];
   std::vector<int> sorted = count;
   std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
   for (std::size_t i = 0; i < outer.size(); ++i) outer[i] = count[i] < sorted[sorted.size() / 2];
@@ -127,13 +127,13 @@ Shown shown_of(const Body& body) {
       all ? std::vector<char>(static_cast<std::size_t>(body.size()), 1) : on_surface(body, shown.surface);
   std::vector<int> index(outer.size(), -1);
   for (int molecule = 0; molecule < body.size(); ++molecule)
-    if (outer[static_cast<std::size_t>(molecule)]) {
-      index[static_cast<std::size_t>(molecule)] = static_cast<int>(shown.molecules.size());
+    if (outer[molecule]) {
+      index[molecule] = static_cast<int>(shown.molecules.size());
       shown.molecules.push_back(molecule);
     }
   for (int c = 0; c < proper; ++c) {
-    const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
-    if (outer[static_cast<std::size_t>(a)] && outer[static_cast<std::size_t>(b)]) shown.connections.push_back(c);
+    const auto& [a, b] = body.connections.ends[c];
+    if (outer[a] && outer[b]) shown.connections.push_back(c);
   }
   if (!all) shown.note = "the surface alone";
   if (const std::size_t every = shown.connections.size() / kMostConnections + 1; every > 1) {
@@ -144,7 +144,7 @@ Shown shown_of(const Body& body) {
   }
   shown.cells = cells_behind(body, shown.surface);
   for (auto& side : shown.surface)
-    for (int& molecule : side) molecule = index[static_cast<std::size_t>(molecule)];
+    for (int& molecule : side) molecule = index[molecule];
   return shown;
 }
 
@@ -161,7 +161,7 @@ std::string line_of(const Json& json) {
 std::vector<double> tensions_of(const Shown& shown, const Body& body, const Snapshot& snapshot) {
   std::vector<double> tensions;
   for (const int c : shown.connections) {
-    const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+    const auto& [a, b] = body.connections.ends[c];
     tensions.push_back(snapshot.force_densities.size()
                            ? snapshot.force_densities[c] *
                                  (snapshot.positions.col(b) - snapshot.positions.col(a)).norm()
@@ -177,9 +177,7 @@ std::vector<double> stresses_of(const Shown& shown, const Body& body, const Snap
     states = cell_states(body, snapshot.positions, snapshot.force_densities);
   std::vector<double> stresses;
   for (const int cell : shown.cells)
-    stresses.push_back(cell >= 0 && static_cast<std::size_t>(cell) < states.size()
-                           ? von_mises(states[static_cast<std::size_t>(cell)])
-                           : 0);
+    stresses.push_back(cell >= 0 && static_cast<std::size_t>(cell) < states.size() ? von_mises(states[cell]) : 0);
   const bool any = std::any_of(stresses.begin(), stresses.end(), [](double stress) { return stress > 0; });
   return any ? stresses : std::vector<double>{};
 }
@@ -191,7 +189,7 @@ std::vector<double> outer_forces_of(const Shown& shown, const Body& body, const 
     elastic = snapshot.elastic_forces;
   else
     for (int c = 0; c < body.connections.size() && c < snapshot.force_densities.size(); ++c) {
-      const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+      const auto& [a, b] = body.connections.ends[c];
       const Vector3 force = snapshot.force_densities[c] * (snapshot.positions.col(b) - snapshot.positions.col(a));
       elastic.col(a) += force;
       elastic.col(b) -= force;
@@ -229,11 +227,9 @@ std::string body_view(const Scene& scene, const Record& record) {
   }
   std::vector<std::uint32_t> ends, surface;
   std::vector<int> index(static_cast<std::size_t>(body.size()), 0);
-  for (std::size_t i = 0; i < shown.molecules.size(); ++i)
-    index[static_cast<std::size_t>(shown.molecules[i])] = static_cast<int>(i);
+  for (std::size_t i = 0; i < shown.molecules.size(); ++i) index[shown.molecules[i]] = static_cast<int>(i);
   for (const int c : shown.connections)
-    for (const int end : body.connections.ends[static_cast<std::size_t>(c)])
-      ends.push_back(static_cast<std::uint32_t>(index[static_cast<std::size_t>(end)]));
+    for (const int end : body.connections.ends[c]) ends.push_back(static_cast<std::uint32_t>(index[end]));
   for (const auto& side : shown.surface)
     for (const int molecule : side) surface.push_back(static_cast<std::uint32_t>(molecule));
   Json json = head_of("body", record);

@@ -68,7 +68,7 @@ void add_sets(const MoleculeSets& own, int first, MoleculeSets& sets) {
 void renumber(const std::vector<int>& numbers, MoleculeSets& sets) {
   if (numbers.empty()) return;
   for (auto& [name, members] : sets) {
-    for (int& member : members) member = numbers[static_cast<std::size_t>(member)];
+    for (int& member : members) member = numbers[member];
     std::sort(members.begin(), members.end());
     members.erase(std::unique(members.begin(), members.end()), members.end());
   }
@@ -80,7 +80,7 @@ void read_tie(Reader item, Specimen& specimen, MoleculeSets& sets, Remarks remar
   double modulus = 0;
   for (const Reader& name : names) {
     const Part& part = name.located([&]() -> const Part& { return find_part(specimen.body, name.text()); });
-    modulus = std::max(modulus, specimen.materials[static_cast<std::size_t>(part.material)].youngs_modulus);
+    modulus = std::max(modulus, specimen.materials[part.material].youngs_modulus);
   }
   const double within = item.at("within").quantity(dimension::length, kPositive);
   item.finish();

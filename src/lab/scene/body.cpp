@@ -250,8 +250,8 @@ void set_picked_region(Body& body, const std::vector<int>& molecules, double sti
   };
   const auto set_cells = [&](const auto& cells, VectorX& factors) {
     set(
-        static_cast<std::ptrdiff_t>(cells.size()),
-        [&](std::ptrdiff_t cell) -> const auto& { return cells[static_cast<std::size_t>(cell)]; }, factors);
+        static_cast<std::ptrdiff_t>(cells.size()), [&](std::ptrdiff_t cell) -> const auto& { return cells[cell]; },
+        factors);
   };
   set_cells(body.connections.ends, body.connection_stiffness);
   body.tetrahedra.empty() ? set_cells(body.triangles, body.cell_stiffness)

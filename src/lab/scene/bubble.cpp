@@ -1,4 +1,4 @@
-#include "lab/protocol/bubble.h"
+#include "lab/experiment/bubble/bubble.h"
 
 #include <cctype>
 #include <filesystem>
@@ -81,7 +81,7 @@ void read_pressures(Reader& reader, BubbleSetup& setup) {
   if (setup.pressures.empty()) pressure.fail("names no pressure");
 }
 
-std::unique_ptr<Protocol> read_bubble(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentContext& context) {
   BubbleSetup setup;
   read_pressures(reader, setup);
   if (auto identify = reader.find("identify")) {

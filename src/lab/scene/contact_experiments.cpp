@@ -2,9 +2,9 @@
 #include <cmath>
 
 #include "elastin/core/model/parts.h"
-#include "lab/protocol/indentation.h"
-#include "lab/protocol/press.h"
-#include "lab/protocol/sliding.h"
+#include "lab/experiment/indentation/indentation.h"
+#include "lab/experiment/press/press.h"
+#include "lab/experiment/sliding/sliding.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
@@ -46,7 +46,7 @@ std::vector<int> molecules_named(const Reader& name, const Body& body) {
   return name.located([&] { return molecules_of(find_part(body, name.text())); });
 }
 
-std::unique_ptr<Protocol> read_indentation(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_indentation(Reader reader, const ExperimentContext& context) {
   IndentationSetup setup;
   setup.axis = read_direction_of_motion(reader, context);
   read_indenter(reader.at("indenter"), setup);
@@ -73,7 +73,7 @@ std::unique_ptr<Protocol> read_indentation(Reader reader, const ExperimentContex
   return reader.located([&] { return make_indentation(context.body, setup, context.material, contact); });
 }
 
-std::unique_ptr<Protocol> read_press(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_press(Reader reader, const ExperimentContext& context) {
   PressSetup setup;
   setup.axis = read_direction_of_motion(reader, context);
   setup.displacement = read_travel(reader, "displacement", context.body, setup.axis);
@@ -94,7 +94,7 @@ std::unique_ptr<Protocol> read_press(Reader reader, const ExperimentContext& con
   return reader.located([&] { return make_press(context.body, setup); });
 }
 
-std::unique_ptr<Protocol> read_sliding(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_sliding(Reader reader, const ExperimentContext& context) {
   constexpr Range slope{0, 1.57, false};  // up to a right angle
   SlidingSetup setup;
   const auto up = reader.find("up"), along = reader.find("along");

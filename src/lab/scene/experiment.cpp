@@ -1,13 +1,13 @@
 #include <cmath>
 
-#include "lab/protocol/bending.h"
-#include "lab/protocol/biaxial.h"
-#include "lab/protocol/homogenisation.h"
-#include "lab/protocol/hydrostatic.h"
-#include "lab/protocol/inflation.h"
-#include "lab/protocol/shear.h"
-#include "lab/protocol/tension.h"
-#include "lab/protocol/torsion.h"
+#include "lab/experiment/bending/bending.h"
+#include "lab/experiment/biaxial/biaxial.h"
+#include "lab/experiment/homogenisation/homogenisation.h"
+#include "lab/experiment/hydrostatic/hydrostatic.h"
+#include "lab/experiment/inflation/inflation.h"
+#include "lab/experiment/shear/shear.h"
+#include "lab/experiment/tension/tension.h"
+#include "lab/experiment/torsion/torsion.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
@@ -49,7 +49,7 @@ double read_amount(const Reader& value, const Dimension& dimension, const Range&
 /// The same of an angle [rad].
 double read_angle(const Reader& value, const Range& range = {}) { return not_zero(value, value.angle(range)); }
 
-std::unique_ptr<Protocol> read_bar(Reader reader, const ExperimentContext& context, bool compression) {
+std::unique_ptr<Experiment> read_bar(Reader reader, const ExperimentContext& context, bool compression) {
   TensionSetup setup;
   setup.axis = read_axis(reader, setup.axis, context);
   const auto force = reader.find("force"), displacement = reader.find("displacement"), strain = reader.find("strain"),
@@ -103,16 +103,16 @@ std::unique_ptr<Protocol> read_bar(Reader reader, const ExperimentContext& conte
   return reader.located([&] { return make_tension(context.body, setup); });
 }
 
-std::unique_ptr<Protocol> read_tension(Reader& reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_tension(Reader& reader, const ExperimentContext& context) {
   return read_bar(reader, context, false);
 }
 
-std::unique_ptr<Protocol> read_compression(Reader& reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_compression(Reader& reader, const ExperimentContext& context) {
   return read_bar(reader, context, true);
 }
 
 /// Of biaxial tension two strains or one for both; of planar tension the second is 0.
-std::unique_ptr<Protocol> read_two_axes(Reader& reader, const ExperimentContext& context, bool planar) {
+std::unique_ptr<Experiment> read_two_axes(Reader& reader, const ExperimentContext& context, bool planar) {
   BiaxialSetup setup;
   const auto axis = reader.find("axis"), across = reader.find("across");
   setup.first = context.rotation * (axis ? read_direction(*axis) : setup.first);
@@ -136,15 +136,15 @@ std::unique_ptr<Protocol> read_two_axes(Reader& reader, const ExperimentContext&
   return reader.located([&] { return make_biaxial(context.body, setup, planar ? "planar" : "biaxial"); });
 }
 
-std::unique_ptr<Protocol> read_biaxial(Reader& reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_biaxial(Reader& reader, const ExperimentContext& context) {
   return read_two_axes(reader, context, false);
 }
 
-std::unique_ptr<Protocol> read_planar(Reader& reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_planar(Reader& reader, const ExperimentContext& context) {
   return read_two_axes(reader, context, true);
 }
 
-std::unique_ptr<Protocol> read_shear(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_shear(Reader reader, const ExperimentContext& context) {
   ShearSetup setup;
   setup.axis = read_axis(reader, setup.axis, context);
   setup.direction = read_across(reader.at("direction"), setup.axis, context);
@@ -165,7 +165,7 @@ std::unique_ptr<Protocol> read_shear(Reader reader, const ExperimentContext& con
   return reader.located([&] { return make_shear(context.body, setup, context.rotation); });
 }
 
-std::unique_ptr<Protocol> read_torsion(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_torsion(Reader reader, const ExperimentContext& context) {
   TorsionSetup setup;
   setup.axis = read_axis(reader, setup.axis, context);
   setup.angle = read_angle(reader.at("angle"));
@@ -176,7 +176,7 @@ std::unique_ptr<Protocol> read_torsion(Reader reader, const ExperimentContext& c
   return reader.located([&] { return make_torsion(context.body, setup); });
 }
 
-std::unique_ptr<Protocol> read_hydrostatic(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_hydrostatic(Reader reader, const ExperimentContext& context) {
   HydrostaticSetup setup;
   setup.strain = read_amount(reader.at("strain"), dimension::none, {-1, 100, true});
   if (auto sides = reader.find("sides"))
@@ -187,7 +187,7 @@ std::unique_ptr<Protocol> read_hydrostatic(Reader reader, const ExperimentContex
   return reader.located([&] { return make_hydrostatic(context.body, setup, context.rotation); });
 }
 
-std::unique_ptr<Protocol> read_bending(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_bending(Reader reader, const ExperimentContext& context) {
   BendingSetup setup;
   setup.axis = read_axis(reader, setup.axis, context);
   setup.direction = read_across(reader.at("direction"), setup.axis, context);
@@ -201,13 +201,13 @@ std::unique_ptr<Protocol> read_bending(Reader reader, const ExperimentContext& c
   return reader.located([&] { return make_bending(context.body, setup, context.material); });
 }
 
-std::unique_ptr<Protocol> read_homogenisation(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_homogenisation(Reader reader, const ExperimentContext& context) {
   const double depth = read_depth(reader);
   reader.finish();
   return reader.located([&] { return make_homogenisation(context.body, depth, context.rotation); });
 }
 
-std::unique_ptr<Protocol> read_inflation(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_inflation(Reader reader, const ExperimentContext& context) {
   InflationSetup setup;
   setup.axes = context.rotation;
   const auto pressure = reader.find("pressure"), volume = reader.find("volume_ratio"), gas = reader.find("gas");

@@ -1,18 +1,17 @@
-#include "elastin/lab/scene/experiment_catalog.h"
+#include "elastin/lab/experiment/experiment_catalog.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "elastin/core/base/error.h"
+#include "lab/run/config_names.h"
 #include "lab/scene/experiments.h"
-#include "lab/scene/keys.h"
-#include "lab/scene/other_names.h"
 
 namespace elastin::lab {
 namespace {
 
-std::unique_ptr<Protocol> make_from_parameters(Reader& reader, const ExperimentInfo& info,
-                                               const ExperimentContext& context) {
+std::unique_ptr<Experiment> make_from_parameters(Reader& reader, const ExperimentInfo& info,
+                                                 const ExperimentContext& context) {
   ParameterValues values;
   for (const ParameterInfo& parameter : info.parameters) {
     const auto given = reader.find(parameter.name);
@@ -54,7 +53,7 @@ ExperimentCatalog built_in_experiments() {
   return catalog;
 }
 
-std::unique_ptr<Protocol> read_experiment(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentContext& context) {
   reader.set_section("experiment");
   const Reader kind = reader.at("kind");
   const ExperimentInfo info = kind.located([&] { return context.experiments.find(kind.text()); });

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "elastin/lab/scene/experiment_catalog.h"
-#include "lab/scene/reader.h"
+#include "elastin/lab/experiment/experiment_catalog.h"
+#include "lab/run/config_names.h"
 
 namespace elastin::lab {
 
@@ -38,7 +38,7 @@ std::vector<ExperimentInfo> contact_experiments();
 std::vector<ExperimentInfo> timed_experiments();
 
 /// {kind: NAME, …}, of the context's catalog. Throws InputError with source location and key.
-std::unique_ptr<Protocol> read_experiment(Reader reader, const ExperimentContext& context);
+std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentContext& context);
 
 /// "motion, release and creep": those that run through time.
 std::string timed_experiment_names(const ExperimentCatalog& catalog);

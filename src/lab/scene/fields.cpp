@@ -247,8 +247,7 @@ void check_at_all_places(const Reader& fields, const MaterialLaw* law, const Mat
     for (int cell = 0; cell < block.size(); ++cell) modulus_at(middle_of(body, block.cell(cell)));
   VectorX factors(body.connections.size());
   for (Eigen::Index i = 0; i < factors.size(); ++i)
-    factors[i] =
-        modulus_at(middle_of(body, body.connections.ends[static_cast<std::size_t>(i)])) / material.youngs_modulus;
+    factors[i] = modulus_at(middle_of(body, body.connections.ends[i])) / material.youngs_modulus;
   if (factors.size() == 0 || factors.isOnes(1e-12)) return;
   body.connection_stiffness =
       body.connection_stiffness.size() ? body.connection_stiffness.cwiseProduct(factors).eval() : factors;

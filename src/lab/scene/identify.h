@@ -6,8 +6,8 @@
 
 #include "elastin/core/laws/homogeneous.h"
 #include "elastin/core/simulation/catalog.h"
-#include "lab/experiment/curve_numbers.h"
-#include "lab/scene/keys.h"
+#include "lab/run/config_names.h"
+#include "lab/run/curve_numbers.h"
 
 namespace elastin::lab {
 

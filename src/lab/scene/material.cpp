@@ -8,7 +8,7 @@
 #include "elastin/core/base/text.h"
 #include "elastin/core/forces/mullins.h"
 #include "elastin/core/forces/prony.h"
-#include "lab/scene/edited_scene.h"
+#include "lab/run/config_names.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {

@@ -3,12 +3,11 @@
 #include "elastin/core/forces/time_function.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/mesh/mesh_file.h"
-#include "lab/experiment/curve_numbers.h"
-#include "lab/experiment/specimen.h"
-#include "lab/protocol/inflation.h"
+#include "lab/experiment/inflation/inflation.h"
+#include "lab/run/config_names.h"
+#include "lab/run/curve_numbers.h"
+#include "lab/run/specimen.h"
 #include "lab/scene/experiments.h"
-#include "lab/scene/keys.h"
-#include "lab/scene/reader.h"
 #include "lab/scene/study.h"
 
 namespace elastin::lab {

@@ -149,9 +149,9 @@ std::vector<int> read_molecules(const Reader& reader, const Body& body, const Ma
     if (!any_over(body, !body.triangles.empty()) || any_over(body, !body.tetrahedra.empty()))
       rim->fail("is of bodies of triangles; this one is a solid");
     std::vector<char> edge(static_cast<std::size_t>(body.size()), 0);
-    for (const int molecule : rim_of(body)) edge[static_cast<std::size_t>(molecule)] = 1;
+    for (const int molecule : rim_of(body)) edge[molecule] = 1;
     mark_ghosts_as_owners(body, edge);
-    picked.keep([&](int molecule) { return edge[static_cast<std::size_t>(molecule)] != 0; });
+    picked.keep([&](int molecule) { return edge[molecule] != 0; });
   }
   if (set) {
     const std::vector<int> members = set->mesh_set();

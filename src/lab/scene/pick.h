@@ -3,8 +3,7 @@
 #include <vector>
 
 #include "elastin/core/model/body.h"
-#include "lab/scene/keys.h"
-#include "lab/scene/reader.h"
+#include "lab/run/config_names.h"
 
 namespace elastin::lab {
 

@@ -1,4 +1,5 @@
 #include "lab/scene/scene.h"
+#include "lab/scene/key_reference.h"
 
 #include <algorithm>
 #include <chrono>
@@ -13,9 +14,9 @@
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/simulation/prepare.h"
 #include "elastin/core/solve/engine.h"
-#include "lab/experiment/calibration.h"
+#include "lab/experiment/supported.h"
 #include "lab/febio/model.h"
-#include "lab/protocol/supported.h"
+#include "lab/run/calibration.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
@@ -147,12 +148,12 @@ StrategyChoice read_stiffness(Reader reader, const Catalog& catalog, Scene& scen
 }
 
 /// {experiment: {kind: …}}: another experiment than the scene's own in which `calibrated:` rules are calibrated.
-std::shared_ptr<const StaticProtocol> read_calibration(Reader reader, ExperimentContext context) {
+std::shared_ptr<const StaticExperiment> read_calibration(Reader reader, ExperimentContext context) {
   context.contact = nullptr;
   const Reader at = reader.at("experiment");
-  const std::shared_ptr<const Protocol> experiment = read_experiment(at, context);
+  const std::shared_ptr<const Experiment> experiment = read_experiment(at, context);
   reader.finish();
-  const StaticProtocol* at_rest = experiment->at_rest();
+  const StaticExperiment* at_rest = experiment->at_rest();
   if (!at_rest || at_rest->identification() || calibrated_measure(*at_rest, context.material).empty())
     at.fail("a " + experiment->name() +
             " experiment measures on this body no modulus to calibrate to; take tension, shear or material");
@@ -359,9 +360,9 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   if (const auto supports = reader.find("supports")) {
     if (timed) supports->fail("goes with experiments at rest; a " + scene->experiment->name() + " runs through time");
     std::vector<Support> held = read_supports(*supports, scene->specimen.body, rotation);
-    const StaticProtocol* at_rest = scene->experiment->at_rest();
+    const StaticExperiment* at_rest = scene->experiment->at_rest();
     scene->experiment.release();
-    scene->experiment = with_supports(std::unique_ptr<const StaticProtocol>(at_rest), std::move(held));
+    scene->experiment = with_supports(std::unique_ptr<const StaticExperiment>(at_rest), std::move(held));
   }
   if (contact && !timed && scene->statics.linear)
     reader.at("solver")

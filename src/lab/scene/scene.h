@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "elastin/lab/scene/experiment_catalog.h"
-#include "lab/experiment/specimen.h"
-#include "lab/scene/keys.h"
+#include "elastin/lab/experiment/experiment_catalog.h"
+#include "lab/run/config_names.h"
+#include "lab/run/specimen.h"
 #include "lab/scene/study.h"
 
 namespace elastin::lab {
@@ -41,7 +41,7 @@ struct ComputedReference {
 struct Scene {
   std::string path, name, title;
   Specimen specimen;
-  std::unique_ptr<const Protocol> experiment;
+  std::unique_ptr<const Experiment> experiment;
   Matrix3 rotation = Matrix3::Identity();  ///< of the whole scene
   StrategyChoice stiffness;                ///< what `run` uses
   std::vector<StrategyChoice> strategies;  ///< what `compare` uses

@@ -5,7 +5,7 @@
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/floor.h"
-#include "lab/protocol/motion.h"
+#include "lab/experiment/motion/motion.h"
 #include "lab/scene/parts.h"
 #include "lab/scene/pick.h"
 
@@ -49,15 +49,15 @@ void read_step(Reader reader, TimeOptions& options) {
 }
 
 /// The experiment at rest that says how a timed one fixes and loads its body.
-std::unique_ptr<const StaticProtocol> read_fixture(const Reader& reader, const ExperimentContext& context) {
-  std::unique_ptr<const Protocol> fixture = read_experiment(reader, context);
-  const StaticProtocol* at_rest = fixture->at_rest();
+std::unique_ptr<const StaticExperiment> read_fixture(const Reader& reader, const ExperimentContext& context) {
+  std::unique_ptr<const Experiment> fixture = read_experiment(reader, context);
+  const StaticExperiment* at_rest = fixture->at_rest();
   if (!at_rest) reader.fail("must be an experiment at rest; " + fixture->name() + " runs through time itself");
   fixture.release();
-  return std::unique_ptr<const StaticProtocol>(at_rest);
+  return std::unique_ptr<const StaticExperiment>(at_rest);
 }
 
-std::unique_ptr<Protocol> read_motion(Reader reader, MotionKind kind, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_motion(Reader reader, MotionKind kind, const ExperimentContext& context) {
   MotionSetup setup;
   reader.set_section("experiment");  // the key that the table of experiments was asked by
   setup.name = reader.at("kind").text();
@@ -87,7 +87,7 @@ std::unique_ptr<Protocol> read_motion(Reader reader, MotionKind kind, const Expe
   return reader.located([&] { return make_motion(context.body, std::move(setup)); });
 }
 
-std::unique_ptr<Protocol> read_shake(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_shake(Reader reader, const ExperimentContext& context) {
   ShakeSetup setup;
   if (auto axis = reader.find("axis")) setup.axis = read_direction(*axis);
   setup.direction = context.rotation * (reader.has("direction") ? read_direction(reader.at("direction")) : setup.axis);
@@ -100,7 +100,7 @@ std::unique_ptr<Protocol> read_shake(Reader reader, const ExperimentContext& con
   return reader.located([&] { return make_shake(context.body, setup); });
 }
 
-std::unique_ptr<Protocol> read_drop(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_drop(Reader reader, const ExperimentContext& context) {
   DropSetup setup;
   setup.direction = context.rotation *
                     (reader.has("direction") ? read_direction(reader.at("direction")) : Vector3(-Vector3::UnitZ()));
@@ -123,7 +123,7 @@ std::unique_ptr<Protocol> read_drop(Reader reader, const ExperimentContext& cont
   return reader.located([&] { return make_drop(context.body, setup); });
 }
 
-std::unique_ptr<Protocol> read_parachute(Reader reader, const ExperimentContext& context) {
+std::unique_ptr<Experiment> read_parachute(Reader reader, const ExperimentContext& context) {
   ParachuteSetup setup;
   if (auto direction = reader.find("direction")) setup.direction = read_direction(*direction);
   setup.direction = context.rotation * setup.direction;
@@ -133,8 +133,8 @@ std::unique_ptr<Protocol> read_parachute(Reader reader, const ExperimentContext&
   return reader.located([&] { return make_parachute(context.body, setup); });
 }
 
-std::unique_ptr<Protocol> read_vibration(Reader reader, const ExperimentContext& context) {
-  std::unique_ptr<const StaticProtocol> fixture;
+std::unique_ptr<Experiment> read_vibration(Reader reader, const ExperimentContext& context) {
+  std::unique_ptr<const StaticExperiment> fixture;
   if (auto value = reader.find("fixture")) fixture = read_fixture(*value, context);
   const int count = reader.has("count") ? reader.at("count").whole(1, 10) : 6;
   const auto load = reader.find("load");

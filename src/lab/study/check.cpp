@@ -12,8 +12,8 @@
 #include "elastin/core/simulation/parts.h"
 #include "elastin/core/solve/modes.h"
 #include "elastin/core/solve/stable_step.h"
-#include "lab/experiment/run_in_time.h"
 #include "lab/report/table.h"
+#include "lab/run/run_in_time.h"
 #include "lab/scene/parts.h"
 
 namespace elastin::lab {
@@ -73,15 +73,14 @@ void add_shape(std::string& out, const Body& body) {
 bool add_faults(std::string& out, const Body& body, const std::string& name) {
   const BodyFindings findings = inspect(body);
   const auto pair_name = [&](int c) {
-    const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+    const auto& [a, b] = body.connections.ends[c];
     return fmt::format("{} ({}–{})", c, a, b);
   };
   if (findings.pieces == 1) {
     add_line(out, "pieces" + name, "1");
   } else {
     std::map<int, std::vector<int>> members;
-    for (int molecule = 0; molecule < body.size(); ++molecule)
-      members[findings.piece_of[static_cast<std::size_t>(molecule)]].push_back(molecule);
+    for (int molecule = 0; molecule < body.size(); ++molecule) members[findings.piece_of[molecule]].push_back(molecule);
     add_line(out, "PIECES" + name, fmt::format("{}: the body is not connected", findings.pieces));
     int shown = 0;
     for (const auto& [piece, molecules] : members)
@@ -159,7 +158,7 @@ void add_modes(std::string& out, Scene& scene) {
 std::string culprit_of(const StableStep& found, const Body& body) {
   if (found.cell >= 0) return fmt::format("cell {}", found.cell);
   if (found.connection < 0) return "nothing";
-  const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(found.connection)];
+  const auto& [a, b] = body.connections.ends[found.connection];
   return fmt::format("connection {} ({}–{})", found.connection, a, b);
 }
 

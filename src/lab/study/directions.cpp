@@ -5,8 +5,8 @@
 
 #include "core/solve/trial.h"
 #include "elastin/core/base/error.h"
-#include "lab/experiment/load_curve.h"
-#include "lab/protocol/homogenisation.h"
+#include "lab/experiment/homogenisation/homogenisation.h"
+#include "lab/run/load_curve.h"
 
 namespace elastin::lab {
 namespace {
@@ -27,7 +27,7 @@ std::string unsuited(const Scene& scene, bool known) {
 }
 
 /// Where molecules of a box lie behind its sides, as in a packing, those within half a mean connection belong to them.
-std::unique_ptr<StaticProtocol> six_strains(const Body& body, const Matrix3& axes) {
+std::unique_ptr<StaticExperiment> six_strains(const Body& body, const Matrix3& axes) {
   try {
     return make_homogenisation(body, 0, axes);
   } catch (const InputError& no_box) {
@@ -50,7 +50,7 @@ DirectionErrors measure_directions(const Scene& scene, const StrategyChoice& cho
   errors.trouble = unsuited(scene, known.has_value());
   if (!errors.measured()) return errors;
   if (known) return direction_errors(*known, specimen.material);
-  std::unique_ptr<StaticProtocol> strains;
+  std::unique_ptr<StaticExperiment> strains;
   try {
     strains = six_strains(specimen.body, scene.rotation);
   } catch (const InputError& error) {

@@ -3,9 +3,9 @@
 #include <limits>
 #include <utility>
 
-#include "lab/experiment/contact_measures.h"
+#include "config/held_scene.h"
 #include "lab/report/records.h"
-#include "lab/scene/held_scene.h"
+#include "lab/run/contact_measures.h"
 #include "lab/scene/parts.h"
 #include "lab/study/reference.h"
 
@@ -29,7 +29,7 @@ void set_last_state(const Body& body, const Snapshot& last, LaboratoryResult& re
   result.positions = last.positions;
   result.tensions.resize(body.connections.size());
   for (int connection = 0; connection < body.connections.size(); ++connection) {
-    const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(connection)];
+    const auto& [a, b] = body.connections.ends[connection];
     result.tensions[connection] =
         last.force_densities[connection] * (last.positions.col(b) - last.positions.col(a)).norm();
   }
@@ -172,7 +172,7 @@ Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions
   Run run;
   RunOptions of_run;
   of_run.statics = scene->statics;
-  const Protocol& experiment = *scene->experiment;
+  const Experiment& experiment = *scene->experiment;
   const std::string why = unsuited(scene->specimen, experiment, choice);
   if (!why.empty()) throw InputError("strategy '" + choice.label + "' cannot run here: " + why);
   const auto specimen = std::make_shared<Specimen>(scene->specimen);

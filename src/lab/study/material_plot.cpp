@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "elastin/core/laws/homogeneous.h"
-#include "lab/experiment/material_numbers.h"
 #include "lab/report/figures.h"
+#include "lab/run/material_numbers.h"
 
 namespace elastin::lab {
 namespace {

@@ -9,7 +9,7 @@
 #include "lab/export/calculix_run.h"
 #include "lab/febio/model.h"
 #include "lab/report/json.h"
-#include "lab/scene/reader.h"
+#include "lab/run/config_names.h"
 #include "lab/study/journal.h"
 
 namespace elastin::lab {

@@ -19,10 +19,10 @@
 #include "elastin/core/shapes/orders.h"
 #include "elastin/core/shapes/refinement.h"
 #include "elastin/hull/delaunay.h"
-#include "lab/experiment/findings.h"
 #include "lab/report/files.h"
 #include "lab/report/ranking.h"
 #include "lab/report/study.h"
+#include "lab/run/findings.h"
 #include "lab/study/journal.h"
 
 namespace elastin::lab {
@@ -101,15 +101,15 @@ std::string held_text(const Scene& scene) {
   Model model(body);
   const auto rig = scene.experiment->rig(model);
   std::vector<char> held(static_cast<std::size_t>(body.size()), 0);
-  for (const Support& support : model.supports) held[static_cast<std::size_t>(support.molecule)] = 1;
+  for (const Support& support : model.supports) held[support.molecule] = 1;
   if (!scene.specimen.contact) {
     rig->at_rest()->set_load(1);
     const Positions forces = model.load_forces(state_at_rest(body));
     for (int molecule = 0; molecule < body.size(); ++molecule)
-      if (!forces.col(molecule).isZero(0)) held[static_cast<std::size_t>(molecule)] = 1;
+      if (!forces.col(molecule).isZero(0)) held[molecule] = 1;
   }
   const auto is_free = [&](const auto& cell) {
-    return std::any_of(cell.begin(), cell.end(), [&](int m) { return held[static_cast<std::size_t>(m)] == 0; });
+    return std::any_of(cell.begin(), cell.end(), [&](int m) { return held[m] == 0; });
   };
   Body cells, surface;
   cells.rest = surface.rest = body.rest;

@@ -50,7 +50,7 @@ struct Held {
   }
 };
 
-Held held_model(const Scene& scene, const StaticProtocol& fixture, const RunOptions& options) {
+Held held_model(const Scene& scene, const StaticExperiment& fixture, const RunOptions& options) {
   Run run;
   auto made = make_model(scene.specimen, fixture, scene.stiffness, options, run);
   if (!made) throw InputError("the strategy '" + scene.stiffness.label + "' cannot run here: " + run.cause);
@@ -118,7 +118,7 @@ class StepperRuns {
  public:
   StepperRuns(Scene& scene, const StepperStudy& study) : scene_(scene), study_(study) {
     options_.statics = scene.statics;
-    const StaticProtocol* fixture = scene.experiment->calibration();
+    const StaticExperiment* fixture = scene.experiment->calibration();
     if (!fixture)
       throw InputError(
           "steppers are compared on an experiment at rest, which the body is let come to and released from; " +
@@ -336,7 +336,7 @@ class StepperRuns {
   Scene& scene_;
   const StepperStudy& study_;
   RunOptions options_;
-  const StaticProtocol* fixture_ = nullptr;
+  const StaticExperiment* fixture_ = nullptr;
   std::optional<Held> loaded_, released_;
   State equilibrium_;
   Measures measures_;

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lab/experiment/choice.h"
-#include "lab/experiment/specimen.h"
 #include "lab/report/ranking.h"
 #include "lab/report/table.h"
+#include "lab/run/choice.h"
+#include "lab/run/specimen.h"
 
 namespace elastin::lab {
 namespace {

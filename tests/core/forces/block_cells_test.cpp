@@ -128,8 +128,7 @@ TEST_CASE("forces of a cell are a sum over pairs of q (x_b - x_a)", "[cells][con
           const Matrix3 S = lambda * volume * (volume - 1) * C.inverse() + mu * (Matrix3::Identity() - C.inverse());
           for (int a = 0; a < kind->nodes; ++a)
             for (int b = 0; b < kind->nodes; ++b)
-              pairs.col(nodes[static_cast<std::size_t>(a)]) -=
-                  weight * B.col(a).dot(S * B.col(b)) * (now.col(b) - now.col(a));
+              pairs.col(nodes[a]) -= weight * B.col(a).dot(S * B.col(b)) * (now.col(b) - now.col(a));
         }
       }
     CHECK((forces - pairs).norm() <= 1e-12 * forces.norm());

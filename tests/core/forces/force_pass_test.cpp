@@ -54,9 +54,8 @@ Body shuffled(const Body& body) {
   std::vector<int> number(static_cast<std::size_t>(body.size()));
   for (std::size_t i = 0; i < number.size(); ++i) number[i] = static_cast<int>(i);
   std::shuffle(number.begin(), number.end(), std::mt19937(5));
-  for (int i = 0; i < body.size(); ++i) other.rest.col(number[static_cast<std::size_t>(i)]) = body.rest.col(i);
-  for (auto& [a, b] : other.connections.ends)
-    a = number[static_cast<std::size_t>(a)], b = number[static_cast<std::size_t>(b)];
+  for (int i = 0; i < body.size(); ++i) other.rest.col(number[i]) = body.rest.col(i);
+  for (auto& [a, b] : other.connections.ends) a = number[a], b = number[b];
   other.cubes.clear();
   return other;
 }

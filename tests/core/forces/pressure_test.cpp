@@ -47,7 +47,7 @@ TEST_CASE("volumes of known shapes", "[pressure]") {
   std::array<double, 2> missing{};
   for (const int level : {0, 1}) {
     const Body ball = sphere(0.5, SphereMesh::icosahedron, 8 << level);
-    missing[static_cast<std::size_t>(level)] = pi / 6 - enclosed_volume(ball.triangles, ball.rest, {0, 0, 0});
+    missing[level] = pi / 6 - enclosed_volume(ball.triangles, ball.rest, {0, 0, 0});
   }
   CHECK(std::log2(missing[0] / missing[1]) == Approx(2).margin(0.03));
   const Body octant = sphere_octant(1, SphereMesh::type_2, 6), whole = sphere(1, SphereMesh::type_2, 6);

@@ -35,7 +35,7 @@ double hexahedron_volume(const Positions& positions, const std::array<int, 8>& c
     for (int c = 0; c < 8; ++c) {
       const Vector3 s(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1), f = Vector3::Ones() + s.cwiseProduct(xi);
       const Vector3 slope(s.x() * f.y() * f.z(), f.x() * s.y() * f.z(), f.x() * f.y() * s.z());
-      jacobian += positions.col(cube[static_cast<std::size_t>(c)]) * slope.transpose() / 8;
+      jacobian += positions.col(cube[c]) * slope.transpose() / 8;
     }
     volume += jacobian.determinant();
   }

@@ -34,7 +34,7 @@ void check_tree(const BoxTree& tree, std::size_t count) {
       seen.push_back(nodes[n].item);
     } else {
       REQUIRE(contains(nodes[n].box, nodes[n + 1].box));
-      REQUIRE(contains(nodes[n].box, nodes[static_cast<std::size_t>(nodes[n].second)].box));
+      REQUIRE(contains(nodes[n].box, nodes[nodes[n].second].box));
     }
   std::sort(seen.begin(), seen.end());
   for (std::size_t i = 0; i < count; ++i) REQUIRE(seen[i] == static_cast<int>(i));
@@ -64,7 +64,7 @@ TEST_CASE("a node has the group that all its items have", "[box tree]") {
   const BoxTree tree(boxes, groups);
   CHECK(tree.nodes()[0].group == -1);
   CHECK(tree.nodes()[1].group == 0);
-  CHECK(tree.nodes()[static_cast<std::size_t>(tree.nodes()[0].second)].group == 1);
+  CHECK(tree.nodes()[tree.nodes()[0].second].group == 1);
 }
 
 TEST_CASE("the nearest item is that of a search through all, with few of them asked", "[box tree]") {
@@ -74,7 +74,7 @@ TEST_CASE("the nearest item is that of a search through all, with few of them as
   int asked = 0;
   for (int trial = 0; trial < 100; ++trial) {
     const Vector3 point = 12 * Vector3(unit_random(generator), unit_random(generator), unit_random(generator));
-    const auto distance_to = [&](int item) { return (boxes[static_cast<std::size_t>(item)].middle() - point).norm(); };
+    const auto distance_to = [&](int item) { return (boxes[item].middle() - point).norm(); };
     double least = 1e9;
     for (int item = 0; item < 1000; ++item) least = std::min(least, distance_to(item));
     const auto [item, distance] = tree.nearest(point, [&](int i) { return ++asked, distance_to(i); });

@@ -14,14 +14,13 @@ namespace {
 /// How far apart the numbers of two joined molecules are, on average.
 double mean_span(const Connections& connections, const std::vector<int>& number) {
   double sum = 0;
-  for (const auto& [a, b] : connections.ends)
-    sum += std::abs(number[static_cast<std::size_t>(a)] - number[static_cast<std::size_t>(b)]);
+  for (const auto& [a, b] : connections.ends) sum += std::abs(number[a] - number[b]);
   return sum / connections.size();
 }
 
 std::vector<int> numbers_of(const std::vector<int>& order) {
   std::vector<int> number(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) number[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
+  for (std::size_t i = 0; i < order.size(); ++i) number[order[i]] = static_cast<int>(i);
   return number;
 }
 
@@ -33,14 +32,14 @@ TEST_CASE("points in the order of a curve that fills space are near each other",
   std::iota(shuffled.begin(), shuffled.end(), 0), own = shuffled;
   std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(7));
   Positions positions(3, body.size());
-  for (int i = 0; i < body.size(); ++i) positions.col(i) = body.rest.col(shuffled[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < body.size(); ++i) positions.col(i) = body.rest.col(shuffled[i]);
 
   const std::vector<int> order = order_in_space(positions);
   std::vector<int> sorted = order;
   std::sort(sorted.begin(), sorted.end());
   CHECK(sorted == own);
   std::vector<int> along(order.size());  // the lattice's molecules as they come
-  for (std::size_t i = 0; i < order.size(); ++i) along[i] = shuffled[static_cast<std::size_t>(order[i])];
+  for (std::size_t i = 0; i < order.size(); ++i) along[i] = shuffled[order[i]];
   // On the curve the lower half of each of 16 layers comes before the rest; at random a third of all lies between.
   CHECK(mean_span(body.connections, numbers_of(along)) < 1.2 * mean_span(body.connections, own));
   CHECK(mean_span(body.connections, numbers_of(shuffled)) > 10 * mean_span(body.connections, own));

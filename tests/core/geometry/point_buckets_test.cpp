@@ -20,7 +20,7 @@ TEST_CASE("buckets find each point within their size, on both sides of 0", "[buc
     const Vector3 point(random(), random(), random());
     std::vector<int> near, visited;
     for (int number = 0; number < 500; ++number)
-      if ((points[static_cast<std::size_t>(number)] - point).norm() <= 1.5) near.push_back(number);
+      if ((points[number] - point).norm() <= 1.5) near.push_back(number);
     const bool stopped = buckets.visit_near(point, [&](int number) {
       visited.push_back(number);
       return false;

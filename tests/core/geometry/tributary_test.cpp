@@ -14,7 +14,7 @@ TEST_CASE("tributary areas of a square grid: quarters at corners, halves at edge
   const auto areas = tributary_areas(points, hull);
   for (int i = 0; i < 16; ++i) {
     const int sides = (i % 4 == 0 || i % 4 == 3) + (i / 4 == 0 || i / 4 == 3);
-    CHECK(areas[static_cast<std::size_t>(i)] == Approx(0.25 / (1 << sides)).epsilon(1e-12));
+    CHECK(areas[i] == Approx(0.25 / (1 << sides)).epsilon(1e-12));
   }
 }
 
@@ -51,7 +51,7 @@ TEST_CASE("tributary areas of random points sum to the hull and equal a count of
     ++inside;
     Eigen::Index nearest = 0;
     (points.colwise() - p).colwise().squaredNorm().minCoeff(&nearest);
-    ++hits[static_cast<std::size_t>(nearest)];
+    ++hits[nearest];
   }
   for (std::size_t i = 0; i < 60; ++i) {
     const double share = static_cast<double>(hits[i]) / inside;

@@ -31,9 +31,9 @@ Body scattered(const Body& ordered, double amount) {
   body.grid.reset();
   body.cubes.clear();
   const Positions moved = ordered.rest + amount * random_motion(ordered, 5);
-  for (int i = 0; i < body.size(); ++i) body.rest.col(positions[static_cast<std::size_t>(i)]) = moved.col(i);
+  for (int i = 0; i < body.size(); ++i) body.rest.col(positions[i]) = moved.col(i);
   for (auto& ends : body.connections.ends)
-    for (int& end : ends) end = positions[static_cast<std::size_t>(end)];
+    for (int& end : ends) end = positions[end];
   set_present_lengths(body);
   return body;
 }
@@ -84,7 +84,7 @@ void stiffen_middle(Fixed& fixed, double times) {
   const Vector3 middle = (fixed.body.rest.rowwise().minCoeff() + fixed.body.rest.rowwise().maxCoeff()) / 2;
   const double reach = 0.25 * (fixed.body.rest.rowwise().maxCoeff() - fixed.body.rest.rowwise().minCoeff()).maxCoeff();
   for (int c = 0; c < fixed.body.connections.size(); ++c) {
-    const auto& [a, b] = fixed.body.connections.ends[static_cast<std::size_t>(c)];
+    const auto& [a, b] = fixed.body.connections.ends[c];
     if (((fixed.body.rest.col(a) + fixed.body.rest.col(b)) / 2 - middle).norm() < reach) fixed.constants[c] *= times;
   }
 }

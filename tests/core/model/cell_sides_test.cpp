@@ -27,7 +27,7 @@ using ByPair = std::map<std::array<int, 2>, double>;
 ByPair by_pair(const Body& body, const VectorX& values) {
   ByPair result;
   for (int c = 0; c < body.connections.size(); ++c) {
-    auto pair = body.connections.ends[static_cast<std::size_t>(c)];
+    auto pair = body.connections.ends[c];
     std::sort(pair.begin(), pair.end());
     result[pair] = values[c];
   }
@@ -45,8 +45,8 @@ TEST_CASE("sides of cells come last, ascending, and each only if it is no connec
   const auto& ends = body.connections.ends;
   CHECK(std::is_sorted(ends.begin() + proper, ends.end()));
   for (int c = 0; c < body.connections.size(); ++c) {
-    const auto [a, b] = ends[static_cast<std::size_t>(c)];
-    REQUIRE(body.connections.rest_length[static_cast<std::size_t>(c)] == (body.rest.col(b) - body.rest.col(a)).norm());
+    const auto [a, b] = ends[c];
+    REQUIRE(body.connections.rest_length[c] == (body.rest.col(b) - body.rest.col(a)).norm());
   }
   // Once more, from two lots: nothing new, and still in order.
   Body twice = thinned();

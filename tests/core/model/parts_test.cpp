@@ -120,9 +120,8 @@ TEST_CASE("other molecules are moved onto the surface and held there", "[parts][
     CHECK((position - body.rest.col(tie.molecule)).norm() < 1e-15);
   }
   for (int c = 0; c < body.connections.size(); ++c) {
-    const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
-    REQUIRE(body.connections.rest_length[static_cast<std::size_t>(c)] ==
-            Approx((body.rest.col(b) - body.rest.col(a)).norm()));
+    const auto& [a, b] = body.connections.ends[c];
+    REQUIRE(body.connections.rest_length[c] == Approx((body.rest.col(b) - body.rest.col(a)).norm()));
   }
 }
 

@@ -63,8 +63,7 @@ void check(const Body& body, const char* strategy) {
   CHECK((after - same).norm() <= 1e-12 * same.norm());  // sums in another order
   CHECK(ordered.body.mass == body.mass(ordered.molecule_from));
   for (int c = 0; c < body.connections.size(); ++c)
-    CHECK(ordered.body.connections.rest_length[static_cast<std::size_t>(c)] ==
-          body.connections.rest_length[static_cast<std::size_t>(ordered.connection_from[static_cast<std::size_t>(c)])]);
+    CHECK(ordered.body.connections.rest_length[c] == body.connections.rest_length[ordered.connection_from[c]]);
 }
 
 }  // namespace

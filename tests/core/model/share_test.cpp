@@ -42,7 +42,7 @@ class Thread final : public Processes {
   int rank() const override { return rank_; }
   int count() const override { return static_cast<int>(table_.numbers.size()); }
   std::vector<double> gather(std::span<const double> own) const override {
-    table_.numbers[static_cast<std::size_t>(rank_)].assign(own.begin(), own.end());
+    table_.numbers[rank_].assign(own.begin(), own.end());
     table_.all.arrive_and_wait();
     std::vector<double> together;
     for (const auto& one : table_.numbers) together.insert(together.end(), one.begin(), one.end());
@@ -51,13 +51,13 @@ class Thread final : public Processes {
   }
   void send(int to, const std::vector<char>& bytes) const override {
     const std::lock_guard lock(table_.guard);
-    table_.letters[static_cast<std::size_t>(to)].push_back(bytes);
+    table_.letters[to].push_back(bytes);
   }
   std::vector<char> receive(int) const override {
     while (true) {
       {
         const std::lock_guard lock(table_.guard);
-        auto& mine = table_.letters[static_cast<std::size_t>(rank_)];
+        auto& mine = table_.letters[rank_];
         if (!mine.empty()) {
           std::vector<char> bytes = std::move(mine.front());
           mine.pop_front();
@@ -81,8 +81,7 @@ auto on_processes(int count, Work work) {
   std::vector<Result> results(static_cast<std::size_t>(count));
   std::vector<std::thread> threads;
   for (int rank = 0; rank < count; ++rank)
-    threads.emplace_back(
-        [&, rank] { results[static_cast<std::size_t>(rank)] = work(std::make_shared<const Thread>(table, rank)); });
+    threads.emplace_back([&, rank] { results[rank] = work(std::make_shared<const Thread>(table, rank)); });
   for (std::thread& thread : threads) thread.join();
   return results;
 }
@@ -252,8 +251,7 @@ Model::Spread spread_of(const Body& share) {
     const auto owned = static_cast<std::size_t>(3 * owned_molecules(share));
     const std::vector<double> all = share.share->processes->gather({values.data(), owned});
     for (int ghost = owned_molecules(share); ghost < share.size(); ++ghost)
-      values.col(ghost) =
-          Eigen::Map<const Vector3>(all.data() + 3 * share.share->place[static_cast<std::size_t>(ghost)]);
+      values.col(ghost) = Eigen::Map<const Vector3>(all.data() + 3 * share.share->place[ghost]);
   };
 }
 

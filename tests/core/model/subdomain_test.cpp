@@ -77,7 +77,7 @@ TEST_CASE("subdomain: a lattice is cut across its longest side", "[subdomain]") 
   const Body body = cubic_lattice({3, 8, 2}, 0.01, {true, false, false});
   const std::vector<int> owners = bisect(body.rest, 2);
   for (int molecule = 0; molecule < body.size(); ++molecule)
-    CHECK(owners[static_cast<std::size_t>(molecule)] == (body.rest(1, molecule) > 0.035 ? 1 : 0));
+    CHECK(owners[molecule] == (body.rest(1, molecule) > 0.035 ? 1 : 0));
 }
 
 TEST_CASE("subdomain: forces, energies and tangents of all are those of the whole", "[subdomain]") {
@@ -141,7 +141,7 @@ TEST_CASE("subdomain: parts of a grid of boxes add up to the whole's, on coarser
         REQUIRE(number >= 0);
         for (int code = 0; code < BoxGrid::kAround; ++code)
           if (code == BoxGrid::kSelf || level->neighbour(point, code) != point)
-            sums[static_cast<std::size_t>(number * BoxGrid::kAround + code)] += level->block_to(point, code);
+            sums[number * BoxGrid::kAround + code] += level->block_to(point, code);
       }
     }
     double error = 0, size = 0;
@@ -149,7 +149,7 @@ TEST_CASE("subdomain: parts of a grid of boxes add up to the whole's, on coarser
       for (int code = 0; code < BoxGrid::kAround; ++code) {
         if (code != BoxGrid::kSelf && whole->neighbour(point, code) == point) continue;
         const Matrix3 block = whole->block_to(point, code);
-        error += (sums[static_cast<std::size_t>(point * BoxGrid::kAround + code)] - block).squaredNorm();
+        error += (sums[point * BoxGrid::kAround + code] - block).squaredNorm();
         size += block.squaredNorm();
       }
     CHECK(std::sqrt(error) < 1e-5 * std::sqrt(size));  // of single precision

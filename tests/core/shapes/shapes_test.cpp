@@ -20,8 +20,7 @@ double shortest_distance(const Positions& positions) {
 
 std::vector<int> neighbour_counts(const Body& body) {
   std::vector<int> counts(static_cast<std::size_t>(body.size()), 0);
-  for (const auto& [a, b] : body.connections.ends)
-    ++counts[static_cast<std::size_t>(a)], ++counts[static_cast<std::size_t>(b)];
+  for (const auto& [a, b] : body.connections.ends) ++counts[a], ++counts[b];
   return counts;
 }
 
@@ -42,8 +41,8 @@ TEST_CASE("cubic lattices have the molecules and connections of the papers", "[m
     CHECK(body.size() == c.molecules[0] * c.molecules[1] * c.molecules[2]);
     CHECK(body.connections.size() == c.connections);
     for (int i = 0; i < body.connections.size(); ++i) {
-      const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(i)];
-      const double squared = std::pow(body.connections.rest_length[static_cast<std::size_t>(i)] / 0.5, 2);
+      const auto& [a, b] = body.connections.ends[i];
+      const double squared = std::pow(body.connections.rest_length[i] / 0.5, 2);
       REQUIRE(squared == Approx(std::round(squared)).epsilon(1e-12));
       REQUIRE(squared < 3.5);
       REQUIRE(a != b);
@@ -79,7 +78,7 @@ TEST_CASE("tetrahedral blocks fill their box with positive cells that share whol
         std::array<int, 3> face{};
         int slot = 0;
         for (int i = 0; i < 4; ++i)
-          if (i != skip) face[static_cast<std::size_t>(slot++)] = t[static_cast<std::size_t>(i)];
+          if (i != skip) face[slot++] = t[i];
         std::sort(face.begin(), face.end());
         faces.push_back(face);
       }
@@ -150,8 +149,8 @@ TEST_CASE("jitter moves the inside, keeps the faces plane and the body unstresse
     for (int axis = 0; axis < 3; ++axis)
       if (before(axis, i) == 0 || before(axis, i) == 3) REQUIRE(body.rest(axis, i) == before(axis, i));
   for (int c = 0; c < body.connections.size(); ++c) {
-    const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
-    REQUIRE(body.connections.rest_length[static_cast<std::size_t>(c)] == (body.rest.col(b) - body.rest.col(a)).norm());
+    const auto& [a, b] = body.connections.ends[c];
+    REQUIRE(body.connections.rest_length[c] == (body.rest.col(b) - body.rest.col(a)).norm());
   }
 }
 
@@ -191,7 +190,7 @@ TEST_CASE("a graded body keeps its ends, and its spacings grow by the ratio", "[
           Approx(std::pow(ratio, 1. / 8)).epsilon(1e-10));
   for (int m = 0; m < body.size(); ++m) REQUIRE(body.rest(2, m) == height(m / 6));  // planes stay plane
   for (int c = 0; c < body.connections.size(); ++c) {
-    const auto [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
-    REQUIRE(body.connections.rest_length[static_cast<std::size_t>(c)] == (body.rest.col(b) - body.rest.col(a)).norm());
+    const auto [a, b] = body.connections.ends[c];
+    REQUIRE(body.connections.rest_length[c] == (body.rest.col(b) - body.rest.col(a)).norm());
   }
 }

@@ -62,7 +62,7 @@ TEST_CASE("spheres are closed, look outwards and gain their area at order 2", "[
       CHECK(rim_sides(body) == 0);
       CHECK(outwards(body));
       CHECK((body.rest.colwise().norm().array() - 0.5).abs().maxCoeff() < 1e-15);
-      missing[static_cast<std::size_t>(level)] = pi - area_of(body);
+      missing[level] = pi - area_of(body);
     }
     CHECK(std::log2(missing[0] / missing[1]) == Approx(2).margin(0.05));
     CHECK(std::log2(missing[1] / missing[2]) == Approx(2).margin(0.02));

@@ -120,8 +120,7 @@ TEST_CASE("simulation: several in several threads move as each does alone") {
   std::vector<Positions> alone, together(count);
   for (int number = 0; number < count; ++number) alone.push_back(run(number));
   std::vector<std::thread> threads;
-  for (int number = 0; number < count; ++number)
-    threads.emplace_back([&, number] { together[static_cast<std::size_t>(number)] = run(number); });
+  for (int number = 0; number < count; ++number) threads.emplace_back([&, number] { together[number] = run(number); });
   for (std::thread& thread : threads) thread.join();
   REQUIRE(alone.front().cols() == 27);
   CHECK(together == alone);

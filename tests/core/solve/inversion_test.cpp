@@ -4,8 +4,8 @@
 
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/solve/statics.h"
-#include "lab/experiment/specimen.h"
-#include "lab/protocol/tension.h"
+#include "lab/experiment/tension/tension.h"
+#include "lab/run/specimen.h"
 #include "support/bodies.h"
 
 using namespace elastin;

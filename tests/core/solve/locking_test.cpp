@@ -22,13 +22,13 @@ std::unique_ptr<Load> end_moment(const Body& body, double stress_slope) {
     for (int left_out = 0; left_out < 4; ++left_out) {
       std::array<int, 3> face{};
       for (int corner = 0, at = 0; corner < 4; ++corner)
-        if (corner != left_out) face[static_cast<std::size_t>(at++)] = cell[static_cast<std::size_t>(corner)];
-      const auto position = [&](int i) { return Vector3(body.rest.col(face[static_cast<std::size_t>(i)])); };
+        if (corner != left_out) face[at++] = cell[corner];
+      const auto position = [&](int i) { return Vector3(body.rest.col(face[i])); };
       if (position(0).x() + position(1).x() + position(2).x() < 3 * kSize.x() - 1e-9) continue;
       const double area = (position(1) - position(0)).cross(position(2) - position(0)).norm() / 2;
       const double sum = position(0).z() + position(1).z() + position(2).z();
       for (int i = 0; i < 3; ++i)  // ∫ N_i z dA
-        forces(0, face[static_cast<std::size_t>(i)]) += stress_slope * area / 12 * (sum + position(i).z());
+        forces(0, face[i]) += stress_slope * area / 12 * (sum + position(i).z());
     }
   for (int molecule = 0; molecule < body.size(); ++molecule) molecules.push_back(molecule);
   return std::make_unique<PointLoads>(body, molecules, forces);

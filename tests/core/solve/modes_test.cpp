@@ -119,8 +119,7 @@ TEST_CASE("springs of constant zero leave what they held", "[modes]") {
   const auto supports = fix_layer(body, Matrix3::Zero());
   CHECK(find_zero_energy_modes(body, supports).zero_energy_modes == 0);
   std::vector<char> stiff(static_cast<std::size_t>(body.connections.size()), 1);
-  for (int c = 0; c < body.connections.size(); ++c)
-    stiff[static_cast<std::size_t>(c)] = body.connections.rest_length[static_cast<std::size_t>(c)] < 1.1;
+  for (int c = 0; c < body.connections.size(); ++c) stiff[c] = body.connections.rest_length[c] < 1.1;
   CHECK(find_zero_energy_modes(body, supports, stiff).zero_energy_modes == 12);
 }
 

@@ -9,9 +9,9 @@
 #include <iterator>
 
 #include "elastin/mesh/mesh_file.h"
-#include "lab/experiment/specimen.h"
 #include "lab/export/calculix_run.h"
 #include "lab/export/problem.h"
+#include "lab/run/specimen.h"
 #include "lab/study/compare.h"
 #include "support/temporary_folder.h"
 

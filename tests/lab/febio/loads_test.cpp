@@ -48,7 +48,7 @@ TEST_CASE("loads of FEBio's models: energy and tangent by differences", "[febio]
   std::vector<LoadedFace> faces;
   for (std::size_t f = 0; f < 2; ++f) {
     LoadedFace face{block.kind->face_kinds[f], {}};
-    for (const int a : block.kind->faces[f]) face.nodes.push_back(block.cell(0)[static_cast<std::size_t>(a)]);
+    for (const int a : block.kind->faces[f]) face.nodes.push_back(block.cell(0)[a]);
     faces.push_back(face);
   }
   for (const bool at_rest : {false, true}) {
@@ -59,7 +59,7 @@ TEST_CASE("loads of FEBio's models: energy and tangent by differences", "[febio]
   VolumeConstraint volume{{}, -3, {}, 2};
   for (std::size_t f = 0; f < block.kind->faces.size(); ++f) {
     LoadedFace face{block.kind->face_kinds[f], {}};
-    for (const int a : block.kind->faces[f]) face.nodes.push_back(block.cell(0)[static_cast<std::size_t>(a)]);
+    for (const int a : block.kind->faces[f]) face.nodes.push_back(block.cell(0)[a]);
     volume.faces.push_back(face);
   }
   const auto enclosed = make_volume_constraint(body, volume, 0);

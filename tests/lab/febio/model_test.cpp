@@ -40,9 +40,8 @@ struct Tower {
       for (int c = 1; c <= 8; ++c) own += (c > 1 ? "," : "") + std::to_string(4 * k + c);
       cells +=
           "<Elements type=\"hex8\" name=\"p" + name + "\"><elem id=\"" + name + "\">" + own + "</elem></Elements>\n";
-      const std::string usual = "type=\"neo-Hookean\"><density>1</density><E>" +
-                                std::to_string(youngs_moduli[static_cast<std::size_t>(k)]) + "</E><v>" +
-                                poissons_ratio + "</v>";
+      const std::string usual = "type=\"neo-Hookean\"><density>1</density><E>" + std::to_string(youngs_moduli[k]) +
+                                "</E><v>" + poissons_ratio + "</v>";
       materials += "<material id=\"" + name + "\" name=\"m" + name + "\" " + (material.empty() ? usual : material) +
                    "</material>\n";
       domains += "<SolidDomain name=\"p" + name + "\" mat=\"m" + name + "\"/>";

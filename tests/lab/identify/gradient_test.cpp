@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "elastin/core/simulation/catalog.h"
-#include "lab/experiment/material_numbers.h"
 #include "lab/identify/answer.h"
 #include "lab/identify/measured_test.h"
+#include "lab/run/material_numbers.h"
 #include "support/law_constants.h"
 #include "support/temporary_folder.h"
 
@@ -64,7 +64,7 @@ TEST_CASE("slopes of homogeneous stresses are those of whole solutions, in every
         REQUIRE(found.has_value());
         const double size = found->stresses.norm();
         for (Eigen::Index i = 0; i < values.size(); ++i) {
-          INFO(name << ", " << name_of(test) << ", " << numbers[static_cast<std::size_t>(i)].name);
+          INFO(name << ", " << name_of(test) << ", " << numbers[i].name);
           const VectorX expected = difference(values, i, stresses);
           // Over what the number makes of the stress; one that makes nothing of it has rounding alone.
           CHECK((found->slopes.col(i) - expected).norm() < 1e-6 * expected.norm() + 1e-9 * size / std::abs(values[i]));
@@ -117,7 +117,7 @@ TEST_CASE("slopes of a specimen in its grips are those of whole solutions, under
         test->predict({row, trial, trial_changes(row, trial, numbers, values, 1e-5 * values.cwiseAbs())});
     REQUIRE(found.has_value());
     for (Eigen::Index i = 0; i < values.size(); ++i) {
-      INFO(numbers[static_cast<std::size_t>(i)].name);
+      INFO(numbers[i].name);
       const VectorX expected = difference(values, i, [&](const VectorX& at) {
         return test->predict({row, with_numbers(row, trial, numbers, at), {}})->values;
       });
@@ -149,7 +149,7 @@ TEST_CASE("slopes of a specimen in its grips are those of whole solutions, in ev
     INFO(name << ": " << test->why());
     REQUIRE(found.has_value());
     for (Eigen::Index i = 0; i < values.size(); ++i) {
-      INFO(name << ", " << numbers[static_cast<std::size_t>(i)].name);
+      INFO(name << ", " << numbers[i].name);
       const VectorX expected = difference(values, i, [&](const VectorX& at) {
         return test->predict({row.get(), with_numbers(row.get(), trial, numbers, at), {}})->values;
       });

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lab/identify/report.h"
-#include "lab/scene/edited_scene.h"
+#include "lab/run/config_names.h"
 #include "support/law_constants.h"
 #include "support/temporary_folder.h"
 
@@ -142,8 +142,7 @@ TEST_CASE("a law is found again from its own curves, and the scene with its numb
     // Begun 10 % off, each other number to the other side.
     UnknownMaterial off{name, row.get(), material, material_numbers(row.get(), material)};
     VectorX values(static_cast<Eigen::Index>(off.unknowns.size()));
-    for (Eigen::Index i = 0; i < values.size(); ++i)
-      values[i] = off.unknowns[static_cast<std::size_t>(i)].value * (i % 2 == 0 ? 1.1 : 0.9);
+    for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = off.unknowns[i].value * (i % 2 == 0 ? 1.1 : 0.9);
     const std::string scene = material_yaml(row.get(), with_numbers(row.get(), material, off.unknowns, values), false) +
                               "identify:\n  starts: 1\n  tests:\n" + tests;
     const Answer answer = identify(folder.write("scene.yaml", scene), kCatalog, {}).front();

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lab/identify/identify.h"
-#include "lab/scene/edited_scene.h"
+#include "lab/run/config_names.h"
 #include "support/shell.h"
 #include "support/temporary_folder.h"
 

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "lab/experiment/run.h"
 #include "lab/identify/identify.h"
+#include "lab/run/run.h"
 #include "lab/scene/scene.h"
 #include "support/temporary_folder.h"
 

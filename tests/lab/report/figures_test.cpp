@@ -56,7 +56,7 @@ TEST_CASE("a study draws its measure and signed error over the parameter in SI u
     CHECK(plot.x.unit == "Pa");
     REQUIRE(plot.series.size() == 2);
     REQUIRE(plot.series[0].points.size() == 3);
-    for (int i = 0; i < 3; ++i) CHECK(plot.series[0].points[static_cast<std::size_t>(i)].x == Approx(1000 * (1 << i)));
+    for (int i = 0; i < 3; ++i) CHECK(plot.series[0].points[i].x == Approx(1000 * (1 << i)));
   }
   CHECK(plots[0].series[0].points[0].y == 950);
   CHECK(plots[1].series[0].points[0].y == -0.05);

@@ -121,7 +121,7 @@ std::vector<std::vector<std::string>> rows_of(const std::string& csv) {
 std::string field(const std::vector<std::vector<std::string>>& rows, std::size_t row, const std::string& column) {
   const auto found = std::find(rows[0].begin(), rows[0].end(), column);
   REQUIRE(found != rows[0].end());
-  return rows[row][static_cast<std::size_t>(found - rows[0].begin())];
+  return rows[row][found - rows[0].begin()];
 }
 
 std::vector<double> numbers(const pugi::xml_node& parent, const char* name, int components) {
@@ -311,8 +311,7 @@ TEST_CASE("arrays of a VTU file that are longer than a block are packed in sever
   const auto positions = numbers(vtu.piece.child("Points"), "positions", 3);
   REQUIRE(static_cast<int>(positions.size()) == 3 * n);
   for (int i = 0; i < 3 * n; ++i)
-    if (positions[static_cast<std::size_t>(i)] != 1.1 * body.rest(i % 3, i / 3))
-      FAIL_CHECK("number " << i << " of the places");
+    if (positions[i] != 1.1 * body.rest(i % 3, i / 3)) FAIL_CHECK("number " << i << " of the places");
   const auto ends = numbers(vtu.piece.child("Cells"), "connectivity", 1),
              offsets = numbers(vtu.piece.child("Cells"), "offsets", 1);
   REQUIRE(static_cast<int>(ends.size()) == 2 * m);

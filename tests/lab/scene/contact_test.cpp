@@ -5,8 +5,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "lab/experiment/contact_measures.h"
-#include "lab/experiment/specimen.h"
+#include "lab/run/contact_measures.h"
+#include "lab/run/specimen.h"
 #include "lab/scene/scene.h"
 #include "support/temporary_folder.h"
 

@@ -1,6 +1,6 @@
 // The table of experiments: its rows tell the truth, and a program adds its own.
 
-#include "elastin/lab/scene/experiment_catalog.h"
+#include "elastin/lab/experiment/experiment_catalog.h"
 
 #include <catch2/catch.hpp>
 #include <map>
@@ -73,7 +73,7 @@ std::set<std::string> allowed_keys(const std::string& kind) {
 }
 
 /// A host's own: the lower end fixed, the upper one pulled away.
-class Pull final : public StaticProtocol {
+class Pull final : public StaticExperiment {
  public:
   Pull(const Body& body, double displacement) : body_(body), displacement_(displacement) {}
   std::string name() const override { return "pull"; }
@@ -122,7 +122,7 @@ ExperimentInfo pull_info() {
           .summary = "both ends fixed, one pulled away",
           .source = "",
           .parameters = {{"by", dimension::length, 0, 1, 0.001, "displacement of the upper end"}},
-          .make = [](const ExperimentContext& context, const ParameterValues& values) -> std::unique_ptr<Protocol> {
+          .make = [](const ExperimentContext& context, const ParameterValues& values) -> std::unique_ptr<Experiment> {
             if (context.body.size() < 2) throw InputError("a single molecule cannot be pulled apart");
             return std::make_unique<Pull>(context.body, values.at("by"));
           }};
@@ -177,7 +177,7 @@ TEST_CASE("one experiment holds several models at a time", "[experiment]") {
   const TemporaryFolder folder;
   const auto scene = load_scene(
       folder.write("scene.yaml", kBody + "experiment: {kind: tension, axis: z, force: 10 mN}\n"), built_in_catalog());
-  const StaticProtocol& tension = *scene->experiment->at_rest();
+  const StaticExperiment& tension = *scene->experiment->at_rest();
   const Body& body = scene->specimen.body;
   Model first(body), second(body);
   const auto first_rig = tension.static_rig(first), second_rig = tension.static_rig(second);

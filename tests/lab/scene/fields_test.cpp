@@ -118,7 +118,7 @@ TEST_CASE("springs are as stiff and molecules as heavy as the material is where 
   const VectorX one = constants(*even), other = constants(*graded);
   const Body& lattice = graded->specimen.body;
   for (int c = 0; c < lattice.connections.size(); ++c) {
-    const auto& [a, b] = lattice.connections.ends[static_cast<std::size_t>(c)];
+    const auto& [a, b] = lattice.connections.ends[c];
     const double z = (lattice.rest(2, a) + lattice.rest(2, b)) / 2;
     CHECK(other[c] == Approx(one[c] * (1 + z / 0.01)).epsilon(1e-12));
   }
@@ -146,7 +146,7 @@ TEST_CASE("each of several bodies has its own fields", "[scene][fields]") {
   const Body& body = scene->specimen.body;
   REQUIRE(body.connection_stiffness.size() == body.connections.size());
   for (int c = 0; c < body.connections.size(); ++c) {
-    const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+    const auto& [a, b] = body.connections.ends[c];
     const double x = (body.rest(0, a) + body.rest(0, b)) / 2;
     CHECK(body.connection_stiffness[c] == Approx(x < 0.03 ? 1 : 1 + (x - 0.05) / 0.01));
   }

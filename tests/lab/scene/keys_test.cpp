@@ -1,6 +1,7 @@
 // The key reference says what the readers do: every key that they ask for while scenes are read, and no other.
 
-#include "lab/scene/keys.h"
+#include "lab/run/config_names.h"
+#include "lab/scene/key_reference.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -4,7 +4,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "elastin/lab/scene/experiment_catalog.h"
+#include "elastin/lab/experiment/experiment_catalog.h"
 #include "elastin/lab/study/laboratory.h"
 #include "lab/study/check.h"
 #include "support/temporary_folder.h"

@@ -110,7 +110,7 @@ TEST_CASE("Errors against the material, and the state reached", "[laboratory]") 
   const Body body = Laboratory(kCube).body();
   double pull = 0;
   for (int c = 0; c < body.connections.size(); ++c) {
-    const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+    const auto& [a, b] = body.connections.ends[c];
     const bool crosses = (body.rest(2, a) < 0.01) != (body.rest(2, b) < 0.01);
     const Vector3 along = (result.positions.col(b) - result.positions.col(a)).normalized();
     if (crosses) pull += result.tensions[c] * std::abs(along.z());

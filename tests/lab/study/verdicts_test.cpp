@@ -6,9 +6,9 @@
 #include <set>
 
 #include "elastin/core/parallel/threads.h"
-#include "lab/experiment/specimen.h"
 #include "lab/report/files.h"
 #include "lab/report/json.h"
+#include "lab/run/specimen.h"
 #include "support/temporary_folder.h"
 #include "support/vtu_arrays.h"
 

@@ -105,9 +105,7 @@ template <CellShape Shape>
 class SimplexCells : public Elasticity, public LocalElasticity {
  public:
   int elements() const override { return graph_.cells(); }
-  std::span<const int> molecules_of(int cell) const override {
-    return Shape::in(body_)[static_cast<std::size_t>(cell)];
-  }
+  std::span<const int> molecules_of(int cell) const override { return Shape::in(body_)[cell]; }
   /// A cell's volume is linear in the position of one corner.
   double relative_change(const Positions& positions, std::span<const LocalSlot> slots,
                          const Vector3& motion) const override {
@@ -158,9 +156,9 @@ class SimplexCells : public Elasticity, public LocalElasticity {
   explicit SimplexCells(const Body& body) : body_(body), graph_(body.connections, Shape::in(body)) {}
 
   NodePositions<nodes> positions_of(const Positions& positions, int cell) const {
-    const auto& at = Shape::in(body_)[static_cast<std::size_t>(cell)];
+    const auto& at = Shape::in(body_)[cell];
     NodePositions<nodes> own;
-    for (int node = 0; node < nodes; ++node) own.col(node) = positions.col(at[static_cast<std::size_t>(node)]);
+    for (int node = 0; node < nodes; ++node) own.col(node) = positions.col(at[node]);
     return own;
   }
   /// Six times the signed volume; 1 of a triangle, which has none.
@@ -178,7 +176,7 @@ class SimplexCells : public Elasticity, public LocalElasticity {
       return false;
   }
   SquaredLengths squared_lengths(const Positions& positions, int cell) const {
-    const auto& at = Shape::in(body_)[static_cast<std::size_t>(cell)];
+    const auto& at = Shape::in(body_)[cell];
     SquaredLengths s;
     int side = 0;
     for (std::size_t i = 0; i < nodes; ++i)
@@ -302,7 +300,7 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
     if constexpr (requires { kernel_.constraint(constants_.front()); }) {
       for (int cell = 0; cell < graph_.cells(); ++cell) {
         all.tetrahedra.push_back(kernel_.constraint(constants_[cell]));
-        all.tetrahedra.back().molecules = Shape::in(this->body_)[static_cast<std::size_t>(cell)];
+        all.tetrahedra.back().molecules = Shape::in(this->body_)[cell];
       }
       return true;
     }
@@ -325,7 +323,7 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
  private:
   CellElasticity(const CellElasticity& whole, const Subdomain& own) : Block(*own.body), kernel_(whole.kernel_) {
     for (const int cell : Shape::dimensions == 3 ? own.tetrahedra : own.triangles)
-      constants_.push_back(whole.constants_[static_cast<std::size_t>(cell)]);
+      constants_.push_back(whole.constants_[cell]);
   }
 
   /// W [J/m³], [J/m²].

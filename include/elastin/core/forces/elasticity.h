@@ -28,9 +28,7 @@ class Workspace {
   void reserve_ranges(int ranges) {
     if (static_cast<int>(range_buffers_.size()) < ranges) range_buffers_.resize(static_cast<std::size_t>(ranges));
   }
-  Eigen::Map<VectorX> range_buffer(int range, Eigen::Index size) {
-    return grown(range_buffers_[static_cast<std::size_t>(range)], size);
-  }
+  Eigen::Map<VectorX> range_buffer(int range, Eigen::Index size) { return grown(range_buffers_[range], size); }
 
   VectorX force_densities;         ///< [N/m], one a connection
   VectorX squared_lengths, rates;  ///< of its length [m²], [m²/s]

@@ -39,9 +39,7 @@ class SoftenedElements {
       : softening_(softening), most_(static_cast<std::size_t>(elements), 0) {}
 
   explicit operator bool() const { return !most_.empty(); }
-  SoftenedEnergy at(int element, double energy) const {
-    return softened_energy(softening_, energy, most_[static_cast<std::size_t>(element)]);
-  }
+  SoftenedEnergy at(int element, double energy) const { return softened_energy(softening_, energy, most_[element]); }
 
   std::vector<HistoryBlock> history(const std::string& name) const {
     if (most_.empty()) return {};

@@ -47,7 +47,7 @@ class Tangent {
 
   /// The diagonal block K_aa [N/m] of a molecule; of one that is not symmetric the upper triangle, mirrored.
   Matrix3 diagonal(int molecule) const {
-    const Six& own = diagonal_[static_cast<std::size_t>(molecule)];
+    const Six& own = diagonal_[molecule];
     Matrix3 block;
     block << own[0], own[1], own[2], own[1], own[3], own[4], own[2], own[4], own[5];
     return block;
@@ -62,7 +62,7 @@ class Tangent {
     double slope;    ///< 2 ∂q/∂s [N/m³]: the change of q is slope · d·δd
   };
   Link link(int connection) const {
-    const auto& [a, b] = model_.body().connections.ends[static_cast<std::size_t>(connection)];
+    const auto& [a, b] = model_.body().connections.ends[connection];
     const double density = stressed_ ? force_densities_[connection] : 0;
     return {positions().col(b) - positions().col(a), density, 2 * slopes_[connection]};
   }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "elastin/core/simulation/simulation.h"
-#include "elastin/lab/scene/experiment_catalog.h"
+#include "elastin/lab/experiment/experiment_catalog.h"
 
 namespace elastin::lab {
 

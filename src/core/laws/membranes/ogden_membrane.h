@@ -14,11 +14,11 @@ struct OgdenTerms {
 
   void add(double c, double m) {
     if (count == kMost) throw InputError("ogden takes up to 6 terms");
-    values_[static_cast<std::size_t>(count++)] = {c, m, c / m};
+    values_[count++] = {c, m, c / m};
   }
-  double c(int term) const { return values_[static_cast<std::size_t>(term)][0]; }
-  double m(int term) const { return values_[static_cast<std::size_t>(term)][1]; }
-  double scale(int term) const { return values_[static_cast<std::size_t>(term)][2]; }  ///< c/m
+  double c(int term) const { return values_[term][0]; }
+  double m(int term) const { return values_[term][1]; }
+  double scale(int term) const { return values_[term][2]; }  ///< c/m
 
  private:
   std::array<std::array<double, 3>, kMost> values_{};

@@ -51,7 +51,7 @@ struct Curve {
       std::array<double, 3> turning;  // dS_ij/dC_ij
       for (int pair = 0; pair < 3; ++pair) {
         const auto [i, j] = kComponents[3 + pair];
-        turning[static_cast<std::size_t>(pair)] = -now.pressure / (stretch[i] * stretch[j] * (stretch[i] + stretch[j]));
+        turning[pair] = -now.pressure / (stretch[i] * stretch[j] * (stretch[i] + stretch[j]));
       }
       return PrincipalAxes{solved.vectors}.tangent(direct, turning);
     }

@@ -164,7 +164,7 @@ struct CellKernel<NeoHookean, Tetrahedron4> {
 
   NeoHookeanConstraint constraint(const Constants& k) const {
     NeoHookeanConstraint result{{}, {}, k.volume, k.lambda, k.mu};
-    for (int side = 0; side < 6; ++side) result.rest_products[static_cast<std::size_t>(side)] = k.rest_products[side];
+    for (int side = 0; side < 6; ++side) result.rest_products[side] = k.rest_products[side];
     return result;
   }
 

@@ -52,7 +52,7 @@ struct Ogden : NearlyIncompressible<Ogden> {
       for (int pair = 0; pair < 3; ++pair) {
         const auto [i, j] = kComponents[3 + pair];
         // (τ_i − τ_j)/(C_i − C_j)/C_i − τ_j/(C_i C_j)
-        turning[static_cast<std::size_t>(pair)] = (now.divided_difference(*this, i, j) - now.stress[j]) / now.C[i];
+        turning[pair] = (now.divided_difference(*this, i, j) - now.stress[j]) / now.C[i];
       }
       return PrincipalAxes{solved.vectors}.tangent(direct, turning);
     }

@@ -54,7 +54,7 @@ struct PrincipalAxes {
     for (int pair = 0; pair < 3; ++pair) {
       const auto [i, j] = kComponents[3 + pair];
       const Components across = symmetric_product(axes.col(i), axes.col(j));
-      result += 2 * turning[static_cast<std::size_t>(pair)] * across * across.transpose();
+      result += 2 * turning[pair] * across * across.transpose();
     }
     return result;
   }

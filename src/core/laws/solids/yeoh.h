@@ -24,7 +24,7 @@ struct Yeoh : NearlyIncompressible<Yeoh> {
 
     Jet operator()(const Jet& first, const Jet&) const {
       Jet sum = 0;
-      for (int i = terms; i-- > 0;) sum = first * (c[static_cast<std::size_t>(i)] + sum);
+      for (int i = terms; i-- > 0;) sum = first * (c[i] + sum);
       return sum;
     }
   };

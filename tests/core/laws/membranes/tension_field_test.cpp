@@ -12,7 +12,7 @@
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/simulation/catalog.h"
-#include "lab/experiment/choice.h"
+#include "lab/run/choice.h"
 #include "support/cells.h"
 
 using namespace elastin;

@@ -7,8 +7,8 @@
 #include "elastin/core/forces/model.h"
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/core/solve/statics.h"
-#include "lab/experiment/specimen.h"
-#include "lab/protocol/tension.h"
+#include "lab/experiment/tension/tension.h"
+#include "lab/run/specimen.h"
 #include "support/bodies.h"
 
 using namespace elastin;

@@ -104,7 +104,7 @@ TEST_CASE("lattice: full constants inside, shares on faces and edges", "[rules]"
   const double full = 0.4 * 5000 * 0.01;  // k₁ = k₂ = 0.4 E a
   // An axis connection touches 4 cubes inside, 2 on a face, 1 on an edge of the body; a face diagonal 2 or 1.
   for (int c = 0; c < k.size(); ++c) {
-    const auto& [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+    const auto& [a, b] = body.connections.ends[c];
     const Vector3 middle = (body.rest.col(a) + body.rest.col(b)) / 0.02;
     const int outside = static_cast<int>((middle.array() < 1e-9 || middle.array() > 2 - 1e-9).count());
     CHECK(k[c] == Approx(full / std::pow(2, outside)).epsilon(1e-12));
@@ -115,7 +115,7 @@ TEST_CASE("lattice: full constants inside, shares on faces and edges", "[rules]"
     const VectorX shared = constants("lattice", rich, kMaterial, {{"face_part", part}});
     double k1 = 0, k2 = 0, k3 = 0;
     for (int c = 0; c < shared.size(); ++c) {
-      const double squared = std::round(std::pow(rich.connections.rest_length[static_cast<std::size_t>(c)] / 0.01, 2));
+      const double squared = std::round(std::pow(rich.connections.rest_length[c] / 0.01, 2));
       (squared == 1 ? k1 : squared == 2 ? k2 : k3) = std::max(squared == 1 ? k1 : squared == 2 ? k2 : k3, shared[c]);
     }
     CHECK(k1 == Approx(k2 + 8. / 3 * k3).epsilon(1e-12));
@@ -149,7 +149,7 @@ TEST_CASE("lattice balances a uniform strain on box lattices, graded ones too", 
   const Matrix3 stress = 0.4 * E * (strain.trace() * Matrix3::Identity() + 2 * strain);
   Positions force = Positions::Zero(3, body.size());
   for (int c = 0; c < body.connections.size(); ++c) {
-    const auto [a, b] = body.connections.ends[static_cast<std::size_t>(c)];
+    const auto [a, b] = body.connections.ends[c];
     const Vector3 gap = body.rest.col(b) - body.rest.col(a);
     const Vector3 tension = k[c] * gap * gap.dot(strain * gap) / gap.squaredNorm();
     force.col(a) += tension;

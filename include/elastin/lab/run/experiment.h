@@ -1,0 +1,181 @@
+#pragma once
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "elastin/core/forces/model.h"
+#include "elastin/core/model/material.h"
+#include "elastin/core/solve/statics.h"
+#include "elastin/lab/run/measures.h"
+
+namespace elastin::lab {
+
+/// Where measuring starts: the body under the scene's other loads (its own weight, say) before the experiment's load.
+struct Start {
+  Positions positions;  ///< [m]
+  Positions reactions;  ///< of the supports [N]
+};
+
+/// A measure by which strategies are compared.
+struct MainMeasure {
+  std::string_view name;
+  /// The material's target, SI; NaN = the material has none, the measure is only shown.
+  double prescribed = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// By which measures the time history of a body is told; "" where the experiment has none.
+struct ResponseMeasures {
+  std::string_view displacement;  ///< that the loaded part makes: "tip_deflection"
+  std::string_view resistance;    ///< of the body to a given displacement: "force", "torque"
+};
+
+/// One state on a response curve: under a part of the load, or at a time.
+struct CurvePoint {
+  double load_factor = 0;
+  Measures measures;
+  int newton_iterations = 0, linear_iterations = 0;
+  double residual = 0;
+  double time = 0, step = 0;  ///< [s] of a run in time; step: the last one before
+  int steps = 0;              ///< since the point before
+};
+
+/// A material to be found: the secant modulus E(ε) = c₀ + c₁ |ε| + … with which an experiment shows measured values.
+struct Identification {
+  std::string measure;                           ///< what was measured
+  std::vector<double> values;                    ///< at each load step, SI, > 0
+  int degree = 2;                                ///< of the polynomial
+  double up_to = 0;                              ///< strain up to which it counts, > 0; straight on beyond
+  std::vector<StressStrain::SecantPoint> guess;  ///< a first idea of E at some strains, at least one
+};
+
+class StaticRig;
+class TimedRig;
+class StaticExperiment;
+class TimedExperiment;
+
+/// What an experiment knows of the one model that it holds and loads. Experiment and model must outlive it; the model
+/// must not move.
+class Rig {
+ public:
+  Rig() = default;
+  Rig(const Rig&) = delete;
+  Rig& operator=(const Rig&) = delete;
+  virtual ~Rig() = default;
+  /// Itself as the rig of an experiment at rest, or null.
+  virtual StaticRig* at_rest() { return nullptr; }
+  /// Itself as the rig of an experiment in time, or null.
+  virtual TimedRig* in_time() { return nullptr; }
+};
+
+/// Loads its model step by step and measures each equilibrium.
+class StaticRig : public Rig {
+ public:
+  StaticRig* at_rest() final { return this; }
+
+  /// Sets the load to `factor` (0 … 1) of the whole.
+  virtual void set_load(double factor) = 0;
+  /// After an equilibrium was found: brings the load nearer to what is prescribed, if it is not there yet. True: that
+  /// takes another solve.
+  virtual bool adjust(const State& /*state*/) { return false; }
+  /// Moves the positions at rest to where the search for the first equilibrium begins, under the load set last: rest is
+  /// no place to begin where stiffness is missing there.
+  virtual void shape_start(Positions& /*positions*/) const {}
+  /// Moves, before any load, what goes freely until it touches: friction begins there.
+  virtual void approach(Positions& /*positions*/) const {}
+  /// The largest part of the load (0 … 1) that one step may add: a turn beyond it would be taken for a shorter one the
+  /// other way round.
+  virtual double longest_step() const { return 1; }
+  /// Tells the supports how fast the load moves them: its factor changes by `rate` a second. After set_load.
+  virtual void set_load_rate(double /*rate*/) {}
+  /// Takes the load off a body that is to move on its own: forces end, a driven end is free. Nothing happens where
+  /// there is no load that could be taken off.
+  virtual void release() {}
+  /// Reads the state that a solve has left, as changes since the start. May solve for small motions about it, with
+  /// `options`: adds their cost to `solved`, and their outcome if one fails.
+  virtual Measures measure(const Start& start, const State& state, const StaticOptions& options,
+                           StaticResult& solved) const = 0;
+  /// Adds what is measured once, at the last of several load steps, and the linear iterations that it takes.
+  virtual void measure_end(const State& /*state*/, const StaticOptions& /*options*/, Measures& /*measures*/,
+                           int& /*iterations*/) const {}
+  /// Whether an equilibrium that is no minimum (a straight column beyond its buckling load) is left for one of less
+  /// energy; if not, the body stays on the branch on which it is.
+  virtual bool leaves_saddles() const { return true; }
+};
+
+/// Brings its model to time 0 and reads it as time goes on.
+class TimedRig : public Rig {
+ public:
+  TimedRig* in_time() final { return this; }
+
+  /// How the body stands at time 0, what is held, and what acts from now on, by Model::drive where that changes; the
+  /// rig must outlive what it sets there. The result is that of the last static solve that it took, if any.
+  virtual StaticResult start(State& state, const StaticOptions& options) = 0;
+  /// Reads one state on the way.
+  virtual Measures read(const State& state) const = 0;
+};
+
+/// An experiment: how a body is held and loaded, and what is read off it. Immutable: made once for a body, it serves
+/// every strategy on it, from several threads at a time. What it must know of a model stands in the rig that it makes
+/// for each. It is one at rest or one in time.
+class Experiment {
+ public:
+  virtual ~Experiment() = default;
+  virtual std::string name() const = 0;
+  /// Adds the experiment's supports and loads to a model of its body that has no supports yet.
+  virtual std::unique_ptr<Rig> rig(Model& model) const = 0;
+  /// Itself as an experiment at rest, or null.
+  virtual const StaticExperiment* at_rest() const { return nullptr; }
+  /// Itself as an experiment in time, or null.
+  virtual const TimedExperiment* in_time() const { return nullptr; }
+  /// The experiment at rest in which spring rules are calibrated; null where there is none.
+  virtual const StaticExperiment* calibration() const { return nullptr; }
+  /// Unit direction of the uniaxial stress that it makes; none if it makes another.
+  virtual std::optional<Vector3> axis() const { return std::nullopt; }
+  /// How many times what is modelled the whole body is: planes of symmetry may cut it.
+  virtual double copies() const { return 1; }
+  /// Whether only the load gives the body stiffness in directions in which it has none at rest (a flat membrane).
+  virtual bool stiffened_by_load() const { return false; }
+  /// The most telling measure first, with the material's target where this was measured (a curve has another secant
+  /// modulus at every strain); nothing measured = at no strain. `calibrated` scales a rule to the first that has a
+  /// target.
+  virtual std::vector<MainMeasure> main_measures(const Material& material, const Measures& measured) const = 0;
+  /// What limits the meaning of these measures, in words; "" if nothing does. No fault of the strategy.
+  virtual std::string remark(const Measures& /*measures*/) const { return ""; }
+  /// Whether `effective_modulus` is apparent: it depends on the body's shape, not on its material alone.
+  virtual bool apparent() const { return false; }
+  /// Why no strategy can be ranked by the material's own values, in words; "" if it can. No fault of the strategy.
+  virtual std::string no_reference() const { return ""; }
+  /// How it measures, where that is not what everyone expects, a sentence each.
+  virtual std::vector<std::string> notes() const { return {}; }
+};
+
+/// An experiment at rest: one equilibrium a load step.
+class StaticExperiment : public Experiment {
+ public:
+  const StaticExperiment* at_rest() const final { return this; }
+  const StaticExperiment* calibration() const override { return this; }
+  std::unique_ptr<Rig> rig(Model& model) const final { return static_rig(model); }
+
+  virtual std::unique_ptr<StaticRig> static_rig(Model& model) const = 0;
+  virtual int load_steps() const { return 1; }
+  /// The part of the load (0 … 1) at step 1 … load_steps(); a body may be unloaded on the way.
+  virtual double load_factor(int step) const { return static_cast<double>(step) / load_steps(); }
+  virtual ResponseMeasures response_measures() const { return {}; }
+  /// The material to be found from measured values, if the experiment is there for that.
+  virtual std::optional<Identification> identification() const { return std::nullopt; }
+};
+
+/// An experiment that runs through time.
+class TimedExperiment : public Experiment {
+ public:
+  const TimedExperiment* in_time() const final { return this; }
+  std::unique_ptr<Rig> rig(Model& model) const final { return timed_rig(model); }
+
+  virtual std::unique_ptr<TimedRig> timed_rig(Model& model) const = 0;
+  /// Adds what the whole time history says, from its rows at equal times, the first at time 0.
+  virtual void read_history(const std::vector<CurvePoint>& history, Measures& measures) const = 0;
+};
+
+}  // namespace elastin::lab

@@ -1,0 +1,175 @@
+#include "config/edited_scene.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "config/scene_tree.h"
+
+namespace elastin::config {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What stands at a place of a text, and what is to stand there.
+struct Edit {
+  std::size_t at, length;
+  std::string text;
+};
+
+/// Where a node begins, a byte of the text; of a value with an anchor that.
+std::size_t begin_of(const YAML::Node& node) { return static_cast<std::size_t>(std::max(0, node.Mark().pos)); }
+
+bool is_quote(char character) { return character == '"' || character == '\''; }
+
+/// Puts another text in the place of a single value, quotes and all; where its text is written in escapes it stays.
+void replace(const std::string& text, const YAML::Node& node, const std::string& value, std::vector<Edit>& edits) {
+  const std::string& written = node.Scalar();
+  std::size_t at = text.find(written, begin_of(node)), length = written.size();
+  if (at == std::string::npos) return;
+  if (at > 0 && is_quote(text[at - 1]) && at + length < text.size() && text[at + length] == text[at - 1])
+    --at, length += 2;
+  edits.push_back({at, length, value});
+}
+
+std::string edited(std::string text, std::vector<Edit> edits) {
+  std::sort(edits.begin(), edits.end(), [](const Edit& a, const Edit& b) { return a.at > b.at; });
+  for (std::size_t i = 0; i < edits.size(); ++i)
+    if (i == 0 || edits[i].at != edits[i - 1].at)  // an alias stands where its anchor does
+      text.replace(edits[i].at, edits[i].length, edits[i].text);
+  return text;
+}
+
+/// Names each file beside the scene from the other folder.
+void move_files(const std::string& text, const YAML::Node& node, const fs::path& from, const fs::path& to,
+                std::vector<Edit>& edits) {
+  if (node.IsScalar()) {
+    const std::string& name = node.Scalar();
+    std::error_code ignored;
+    if (!name.empty() && fs::path(name).is_relative() && fs::is_regular_file(from / name, ignored))
+      replace(text, node, path_text((from / name).lexically_normal().lexically_relative(to).generic_string()), edits);
+  }
+  for (const auto& child : node) move_files(text, node.IsMap() ? child.second : child, from, to, edits);
+}
+
+/// Puts a key into a map at its beginning.
+void insert(const std::string& text, const YAML::Node& map, const std::string& line, std::vector<Edit>& edits) {
+  const std::size_t at = begin_of(map);
+  if (at < text.size() && text[at] == '{')
+    edits.push_back({at + 1, 0, line + (map.size() > 0 ? ", " : "")});
+  else
+    edits.push_back({at, 0, line + "\n" + std::string(static_cast<std::size_t>(map.Mark().column), ' ')});
+}
+
+/// Whether two texts say the same, whatever the order of keys in their maps.
+bool same(const YAML::Node& a, const YAML::Node& b) {
+  if (a.Type() != b.Type() || (a.IsScalar() && a.Scalar() != b.Scalar()) || a.size() != b.size()) return false;
+  if (a.IsSequence())
+    for (std::size_t i = 0; i < a.size(); ++i)
+      if (!same(a[i], b[i])) return false;
+  if (a.IsMap())
+    for (const auto& entry : a) {
+      const YAML::Node other = b[entry.first.Scalar()];
+      if (!other.IsDefined() || !same(entry.second, other)) return false;
+    }
+  return true;
+}
+
+bool says(const std::string& text, const YAML::Node& wanted) {
+  try {
+    return same(YAML::Load(text), wanted);
+  } catch (const YAML::Exception&) {
+    return false;
+  }
+}
+
+/// The keys of its material that a scene has from the one that it extends.
+std::vector<std::string> extended_keys(const YAML::Node& scene, const std::string& folder) {
+  std::vector<std::string> keys;
+  const YAML::Node base = scene["extends"];
+  if (!base.IsDefined() || !base.IsScalar()) return keys;
+  const std::string path = (fs::path(folder) / base.Scalar()).string();
+  const SceneTree tree = load_scene_tree(path, text_of_scene(path), {});
+  if (const YAML::Node material = std::as_const(tree.root)["material"]; material.IsDefined() && material.IsMap())
+    for (const auto& entry : material) keys.push_back(entry.first.Scalar());
+  return keys;
+}
+
+}  // namespace
+
+std::string path_text(const std::string& path) {
+  if (path.find_first_of(" ,:[]{}#&*!|>'\"%@`") == std::string::npos) return path;
+  YAML::Emitter quoted;
+  quoted << YAML::DoubleQuoted << path;
+  return quoted.c_str();
+}
+
+std::string moved_scene(const std::string& text, const std::string& from_folder, const std::string& to_folder) {
+  std::vector<Edit> edits;
+  move_files(text, YAML::Load(text), fs::absolute(from_folder.empty() ? "." : from_folder),
+             fs::absolute(to_folder).lexically_normal(), edits);
+  return edited(text, std::move(edits));
+}
+
+std::string with_section(const std::string& text, const std::string& key, const std::string& lines) {
+  std::size_t begin = text.starts_with(key + ":") ? 0 : text.find("\n" + key + ":");
+  if (begin == std::string::npos) return "";
+  if (begin > 0) ++begin;
+  std::size_t end = text.find('\n', begin);
+  // What is indented below belongs to the block, as flow collections over several lines do.
+  while (end != std::string::npos && end + 1 < text.size() &&
+         std::string(" ]}").find(text[end + 1]) != std::string::npos)
+    end = text.find('\n', end + 1);
+  return text.substr(0, begin) + lines + (end == std::string::npos ? "" : text.substr(end + 1));
+}
+
+std::string with_values(const std::string& text, const std::string& folder,
+                        const std::vector<std::pair<std::string, std::string>>& values) {
+  std::string result = text;
+  for (auto [path, value] : values) {
+    if (path == "material")
+      for (const std::string& key : extended_keys(YAML::Load(result), folder))
+        if (!YAML::Load(value)[key].IsDefined()) value += "\n  " + key + ":";
+    YAML::Node wanted = YAML::Load(result);
+    put_value(wanted, path, YAML::Load(value), {path});
+    const std::string lines = with_value(result, path, value);
+    if (says(lines, wanted)) {
+      result = lines;
+      continue;
+    }
+    YAML::Emitter emitter;
+    emitter << without_origin(wanted);
+    result = std::string(emitter.c_str()) + "\n";
+  }
+  return result;
+}
+
+std::string with_value(const std::string& text, const std::string& path, const std::string& value) {
+  if (path.find('.') == std::string::npos) {
+    const std::string line = path + (value.starts_with('\n') ? ":" : ": ") + value + "\n",
+                      found = with_section(text, path, line);
+    return found.empty() ? text + (text.ends_with('\n') ? "" : "\n") + line : found;
+  }
+  std::vector<Edit> edits;
+  YAML::Node node = YAML::Load(text);
+  for (std::size_t from = 0; from < path.size();) {
+    const std::size_t to = std::min(path.find('.', from), path.size());
+    const std::string key = path.substr(from, to - from);
+    const bool last = to == path.size();
+    const auto item = node.IsSequence() ? item_of(node, key) : std::nullopt;
+    const YAML::Node child = item           ? std::as_const(node)[*item]
+                             : node.IsMap() ? std::as_const(node)[key]
+                                            : YAML::Node(YAML::NodeType::Undefined);
+    if (!child.IsDefined()) {
+      if (last && node.IsMap()) insert(text, node, key + ": " + value, edits);
+      break;
+    }
+    if (last && child.IsScalar()) replace(text, child, value, edits);
+    node.reset(child);
+    from = to + 1;
+  }
+  return edited(text, std::move(edits));
+}
+
+}  // namespace elastin::config

@@ -1,0 +1,478 @@
+#include "config/reader.h"
+
+#include <string_view>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "config/held_scene.h"
+
+namespace elastin::config {
+namespace {
+
+/// A key that older scenes wrote under another name. The old name must not stand for anything else in that map.
+struct RenamedKey {
+  std::string_view old_name, name;
+};
+constexpr RenamedKey kRenamedKeys[] = {
+    {"way", "method"},    // of the solver
+    {"hold", "fixture"},  // of experiments in time: how the body is fixed and loaded
+    {"hold", "fix"},      // of a press: the parts that stay
+};
+
+/// Of any number of a scene, in SI: squares and products of a few of them are numbers still.
+constexpr double kLargest = 1e30;
+
+/// "at least 0 m and at most 1 m"
+std::string allowed_text(const Range& range, const Dimension& dimension) {
+  const std::string unit = si_unit(dimension).empty() ? "" : " " + si_unit(dimension);
+  const auto number = [](double value) {
+    char buffer[32];
+    std::snprintf(buffer, sizeof buffer, "%g", value);
+    return std::string(buffer);
+  };
+  std::string text;
+  if (std::isfinite(range.low)) text = (range.open_low ? "above " : "at least ") + number(range.low) + unit;
+  if (std::isfinite(range.high)) text += (text.empty() ? "at most " : " and at most ") + number(range.high) + unit;
+  return text;
+}
+
+/// "experiment.force"
+std::string below(const std::string& path, const std::string& key) { return path.empty() ? key : path + "." + key; }
+
+}  // namespace
+
+Reader::Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path,
+               std::optional<SourceLocation> key_location)
+    : file_(std::move(file)), node_(std::move(node)), path_(std::move(path)), key_location_(std::move(key_location)) {
+  if (file_->files.empty()) file_->files = {file_->path};
+}
+
+SourceLocation Reader::location_of(const YAML::Node& node) const {
+  const YAML::Mark mark = node.Mark();
+  if (config::is_override(node) || mark.is_null()) return {"--set"};
+  return {file_->files[file_of(node)], mark.line + 1, mark.column + 1};
+}
+
+SourceLocation Reader::location() const {
+  if (node_.IsNull() && !is_override()) return key_location_.value_or(SourceLocation{file_->path, 1, 1});
+  return location_of(node_);
+}
+
+void Reader::fail(const std::string& message) const {
+  throw InputError(location(), (path_.empty() ? "" : path_ + ": ") + message);
+}
+
+bool Reader::has(const std::string& key) { return find(key).has_value(); }
+
+std::optional<Reader> Reader::find(const std::string& key) {
+  if (!node_.IsMap()) {
+    const std::string own = path_.substr(path_.find_last_of('.') + 1);
+    fail("expected a map of keys, found " + kind_of(node_) +
+         (own.empty() || own.ends_with(']') ? "" : "; write " + own + ": {" + key + ": …}"));
+  }
+  requested_->keys.push_back(key);
+  if (file_->uses && section_) (*file_->uses)[below(*section_, key)];
+  refuse_old_name(key);
+  return value_of(key, key);
+}
+
+/// Fails where the map has this key under the name that it once had.
+void Reader::refuse_old_name(const std::string& key) const {
+  for (const RenamedKey& renamed : kRenamedKeys) {
+    if (key != renamed.name) continue;
+    for (const auto& entry : node_)
+      if (entry.first.Scalar() == renamed.old_name)
+        throw InputError(location_of(entry.first), (path_.empty() ? "" : path_ + ": ") + "key '" +
+                                                       entry.first.Scalar() + "' has been renamed: write '" + key +
+                                                       "'");
+  }
+}
+
+/// The value that stands under the key `given`, as the one of `key`.
+std::optional<Reader> Reader::value_of(const std::string& given, const std::string& key) const {
+  for (const auto& entry : node_)
+    if (entry.first.Scalar() == given) {
+      Reader found(file_, entry.second, below(path_, key), location_of(entry.first));
+      found.section_ = section_ ? std::optional(below(*section_, key)) : std::nullopt;
+      if (entry.second.IsNull())
+        found.fail("has no value; write it behind the colon, or its own keys below it, two blanks further in");
+      return found;
+    }
+  return std::nullopt;
+}
+
+Reader Reader::at(const std::string& key) {
+  if (auto found = find(key)) return *found;
+  // A misspelt key is read as what it must be: finish() then names it beside every key that is known.
+  std::vector<std::string> unknown;
+  for (const std::string& given : keys())
+    if (std::find(requested_->keys.begin(), requested_->keys.end(), given) == requested_->keys.end())
+      unknown.push_back(given);
+  std::string misspelt;
+  for (const std::string& given : unknown) {
+    if (given.starts_with(key + ":") && given.size() > key.size() + 1)
+      throw InputError(location_of_key(given), (path_.empty() ? "" : path_ + ": ") +
+                                                   "a blank stands behind the colon of a key: write " + key + ": " +
+                                                   given.substr(key.size() + 1));
+    if (misspelt.empty() && meant_key(given, {key}) == key) misspelt = given;
+    if (const std::string instead = instead_of_key(given); !instead.empty())
+      throw InputError(location_of_key(given),
+                       (path_.empty() ? "" : path_ + ": ") + "unknown key '" + given + "'; " + instead);
+  }
+  if (misspelt.empty()) misspelt = nearest_name(key, unknown);
+  if (misspelt.empty()) fail("key '" + key + "' is missing");
+  requested_->misspelt.emplace_back(misspelt, key);
+  return *value_of(misspelt, key);
+}
+
+void Reader::finish() const {
+  if (!node_.IsMap()) return;
+  std::vector<std::string> known;
+  for (const std::string& key : requested_->keys)
+    if (std::find(known.begin(), known.end(), key) == known.end()) known.push_back(key);
+  for (const auto& entry : node_) {
+    const std::string key = entry.first.Scalar();
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    throw InputError(location_of(entry.first), (path_.empty() ? "" : path_ + ": ") + "unknown key '" + key + "'" +
+                                                   instead_of(key, entry.second, known));
+  }
+  for (const auto& [misspelt, key] : requested_->misspelt) fail("key '" + key + "' is missing");
+}
+
+/// "; write density: 1000 kg/m3 (allowed: …)": what a key that nobody knows should be, or where it belongs.
+std::string Reader::instead_of(const std::string& key, const YAML::Node& value,
+                               const std::vector<std::string>& known) const {
+  std::string allowed;
+  for (const std::string& name : known) allowed += (allowed.empty() ? "" : ", ") + name;
+  const bool short_value = value.IsScalar() && value.Scalar().size() < 40;
+  if (const std::string meant = meant_key(key, known); !meant.empty())
+    return "; did you mean '" + meant + "'? Write " + meant + ": " + (short_value ? value.Scalar() : "…") +
+           " (allowed: " + allowed + ")";
+  if (const std::string instead = instead_of_key(key); !instead.empty()) return "; " + instead;
+  if (nearest_name(key, known).empty() && file_->owners) {
+    std::string owners;
+    const std::vector<std::string> maps = file_->owners(key);
+    // A parameter of another strategy or kind has its place here already.
+    const bool here = section_ && std::any_of(maps.begin(), maps.end(), [&](const std::string& map) {
+                        return *section_ == map || section_->starts_with(map + ".");
+                      });
+    for (const std::string& owner : here ? std::vector<std::string>() : maps)
+      owners += (owners.empty() ? "" : " or ") + ("`" + owner + "`");
+    if (!owners.empty()) return "; it is a key of " + owners + ": write it there (allowed here: " + allowed + ")";
+  }
+  return suggestion(key, known);
+}
+
+SourceLocation Reader::location_of_key(const std::string& key) const {
+  for (const auto& entry : node_)
+    if (entry.first.Scalar() == key) return location_of(entry.first);
+  return location();
+}
+
+std::vector<std::string> Reader::keys() const {
+  std::vector<std::string> keys;
+  if (node_.IsMap())
+    for (const auto& entry : node_) keys.push_back(entry.first.Scalar());
+  return keys;
+}
+
+/// What a map names in a list by `key: NUMBER`. The key is noted only where it stands: no message offers it.
+template <class Thing>
+std::shared_ptr<const Thing> Reader::given(const std::string& key,
+                                           const std::vector<std::shared_ptr<const Thing>>& list) {
+  const std::vector<std::string> there = keys();
+  if (std::find(there.begin(), there.end(), key) == there.end()) return nullptr;
+  return list[static_cast<std::size_t>(at(key).whole(0, static_cast<int>(list.size()) - 1))];
+}
+
+std::shared_ptr<const Body> Reader::given_body(const std::string& key) {
+  return file_->held ? given(key, file_->held->bodies) : nullptr;
+}
+
+std::shared_ptr<const Material> Reader::given_material(const std::string& key) {
+  return file_->held ? given(key, file_->held->materials) : nullptr;
+}
+
+std::vector<std::pair<std::string, Reader>> Reader::entries() const {
+  std::vector<std::pair<std::string, Reader>> entries;
+  for (const std::string& key : keys()) {
+    entries.emplace_back(key, *value_of(key, key));
+    entries.back().second.section_.reset();
+  }
+  return entries;
+}
+
+std::vector<Reader> Reader::items() const {
+  if (!node_.IsSequence()) {
+    const std::string own = path_.substr(path_.find_last_of('.') + 1) + ": ";
+    const std::string list = node_.IsScalar() ? as_list(node_.Scalar()) : "";
+    fail("expected a list, found " + kind_of(node_) +
+         (!list.empty()      ? "; write " + own + list
+          : node_.IsMap()    ? "; begin each item with '- ' below the key, or write " + own + "[{…}]"
+          : node_.IsScalar() ? "; write " + own + "[" + node_.Scalar() + "]"
+                             : ""));
+  }
+  std::vector<Reader> items;
+  if (KeyUse* noted = use()) noted->kinds.insert("list");
+  for (const auto& item : node_) {
+    items.emplace_back(file_, item, path_ + "[" + std::to_string(items.size()) + "]", location());
+    items.back().section_ = section_;
+  }
+  return items;
+}
+
+std::vector<Reader> Reader::items(std::size_t count) const {
+  std::vector<Reader> list = items();
+  if (list.size() == count) return list;
+  std::vector<std::string> given;
+  for (const Reader& item : list) given.push_back(item.is_text() ? item.text() : "");
+  std::string hint = with_decimal_points(given, count);
+  if (const std::string several = given.size() == 1 ? as_list(given[0]) : ""; !several.empty())
+    hint = "; commas stand between them: write " + several;
+  fail("expected " + std::to_string(count) + " values, found " + std::to_string(list.size()) + hint);
+}
+
+std::string Reader::text() const {
+  if (!node_.IsScalar())
+    fail("expected a single value, found " + kind_of(node_) +
+         (node_.IsSequence() && node_.size() > 0 && node_[0].IsScalar() ? "; write for example " + node_[0].Scalar()
+                                                                        : ""));
+  return node_.Scalar();
+}
+
+std::string Reader::line() const {
+  YAML::Emitter emitter;
+  emitter << YAML::Flow << without_origin(node_);
+  return emitter.c_str();
+}
+
+std::string Reader::content() const {
+  std::string text = line();
+  const std::function<void(const YAML::Node&)> add_files = [&](const YAML::Node& node) {
+    if (!node.IsMap() && !node.IsSequence()) return;
+    for (const auto& entry : node) {
+      if (node.IsSequence()) {
+        add_files(entry);
+        continue;
+      }
+      add_files(entry.second);
+      if (entry.first.Scalar() != "file" || !entry.second.IsScalar()) continue;
+      const auto folder = std::filesystem::path(file_->files[file_of(entry.second)]).parent_path();
+      std::ifstream stream(folder / entry.second.Scalar(), std::ios::binary);
+      text += "\n" + std::string(std::istreambuf_iterator<char>(stream), {});
+    }
+  };
+  add_files(node_);
+  return text;
+}
+
+void Reader::check_size(double molecules) const {
+  if (molecules <= file_->most_molecules) return;
+  char text[100];
+  std::snprintf(text, sizeof text, "that is %.3g molecules; at most %g are allowed", molecules, file_->most_molecules);
+  fail(text);
+}
+
+const std::vector<int>& Reader::mesh_set() const {
+  const std::string name = text();
+  std::vector<std::string> names;
+  for (const auto& [known, members] : file_->sets) names.push_back(known);
+  if (names.empty()) fail("the body has no sets: only a `mesh` may, and its file names none");
+  if (!file_->sets.contains(name)) fail("the mesh has no set '" + name + "'" + suggestion(name, names));
+  return file_->sets.at(name);
+}
+
+KeyUse* Reader::use() const { return file_->uses && section_ ? &(*file_->uses)[*section_] : nullptr; }
+
+void Reader::note_use(const std::string& kind, const Dimension& unit, const Range& range) const {
+  KeyUse* noted = use();
+  if (!noted) return;
+  noted->kinds.insert(kind);
+  if (const std::string name = si_unit(unit); !name.empty()) noted->units.insert(name);
+  const std::string text = range_text(range.low, range.high, range.open_low);
+  if (!text.empty()) noted->ranges.insert(text);
+}
+
+void Reader::note_words(const std::vector<std::string>& words) const {
+  if (KeyUse* noted = use()) noted->words.insert(words.begin(), words.end());
+}
+
+double Reader::quantity(const Dimension& dimension, const Range& range) const {
+  note_use(dimension == dimension::none ? "number" : "quantity", dimension, range);
+  return number(dimension, range);
+}
+
+double Reader::number(const Dimension& dimension, const Range& range) const {
+  const std::string given = text();
+  const Quantity quantity = located([&] { return parse_quantity(given, dimension); });
+  if (quantity.value < range.low || quantity.value > range.high || (range.open_low && quantity.value == range.low))
+    fail("'" + given + "' is out of range: must be " + allowed_text(range, dimension) +
+         (dimension == dimension::none && !quantity.has_unit && quantity.value > 1 && quantity.value > range.high &&
+                  quantity.value / 100 <= range.high && range.high <= 1
+              ? "; is " + given + " % meant?"
+              : ""));
+  if (std::abs(quantity.value) > kLargest) {
+    char text[80];
+    std::snprintf(text, sizeof text, "' is %.3g%s%s: nothing is beyond %g", quantity.value,
+                  si_unit(dimension).empty() ? "" : " ", si_unit(dimension).c_str(), kLargest);
+    fail("'" + given + text);
+  }
+  if (dimension == dimension::none || is_override()) return quantity.value;
+  if (quantity.has_unit)
+    note_unit();
+  else if (quantity.value != 0)
+    note_plain(given, unit_examples(dimension));
+  return quantity.value;
+}
+
+double Reader::angle(const Range& range) const {
+  note_use("angle", dimension::none, range);
+  const std::string given = text();
+  const double value = number(dimension::none, range);
+  if (given.ends_with('%')) fail("'" + given + "' is a ratio, no angle; write for example 30 deg, 0.5 rad");
+  const bool has_unit = parse_quantity(given, dimension::none).has_unit;
+  if (!has_unit && value != 0 && !is_override()) note_plain(given, "30 deg, 0.5 rad");
+  return value;
+}
+
+bool Reader::is_override() const { return config::is_override(node_); }
+
+const std::string& Reader::file_path() const { return file_->files[file_of(node_)]; }
+
+void Reader::note_unit() const {
+  if (!file_->first_unit) file_->first_unit = location();
+  check_units_agree();
+}
+
+void Reader::note_plain(const std::string& given, const std::string& examples) const {
+  if (file_->held) return;
+  if (!file_->first_plain)
+    file_->first_plain = {location(), path_ + ": '" + given + "' has no unit; write for example " + examples};
+  check_units_agree();
+}
+
+/// Throws if the file writes some dimensional values with units and others as plain numbers: one of them is a slip.
+void Reader::check_units_agree() const {
+  const auto& first_unit = file_->first_unit;
+  const auto& first_plain = file_->first_plain;
+  if (first_unit && first_plain)
+    throw InputError(first_plain->first, first_plain->second +
+                                             " (plain SI numbers are allowed only where no value has a unit, and " +
+                                             first_unit->text() + " has one)");
+}
+
+int Reader::whole(int low, int high) const {
+  constexpr double unlimited = std::numeric_limits<double>::infinity();
+  const bool bounded = high < std::numeric_limits<int>::max();
+  note_use("whole", dimension::none, {static_cast<double>(low), bounded ? high : unlimited});
+  return whole_number(low, high);
+}
+
+int Reader::molecule(int count) const {
+  if (KeyUse* noted = use()) noted->kinds.insert("molecule"), noted->ranges.insert("0 … last molecule");
+  return whole_number(0, count - 1);
+}
+
+int Reader::whole_number(int low, int high) const {
+  const std::string given = text();
+  int value = 0;
+  const auto [end, problem] = std::from_chars(given.data(), given.data() + given.size(), value);
+  if (problem != std::errc() || end != given.data() + given.size() || value < low || value > high)
+    fail("'" + given + "' is not a whole number of at least " + std::to_string(low) +
+         (high < std::numeric_limits<int>::max() ? " and at most " + std::to_string(high) : "") +
+         (end != given.data() && std::string_view(end).find_first_not_of(".0") == std::string_view::npos &&
+                  value >= low && value <= high && *end
+              ? "; write " + std::to_string(value)
+              : ""));
+  return value;
+}
+
+Vector3 Reader::vector(const Dimension& dimension, const Range& range) const {
+  if (is_text() && as_list(text()).empty())
+    fail("expected a list of three values along x, y, z, found a single value; write for example [0, 0, " + text() +
+         "]");
+  const auto list = items(3);
+  if (KeyUse* noted = use()) noted->kinds.insert("vector");
+  return {list[0].quantity(dimension, range), list[1].quantity(dimension, range), list[2].quantity(dimension, range)};
+}
+
+std::function<double(const Vector3&)> Reader::of_place(const Dimension& dimension, const Range& range) const {
+  note_use("formula", dimension::none, {});
+  std::string given = text();
+  if (given.starts_with('=')) given.erase(0, 1);
+  const FormulaValues& values = file_->values;
+  const auto unit_with = [&](const Dimension& of_place) {
+    return formula_at(given, Vector3(1.3e-3, 1.7e-3, 1.9e-3), of_place, values).unit;
+  };
+  const auto expected = [&](const Dimension& found) {
+    const auto name = [](const Dimension& unit) { return unit == dimension::none ? "a plain number" : si_unit(unit); };
+    fail("'" + given + "' gives " + name(found) + ", and it must give " + name(dimension) + "; x, y and z are lengths" +
+         (dimension == dimension::none ? ", for example x / 10 mm" : ""));
+  };
+  // x, y and z are lengths; in a scene of plain numbers they are those.
+  Dimension place = dimension::length;
+  if (file_->first_unit) {
+    if (const Dimension found = located([&] { return unit_with(place); }); !(found == dimension)) expected(found);
+  } else {
+    bool lengths = false;
+    try {
+      lengths = unit_with(place) == dimension;
+    } catch (const InputError&) {  // it may be of plain numbers
+    }
+    if (!lengths) place = dimension::none;
+    const Dimension found = located([&] { return unit_with(place); });
+    if (!(found == dimension) && !(found == dimension::none)) expected(found);
+    if (!(dimension == dimension::none)) lengths ? note_unit() : note_plain(given, "(1 + x / 10 mm) * 2 kPa");
+  }
+  return [own = *this, given, values, place, range, dimension](const Vector3& at) {
+    const double value = own.located([&] { return formula_at(given, at, place, values).number; });
+    if (std::isfinite(value) && value >= range.low && value <= range.high && !(range.open_low && value == range.low))
+      return value;
+    char text[120];
+    std::snprintf(text, sizeof text, "is %.6g at (%.6g, %.6g, %.6g) m; must be ", value, at.x(), at.y(), at.z());
+    const std::string allowed = allowed_text(range, dimension);
+    own.fail("'" + given + "' " + text + (allowed.empty() ? "finite" : allowed));
+  };
+}
+
+std::array<int, 3> Reader::wholes(int low) const {
+  const auto list = items(3);
+  return {list[0].whole(low), list[1].whole(low), list[2].whole(low)};
+}
+
+namespace {
+
+Reader reader_of(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
+                 SceneFile file) {
+  SceneTree tree = load_scene_tree(name, text, overrides);
+  file.files = std::move(tree.files);
+  file.values = std::move(tree.values);
+  return {std::make_shared<SceneFile>(std::move(file)), tree.root, ""};
+}
+
+}  // namespace
+
+Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules,
+                       KeyUses* uses) {
+  if (const auto held = held_scene(path))
+    return reader_of("scene", held->yaml, overrides, SceneFile{"scene", {}, {}, most_molecules, uses, held});
+  return open_scene_text(path, text_of_scene(path), overrides, most_molecules, uses);
+}
+
+Reader open_scene_text(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
+                       double most_molecules, KeyUses* uses) {
+  return reader_of(name, text, overrides, SceneFile{name, {}, {}, most_molecules, uses});
+}
+
+}  // namespace elastin::config

@@ -1,0 +1,177 @@
+#pragma once
+#include <yaml-cpp/yaml.h>
+
+#include <array>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "config/keys.h"
+#include "config/other_names.h"
+#include "config/scene_tree.h"
+#include "elastin/config/held_scene.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/base/types.h"
+#include "elastin/core/base/units.h"
+
+namespace elastin::config {
+
+/// What all keys of one scene file share: its path, and how its dimensional values are written.
+struct SceneFile {
+  std::string path;
+  std::optional<SourceLocation> first_unit;  ///< first dimensional value written with a unit
+  /// First one written as a plain number, and the message that it is if units are used.
+  std::optional<std::pair<SourceLocation, std::string>> first_plain;
+  double most_molecules = std::numeric_limits<double>::infinity();  ///< that a body may have
+  KeyUses* uses = nullptr;                              ///< where readers note what they ask for; null: nowhere
+  std::shared_ptr<const HeldScene::Content> held = {};  ///< of a scene in memory: its plain numbers are in SI units
+  std::map<std::string, std::vector<int>> sets = {};    ///< of molecules, ascending, as the body's mesh names them
+  std::vector<std::string> files = {};                  ///< the scene's own, and those that it extends
+  FormulaValues values = {};                            ///< of the section `values`
+  /// The sections of the key reference that have a key; none where nobody knows.
+  std::function<std::vector<std::string>(const std::string& key)> owners = {};
+};
+
+struct Range {
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+  bool open_low = false;  ///< low itself is not allowed
+};
+inline constexpr Range kPositive{0, std::numeric_limits<double>::infinity(), true};
+inline constexpr Range kNotNegative{0, std::numeric_limits<double>::infinity(), false};
+
+/// One value of a scene with its path of keys and its position in the file. Maps note which keys were asked for, so
+/// that finish() can name the ones that no reader knows.
+class Reader {
+ public:
+  Reader(std::shared_ptr<SceneFile> file, YAML::Node node, std::string path,
+         std::optional<SourceLocation> key_location = {});
+  /// Who knows which sections have which keys: for messages about a key in the wrong place.
+  void set_owners(std::function<std::vector<std::string>(const std::string& key)> owners) {
+    file_->owners = std::move(owners);
+  }
+
+  bool has(const std::string& key);
+  /// The value of a key that must be there; throws InputError if it is not. A misspelt one is read too: finish() names
+  /// it.
+  Reader at(const std::string& key);
+  /// Throws InputError where the map has the key under a name that it had in older scenes.
+  std::optional<Reader> find(const std::string& key);
+  /// The section of the key reference that lists this map's keys: of maps that stand under several keys, or whose keys
+  /// depend on their kind. Without it the section is the path of keys.
+  void set_section(const std::string& section) { section_ = section; }
+  /// Throws InputError on the first key that was never asked for, with the nearest one that was.
+  void finish() const;
+
+  bool is_map() const { return node_.IsMap(); }
+  bool is_text() const { return node_.IsScalar(); }
+  std::vector<std::string> keys() const;
+  /// Of a scene in memory: what `key: NUMBER` of this map names in its list; null where the map has no such key.
+  std::shared_ptr<const Body> given_body(const std::string& key);
+  std::shared_ptr<const Material> given_material(const std::string& key);
+  /// All keys with their values, of a map whose keys are free.
+  std::vector<std::pair<std::string, Reader>> entries() const;
+  std::vector<Reader> items() const;
+  std::vector<Reader> items(std::size_t count) const;
+
+  std::string text() const;
+  /// The value as one line of YAML, whatever it is: what --set can put elsewhere.
+  std::string line() const;
+  /// The same with the bytes of the files behind it that are named under `file`: equal texts mean the same thing.
+  std::string content() const;
+  /// In SI units. Throws if it has no unit where other values of the file have one, or the other way round.
+  double quantity(const Dimension& dimension, const Range& range = {}) const;
+  /// A plane angle [rad]. It has a unit where other values of the file have one; a scene of plain numbers may write
+  /// both radians and "30 deg".
+  double angle(const Range& range = {}) const;
+  int whole(int low, int high = std::numeric_limits<int>::max()) const;
+  /// The number of a molecule of a body that has so many.
+  int molecule(int count) const;
+  Vector3 vector(const Dimension& dimension, const Range& range = {}) const;
+  std::array<int, 3> wholes(int low) const;
+  /// A formula of the place x, y, z at rest [m]: its value in SI units. The function throws InputError where that is
+  /// not in range.
+  std::function<double(const Vector3& place)> of_place(const Dimension& dimension, const Range& range = {}) const;
+  /// A word out of a fixed set.
+  template <class Value>
+  Value choice(const std::vector<std::pair<std::string, Value>>& choices) const {
+    const std::string word = text();
+    std::vector<std::string> names;
+    for (const auto& [name, value] : choices) names.push_back(name);
+    note_words(names);
+    for (const auto& [name, value] : choices)
+      if (name == word) return value;
+    fail("'" + word + "' is not known here" + suggested_word(word, names));
+  }
+
+  /// The molecules of the mesh's set of this name; a scene has that of its one body.
+  const std::vector<int>& mesh_set() const;
+  void set_mesh_sets(std::map<std::string, std::vector<int>> sets) { file_->sets = std::move(sets); }
+
+  /// Fails where a body would have more molecules than are allowed, before memory is allocated for them.
+  void check_size(double molecules) const;
+  double most_molecules() const { return file_->most_molecules; }
+  /// Throws InputError with this value's position and key.
+  [[noreturn]] void fail(const std::string& message) const;
+  /// Runs build() and puts this value's position and key before an error that has none.
+  template <class Build>
+  auto located(Build&& build) const {
+    try {
+      return build();
+    } catch (const InputError& error) {
+      if (error.has_location()) throw;
+      fail(error.what());
+    }
+  }
+  const std::string& path() const { return path_; }
+  /// The file that this value stands in: the scene's, or one that it extends.
+  const std::string& file_path() const;
+  const std::string& scene_path() const { return file_->path; }
+  /// Whether the values read so far were plain SI numbers; a scene has these or units.
+  bool plain() const { return file_->first_plain.has_value(); }
+
+ private:
+  /// Keys that were asked for, and those that stood in for a missing one: as written, and as meant.
+  struct Requested {
+    std::vector<std::string> keys;
+    std::vector<std::pair<std::string, std::string>> misspelt;
+  };
+  template <class Thing>
+  std::shared_ptr<const Thing> given(const std::string& key, const std::vector<std::shared_ptr<const Thing>>& list);
+  SourceLocation location() const;
+  SourceLocation location_of_key(const std::string& key) const;
+  std::string instead_of(const std::string& key, const YAML::Node& value, const std::vector<std::string>& known) const;
+  SourceLocation location_of(const YAML::Node& node) const;
+  void refuse_old_name(const std::string& key) const;
+  std::optional<Reader> value_of(const std::string& given, const std::string& key) const;
+  bool is_override() const;
+  void note_unit() const;
+  void note_plain(const std::string& given, const std::string& examples) const;
+  /// Notes how this value is read, for the key reference.
+  KeyUse* use() const;
+  void note_use(const std::string& kind, const Dimension& unit, const Range& range) const;
+  void note_words(const std::vector<std::string>& words) const;
+  double number(const Dimension& dimension, const Range& range) const;
+  int whole_number(int low, int high) const;
+  void check_units_agree() const;
+  std::shared_ptr<SceneFile> file_;
+  YAML::Node node_;
+  std::string path_;  ///< "experiment.force"
+  std::optional<std::string> section_ =
+      "";  ///< "experiment.tension.force": in the key reference; none where keys are free
+  std::optional<SourceLocation> key_location_;
+  std::shared_ptr<Requested> requested_ = std::make_shared<Requested>();
+};
+
+/// Reads a YAML file and puts `key.path=value` overrides in. Throws InputError: file:line:column.
+Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules,
+                       KeyUses* uses = nullptr);
+/// The same for a text; `name` stands for the file in messages.
+Reader open_scene_text(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
+                       double most_molecules, KeyUses* uses = nullptr);
+
+}  // namespace elastin::config

@@ -1,0 +1,309 @@
+#include "config/scene_tree.h"
+
+#include <yaml-cpp/eventhandler.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <set>
+#include <sstream>
+
+#include "config/formula.h"
+#include "config/scene_text.h"
+#include "elastin/mesh/mesh_file.h"
+
+namespace elastin::config {
+namespace {
+
+/// Keys and values that came from --set carry this tag: their marks are not places in the file.
+constexpr const char* kOverrideTag = "\001override";  // no file can write this one
+/// Before the number of the file, in the tags of those that came from a file that the scene extends.
+constexpr const char* kFileTag = "\001file ";
+
+/// Refuses what YAML forbids or never ends, and yaml-cpp lets pass: a key that stands twice in a map, an alias inside
+/// its own anchor, aliases that multiply without end.
+class TreeCheck {
+ public:
+  /// `location_of` says where a value stands; `size` of the text in letters: a value of its own takes at least one.
+  TreeCheck(std::function<SourceLocation(const YAML::Node&)> location_of, std::size_t size)
+      : location_of_(std::move(location_of)), left_(size + 1000000) {}
+
+  void check(const YAML::Node& node, int depth = 0) {
+    if (depth > 40)
+      throw InputError(location_of_(node), "nested too deeply; does an alias stand inside its own anchor?");
+    if (left_-- == 0) throw InputError(location_of_(node), "too many values; do aliases stand in what aliases name?");
+    if (node.IsMap()) {
+      std::set<std::string> seen;
+      std::string before;  // the entry before this one, "key: value"
+      for (const auto& entry : node) {
+        const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+        if (key.empty()) throw InputError(location_of_(entry.first), "a key must be a word");
+        if (!seen.insert(key).second)
+          throw InputError(location_of_(entry.first), "key '" + key + "' stands here twice; leave one of them out");
+        if (entry.second.IsNull() && key.front() >= '0' && key.front() <= '9' && !before.empty())
+          throw InputError(location_of_(entry.first), "a decimal point is needed where the comma before '" + key +
+                                                          "' stands: write " + before + "." + key);
+        before = entry.second.IsScalar() ? key + ": " + entry.second.Scalar() : "";
+        check(entry.second, depth + 1);
+      }
+    } else if (node.IsSequence()) {
+      for (const auto& item : node) check(item, depth + 1);
+    }
+  }
+
+ private:
+  std::function<SourceLocation(const YAML::Node&)> location_of_;
+  std::size_t left_;
+};
+
+void mark_override(YAML::Node node) {
+  node.SetTag(kOverrideTag);
+  for (auto entry : node) {
+    if (!node.IsMap()) {
+      mark_override(entry);
+      continue;
+    }
+    entry.first.SetTag(kOverrideTag);
+    mark_override(entry.second);
+  }
+}
+
+/// How --set calls the items of a list.
+std::vector<std::string> names_of_items(const YAML::Node& list) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const bool named = list[i].IsMap() && list[i]["name"] && list[i]["name"].IsScalar();
+    names.push_back(named ? list[i]["name"].Scalar() : std::to_string(i));
+  }
+  return names;
+}
+
+std::size_t item_of(const YAML::Node& list, const std::string& key, const SourceLocation& location) {
+  if (const auto item = config::item_of(list, key)) return *item;
+  throw InputError(location, "'" + key + "' is no item of the list" + suggestion(key, names_of_items(list)));
+}
+
+void put_override(YAML::Node root, const std::string& assignment) {
+  const std::size_t equals = assignment.find('=');
+  const SourceLocation location{"--set " + assignment};
+  const std::string path = assignment.substr(0, equals);
+  if (equals == std::string::npos || ("." + path + ".").find("..") != std::string::npos)
+    throw InputError(location, "write key=value, for example --set material.youngs_modulus='10 kPa'");
+  YAML::Node value;
+  try {
+    value = YAML::Load(assignment.substr(equals + 1));
+  } catch (const YAML::Exception& error) {
+    throw InputError(location, "the value is not valid YAML: " + error.msg);
+  }
+  TreeCheck([&](const YAML::Node&) { return location; }, assignment.size()).check(value);
+  mark_override(value);
+  put_value(root, path, value, location);
+}
+
+/// Where a text's second YAML document begins.
+class SecondDocument final : public YAML::EventHandler {
+ public:
+  std::optional<YAML::Mark> find(const std::string& text) {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    while (begun_ < 2 && parser.HandleNextDocument(*this)) {
+    }
+    return begun_ < 2 ? std::nullopt : std::optional(second_);
+  }
+  void OnDocumentStart(const YAML::Mark& mark) override { ++begun_, second_ = mark; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+
+ private:
+  int begun_ = 0;
+  YAML::Mark second_;
+};
+
+/// The only document of a scene's text. yaml-cpp's LoadAll finds documents without end in some texts that are none.
+YAML::Node load_document(const std::string& path, const std::string& text) {
+  const SourceLocation start{path, 1, 1};
+  if (mesh::is_mesh_file(path))
+    throw InputError(SourceLocation{path, 0, 0},
+                     "a mesh is not a scene, but a scene's body may be one: `body: {mesh: {file: " +
+                         std::filesystem::path(path).filename().string() +
+                         ", length_unit: mm}}`, or `fill` in place of `mesh` for a closed surface; `elastin new` "
+                         "writes such a scene");
+  if (text.empty()) throw InputError(start, "the scene is empty");
+  check_scene_text(path, text);
+  YAML::Node document;
+  try {
+    if (const auto second = SecondDocument().find(text))
+      throw InputError(SourceLocation{path, second->line + 1, second->column + 1},
+                       "a scene is one YAML document; a second one begins here");
+    document = YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    throw explain_yaml(path, text, SourceLocation{path, error.mark.line + 1, error.mark.column + 1}, error.msg);
+  }
+  if (!document.IsMap()) throw InputError(start, "a scene is a map of keys (body, material, experiment, …)");
+  const auto location_of = [&](const YAML::Node& node) {
+    return SourceLocation{path, node.Mark().line + 1, node.Mark().column + 1};
+  };
+  TreeCheck(location_of, text.size()).check(document);
+  return document;
+}
+
+/// Says of every key and value which file it stands in; those of files that this one extends say so already.
+void mark_file(YAML::Node node, std::size_t file) {
+  if (node.Tag().starts_with(kFileTag)) return;
+  const bool quoted = node.Tag() == "!";
+  node.SetTag(kFileTag + std::to_string(file) + (quoted ? "!" : ""));
+  for (auto entry : node) {
+    if (!node.IsMap()) {
+      mark_file(entry, file);
+      continue;
+    }
+    entry.first.SetTag(kFileTag + std::to_string(file));
+    mark_file(entry.second, file);
+  }
+}
+
+/// Adds to a map what it leaves out of another. Maps in maps are joined too, unless they state another `kind`; an empty
+/// value takes the other's key away.
+void extend(YAML::Node own, const YAML::Node& base) {
+  for (const auto& entry : base) {
+    const std::string& key = entry.first.Scalar();
+    const YAML::Node there = std::as_const(own)[key];
+    if (!there.IsDefined()) {
+      own.force_insert(entry.first, entry.second);
+      continue;
+    }
+    if (there.IsNull()) {
+      own.remove(key);
+      continue;
+    }
+    if (!there.IsMap() || !entry.second.IsMap()) continue;
+    const YAML::Node kind = std::as_const(there)["kind"], other = entry.second["kind"];
+    const bool same = !kind || !other || !kind.IsScalar() || !other.IsScalar() || kind.Scalar() == other.Scalar();
+    if (same) extend(there, entry.second);
+  }
+}
+
+SourceLocation place_of(const YAML::Node& node, const std::vector<std::string>& files) {
+  const YAML::Mark mark = node.Mark();
+  if (is_override(node) || mark.is_null()) return {"--set"};
+  return {files[file_of(node)], mark.line + 1, mark.column + 1};
+}
+
+/// The map of one file with all that it extends; its own number is that of the last of `files`.
+YAML::Node load_extended(const std::string& text, std::vector<std::string>& files) {
+  const std::size_t own = files.size() - 1;
+  YAML::Node root = load_document(files[own], text);
+  if (own > 0) mark_file(root, own);
+  const YAML::Node other = std::as_const(root)["extends"];
+  if (!other.IsDefined()) return root;
+  const SourceLocation location = place_of(other, files);
+  if (!other.IsScalar()) throw InputError(location, "extends: name one file, for example extends: strip.yaml");
+  const std::string path =
+      (std::filesystem::path(files[own]).parent_path() / other.Scalar()).lexically_normal().string();
+  for (const std::string& file : files)
+    if (std::filesystem::path(file).lexically_normal() == path)
+      throw InputError(location, "extends: '" + other.Scalar() + "' is extended already; a scene cannot extend itself");
+  files.push_back(path);
+  std::string base;
+  try {
+    base = text_of_scene(path);
+  } catch (const InputError& error) {
+    throw InputError(location, std::string("extends: ") + error.what());
+  }
+  extend(root, load_extended(base, files));
+  return root;
+}
+
+}  // namespace
+
+std::string kind_of(const YAML::Node& node) {
+  return node.IsMap() ? "a map of keys" : node.IsSequence() ? "a list" : node.IsScalar() ? "a single value" : "nothing";
+}
+
+bool is_override(const YAML::Node& node) { return node.Tag() == kOverrideTag; }
+
+std::size_t file_of(const YAML::Node& node) {
+  const std::string& tag = node.Tag();
+  return tag.starts_with(kFileTag) ? std::stoul(tag.substr(std::strlen(kFileTag))) : 0;
+}
+
+void put_value(YAML::Node root, const std::string& whole_path, const YAML::Node& value,
+               const SourceLocation& location) {
+  std::string path = whole_path;
+  YAML::Node node = root;
+  for (std::size_t dot; (dot = path.find('.')) != std::string::npos; path = path.substr(dot + 1)) {
+    const std::string key = path.substr(0, dot);
+    YAML::Node next = node.IsSequence() ? node[item_of(node, key, location)] : node[key];
+    if (next.IsDefined() && !next.IsMap() && !next.IsSequence())
+      throw InputError(location, "'" + key + "' is " + kind_of(next) + " in the scene, not a map of keys");
+    if (!next.IsDefined()) node[key] = next = YAML::Node(YAML::NodeType::Map);
+    node.reset(next);
+  }
+  if (node.IsSequence())
+    node[item_of(node, path, location)] = value;
+  else
+    node[path] = value;
+}
+
+std::optional<std::size_t> item_of(const YAML::Node& list, const std::string& key) {
+  const std::vector<std::string> names = names_of_items(list);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (key == names[i] || key == std::to_string(i)) return i;
+  return std::nullopt;
+}
+
+YAML::Node without_origin(const YAML::Node& node) {
+  if (node.IsScalar()) return YAML::Node(node.Scalar());
+  YAML::Node plain(node.Type());
+  plain.SetStyle(node.Style());
+  for (const auto& entry : node)
+    if (node.IsSequence())
+      plain.push_back(without_origin(entry));
+    else
+      plain.force_insert(entry.first.Scalar(), without_origin(entry.second));
+  return plain;
+}
+
+std::string missing_file(const std::string& path) {
+  const std::filesystem::path wanted(path);
+  std::vector<std::string> names;
+  std::error_code ignored;
+  const auto folder = wanted.has_parent_path() ? wanted.parent_path() : std::filesystem::path(".");
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  const std::string near = nearest_name(wanted.filename().string(), names);
+  return "no such file" + (near.empty() ? "" : "; did you mean '" + near + "'?");
+}
+
+std::string text_of_scene(const std::string& path) {
+  const SourceLocation location{path};
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) throw InputError(location, missing_file(path));
+  if (std::filesystem::is_directory(path, ignored)) throw InputError(location, "is a folder; name a scene file in it");
+  if (std::filesystem::is_character_file(path, ignored) || std::filesystem::is_block_file(path, ignored))
+    throw InputError(location, "is a device; a scene is a file or a pipe");
+  std::ifstream stream(path);
+  if (!stream) throw InputError(location, std::string("cannot read the scene: ") + std::strerror(errno));
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+SceneTree load_scene_tree(const std::string& name, const std::string& text, const std::vector<std::string>& overrides) {
+  SceneTree tree{{}, {name}};
+  tree.root = load_extended(text, tree.files);
+  for (const std::string& assignment : overrides) put_override(tree.root, assignment);
+  tree.values = put_in_formulas(tree.root, [&](const YAML::Node& node) { return place_of(node, tree.files); });
+  return tree;
+}
+
+}  // namespace elastin::config

@@ -1,0 +1,47 @@
+#pragma once
+#include <yaml-cpp/yaml.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/formula.h"
+#include "elastin/core/base/error.h"
+
+namespace elastin::config {
+
+/// The keys and values of a scene: its own file with those that it extends, what --set changed, and formulas put into
+/// numbers.
+struct SceneTree {
+  YAML::Node root;
+  std::vector<std::string> files;  ///< the scene's own, and those that it extends
+  FormulaValues values = {};       ///< of the section `values`
+};
+
+/// Reads a scene's text; `name` stands for its file in messages, and files that it names lie beside that. `overrides`
+/// are key.path=value. Throws InputError: file:line:column.
+SceneTree load_scene_tree(const std::string& name, const std::string& text, const std::vector<std::string>& overrides);
+
+/// The bytes of a scene file. Throws InputError where there is none, or it is a folder or device.
+std::string text_of_scene(const std::string& path);
+
+/// Puts a value under a key of a tree, "key.path.to", and the maps that are missing on the way. Throws InputError at
+/// `location` where the path leads through no map or to no item of a list.
+void put_value(YAML::Node root, const std::string& path, const YAML::Node& value, const SourceLocation& location);
+/// Which item of a list a key means: its `name`, or its number from 0; none: no item.
+std::optional<std::size_t> item_of(const YAML::Node& list, const std::string& key);
+
+/// The same value without the marks of where its parts came from.
+YAML::Node without_origin(const YAML::Node& node);
+
+/// "a map of keys", "a list", "a single value" or "nothing", for messages.
+std::string kind_of(const YAML::Node& node);
+/// Whether a key or value came from --set.
+bool is_override(const YAML::Node& node);
+/// Which of the tree's files a key or value stands in.
+std::size_t file_of(const YAML::Node& node);
+
+/// "no such file; did you mean 'x'?", of the files that stand beside it.
+std::string missing_file(const std::string& path);
+
+}  // namespace elastin::config

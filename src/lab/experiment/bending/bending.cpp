@@ -1,0 +1,179 @@
+#include "lab/experiment/bending/bending.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "core/model/faces.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
+#include "lab/run/section.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Beyond this part of the length the linear beam is off by more than half a hundredth.
+constexpr double kSmallDeflection = 0.1;
+
+/// Least relative difference of the body's section from its hull's that tells a tube from a coarse round bar.
+constexpr double kSameSection = 0.05;
+
+class Bending final : public StaticExperiment {
+ public:
+  Bending(const Body& body, const BendingSetup& setup, const Material& material)
+      : body_(body), setup_(setup), root_(end_face(body, -setup.axis, setup.grip_depth)) {
+    const Face tip = end_face(body, setup.axis, setup.grip_depth);
+    choose_tip(tip);
+    full_forces_ = setup.gravity * setup.direction * body.mass.transpose();
+    for (std::size_t i = 0; i < tip.molecules.size(); ++i)
+      full_forces_.col(tip.molecules[i]) += setup.force * tip.share[static_cast<Eigen::Index>(i)] * setup.direction;
+    const double root_height = setup.axis.dot(middle_of(body, root_, body.rest));
+    length_ = setup.axis.dot(middle_of(body, tip, body.rest)) - root_height;
+    find_beam_deflection(root_height, material.poissons_ratio);
+  }
+
+  std::string name() const override { return "bending"; }
+  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  ResponseMeasures response_measures() const override { return {"tip_deflection", ""}; }
+  int load_steps() const override { return setup_.load_steps; }
+
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
+    const double target = apparent_ ? std::numeric_limits<double>::quiet_NaN() : material.youngs_modulus;
+    return {{"effective_modulus", target}, {"tip_deflection"}, {"tip_shortening"}};
+  }
+
+  bool apparent() const override { return apparent_; }
+  std::string no_reference() const override {
+    return apparent_
+               ? "the beam's section is not its convex hull all along the axis, so its modulus is apparent; compare "
+                 "with the solid itself (neo_hookean, refined)"
+               : "";
+  }
+  std::vector<std::string> notes() const override {
+    if (!apparent_) return {};
+    return {
+        "effective_modulus is apparent: its formula takes the convex hull for the section, and the body is hollow, "
+        "notched or tapered"};
+  }
+
+  std::string remark(const Measures& measures) const override {
+    const double part = std::abs(measures.get("tip_deflection")) / length_;
+    if (!(part > kSmallDeflection) || std::isfinite(measures.get("effective_modulus"))) return "";
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the tip sinks by %.3g %% of the length, too far for the formula that gives effective_modulus",
+                  100 * part);
+    return text;
+  }
+
+ private:
+  friend class BendingRig;
+  void choose_tip(const Face& tip) {
+    const Vector3 middle = middle_of(body_, tip, body_.rest);
+    const auto plane = across(setup_.axis);
+    std::vector<double> distance;
+    for (const int molecule : tip.molecules)
+      distance.push_back((plane.transpose() * (body_.rest.col(molecule) - middle)).norm());
+    double nearest = std::numeric_limits<double>::infinity(), furthest = 0;
+    for (const double own : distance) nearest = std::min(nearest, own), furthest = std::max(furthest, own);
+    const double reach = least_over(body_, nearest) + 1e-6 * largest_over(body_, furthest);
+    for (std::size_t i = 0; i < distance.size(); ++i)
+      if (distance[i] <= reach && tip.molecules[i] < owned_molecules(body_)) tip_.push_back(tip.molecules[i]);
+    tip_count_ = sum_over(body_, static_cast<double>(tip_.size()));
+  }
+
+  /// E times the deflection of the beam's tip: Σ F (x² (3L − x) / (6 I) + x (12 + 11ν) / (5 A)) over the forces F at
+  /// distance x from the root.                                                     [Timoshenko 1921, Cowper 1966]
+  void find_beam_deflection(double root_height, double poissons_ratio) {
+    Eigen::Matrix<double, 3, 2> plane;
+    plane << setup_.direction, setup_.axis.cross(setup_.direction);
+    const Points2 section = hull_of_whole(body_, plane);
+    const double area = polygon_area(section), moment = polygon_second_moment(section);
+    if (!(area > 0 && moment > 0)) throw InputError("the body's molecules span no cross-section that could bend");
+    const VectorX height = body_.rest.transpose() * setup_.axis;
+    const Section solid = find_section(body_, setup_.axis, least_over(body_, height.minCoeff()),
+                                       largest_over(body_, height.maxCoeff()), 0);
+    apparent_ = !solid.prism() || std::abs(solid.area / area - 1) > kSameSection;
+    for (int molecule = 0; molecule < owned_molecules(body_); ++molecule) {
+      const double x = std::max(0., setup_.axis.dot(body_.rest.col(molecule)) - root_height);
+      const double force = setup_.direction.dot(full_forces_.col(molecule));
+      deflection_times_modulus_ +=
+          force * (x * x * (3 * length_ - x) / (6 * moment) + x * (12 + 11 * poissons_ratio) / (5 * area));
+    }
+    deflection_times_modulus_ = sum_over(body_, deflection_times_modulus_);
+  }
+
+  const Body& body_;
+  BendingSetup setup_;
+  Face root_;
+  std::vector<int> tip_;  // owned molecules whose mean is the tip's middle
+  double tip_count_ = 0;  // of all processes
+  Positions full_forces_;
+  double length_ = 0, deflection_times_modulus_ = 0;
+  bool apparent_ = false;
+};
+
+class BendingRig final : public StaticRig {
+ public:
+  BendingRig(const Bending& experiment, Model& model)
+      : experiment_(experiment), setup_(experiment.setup_), body_(experiment.body_), model_(model) {
+    for (const int molecule : experiment_.root_.molecules)
+      model.supports.push_back({molecule, Matrix3::Zero(), Vector3::Zero()});
+    std::vector<int> all(static_cast<std::size_t>(body_.size()));
+    for (int molecule = 0; molecule < body_.size(); ++molecule) all[molecule] = molecule;
+    auto load = std::make_unique<PointLoads>(body_, std::move(all), experiment_.full_forces_);
+    load_ = load.get();
+    model.add(std::move(load));
+  }
+
+  void set_load(double factor) override {
+    load_->set_factor(factor);
+    factor_ = factor;
+  }
+
+  void release() override { set_load(0); }
+
+  Measures measure(const Start& start, const State& state, const StaticOptions&, StaticResult& solved) const override {
+    Vector3 motion = Vector3::Zero();
+    for (const int molecule : experiment_.tip_)
+      motion += (state.positions.col(molecule) - start.positions.col(molecule)) / experiment_.tip_count_;
+    motion = vector_sum_over(body_, motion);
+    const double deflection = setup_.direction.dot(motion);
+    const int owned = owned_molecules(body_);
+    const Vector3 weight =
+        vector_sum_over(body_, Vector3(factor_ * experiment_.full_forces_.leftCols(owned).rowwise().sum()));
+    Measures measures;
+    if (std::abs(deflection) <= kSmallDeflection * experiment_.length_ || solved.linear)
+      measures.set("effective_modulus", factor_ * experiment_.deflection_times_modulus_ / deflection);
+    measures.set("tip_deflection", deflection);
+    measures.set("tip_shortening", -setup_.axis.dot(motion));
+    measures.set("force", weight.norm());
+    if (model_.has_energy() && !solved.linear)
+      measures.set("energy", sum_over(body_, model_.elastic_energy(state.positions)));
+    const Vector3 left = vector_sum_over(
+        body_, Vector3(model_.load_forces(state).leftCols(owned).rowwise().sum() + solved.reactions.rowwise().sum()));
+    measures.set("reaction_balance", left.norm() / weight.norm());
+    return measures;
+  }
+
+ private:
+  const Bending& experiment_;
+  const BendingSetup& setup_;
+  const Body& body_;
+  Model& model_;
+  double factor_ = 1;
+  PointLoads* load_ = nullptr;  // owned by the model
+};
+
+std::unique_ptr<StaticRig> Bending::static_rig(Model& model) const {
+  return std::make_unique<BendingRig>(*this, model);
+}
+
+}  // namespace
+
+std::unique_ptr<StaticExperiment> make_bending(const Body& body, const BendingSetup& setup, const Material& material) {
+  return std::make_unique<Bending>(body, setup, material);
+}
+
+}  // namespace elastin::lab

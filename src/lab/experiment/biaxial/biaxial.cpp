@@ -1,0 +1,136 @@
+#include "lab/experiment/biaxial/biaxial.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "core/model/faces.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
+#include "lab/experiment/driven.h"
+#include "lab/run/section.h"
+
+namespace elastin::lab {
+namespace {
+
+/// One of the two directions, with the molecules of its ends.
+struct Direction {
+  Vector3 along;
+  double strain = 0, low = 0, length = 0, area = 0;  ///< [m], [m²]
+  std::vector<std::size_t> loaded;                   ///< numbers of the fixed molecules at its far end
+};
+
+class Biaxial final : public Driven {
+ public:
+  Biaxial(const Body& body, const BiaxialSetup& setup, std::string name)
+      : Driven(body, setup.load_steps), name_(std::move(name)) {
+    directions_ = {Direction{setup.first.normalized(), setup.first_strain, 0, 0, 0, {}},
+                   Direction{setup.second.normalized(), setup.second_strain, 0, 0, 0, {}}};
+    std::map<int, Matrix3> free;
+    std::array<Face, 2> ends;
+    for (std::size_t k = 0; k < 2; ++k) {
+      Direction& direction = directions_[k];
+      const VectorX height = body.rest.transpose() * direction.along;
+      const Face near = end_face(body, -direction.along, setup.grip_depth);
+      ends[k] = end_face(body, direction.along, setup.grip_depth);
+      const double high = largest_over(body, height.maxCoeff());
+      direction.low = least_over(body, height.minCoeff()), direction.length = high - direction.low;
+      if (!(direction.length > 0)) throw InputError("the body has no length along one of the axes");
+      direction.area = find_section(body, direction.along, direction.low, high, setup.thickness).area;
+      if (!(direction.area > 0))
+        throw InputError("the body's cells fill no section that the load could be referred to");
+      for (const Face* face : {&near, &std::as_const(ends[k])})
+        for (const int molecule : face->molecules) {
+          Matrix3& left = free.try_emplace(molecule, Matrix3::Identity()).first->second;
+          left -= direction.along * direction.along.transpose();
+        }
+    }
+    for (const auto& [molecule, left] : free) fixed_.push_back({molecule, left});
+    for (std::size_t k = 0; k < 2; ++k)
+      for (std::size_t index = 0; index < fixed_.size(); ++index)
+        if (std::find(ends[k].molecules.begin(), ends[k].molecules.end(), fixed_[index].molecule) !=
+            ends[k].molecules.end())
+          directions_[k].loaded.push_back(index);
+    third_ = directions_[0].along.cross(directions_[1].along);
+    middle_ = middle_of_whole(body);
+    const Positions arms = body.rest.leftCols(owned_molecules(body)).colwise() - middle_;
+    const double thick = sum_over(body, (arms.transpose() * third_).squaredNorm());
+    sheet_ = !(thick > 1e-12 * sum_over(body, arms.squaredNorm()));
+  }
+
+  std::string name() const override { return name_; }
+  ResponseMeasures response_measures() const override { return {"strain", "stress"}; }
+
+  Measures measure(const Held& held, const Start& start, const State& state, const StaticOptions&,
+                   StaticResult& solved) const override {
+    const Positions pull = pull_of(start, solved), motion = state.positions - start.positions;
+    std::array<double, 2> stress{}, force{};
+    for (std::size_t k = 0; k < 2; ++k) {
+      for (const std::size_t index : directions_[k].loaded)
+        force[k] += directions_[k].along.dot(pull.col(static_cast<Eigen::Index>(index)));
+      force[k] = sum_over(body_, force[k]);
+      stress[k] = force[k] / directions_[k].area;
+    }
+    const double first = held.factor * directions_[0].strain, second = held.factor * directions_[1].strain;
+    const double third = thickness_strain(motion), across = stress[1] / stress[0];
+    // A sheet shows no strain of its thickness; where the two strains differ the stresses tell ν.
+    const double ratio =
+        sheet_ ? (across * first - second) / (first - across * second) : -third / (first + second - third);
+    Measures measures;
+    measures.set("effective_modulus", stress[0] * (1 - ratio * ratio) / (first + ratio * second));
+    measures.set("poissons_ratio", ratio);
+    measures.set("force", force[0]);
+    measures.set("stress", stress[0]);
+    measures.set("strain", first);
+    measures.set("stress_across", stress[1]);
+    measures.set("lateral_strain", third);
+    add_state(held.model, state, solved, sum_over(body_, pull.colwise().norm().sum()), measures);
+    return measures;
+  }
+
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
+    return {{"effective_modulus", material.youngs_modulus},
+            {"poissons_ratio", material.poissons_ratio},
+            {"stress"},
+            {"stress_across"}};
+  }
+
+  std::vector<std::string> notes() const override {
+    return {
+        "E and ν are those of a linear material in plane stress that shows these stresses; at large strains a law "
+        "has others"};
+  }
+
+ private:
+  /// Slope of the motion along the third direction over the height along it; NaN of a sheet.
+  double thickness_strain(const Positions& motion) const {
+    if (sheet_) return std::numeric_limits<double>::quiet_NaN();
+    const int owned = owned_molecules(body_);
+    const VectorX height = (body_.rest.leftCols(owned).colwise() - middle_).transpose() * third_,
+                  moved = motion.leftCols(owned).transpose() * third_;
+    return sum_over(body_, height.dot(moved)) / sum_over(body_, height.squaredNorm());
+  }
+
+  Vector3 displacement(std::size_t index, double factor) const override {
+    Vector3 moved = Vector3::Zero();
+    for (const Direction& direction : directions_)
+      moved += factor * direction.strain *
+               (direction.along.dot(body_.rest.col(fixed_[index].molecule)) - direction.low) * direction.along;
+    return moved;
+  }
+
+  std::string name_;
+  std::array<Direction, 2> directions_;
+  Vector3 third_, middle_;
+  bool sheet_ = false;  ///< no extent along the third direction
+};
+
+}  // namespace
+
+std::unique_ptr<StaticExperiment> make_biaxial(const Body& body, const BiaxialSetup& setup, const std::string& name) {
+  return std::make_unique<Biaxial>(body, setup, name);
+}
+
+}  // namespace elastin::lab

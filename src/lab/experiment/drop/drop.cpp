@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "elastin/core/forces/floor.h"
+#include "elastin/core/model/share.h"
+#include "lab/experiment/motion/motion.h"
+#include "lab/run/contact_measures.h"
+
+namespace elastin::lab {
+namespace {
+
+class Drop final : public TimedExperiment {
+ public:
+  Drop(const Body& body, const DropSetup& setup) : body_(body), setup_(setup), up_(-setup.direction.normalized()) {
+    const VectorX height = body.rest.transpose() * up_;
+    reach_ = body.radius;
+    if (setup.contact && setup.contact->surface == contact::ContactSurface::triangles) reach_.setZero();
+    const double lowest = least_over(body, (height - reach_).minCoeff());
+    length_ = largest_over(body, (height + reach_).maxCoeff()) - lowest;
+    if (setup.contact) {
+      find_plane();
+      return;
+    }
+    floor_.normal = up_;
+    floor_.point = (lowest - setup.height) * up_;
+    floor_.stiffness = setup.stiffness;
+    floor_.damping = setup.damping;
+  }
+
+  std::string name() const override { return "drop"; }
+  std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
+
+  /// The first contact: from the gap's fall below zero to its rise above; where no gap is known, by frames that touch.
+  /// On obstacles and without weight it comes but once, and what touched first may bounce before the rest has come:
+  /// there the last touch counts.
+  void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
+    const auto gap = [&](std::size_t i) { return history[i].measures.get("gap"); };
+    const auto touches = [&](std::size_t i) { return plane_ ? gap(i) < 0 : history[i].measures.get("contacts") > 0; };
+    const auto crossing = [&](std::size_t i) {  // between frames i - 1 and i
+      const double part = plane_ ? gap(i - 1) / (gap(i - 1) - gap(i)) : 0.5;
+      return history[i - 1].time + (history[i].time - history[i - 1].time) * part;
+    };
+    std::size_t first = 1;
+    while (first < history.size() && !touches(first)) ++first;
+    if (first == history.size()) return;
+    std::size_t last = first;
+    double deepest = 0, force = 0;
+    std::size_t end = first;
+    for (std::size_t i = first; i < history.size(); ++i)
+      if (touches(i) && ((setup_.contact && setup_.gravity == 0) || i == end)) end = i + 1;
+    for (; last < end; ++last) {
+      deepest = std::max(deepest, history[last].measures.get("compression"));
+      force = std::max(force, history[last].measures.get("floor_force"));
+    }
+    measures.set("compression", deepest);
+    measures.set("floor_force", force);
+    const double touched = touches(first - 1) ? history[first - 1].time : crossing(first);
+    const CurvePoint& before = history[first - 1];
+    const double impact = before.measures.get("impact_speed") + setup_.gravity * (touched - before.time);
+    measures.set("impact_speed", impact);
+    if (last == history.size()) return;  // it has not left
+    const double left = crossing(last);
+    const double rebound = -history[last].measures.get("impact_speed") + setup_.gravity * (history[last].time - left);
+    measures.set("contact_duration", left - touched);
+    measures.set("rebound_speed", rebound);
+    measures.set("restitution", rebound / impact);
+  }
+
+  std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {
+    return {{"restitution"}, {"contact_duration"}, {"compression"}};
+  }
+
+  std::string remark(const Measures& measures) const override {
+    if (std::isfinite(measures.get("restitution"))) return "";
+    return "the body has not left the floor within the duration";
+  }
+
+ private:
+  friend class DropRig;
+  /// The first plane among the obstacles that stands still and lies level is the ground to which gaps are read.
+  void find_plane() {
+    plane_ = false;
+    for (const contact::Obstacle& obstacle : setup_.contact->obstacles)
+      if (std::holds_alternative<contact::shape::Plane>(obstacle.shape) && !obstacle.motion &&
+          obstacle.pose.turn.col(2).dot(up_) > 1 - 1e-9) {
+        floor_.point = obstacle.pose.position;
+        plane_ = true;
+        return;
+      }
+  }
+
+  const Body& body_;
+  DropSetup setup_;
+  Vector3 up_;
+  VectorX reach_;      // of what touches, from each molecule [m]
+  bool plane_ = true;  // whether there is a level ground
+  double length_ = 0;  // along the fall, spheres included
+  Floor floor_;
+};
+
+class DropRig final : public TimedRig {
+ public:
+  DropRig(const Drop& experiment, Model& model)
+      : experiment_(experiment), setup_(experiment.setup_), body_(experiment.body_) {
+    contact_ = contact_of(model);
+    if (!contact_) {
+      auto floor = make_floor(body_, experiment_.floor_);
+      pressing_ = floor.get();
+      model.add(std::move(floor));
+      if (experiment_.floor_.damping > 0) model.add(make_floor_damping(body_, experiment_.floor_));
+    }
+    if (setup_.gravity != 0) model.add(make_gravity(body_, -setup_.gravity * experiment_.up_));
+  }
+
+  StaticResult start(State& state, const StaticOptions&) override {
+    state.velocities.colwise() -= setup_.speed * experiment_.up_;
+    return {};
+  }
+
+  Measures read(const State& state) const override {
+    const VectorX height = state.positions.transpose() * experiment_.up_;
+    Measures measures;
+    const double lowest = least_over(body_, (height - experiment_.reach_).minCoeff()),
+                 ground = experiment_.plane_ ? experiment_.floor_.point.dot(experiment_.up_) : lowest;
+    if (experiment_.plane_) measures.set("gap", lowest - ground);
+    measures.set("floor_force", push(state).dot(experiment_.up_));
+    const double highest = largest_over(body_, (height + experiment_.reach_).maxCoeff());
+    measures.set("compression", 1 - (highest - std::max(ground, lowest)) / experiment_.length_);
+    const int owned = owned_molecules(body_);
+    std::array<double, 2> sums{-experiment_.up_.dot(state.velocities.leftCols(owned) * body_.mass.head(owned)),
+                               body_.mass.head(owned).sum()};
+    sum_over(body_, sums);
+    measures.set("impact_speed", sums[0] / sums[1]);
+    return measures;
+  }
+
+ private:
+  /// Of the floor, or of all obstacles, on the body [N].
+  Vector3 push(const State& state) const {
+    if (contact_) return contact_->report(state).forces.rowwise().sum();
+    Positions force = Positions::Zero(3, body_.size());
+    pressing_->add_forces(state, force);
+    Vector3 sum = force.leftCols(owned_molecules(body_)).rowwise().sum();
+    sum_over(body_, {sum.data(), 3});
+    return sum;
+  }
+
+  const Drop& experiment_;
+  const DropSetup& setup_;
+  const Body& body_;
+  const Load* pressing_ = nullptr;             // the experiment's own floor, owned by the model
+  const contact::Contact* contact_ = nullptr;  // or the scene's
+};
+
+std::unique_ptr<TimedRig> Drop::timed_rig(Model& model) const { return std::make_unique<DropRig>(*this, model); }
+
+}  // namespace
+
+std::unique_ptr<TimedExperiment> make_drop(const Body& body, const DropSetup& setup) {
+  return std::make_unique<Drop>(body, setup);
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,104 @@
+#include "lab/experiment/homogenisation/homogenisation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/model/faces.h"
+#include "elastin/core/forces/tangent.h"
+#include "elastin/core/solve/homogenisation.h"
+#include "lab/experiment/driven.h"
+#include "lab/run/moduli.h"
+
+namespace elastin::lab {
+namespace {
+
+class Homogenisation final : public Driven {
+ public:
+  Homogenisation(const Body& body, double grip_depth, const Matrix3& axes)
+      : Driven(body, 1), axes_(axes), surface_(find_surface(body, axes, grip_depth)) {
+    fix_fully(surface_.molecules);
+  }
+
+  std::string name() const override { return "material"; }
+
+  Measures measure(const Held& held, const Start&, const State& state, const StaticOptions& options,
+                   StaticResult& solved) const override {
+    const int before = solved.linear_iterations;
+    Homogenised found = homogenise(held.model, surface_.molecules, surface_.volume, state.positions, axes_, options);
+    solved.linear_iterations = before + found.result.linear_iterations;
+    solved.residual = found.result.residual;  // of the six solves, not of the start's rounding
+    solved.solver = found.result.solver;
+    solved.reason = found.result.reason;
+    solved.outcome = found.result.outcome;
+    solved.cause = found.result.cause;
+    if (solved.outcome != Outcome::converged) return {};
+    Measures measures;
+    read_moduli(found.stiffness, measures);
+    measures.set("patch_residual", patch_residual(held.model, state));
+    return measures;
+  }
+
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
+    return {{"effective_modulus", material.youngs_modulus},
+            {"poissons_ratio", material.poissons_ratio},
+            {"shear_modulus", lab::shear_modulus(material)},
+            {"bulk_modulus", lab::bulk_modulus(material)},
+            {"anisotropy_index"},
+            {"patch_residual"}};
+  }
+
+  std::string remark(const Measures& measures) const override {
+    if (std::isfinite(measures.get("effective_modulus"))) return "";
+    return "the stiffness matrix is singular or not positive: the body has no moduli";
+  }
+
+ private:
+  Vector3 displacement(std::size_t, double) const override { return Vector3::Zero(); }
+
+  static void read_moduli(const Stiffness6& stiffness, Measures& measures) {
+    measures.stiffness_matrix = stiffness;
+    if (const auto compliance = compliance_of(stiffness)) {
+      const IsotropicMeans means = isotropic_means((stiffness + stiffness.transpose()) / 2, *compliance);
+      measures.set("effective_modulus", means.youngs());
+      measures.set("poissons_ratio", means.poissons_ratio());
+      measures.set("shear_modulus", means.shear());
+      measures.set("bulk_modulus", means.bulk());
+      measures.set("youngs_modulus_x", 1 / (*compliance)(0, 0));
+      measures.set("youngs_modulus_y", 1 / (*compliance)(1, 1));
+      measures.set("youngs_modulus_z", 1 / (*compliance)(2, 2));
+      measures.set("anisotropy_index", means.anisotropy_index());
+    }
+    measures.set("stiffness_asymmetry", (stiffness - stiffness.transpose()).norm() / stiffness.norm());
+  }
+
+  /// Every molecule follows the strain: the largest force left on an inner one, over the largest on the surface; the
+  /// worst of the six strains.
+  double patch_residual(Model& model, const State& state) const {
+    const Tangent tangent(model, state);
+    std::vector<char> inner(static_cast<std::size_t>(body_.size()), 1);
+    for (const Fixed& fixed : fixed_) inner[fixed.molecule] = 0;
+    double worst = 0;
+    Positions forces(3, body_.size());
+    for (int load_case = 0; load_case < 6; ++load_case) {
+      tangent.apply(uniformly_strained(body_, load_case, axes_), forces);
+      double largest_inner = 0, largest_outer = 0;
+      for (int molecule = 0; molecule < body_.size(); ++molecule) {
+        double& largest = inner[molecule] ? largest_inner : largest_outer;
+        largest = std::max(largest, forces.col(molecule).norm());
+      }
+      if (largest_inner > 0) worst = std::max(worst, largest_inner / largest_outer);
+    }
+    return worst;
+  }
+
+  Matrix3 axes_;
+  Surface surface_;
+};
+
+}  // namespace
+
+std::unique_ptr<StaticExperiment> make_homogenisation(const Body& body, double grip_depth, const Matrix3& axes) {
+  return std::make_unique<Homogenisation>(body, grip_depth, axes);
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,75 @@
+#include "lab/experiment/hydrostatic/hydrostatic.h"
+
+#include <cmath>
+
+#include "core/model/faces.h"
+#include "elastin/core/model/share.h"
+#include "lab/experiment/driven.h"
+#include "lab/run/moduli.h"
+
+namespace elastin::lab {
+namespace {
+
+class Hydrostatic final : public Driven {
+ public:
+  Hydrostatic(const Body& body, const HydrostaticSetup& setup, const Matrix3& axes)
+      : Driven(body, setup.load_steps), strain_(setup.strain), middle_(middle_of_whole(body)) {
+    if (setup.walls == Walls::affine) {
+      const Surface surface = find_surface(body, axes, setup.grip_depth);
+      fix_fully(surface.molecules);
+      volume_ = surface.volume;
+      return;
+    }
+    const BoxSides box = find_box(body, axes, setup.grip_depth);
+    volume_ = box.size.prod();
+    std::vector<Matrix3> free(static_cast<std::size_t>(body.size()), Matrix3::Identity());
+    for (std::size_t side = 0; side < 6; ++side)
+      for (const int molecule : box.sides[side].molecules) {
+        const Vector3 normal = axes.col(static_cast<Eigen::Index>(side / 2));
+        Matrix3& left = free[molecule];
+        left -= left * normal * normal.transpose();
+      }
+    for (int molecule = 0; molecule < body.size(); ++molecule)
+      if (const Matrix3& left = free[molecule]; left != Matrix3::Identity()) fixed_.push_back({molecule, left});
+  }
+
+  std::string name() const override { return "hydrostatic"; }
+  ResponseMeasures response_measures() const override { return {"volume_strain", "pressure"}; }
+
+  Measures measure(const Held& held, const Start& start, const State& state, const StaticOptions&,
+                   StaticResult& solved) const override {
+    const Positions pull = pull_of(start, solved);
+    const double strain = held.factor * strain_, growth = std::pow(1 + strain, 3);
+    const double volume_strain = solved.linear ? 3 * strain : growth - 1;
+    const double volume = solved.linear ? volume_ : volume_ * growth;
+    const double pressure = -virial(pull, solved.linear ? body_.rest : state.positions).trace() / (3 * volume);
+    Measures measures;
+    measures.set("bulk_modulus", -pressure / volume_strain);
+    measures.set("pressure", pressure);
+    measures.set("volume_strain", volume_strain);
+    add_state(held.model, state, solved, sum_over(body_, pull.colwise().norm().sum()), measures);
+    return measures;
+  }
+
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
+    return {{"bulk_modulus", lab::bulk_modulus(material)}, {"pressure"}};
+  }
+
+ private:
+  Vector3 displacement(std::size_t index, double factor) const override {
+    return factor * strain_ * (body_.rest.col(fixed_[index].molecule) - middle_);
+  }
+
+  double strain_;
+  Vector3 middle_;
+  double volume_ = 0;  // at rest
+};
+
+}  // namespace
+
+std::unique_ptr<StaticExperiment> make_hydrostatic(const Body& body, const HydrostaticSetup& setup,
+                                                   const Matrix3& axes) {
+  return std::make_unique<Hydrostatic>(body, setup, axes);
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,236 @@
+#include "lab/experiment/indentation/indentation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "contact/search.h"
+#include "core/model/faces.h"
+#include "elastin/core/base/dense.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
+#include "lab/experiment/symmetry.h"
+#include "lab/run/contact_measures.h"
+
+namespace elastin::lab {
+namespace {
+
+constexpr const char* kIndenter = "indenter";
+
+/// Of the radius of contact in the body's thickness and width: an incompressible layer that is glued to its bed is
+/// stiffer than a half-space by 1.13 of it, to first order.                  [Dimitriadis et al. 2002]
+constexpr double kHalfSpace = 0.05;
+
+class Indentation final : public StaticExperiment {
+ public:
+  Indentation(const Body& body, const IndentationSetup& setup, const Material& material,
+              contact::ContactOptions& contact)
+      : setup_(setup), poissons_ratio_(material.poissons_ratio) {
+    fix_in_planes(body, setup.symmetry, fixed_);
+    fix_bottom(body);
+    if (setup.shape == IndenterShape::obstacle) {
+      indenter_ = find_obstacle(contact.obstacles, setup.obstacle);
+      if (indenter_ < 0) throw InputError("there is no obstacle '" + setup.obstacle + "'");
+    } else {
+      if (find_obstacle(contact.obstacles, kIndenter) >= 0)
+        throw InputError("an obstacle has the indenter's own name, 'indenter'");
+      contact.obstacles.push_back(indenter(body, contact.surface));
+      indenter_ = static_cast<int>(contact.obstacles.size()) - 1;
+    }
+    contact::Obstacle& obstacle = contact.obstacles[indenter_];
+    if (obstacle.motion)
+      throw InputError("the indenter '" + obstacle.name + "' has a motion of its experiment: leave that out");
+    // The moment at which the rig asks for its obstacles' poses is the indenter's displacement.
+    obstacle.motion = [start = obstacle.pose, axis = setup.axis](double displacement) {
+      contact::Pose pose = start;
+      pose.position += displacement * axis;
+      return pose;
+    };
+    const double depth = setup.depth ? *setup.depth : first_depth(*setup.force, material);
+    if (setup.force) control_ = ForceControl(*setup.force, first_depth(*setup.force / copies(), material));
+    if (setup.shape != IndenterShape::obstacle) find_extent(body, depth);
+  }
+
+  std::string name() const override { return "indentation"; }
+  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  int load_steps() const override { return setup_.load_steps; }
+  double copies() const override { return std::pow(2, setup_.symmetry.size()); }
+  const StaticExperiment* calibration() const override {
+    return nullptr;
+  }  // without contact there is nothing to calibrate by
+
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures&) const override {
+    std::vector<MainMeasure> measures{{"force"}, {"depth"}, {"contact_area"}};
+    if (setup_.shape != IndenterShape::obstacle)
+      measures.insert(measures.begin(), {"indentation_modulus", apparent() ? std::numeric_limits<double>::quiet_NaN()
+                                                                           : material.youngs_modulus});
+    return measures;
+  }
+
+  bool apparent() const override { return contact_share_ > kHalfSpace; }
+  std::string no_reference() const override {
+    if (!apparent()) return "";
+    return "the body is no half-space, so its modulus is apparent; compare with the solid itself (neo_hookean, "
+           "refined)";
+  }
+  std::vector<std::string> notes() const override {
+    if (!apparent()) return {};
+    return {"indentation_modulus is apparent: the radius of contact is " + number(100 * contact_share_, 2) +
+            " % of the body's thickness or of the way to its side, where the formula takes a half-space"};
+  }
+
+  std::string remark(const Measures& measures) const override {
+    if (!(measures.get("contacts") > 0)) return "the indenter touches nothing";
+    if (setup_.force && std::abs(measures.get("force") / *setup_.force - 1) > 1e-5)
+      return "the prescribed force was not reached";
+    return "";
+  }
+
+ private:
+  friend class IndentationRig;
+  void fix_bottom(const Body& body) {
+    const Matrix3 along = setup_.axis * setup_.axis.transpose();
+    for (const int molecule : end_face(body, setup_.axis, setup_.grip_depth).molecules) {
+      Matrix3& free = fixed_.try_emplace(molecule, Matrix3::Identity()).first->second;
+      free = setup_.bottom == Grip::clamped ? Matrix3(Matrix3::Zero()) : Matrix3(free - along);
+    }
+  }
+
+  /// What the radius of contact is of the body's thickness along the axis, or of the way to its nearest free side.
+  void find_extent(const Body& body, double depth) {
+    const double radius = setup_.shape == IndenterShape::sphere ? std::sqrt(setup_.radius * depth) : setup_.radius;
+    const Vector3 low = body.rest.rowwise().minCoeff(), high = body.rest.rowwise().maxCoeff();
+    const Vector3 at = setup_.at.value_or((low + high) / 2);
+    double extent = setup_.axis.cwiseAbs().dot(high - low);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3 across = Vector3::Unit(axis);
+      if (std::abs(across.dot(setup_.axis)) > 0.5) continue;
+      const auto mirrors = [&](const Vector3& normal) { return std::abs(normal.dot(across)) > 0.5; };
+      const bool mirrored = std::any_of(setup_.symmetry.begin(), setup_.symmetry.end(), mirrors);
+      extent =
+          std::min(extent, mirrored ? high[axis] - low[axis] : std::min(high[axis] - at[axis], at[axis] - low[axis]));
+    }
+    contact_share_ = radius / extent;
+  }
+
+  /// The indenter where it just touches the body.
+  contact::Obstacle indenter(const Body& body, contact::ContactSurface surface) const {
+    const bool sphere = setup_.shape == IndenterShape::sphere;
+    const double radius = setup_.radius;
+    const Vector3 middle = (body.rest.rowwise().maxCoeff() + body.rest.rowwise().minCoeff()) / 2;
+    Vector3 base = setup_.at.value_or(middle);
+    for (const Vector3& normal : setup_.symmetry) base -= normal.dot(base) * normal;
+    base -= setup_.axis.dot(base) * setup_.axis;
+    double first = std::numeric_limits<double>::infinity();  // place along the axis at which it touches
+    const auto meet = [&](const Vector3& position, double r) {
+      const double along = setup_.axis.dot(position), off = (position - base - along * setup_.axis).norm();
+      if (off <= (sphere ? radius + r : radius))
+        first = std::min(first, along - (sphere ? std::sqrt(std::pow(radius + r, 2) - off * off) : r));
+    };
+    const bool spheres = surface == contact::ContactSurface::spheres;
+    for (int molecule = 0; molecule < body.size(); ++molecule)
+      meet(body.rest.col(molecule), spheres ? body.radius[molecule] : 0);
+    if (!spheres)  // in a hollow a triangle's middle comes before its corners
+      for (const contact::Sample& sample : contact::triangle_samples(body, contact::surface_triangles(body))) {
+        Vector3 position = Vector3::Zero();
+        for (std::size_t i = 0; i < 3; ++i) position += sample.weights[i] * body.rest.col(sample.molecules[i]);
+        meet(position, 0);
+      }
+    first -= 1e-9 * radius;  // what only seems to be pressed in, by rounding, would be asked for its equilibrium
+    if (!std::isfinite(first)) throw InputError("no molecule lies before the indenter: give `at`, a point on its axis");
+    contact::Obstacle obstacle;
+    obstacle.name = kIndenter;
+    obstacle.pose.turn = rotation_between(-Vector3::UnitZ(), setup_.axis);
+    const double length = 4 * radius;
+    if (sphere)
+      obstacle.shape = contact::shape::Sphere{radius};
+    else
+      obstacle.shape = contact::shape::Cylinder{radius, length};
+    obstacle.pose.position = base + (sphere ? first : first - length / 2) * setup_.axis;
+    return obstacle;
+  }
+
+  /// [m] by Hertz, or of a flat punch.
+  double first_depth(double force, const Material& material) const {
+    const double modulus = material.youngs_modulus / (1 - poissons_ratio_ * poissons_ratio_), radius = setup_.radius;
+    return setup_.shape == IndenterShape::sphere ? std::pow(3 * force / (4 * modulus * std::sqrt(radius)), 2. / 3)
+                                                 : force / (2 * radius * modulus);
+  }
+
+  IndentationSetup setup_;
+  double poissons_ratio_;
+  FixedMolecules fixed_;
+  int indenter_ = 0;
+  ForceControl control_;
+  double contact_share_ = 0;  ///< see find_extent
+};
+
+class IndentationRig final : public StaticRig {
+ public:
+  IndentationRig(const Indentation& experiment, Model& model)
+      : experiment_(experiment), setup_(experiment.setup_), model_(model), control_(experiment.control_) {
+    for (const auto& [molecule, free] : experiment_.fixed_) model.supports.push_back({molecule, free, Vector3::Zero()});
+    contact_ = contact_of(model);
+  }
+
+  void set_load(double factor) override {
+    if (setup_.force) control_.aim(factor);
+    move_to(factor == 0 ? 0 : setup_.force ? control_.displacement() : factor * *setup_.depth);
+  }
+
+  bool adjust(const State& state) override {
+    if (!setup_.force || displacement_ == 0 || !control_.adjust(resistance(contact_->report(state)))) return false;
+    move_to(control_.displacement());
+    return true;
+  }
+
+  Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
+    const contact::ContactReport report = contact_->report(state);
+    const double force = resistance(report), depth = displacement_, radius = setup_.radius;
+    Measures measures;
+    measures.set("force", force);
+    measures.set("depth", depth);
+    const double plane_strain = 1 - experiment_.poissons_ratio_ * experiment_.poissons_ratio_;
+    if (setup_.shape == IndenterShape::sphere)
+      measures.set("indentation_modulus", plane_strain * 3 * force / (4 * std::sqrt(radius) * std::pow(depth, 1.5)));
+    if (setup_.shape == IndenterShape::flat)
+      measures.set("indentation_modulus", plane_strain * force / (2 * radius * depth));
+    if (report.area > 0) measures.set("mean_pressure", force / (experiment_.copies() * report.area));
+    if (model_.has_energy() && !solved.linear)
+      measures.set("energy", experiment_.copies() * model_.elastic_energy(state.positions));
+    const Vector3 left = model_.load_forces(state).rowwise().sum() + solved.reactions.rowwise().sum();
+    measures.set("reaction_balance", experiment_.copies() * left.norm() / std::abs(force));
+    return measures;
+  }
+
+ private:
+  void move_to(double displacement) {
+    displacement_ = displacement;
+    contact_->set_moment(displacement);
+  }
+
+  /// With which the body presses back [N].
+  double resistance(const contact::ContactReport& report) const {
+    return -experiment_.copies() * setup_.axis.dot(report.on_obstacles[experiment_.indenter_]);
+  }
+
+  const Indentation& experiment_;
+  const IndentationSetup& setup_;
+  Model& model_;
+  contact::Contact* contact_ = nullptr;  // owned by the model
+  double displacement_ = 0;              // of the indenter [m]
+  ForceControl control_;
+};
+
+std::unique_ptr<StaticRig> Indentation::static_rig(Model& model) const {
+  return std::make_unique<IndentationRig>(*this, model);
+}
+
+}  // namespace
+
+std::unique_ptr<StaticExperiment> make_indentation(const Body& body, const IndentationSetup& setup,
+                                                   const Material& material, contact::ContactOptions& contact) {
+  return std::make_unique<Indentation>(body, setup, material, contact);
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,201 @@
+#include "lab/experiment/inflation/inflation.h"
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+#include <string>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/forces/pressure.h"
+#include "elastin/core/shapes/surfaces.h"
+#include "lab/experiment/symmetry.h"
+
+namespace elastin::lab {
+namespace {
+
+/// A volume that is controlled counts as met when it is this near.
+constexpr double kVolumeTolerance = 1e-6;
+/// Stiffness of volume control over E t/(R V): a membrane's experiment, and how fast its pressure can fall, is some 0.1
+/// of that. High enough to pass any pressure limit and to be met after a few corrections; rounding of the volume makes
+/// that many times more rounding of the pressure.
+constexpr double kControlStiffness = 100;
+/// Of the radius at rest: by no more does one part of a controlled volume grow or shrink. Further from its volume the
+/// pressure that controls it can turn the surface inside out, which is an equilibrium too.
+constexpr double kLongestGrowth = 0.25;
+
+class Inflation final : public StaticExperiment {
+ public:
+  Inflation(const Body& body, const InflationSetup& setup, const Material& material)
+      : body_(body), setup_(setup), thickness_(material.thickness) {
+    if (body.triangles.empty()) throw InputError("inflation needs a body with triangles");
+    if (!(thickness_ > 0)) throw InputError("inflation needs a membrane: give material.thickness");
+    fix_in_planes(body, setup.symmetry, fixed_);
+    require_closed();
+    apex_ = setup.symmetry.empty() ? Vector3(body.rest.rowwise().mean()) : Vector3(Vector3::Zero());
+    rest_volume_ = enclosed_volume(body.triangles, body.rest, apex_);
+    if (!(rest_volume_ > 0)) throw InputError("the body encloses no volume: its triangles look inwards, or it is flat");
+    if (setup_.gas && setup_.gas->amount > 0)
+      setup_.gas->start_pressure = setup_.gas->amount / (copies() * rest_volume_);
+    share_ = VectorX::Zero(body.size());
+    for (const auto& triangle : body.triangles)
+      for (const int corner : triangle) share_[corner] += area_vector(body.rest, triangle).norm();
+    share_ /= share_.sum();
+    find_corners();
+    rest_radius_ = radii(body.rest).dot(share_);
+    control_stiffness_ = kControlStiffness * material.youngs_modulus * thickness_ / rest_radius_;
+  }
+
+  std::string name() const override { return "inflation"; }
+  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  int load_steps() const override { return setup_.load_steps; }
+  double copies() const override { return std::pow(2, setup_.symmetry.size()); }
+
+  std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {
+    return {{"radius"}, {"corner_radius"}, {"radius_spread"}, {"pressure"}};
+  }
+
+ private:
+  friend class InflationRig;
+  /// Every side that one triangle alone has must lie in a plane of symmetry.
+  void require_closed() const {
+    std::map<std::pair<int, int>, int> sides;
+    for (const auto& triangle : body_.triangles)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto [a, b] = std::minmax(triangle[i], triangle[(i + 1) % 3]);
+        ++sides[{a, b}];
+      }
+    int open = 0;
+    for (const auto& [side, count] : sides) open += count == 1 && !in_one_plane(side.first, side.second);
+    if (open > 0)
+      throw InputError("inflation needs a closed surface: " + std::to_string(open) +
+                       (open == 1 ? " side of a triangle is" : " sides of triangles are") +
+                       " at a rim outside the planes of symmetry" +
+                       (setup_.symmetry.empty() ? "; of an octant write symmetry: [x, y, z]" : ""));
+  }
+
+  bool in_one_plane(int a, int b) const {
+    const double near = 1e-9 * body_.rest.cwiseAbs().maxCoeff();
+    for (const Vector3& normal : setup_.symmetry)
+      if (std::abs(normal.dot(body_.rest.col(a))) <= near && std::abs(normal.dot(body_.rest.col(b))) <= near)
+        return true;
+    return false;
+  }
+
+  /// Corners are the molecules on the axes through the centre.
+  void find_corners() {
+    const Vector3 centre = centre_of(body_.rest);
+    for (int molecule = 0; molecule < body_.size(); ++molecule) {
+      const Vector3 arm = setup_.axes.transpose() * (body_.rest.col(molecule) - centre);
+      if (arm.norm() - arm.cwiseAbs().maxCoeff() < 1e-9 * arm.norm()) corners_.push_back(molecule);
+    }
+  }
+
+  /// The middle of the surface; in the planes of symmetry where there are any.
+  Vector3 centre_of(const Positions& positions) const {
+    Vector3 centre = positions * share_;
+    for (const Vector3& normal : setup_.symmetry) centre -= normal.dot(centre) * normal;
+    return centre;
+  }
+
+  VectorX radii(const Positions& positions) const {
+    return (positions.colwise() - centre_of(positions)).colwise().norm().transpose();
+  }
+
+  const Body& body_;
+  InflationSetup setup_;
+  double thickness_;
+  FixedMolecules fixed_;
+  VectorX share_;  // of the surface at rest, a molecule; sum 1
+  std::vector<int> corners_;
+  Vector3 apex_;
+  double rest_volume_ = 0, rest_radius_ = 0, control_stiffness_ = 0;  // the last times a volume: [Pa]
+};
+
+class InflationRig final : public StaticRig {
+ public:
+  InflationRig(const Inflation& experiment, Model& model)
+      : experiment_(experiment), setup_(experiment.setup_), model_(model) {
+    for (const auto& [molecule, free] : experiment_.fixed_) model.supports.push_back({molecule, free, Vector3::Zero()});
+    auto load = std::make_unique<Pressure>(experiment_.body_, constant_pressure(0), experiment_.apex_, true);
+    load_ = load.get();
+    model.add(std::move(load));
+  }
+
+  void set_load(double factor) override {
+    pressure_ = factor == 0 ? 0 : met_pressure_;
+    if (setup_.pressure) {
+      load_->set_law(constant_pressure(factor * *setup_.pressure));
+    } else if (setup_.volume_ratio) {
+      volume_ = experiment_.rest_volume_ * std::pow(1 + factor * (std::cbrt(*setup_.volume_ratio) - 1), 3);
+      control();
+    } else {
+      const auto& [_, start, exponent, ambient] = *setup_.gas;
+      const double absolute = ambient + factor * (start - ambient);
+      load_->set_law(factor == 0 ? constant_pressure(0)
+                                 : enclosed_gas(absolute * experiment_.rest_volume_, exponent, ambient));
+    }
+  }
+
+  bool adjust(const State& state) override {
+    if (!setup_.volume_ratio) return false;
+    pressure_ = load_->pressure_state(state.positions).pressure;
+    if (std::abs(load_->volume(state.positions) - volume_) <= kVolumeTolerance * volume_) {
+      met_pressure_ = pressure_;
+      return false;
+    }
+    control();
+    return true;
+  }
+
+  double longest_step() const override {
+    const double growth = setup_.volume_ratio ? std::abs(std::cbrt(*setup_.volume_ratio) - 1) : 0;
+    return growth > kLongestGrowth ? kLongestGrowth / growth : 1;
+  }
+
+  Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
+    const VectorX radius = experiment_.radii(state.positions);
+    const double mean = radius.dot(experiment_.share_), pressure = load_->pressure_state(state.positions).pressure;
+    Measures measures;
+    measures.set("radius", mean);
+    measures.set("stretch", mean / experiment_.rest_radius_);
+    measures.set("radius_spread", (radius.maxCoeff() - radius.minCoeff()) / mean);
+    if (!experiment_.corners_.empty()) {
+      double sum = 0;
+      for (const int corner : experiment_.corners_) sum += radius[corner];
+      measures.set("corner_radius", sum / static_cast<double>(experiment_.corners_.size()));
+    }
+    measures.set("pressure", pressure);
+    measures.set("enclosed_volume", experiment_.copies() * load_->volume(state.positions));
+    measures.set("wall_stress", pressure * mean / (2 * experiment_.thickness_));
+    if (model_.has_energy() && !solved.linear)
+      measures.set("energy", experiment_.copies() * model_.elastic_energy(state.positions));
+    const Positions loads = model_.load_forces(state);
+    measures.set("reaction_balance",
+                 (loads.rowwise().sum() + solved.reactions.rowwise().sum()).norm() / loads.colwise().norm().sum());
+    return measures;
+  }
+
+ private:
+  void control() { load_->set_law(controlled_volume(volume_, experiment_.control_stiffness_ / volume_, pressure_)); }
+
+  const Inflation& experiment_;
+  const InflationSetup& setup_;
+  Model& model_;
+  double volume_ = 0, pressure_ = 0;  // volume control: the target, and the pressure found last
+  double met_pressure_ = 0;           // at the last volume that was met
+  Pressure* load_ = nullptr;          // owned by the model
+};
+
+std::unique_ptr<StaticRig> Inflation::static_rig(Model& model) const {
+  return std::make_unique<InflationRig>(*this, model);
+}
+
+}  // namespace
+
+std::unique_ptr<StaticExperiment> make_inflation(const Body& body, const InflationSetup& setup,
+                                                 const Material& material) {
+  return std::make_unique<Inflation>(body, setup, material);
+}
+
+}  // namespace elastin::lab

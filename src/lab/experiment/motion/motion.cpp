@@ -1,0 +1,223 @@
+#include "lab/experiment/motion/motion.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/solve/newton.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
+#include "lab/run/load_path.h"
+#include "lab/run/time_history_fits.h"
+
+namespace elastin::lab {
+namespace {
+
+/// One measure over time, from a time on.
+Series series_of(const std::vector<CurvePoint>& history, std::string_view name, double from = 0) {
+  std::vector<double> times, values;
+  for (const CurvePoint& row : history)
+    if (const double value = row.measures.get(name); row.time >= from * (1 - 1e-12) && std::isfinite(value)) {
+      times.push_back(row.time);
+      values.push_back(value);
+    }
+  const auto size = static_cast<Eigen::Index>(times.size());
+  return {Eigen::Map<const VectorX>(times.data(), size), Eigen::Map<const VectorX>(values.data(), size)};
+}
+
+class Motion final : public TimedExperiment {
+ public:
+  explicit Motion(MotionSetup setup) : setup_(std::move(setup)) {
+    if (!setup_.fixture) return;
+    response_ = setup_.fixture->response_measures();
+    const bool driven = setup_.kind == MotionKind::relaxation || setup_.kind == MotionKind::cyclic;
+    if (driven && response_.resistance.empty())
+      throw InputError("fixture: needs a displacement that is given, as that of tension, shear or torsion");
+    const bool applied = setup_.kind == MotionKind::creep || (setup_.kind == MotionKind::release && !setup_.released);
+    if (applied && !response_.resistance.empty())
+      throw InputError("fixture: a load that is put on at once must be a force, not a displacement");
+    if (setup_.kind != MotionKind::motion && response_.displacement.empty())
+      throw InputError("fixture: a " + setup_.fixture->name() + " experiment has no displacement to watch");
+  }
+
+  std::string name() const override { return setup_.name; }
+  std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
+  std::optional<Vector3> axis() const override { return setup_.fixture ? setup_.fixture->axis() : std::nullopt; }
+  const StaticExperiment* calibration() const override { return setup_.fixture.get(); }
+
+  void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
+    if (setup_.kind == MotionKind::release) read_vibration(series_of(history, response_.displacement), measures);
+    if (setup_.kind == MotionKind::creep)
+      if (const auto fit = fit_exponential(series_of(history, response_.displacement)))
+        measures.set("retardation_time", fit->time);
+    if (setup_.kind == MotionKind::relaxation) read_relaxation(history, measures);
+    if (setup_.kind == MotionKind::cyclic) read_cycle(history, measures);
+  }
+
+  std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {
+    if (setup_.kind == MotionKind::release)
+      return {{"frequency"}, {"logarithmic_decrement"}, {"first_peak"}, {"energy_drift"}};
+    if (setup_.kind == MotionKind::creep) return {{"retardation_time"}, {response_.displacement}};
+    if (setup_.kind == MotionKind::cyclic) return {{"storage_modulus"}, {"loss_modulus"}, {"loss_tangent"}};
+    if (setup_.kind == MotionKind::relaxation) return {{"relaxation_time"}, {"relaxed_ratio"}};
+    if (setup_.fixture && !response_.displacement.empty()) return {{response_.displacement}, {"energy_drift"}};
+    return {{"speed"}, {"largest_strain"}, {"energy_drift"}};
+  }
+
+ private:
+  friend class MotionRig;
+  /// Balances mean nothing in motion, and moduli nothing once the load is gone.
+  bool tells(const std::string& name) const {
+    const bool modulus = name.ends_with("modulus") || name.ends_with("stiffness") || name == "poissons_ratio";
+    return name != "reaction_balance" && !(setup_.released && modulus);
+  }
+
+  /// The slowest part alone: from where a twentieth of the fall is left, faster ones are gone; at least the last
+  /// moments, for where the parts lie decades apart one exponential is a poor guess of the end.
+  void read_relaxation(const std::vector<CurvePoint>& history, Measures& measures) const {
+    const Series all = series_of(history, response_.resistance, setup_.ramp);
+    const auto whole = fit_exponential(all);
+    if (!whole) return;
+    measures.set("relaxed_ratio", whole->end / all.values[0]);
+    constexpr Eigen::Index kFewest = 6;
+    if (all.times.size() < kFewest) return;
+    double late = setup_.ramp;
+    for (Eigen::Index i = 0; i < all.times.size(); ++i)
+      if (std::abs(all.values[i] - whole->end) > 0.05 * std::abs(all.values[0] - whole->end)) late = all.times[i];
+    late = std::min(late, all.times[all.times.size() - kFewest]);
+    if (const auto fit = fit_exponential(series_of(history, response_.resistance, late))) {
+      measures.set("relaxation_time", fit->time);
+      measures.set("relaxed_ratio", fit->end / all.values[0]);
+    }
+  }
+
+  /// Of the last period: what of the resistance is in phase with the displacement, and what is a quarter ahead of it.
+  void read_cycle(const std::vector<CurvePoint>& history, Measures& measures) const {
+    const double from = history.back().time - 1 / setup_.frequency, w = 2 * M_PI * setup_.frequency;
+    const CurvePoint* largest = nullptr;
+    for (const CurvePoint& row : history) {
+      const double own = std::abs(row.measures.get(response_.displacement));
+      if (row.time >= from && std::isfinite(own) &&
+          (!largest || own > std::abs(largest->measures.get(response_.displacement))))
+        largest = &row;
+    }
+    const Series moved = series_of(history, response_.displacement, from),
+                 resists = series_of(history, response_.resistance, from);
+    if (!largest || from < 0 || moved.times.size() < 8 || resists.times.size() < 8) return;
+    // The modulus of a row is its resistance over its displacement, times what the body's shape gives.
+    double shape = std::numeric_limits<double>::quiet_NaN();
+    for (const char* modulus : {"effective_modulus", "shear_modulus"})
+      if (const double own = largest->measures.get(modulus); std::isfinite(own))
+        shape = own * largest->measures.get(response_.displacement) / largest->measures.get(response_.resistance);
+    const VibrationFit by = fit_sine(moved, w), of = fit_sine(resists, w);
+    const double square = by.cosine * by.cosine + by.sine * by.sine;
+    const double storage = (of.cosine * by.cosine + of.sine * by.sine) / square,
+                 loss = (of.cosine * by.sine - of.sine * by.cosine) / square;
+    measures.set("loss_tangent", loss / storage);
+    if (!std::isfinite(shape)) return;
+    measures.set("storage_modulus", shape * storage);
+    measures.set("loss_modulus", shape * loss);
+  }
+
+  void read_vibration(const Series& series, Measures& measures) const {
+    const Series turns = turning_points(series);
+    const bool is_length = find_measure(std::string(response_.displacement)).unit == dimension::length;
+    if (turns.times.size() > 0) {
+      if (is_length) measures.set("first_peak", turns.values[0]);
+      measures.set("first_peak_time", turns.times[0]);
+    }
+    if (turns.times.size() > 1) measures.set("return_time", turns.times[1]);
+    const auto fit = fit_vibration(series);
+    if (!fit) return;
+    const double w = fit->circular_frequency, d = fit->decay_rate;
+    measures.set("frequency", w / (2 * M_PI));
+    if (const auto period = period_of(series, fit->mean)) measures.set("period", *period);
+    measures.set("logarithmic_decrement", 2 * M_PI * d / w);
+    measures.set("damping_ratio", d / std::hypot(d, w));
+  }
+
+  MotionSetup setup_;
+  ResponseMeasures response_;
+};
+
+class MotionRig final : public TimedRig {
+ public:
+  MotionRig(const Motion& experiment, Model& model)
+      : experiment_(experiment), setup_(experiment.setup_), model_(model) {
+    if (!setup_.fixture) return;
+    const std::size_t others = model.loads().size();
+    fixture_ = setup_.fixture->static_rig(model);
+    if (setup_.load.constant()) return;
+    for (std::size_t i = others; i < model.loads().size(); ++i)
+      if (auto* load = dynamic_cast<PointLoads*>(model.loads()[i].get())) load->set_varying();
+  }
+
+  StaticResult start(State& state, const StaticOptions& options) override {
+    start_ = {state.positions, Positions::Zero(3, static_cast<Eigen::Index>(model_.supports.size()))};
+    if (!fixture_) return {};
+    fixture_->set_load(0);
+    StaticResult result;
+    if (any_over(model_.body(), !model_.load_forces(state).isZero(0))) {
+      result = solve_static(model_, state, options);
+      if (result.outcome != Outcome::converged) return result;
+      start_ = {state.positions, result.reactions};
+    }
+    if (setup_.released) return load_and_release(state, options);
+    fixture_->set_load(setup_.load.value(0));
+    if (setup_.load.constant()) return result;
+    model_.drive = [this](double time, std::vector<Support>&) {
+      fixture_->set_load(setup_.load.value(time));
+      fixture_->set_load_rate(setup_.load.rate(time));
+    };
+    return result;
+  }
+
+  Measures read(const State& state) const override {
+    if (!fixture_) return {};
+    Positions forces;
+    model_.set_forces(state, forces);
+    StaticResult held;
+    held.reactions = -fixed_components(model_.supports, forces);
+    for (std::size_t i = 0; i < model_.supports.size(); ++i)  // those of ghosts are their owners'
+      if (model_.supports[i].molecule >= owned_molecules(model_.body()))
+        held.reactions.col(static_cast<Eigen::Index>(i)).setZero();
+    const Measures all = fixture_->measure(start_, state, {}, held);
+    Measures kept;
+    for (const auto& [name, value] : all.all())
+      if (experiment_.tells(name)) kept.set(name, value);
+    return kept;
+  }
+
+ private:
+  StaticResult load_and_release(State& state, const StaticOptions& options) {
+    LoadPath path(model_, *fixture_, options, state);
+    StaticResult result, all;
+    const int steps = setup_.fixture->load_steps();
+    for (int step = 1; step <= steps; ++step) {
+      result = path.advance(setup_.fixture->load_factor(step));
+      all.newton_iterations += result.newton_iterations;
+      all.linear_iterations += result.linear_iterations;
+      if (result.outcome != Outcome::converged) return result;
+    }
+    state.positions = path.state().positions;
+    result.newton_iterations = all.newton_iterations;
+    result.linear_iterations = all.linear_iterations;
+    fixture_->release();
+    return result;
+  }
+
+  const Motion& experiment_;
+  const MotionSetup& setup_;
+  Model& model_;
+  std::unique_ptr<StaticRig> fixture_;  // null: the body is free
+  Start start_;
+};
+
+std::unique_ptr<TimedRig> Motion::timed_rig(Model& model) const { return std::make_unique<MotionRig>(*this, model); }
+
+}  // namespace
+
+std::unique_ptr<TimedExperiment> make_motion(const Body&, MotionSetup setup) {
+  return std::make_unique<Motion>(std::move(setup));
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,111 @@
+#include <cmath>
+#include <numbers>
+
+#include "core/model/faces.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
+#include "lab/experiment/motion/motion.h"
+#include "lab/run/time_history_fits.h"
+
+namespace elastin::lab {
+namespace {
+
+class Shake final : public TimedExperiment {
+ public:
+  Shake(const Body& body, const ShakeSetup& setup)
+      : body_(body),
+        setup_(setup),
+        base_(end_face(body, -setup.axis, setup.grip_depth)),
+        far_(end_face(body, setup.axis, setup.grip_depth)) {}
+
+  std::string name() const override { return "shake"; }
+  std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
+
+  /// Over the last half of the time, in whole periods.
+  void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
+    const double period = 1 / setup_.frequency, end = history.back().time;
+    const double periods = std::floor(end / 2 / period);
+    if (periods < 1) return;
+    const auto ratio_since = [&](double from, double to) {
+      Series far{VectorX(history.size()), VectorX(history.size())};
+      Eigen::Index count = 0;
+      for (const CurvePoint& row : history)
+        if (row.time > from && row.time <= to * (1 + 1e-12)) {
+          far.times[count] = row.time;
+          far.values[count++] = row.measures.get("far_way");
+        }
+      far.times.conservativeResize(count);
+      far.values.conservativeResize(count);
+      return count < 8 ? VibrationFit{} : fit_sine(far, 2 * std::numbers::pi * setup_.frequency);
+    };
+    const VibrationFit fit = ratio_since(end - periods * period, end);
+    if (fit.circular_frequency == 0) return;
+    const double ratio = std::hypot(fit.cosine, fit.sine) / std::abs(setup_.amplitude);
+    measures.set("amplitude_ratio", ratio);
+    measures.set("phase", std::atan2(-fit.cosine, fit.sine * (setup_.amplitude > 0 ? 1 : -1)));
+    measures.set("sine_misfit", fit.misfit);
+  }
+
+  std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {
+    return {{"amplitude_ratio"}, {"phase"}};
+  }
+
+  std::string remark(const Measures& measures) const override {
+    if (!std::isfinite(measures.get("amplitude_ratio")))
+      return "too short: half of the duration has no whole period with eight frames";
+    return measures.get("sine_misfit") < 0.02
+               ? ""
+               : "not steady yet: the far end does not follow one sine over the last half of the time";
+  }
+
+ private:
+  friend class ShakeRig;
+  const Body& body_;
+  ShakeSetup setup_;
+  Face base_, far_;
+};
+
+class ShakeRig final : public TimedRig {
+ public:
+  ShakeRig(const Shake& experiment, Model& model) : experiment_(experiment), setup_(experiment.setup_), model_(model) {
+    for (const int molecule : experiment_.base_.molecules) model.supports.push_back({molecule, Matrix3::Zero()});
+  }
+
+  StaticResult start(State& state, const StaticOptions& options) override {
+    StaticResult result;
+    if (any_over(model_.body(), !model_.load_forces(state).isZero(0))) result = solve_static(model_, state, options);
+    middle_ = middle_of(model_.body(), experiment_.far_, state.positions);
+    model_.drive = [this](double time, std::vector<Support>& supports) {
+      const TimeFunction wave = TimeFunction::sine(setup_.frequency);
+      for (Support& support : supports) {
+        support.displacement = setup_.amplitude * wave.value(time) * setup_.direction;
+        support.velocity = setup_.amplitude * wave.rate(time) * setup_.direction;
+      }
+    };
+    return result;
+  }
+
+  Measures read(const State& state) const override {
+    Measures measures;
+    measures.set("base_way", setup_.amplitude * TimeFunction::sine(setup_.frequency).value(state.time));
+    measures.set("far_way",
+                 setup_.direction.dot(middle_of(model_.body(), experiment_.far_, state.positions) - middle_));
+    return measures;
+  }
+
+ private:
+  const Shake& experiment_;
+  const ShakeSetup& setup_;
+  Model& model_;
+  Vector3 middle_ = Vector3::Zero();
+};
+
+std::unique_ptr<TimedRig> Shake::timed_rig(Model& model) const { return std::make_unique<ShakeRig>(*this, model); }
+
+}  // namespace
+
+std::unique_ptr<TimedExperiment> make_shake(const Body& body, const ShakeSetup& setup) {
+  return std::make_unique<Shake>(body, setup);
+}
+
+}  // namespace elastin::lab

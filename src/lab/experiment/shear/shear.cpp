@@ -1,0 +1,116 @@
+#include "lab/experiment/shear/shear.h"
+
+#include <array>
+#include <cmath>
+
+#include "core/model/faces.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/model/share.h"
+#include "lab/experiment/driven.h"
+#include "lab/run/moduli.h"
+#include "lab/run/section.h"
+
+namespace elastin::lab {
+namespace {
+
+class Shear final : public Driven {
+ public:
+  Shear(const Body& body, const ShearSetup& setup, const Matrix3& axes)
+      : Driven(body, setup.load_steps), setup_(setup), rise_(body.rest.transpose() * setup.axis) {
+    const double low = least_over(body, rise_.minCoeff()), high = largest_over(body, rise_.maxCoeff());
+    rise_.array() -= low;
+    area_ = setup.cross_section;
+    if (area_ == 0) area_ = find_section(body, setup.axis, low, high, 0).area;
+    if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
+    if (setup.sides == Sides::affine)
+      follow_shear(axes, high - low);
+    else
+      clamp_ends();
+  }
+
+  std::string name() const override { return "shear"; }
+  ResponseMeasures response_measures() const override { return {"strain", "force"}; }
+  std::optional<std::size_t> first_released() const override {
+    if (volume_ > 0) return std::nullopt;
+    return fixed_.size() - static_cast<std::size_t>(loaded_);
+  }
+
+  Measures measure(const Held& held, const Start& start, const State& state, const StaticOptions&,
+                   StaticResult& solved) const override {
+    const Positions pull = pull_of(start, solved);
+    const double strain =
+        held.released ? mean_displacement(state.positions) * strain_ / displacement_ : held.factor * strain_;
+    // Simple shear keeps the volume and the area of the sheared planes: first Piola-Kirchhoff = Cauchy on them.
+    const Vector3 traction =
+        volume_ > 0 ? Vector3(virial(pull, body_.rest) * setup_.axis / volume_) : Vector3(loaded_sum(pull) / area_);
+    const double stress = traction.dot(setup_.direction);
+    Measures measures;
+    measures.set("shear_modulus", stress / strain);
+    measures.set("stress", stress);
+    measures.set("strain", strain);
+    measures.set("force", stress * area_);
+    measures.set("axial_force", traction.dot(setup_.axis) * area_);
+    add_state(held.model, state, solved, std::abs(stress * area_), measures);
+    return measures;
+  }
+
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
+    return {{"shear_modulus", lab::shear_modulus(material)}, {"force"}, {"axial_force"}};
+  }
+
+ private:
+  void clamp_ends() {
+    const Face fixed = end_face(body_, -setup_.axis, setup_.grip_depth),
+               loaded = end_face(body_, setup_.axis, setup_.grip_depth);
+    fix_fully(fixed.molecules);
+    fix_fully(loaded.molecules);
+    loaded_ = static_cast<Eigen::Index>(loaded.molecules.size());
+    const double height = setup_.axis.dot(middle_of(body_, loaded, body_.rest) - middle_of(body_, fixed, body_.rest));
+    displacement_ = setup_.displacement != 0 ? setup_.displacement : setup_.strain * height;
+    strain_ = displacement_ / height;
+  }
+
+  Vector3 loaded_sum(const Positions& pull) const {
+    return vector_sum_over(body_, Vector3(pull.rightCols(loaded_).rowwise().sum()));
+  }
+
+  void follow_shear(const Matrix3& axes, double height) {
+    const Surface surface = find_surface(body_, axes, setup_.grip_depth);
+    fix_fully(surface.molecules);
+    volume_ = surface.volume;
+    strain_ = setup_.displacement != 0 ? setup_.displacement / height : setup_.strain;
+  }
+
+  Vector3 displacement(std::size_t index, double factor) const override {
+    if (volume_ > 0) return factor * strain_ * rise_[fixed_[index].molecule] * setup_.direction;
+    const bool loaded = index + static_cast<std::size_t>(loaded_) >= fixed_.size();
+    return loaded ? Vector3(factor * displacement_ * setup_.direction) : Vector3::Zero();
+  }
+
+  /// Way of the loaded end along the shear [m].
+  double mean_displacement(const Positions& positions) const {
+    std::array<double, 2> sums{0, 0};
+    for (std::size_t i = fixed_.size() - static_cast<std::size_t>(loaded_); i < fixed_.size(); ++i) {
+      const int molecule = fixed_[i].molecule;
+      if (molecule >= owned_molecules(body_)) continue;
+      sums[0] += setup_.direction.dot(positions.col(molecule) - body_.rest.col(molecule));
+      ++sums[1];
+    }
+    sum_over(body_, sums);
+    return sums[0] / sums[1];
+  }
+
+  ShearSetup setup_;
+  VectorX rise_;             // of each molecule above the lowest
+  Eigen::Index loaded_ = 0;  // the last of the held molecules
+  double displacement_ = 0, strain_ = 0;
+  double area_ = 0, volume_ = 0;  // volume: affine sides only
+};
+
+}  // namespace
+
+std::unique_ptr<StaticExperiment> make_shear(const Body& body, const ShearSetup& setup, const Matrix3& axes) {
+  return std::make_unique<Shear>(body, setup, axes);
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,175 @@
+#include "lab/experiment/sliding/sliding.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "elastin/core/base/dense.h"
+#include "elastin/core/base/error.h"
+#include "lab/run/contact_measures.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Weight, tilted from straight down the normal of a plane by an angle that may grow in time.
+class TiltedGravity final : public Load {
+ public:
+  TiltedGravity(const Body& body, const SlidingSetup& setup) : body_(body), setup_(setup), angle_(setup.angle) {}
+  void set_angle(double angle) { angle_ = angle; }
+  void add_forces(const State& state, Positions& forces) const override {
+    forces += acceleration(state.time) * body_.mass.transpose();
+  }
+  double energy(const State& state) const override {
+    return -acceleration(state.time).dot((state.positions - body_.rest) * body_.mass);
+  }
+  bool steady() const override { return setup_.rate == 0; }
+
+ private:
+  Vector3 acceleration(double time) const {
+    const double angle = angle_ + setup_.rate * time;
+    return setup_.gravity * (std::sin(angle) * setup_.along - std::cos(angle) * setup_.up);
+  }
+  const Body& body_;
+  SlidingSetup setup_;
+  double angle_;
+};
+
+/// A body has begun to slide when it has gone this part of a molecule's radius; before that it only shears.
+constexpr double kSlipped = 0.1;
+
+struct Line {
+  double slope = 0, zero = 0;  ///< zero: where the line is 0
+  int points = 0;
+};
+
+/// Straight through the points by least squares; no points if there are fewer than three.
+Line fit_line(const std::vector<std::pair<double, double>>& points) {
+  if (points.size() < 3) return {};
+  double x_mean = 0, y_mean = 0, xy = 0, xx = 0;
+  for (const auto& [x, y] : points)
+    x_mean += x / static_cast<double>(points.size()), y_mean += y / static_cast<double>(points.size());
+  for (const auto& [x, y] : points) xy += (x - x_mean) * (y - y_mean), xx += (x - x_mean) * (x - x_mean);
+  return {xy / xx, x_mean - y_mean * xx / xy, static_cast<int>(points.size())};
+}
+
+class Sliding final : public TimedExperiment {
+ public:
+  Sliding(const Body& body, const SlidingSetup& setup, contact::ContactOptions& contact) : body_(body), setup_(setup) {
+    if (!setup.floor.empty()) {
+      if (find_obstacle(contact.obstacles, setup.floor) < 0)
+        throw InputError("there is no obstacle '" + setup.floor + "'");
+      return;
+    }
+    const bool spheres = contact.surface == contact::ContactSurface::spheres;
+    const VectorX reach = spheres ? body.radius : VectorX(VectorX::Zero(body.size()));
+    contact::Obstacle plane;
+    plane.name = "floor";
+    if (find_obstacle(contact.obstacles, plane.name) >= 0)
+      throw InputError("an obstacle is called 'floor' already: say floor: floor to slide on it");
+    plane.shape = contact::shape::Plane{};
+    plane.pose.turn = rotation_between(Vector3::UnitZ(), setup.up);
+    const VectorX height = body.rest.transpose() * setup.up;
+    const double depth = 1e-6 * body.radius.mean();  // what touches nothing has no equilibrium to begin from
+    plane.pose.position = ((height - reach).minCoeff() + depth) * setup.up;
+    contact.obstacles.push_back(plane);
+  }
+
+  std::string name() const override { return "sliding"; }
+  std::unique_ptr<TimedRig> timed_rig(Model& model) const override;
+
+  void read_history(const std::vector<CurvePoint>& history, Measures& measures) const override {
+    double creep = 0, fastest = 0;
+    for (const CurvePoint& row : history) {
+      creep = std::max(creep, row.measures.get("creep"));
+      fastest = std::max(fastest, std::abs(row.measures.get("slide_speed")));
+    }
+    measures.set("creep", creep);
+    std::vector<std::pair<double, double>> points;
+    const bool threshold = setup_.kind == SlidingKind::threshold;
+    for (const CurvePoint& row : history) {
+      const double speed = row.measures.get("slide_speed");
+      if (threshold && speed > 0.1 * fastest) points.emplace_back(row.measures.get("slope"), std::sqrt(speed));
+      if (!threshold && std::abs(speed) > 0.1 * fastest) points.emplace_back(row.time, speed);
+    }
+    const Line line = fit_line(points);
+    if (line.points == 0) return;
+    // Beyond the angle φ of friction the speed grows as sin² ((θ − φ)/2) of the slope θ: its root is straight there.
+    const double gone = history.back().measures.get("slide_distance");
+    if (threshold && gone > kSlipped * body_.radius.mean()) {
+      measures.set("slip_angle", line.zero);
+      measures.set("slip_friction", std::tan(line.zero));
+    }
+    if (!threshold) measures.set("slide_acceleration", line.slope);
+  }
+
+  std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {
+    if (setup_.kind == SlidingKind::threshold) return {{"slip_friction"}, {"slip_angle"}};
+    if (setup_.kind == SlidingKind::sled) return {{"slide_acceleration"}, {"slide_distance"}};
+    return {{"creep"}, {"slide_distance"}, {"slide_acceleration"}};
+  }
+
+  std::string remark(const Measures& measures) const override {
+    if (setup_.kind == SlidingKind::threshold && !std::isfinite(measures.get("slip_angle")))
+      return "the body has not begun to slide within the duration";
+    return "";
+  }
+
+ private:
+  friend class SlidingRig;
+  const Body& body_;
+  SlidingSetup setup_;
+};
+
+class SlidingRig final : public TimedRig {
+ public:
+  SlidingRig(const Sliding& experiment, Model& model)
+      : experiment_(experiment), setup_(experiment.setup_), body_(experiment.body_), model_(model) {
+    auto weight = std::make_unique<TiltedGravity>(body_, setup_);
+    weight_ = weight.get();
+    model.add(std::move(weight));
+  }
+
+  StaticResult start(State& state, const StaticOptions& options) override {
+    model_.commit_step(state);  // friction holds the body where it is
+    State stands = state;
+    StaticResult solved = solve_static(model_, stands, options);
+    if (solved.outcome != Outcome::converged && setup_.angle != 0) {
+      weight_->set_angle(0);
+      stands = state;
+      solved = solve_static(model_, stands, options);
+      weight_->set_angle(setup_.angle);
+    }
+    state = stands;
+    state.velocities.colwise() += setup_.speed * setup_.along;
+    begin_ = state.positions;
+    return solved;
+  }
+
+  Measures read(const State& state) const override {
+    const Positions displacement = state.positions - begin_;
+    Measures measures;
+    measures.set("slide_distance", setup_.along.dot(displacement * body_.mass) / body_.mass.sum());
+    measures.set("slide_speed", setup_.along.dot(state.velocities * body_.mass) / body_.mass.sum());
+    measures.set("creep", displacement.colwise().norm().maxCoeff());
+    if (setup_.kind == SlidingKind::threshold) measures.set("slope", setup_.angle + setup_.rate * state.time);
+    return measures;
+  }
+
+ private:
+  const Sliding& experiment_;
+  const SlidingSetup& setup_;
+  const Body& body_;
+  Model& model_;
+  TiltedGravity* weight_ = nullptr;  // owned by the model
+  Positions begin_;
+};
+
+std::unique_ptr<TimedRig> Sliding::timed_rig(Model& model) const { return std::make_unique<SlidingRig>(*this, model); }
+
+}  // namespace
+
+std::unique_ptr<TimedExperiment> make_sliding(const Body& body, const SlidingSetup& setup,
+                                              contact::ContactOptions& contact) {
+  return std::make_unique<Sliding>(body, setup, contact);
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,458 @@
+#include "lab/experiment/tension/tension.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numeric>
+
+#include "core/model/faces.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/model/parts.h"
+#include "elastin/core/model/share.h"
+#include "lab/experiment/supported.h"
+#include "lab/run/section.h"
+
+namespace elastin::lab {
+namespace {
+
+class Tension final : public StaticExperiment {
+ public:
+  Tension(const Body& body, const TensionSetup& setup) : body_(body), setup_(setup), plane_(across(setup.axis)) {
+    setup_.axis.normalize();
+    height_ = body.rest.transpose() * setup_.axis;
+    low_ = least_over(body, height_.minCoeff()), high_ = largest_over(body, height_.maxCoeff());
+    Face loaded = end_face(body, setup_.axis, setup.grip_depth);
+    loaded_ = std::move(loaded.molecules);
+    fixed_ = end_face(body, -setup_.axis, setup.grip_depth).molecules;
+    share_ = setup.sharing == LoadSharing::area ? std::move(loaded.share) : equal_shares(loaded_);
+    fixed_share_ = equal_shares(fixed_);
+    const Points2 seen = plane_.transpose() * body.rest;
+    choose_corner(seen);
+    choose_gauge(low_);
+    if (setup.strain) {
+      setup_.displacement = *setup.strain * (mean_height(loaded_, share_) - mean_height(fixed_, fixed_share_));
+      setup_.strain.reset();
+    }
+    choose_section();
+    choose_force();
+    choose_middle((low_ + high_) / 2);
+    for (const Part& part : body.parts)
+      if (force_ && part.rigid && meets(part, loaded_))
+        throw InputError("body '" + part.name + "' at the loaded end is rigid: give a displacement instead of a force");
+  }
+
+  const TensionSetup& setup() const { return setup_; }
+  std::string name() const override { return "tension"; }
+  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  std::optional<Vector3> axis() const override { return setup_.axis; }
+  int load_steps() const override {
+    return setup_.load_steps * static_cast<int>(std::max<std::size_t>(1, setup_.cycle.size()));
+  }
+  double load_factor(int step) const override {
+    const double at = static_cast<double>(step) / setup_.load_steps;
+    if (setup_.cycle.empty()) return at;
+    const auto turn = std::min(static_cast<std::size_t>((step - 1) / setup_.load_steps), setup_.cycle.size() - 1);
+    const double from = turn == 0 ? 0 : setup_.cycle[turn - 1], part = at - static_cast<double>(turn);
+    return from + part * (setup_.cycle[turn] - from);
+  }
+  ResponseMeasures response_measures() const override { return {"elongation", setup_.displacement ? "force" : ""}; }
+  bool apparent() const override { return section_ && !section_->prism(); }
+
+  std::string no_reference() const override {
+    const auto differs = [](const VectorX& factors) {
+      return factors.size() && factors.minCoeff() < factors.maxCoeff();
+    };
+    if (differs(body_.connection_stiffness) || differs(body_.cell_stiffness))
+      return "the body is not equally stiff everywhere, so its modulus is apparent; compare with " + solid();
+    if (apparent()) return "the body is no prism along the axis, so its modulus is apparent; compare with " + solid();
+    if (clamps_reach_gauge()) return "the grips clamp, so no specimen shows the material's E; compare with " + solid();
+    return "";
+  }
+
+  std::vector<std::string> notes() const override {
+    std::vector<std::string> notes;
+    if (!section_) return notes;
+    if (section_->of_hull && setup_.cross_section == 0)
+      notes.push_back("cross-section of " + area_text(area_) +
+                      ": the convex hull of the molecules seen along the axis; the "
+                      "body has no cells that tell its volume");
+    if (apparent()) {
+      char percent[16];
+      std::snprintf(percent, sizeof percent, "%.0f %%", 100 * section_->variation);
+      notes.push_back("effective_modulus is apparent: the section varies by " + std::string(percent) +
+                      " along the axis about its mean of " + area_text(section_->area));
+    }
+    return notes;
+  }
+
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& measured) const override {
+    UniaxialResponse target = uniaxial_response(material, setup_.axis);
+    const double strain = measured.get("strain");
+    if (std::isfinite(strain) && strain != 0)  // the secant of a curve
+      if (const auto stress = uniaxial_stress(material, setup_.axis, strain)) target.youngs_modulus = *stress / strain;
+    if (!setup_.cycle.empty() && std::isfinite(strain)) {
+      constexpr double none = std::numeric_limits<double>::quiet_NaN();
+      return {{"effective_modulus", none}, {"poissons_ratio", none}, {"elongation"}};
+    }
+    if (apparent()) target.youngs_modulus = std::numeric_limits<double>::quiet_NaN();
+    std::vector<MainMeasure> measures{
+        {"effective_modulus", target.youngs_modulus}, {"poissons_ratio", target.poissons_ratio}, {"elongation"}};
+    if (material.curve || material.fibre || material.law) measures.push_back({"curve_error"});
+    return measures;
+  }
+
+ private:
+  friend class TensionRig;
+  /// The corner is the loaded molecule furthest from the layer's middle; of equals, the first.
+  void choose_corner(const Points2& seen) {
+    const auto owned = std::count_if(loaded_.begin(), loaded_.end(), [&](int molecule) { return owns(molecule); });
+    const double count = sum_over(body_, static_cast<double>(owned));
+    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+    for (std::size_t i = 0; i < loaded_.size(); ++i)
+      if (owns(loaded_[i])) middle += seen.col(loaded_[i]) / count;
+    sum_over(body_, {middle.data(), 2});
+    double furthest = -1;
+    for (std::size_t i = 0; i < loaded_.size(); ++i) {
+      const double distance = (seen.col(loaded_[i]) - middle).norm();
+      if (owns(loaded_[i]) && distance > furthest * (1 + 1e-9))
+        furthest = distance, corner_ = static_cast<Eigen::Index>(i);
+    }
+    if (!body_.share) return;
+    const double most = largest_over(body_, furthest);
+    const bool mine = furthest >= 0 && furthest * (1 + 1e-9) >= most;
+    const double none = std::numeric_limits<double>::infinity();
+    const double number = mine ? static_cast<double>(number_in_whole(body_, loaded_[corner_])) : none;
+    if (const double first = least_over(body_, number); !mine || number > first) corner_ = -1;
+  }
+
+  void choose_gauge(double low) {
+    const double whole = mean_height(loaded_, share_) - mean_height(fixed_, fixed_share_);
+    gauge_length_ = setup_.gauge_length > 0 ? setup_.gauge_length : whole;
+    if (!setup_.gauge) return;
+    const auto& [first, second] = *setup_.gauge;
+    if (!(first >= 0 && second > first && low + second <= high_ * (1 + 1e-9)))
+      throw InputError("gauge: the planes must lie between the ends of the body, the first below the second");
+    if (setup_.gauge_length == 0) gauge_length_ = second - first;
+    for (const int plane : {0, 1}) {
+      const double at = low + (*setup_.gauge)[plane];
+      for (int c = 0; c < body_.connections.proper(); ++c) {
+        const auto& [a, b] = body_.connections.ends[c];
+        const double part = (at - height_[a]) / (height_[b] - height_[a]);
+        if (computes(body_, c) && part >= -1e-9 && part <= 1 + 1e-9) crossings_[plane].push_back({c, part});
+      }
+      crossing_count_[plane] = sum_over(body_, static_cast<double>(crossings_[plane].size()));
+      if (crossing_count_[plane] == 0) throw InputError("gauge: no connection crosses the plane");
+    }
+  }
+
+  /// The force that the section carries, and the molecules on which it acts. A weight's is its mean over what is
+  /// measured: each molecule pulls at what lies between it and the fixed end, Σ m g min(h, l₀) / l₀. A body that a
+  /// force on its end strains uniformly shows the same modulus under both, by reciprocity.             [Betti 1872]
+  void choose_force() {
+    if (!setup_.gravity) {
+      force_ = setup_.force;
+      pulled_ = loaded_;
+      pull_ = share_;
+      return;
+    }
+    const double low = setup_.gauge ? low_ + (*setup_.gauge)[0] : mean_height(fixed_, fixed_share_);
+    const double high = setup_.gauge ? low_ + (*setup_.gauge)[1] : mean_height(loaded_, share_);
+    const VectorX carried = ((height_.array() - low) / (high - low)).cwiseMax(0).cwiseMin(1);
+    const int owned = owned_molecules(body_);
+    const double mass = sum_over(body_, body_.mass.head(owned).dot(carried.head(owned)));
+    if (!(mass > 0)) throw InputError("nothing that is measured carries weight");
+    force_ = *setup_.gravity * mass;
+    pulled_.resize(static_cast<std::size_t>(body_.size()));
+    std::iota(pulled_.begin(), pulled_.end(), 0);
+    pull_ = body_.mass / mass;
+    pull_.tail(body_.size() - owned).setZero();
+  }
+
+  /// The scene's own area, or that of the body, between the gauge planes if there are any. An area that is stated makes
+  /// no prism of a body whose cells say that it is none.
+  void choose_section() {
+    section_ = setup_.gauge ? find_section(body_, setup_.axis, low_ + (*setup_.gauge)[0],
+                                           std::min(high_, low_ + (*setup_.gauge)[1]), setup_.thickness)
+                            : find_section(body_, setup_.axis, low_, high_, setup_.thickness);
+    area_ = setup_.cross_section > 0 ? setup_.cross_section : section_->area;
+    if (setup_.cross_section > 0 && section_->of_hull) section_.reset();
+    if (!(area_ > 0)) throw InputError("the body's molecules span no cross-section: give cross_section");
+  }
+
+  /// Clamps disturb what lies within one width of them [Saint-Venant]; a gauge beyond that shows the material.
+  bool clamps_reach_gauge() const {
+    const bool below = setup_.fixed_grip == Grip::clamped, above = setup_.loaded_grip == Grip::clamped;
+    if (!setup_.gauge) return below || above;
+    const double length = high_ - low_, width = std::sqrt(area_);
+    return (below && (*setup_.gauge)[0] < width) || (above && length - (*setup_.gauge)[1] < width);
+  }
+
+  /// What solves the same problem.
+  std::string solid() const {
+    return body_.tetrahedra.empty() && !body_.triangles.empty() ? "a membrane law, refined"
+                                                                : "the solid itself (neo_hookean, refined)";
+  }
+
+  static std::string area_text(double area) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g mm2", 1e6 * area);
+    return text;
+  }
+
+  /// Molecules within one mean connection of mid height (between the gauge planes, if any): theirs is the lateral
+  /// strain.
+  void choose_middle(double middle) {
+    if (setup_.gauge) middle = low_ + ((*setup_.gauge)[0] + (*setup_.gauge)[1]) / 2;
+    double shortest = std::numeric_limits<double>::infinity(), mean = 0, count = 0;
+    for (int c = 0; c < body_.connections.proper(); ++c) count += computes(body_, c);
+    count = sum_over(body_, count);
+    for (int c = 0; c < body_.connections.proper(); ++c) {
+      const double length = body_.connections.rest_length[c];
+      shortest = std::min(shortest, length);
+      if (computes(body_, c)) mean += length / count;
+    }
+    mean = sum_over(body_, mean), shortest = least_over(body_, shortest);
+    const double reach = (any_over(body_, !body_.cubes.empty()) ? shortest : mean) * (1 + 1e-6);
+    for (int molecule = 0; molecule < owned_molecules(body_); ++molecule)
+      if (std::abs(height_[molecule] - middle) <= reach) middle_.push_back(molecule);
+  }
+
+  double mean_height(const std::vector<int>& molecules, const VectorX& weights) const {
+    double mean = 0;
+    for (std::size_t i = 0; i < molecules.size(); ++i)
+      mean += weights[static_cast<Eigen::Index>(i)] * height_[molecules[i]];
+    return sum_over(body_, mean);
+  }
+
+  double mean_along(const std::vector<int>& molecules, const VectorX& weights, const Positions& motion) const {
+    double mean = 0;
+    for (std::size_t i = 0; i < molecules.size(); ++i)
+      mean += weights[static_cast<Eigen::Index>(i)] * setup_.axis.dot(motion.col(molecules[i]));
+    return sum_over(body_, mean);
+  }
+
+  /// Mean motion along the axis where connections cross a gauge plane, linear between their ends.
+  double plane_motion(int plane, const Positions& motion) const {
+    double sum = 0;
+    for (const auto& [c, part] : crossings_[plane]) {
+      const auto& [a, b] = body_.connections.ends[c];
+      sum += setup_.axis.dot((1 - part) * motion.col(a) + part * motion.col(b));
+    }
+    return sum_over(body_, sum) / crossing_count_[plane];
+  }
+
+  double read_elongation(const Positions& motion) const {
+    if (setup_.gauge) return plane_motion(1, motion) - plane_motion(0, motion);
+    const double start = mean_along(fixed_, fixed_share_, motion);
+    if (setup_.reading == Reading::corner) {
+      const double own = corner_ < 0 ? 0 : setup_.axis.dot(motion.col(loaded_[corner_]));
+      return sum_over(body_, own) - start;
+    }
+    return mean_along(loaded_, share_, motion) - start;
+  }
+
+  /// Mean in-plane stretch less 1 of the molecules at mid height, of the linear motion fitted to them; NaN if they do
+  /// not span the plane. Neither the directions that span it nor, with large displacements, a turn about the axis,
+  /// which sliding grips leave free, change it: with F = I + gradient, the stretches add up to √((F_xx + F_yy)² + (F_xy
+  /// − F_yx)²).
+  double lateral_strain(const Positions& motion, bool small) const {
+    const auto count = static_cast<Eigen::Index>(middle_.size());
+    Eigen::MatrixX3d positions(count, 3);
+    Eigen::MatrixX2d moves(count, 2);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const int molecule = middle_[i];
+      positions.row(i) << (plane_.transpose() * body_.rest.col(molecule)).transpose(), 1;
+      moves.row(i) = (plane_.transpose() * motion.col(molecule)).transpose();
+    }
+    const double all = sum_over(body_, static_cast<double>(count));
+    if (all < 2) return std::numeric_limits<double>::quiet_NaN();
+    Eigen::RowVector2d middle = positions.leftCols<2>().colwise().sum();
+    sum_over(body_, {middle.data(), 2});
+    middle /= all;
+    positions.leftCols<2>().rowwise() -= middle;
+    Eigen::Matrix2d spread = positions.leftCols<2>().transpose() * positions.leftCols<2>(),
+                    moments = positions.leftCols<2>().transpose() * moves;
+    sum_over(body_, {spread.data(), 4});
+    sum_over(body_, {moments.data(), 4});
+    if (!(spread.determinant() > 1e-12 * std::pow(spread.trace(), 2))) {  // a sheet: they lie in a line
+      if (!(spread.trace() > 0)) return std::numeric_limits<double>::quiet_NaN();
+      const double angle = std::atan2(2 * spread(0, 1), spread(0, 0) - spread(1, 1)) / 2;
+      const Eigen::Vector2d line(std::cos(angle), std::sin(angle));
+      const Eigen::Vector2d slope = moments.transpose() * line / spread.trace();  // of the motion along the line
+      return small ? slope.dot(line) : (line + slope).norm() - 1;
+    }
+    const Eigen::Matrix2d gradient = spread.inverse() * moments;
+    const double sum = gradient.trace(), turn = small ? 0 : gradient(0, 1) - gradient(1, 0);
+    return (sum * (4 + sum) + turn * turn) / (2 * (std::hypot(2 + sum, turn) + 2));
+  }
+
+  static bool meets(const Part& part, const std::vector<int>& molecules) {
+    return std::any_of(molecules.begin(), molecules.end(),
+                       [&](int m) { return m >= part.first && m < part.first + part.count; });
+  }
+
+  /// Bone at an end is held, or moved, as a whole.
+  void add_supports(Model& model, const std::vector<int>& end, const Matrix3& free) const {
+    std::vector<int> rigid;
+    for (const Part& part : body_.parts)
+      if (part.rigid && meets(part, end)) {
+        const std::vector<int> all = molecules_of(part);
+        rigid.insert(rigid.end(), all.begin(), all.end());
+      }
+    std::sort(rigid.begin(), rigid.end());
+    rigid.erase(std::unique(rigid.begin(), rigid.end()), rigid.end());
+    for (const int molecule : end)
+      if (!std::binary_search(rigid.begin(), rigid.end(), molecule)) model.supports.push_back({molecule, free});
+    for (const int molecule : rigid) model.supports.push_back({molecule});
+  }
+
+  bool owns(int molecule) const { return molecule < owned_molecules(body_); }
+
+  /// One over how many all processes have of them, 0 for ghosts.
+  VectorX equal_shares(const std::vector<int>& molecules) const {
+    VectorX shares(static_cast<Eigen::Index>(molecules.size()));
+    for (std::size_t i = 0; i < molecules.size(); ++i) shares[static_cast<Eigen::Index>(i)] = owns(molecules[i]);
+    const double count = sum_over(body_, shares.sum());
+    for (double& share : shares) share = share > 0 ? 1. / count : 0;
+    return shares;
+  }
+
+  const Body& body_;
+  TensionSetup setup_;
+  Eigen::Matrix<double, 3, 2> plane_;
+  VectorX height_;             // of each molecule along the axis
+  double low_ = 0, high_ = 0;  // of the body along it
+  std::vector<int> fixed_, loaded_, middle_;
+  VectorX share_, fixed_share_;  // of an end, sum 1
+  std::optional<double> force_;  // that a section carries in the mean [N]
+  std::vector<int> pulled_;      // the molecules on which it acts
+  VectorX pull_;                 // on each of them, over that force
+  double area_ = 0, gauge_length_ = 0;
+  std::optional<Section> section_;  // none where the scene states it and the body has no cells to tell
+  Eigen::Index corner_ = -1;        // index into loaded_; none: another process has it
+  std::array<std::vector<std::pair<int, double>>, 2> crossings_;
+  std::array<double, 2> crossing_count_{};  // of all processes
+};
+
+class TensionRig final : public StaticRig {
+ public:
+  TensionRig(const Tension& experiment, Model& model)
+      : experiment_(experiment), setup_(experiment.setup_), body_(experiment.body_), model_(model) {
+    const Matrix3 along = setup_.axis * setup_.axis.transpose(), nothing = Matrix3::Zero();
+    const Matrix3 sideways = Matrix3::Identity() - along;
+    experiment_.add_supports(model, experiment_.fixed_, setup_.fixed_grip == Grip::clamped ? nothing : sideways);
+    first_loaded_support_ = model.supports.size();
+    if (setup_.displacement || setup_.loaded_grip == Grip::clamped)
+      experiment_.add_supports(
+          model, experiment_.loaded_,
+          (setup_.displacement ? nothing : along) + (setup_.loaded_grip == Grip::clamped ? nothing : sideways));
+    end_of_loaded_supports_ = model.supports.size();
+    if (experiment_.force_) {
+      auto load = std::make_unique<PointLoads>(body_, experiment_.pulled_,
+                                               *experiment_.force_ * setup_.axis * experiment_.pull_.transpose());
+      load_ = load.get();
+      model.add(std::move(load));
+    }
+  }
+
+  void set_load(double factor) override {
+    if (load_) load_->set_factor(factor);
+    factor_ = factor;
+    if (setup_.displacement)
+      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
+        model_.supports[i].displacement = factor * *setup_.displacement * setup_.axis;
+  }
+
+  void set_load_rate(double rate) override {
+    if (setup_.displacement)
+      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
+        model_.supports[i].velocity = rate * *setup_.displacement * setup_.axis;
+  }
+
+  void release() override {
+    set_load(0);
+    if (setup_.displacement)
+      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
+        model_.supports[i].free = Matrix3::Identity();
+  }
+
+  Measures measure(const Start& start, const State& state, const StaticOptions&, StaticResult& solved) const override {
+    Measures measures;
+    const Positions motion = state.positions - start.positions;
+    const double force =
+        experiment_.force_ ? factor_ * *experiment_.force_ : loaded_reaction(solved.reactions - start.reactions);
+    const double elongation = experiment_.read_elongation(motion), strain = elongation / experiment_.gauge_length_,
+                 stress = force / experiment_.area_;
+    const double lateral = experiment_.lateral_strain(motion, solved.linear);
+    measures.set("effective_modulus", stress / strain);
+    measures.set("elongation", elongation);
+    measures.set("poissons_ratio", -lateral / strain);
+    measures.set("force", force);
+    measures.set("stress", stress);
+    measures.set("strain", strain);
+    measures.set("lateral_strain", lateral);
+    if (model_.has_energy() && !solved.linear)
+      measures.set("energy", sum_over(body_, model_.elastic_energy(state.positions)));
+    const Positions loads = model_.load_forces(state);
+    Vector3 left = loads.leftCols(owned_molecules(body_)).rowwise().sum() + solved.reactions.rowwise().sum();
+    sum_over(body_, {left.data(), 3});
+    measures.set("reaction_balance", left.norm() / std::abs(force));
+    return measures;
+  }
+
+  void measure_end(const State& state, const StaticOptions& options, Measures& measures,
+                   int& iterations) const override {
+    Positions load = Positions::Zero(3, body_.size()), displacement = load;
+    if (experiment_.force_)
+      for (std::size_t i = 0; i < experiment_.pulled_.size(); ++i)
+        load.col(experiment_.pulled_[i]) = experiment_.pull_[static_cast<Eigen::Index>(i)] * setup_.axis;
+    if (setup_.displacement)
+      for (const int molecule : experiment_.loaded_)
+        displacement.col(molecule) = experiment_.gauge_length_ * setup_.axis;
+    const StaticResponse response = static_response(model_, state.positions, load, displacement, options);
+    iterations += response.result.linear_iterations;
+    if (response.result.outcome != Outcome::converged) return;
+    const double force = experiment_.force_ ? 1 : loaded_reaction(response.result.reactions);
+    measures.set("tangent_modulus", force / experiment_.area_ /
+                                        (experiment_.read_elongation(response.motion) / experiment_.gauge_length_));
+  }
+
+ private:
+  /// Force along the axis with which the loaded supports pull [N].
+  double loaded_reaction(const Positions& reactions) const {
+    double sum = 0;
+    for (Eigen::Index i = static_cast<Eigen::Index>(first_loaded_support_);
+         i < static_cast<Eigen::Index>(end_of_loaded_supports_); ++i)
+      sum += setup_.axis.dot(reactions.col(i));
+    return sum_over(body_, sum);
+  }
+
+  const Tension& experiment_;
+  const TensionSetup& setup_;
+  const Body& body_;
+  Model& model_;
+  double factor_ = 1;
+  PointLoads* load_ = nullptr;  // owned by the model
+  std::size_t first_loaded_support_ = 0, end_of_loaded_supports_ = 0;
+};
+
+std::unique_ptr<StaticRig> Tension::static_rig(Model& model) const {
+  return std::make_unique<TensionRig>(*this, model);
+}
+
+}  // namespace
+
+const TensionSetup* tension_setup(const Experiment& experiment) {
+  const auto* tension = dynamic_cast<const Tension*>(&without_supports(experiment));
+  return tension ? &tension->setup() : nullptr;
+}
+
+std::unique_ptr<StaticExperiment> make_tension(const Body& body, const TensionSetup& setup) {
+  if (molecules_of_whole(body) < 2)
+    throw InputError("tension needs at least 2 molecules; the body has " + std::to_string(body.size()));
+  return std::make_unique<Tension>(body, setup);
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,119 @@
+#include "lab/experiment/torsion/torsion.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/model/faces.h"
+#include "elastin/core/model/share.h"
+#include "lab/experiment/driven.h"
+#include "lab/run/moduli.h"
+
+namespace elastin::lab {
+namespace {
+
+/// J of a section with four right corners; 0 of any other.
+double section_constant(const Points2& hull) {
+  if (hull.cols() != 4) return 0;
+  const Eigen::Vector2d a = hull.col(1) - hull.col(0), b = hull.col(2) - hull.col(1), c = hull.col(3) - hull.col(2);
+  const bool right = std::abs(a.dot(b)) < 1e-6 * a.norm() * b.norm() && (a + c).norm() < 1e-6 * a.norm();
+  return right ? torsion_constant(a.norm(), b.norm()) : 0;
+}
+
+class Torsion final : public Driven {
+ public:
+  Torsion(const Body& body, const TorsionSetup& setup) : Driven(body, setup.load_steps), setup_(setup) {
+    const Face fixed = end_face(body, -setup.axis, setup.grip_depth),
+               loaded = end_face(body, setup.axis, setup.grip_depth);
+    fix_fully(fixed.molecules);
+    first_loaded_ = fixed_.size();
+    fix_fully(loaded.molecules);
+    middle_ = middle_of(body, loaded, body.rest);
+    length_ = setup.axis.dot(middle_ - middle_of(body, fixed, body.rest));
+    section_ = section_constant(hull_of_whole(body, across(setup.axis)));
+  }
+
+  std::string name() const override { return "torsion"; }
+  ResponseMeasures response_measures() const override { return {"angle", "torque"}; }
+  std::optional<std::size_t> first_released() const override { return first_loaded_; }
+
+  Measures measure(const Held& held, const Start& start, const State& state, const StaticOptions&,
+                   StaticResult& solved) const override {
+    const Positions pull = pull_of(start, solved);
+    const Positions& positions = solved.linear ? body_.rest : state.positions;
+    std::array<double, 3> sums{0, 0, 0};
+    for (std::size_t i = first_loaded_; i < fixed_.size(); ++i) {
+      const Vector3 force = pull.col(static_cast<Eigen::Index>(i));
+      sums[0] += setup_.axis.dot((positions.col(fixed_[i].molecule) - middle_).cross(force));
+      sums[1] += setup_.axis.dot(force);
+      sums[2] += force.norm();
+    }
+    sum_over(body_, sums);
+    const auto [torque, axial, size] = sums;
+    const double angle = held.released ? turn_of(state.positions) : held.factor * setup_.angle;
+    Measures measures;
+    measures.set("torque", torque);
+    measures.set("axial_force", axial);
+    measures.set("angle", angle);
+    measures.set("torsional_stiffness", torque / angle);
+    if (section_ > 0) measures.set("shear_modulus", torque * length_ / (section_ * angle));
+    add_state(held.model, state, solved, size, measures);
+    return measures;
+  }
+
+  std::vector<MainMeasure> main_measures(const Material& material, const Measures& /*measured*/) const override {
+    std::vector<MainMeasure> measures{{"torque"}, {"axial_force"}};
+    if (section_ > 0) measures.insert(measures.begin(), {"shear_modulus", lab::shear_modulus(material)});
+    return measures;
+  }
+
+ private:
+  Vector3 displacement(std::size_t index, double factor) const override {
+    if (index < first_loaded_) return Vector3::Zero();
+    const Vector3 arm = body_.rest.col(fixed_[index].molecule) - middle_;
+    const double angle = factor * setup_.angle;
+    if (setup_.straight) return angle * setup_.axis.cross(arm);
+    return Eigen::AngleAxisd(angle, setup_.axis) * arm - arm;
+  }
+
+  Vector3 displacement_slope(std::size_t index, double factor) const override {
+    if (index < first_loaded_) return Vector3::Zero();
+    const Vector3 arm = body_.rest.col(fixed_[index].molecule) - middle_;
+    const double angle = setup_.straight ? 0 : factor * setup_.angle;
+    return setup_.angle * setup_.axis.cross(Eigen::AngleAxisd(angle, setup_.axis) * arm);
+  }
+
+  double longest_step() const override {
+    constexpr double quarter = std::numbers::pi / 2;
+    return setup_.straight || std::abs(setup_.angle) <= quarter ? 1 : quarter / std::abs(setup_.angle);
+  }
+
+  /// Angle [rad] by which the end has turned in the mean.
+  double turn_of(const Positions& positions) const {
+    std::array<double, 2> sums{0, 0};  // across, along
+    for (std::size_t i = first_loaded_; i < fixed_.size(); ++i) {
+      const int molecule = fixed_[i].molecule;
+      if (molecule >= owned_molecules(body_)) continue;
+      Vector3 arm = body_.rest.col(molecule) - middle_;
+      arm -= setup_.axis.dot(arm) * setup_.axis;
+      const Vector3 now = positions.col(molecule) - middle_;
+      sums[0] += setup_.axis.dot(arm.cross(now));
+      sums[1] += arm.dot(now);
+    }
+    sum_over(body_, sums);
+    return std::atan2(sums[0], sums[1]);
+  }
+
+  TorsionSetup setup_;
+  std::size_t first_loaded_ = 0;
+  Vector3 middle_;
+  double length_ = 0, section_ = 0;  // section: its torsion constant J, 0 = not known
+};
+
+}  // namespace
+
+std::unique_ptr<StaticExperiment> make_torsion(const Body& body, const TorsionSetup& setup) {
+  return std::make_unique<Torsion>(body, setup);
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,74 @@
+#include "elastin/core/solve/vibrations.h"
+#include "lab/experiment/motion/motion.h"
+
+namespace elastin::lab {
+namespace {
+
+class Vibration final : public StaticExperiment {
+ public:
+  Vibration(std::unique_ptr<const StaticExperiment> fixture, int count, bool loaded)
+      : fixture_(std::move(fixture)), count_(count), loaded_(loaded) {}
+
+  std::string name() const override { return "vibration"; }
+  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  const StaticExperiment* calibration() const override { return fixture_.get(); }
+  bool stiffened_by_load() const override { return loaded_; }
+  int load_steps() const override { return loaded_ ? fixture_->load_steps() : 1; }
+  double load_factor(int step) const override { return loaded_ ? fixture_->load_factor(step) : 1; }
+
+  std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override {
+    return {{"frequency_1"}, {"frequency_2"}, {"frequency_3"}, {"frequency_4"}};
+  }
+
+ private:
+  friend class VibrationRig;
+  std::unique_ptr<const StaticExperiment> fixture_;
+  int count_;
+  bool loaded_;  ///< about the equilibrium under the fixture's load
+};
+
+class VibrationRig final : public StaticRig {
+ public:
+  /// What the fixture holds is held; its load stays away until set_load, if it counts at all.
+  VibrationRig(const Vibration& experiment, Model& model) : experiment_(experiment), model_(model) {
+    if (!experiment_.fixture_) return;
+    fixture_ = experiment_.fixture_->static_rig(model);
+    fixture_->set_load(0);
+  }
+
+  void set_load(double factor) override {
+    if (experiment_.loaded_) fixture_->set_load(factor);
+  }
+  double longest_step() const override { return experiment_.loaded_ ? fixture_->longest_step() : 1; }
+
+  Measures measure(const Start&, const State& state, const StaticOptions&, StaticResult& solved) const override {
+    const Vibrations found = find_vibrations(model_, state, experiment_.count_);
+    solved.linear_iterations += found.iterations;
+    solved.residual = 0;  // of a state without loads it would be that of rounding
+    solved.outcome = found.outcome;
+    solved.cause = found.cause;
+    Measures measures;
+    measures.set("rigid_motions", found.rigid_motions);
+    for (Eigen::Index k = 0; k < found.frequencies.size(); ++k)
+      measures.set("frequency_" + std::to_string(k + 1), found.frequencies[k]);
+    return measures;
+  }
+
+ private:
+  const Vibration& experiment_;
+  Model& model_;
+  std::unique_ptr<StaticRig> fixture_;  // null: the body is free
+};
+
+std::unique_ptr<StaticRig> Vibration::static_rig(Model& model) const {
+  return std::make_unique<VibrationRig>(*this, model);
+}
+
+}  // namespace
+
+std::unique_ptr<StaticExperiment> make_vibration(const Body&, std::unique_ptr<const StaticExperiment> fixture,
+                                                 int count, bool loaded) {
+  return std::make_unique<Vibration>(std::move(fixture), count, loaded);
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,267 @@
+#include "lab/run/calibration.h"
+
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "core/laws/springs/uniform.h"
+#include "core/simulation/volume_fit.h"
+#include "elastin/core/forces/volume.h"
+#include "elastin/core/model/share.h"
+#include "lab/run/curve_fit.h"
+#include "lab/run/load_curve.h"
+#include "lab/run/specimen.h"
+
+namespace elastin::lab {
+namespace {
+
+Material without_fibres(const Material& material) {
+  Material matrix = material;
+  matrix.fibre.reset();
+  return matrix;
+}
+
+/// The measure to which a rule is calibrated: the first modulus that the material prescribes a value for. A ratio does
+/// not change with the springs' scale.
+std::optional<MainMeasure> calibration_target(const StaticExperiment& experiment, const Material& material) {
+  for (const MainMeasure& measure : experiment.main_measures(without_fibres(material), {}))
+    if (std::isfinite(measure.prescribed) && find_measure(std::string(measure.name)).unit != dimension::none)
+      return measure;
+  return std::nullopt;
+}
+
+/// The computed reference to which a rule is calibrated where the material's modulus shows on no body of this shape:
+/// of the first main measure that has one and grows with the springs, a modulus or a force.
+const Reference* calibrated_reference(const StaticExperiment& experiment, const Specimen& specimen) {
+  for (const MainMeasure& measure : experiment.main_measures(without_fibres(specimen.material), {}))
+    for (const Reference& reference : specimen.references) {
+      const Dimension& unit = find_measure(reference.measure).unit;
+      if (reference.measure == measure.name && reference.certain() &&
+          (unit == dimension::pressure || unit == dimension::force))
+        return &reference;
+    }
+  return nullptr;
+}
+
+void fail_calibration(Run& run, const std::string& cause) {
+  if (run.outcome != Outcome::converged) return;  // the solve itself has said why
+  run.outcome = Outcome::diverged;
+  run.cause = "calibration: " + cause;
+}
+
+/// What one linear solve under a small load measures; nothing if it fails.
+std::optional<Measures> measure_linear(const Specimen& specimen, const StaticExperiment& experiment,
+                                       std::unique_ptr<Elasticity> elasticity, const StaticOptions& options, Run& run) {
+  Model model(specimen.body);
+  model.add(std::move(elasticity));
+  const auto rig = experiment.static_rig(model);
+  rig->set_load(0x1p-10);
+  State state = state_at_rest(specimen.body);
+  StaticOptions linear = options;
+  linear.linear = true;
+  StaticResult solved = solve_static(model, state, linear);
+  const Start rest{specimen.body.rest, Positions::Zero(3, solved.reactions.cols())};
+  Measures measures;
+  if (solved.outcome == Outcome::converged) measures = rig->measure(rest, state, linear, solved);
+  run.linear_iterations += solved.linear_iterations;
+  if (solved.outcome == Outcome::converged) return measures;
+  run.outcome = solved.outcome;
+  run.cause = "calibration: " + solved.cause;
+  return std::nullopt;
+}
+
+/// Whether what was measured is rounding: the load meets a stiffness far below that of any single connection.
+bool meets_nothing(const Body& body, const Measures& measures, const VectorX& constants) {
+  const double stiffness = std::abs(measures.get("force") / measures.get("elongation"));
+  return stiffness < 1e-9 * largest_over(body, constants.cwiseAbs().maxCoeff());
+}
+
+/// If so, the strategy does not suit the body.
+bool note_mechanism(const Body& body, const std::optional<Measures>& measures, Run& run) {
+  if (!measures || !meets_nothing(body, *measures, run.constants)) return false;
+  run.suited = false;
+  run.cause = "nothing to calibrate: the body is a mechanism that does not resist this load";
+  return true;
+}
+
+/// The springs of the run's constants, all on one curve if there is one, and a volume term of this modulus if the
+/// strategy has one.
+std::unique_ptr<Elasticity> assembled(const Specimen& specimen, const StrategyChoice& choice, const Run& run,
+                                      double volume_modulus, const std::optional<StressStrain>& curve = {}) {
+  auto springs = curve ? make_curve_springs(specimen.body, run.constants / specimen.material.youngs_modulus, *curve)
+                       : make_springs(specimen.body, run.constants);
+  if (!choice.strategy.volume_modulus) return springs;
+  return make_sum(std::move(springs), make_volume(specimen.body, volume_modulus));
+}
+
+/// Beyond this factor a rule is not corrected but replaced.
+constexpr double kMostScaled = 2;
+
+/// `uniform` has no constants of its own that could be far off.
+void scale(Run& run, const StrategyChoice& choice, double factor, double volume_modulus) {
+  run.calibration_factor = factor;
+  if ((factor > kMostScaled || factor < 1 / kMostScaled) && !choice.strategy.name.starts_with(Uniform::name)) {
+    char text[120];
+    std::snprintf(text, sizeof text,
+                  "calibration multiplies the spring constants by %.4g; the rule alone is that far off on this body",
+                  factor);
+    run.warnings.emplace_back(text);
+  }
+  run.constants *= factor;
+  run.volume_modulus = volume_modulus;
+}
+
+/// Scales the run's stiffness to the modulus prescribed / measured.
+void scale_to_modulus(const Specimen& specimen, const StaticExperiment& experiment, const StrategyChoice& choice,
+                      const StaticOptions& options, Run& run) {
+  const auto measures =
+      measure_linear(specimen, experiment, assembled(specimen, choice, run, run.volume_modulus), options, run);
+  if (note_mechanism(specimen.body, measures, run)) return;
+  const MainMeasure target = *calibration_target(experiment, specimen.material);
+  const double factor = measures ? target.prescribed / measures->get(target.name) : 0;
+  if (!(factor > 0)) return fail_calibration(run, "the linear solve measures no positive modulus");
+  scale(run, choice, factor, factor * run.volume_modulus);
+}
+
+/// Fits the run's constants and volume term to E and ν.
+void fit_springs_and_volume(const Specimen& specimen, const StaticExperiment& experiment, const StrategyChoice& choice,
+                            const StaticOptions& options, Run& run) {
+  const auto fit = fit_volume(specimen.material, [&](double modulus) -> std::optional<std::pair<double, double>> {
+    const auto measures = measure_linear(specimen, experiment, assembled(specimen, choice, run, modulus), options, run);
+    if (note_mechanism(specimen.body, measures, run) || !measures) return std::nullopt;
+    return std::pair{measures->get("effective_modulus"), measures->get("poissons_ratio")};
+  });
+  if (!run.suited) return;
+  if (!fit) return fail_calibration(run, "the linear solves measure no positive E, or no Poisson's ratio");
+  scale(run, choice, fit->spring_factor, fit->volume_modulus);
+  if (std::abs(fit->poissons_ratio - specimen.material.poissons_ratio) > 0.002)
+    run.warnings.push_back("calibration reaches no nearer Poisson's ratio than " + std::to_string(fit->poissons_ratio));
+}
+
+/// Scales the run's stiffness until the body measures what the solid itself does under the whole load: at once where
+/// the load is a displacement, for then all forces are in proportion to the springs.
+void scale_to_reference(const Specimen& specimen, const StaticExperiment& experiment, const StrategyChoice& choice,
+                        const RunOptions& options, Run& run) {
+  constexpr int most_runs = 12;
+  constexpr double near = 1e-6;
+  const Reference& target = *calibrated_reference(experiment, specimen);
+  RunOptions quiet;
+  quiet.statics = options.statics;
+  double factor = 1, off = INFINITY;
+  for (int trial = 0; trial < most_runs && std::abs(off) > near; ++trial) {
+    if (options.progress) options.progress("calibrating to the computed reference");
+    Model model(specimen.body);
+    Run scaled = run;
+    scaled.constants *= factor;
+    model.add(assembled(specimen, choice, scaled, factor * run.volume_modulus, specimen.material.curve));
+    const auto rig = add_surroundings(model, specimen, experiment, choice);
+    Run found;
+    solve_load_curve(model, experiment, *rig->at_rest(), specimen.material, quiet, found, specimen.start);
+    run.linear_iterations += found.linear_iterations;
+    const double measured = found.measures.get(target.measure);
+    if (found.outcome != Outcome::converged || !(measured / target.value > 0)) {
+      run.outcome = found.outcome == Outcome::converged ? Outcome::diverged : found.outcome;
+      run.cause = "calibration to the computed reference: " +
+                  (found.cause.empty() ? "the springs measure no positive " + target.measure : found.cause);
+      return;
+    }
+    off = measured / target.value - 1;
+    if (std::abs(off) > near) factor /= 1 + off;
+  }
+  if (std::abs(off) > 1e-3) return fail_calibration(run, "no factor of the springs reaches the computed reference");
+  run.calibrated_to_reference = true;
+  scale(run, choice, factor, factor * run.volume_modulus);
+}
+
+/// Whether an experiment measures both E and ν of a material.
+bool measures_both(const StaticExperiment& experiment, const Material& material) {
+  int found = 0;
+  for (const MainMeasure& measure : experiment.main_measures(material, {}))
+    found += measure.name == "effective_modulus" || measure.name == "poissons_ratio";
+  return found == 2;
+}
+
+/// A curve of the springs with which the body shows the material's.
+StressStrain fitted_curve(const Specimen& specimen, const StaticExperiment& experiment, const StrategyChoice& choice,
+                          const RunOptions& options, Run& run) {
+  const Material matrix = without_fibres(specimen.material);
+  RunOptions quiet;
+  quiet.statics = options.statics;
+  const CurveFit fit = fit_curve(*matrix.curve, [&](const StressStrain& springs) {
+    if (options.progress) options.progress("fitting the springs' curve");
+    Model model(specimen.body);
+    model.add(assembled(specimen, choice, run, run.volume_modulus, springs));
+    const auto rig = experiment.static_rig(model);
+    Run trial;
+    solve_load_curve(model, experiment, *rig, matrix, quiet, trial);
+    run.linear_iterations += trial.linear_iterations;
+    std::vector<StressStrain::Point> shown;
+    for (const CurvePoint& point : trial.curve)
+      shown.push_back({point.measures.get("strain"), point.measures.get("stress")});
+    return shown;
+  });
+  if (fit.error > 0.01)
+    run.warnings.push_back("the springs' curve could not be fitted: the body's is " +
+                           std::to_string(static_cast<int>(std::round(100 * fit.error))) + " % off the material's");
+  return fit.springs;
+}
+
+/// Names the first connection whose constant is not finite.
+std::string non_finite_text(const Body& body, const VectorX& constants) {
+  int connection = 0;
+  while (std::isfinite(constants[connection])) ++connection;
+  const auto& [a, b] = body.connections.ends[connection];
+  return "the spring constant of connection " + std::to_string(connection) + " (molecules " + std::to_string(a) + ", " +
+         std::to_string(b) + ") is not finite" +
+         (body.connections.rest_length[connection] > 0 ? "" : ": it has no length");
+}
+
+}  // namespace
+
+const StaticExperiment* calibration_of(const Experiment& experiment, const Specimen& specimen) {
+  return specimen.calibration ? specimen.calibration.get() : experiment.calibration();
+}
+
+std::string_view calibrated_measure(const StaticExperiment& experiment, const Material& material) {
+  const auto target = calibration_target(experiment, material);
+  return target ? target->name : "";
+}
+
+std::string calibration_unsuited(const Experiment& experiment, const Specimen& specimen) {
+  const StaticExperiment* at_rest = calibration_of(experiment, specimen);
+  if (at_rest && (calibration_target(*at_rest, specimen.material) || calibrated_reference(*at_rest, specimen)))
+    return "";
+  return "the experiment " + experiment.name() + " measures on this body no modulus to calibrate to" +
+         (at_rest && at_rest->apparent() ? ": its modulus is apparent, of the body's shape as well as of the material, "
+                                           "and there is no computed reference"
+                                         : "");
+}
+
+std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Experiment& experiment,
+                                      const StrategyChoice& choice, const RunOptions& options, Run& run) {
+  const bool with_volume = static_cast<bool>(choice.strategy.volume_modulus);
+  const StaticExperiment* calibration = calibration_of(experiment, specimen);
+  run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
+  if (with_volume) run.volume_modulus = choice.strategy.volume_modulus(specimen.material);
+  if (choice.calibrated) {
+    const StaticExperiment& at_rest = *calibration;
+    const bool both = with_volume && measures_both(at_rest, specimen.material);
+    if (!calibration_target(at_rest, specimen.material))
+      scale_to_reference(specimen, at_rest, choice, options, run);
+    else
+      (both ? fit_springs_and_volume : scale_to_modulus)(specimen, at_rest, choice, options.statics, run);
+  }
+  if (const std::string found =
+          first_over(specimen.body, run.constants.allFinite() ? "" : non_finite_text(specimen.body, run.constants));
+      !found.empty()) {
+    run.outcome = Outcome::diverged;
+    run.cause = found;
+  }
+  if (!run.suited || run.outcome != Outcome::converged) return nullptr;
+  std::optional<StressStrain> curve = specimen.material.curve;
+  if (curve && choice.calibrated && !run.calibrated_to_reference && !options.statics.linear && calibration->axis())
+    curve = fitted_curve(specimen, *calibration, choice, options, run);
+  return assembled(specimen, choice, run, run.volume_modulus, curve);
+}
+
+}  // namespace elastin::lab

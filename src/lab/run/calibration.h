@@ -1,0 +1,35 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "lab/run/choice.h"
+#include "lab/run/run.h"
+
+namespace elastin::lab {
+
+/// The experiment in which rules are calibrated: the specimen's, or the one that it is used in. Null where there is
+/// none.
+const StaticExperiment* calibration_of(const Experiment& experiment, const Specimen& specimen);
+
+/// Name of the measure to which an experiment calibrates: the first modulus that the material, without its fibres,
+/// prescribes; "" where there is none.
+std::string_view calibrated_measure(const StaticExperiment& experiment, const Material& material);
+
+/// Why a rule cannot be calibrated in this experiment, or "".
+std::string calibration_unsuited(const Experiment& experiment, const Specimen& specimen);
+
+/// The springs of a rule, with their volume term if any, without the material's fibres. A choice that is `calibrated`
+/// is fitted to the material by solves of the experiment alone, without the scene's other loads and without fibres:
+///   * the constants to the first modulus that the experiment measures, by one linear solve of a small load (so that
+///     ways which are curved are straight too);
+///   * with a volume term, and where the experiment measures both E and ν, constants and term to both, by two linear
+///     solves and at most two more;
+///   * where the material prescribes no such modulus (a body that is no prism), constants and term by one factor with
+///     which the body measures the specimen's computed reference under the whole load;
+///   * where the material has a stress–strain curve, then the springs' own curve to it (see curve_fit.h).
+/// Sets the run's constants and what calibration found. Null if a solve fails: the run says why.
+std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Experiment& experiment,
+                                      const StrategyChoice& choice, const RunOptions& options, Run& run);
+
+}  // namespace elastin::lab

@@ -1,0 +1,40 @@
+#pragma once
+#include "config/edited_scene.h"
+#include "config/held_scene.h"
+#include "config/keys.h"
+#include "config/other_names.h"
+#include "config/reader.h"
+#include "config/scene_tree.h"
+#include "elastin/config/held_scene.h"
+#include "elastin/config/scene_key.h"
+
+namespace elastin::lab {
+
+// The lab speaks the language of scenes.
+using config::held_scene;
+using config::HeldScene;
+using config::key_of;
+using config::KeySection;
+using config::KeyUse;
+using config::KeyUses;
+using config::kNotNegative;
+using config::kPositive;
+using config::missing_file;
+using config::moved_scene;
+using config::open_scene_file;
+using config::open_scene_text;
+using config::owners_of;
+using config::path_text;
+using config::Range;
+using config::range_text;
+using config::Reader;
+using config::SceneFile;
+using config::SceneKey;
+using config::suggested_word;
+using config::text_of_scene;
+using config::with_section;
+using config::with_value;
+using config::with_values;
+using config::words_text;
+
+}  // namespace elastin::lab

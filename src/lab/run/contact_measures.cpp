@@ -1,0 +1,103 @@
+#include "lab/run/contact_measures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "elastin/core/model/share.h"
+#include "elastin/core/solve/engine.h"
+
+namespace elastin::lab {
+namespace {
+
+/// A force that is asked for counts as met when it is this near.
+constexpr double kForceTolerance = 1e-7;
+
+}  // namespace
+
+contact::Contact* contact_of(const Model& model) {
+  for (const auto& load : model.loads())
+    if (auto* contact = dynamic_cast<contact::Contact*>(load.get())) return contact;
+  return nullptr;
+}
+
+int find_obstacle(const std::vector<contact::Obstacle>& obstacles, const std::string& name) {
+  const auto found = std::find_if(obstacles.begin(), obstacles.end(), [&](const auto& o) { return o.name == name; });
+  return found == obstacles.end() ? -1 : static_cast<int>(found - obstacles.begin());
+}
+
+double largest_force(const contact::ContactReport& report) {
+  double largest = 0;
+  for (const Vector3& force : report.on_obstacles) largest = std::max(largest, force.norm());
+  return largest > 0 ? largest : report.between_pieces.norm();
+}
+
+void note_contact(const contact::ContactReport& report, double copies, Measures& measures) {
+  if (copies == 1) measures.set("contact_force", largest_force(report));  // parts of a whole have forces across, too
+  measures.set("contact_area", copies * report.area);
+  measures.set("largest_pressure", report.largest_pressure);
+  measures.set("largest_penetration", report.largest_penetration);
+  measures.set("contacts", report.pairs);
+  measures.set("sticking", report.sticking);
+}
+
+Snapshot snapshot_of(const Model& model, const State& state, double at, int number) {
+  Snapshot shot{at, state.positions, {}, number};
+  const Body& body = model.body();
+  shot.force_densities =
+      model.force_densities(state.positions, [&](const CellBlock& block, int cell, const CellState& own) {
+        shot.block_states.resize(cells_in_blocks(body));
+        std::size_t first = 0;
+        for (const CellBlock* other = body.blocks.data(); other != &block; ++other)
+          first += static_cast<std::size_t>(other->size());
+        CellState& sum = shot.block_states[first + static_cast<std::size_t>(cell)];  // fibres add theirs
+        sum.strain = own.strain, sum.stress += own.stress;
+      });
+  if (!shot.block_states.empty()) shot.elastic_forces = model.elastic_forces(state.positions);
+  if (const contact::Contact* contact = contact_of(model)) {
+    contact::ContactReport report = contact->report(state);
+    shot.contact_forces = std::move(report.forces);
+    shot.contact_pressure = std::move(report.pressure);
+    shot.obstacles = contact->poses(at);
+  }
+  return shot;
+}
+
+void keep_snapshot(const Model& model, const State& state, double at, int number, const RunOptions& options, Run& run) {
+  if (!options.keep_snapshots) return;
+  if (options.last_snapshot) run.snapshots.clear();
+  run.snapshots.push_back(snapshot_of(model, state, at, number));
+  if (!model.body().share) return;
+  Positions& forces = run.snapshots.back().elastic_forces;
+  forces = model.elastic_forces(state.positions);
+  options.statics.engine->complete(model, forces);
+}
+
+void ForceControl::aim(double fraction) {
+  fraction_ = fraction;
+  if (fraction == 0) {
+    before_displacement_ = before_force_ = last_displacement_ = last_force_ = 0;
+  } else if (last_force_ > 0) {
+    displacement_ = towards(fraction * wanted_);
+  }
+}
+
+bool ForceControl::adjust(double force) {
+  // Two points that are almost one would say little of the slope.
+  if (std::abs(displacement_ - last_displacement_) > 1e-3 * std::abs(displacement_))
+    before_displacement_ = last_displacement_, before_force_ = last_force_;
+  last_displacement_ = displacement_, last_force_ = force;
+  const double wanted = fraction_ * wanted_;
+  if (std::abs(force - wanted) <= kForceTolerance * wanted_) return false;
+  displacement_ = towards(wanted);
+  return true;
+}
+
+/// Along the secant, but to no less than half and no more than twice the way; where nothing resists yet, twice.
+double ForceControl::towards(double force) const {
+  const double slope = (last_force_ - before_force_) / (last_displacement_ - before_displacement_),
+               now = std::abs(last_displacement_);
+  if (!(slope > 0)) return last_displacement_ + now;
+  return last_displacement_ + std::clamp((force - last_force_) / slope, -0.5 * now, now);
+}
+
+}  // namespace elastin::lab

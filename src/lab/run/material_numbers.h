@@ -1,0 +1,78 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "elastin/core/laws/homogeneous.h"
+#include "elastin/core/laws/material_law.h"
+#include "lab/run/curve_numbers.h"
+
+namespace elastin::lab {
+
+/// A number that can be unknown: of a material one of its law's, of a law's term ("mu_1"), of its curve ("stress_2"),
+/// of its relaxation ("g_1", "tau_1"), or E or ν where these are given and not derived; beside it one of the spring
+/// rule's parameters, or the friction of contact.
+struct MaterialNumber {
+  enum class Kind {
+    law_number,
+    law_term,
+    curve_number,
+    youngs_modulus,
+    poissons_ratio,
+    share,
+    relaxation_time,
+    rule_parameter,
+    friction
+  };
+
+  std::string name;
+  Dimension unit;
+  double low, high;  ///< admissible range, SI
+  bool above_low;    ///< whether `low` itself is not admissible
+  double value;      ///< SI, of the material that it was read off
+  Kind kind;
+  std::size_t term = 0, column = 0;
+
+  bool operator==(const MaterialNumber&) const = default;
+};
+
+/// A material that is tried, with what else of a scene may be unknown.
+struct Trial {
+  Material material = {};
+  std::optional<CurveNumbers> curve = {};  ///< by which the material's curve is stated
+  ParameterValues rule = {};               ///< parameters of the spring rule that are unknown
+  std::optional<double> friction = {};     ///< of contact, where it is unknown
+
+  Trial() = default;
+  Trial(Material own) : material(std::move(own)) {}
+};
+
+/// How a trial changes with one of its numbers θ: ∂f/∂θ = Σ weights f(trials).
+struct TrialChange {
+  std::vector<Trial> trials;
+  std::vector<double> weights;  ///< [1/unit of θ], as many
+};
+
+/// All numbers that the material has, in the order of its law's row. `row` is null where it has no law.
+std::vector<MaterialNumber> material_numbers(const MaterialLaw* row, const Trial& trial);
+
+/// The trial with other numbers. Throws InputError where the law does not admit them or is unstable at rest with them,
+/// or no curve goes through them.
+Trial with_numbers(const MaterialLaw* row, const Trial& trial, const std::vector<MaterialNumber>& numbers,
+                   const VectorX& values);
+
+/// How the trial changes with each number, about these values: central differences over `steps`, one-sided ones of
+/// second order where a side is not admissible.
+std::vector<TrialChange> trial_changes(const MaterialLaw* row, const Trial& trial,
+                                       const std::vector<MaterialNumber>& numbers, const VectorX& values,
+                                       const VectorX& steps);
+
+/// Of the materials alone.
+std::vector<MaterialChange> material_changes(const std::vector<TrialChange>& changes);
+
+/// Axes of a test, a column each: 1 along the law's first direction, 2 in the plane of its first two, as far as it has
+/// any.
+Matrix3 axes_of_law(const MaterialLaw& row, const Material& material);
+
+}  // namespace elastin::lab

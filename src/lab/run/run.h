@@ -1,0 +1,121 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "elastin/contact/contact.h"
+#include "elastin/core/forces/load_table.h"
+#include "elastin/core/model/body.h"
+#include "elastin/core/model/material.h"
+#include "elastin/lab/run/experiment.h"
+#include "lab/run/identification.h"
+#include "lab/run/time_options.h"
+
+namespace elastin::lab {
+
+/// How a run is said to have ended whose strategy cannot run on its body; beside the names of the outcomes.
+inline constexpr const char* kUnsuited = "unsuited";
+
+/// Beyond this relative uncertainty a reference ranks nothing.
+inline constexpr double kMostUncertain = 0.05;
+
+/// A value of the same boundary-value problem to measure errors against: from elsewhere, or the limit of the solid
+/// itself under refinement.
+struct Reference {
+  std::string measure;
+  double value = 0;
+  std::string source;
+  double uncertainty = 0;  ///< relative; 0 = not stated
+  bool computed = false;   ///< the solid itself, refined and extrapolated
+  double seconds = 0;      ///< that computing it took, when it was
+  bool read_back = false;  ///< from the file of an earlier comparison
+  bool certain() const { return uncertainty <= kMostUncertain; }
+  bool operator==(const Reference&) const = default;
+};
+
+/// Adds one load, or damping, to a model of the body.
+struct SpecimenLoad {
+  std::function<void(Model&)> add;
+  /// Its row in the core's table of loads and its values, for who adds it elsewhere; none: it stands on something else,
+  /// or changes in time.
+  std::optional<std::pair<std::string, LoadValues>> row = {};
+};
+
+/// What does not change from strategy to strategy.
+struct Specimen {
+  Body body;
+  Material material;  ///< what experiments compare with
+  std::vector<SpecimenLoad> loads;
+  std::function<void(State&)> start = {};               ///< changes the state in which a run begins; may be empty
+  std::vector<Material> materials = {};                 ///< of the body's parts, by Part::material; empty without parts
+  std::optional<contact::ContactOptions> contact = {};  ///< none: no contact object is built
+  /// In which spring rules are calibrated; null: in the scene's own experiment.
+  std::shared_ptr<const StaticExperiment> calibration = {};
+  std::vector<Reference> references = {};  ///< computed ones: what the solid itself measures on this body
+};
+
+/// A state to be looked at.
+struct Snapshot {
+  double at = 0;                              ///< load factor; time [s] of a run in time
+  Positions positions;                        ///< [m]
+  VectorX force_densities;                    ///< force density of each connection [N/m]
+  int number = 0;                             ///< of the load step or frame
+  Positions contact_forces = {};              ///< [N]; empty without contact
+  VectorX contact_pressure = {};              ///< [Pa]
+  std::vector<contact::Pose> obstacles = {};  ///< where they were
+  std::vector<CellState> block_states = {};   ///< of the cells of the body's blocks, one after the other
+  Positions elastic_forces = {};              ///< [N]; only where the body has blocks
+};
+
+/// What came of one strategy on one specimen. Everything in SI units.
+struct Run {
+  std::string strategy;
+  int order = 0;  ///< of the strategy, see StrategyChoice::order
+  std::string solver;
+  std::string solver_reason;  ///< why that one; empty where there was no choice
+  Outcome outcome = Outcome::converged;
+  std::string cause;
+  Measures measures;                     ///< of the last converged load step
+  std::vector<CurvePoint> curve;         ///< one point a converged load step
+  std::vector<Snapshot> snapshots;       ///< of the start and of each point, or the last of them, if asked for
+  VectorX constants;                     ///< spring constants [N/m]; empty for laws without
+  double calibration_factor = 1;         ///< what calibration has multiplied the rule's constants with
+  bool calibrated_to_reference = false;  ///< not to the material: it meets the computed reference by construction
+  double volume_modulus = 0;             ///< κ of the springs' volume term [Pa]; 0 without
+  std::optional<Identified> identified;  ///< the material that the experiment was there to find
+  double build_seconds = 0, solve_seconds = 0;
+  int newton_iterations = 0, linear_iterations = 0;
+  int cut_steps = 0;            ///< Newton steps that were shortened because they would have inverted a cell
+  int bisected_load_steps = 0;  ///< parts of the load that were bisected, lest a cell turn over
+  double residual = 0;
+  int zero_energy_modes = 0;
+  std::vector<std::string> warnings;
+  std::string remark;                ///< of the experiment on what its measures mean here; empty = nothing to say
+  bool restarted_from_rest = false;  ///< the start led nowhere: measured from the equilibrium that there is from rest
+  bool unstable = false;             ///< an equilibrium was found that is no minimum
+  bool uses_cells = false;           ///< the strategy could not run without the body's triangles or tetrahedra
+  bool suited = true;                ///< false: the strategy cannot run on this body; cause says why
+  std::optional<TimeReport> time;    ///< of a run in time
+  std::optional<contact::ContactReport> contact;  ///< of the last state, where there is contact
+};
+
+/// "converged", "unsuited" …
+inline const char* outcome_name(const Run& run) { return run.suited ? name_of(run.outcome) : kUnsuited; }
+
+struct RunOptions {
+  StaticOptions statics;
+  bool keep_snapshots = false;
+  bool last_snapshot = false;                                   ///< of them only that of the last state
+  std::function<void(const std::string& doing)> progress = {};  ///< called before each load step; may be empty
+  std::optional<TimeOptions> time = {};                         ///< what a timed experiment needs
+  bool live = false;                                            ///< frames of a run in time no faster than its cap
+  std::string restart = {};       ///< text that `checkpoint` got: a run in time goes on from there
+  std::string restart_path = {};  ///< where that text stands, for messages; may be empty
+  std::function<void(const std::string& text)> checkpoint = {};  ///< called after frames that are to be kept
+  /// Asked after each step in time and before each load step and iteration of Newton's method; true ends the run.
+  std::function<bool()> stop = {};
+};
+
+}  // namespace elastin::lab

@@ -1,0 +1,376 @@
+#include "lab/run/run_in_time.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <thread>
+
+#include "core/model/visit_state.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/base/text.h"
+#include "elastin/core/model/share.h"
+#include "elastin/core/solve/energies.h"
+#include "elastin/lab/run/experiment.h"
+#include "lab/run/contact_measures.h"
+#include "lab/run/restart.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Of the energy stored, worked or dissipated: more than that made by the steps is said.
+constexpr double kEnergyFromNothing = 0.05;
+/// Of it to the energy that was there: nothing of such a run is worth reading on.
+constexpr double kEnergyLost = 2;
+/// Part of the steps that may take longer than their budget without a word.
+constexpr double kLate = 0.01;
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+double largest_strain(const Model& model, const State& state) {
+  const Connections& connections = model.body().connections;
+  double largest = 0;
+  for (int c = 0; c < connections.proper(); ++c) {
+    const auto& [a, b] = connections.ends[c];
+    const double rest = connections.rest_length[c];
+    if (rest > 0)
+      largest = std::max(largest, std::abs((state.positions.col(b) - state.positions.col(a)).norm() / rest - 1));
+  }
+  return largest_over(model.body(), largest);
+}
+
+/// One run's way through time.
+class TimedRun {
+ public:
+  TimedRun(Model& model, const TimedExperiment& experiment, const TimedRig& rig, const RunOptions& options, Run& run,
+           State start, const Scheme& scheme, const std::string& identity)
+      : model_(model),
+        experiment_(experiment),
+        rig_(rig),
+        options_(options),
+        run_(run),
+        state_(std::move(start)),
+        identity_(identity),
+        begin_(state_.positions),
+        ledger_(model, state_),
+        control_(model, state_, *options.time, scheme, options.statics),
+        mass_(sum_over(model.body(), model.body().mass.head(owned_molecules(model.body())).sum())),
+        energies_(model.has_energy() && !model.dissipates()) {}
+
+  void resume() {
+    const std::string& path = options_.restart_path;
+    const std::string what = (path.empty() ? "" : path + ": ") + "the restart file";
+    const RestartPoint point = parse_restart(options_.restart, identity_, path);
+    check_state(point.state, model_.body().size(), model_.history(), what);
+    if (point.frame < 0 || point.frame > options_.time->frames)
+      throw InputError(what + " is damaged: frame " + std::to_string(point.frame));
+    state_ = point.state;
+    model_.begin_step(state_, state_.time);
+    if (model_.drive) model_.drive(state_.time, model_.supports);
+    begin_ledger(point.dissipated, point.work, point.jumps);
+    control_.memory = point.memory;
+    run_.newton_iterations = point.newton_iterations;
+    run_.linear_iterations = point.linear_iterations;
+    run_.curve = point.curve;
+    history_ = point.history;
+    frame_ = point.frame;
+  }
+
+  void go() {
+    const Clock::time_point start = Clock::now();
+    const TimeOptions& time = *options_.time;
+    const double critical = control_.memory.critical;
+    if (time.choice == StepChoice::fixed && critical > 0 && time.step > critical)
+      run_.warnings.push_back("a step of " + number(time.step, 4) + " s is longer than the longest stable one, " +
+                              number(critical, 4) + " s");
+    if (run_.curve.empty()) keep_row({});
+    keep_snapshot();
+    double looked = 0;  // [s], at what a budget leaves: no part of the steps
+    const double first = state_.time;
+    const int first_step = control_.memory.steps, first_frame = frame_;
+    while (frame_ < time.frames && run_.outcome == Outcome::converged) {
+      if (options_.progress)
+        options_.progress("t = " + number(state_.time, 4) + " s of " + number(time.duration, 4) + " s");
+      if (!advance_frame(time.time_of(frame_ + 1))) break;
+      ++frame_;
+      keep_snapshot();
+      const Clock::time_point look = Clock::now();
+      control_.look(model_, state_);
+      looked += seconds_since(look);
+      if (options_.checkpoint && time.checkpoint && frame_ % time.checkpoint == 0) save();
+      if (options_.live) wait(start, (frame_ - first_frame) / time.frame_rate);
+      if (frame_ < time.frames && is_stopped()) interrupt();
+    }
+    run_.time->simulated = state_.time - first;
+    run_.time->seconds = seconds_since(start) - looked;
+    report(control_.memory.steps - first_step);
+  }
+
+ private:
+  /// What a frame began with.
+  struct Before {
+    State state;
+    double dissipated, work, jumps;  ///< [J], of the ledger
+    StepControl::Memory memory;
+    std::size_t history;
+  };
+
+  bool advance_frame(double until) {
+    const int steps = control_.memory.steps;
+    std::optional<Before> before;
+    if (options_.stop)
+      before = {state_, ledger_.dissipated, ledger_.work, ledger_.jumps, control_.memory, history_.size()};
+    const StepResult stepped = control_.advance(model_, state_, until, [&](const State& now) {
+      ledger_.record(model_, now);
+      if (now.time < until && is_sampled()) history_.push_back(read({}));
+      return now.time >= until || model_.body().share || !is_stopped();  // processes that share it stop at frames
+    });
+    if (stepped.outcome == Outcome::interrupted) {
+      go_back(*before);
+      interrupt();
+      return false;
+    }
+    run_.newton_iterations += stepped.newton_iterations;
+    run_.linear_iterations += stepped.linear_iterations;
+    if (stepped.outcome != Outcome::converged) {
+      fail(stepped.outcome, stepped.cause);
+      return false;
+    }
+    CurvePoint row;
+    row.newton_iterations = stepped.newton_iterations;
+    row.linear_iterations = stepped.linear_iterations;
+    row.steps = control_.memory.steps - steps;
+    row.step = control_.memory.last;
+    return keep_row(row);
+  }
+
+  void fail(Outcome outcome, const std::string& cause) {
+    run_.outcome = outcome;
+    run_.cause = cause + " (at t = " + number(state_.time, 4) + " s, after " + std::to_string(control_.memory.steps) +
+                 " steps of at most " + number(control_.memory.last, 4) + " s" +
+                 (control_.memory.critical > 0 && std::isfinite(control_.memory.critical)
+                      ? "; the longest stable one was " + number(control_.memory.critical, 4) + " s"
+                      : "") +
+                 ")";
+  }
+
+  /// Measures of the whole history are read from the steps, however few frames are kept: at 50 moments of a frame at
+  /// most, of explicit steps, where reading costs as much as a step, at every fourth; until there are 5000 of them.
+  bool is_sampled() const {
+    const double step = control_.memory.last,
+                 frame = options_.time->time_of(frame_ + 1) - options_.time->time_of(frame_);
+    const double every = std::max(frame / 50, control_.memory.critical > 0 ? 4 * step : 0);
+    return history_.size() < 5000 && std::floor(state_.time / every) > std::floor((state_.time - step) / every);
+  }
+
+  CurvePoint read(CurvePoint row) {
+    row.time = state_.time;
+    row.measures = rig_.read(state_);
+    Measures& m = row.measures;
+    const Energies e = ledger_.energies(model_, state_);
+    m.set("speed", e.momentum.norm() / mass_);
+    m.set("centre_way", centre_way() / mass_);
+    m.set("largest_strain", largest_strain(model_, state_));
+    m.set("kinetic_energy", e.kinetic);
+    m.set("potential_energy", e.potential);
+    m.set("dissipated_energy", e.dissipated);
+    m.set("work", e.work);
+    m.set("momentum", e.momentum.norm());
+    m.set("angular_momentum", e.angular_momentum.norm());
+    if (const contact::Contact* contact = contact_of(model_)) {
+      run_.contact = contact->report(state_);
+      note_contact(*run_.contact, experiment_.copies(), m);
+    }
+    if (energies_) {
+      m.set("energy", e.elastic);
+      const Measures& first = first_measures(m);
+      m.set("energy_balance",
+            e.balance() - first.get("kinetic_energy") - first.get("energy") - first.get("potential_energy"));
+    }
+    return row;
+  }
+
+  /// Mass times the way of the centre [kg m].
+  double centre_way() const {
+    const Body& body = model_.body();
+    const int owned = owned_molecules(body);
+    Vector3 way = (state_.positions - begin_).leftCols(owned) * body.mass.head(owned);
+    sum_over(body, {way.data(), 3});
+    return way.norm();
+  }
+
+  const Measures& first_measures(const Measures& now) const {
+    return history_.empty() ? now : history_.front().measures;
+  }
+
+  /// False if the row shows that energy came from nowhere.
+  bool keep_row(CurvePoint row) {
+    row = read(std::move(row));
+    if (energies_ && !is_accounted_for(row.measures)) return false;
+    history_.push_back(row);
+    run_.curve.push_back(std::move(row));
+    return true;
+  }
+
+  bool is_accounted_for(const Measures& m) {
+    const Measures& first = first_measures(m);
+    const double released = std::abs(m.get("potential_energy") - first.get("potential_energy"));
+    const double available = first.get("kinetic_energy") + first.get("energy") + released + std::abs(m.get("work")) +
+                             sum_over(model_.body(), ledger_.jumps) + rounding_energy();
+    const double now = m.get("kinetic_energy") + m.get("energy");
+    available_ = std::max(available_, available);
+    if (!(m.get("energy_balance") > kEnergyLost * available_)) return true;
+    fail(Outcome::diverged, "the steps make energy from nothing: " + number(now, 4) + " J where " +
+                                number(available_, 4) + " J were there");
+    return false;
+  }
+
+  /// With less than this [J] the body moves by 1e-10 of its size within the duration: rounding.
+  double rounding_energy() const {
+    const auto [low, high] = outline_of_whole(model_.body());
+    const double speed = 1e-10 * (high - low).norm() / options_.time->duration;
+    return mass_ * speed * speed / 2;
+  }
+
+  void keep_snapshot() { lab::keep_snapshot(model_, state_, state_.time, frame_, options_, run_); }
+
+  void save() const {
+    options_.checkpoint(restart_text({frame_, state_, ledger_.dissipated, ledger_.work, ledger_.jumps, control_.memory,
+                                      run_.newton_iterations, run_.linear_iterations, run_.curve, history_},
+                                     identity_));
+  }
+
+  bool is_stopped() const { return options_.stop && any_over(model_.body(), options_.stop()); }
+
+  /// To the frame that was begun: whoever goes on takes the same steps as a run that nobody stopped.
+  void go_back(const Before& before) {
+    state_ = before.state;
+    begin_ledger(before.dissipated, before.work, before.jumps);
+    control_.memory = before.memory;
+    history_.resize(before.history);
+  }
+
+  void begin_ledger(double dissipated, double work, double jumps) {
+    ledger_ = Ledger(model_, state_);
+    ledger_.dissipated = dissipated;
+    ledger_.work = work;
+    ledger_.jumps = jumps;
+  }
+
+  void interrupt() {
+    if (options_.checkpoint && !model_.body().share) save();
+    run_.outcome = Outcome::interrupted;
+    run_.cause = "stopped after frame " + std::to_string(frame_) + " of " + std::to_string(options_.time->frames) +
+                 ", at t = " + number(state_.time, 4) + " s";
+  }
+
+  static void wait(Clock::time_point start, double seconds) {
+    std::this_thread::sleep_until(start +
+                                  std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds)));
+  }
+
+  void report(int steps) {
+    TimeReport& time = *run_.time;
+    const StepControl::Memory& memory = control_.memory;
+    time.steps = steps;
+    time.rejected = memory.rejected;
+    time.shortest_step = memory.shortest;
+    time.last_step = memory.last;
+    time.critical_step = memory.critical;
+    time.frequency = memory.frequency;
+    time.budget = control_.budget();
+    if (time.budget && time.budget->late > kLate)
+      run_.warnings.push_back(number(100 * time.budget->late, 3) + " % of the steps took longer than their budget of " +
+                              number(time.budget->budget, 3) + " s" +
+                              (time.budget->median == 1
+                                   ? ", with one of the " + time.budget->effort + " each: the body is too large for it"
+                                   : ""));
+    experiment_.read_history(history_, run_.measures);
+    for (const auto& [name, value] : run_.curve.back().measures.all())
+      if (!std::isfinite(run_.measures.get(name))) run_.measures.set(name, value);
+    double largest = 0, drift = 0, made = 0;
+    for (const CurvePoint& row : history_) {
+      const Measures& m = row.measures;
+      largest = std::max(
+          {largest, m.get("kinetic_energy") + m.get("energy"), std::abs(m.get("work")), m.get("dissipated_energy")});
+      drift = std::max(drift, std::abs(row.measures.get("energy_balance")));
+      made = std::max(made, m.get("energy_balance"));
+    }
+    if (made > kEnergyFromNothing * largest && made > 10 * rounding_energy())
+      run_.warnings.push_back("the steps make energy from nothing: " + number(made, 2) + " J where at most " +
+                              number(largest, 2) + " J were stored, worked or dissipated; take shorter steps");
+    if (largest > 0) run_.measures.set("energy_drift", drift / largest);
+    run_.remark = experiment_.remark(run_.measures);
+  }
+
+  Model& model_;
+  const TimedExperiment& experiment_;
+  const TimedRig& rig_;
+  const RunOptions& options_;
+  Run& run_;
+  State state_;
+  std::string identity_;
+  Positions begin_;
+  std::vector<CurvePoint> history_;  ///< the frames, and steps between them
+  Ledger ledger_;
+  double available_ = 0;  ///< the most energy that there has been [J]
+  StepControl control_;
+  double mass_;  ///< of the whole [kg]
+  bool energies_;
+  int frame_ = 0;
+};
+
+}  // namespace
+
+std::pair<Scheme, std::string> chosen_scheme(const TimeOptions& options, bool uses_cells) {
+  if (options.scheme) return {*options.scheme, ""};
+  if (uses_cells) return {"newmark", "cells make short stable steps: implicit steps may be as long as they are right"};
+  return {"velocity_verlet", "springs without cells: an explicit step costs one pass over them"};
+}
+
+void run_in_time(Model& model, const TimedExperiment& experiment, TimedRig& rig, const Specimen& specimen,
+                 const RunOptions& options, Run& run) {
+  if (!options.time) throw InputError("a " + experiment.name() + " experiment needs to know for how long: TimeOptions");
+  const auto [scheme, reason] = chosen_scheme(*options.time, run.uses_cells);
+  if (const std::string why = unsuited_for(*scheme, model); !why.empty()) {
+    run.suited = false;
+    run.cause = why;
+    return;
+  }
+  if (model.body().share && !options.restart.empty())
+    throw InputError(options.restart_path + ": several processes that share a body go on from no restart file");
+  run.time = TimeReport{};
+  run.time->scheme = scheme->name;
+  run.time->reason = reason;
+  run.time->resumed = !options.restart.empty();
+  State state = state_at_rest(model.body());
+  if (options.progress) options.progress("finding the state it starts from");
+  const StaticResult started = rig.start(state, options.statics);
+  run.newton_iterations += started.newton_iterations;
+  run.linear_iterations += started.linear_iterations;
+  run.solver = run.time->scheme;
+  if (started.outcome != Outcome::converged) {
+    run.outcome = started.outcome;
+    run.cause = started.cause + " (before time 0)";
+    return;
+  }
+  if (specimen.start) specimen.start(state);
+  if (model.drive) model.drive(0, model.supports);
+  model.declare_history(state);
+  model.commit_step(state);
+  if (any_over(model.body(), !model.admissible(state.positions))) {
+    run.outcome = Outcome::inverted;
+    run.cause = first_over(model.body(), flat_or_inverted_text(flat_or_inverted_cells(model.body(), state.positions),
+                                                               solid_cells(model.body()))) +
+                " at time 0";
+    return;
+  }
+  const std::string identity = restart_identity(model.body(), run.strategy, *options.time, run.time->scheme);
+  TimedRun timed_run(model, experiment, rig, options, run, std::move(state), scheme, identity);
+  if (run.time->resumed) timed_run.resume();
+  timed_run.go();
+}
+
+}  // namespace elastin::lab

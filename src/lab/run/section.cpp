@@ -1,0 +1,164 @@
+#include "lab/run/section.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/model/faces.h"
+#include "elastin/core/model/share.h"
+
+namespace elastin::lab {
+namespace {
+
+/// Part of a triangle's area [0 … 1] that lies below a height, the heights of its corners ascending.
+double share_below(const std::array<double, 3>& h, double height) {
+  if (height <= h[0]) return 0;
+  if (height >= h[2]) return 1;
+  if (height < h[1]) return (height - h[0]) / (h[1] - h[0]) * ((height - h[0]) / (h[2] - h[0]));
+  return 1 - (h[2] - height) / (h[2] - h[0]) * ((h[2] - height) / (h[2] - h[1]));
+}
+
+/// The same of a tetrahedron's volume. Between its second and third corner the plane cuts four sides, at the parts a
+/// and b from corner 0, c and d from corner 1; what lies below is a wedge of three tetrahedra.
+double share_below(const std::array<double, 4>& h, double height) {
+  if (height <= h[0]) return 0;
+  if (height >= h[3]) return 1;
+  const auto cube = [](double x, double p, double q, double r) { return x / p * (x / q) * (x / r); };
+  if (height < h[1]) return cube(height - h[0], h[1] - h[0], h[2] - h[0], h[3] - h[0]);
+  if (height >= h[2]) return 1 - cube(h[3] - height, h[3] - h[0], h[3] - h[1], h[3] - h[2]);
+  const double a = (height - h[0]) / (h[2] - h[0]), b = (height - h[0]) / (h[3] - h[0]),
+               c = (height - h[1]) / (h[2] - h[1]), d = (height - h[1]) / (h[3] - h[1]);
+  return a * b + a * d * (1 - b) + c * d * (1 - a);
+}
+
+/// Volumes of equal slabs between two heights.
+class Slabs {
+ public:
+  Slabs(double from, double to, int count) : from_(from), to_(to), volume_(static_cast<std::size_t>(count)) {}
+
+  /// Spreads a simplex's volume over the slabs in which it lies.
+  template <std::size_t N>
+  void add(std::array<double, N> heights, double volume) {
+    std::sort(heights.begin(), heights.end());
+    const int last = static_cast<int>(volume_.size()) - 1;
+    const auto slab_at = [&](double height) {
+      return static_cast<int>(std::clamp((height - from_) / (to_ - from_) * (last + 1), 0., static_cast<double>(last)));
+    };
+    const int first = slab_at(heights.front()), end = slab_at(heights.back());
+    for (int slab = first; slab <= end; ++slab)
+      volume_[slab] += volume * (below(heights, slab + 1, slab == last) - below(heights, slab, false));
+  }
+
+  std::vector<double>& volumes() { return volume_; }
+
+  Section section() const {
+    const double thickness = (to_ - from_) / static_cast<double>(volume_.size());
+    Section section;
+    for (const double volume : volume_) section.area += volume / (to_ - from_);
+    for (const double volume : volume_)
+      section.variation = std::max(section.variation, std::abs(volume / thickness / section.area - 1));
+    return section;
+  }
+
+ private:
+  /// Part of a simplex below the lower face of a slab; `top`: below the upper end of all.
+  template <std::size_t N>
+  double below(const std::array<double, N>& heights, int slab, bool top) const {
+    const double height = top ? to_ : from_ + (to_ - from_) * slab / static_cast<double>(volume_.size());
+    return share_below(heights, height);
+  }
+
+  double from_, to_;
+  std::vector<double> volume_;
+};
+
+/// Six tetrahedra of a cube, corner c at (c & 1, c >> 1 & 1, c >> 2): those of neighbours meet side to side.
+constexpr std::array<std::array<std::size_t, 4>, 6> kTetrahedraOfCube{
+    {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}}};
+
+/// Whether every molecule is a corner of one of the cells.
+template <class CellList>
+bool fill(const Body& body, const CellList& cells) {
+  if (!any_over(body, !cells.empty())) return false;
+  std::vector<char> met(static_cast<std::size_t>(body.size()), 0);
+  for (const auto& cell : cells)
+    for (const int molecule : cell) met[molecule] = 1;
+  const auto end = met.begin() + owned_molecules(body);
+  return !any_over(body, std::find(met.begin(), end, 0) != end);
+}
+
+double hull_area(const Body& body, const Eigen::Matrix<double, 3, 2>& plane, const VectorX& heights, double from,
+                 double to) {
+  const double near = 1e-9 * (largest_over(body, heights.maxCoeff()) - least_over(body, heights.minCoeff()));
+  std::vector<int> inside;
+  for (int molecule = 0; molecule < owned_molecules(body); ++molecule)
+    if (heights[molecule] >= from - near && heights[molecule] <= to + near) inside.push_back(molecule);
+  Points2 seen(2, static_cast<Eigen::Index>(inside.size()));
+  for (std::size_t i = 0; i < inside.size(); ++i)
+    seen.col(static_cast<Eigen::Index>(i)) = plane.transpose() * body.rest.col(inside[i]);
+  return any_over(body, !inside.empty()) ? polygon_area(hull_over(body, seen)) : 0;
+}
+
+Section hull_section(const Body& body, const Vector3& axis, const VectorX& heights, double from, double to) {
+  const auto plane = across(axis);
+  Section section;
+  section.of_hull = true;
+  section.area = hull_area(body, plane, heights, from, to);
+  if (!(section.area > 0))
+    section.area =
+        hull_area(body, plane, heights, least_over(body, heights.minCoeff()), largest_over(body, heights.maxCoeff()));
+  const int connections = body.connections.proper();
+  double mean = 0;
+  if (body.share) {
+    const auto [sum, count] = lengths_of_whole(body);
+    mean = count > 0 ? sum / count : 0;
+  } else {
+    for (int c = 0; c < connections; ++c) mean += body.connections.rest_length[c] / connections;
+  }
+  const int slabs = mean > 0 ? static_cast<int>(std::min(10., (to - from) / (2 * mean))) : 0;
+  if (slabs < 3) return section;
+  std::vector<double> areas;
+  double sum = 0;
+  for (int slab = 0; slab < slabs; ++slab) {
+    areas.push_back(
+        hull_area(body, plane, heights, from + (to - from) * slab / slabs, from + (to - from) * (slab + 1) / slabs));
+    sum += areas.back();
+  }
+  for (const double area : areas) section.variation = std::max(section.variation, std::abs(area * slabs / sum - 1));
+  return section;
+}
+
+}  // namespace
+
+Section find_section(const Body& body, const Vector3& axis, double from, double to, double thickness) {
+  const VectorX heights = body.rest.transpose() * axis;
+  Slabs slabs(from, to, 10);
+  const auto add_tetrahedron = [&](const std::array<int, 4>& cell) {
+    slabs.add(std::array{heights[cell[0]], heights[cell[1]], heights[cell[2]], heights[cell[3]]},
+              std::abs(signed_volume(body.rest, cell)));
+  };
+  const auto counts = [&](const auto& cell) { return lowest_in_whole(body, cell) < owned_molecules(body); };
+  if (fill(body, body.tetrahedra)) {
+    for (const auto& cell : body.tetrahedra)
+      if (counts(cell)) add_tetrahedron(cell);
+  } else if (fill(body, body.cubes)) {
+    for (const auto& cube : body.cubes)
+      for (const auto& t : kTetrahedraOfCube)
+        if (counts(cube)) add_tetrahedron({cube[t[0]], cube[t[1]], cube[t[2]], cube[t[3]]});
+  } else if (thickness > 0 && fill(body, body.triangles)) {
+    for (const auto& triangle : body.triangles) {
+      if (!counts(triangle)) continue;
+      const auto& [a, b, c] = triangle;
+      const Vector3 first = body.rest.col(b) - body.rest.col(a), second = body.rest.col(c) - body.rest.col(a);
+      slabs.add(std::array{heights[a], heights[b], heights[c]}, thickness * first.cross(second).norm() / 2);
+    }
+  } else {
+    return hull_section(body, axis, heights, from, to);
+  }
+  sum_over(body, slabs.volumes());
+  return slabs.section();
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,269 @@
+#include "lab/run/specimen.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/laws/springs/voronoi.h"
+#include "elastin/core/base/text.h"
+#include "elastin/core/forces/volume.h"
+#include "elastin/core/model/parts.h"
+#include "elastin/core/model/share.h"
+#include "elastin/core/shapes/surfaces.h"
+#include "elastin/core/simulation/fibres.h"
+#include "elastin/core/simulation/parts.h"
+#include "elastin/core/simulation/prepare.h"
+#include "elastin/core/solve/engine.h"
+#include "elastin/core/solve/modes.h"
+#include "elastin/lab/run/experiment.h"
+#include "elastin/mesh/voronoi.h"
+#include "lab/run/calibration.h"
+#include "lab/run/findings.h"
+#include "lab/run/load_curve.h"
+#include "lab/run/run_in_time.h"
+
+namespace elastin::lab {
+namespace {
+
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+void note_negative_constants(const Body& body, Run& run) {
+  int negative = 0;
+  for (Eigen::Index c = 0; c < run.constants.size(); ++c)
+    negative += run.constants[c] < 0 && computes(body, static_cast<int>(c));
+  negative = static_cast<int>(sum_over(body, negative));
+  if (negative > 0)
+    run.warnings.push_back(counted(negative, "spring constant is", "spring constants are") + " negative (of " +
+                           std::to_string(run.constants.size()) + "): the body may have no stable equilibrium");
+}
+
+void note_lost_faces(const Body& body, const Strategy& strategy, Run& run) {
+  if (!strategy.name.starts_with(Voronoi::name)) return;  // with a volume term or without
+  const auto note = [&](const std::string& name, double lost) {
+    char percent[16];
+    std::snprintf(percent, sizeof percent, "%.1f %%", 100 * lost);
+    if (lost > 0.01)
+      run.warnings.push_back(percent + (" of " + name) +
+                             " hangs on faces between molecules that no connection joins, or on the surface");
+  };
+  if (body.parts.empty()) return note("the body", mesh::lost_share(body, *body.voronoi));
+  for (const Part& part : body.parts)
+    if (part.voronoi) note("body '" + part.name + "'", mesh::lost_share(part_alone(body, part).body, *part.voronoi));
+}
+
+void count_modes(const Model& model, Run& run) {
+  std::vector<char> stiff;
+  if (run.constants.size() > 0) {
+    stiff.resize(static_cast<std::size_t>(run.constants.size()));
+    for (Eigen::Index c = 0; c < run.constants.size(); ++c) stiff[c] = run.constants[c] != 0;
+  }
+  const ModeReport report = find_modes_in_parts(model.body(), model.supports, stiff);
+  run.zero_energy_modes = report.zero_energy_modes;
+  if (report.zero_energy_modes > 0)
+    run.warnings.push_back("mechanism: " + std::string(report.counted ? "" : "at least ") +
+                           counted(report.zero_energy_modes, "zero-energy mode", "zero-energy modes") +
+                           "; the load is solved in the range of the stiffness");
+}
+
+/// The choice as it works on the specimen's body.
+StrategyChoice on_body(StrategyChoice choice, const Specimen& specimen) {
+  choice.strategy = in_parts(choice.strategy, specimen.body, specimen.materials);
+  return choice;
+}
+
+bool has_curve(const Specimen& specimen) {
+  return specimen.material.curve || std::any_of(specimen.materials.begin(), specimen.materials.end(),
+                                                [](const Material& material) { return material.curve.has_value(); });
+}
+
+/// Why one factor on all springs has no meaning here, or "".
+std::string calibration_of_parts_unsuited(const Specimen& specimen) {
+  if (specimen.body.parts.empty()) return "";
+  if (specimen.materials.size() > 1) return "bodies of several materials have no one modulus to calibrate to";
+  if (!specimen.body.ties.empty()) return "bodies tied where their molecules do not meet have no one modulus";
+  const auto rigid = [](const Part& part) { return part.rigid; };
+  if (std::any_of(specimen.body.parts.begin(), specimen.body.parts.end(), rigid)) return "bone has no modulus";
+  return specimen.material.fibre ? "several bodies with fibres have no one modulus to calibrate to" : "";
+}
+
+/// Springs that are not calibrated, each part with its own; run.constants are for what is said of them.
+std::unique_ptr<Elasticity> make_by_parts(const Specimen& specimen, const StrategyChoice& choice, Run& run) {
+  if (choice.strategy.constants)
+    run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
+  if (!any_over(specimen.body, !run.constants.allFinite()))
+    return choice.strategy.make(specimen.body, specimen.material, choice.values);
+  run.outcome = Outcome::diverged;
+  run.cause = "a spring constant is not finite";
+  return nullptr;
+}
+
+void note_identified(const Identified& found, Run& run) {
+  run.measures.set("identified_modulus", found.modulus(0));
+  run.measures.set("identified_modulus_middle", found.modulus(found.up_to / 2));
+  run.measures.set("identified_modulus_end", found.modulus(found.up_to));
+  run.measures.set("identified_misfit", found.misfit);
+}
+
+}  // namespace
+
+std::optional<Identification> identification_of(const Experiment& experiment) {
+  return experiment.at_rest() ? experiment.at_rest()->identification() : std::nullopt;
+}
+
+std::vector<Material> materials_of(const Specimen& specimen) {
+  return specimen.materials.empty() ? std::vector{specimen.material} : specimen.materials;
+}
+
+std::vector<StrategyChoice> all_strategies(const Catalog& catalog, const Specimen& specimen) {
+  return all_strategies(catalog, specimen.body, materials_of(specimen));
+}
+
+StrategyChoice without_locking(StrategyChoice choice, const Specimen& specimen) {
+  if (!may_lock(specimen, choice.strategy)) return choice;
+  return applicable_with_volume(choice, specimen.body, materials_of(specimen)).value_or(choice);
+}
+
+bool needs_cells(const Strategy& strategy, const Body& body) {
+  if (body.triangles.empty() && body.tetrahedra.empty()) return false;
+  const Body bare = without_cells(body);
+  if (!strategy.by_parts && strategy.volume_modulus && !unsuited_for_volumes(bare).empty()) return true;
+  return !strategy.unsuited(bare).empty() && !strategy.needs_voronoi(bare);
+}
+
+std::string unsuited(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& any) {
+  const StrategyChoice choice = on_body(any, specimen);
+  std::string reason = choice.strategy.unsuited(specimen.body);
+  if (reason.empty() && choice.calibrated) reason = calibration_of_parts_unsuited(specimen);
+  if (reason.empty() && !choice.strategy.by_parts)
+    reason = material_unsuited(choice.strategy, specimen.body, specimen.material);
+  if (reason.empty() && choice.calibrated && specimen.body.connection_stiffness.size())
+    reason = "a body with regions has no one modulus to calibrate to";
+  if (reason.empty() && choice.calibrated) reason = calibration_unsuited(experiment, specimen);
+  if (reason.empty() && identification_of(experiment)) reason = identification_unsuited(choice);
+  return reason;
+}
+
+std::unique_ptr<Elasticity> make_elasticity(const Specimen& specimen, const Experiment& experiment,
+                                            const StrategyChoice& any, const RunOptions& options, Run& run) {
+  const StrategyChoice choice = on_body(any, specimen);
+  auto elasticity = choice.strategy.by_parts && !choice.calibrated ? make_by_parts(specimen, choice, run)
+                    : choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
+                                                : choice.strategy.make(specimen.body, specimen.material, choice.values);
+  if (!elasticity) return nullptr;
+  note_negative_constants(specimen.body, run);
+  if (has_curve(specimen) && !specimen.material.law && !choice.strategy.follows_curve)
+    run.warnings.push_back("does not follow the material's curve: it takes its slope at no strain alone");
+  return elasticity;
+}
+
+std::unique_ptr<Rig> add_surroundings(Model& model, const Specimen& specimen, const Experiment& experiment,
+                                      const StrategyChoice& any) {
+  const StrategyChoice choice = on_body(any, specimen);
+  add_companions(model, choice.strategy, specimen.material);
+  for (const SpecimenLoad& load : specimen.loads) load.add(model);
+  if (specimen.contact) model.add(contact::make_contact(specimen.body, *specimen.contact));
+  auto rig = experiment.rig(model);
+  fix_rigid_parts(model);
+  return rig;
+}
+
+std::optional<HeldModel> make_model(const Specimen& specimen, const Experiment& experiment,
+                                    const StrategyChoice& choice, const RunOptions& options, Run& run) {
+  auto elasticity = make_elasticity(specimen, experiment, choice, options, run);
+  if (!elasticity) return std::nullopt;
+  HeldModel held{std::make_unique<Model>(specimen.body), nullptr};
+  if (options.keep_snapshots) held.model->keep_all_elements();
+  if (specimen.body.share && experiment.in_time())
+    held.model->complete_rows(options.statics.engine->spreading(specimen.body));
+  held.model->add(std::move(elasticity));
+  held.rig = add_surroundings(*held.model, specimen, experiment, choice);
+  return held;
+}
+
+void prepare(Specimen& specimen, const Strategy& strategy) {
+  elastin::prepare(specimen.body, strategy, materials_of(specimen), mesh::voronoi_cells);
+}
+
+Run run_strategy(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& any,
+                 const RunOptions& given) {
+  const Stopwatch build;
+  RunOptions options = given;
+  if (experiment.at_rest()) options.statics.stop = options.stop;
+  const StrategyChoice choice = on_body(any, specimen);
+  if (lacks_voronoi(specimen.body, any.strategy, materials_of(specimen))) {
+    Specimen prepared = specimen;
+    prepare(prepared, any.strategy);
+    const double seconds = build.seconds();
+    Run run = run_strategy(prepared, experiment, any, given);
+    run.build_seconds += seconds;
+    return run;
+  }
+  Run run;
+  run.strategy = choice.label;
+  run.order = choice.order;
+  if (options.progress) options.progress("building");
+  run.cause = first_over(specimen.body, unsuited(specimen, experiment, choice));
+  if (!run.cause.empty()) {
+    run.suited = false;
+    return run;
+  }
+  note_lost_faces(specimen.body, choice.strategy, run);
+  if (std::string found = locking_finding(specimen, any.strategy); !found.empty())
+    run.warnings.push_back(std::move(found));
+  run.uses_cells = any_over(specimen.body, needs_cells(choice.strategy, specimen.body));
+  if (run.uses_cells) {
+    std::string flat;
+    if (const auto cells = flat_or_inverted_cells(specimen.body, specimen.body.rest); !cells.empty())
+      flat = flat_or_inverted_text(cells, solid_cells(specimen.body)) + " at rest";
+    else if (const auto triangles = flat_triangles(specimen.body, specimen.body.rest); !triangles.empty())
+      flat = flat_or_inverted_text(triangles, specimen.body.triangles.size()) + " at rest";
+    flat = first_over(specimen.body, flat);
+    if (!flat.empty()) {
+      run.outcome = Outcome::inverted;
+      run.cause = flat;
+      return run;
+    }
+  }
+  std::optional<Specimen> found;  // with the material identified
+  if (const auto wanted = identification_of(experiment)) {
+    found = specimen;
+    if (!identify_material(*wanted, *found, *experiment.at_rest(), choice, options, run)) return run;
+  }
+  const Specimen& at_work = found ? *found : specimen;
+  const std::optional<HeldModel> held = make_model(at_work, experiment, choice, options, run);
+  if (!held) return run;
+  Model& model = *held->model;
+  if (options.statics.engine) {
+    run.cause = options.statics.engine->unsuited(model);
+    run.suited = run.cause.empty();
+    if (!run.suited) return run;
+  }
+  for (std::string& finding : findings_at_start(at_work, model, run.uses_cells))
+    run.warnings.push_back(std::move(finding));
+  run.build_seconds = build.seconds();
+  const auto& share = specimen.body.share;
+  const bool whole = !share || share->processes->count() == 1;
+  if (whole && !experiment.stiffened_by_load() && !(specimen.material.bending_rigidity > 0)) count_modes(model, run);
+
+  const Stopwatch solve;
+  if (TimedRig* timed = held->rig->in_time())
+    run_in_time(model, *experiment.in_time(), *timed, specimen, options, run);
+  else
+    solve_load_curve(model, *experiment.at_rest(), *held->rig->at_rest(), at_work.material, options, run,
+                     specimen.start);
+  for (std::string& finding : findings_at_end(specimen, run)) run.warnings.push_back(std::move(finding));
+  if (run.identified) note_identified(*run.identified, run);
+  run.solve_seconds = solve.seconds();
+  return run;
+}
+
+}  // namespace elastin::lab

@@ -1,0 +1,75 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "elastin/core/solve/integrator.h"
+#include "lab/run/paced_steps.h"
+#include "lab/run/time_options.h"
+
+namespace elastin::lab {
+
+/// Takes a state from one frame to the next in steps of a length that the options set. What it remembers can be written
+/// down and read again: the steps that follow are then the same, bit by bit.
+class StepControl {
+ public:
+  /// Throws InputError if nothing says how long a step may be (an explicit scheme on a body that nothing holds
+  /// together).
+  StepControl(Model& model, const State& start, const TimeOptions& options, const Scheme& scheme,
+              const StaticOptions& newton);
+
+  /// Steps to `until` [s] exactly. Ends early if a step fails: the state is then the last good one. `after` is called
+  /// with each step's end; false ends it there, as interrupted.
+  template <class After>
+  StepResult advance(Model& model, State& state, double until, After&& after) {
+    StepResult all;
+    all.substeps = 0;
+    if (options_.choice == StepChoice::per_frame) memory.wanted = (until - state.time) / options_.steps_per_frame;
+    while (state.time < until) {
+      const StepResult step = one_step(model, state, until);
+      all.newton_iterations += step.newton_iterations;
+      all.linear_iterations += step.linear_iterations;
+      ++all.substeps;
+      if (step.outcome != Outcome::converged) {
+        all.outcome = step.outcome;
+        all.cause = step.cause;
+        return all;
+      }
+      if (!after(state)) {
+        all.outcome = Outcome::interrupted;
+        return all;
+      }
+    }
+    return all;
+  }
+
+  /// What has to be written down.
+  struct Memory {
+    double wanted = 0;                   ///< length of the next step [s]
+    double first_bound = 0;              ///< of frequencies, where the watch began [rad/s]
+    double stable = 0;                   ///< longest step that is stable, with safety [s]
+    double critical = 0, frequency = 0;  ///< of explicit schemes at the start: longest stable step [s], ω_max [rad/s]
+    double shortest = 0, last = 0;       ///< steps taken [s]
+    int steps = 0, rejected = 0;
+  };
+  Memory memory;
+
+  /// What its few sweeps would do to the next step, where there is a budget.
+  void look(Model& model, const State& state) {
+    if (paced_) paced_->look(model, state, memory.wanted);
+  }
+  std::optional<BudgetReport> budget() const { return paced_ ? std::optional(paced_->report()) : std::nullopt; }
+
+ private:
+  StepResult one_step(Model& model, State& state, double until);
+  void watch(Model& model, const State& state);
+
+  TimeOptions options_;
+  std::unique_ptr<Integrator> integrator_;
+  std::optional<PacedSteps> paced_;  ///< where steps have a budget
+  double size_ = 0;                  // of the body [m]
+  double order_ = 2;
+  bool by_error_ = false, watched_ = false;
+};
+
+}  // namespace elastin::lab

@@ -1,0 +1,144 @@
+#include "lab/experiment/homogenisation/homogenisation.h"
+
+#include "elastin/core/base/error.h"
+#include "lab/run/moduli.h"
+#include "support/experiments.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using namespace elastin::testing;
+
+namespace {
+
+const StaticOptions kExact{.tolerance = 1e-13};
+
+Run homogenise(const Specimen& specimen, const std::string& strategy, const Matrix3& axes = Matrix3::Identity()) {
+  const auto experiment = make_homogenisation(specimen.body, 0, axes);
+  return solve(specimen, *experiment, strategy, kExact);
+}
+
+Stiffness6 cubic(double c11, double c12, double c44) {
+  Stiffness6 stiffness = Stiffness6::Zero();
+  stiffness.topLeftCorner<3, 3>().setConstant(c12);
+  for (int i = 0; i < 3; ++i) stiffness(i, i) = c11, stiffness(i + 3, i + 3) = c44;
+  return stiffness;
+}
+
+Stiffness6 isotropic(const Material& m) { return cubic(lame_lambda(m) + 2 * lame_mu(m), lame_lambda(m), lame_mu(m)); }
+
+double relative_difference(const Run& run, const Stiffness6& expected) {
+  REQUIRE(run.measures.stiffness_matrix);
+  return (*run.measures.stiffness_matrix - expected).norm() / expected.norm();
+}
+
+/// Anisotropy index of a cubic solid from its Zener ratio Z = 2 C44 / (C11 - C12). [Ranganathan & Ostoja-Starzewski
+/// 2008]
+double cubic_index(double Z) { return 6. / 5 * std::pow(std::sqrt(Z) - 1 / std::sqrt(Z), 2); }
+
+Specimen lattice(const std::array<int, 3>& molecules, const CubicPattern& pattern, double E = 1e4) {
+  Specimen specimen;
+  specimen.material.youngs_modulus = E;
+  specimen.body = cubic_lattice(molecules, 0.01, pattern);
+  set_matter(specimen.body, 0.005, 1000, 0, 1e-6 * (molecules[0] - 1) * (molecules[1] - 1) * (molecules[2] - 1));
+  return specimen;
+}
+
+}  // namespace
+
+TEST_CASE("means of an anisotropic stiffness: copper", "[material]") {
+  // C11, C12, C44 = 168.4, 121.4, 75.4 GPa: K = 137.1, G between Reuss 40.03 and Voigt 54.64 GPa.  [Simmons & Wang
+  // 1971]
+  const Stiffness6 copper = cubic(168.4, 121.4, 75.4);
+  const IsotropicMeans means = isotropic_means(copper, copper.inverse());
+  CHECK(means.bulk_voigt == Approx(137.0667).epsilon(1e-6));
+  CHECK(means.bulk_reuss == Approx(137.0667).epsilon(1e-6));
+  CHECK(means.shear_voigt == Approx((47 + 3 * 75.4) / 5).epsilon(1e-12));
+  CHECK(means.shear_reuss == Approx(5 * 47 * 75.4 / (4 * 75.4 + 3 * 47)).epsilon(1e-12));
+  CHECK(means.anisotropy_index() == Approx(cubic_index(2 * 75.4 / 47)).epsilon(1e-12));
+  CHECK(means.youngs() == Approx(9 * means.bulk() * means.shear() / (3 * means.bulk() + means.shear())));
+}
+
+TEST_CASE("cells are the isotropic stiffness itself on a jittered mesh", "[material]") {
+  for (const BlockKind kind : {BlockKind::kuhn, BlockKind::alternating, BlockKind::body_centred})
+    for (const double nu : {0., 0.3, 0.45})
+      for (const char* law : {"st_venant_kirchhoff", "neo_hookean"}) {
+        const Specimen specimen = jittered_specimen(kind, nu, 1e4, 4);
+        const Run run = homogenise(specimen, law);
+        INFO(law << ", nu " << nu);
+        CHECK(relative_difference(run, isotropic(specimen.material)) < 1e-10);
+        CHECK(run.measures.get("effective_modulus") == Approx(1e4).epsilon(1e-10));
+        CHECK(run.measures.get("youngs_modulus_y") == Approx(1e4).epsilon(1e-10));
+        CHECK(run.measures.get("poissons_ratio") == Approx(nu).margin(1e-10));
+        CHECK(run.measures.get("shear_modulus") == Approx(1e4 / (2 * (1 + nu))).epsilon(1e-10));
+        CHECK(run.measures.get("bulk_modulus") == Approx(1e4 / (3 * (1 - 2 * nu))).epsilon(1e-10));
+        CHECK(run.measures.get("anisotropy_index") < 1e-10);
+        CHECK(run.measures.get("patch_residual") < 1e-12);
+        CHECK(run.residual < 1e-12);
+        CHECK(run.measures.get("stiffness_asymmetry") < 1e-12);
+      }
+}
+
+TEST_CASE("the lattice rule is isotropic with nu = 1/4", "[material]") {
+  for (const CubicPattern& pattern : {CubicPattern{true, true, false}, {true, true, true}}) {
+    const Specimen specimen = lattice({4, 5, 6}, pattern);
+    CHECK(relative_difference(homogenise(specimen, "lattice"), isotropic(specimen.material)) < 1e-10);
+  }
+}
+
+TEST_CASE("a cubic lattice of equal rules has the closed form of its sums", "[material]") {
+  // C = 1/V sum k L² n n n n over the connections; a finite cube of c cells a side has them (1 + 1/c)² (axes), (1 +
+  // 1/c) (face diagonals) and 1 times as often a cell as the infinite lattice. standard: k = E h²/L for a spacing of h.
+  for (const bool space : {false, true}) {
+    constexpr int c = 4;
+    const double h = 0.01, E = 1e4, once = 1 + 1. / c;
+    const double k1 = E * h * once * once, k2 = E * h / std::sqrt(2) * once, k3 = space ? E * h / std::sqrt(3) : 0;
+    const double c11 = (k1 + 2 * k2 + 4. / 3 * k3) / h, c12 = (k2 + 4. / 3 * k3) / h;
+    const Run run = homogenise(lattice({c + 1, c + 1, c + 1}, {true, true, space}), "standard");
+    INFO((space ? "with" : "without") << " space diagonals");
+    CHECK(relative_difference(run, cubic(c11, c12, c12)) < 1e-10);  // Cauchy: C44 = C12
+    CHECK(run.measures.get("anisotropy_index") == Approx(cubic_index(2 * c12 / (c11 - c12))).epsilon(1e-8));
+    // The closed form along an axis, from the same sums: E100 = (k1 + k2)(k1 + 4 k2 + 4 k3)/(h (k1 + 3 k2 + 8 k3/3)).
+    const double along = (k1 + k2) * (k1 + 4 * k2 + 4 * k3) / (h * (k1 + 3 * k2 + 8 * k3 / 3));
+    CHECK(run.measures.get("youngs_modulus_z") == Approx(along).epsilon(1e-10));
+    CHECK(run.measures.get("patch_residual") < 1e-12);  // every inner molecule is a centre of symmetry
+  }
+}
+
+TEST_CASE("the stiffness turns with the axes, and scales with E", "[material][invariance]") {
+  Specimen specimen = lattice({4, 4, 4}, {true, true, false});
+  add_jitter(specimen.body, 0.001, 4);
+  const Run straight = homogenise(specimen, "standard");
+  CHECK(straight.measures.get("patch_residual") > 1e-3);  // springs on a jittered body fail the patch test
+  const Matrix3 turn = Eigen::AngleAxisd(0.8, Vector3(1, -2, 0.5).normalized()).toRotationMatrix();
+  Specimen turned = specimen;
+  rotate(turned.body, turn);
+  CHECK(relative_difference(homogenise(turned, "standard", turn), *straight.measures.stiffness_matrix) < 1e-10);
+  Specimen stiff = specimen;
+  stiff.material.youngs_modulus *= 4;
+  CHECK(relative_difference(homogenise(stiff, "standard"), 4 * *straight.measures.stiffness_matrix) < 1e-10);
+}
+
+TEST_CASE("calibrated gives Hill's mean of the material", "[material]") {
+  Specimen specimen = lattice({4, 4, 4}, {true, true, true});
+  add_jitter(specimen.body, 0.0015, 4);
+  for (const char* rule : {"calibrated:standard", "calibrated:angles"}) {
+    const Run run = homogenise(specimen, rule);
+    CHECK(run.measures.get("effective_modulus") == Approx(1e4).epsilon(1e-9));
+    CHECK(run.measures.get("patch_residual") > 1e-3);
+  }
+}
+
+TEST_CASE("a body without shear stiffness has a stiffness matrix and no moduli", "[material]") {
+  const Run run = homogenise(lattice({4, 4, 4}, {true, false, false}), "standard");
+  CHECK(relative_difference(run, cubic(1e4 * 16 / 9, 0, 0)) < 1e-10);
+  CHECK(std::isnan(run.measures.get("effective_modulus")));
+  CHECK_THAT(run.remark, Catch::Contains("singular"));
+}
+
+TEST_CASE("what has no volume has no stiffness matrix", "[material]") {
+  CHECK_THROWS_AS(make_homogenisation(cubic_lattice({4, 4, 1}, 1, {true, true, false}), 0, Matrix3::Identity()),
+                  InputError);
+  Body membrane = cubic_lattice({2, 2, 1}, 1, {true, true, false});
+  membrane.triangles = {{0, 1, 2}, {1, 3, 2}};
+  CHECK_THROWS_WITH(make_homogenisation(membrane, 0, Matrix3::Identity()), Catch::Contains("membrane"));
+}

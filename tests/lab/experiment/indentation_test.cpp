@@ -1,0 +1,142 @@
+#include "lab/experiment/indentation/indentation.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "lab/run/specimen.h"
+#include "lab/scene/scene.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+
+namespace {
+
+const Catalog kCatalog = built_in_catalog();
+const char* const kWhole = "tetrahedra: {kind: body_centred, cubes: [8, 8, 4], size: [40 mm, 40 mm, 20 mm]}";
+const char* const kQuarter = "tetrahedra: {kind: body_centred, cubes: [4, 4, 4], size: [20 mm, 20 mm, 20 mm]}";
+
+Run run_of(const std::string& body, const std::string& experiment, const std::string& contact = "friction: 0",
+           const std::string& more = "") {
+  const TemporaryFolder folder;
+  const auto scene = load_scene(folder.write("scene.yaml", "body: {" + body +
+                                                               "}\nmaterial: {youngs_modulus: 10 kPa, poissons_ratio: "
+                                                               "0.3}\nstiffness: neo_hookean\nexperiment: {kind: "
+                                                               "indentation, " +
+                                                               experiment + "}\ncontact: {" + contact + "}\n" + more),
+                                kCatalog);
+  Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics});
+  INFO(run.cause);
+  REQUIRE(run.outcome == Outcome::converged);
+  CHECK(run.measures.get("reaction_balance") < 1e-7);
+  return run;
+}
+
+}  // namespace
+
+TEST_CASE("a quarter of a block resists as the whole one does", "[indentation][slow]") {
+  for (const std::string indenter : {"sphere: {radius: 15 mm}", "flat: {radius: 9 mm}"}) {
+    const std::string experiment = "indenter: {" + indenter + "}, depth: 2 mm";
+    const Measures whole = run_of(kWhole, experiment).measures;
+    const Measures quarter = run_of(kQuarter, experiment + ", symmetry: [x, y], at: [0, 0, 0]").measures;
+    // The whole block's cells are no mirror images across the planes.
+    for (const char* name : {"force", "indentation_modulus"})
+      CHECK(quarter.get(name) == Approx(whole.get(name)).epsilon(0.02));
+    for (const char* name : {"contact_area", "energy"})
+      CHECK(quarter.get(name) == Approx(whole.get(name)).epsilon(0.15));
+    CHECK(whole.get("mean_pressure") == Approx(whole.get("force") / whole.get("contact_area")));
+    CHECK(whole.get("force") > 0);
+  }
+}
+
+TEST_CASE("area and pressure do not depend on the depth that contact allows", "[indentation][slow]") {
+  const std::string body = "tetrahedra: {kind: body_centred, cubes: [7, 7, 7], size: [20 mm, 20 mm, 20 mm]}",
+                    experiment = "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm, symmetry: [x, y]";
+  const auto allowed = [&](const std::string& depth) {
+    return run_of(body, experiment, "penetration: " + depth).measures;
+  };
+  // 20 µm are a hundredth of the way, and the force is known to that.
+  const Measures penalty = run_of(body, experiment).measures, near = allowed("20 um");
+  CHECK(near.get("contact_area") == Approx(penalty.get("contact_area")).epsilon(0.15));
+  CHECK(near.get("largest_pressure") == Approx(penalty.get("largest_pressure")).epsilon(0.15));
+  for (const char* depth : {"5 um", "2 um"}) {
+    CAPTURE(depth);
+    const Measures firm = allowed(depth);
+    CHECK(firm.get("contact_area") == Approx(near.get("contact_area")).epsilon(1e-6));
+    CHECK(firm.get("force") == Approx(near.get("force")).epsilon(0.02));
+    CHECK(firm.get("largest_pressure") == Approx(near.get("largest_pressure")).epsilon(0.02));
+  }
+}
+
+TEST_CASE("an indenter goes to a strain of the body's height", "[indentation]") {
+  const std::string indenter = "indenter: {sphere: {radius: 15 mm}}, symmetry: [x, y], ";
+  CHECK(run_of(kQuarter, indenter + "strain: 5 %").measures.get("depth") == Approx(1e-3).epsilon(1e-12));
+}
+
+TEST_CASE("an indenter goes as deep as its force asks for", "[indentation]") {
+  const Run deep = run_of(kQuarter, "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm, symmetry: [x, y]");
+  const std::string force = std::to_string(deep.measures.get("force"));
+  const Run pressed =
+      run_of(kQuarter, "indenter: {sphere: {radius: 15 mm}}, force: " + force + " N, symmetry: [x, y], load_steps: 3");
+  CHECK(pressed.measures.get("depth") == Approx(2e-3).epsilon(1e-4));
+  CHECK(pressed.curve[0].measures.get("force") == Approx(deep.measures.get("force") / 3).epsilon(1e-5));
+  CHECK(pressed.remark == "");
+}
+
+TEST_CASE("an obstacle of the scene serves as indenter, and all of it turns with the scene", "[indentation][slow]") {
+  const std::string tool = "obstacles: [{name: tool, sphere: {radius: 15 mm}, at: [20 mm, 20 mm, 35 mm]}]";
+  const double own = run_of(kWhole, "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm").measures.get("force");
+  CHECK(run_of(kWhole, "indenter: tool, depth: 2 mm", tool).measures.get("force") == Approx(own).epsilon(1e-6));
+  CHECK(run_of(kWhole, "indenter: {sphere: {radius: 15 mm}}, depth: 2 mm", "friction: 0",
+               "rotate: {axis: [1, -2, 0.5], angle: 50 deg}\n")
+            .measures.get("force") == Approx(own).epsilon(1e-6));
+}
+
+TEST_CASE("a tool that is pressed in deeper than its own half in one step meets what it meets in many",
+          "[indentation][slow]") {
+  for (const std::string shape : {"sphere: {radius: 8 mm}", "box: {size: [15 mm, 15 mm, 16 mm]}"}) {
+    const std::string tool = "obstacles: [{name: tool, " + shape + ", at: [20 mm, 20 mm, 28.01 mm]}]";
+    const double steps = run_of(kWhole, "indenter: tool, depth: 6 mm, load_steps: 6", tool).measures.get("force");
+    INFO(shape);
+    CHECK(steps > 0);
+    CHECK(run_of(kWhole, "indenter: tool, depth: 6 mm", tool).measures.get("force") == Approx(steps).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("a sphere on a block converges to the force that finite elements give", "[indentation][slow]") {
+  // The block of scenes/contact/indentation-sphere.yaml, coarser.
+  double last = 1;
+  for (const int cubes : {4, 6, 8}) {
+    const std::string n = std::to_string(cubes);
+    const auto scene = load_scene(std::string(ELASTIN_SOURCE_DIR) + "/scenes/contact/indentation-sphere.yaml", kCatalog,
+                                  {"body.tetrahedra.cubes=[" + n + ", " + n + ", " + n + "]"});
+    const Run run = run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {});
+    REQUIRE(run.outcome == Outcome::converged);
+    const double error = std::abs(run.measures.get("force") / 71.1 - 1);
+    INFO(cubes << " cubes: " << error);
+    CHECK(error < last);
+    last = error;
+  }
+  CHECK(last < 0.16);
+}
+
+TEST_CASE("a body shows the material's modulus under a tool where it is much larger than the contact",
+          "[indentation]") {
+  const TemporaryFolder folder;
+  const auto reference_of = [&](const std::string& indenter) {
+    const auto scene = load_scene(folder.write("scene.yaml", "body: {" + std::string(kQuarter) +
+                                                                 "}\nmaterial: {youngs_modulus: 10 kPa}\nstiffness: "
+                                                                 "neo_hookean\nexperiment: {kind: indentation, "
+                                                                 "symmetry: [x, y], indenter: " +
+                                                                 indenter + "}\ncontact: {friction: 0}\n"),
+                                  kCatalog);
+    const double target = scene->experiment->main_measures(scene->specimen.material, {}).front().prescribed;
+    CHECK(std::isfinite(target) == scene->experiment->no_reference().empty());
+    CHECK(scene->experiment->notes().empty() == scene->experiment->no_reference().empty());
+    return scene->experiment->no_reference();
+  };
+  // Radius of contact by Hertz: sqrt(15 mm · 2 mm) is a quarter of the 20 mm, sqrt(5 mm · 0.1 mm) a thirtieth.
+  CHECK_THAT(reference_of("{sphere: {radius: 15 mm}}, depth: 2 mm"), Catch::Contains("no half-space"));
+  CHECK_THAT(reference_of("{sphere: {radius: 5 mm}}, depth: 0.1 mm"), Catch::Equals(""));
+  CHECK_THAT(reference_of("{flat: {radius: 3 mm}}, depth: 0.1 mm"), Catch::Contains("no half-space"));
+}

@@ -1,0 +1,65 @@
+// Load steps that stall are bisected, and end where shorter ones do.
+
+#include "lab/run/load_path.h"
+
+#include <catch2/catch.hpp>
+
+#include "lab/scene/scene.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using Catch::Matchers::Contains;
+
+TEST_CASE("a nearly incompressible bonded cube is stretched in one load step as in many", "[statics][load_path]") {
+  const TemporaryFolder folder;
+  const Catalog catalog = built_in_catalog();
+  std::vector<Run> runs;
+  for (const std::string steps : {"1", "6"}) {
+    const auto scene = load_scene(
+        folder.write("scene.yaml",
+                     "title: A bonded cube\n"
+                     "body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 2], size: [10 mm, 10 mm, 10 mm]}}\n"
+                     "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.49}\nstiffness: neo_hookean+volume\n"
+                     "experiment: {kind: tension, axis: z, strain: 150 %, fixed_grip: clamped, loaded_grip: clamped, "
+                     "load_steps: " +
+                         steps + "}\n"),
+        catalog);
+    runs.push_back(run_strategy(scene->specimen, *scene->experiment, scene->stiffness, {.statics = scene->statics}));
+    INFO(steps << ": " << runs.back().cause);
+    REQUIRE(runs.back().outcome == Outcome::converged);
+  }
+  CHECK(runs[0].bisected_load_steps > 0);
+  CHECK(runs[1].bisected_load_steps == 0);
+  CHECK(runs[0].newton_iterations < 100);  // halved while it stalls, not after 200 iterations
+  for (const char* measure : {"force", "energy"})
+    CHECK(runs[0].measures.get(measure) == Approx(runs[1].measures.get(measure)).epsilon(1e-7));
+}
+
+namespace {
+
+/// Asks for another solve for ever.
+class Insatiable final : public StaticRig {
+ public:
+  void set_load(double) override {}
+  bool adjust(const State&) override { return true; }
+  Measures measure(const Start&, const State&, const StaticOptions&, StaticResult&) const override { return {}; }
+};
+
+}  // namespace
+
+TEST_CASE("a load that its corrections do not bring to what is prescribed is no equilibrium of it",
+          "[statics][load_path]") {
+  Body body;
+  body.rest = Positions::Identity(3, 2);
+  body.mass = body.radius = VectorX::Ones(2);
+  Model model(body);
+  for (const int molecule : {0, 1}) model.supports.push_back({molecule});
+  Insatiable rig;
+  State state = state_at_rest(body);
+  StaticResult solved = solve_static(model, state, {});
+  REQUIRE(solved.outcome == Outcome::converged);
+  adjust_load(model, rig, {}, state, solved);
+  CHECK(solved.outcome == Outcome::limit_reached);
+  CHECK_THAT(solved.cause, Contains("what is prescribed is not reached after 10 corrections of the load"));
+}

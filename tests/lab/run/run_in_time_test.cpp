@@ -1,0 +1,523 @@
+// Runs through time as scenes write them: against the motion that is known, across a restart, and where they fail.
+
+#include "lab/run/run_in_time.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "elastin/core/base/error.h"
+#include "elastin/core/parallel/threads.h"
+#include "lab/report/files.h"
+#include "lab/report/json.h"
+#include "lab/run/restart.h"
+#include "support/temporary_folder.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const Catalog kCatalog = built_in_catalog();
+
+/// A molecule on a spring of 100 N/m, 1 kg, that hangs on another: 10 rad/s.
+const std::string kOscillator =
+    "body: {molecules: [[0 m, 0 m, 0 m], [10 cm, 0 m, 0 m]], connections: [[0, 1]]}\n"
+    "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\n"
+    "stiffness: {strategy: uniform, constant: 100 N/m}\n";
+const std::string kRelease =
+    kOscillator +
+    "experiment: {kind: release, fixture: {kind: tension, axis: x, force: 0.1 N, cross_section: 1 cm2}}\n";
+
+Run run_of(const std::string& text, RunOptions options = {}, const std::vector<std::string>& overrides = {}) {
+  const TemporaryFolder folder;
+  const auto scene = load_scene(folder.write("scene.yaml", "title: A scene\n" + text), kCatalog, overrides);
+  options.time = scene->time;
+  options.statics = scene->statics;
+  prepare(scene->specimen, scene->stiffness.strategy);
+  return run_strategy(scene->specimen, *scene->experiment, scene->stiffness, options);
+}
+
+double measured(const Run& run, const std::string& name) {
+  INFO(name << ": " << run.cause);
+  REQUIRE(run.outcome == Outcome::converged);
+  REQUIRE(std::isfinite(run.measures.get(name)));
+  return run.measures.get(name);
+}
+
+/// All numbers of a run's rows.
+std::vector<double> numbers_of(const Run& run) {
+  std::vector<double> all;
+  for (const CurvePoint& row : run.curve) {
+    all.insert(all.end(), {row.time, row.step, static_cast<double>(row.steps)});
+    for (const auto& [_, value] : row.measures.all()) all.push_back(value);
+  }
+  for (const auto& [_, value] : run.measures.all()) all.push_back(value);
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("a released oscillator has its frequency and its decrement", "[time][slow]") {
+  // b = 2 N s/m: delta = b / 2m = 1 /s, omega = sqrt(100 - 1).
+  for (const char* scheme : {"velocity_verlet", "newmark"}) {
+    INFO(scheme);
+    const std::string time =
+        std::string("time: {duration: 3 s, frames: 600, step: 1 ms, integrator: ") + scheme + "}\n";
+    const Run run = run_of(kRelease + "loads: [{damping: 2 N s/m}]\n" + time);
+    CHECK(measured(run, "frequency") == Approx(std::sqrt(99.) / (2 * M_PI)).epsilon(1e-4));
+    CHECK(measured(run, "logarithmic_decrement") == Approx(2 * M_PI / std::sqrt(99.)).epsilon(1e-3));
+    CHECK(measured(run, "damping_ratio") == Approx(0.1).epsilon(1e-3));
+    CHECK(measured(run, "energy_drift") < 1e-4);
+    CHECK(run.curve.front().measures.get("elongation") == Approx(1e-3).epsilon(1e-8));
+    const Run free = run_of(kRelease + time);
+    CHECK(measured(free, "frequency") == Approx(10 / (2 * M_PI)).epsilon(1e-4));
+    CHECK(measured(free, "logarithmic_decrement") == Approx(0).margin(1e-4));
+    CHECK(measured(free, "energy_drift") < 1e-4);
+  }
+}
+
+TEST_CASE("measures in time come from the steps, however few frames are kept", "[time]") {
+  for (const char* scheme : {"velocity_verlet", "newmark"}) {
+    INFO(scheme);
+    const Run run = run_of(
+        kRelease + "loads: [{damping: 2 N s/m}]\ntime: {duration: 3 s, frames: 2, step: 1 ms, integrator: " + scheme +
+        "}\n");
+    CHECK(run.curve.size() == 3);
+    CHECK(measured(run, "frequency") == Approx(std::sqrt(99.) / (2 * M_PI)).epsilon(1e-3));
+    CHECK(measured(run, "damping_ratio") == Approx(0.1).epsilon(1e-2));
+  }
+}
+
+TEST_CASE("a load that jumps, and a body at rest, make no energy from nothing", "[time]") {
+  for (const char* scheme : {"velocity_verlet", "newmark", "backward_euler"})
+    for (const char* at : {"0.5 s", "100 s"}) {  // within the second, and never
+      INFO(scheme << " " << at);
+      const Run run = run_of(kOscillator + "experiment: {kind: motion, in_time: {step: {at: " + at +
+                             "}}, fixture: {kind: tension, axis: x, force: 0.1 N, cross_section: 1 cm2}}\n"
+                             "time: {duration: 1 s, frames: 10, step: 10 ms, integrator: " +
+                             scheme + "}\n");
+      CHECK(run.cause == "");
+      CHECK(run.outcome == Outcome::converged);
+    }
+}
+
+TEST_CASE("a load put on at once swings to twice its displacement at rest", "[time]") {
+  const Run run = run_of(kOscillator +
+                         "experiment: {kind: release, load: applied, fixture: {kind: tension, axis: x, force: 0.1 N, "
+                         "cross_section: 1 cm2}}\n"
+                         "time: {duration: 1 s, frames: 200}\n");
+  CHECK(measured(run, "first_peak") == Approx(2e-3).epsilon(1e-3));
+  CHECK(measured(run, "first_peak_time") == Approx(M_PI / 10).epsilon(1e-3));
+  CHECK(measured(run, "return_time") == Approx(2 * M_PI / 10).epsilon(1e-3));
+  CHECK(run.time->scheme == std::string("velocity_verlet"));
+  CHECK_THAT(run.time->reason, Contains("springs"));
+}
+
+TEST_CASE("steps: stable ones by themselves, fixed ones in even parts of a frame, others by their error", "[time]") {
+  const Run automatic = run_of(kRelease + "time: {duration: 20 s, frames: 4}\n");
+  CHECK(automatic.time->critical_step == Approx(0.2).epsilon(1e-5));
+  CHECK(automatic.curve[1].step <= 0.8 * 0.2);
+  CHECK(automatic.curve[1].step > 0.8 * 0.2 * 0.95);
+  const Run fixed = run_of(kRelease + "time: {duration: 1 s, frames: 3, step: 30 ms, integrator: newmark}\n");
+  CHECK(fixed.time->steps == 3 * 12);
+  CHECK(fixed.curve[2].step == Approx(1. / 36));
+  for (int frame = 0; frame <= 3; ++frame) CHECK(fixed.curve[frame].time == 1. * frame / 3);
+  // Ten times less error a step: 10^(1/3) times as many of them.
+  const std::string by_error = "time: {duration: 1 s, frames: 2, integrator: newmark, step: {error: ";
+  const Run coarse = run_of(kRelease + by_error + "1e-6}}\n"), fine = run_of(kRelease + by_error + "1e-9}}\n");
+  const double factor = static_cast<double>(fine.time->steps) / coarse.time->steps;
+  CHECK(factor > 7);
+  CHECK(factor < 13);
+}
+
+TEST_CASE("creep, relaxation and a shaken base follow their formulas", "[time]") {
+  const std::string chain =
+      "body: {molecules: [[0 m, 0 m, 0 m], [1 cm, 0 m, 0 m], [2 cm, 0 m, 0 m]], connections: [[0, 1], [1, 2]]}\n"
+      "material: {youngs_modulus: 10 kPa, density: 1 kg/m3}\nstiffness: {strategy: uniform, constant: 20 N/m}\n";
+  const Run creep =
+      run_of(chain +
+             "experiment: {kind: creep, fixture: {kind: tension, axis: x, force: 0.1 mN, cross_section: 1 cm2}}\n"
+             "loads: [{rayleigh: {stiffness: 0.2 s}}]\ntime: {duration: 1 s, integrator: newmark, step: 0.2 ms}\n");
+  CHECK(measured(creep, "retardation_time") == Approx(0.2).epsilon(1e-3));
+  CHECK(measured(creep, "elongation") == Approx(1e-5 * (1 - std::exp(-5.))).epsilon(1e-3));
+  // The middle molecule, drawn by two springs through a liquid: c / 2k.
+  const Run relaxation =
+      run_of(chain +
+             "experiment: {kind: relaxation, ramp: 10 ms, fixture: {kind: tension, axis: x, displacement: 0.1 mm, "
+             "cross_section: 1 cm2}}\n"
+             "loads: [{stokes_drag: {viscosity: 50 Pa s}}]\n"
+             "time: {duration: 1 s, integrator: newmark, step: 1 ms, frames: 200}\n");
+  CHECK(measured(relaxation, "relaxation_time") == Approx(6 * M_PI * 50 * 0.005 / 40).epsilon(2e-3));
+  CHECK(measured(relaxation, "force") == Approx(1e-3).epsilon(1e-3));
+  const Run shake = run_of(kOscillator +
+                           "experiment: {kind: shake, axis: x, amplitude: 0.1 mm, frequency: 2 Hz}\n"
+                           "loads: [{damping: 4 N s/m}]\ntime: {duration: 8 s, frames: 800, step: 2 ms}\n");
+  const double w = 4 * M_PI, k = 100, b = 4;
+  CHECK(measured(shake, "amplitude_ratio") ==
+        Approx(std::sqrt((k * k + b * b * w * w) / (std::pow(k - w * w, 2) + b * b * w * w))).epsilon(1e-3));
+  CHECK(measured(shake, "phase") == Approx(std::atan2(b * w, k - w * w) - std::atan(b * w / k)).epsilon(1e-3));
+  CHECK(shake.remark.empty());
+}
+
+TEST_CASE("both drag laws reach their speeds, at the order of the integrator", "[time][drag]") {
+  const std::string ball =
+      "body: {molecules: [[0 m, 0 m, 0 m]], radius: 1 cm}\nmaterial: {youngs_modulus: 1 kPa, density: 1000 kg/m3}\n"
+      "stiffness: {strategy: uniform, constant: 1 N/m}\nexperiment: {kind: motion}\n";
+  const double m = 8e-3, g = 9.81, c = 6 * M_PI * 0.2 * 0.01, tau = m / c;
+  const double sink = std::sqrt(m * g / (0.5 * 1000 * 0.47 * M_PI * 1e-4));
+  const auto speed = [&](const std::string& drag, const std::string& scheme, double duration, int frames) {
+    const std::string time = "time: {duration: " + std::to_string(duration) + " s, frames: " + std::to_string(frames) +
+                             ", step: 1 s, integrator: " + scheme + "}\n";
+    return measured(run_of(ball + "loads: [{gravity: [0, 0, -9.81 m/s2]}, {" + drag + "}}]\n" + time), "speed");
+  };
+  const std::string stokes = "stokes_drag: {viscosity: 0.2 Pa s",
+                    quadratic = "quadratic_drag: {density: 1000 kg/m3, drag_coefficient: 0.47";
+  CHECK(speed(stokes, "newmark", 4, 200) == Approx(g * tau).epsilon(1e-7));
+  CHECK(speed(quadratic, "newmark", 2, 200) == Approx(sink).epsilon(1e-7));
+  for (const auto& [scheme, order] : {std::pair{"backward_euler", 1.}, {"newmark", 2.}, {"symplectic_euler", 1.}}) {
+    INFO(scheme);
+    const double at = 0.2;
+    const auto shown = [&](const std::string& drag, double exact) {
+      const double coarse = speed(drag, scheme, at, 20) - exact, fine = speed(drag, scheme, at, 40) - exact;
+      return std::log2(std::abs(coarse / fine));
+    };
+    CHECK(shown(stokes, g * tau * (1 - std::exp(-at / tau))) > order - 0.1);
+    CHECK(shown(quadratic, sink * std::tanh(g * at / sink)) > order - 0.1);
+  }
+}
+
+TEST_CASE("a drop without damping gives back its speed; with damping less", "[time][drop]") {
+  const std::string cube =
+      "body: {molecules: [[0 m, 0 m, 5 cm]], radius: 1 cm}\nmaterial: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\n"
+      "stiffness: {strategy: uniform, constant: 1 N/m}\n";
+  const std::string time = "time: {duration: 60 ms, frames: 600, step: 50 us, integrator: velocity_verlet}\n";
+  const Run elastic = run_of(cube + "experiment: {kind: drop, speed: 0.1 m/s, stiffness: 80 N/m}\n" + time);
+  CHECK(measured(elastic, "restitution") == Approx(1).epsilon(1e-4));
+  // Half a period of 8 g on 80 N/m, the soft first millimetre aside: 31.4 ms and somewhat more.
+  CHECK(measured(elastic, "contact_duration") > 31.4e-3);
+  CHECK(measured(elastic, "contact_duration") < 50e-3);
+  const Run damped =
+      run_of(cube + "experiment: {kind: drop, speed: 0.1 m/s, stiffness: 80 N/m, damping: 0.2 N s/m}\n" + time);
+  CHECK(measured(damped, "restitution") < 0.8);
+  const Run fallen = run_of(cube +
+                            "experiment: {kind: drop, gravity: 9.81 m/s2, height: 5 mm, stiffness: 800 N/m}\n"
+                            "time: {duration: 0.1 s, frames: 500}\n");
+  CHECK(measured(fallen, "impact_speed") == Approx(std::sqrt(2 * 9.81 * 5e-3)).epsilon(1e-4));
+}
+
+TEST_CASE("a twisted bar let go turns back and forth; a sheared one, too", "[time]") {
+  const std::string bar =
+      "body: {lattice: {kind: cubic, molecules: [2, 2, 7], spacing: 1 cm, connections: [axis, face]}}\n"
+      "material: {youngs_modulus: 100 kPa, density: 1000 kg/m3}\nstiffness: lattice\n";
+  const std::string time = "time: {duration: 0.6 s, frames: 600}\n";
+  for (const auto& [hold, start] : {std::pair{"kind: torsion, axis: z, angle: 5 deg", 5 * M_PI / 180},
+                                    {"kind: shear, axis: z, direction: x, strain: 2 %", 0.02}}) {
+    INFO(hold);
+    const Run run = run_of(bar + "experiment: {kind: release, fixture: {" + hold + "}}\n" + time);
+    const bool torsion = std::string(hold).find("torsion") != std::string::npos;
+    CHECK(run.curve.front().measures.get(torsion ? "angle" : "strain") == Approx(start).epsilon(1e-6));
+    CHECK(measured(run, "frequency") > 1);
+    CHECK(measured(run, "energy_drift") < 0.05);                    // of steps near the longest stable one
+    CHECK_FALSE(std::isfinite(run.measures.get("shear_modulus")));  // there is no load any more
+  }
+}
+
+TEST_CASE("a run that stops and goes on has bitwise the same results as one that does not", "[time][restart][slow]") {
+  const std::string block =
+      "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [10 mm, 10 mm, 20 mm]}}\n"
+      "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+      "experiment: {kind: motion, fixture: {kind: shear, axis: z, direction: x, strain: 0.3}, "
+      "in_time: {sine: {frequency: 30 Hz}}}\n"
+      "loads: [{cell_damping: {bulk: 0.1 Pa s, shear: 0.1 Pa s}}, {gravity: [0, 0, -9.81 m/s2], "
+      "in_time: {ramp: {duration: 20 ms}}}]\n";
+  for (const char* time : {"integrator: newmark, step: {error: 1e-4}", "integrator: backward_euler, step: 0.7 ms",
+                           "integrator: {scheme: newmark, newton_iterations: 1}, step: 1 ms",
+                           "integrator: velocity_verlet", "integrator: symplectic_euler"}) {
+    INFO(time);
+    const std::string text = block + "time: {duration: 20 ms, frames: 10, checkpoint: 4, " + time + "}\n";
+    std::vector<std::string> kept;
+    RunOptions options;
+    options.checkpoint = [&](const std::string& restart) { kept.push_back(restart); };
+    const Run whole = run_of(text, options);
+    REQUIRE(whole.outcome == Outcome::converged);
+    REQUIRE(kept.size() == 2);
+    for (const std::string& restart : kept) {
+      RunOptions later;
+      later.restart = restart;
+      const Run resumed = run_of(text, later);
+      CHECK(resumed.time->resumed);
+      CHECK(resumed.time->steps < whole.time->steps);
+      CHECK(numbers_of(resumed) == numbers_of(whole));
+    }
+    // Asked to stop after eight steps, it leaves a restart file of the last frame behind.
+    int asked = 0;
+    std::string left;
+    RunOptions stopped;
+    stopped.stop = [&] { return ++asked == 8; };
+    stopped.checkpoint = [&](const std::string& restart) { left = restart; };
+    const Run part = run_of(text, stopped, {"time.checkpoint=100"});
+    CHECK(part.outcome == Outcome::interrupted);
+    CHECK_THAT(part.cause, Contains("after frame " + std::to_string(part.curve.size() - 1) + " of 10"));
+    CHECK(part.curve.size() < 6);
+    RunOptions later;
+    later.restart = left;
+    CHECK(numbers_of(run_of(text, later)) == numbers_of(whole));
+  }
+}
+
+TEST_CASE("a run at rest that is stopped ends between two load steps", "[statics]") {
+  int asked = 0;
+  RunOptions options;
+  options.stop = [&] { return ++asked == 4; };  // before each solve, and before each step but the first
+  const Run run = run_of(
+      "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [10 mm, 10 mm, 20 mm]}}\n"
+      "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+      "experiment: {kind: tension, strain: 10 %, load_steps: 5}\nsolver: {displacements: small}\n",
+      options);
+  CHECK(run.outcome == Outcome::interrupted);
+  CHECK(run.cause == "stopped before load step 3 of 5");
+  CHECK(run.curve.size() == 2);
+}
+
+TEST_CASE("a run at rest is stopped in the middle of a solve, by Newton's method or by relaxation", "[statics]") {
+  const std::string scene =
+      "body: {tetrahedra: {kind: kuhn, cubes: [1, 1, 2], size: [10 mm, 10 mm, 20 mm]}}\n"
+      "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+      "experiment: {kind: tension, strain: 30 %}\n";
+  const Run whole = run_of(scene);
+  REQUIRE(whole.newton_iterations > 2);
+  RunOptions options;
+  int asked = 0;
+  options.stop = [&] { return ++asked > 3; };  // once before the first guess, then before each iteration
+  const Run newton = run_of(scene, options);
+  CHECK(newton.outcome == Outcome::interrupted);
+  CHECK(newton.cause == "stopped after 2 Newton iterations");
+  CHECK(newton.newton_iterations == 2);
+  CHECK(newton.curve.empty());
+  options.stop = [&] { return true; };
+  for (const char* method : {"explicit", "implicit"}) {
+    const Run relaxed = run_of(scene, options, {std::string("solver.method=") + method});
+    CHECK(relaxed.outcome == Outcome::interrupted);
+  }
+  options.stop = [&] { return false; };
+  CHECK(run_of(scene, options).measures.get("force") == whole.measures.get("force"));
+}
+
+TEST_CASE("a restart file of another run, or a damaged one, is refused", "[time][restart]") {
+  std::string kept;
+  RunOptions options;
+  options.checkpoint = [&](const std::string& restart) { kept = restart; };
+  const std::string time = "time: {duration: 1 s, frames: 4, checkpoint: 1}\n";
+  run_of(kRelease + time, options);
+  const auto refuse = [&](const std::string& restart, const std::string& scene, const std::string& says) {
+    RunOptions later;
+    later.restart = restart;
+    CHECK_THROWS_WITH(run_of(scene, later), Contains(says));
+  };
+  refuse("nothing of the kind", kRelease + time, "this is no restart file");
+  std::string older = kept;  // there the contact's multipliers had another unit
+  REQUIRE(older.starts_with("elastin-restart-5 "));
+  older[std::string("elastin-restart-").size()] = '4';
+  refuse(older, kRelease + time, "of another version of the program ('elastin-restart-4', here 'elastin-restart-5')");
+  refuse(kept.substr(0, kept.size() / 2), kRelease + time, "cut off");
+  refuse(kept, kRelease + "time: {duration: 2 s, frames: 4}\n", "of another run");
+  refuse(kept, kRelease + "time: {duration: 1 s, frames: 4, integrator: newmark}\n", "newmark");
+  std::string bad = kept;
+  bad.replace(bad.find("0x1"), 3, "0y1");
+  refuse(bad, kRelease + time, "is damaged: its checksum does not hold");
+  // With its path it says where.
+  const auto says_where = [&](const std::string& text, const std::string& where) {
+    const std::string identity = kept.substr(18, kept.find(' ', 18) - 18);
+    CHECK_THROWS_WITH(parse_restart(text, identity, "a.restart"), Catch::Matchers::StartsWith("a.restart:" + where));
+  };
+  says_where("nothing of the kind", "1:1: this is no restart file");
+  says_where(older, "1:1: this restart file is of another version");
+  says_where(bad, "1:" + std::to_string(kept.find(' ', 18) + 2) + ": the restart file is damaged");
+  const std::string cut = kept.substr(0, kept.find('\n') + 1) + "12 0x1p+0\n 13";
+  says_where(cut, "3:4: the restart file is cut off");
+}
+
+TEST_CASE("implicit steps that make more energy than there is end with that as the cause", "[time]") {
+  // Springs that are stretched by 40 % and let go: the trapezoidal rule gains energy from their turns.
+  const Run run = run_of(
+      "body: {lattice: {kind: cubic, molecules: [4, 4, 6], spacing: 10 mm, connections: [axis, face]}}\n"
+      "material: {youngs_modulus: 10 kPa, poissons_ratio: 0.25, density: 1000 kg/m3}\nstiffness: lattice\n"
+      "experiment: {kind: release, load: removed, fixture: {kind: tension, displacement: 20 mm}}\n"
+      "time: {duration: 1 s, frames: 10, integrator: newmark, step: 20 ms}\n");
+  CHECK(run.outcome == Outcome::diverged);
+  CHECK_THAT(run.cause, Contains("the steps make energy from nothing"));
+}
+
+TEST_CASE("a budget gives each step the sweeps that it leaves time for", "[time][budget]") {
+  const auto swung = [](const std::string& integrator, const std::string& budget) {
+    return run_of(
+        "body: {lattice: {kind: cubic, molecules: [2, 2, 5], spacing: 1 cm, connections: [axis, face]}}\n"
+        "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\n"
+        "stiffness: lattice\n"
+        "experiment: {kind: release, fixture: {kind: bending, axis: z, direction: x, force: 1 mN}}\n"
+        "time: {duration: 0.2 s, frames: 10, step: 2 ms, integrator: " +
+        integrator + budget + "}\n");
+  };
+  // None is in time: each step keeps its one sweep, and looking what it leaves changes nothing.
+  const Run late = swung("{scheme: block_descent, sweeps: 1}", ", budget: 1 ns");
+  const Run one = swung("{scheme: block_descent, sweeps: 1}", "");
+  REQUIRE(late.time->budget);
+  CHECK(late.time->budget->median == 1);
+  CHECK(late.time->budget->late == 1);
+  CHECK(late.curve.back().measures.get("tip_deflection") == one.curve.back().measures.get("tip_deflection"));
+  CHECK_FALSE(one.time->budget);
+  REQUIRE(late.warnings.size() == 1);
+  CHECK_THAT(late.warnings.front(), Contains("100 % of the steps took longer than their budget"));
+  // More time, more sweeps, less left to do.
+  const Run more = swung("{scheme: block_descent, sweeps: 9}", ", budget: 20 ms");
+  REQUIRE(more.time->budget);
+  const BudgetReport& found = *more.time->budget;
+  CHECK(found.effort == "sweeps");
+  CHECK(found.median > 9);
+  CHECK(found.least <= found.median);
+  CHECK(found.median <= found.most);
+  CHECK(found.iteration_error < 0.1 * late.time->budget->iteration_error);
+  CHECK(late.time->budget->iteration_error < late.time->budget->motion);
+}
+
+TEST_CASE("a step far above the stable one ends with its cause and keeps the frames before", "[time]") {
+  const Run run = run_of(kRelease + "time: {duration: 200 s, frames: 100, step: 2 s, integrator: velocity_verlet}\n");
+  CHECK(run.outcome == Outcome::diverged);
+  CHECK_THAT(run.cause, Contains("energy from nothing") && Contains("longest stable one was 0.2 s"));
+  CHECK(run.curve.size() < 20);
+  REQUIRE_FALSE(run.warnings.empty());
+  CHECK_THAT(run.warnings.back(), Contains("a step of 2 s is longer than the longest stable one, 0.2 s"));
+  for (const CurvePoint& row : run.curve)
+    for (const auto& [name, value] : row.measures.all()) CHECK(std::abs(value) < 1e6);
+}
+
+TEST_CASE("St Venant-Kirchhoff inverts where neo_hookean holds", "[time]") {
+  const std::string text =
+      "body: {tetrahedra: {kind: body_centred, cubes: [2, 2, 2], size: [10 cm, 10 cm, 10 cm]}}\n"
+      "material: {youngs_modulus: 5 kPa, poissons_ratio: 0.3}\nstiffness: neo_hookean\n"
+      "experiment: {kind: motion, fixture: {kind: compression, axis: z, displacement: 75 mm, fixed_grip: clamped, "
+      "loaded_grip: clamped}, in_time: {ramp: {duration: 0.5 s}}}\n"
+      "loads: [{cell_damping: {bulk: 10 Pa s, shear: 10 Pa s}}]\n"
+      "time: {duration: 0.6 s, integrator: {scheme: backward_euler, newton_iterations: 1}, step: 10 ms, frames: 60}\n";
+  const Run holds = run_of(text);
+  CHECK(holds.outcome == Outcome::converged);
+  const Run fails = run_of(text, {}, {"stiffness=st_venant_kirchhoff"});
+  CHECK(fails.outcome == Outcome::inverted);
+  CHECK_THAT(fails.cause, Contains("cell"));
+  CHECK(fails.curve.size() > 10);
+}
+
+TEST_CASE("a state to start from: velocity, spin, turned, scattered", "[time][initial]") {
+  const std::string text =
+      "body: {lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 1 cm, connections: [axis, face]}}\n"
+      "material: {youngs_modulus: 100 kPa, density: 1000 kg/m3}\nstiffness: lattice\nexperiment: {kind: motion}\n"
+      "time: {duration: 10 ms, frames: 4}\n";
+  const Run moving = run_of(text + "initial: {velocity: [3 m/s, 0 m/s, 4 m/s]}\n");
+  CHECK(measured(moving, "speed") == Approx(5));
+  CHECK(measured(moving, "centre_way") == Approx(0.05));
+  CHECK(measured(moving, "largest_strain") < 1e-12);
+  const Run spinning = run_of(text + "initial: {spin: [0 /s, 0 /s, 10 /s]}\n");
+  CHECK(measured(spinning, "speed") < 1e-12);
+  CHECK(measured(spinning, "angular_momentum") ==
+        Approx(spinning.curve.front().measures.get("angular_momentum")).epsilon(1e-12));
+  const Run turned = run_of(text + "initial: {turn: {axis: [1, 2, 3], angle: 77 deg}}\n");
+  CHECK(measured(turned, "largest_strain") < 1e-12);
+  const Run scattered = run_of(text + "initial: {scatter: {amount: 1 mm, seed: 3}}\n");
+  CHECK(measured(scattered, "largest_strain") > 0.01);
+  const Run moved = run_of(text + "initial: {move: {molecules: [13], by: [1 mm, 0 m, 0 m]}}\n");
+  CHECK(moved.curve.front().measures.get("largest_strain") > 0.05);
+}
+
+TEST_CASE("every kind of strategy can be compared in time", "[time]") {
+  const std::string text =
+      "body: {lattice: {kind: cubic, molecules: [3, 3, 4], spacing: 1 cm, connections: [axis, face]}}\n"
+      "material: {youngs_modulus: 10 kPa, density: 1000 kg/m3}\nstiffness: lattice\n"
+      "experiment: {kind: release, fixture: {kind: tension, axis: z, force: 1 mN}}\ntime: {duration: 0.2 s}\n";
+  const double exact = measured(run_of(text), "frequency");
+  const Run calibrated = run_of(text, {}, {"stiffness=calibrated:standard"});
+  CHECK(calibrated.calibration_factor != 1);
+  CHECK(measured(calibrated, "frequency") == Approx(exact).epsilon(0.1));
+  CHECK(measured(run_of(text, {}, {"stiffness=standard"}), "frequency") > 1.2 * exact);  // far too stiff
+  const Run updated = run_of(text, {}, {"stiffness=angles_update"});                     // has no energy
+  CHECK(measured(updated, "frequency") > 0);
+  CHECK_FALSE(std::isfinite(updated.measures.get("energy_balance")));
+}
+
+TEST_CASE("the file of a run in time has a row a frame", "[time][files]") {
+  const TemporaryFolder folder;
+  const auto scene =
+      load_scene(folder.write("scene.yaml", "title: x\n" + kRelease + "time: {duration: 1 s, frames: 5}\n"), kCatalog);
+  RunOptions options;
+  options.time = scene->time;
+  const Record record =
+      make_record(*scene, run_strategy(scene->specimen, *scene->experiment, scene->stiffness, options));
+  const std::string csv = curve_csv_text(record);
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 7);
+  for (const char* column : {"time [s],", "elongation [m]", "kinetic_energy [J]", "energy_balance [J]", "work [J]",
+                             "momentum [kg m/s]", "angular_momentum [kg m^2/s]", "step [s],steps,"})
+    CHECK_THAT(csv, Contains(column));
+  CHECK_THAT(json_text({record}), Contains("\"integrator\": \"velocity_verlet\"") && Contains("\"real_time_factor\""));
+}
+
+namespace {
+
+/// A bar of springs whose stress relaxes over four decades, and what is left of that of a ramp of its force densities.
+std::string decades(const std::string& strategy, const std::string& experiment, const std::string& time) {
+  return "body: {lattice: {kind: cubic, molecules: [3, 3, 5], spacing: 5 mm, connections: [axis, face]}}\n"
+         "material: {youngs_modulus: 10 kPa, density: 1e-9 kg/m3, relaxation: {terms: [[0.4, 10 ms], [0.3, 1 s], "
+         "[0.2, 100 s]]}}\nstiffness: \"" +
+         strategy + "\"\nexperiment: {" + experiment + "}\ntime: {integrator: backward_euler, " + time + "}\n";
+}
+
+double left_of_ramp(double time, double ramp) {
+  double sum = 1;
+  for (const auto& [g, tau] : {std::pair{0.4, 0.01}, {0.3, 1.}, {0.2, 100.}})
+    sum += g * tau / ramp * (std::exp(ramp / tau) - 1) * std::exp(-time / tau);
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("frames whose lengths grow by a factor: relaxation over decades of time", "[time]") {
+  const std::string held = "kind: relaxation, ramp: 1 ms, fixture: {kind: tension, axis: z, displacement: 1 mm}",
+                    time = "duration: 1000 s, frames: 61, first_frame: 1 ms, step: {per_frame: 1}";
+  const Run run = run_of(decades("prony:lattice", held, time)), elastic = run_of(decades("lattice", held, time));
+  REQUIRE(run.outcome == Outcome::converged);
+  REQUIRE(run.curve.size() == 62);
+  CHECK(run.time->steps == 61);
+  const double end = elastic.curve.back().measures.get("force");
+  for (std::size_t frame = 1; frame < run.curve.size(); ++frame) {
+    const CurvePoint& row = run.curve[frame];
+    CHECK(row.time == Approx(1e-3 * std::pow(10, (static_cast<double>(frame) - 1) / 10)).epsilon(1e-12));
+    CHECK(row.measures.get("force") == Approx(end * left_of_ramp(row.time, 1e-3)).epsilon(1e-9));
+  }
+  CHECK(measured(run, "relaxation_time") == Approx(100).epsilon(0.02));
+
+  std::string kept;  // from the fortieth frame on it is the same run
+  RunOptions options, later;
+  options.checkpoint = [&](const std::string& restart) { kept = restart; };
+  const std::string text = decades("prony:lattice", held, time + ", checkpoint: 40");
+  const Run whole = run_of(text, options);
+  later.restart = kept;
+  const Run rest = run_of(text, later);
+  CHECK(numbers_of(rest) == numbers_of(whole));
+}
+
+TEST_CASE("creep over decades of time is of order 2 in the steps of a frame", "[time]") {
+  // At constant stress a standard linear solid has the strain σ/E (1 − g/(1 + g) e^(−t/((1 + g) τ))).
+  const auto creep = [](int steps) {
+    std::string text =
+        decades("prony:lattice", "kind: creep, fixture: {kind: tension, axis: z, force: 1 uN}",
+                "duration: 3 s, frames: 30, first_frame: 10 us, step: {per_frame: " + std::to_string(steps) + "}");
+    const std::string terms = "[[0.4, 10 ms], [0.3, 1 s], [0.2, 100 s]]";
+    text.replace(text.find(terms), terms.size(), "[[1, 1 s]]");
+    return run_of(text + "solver: {displacements: small}\n").curve.back().measures.get("elongation");
+  };
+  const double elastic = 1e-6 / 1e-4 / 1e4 * 0.02;
+  std::vector<double> errors;
+  for (const int steps : {2, 4, 8}) errors.push_back(creep(steps) / elastic - (1 - 0.5 * std::exp(-1.5)));
+  INFO(errors[0] << " " << errors[1] << " " << errors[2]);
+  CHECK(errors[0] / errors[1] == Approx(4).epsilon(0.1));
+  CHECK(errors[1] / errors[2] == Approx(4).epsilon(0.1));
+}

@@ -1,0 +1,223 @@
+#include "lab/run/section.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "lab/experiment/bending/bending.h"
+#include "lab/experiment/shear/shear.h"
+#include "lab/experiment/tension/tension.h"
+#include "lab/run/specimen.h"
+#include "support/bodies.h"
+
+using namespace elastin;
+using namespace elastin::lab;
+using namespace elastin::testing;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const Catalog kCatalog = built_in_catalog();
+
+/// A bar of 3 × 3 × 6 mm without its core of 1 mm²: a section of 8 mm² in a hull of 9 mm².
+Body hollow_bar() {
+  Body body = tetrahedral_block(BlockKind::kuhn, {3, 3, 6}, {0.003, 0.003, 0.006});
+  std::erase_if(body.tetrahedra, [&](const std::array<int, 4>& cell) {
+    Vector3 middle = Vector3::Zero();
+    for (const int corner : cell) middle += body.rest.col(corner) / 4;
+    return (middle.head<2>() - Eigen::Vector2d(0.0015, 0.0015)).cwiseAbs().maxCoeff() < 0.0005;
+  });
+  body.connections = connections_of_cells(body.rest, {}, body.tetrahedra);
+  set_matter(body, 0.0005, 1000, 0, 0);
+  return body;
+}
+
+/// A block of 10 × 10 × 20 mm whose width grows to twice as much along z: A(z) = A₀ (1 + z/L).
+Body wedge() {
+  Body body = tetrahedral_block(BlockKind::kuhn, {3, 3, 5}, {0.01, 0.01, 0.02});
+  for (int molecule = 0; molecule < body.size(); ++molecule)
+    body.rest(0, molecule) *= 1 + body.rest(2, molecule) / 0.02;
+  set_present_lengths(body);
+  set_matter(body, 0.001, 1000, 0, 0);
+  return body;
+}
+
+/// A ball of radius 10 mm: a cube whose grid is bent so that its sides lie on the sphere.
+Body ball() {
+  Body body = tetrahedral_block(BlockKind::kuhn, {6, 6, 6}, {2, 2, 2});
+  for (int molecule = 0; molecule < body.size(); ++molecule) {
+    const Vector3 u = body.rest.col(molecule) - Vector3::Ones(), s = u.cwiseAbs2();
+    for (int axis = 0; axis < 3; ++axis) {
+      const double a = s[(axis + 1) % 3], b = s[(axis + 2) % 3];
+      body.rest(axis, molecule) = 0.01 * u[axis] * std::sqrt(1 - a / 2 - b / 2 + a * b / 3);
+    }
+  }
+  set_present_lengths(body);
+  set_matter(body, 0.001, 1000, 0, 0);
+  return body;
+}
+
+Section along_z(const Body& body, double thickness = 0) {
+  const VectorX z = body.rest.row(2);
+  return find_section(body, Vector3::UnitZ(), z.minCoeff(), z.maxCoeff(), thickness);
+}
+
+TensionSetup pull(double displacement) {
+  TensionSetup setup;
+  setup.displacement = displacement;
+  return setup;
+}
+
+}  // namespace
+
+TEST_CASE("volumes of tetrahedra in slabs are those of closed forms", "[section]") {
+  // Corners at heights 0 0 0 1: below z lies 1 − (1 − z)³; at 0 0 1 1: 3z² − 2z³. Volume 1/6, so the mean section too.
+  Body body;
+  body.tetrahedra = {{0, 1, 2, 3}};
+  body.rest.resize(3, 4);
+  body.rest << 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1;
+  CHECK(along_z(body).area == Approx(1. / 6));
+  CHECK(along_z(body).variation == Approx(10 * (1 - 0.9 * 0.9 * 0.9) - 1));
+  body.rest << 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1;
+  CHECK(along_z(body).area == Approx(1. / 6));
+  CHECK(along_z(body).variation == Approx(1 - 10 * (3 * 0.01 - 2 * 0.001)));
+  // Between two heights alone: 0.4 to 0.6 holds 0.648 − 0.352 of the volume.
+  CHECK(find_section(body, Vector3::UnitZ(), 0.4, 0.6, 0).area == Approx((0.648 - 0.352) / 6 / 0.2));
+}
+
+TEST_CASE("a prism has the section of its cells, a tapered body none of its own", "[section]") {
+  const Section tube = along_z(hollow_bar());
+  CHECK(tube.area == Approx(8e-6));
+  CHECK(tube.variation < 1e-9);
+  CHECK((tube.prism() && !tube.of_hull));
+  const Section tapered = along_z(wedge());  // the last slab has 1.95 A₀, the mean is 1.5 A₀
+  CHECK(tapered.area == Approx(1.5e-4));
+  CHECK(tapered.variation == Approx(0.3));
+  CHECK_FALSE(tapered.prism());
+  const Section of_ball = along_z(ball());
+  CHECK_FALSE(of_ball.prism());
+  CHECK(of_ball.area == Approx(4. / 3 * 3.14159 * 1e-6 / 0.02).epsilon(0.05));
+}
+
+TEST_CASE("cubes and triangles have a section too; a bare graph has its hull's", "[section]") {
+  Body lattice = jittered_lattice(0.1);
+  CHECK(along_z(lattice).area == Approx(6e-4));
+  CHECK_FALSE(along_z(lattice).of_hull);
+  lattice.cubes.clear();
+  CHECK(along_z(lattice).area == Approx(6e-4));
+  CHECK(along_z(lattice).of_hull);
+  Body strip = listed_body({{0, 0, 0}, {0.01, 0, 0}, {0, 0, 0.03}, {0.01, 0, 0.03}}, {});
+  strip.triangles = {{0, 1, 2}, {1, 3, 2}};
+  CHECK(along_z(strip, 0.002).area == Approx(2e-5));
+  CHECK(along_z(strip, 0.002).variation < 1e-9);
+  CHECK(along_z(strip).area == 0);  // without a thickness
+  // Three boxes of molecules in a row, the middle one half as wide.
+  Body waist = cubic_lattice({5, 5, 13}, 0.001, {true, true, false});
+  waist.cubes.clear();
+  CHECK(along_z(waist).prism());
+  for (int molecule = 0; molecule < waist.size(); ++molecule)
+    if (std::abs(waist.rest(2, molecule) - 0.006) < 0.0035) waist.rest(0, molecule) *= 0.5;
+  CHECK_FALSE(along_z(waist).prism());
+}
+
+TEST_CASE("a tube shows the material's E", "[section][tension]") {
+  Specimen specimen;
+  specimen.body = hollow_bar();
+  specimen.material.youngs_modulus = 1e4;
+  const auto experiment = make_tension(specimen.body, pull(1e-8));
+  CHECK_FALSE(experiment->apparent());
+  CHECK((experiment->no_reference().empty() && experiment->notes().empty()));
+  const Run run = run_strategy(specimen, *experiment, choose_strategy(kCatalog, "neo_hookean"), {});
+  CHECK(run.measures.get("effective_modulus") == Approx(1e4).epsilon(1e-5));
+  // What the scene states counts, whatever the body is.
+  TensionSetup stated = pull(1e-8);
+  stated.cross_section = 9e-6;
+  const auto nominal = make_tension(specimen.body, stated);
+  CHECK(run_strategy(specimen, *nominal, choose_strategy(kCatalog, "neo_hookean"), {})
+            .measures.get("effective_modulus") == Approx(8. / 9 * 1e4).epsilon(1e-5));
+}
+
+TEST_CASE("the modulus of a body that is no prism is apparent, and nothing is calibrated to it", "[section][tension]") {
+  Specimen specimen;
+  specimen.body = wedge();
+  specimen.material.youngs_modulus = 1e4;
+  const auto experiment = make_tension(specimen.body, pull(1e-6));
+  CHECK(experiment->apparent());
+  CHECK_THAT(experiment->no_reference(), Contains("no prism"));
+  CHECK_THAT(experiment->notes().at(0), Contains("varies by 30 %"));
+  CHECK(std::isnan(experiment->main_measures(specimen.material, {}).front().prescribed));
+  const Run run = run_strategy(specimen, *experiment, choose_strategy(kCatalog, "calibrated:van_gelder"), {});
+  CHECK_FALSE(run.suited);
+  CHECK_THAT(run.cause, Contains("no modulus to calibrate to: its modulus is apparent"));
+  TensionSetup stated = pull(1e-6);
+  stated.cross_section = 1.5e-4;
+  CHECK(make_tension(specimen.body, stated)->apparent());  // stating an area makes no prism of it
+  CHECK_THAT(make_tension(specimen.body, stated)->no_reference(), Contains("no prism"));
+}
+
+TEST_CASE("clamps that reach the gauge leave no reference", "[section][tension]") {
+  const Body bar = tetrahedral_block(BlockKind::kuhn, {2, 2, 10}, {0.01, 0.01, 0.05});
+  TensionSetup setup = pull(1e-6);
+  CHECK(make_tension(bar, setup)->no_reference().empty());
+  setup.loaded_grip = Grip::clamped;
+  CHECK_THAT(make_tension(bar, setup)->no_reference(),
+             Contains("the grips clamp, so no specimen shows the material's E; compare with the solid itself"));
+  CHECK_FALSE(make_tension(bar, setup)->apparent());
+  setup.gauge = {0.015, 0.035};  // more than one width of 10 mm away from either end
+  CHECK(make_tension(bar, setup)->no_reference().empty());
+  setup.gauge = {0.015, 0.045};
+  CHECK_FALSE(make_tension(bar, setup)->no_reference().empty());
+}
+
+TEST_CASE("a beam that is hollow has an apparent modulus", "[section][bending]") {
+  BendingSetup setup;
+  setup.axis = Vector3::UnitZ();
+  setup.direction = Vector3::UnitX();
+  setup.force = 1e-6;
+  const Body hollow = hollow_bar();
+  Body whole = tetrahedral_block(BlockKind::kuhn, {3, 3, 6}, {0.003, 0.003, 0.006});
+  set_matter(whole, 0.0005, 1000, 0, 0);
+  CHECK(make_bending(hollow, setup, {})->apparent());
+  CHECK_FALSE(make_bending(hollow, setup, {})->no_reference().empty());
+  CHECK_FALSE(make_bending(whole, setup, {})->apparent());
+}
+
+TEST_CASE("plates shear a tube by the section of its cells", "[section][shear]") {
+  Specimen specimen;
+  specimen.body = hollow_bar();
+  specimen.material.youngs_modulus = 1e4;
+  ShearSetup setup;
+  setup.direction = Vector3::UnitX();
+  setup.strain = 1e-6;
+  const auto modulus = [&] {
+    const auto experiment = make_shear(specimen.body, setup, Matrix3::Identity());
+    return run_strategy(specimen, *experiment, choose_strategy(kCatalog, "neo_hookean"), {})
+        .measures.get("shear_modulus");
+  };
+  const double own = modulus();
+  setup.cross_section = 8e-6;
+  CHECK(modulus() == Approx(own).epsilon(1e-9));
+}
+
+TEST_CASE("a factor of calibration beyond 2 is a warning that names it", "[calibration]") {
+  Specimen specimen;
+  specimen.body = cubic_lattice({4, 4, 4}, 0.01, {true, true, false});
+  set_matter(specimen.body, 0.005, 1000, 0, 2.7e-5);
+  specimen.material.youngs_modulus = 1e4;
+  const auto experiment = make_tension(specimen.body, pull(1e-6));
+  const auto warnings = [&](double times) {  // of a rule that is off by this factor
+    const Strategy lattice = kCatalog.find("lattice");
+    const Strategy rule = make_spring_rule(
+        "mine", [=](const Body& body, const Material& material, const ParameterValues& values) -> VectorX {
+          return times * lattice.constants(body, material, values);
+        });
+    const Run run = run_strategy(specimen, *experiment, {"calibrated:mine", rule, true, {}}, {});
+    REQUIRE(run.outcome == Outcome::converged);
+    CHECK(run.calibration_factor == Approx(1 / times).epsilon(1e-6));
+    return run.warnings;
+  };
+  CHECK(warnings(1 / 1.9).empty());
+  CHECK(warnings(1.9).empty());
+  REQUIRE(warnings(0.25).size() == 1);
+  CHECK_THAT(warnings(0.25).front(), Contains("multiplies the spring constants by 4;"));
+  CHECK_THAT(warnings(4).at(0), Contains("by 0.25;"));
+}
