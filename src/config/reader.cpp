@@ -1,5 +1,7 @@
 #include "config/reader.h"
 
+#include <Eigen/Geometry>
+
 #include <string_view>
 
 #include <algorithm>
@@ -405,6 +407,29 @@ Vector3 Reader::vector(const Dimension& dimension, const Range& range) const {
   const auto list = items(3);
   if (KeyUse* noted = use()) noted->kinds.insert("vector");
   return {list[0].quantity(dimension, range), list[1].quantity(dimension, range), list[2].quantity(dimension, range)};
+}
+
+Vector3 Reader::direction() const {
+  if (!is_text()) {
+    const Vector3 direction = vector(dimension::none);
+    if (!(direction.norm() > 0)) fail("a direction must not be zero");
+    return direction.normalized();
+  }
+  return choice<Vector3>({{"x", Vector3::UnitX()},
+                          {"y", Vector3::UnitY()},
+                          {"z", Vector3::UnitZ()},
+                          {"-x", -Vector3::UnitX()},
+                          {"-y", -Vector3::UnitY()},
+                          {"-z", -Vector3::UnitZ()}});
+}
+
+Matrix3 Reader::rotation() const {
+  Reader map = *this;
+  map.set_section("rotation");
+  const Vector3 axis = map.at("axis").direction();
+  const double angle = map.at("angle").angle();
+  map.finish();
+  return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 
 std::function<double(const Vector3&)> Reader::of_place(const Dimension& dimension, const Range& range) const {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "config/keys.h"
+#include "config/key_rows.h"
 #include "config/other_names.h"
 #include "config/scene_tree.h"
 #include "elastin/config/held_scene.h"
@@ -92,6 +92,10 @@ class Reader {
   /// The number of a molecule of a body that has so many.
   int molecule(int count) const;
   Vector3 vector(const Dimension& dimension, const Range& range = {}) const;
+  /// A unit vector: "x", "-y", or a list of three numbers that are not all 0.
+  Vector3 direction() const;
+  /// {axis: DIRECTION, angle: ANGLE}, right-handed.
+  Matrix3 rotation() const;
   std::array<int, 3> wholes(int low) const;
   /// A formula of the place x, y, z at rest [m]: its value in SI units. The function throws InputError where that is
   /// not in range.

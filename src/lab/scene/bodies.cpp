@@ -17,7 +17,7 @@ constexpr double kTieStiffness = 100;
 /// Where the body stands: turned about the origin, then moved. Returns the rotation.
 Matrix3 pose_body(Reader& reader, Body& body) {
   const auto turn = reader.find("turn");
-  const Matrix3 rotation = turn ? read_rotation(*turn) : Matrix3(Matrix3::Identity());
+  const Matrix3 rotation = turn ? turn->rotation() : Matrix3(Matrix3::Identity());
   if (turn) rotate(body, rotation);
   if (auto at = reader.find("at")) body.rest.colwise() += at->vector(dimension::length);
   return rotation;

@@ -22,7 +22,7 @@ struct Form {
 };
 
 Form read_plane(Reader reader) {
-  const Vector3 point = reader.at("point").vector(dimension::length), normal = read_direction(reader.at("normal"));
+  const Vector3 point = reader.at("point").vector(dimension::length), normal = reader.at("normal").direction();
   reader.finish();
   return {contact::shape::Plane{}, {turn_to(normal), point}};
 }
@@ -43,7 +43,7 @@ template <class Round>
 Form read_round(Reader reader) {
   const double radius = read_length(reader, "radius"), length = read_length(reader, "length");
   const auto axis = reader.find("axis");
-  const Vector3 direction = axis ? read_direction(*axis) : Vector3(Vector3::UnitZ());
+  const Vector3 direction = axis ? axis->direction() : Vector3(Vector3::UnitZ());
   reader.finish();
   return {Round{radius, length}, {turn_to(direction)}};
 }
@@ -155,7 +155,7 @@ void read_obstacle(Reader reader, const Matrix3& rotation, SceneContact& contact
   if (name && is_named(obstacles, obstacle.name)) name->fail("'" + obstacle.name + "' is the name of another obstacle");
   if (at && kind == "plane") at->fail("a plane lies through its own point: leave this out");
   if (turn && kind == "plane") turn->fail("a plane has a normal: leave this out");
-  if (turn) obstacle.pose.turn = read_rotation(*turn) * obstacle.pose.turn;
+  if (turn) obstacle.pose.turn = turn->rotation() * obstacle.pose.turn;
   if (at) obstacle.pose.position = at->vector(dimension::length);
   obstacle.pose.turn = rotation * obstacle.pose.turn;
   obstacle.pose.position = rotation * obstacle.pose.position;

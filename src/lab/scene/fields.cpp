@@ -109,7 +109,7 @@ DirectionAt read_directions(Reader reader) {
     };
   }
   if (const auto angle = reader.find("angle")) {
-    const Vector3 axis = read_direction(reader.at("about"));
+    const Vector3 axis = reader.at("about").direction();
     reader.finish();
     return [by = angle->of_place(dimension::none, {}), axis](const Vector3& given, const Vector3& place) -> Vector3 {
       return Eigen::AngleAxisd(by(place), axis) * given;

@@ -38,15 +38,35 @@ std::vector<KeySection> experiment_sections(const ExperimentCatalog& experiments
   return sections;
 }
 
+std::vector<KeySection> gas_sections() {
+  return {{"gas", "",
+           "The `gas` of `kind: inflation`, which fills the membrane in proportion to the load:", gas_keys().rows()}};
+}
+
 }  // namespace
 
 std::vector<KeySection> key_sections(const Catalog& catalog, const ExperimentCatalog& experiments) {
   std::vector<KeySection> all;
-  for (const auto& sections :
-       {scene_keys(), body_keys(), surface_keys(), fill_keys(), bodies_keys(), material_keys(catalog),
-        strategy_keys(catalog), experiment_sections(experiments), gas_keys(), support_keys(), time_keys(catalog),
-        load_keys(catalog), pick_keys(), initial_keys(), contact_keys(), solver_keys(catalog), expectation_keys(),
-        study_keys(), identify_keys()})
+  for (const auto& sections : {scene_keys(),
+                               body_keys(),
+                               surface_keys(),
+                               fill_keys(),
+                               bodies_keys(),
+                               material_keys(catalog),
+                               strategy_keys(catalog),
+                               experiment_sections(experiments),
+                               gas_sections(),
+                               support_keys(),
+                               time_keys(catalog),
+                               load_keys(catalog),
+                               std::vector{time_function_section()},
+                               pick_keys(),
+                               initial_keys(),
+                               contact_keys(),
+                               solver_keys(catalog),
+                               expectation_keys(),
+                               study_keys(),
+                               identify_keys()})
     all.insert(all.end(), sections.begin(), sections.end());
   return all;
 }

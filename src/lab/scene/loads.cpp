@@ -37,7 +37,7 @@ LoadKind face() {
 void read_value(const Reader& reader, const ParameterInfo& info, const Body& body, const Matrix3& rotation,
                 LoadValues& values) {
   if (info.kind == ValueKind::direction) {
-    values.vectors[info.name] = rotation * read_direction(reader);
+    values.vectors[info.name] = rotation * reader.direction();
   } else if (info.kind == ValueKind::vector) {
     values.vectors[info.name] = rotation * reader.vector(info.unit, {info.low, info.high, info.above_low});
   } else if (info.kind == ValueKind::molecules) {
@@ -77,39 +77,6 @@ void vary_loads(Model& model, const std::function<void(Model&)>& add, const Time
 }
 
 }  // namespace
-
-TimeFunction read_time_function(Reader reader) {
-  if (!reader.is_map()) reader.fail("write {ramp: …}, {step: …}, {sine: …} or {table: [[time, factor], …]}");
-  reader.set_section("time_function");
-  const auto ramp = reader.find("ramp"), step = reader.find("step"), sine = reader.find("sine"),
-             table = reader.find("table");
-  reader.finish();
-  if (ramp.has_value() + step.has_value() + sine.has_value() + table.has_value() != 1)
-    reader.fail("a function of time is one of ramp, step, sine, table");
-  const auto only = [](Reader map, const char* key, const Range& range) {
-    const double value = map.at(key).quantity(dimension::time, range);
-    map.finish();
-    return value;
-  };
-  if (ramp) return TimeFunction::ramp(only(*ramp, "duration", kPositive));
-  if (step) return TimeFunction::step(only(*step, "at", kNotNegative));
-  if (table) {
-    std::vector<std::pair<double, double>> points;
-    for (const Reader& item : table->items()) {
-      const auto pair = item.items(2);
-      points.emplace_back(pair[0].quantity(dimension::time), pair[1].quantity(dimension::none));
-      if (points.size() > 1 && points.back().first < points[points.size() - 2].first)
-        pair[0].fail("the times of a table must not fall");
-    }
-    return table->located([&] { return TimeFunction(std::move(points)); });
-  }
-  Reader wave = *sine;
-  const double frequency = wave.at("frequency").quantity({0, 0, -1}, kPositive);
-  const auto phase = wave.find("phase"), mean = wave.find("mean");
-  wave.finish();
-  return TimeFunction::sine(frequency, phase ? phase->quantity(dimension::none) : 0,
-                            mean ? mean->quantity(dimension::none) : 0);
-}
 
 elastin::Table<LoadKind> scene_loads(const Catalog& catalog) {
   elastin::Table<LoadKind> loads = catalog.loads;
@@ -167,16 +134,7 @@ std::vector<KeySection> load_keys(const Catalog& catalog) {
   }
   keys.push_back({"in_time", "time function", "", "", "constant",
                   "factor of this load; not of damping and drag, and not in experiments at rest"});
-  return {{"loads", "Loads", "Each item of `loads` is one load, with `in_time` if it changes:", std::move(keys)},
-          {"time_function",
-           "Functions of time",
-           "A *time function* is a map of one of these:",
-           {{"ramp.duration", "quantity", "s", "> 0", "needed", "from 0 to 1 in this time"},
-            {"step.at", "quantity", "s", "≥ 0", "needed", "0 before this time, 1 from then on"},
-            {"sine.frequency", "quantity", "1/s", "> 0", "needed", "mean + sin(2π frequency t + phase)"},
-            {"sine.phase", "number", "", "", "0", "phase [rad]"},
-            {"sine.mean", "number", "", "", "0", "mean value"},
-            {"table", "list of pairs", "s", "", "none", "`[time, factor]`, times ascending"}}}};
+  return {{"loads", "Loads", "Each item of `loads` is one load, with `in_time` if it changes:", std::move(keys)}};
 }
 
 }  // namespace elastin::lab

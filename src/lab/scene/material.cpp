@@ -87,7 +87,7 @@ CurveNumbers read_secant_modulus(Reader reader) {
 }
 
 Fibre read_fibre(Reader reader) {
-  const Vector3 direction = read_direction(reader.at("direction"));
+  const Vector3 direction = reader.at("direction").direction();
   const auto curve = reader.find("curve"), pressed = reader.find("compression");
   const auto modulus = curve ? reader.find("youngs_modulus") : std::optional(reader.at("youngs_modulus"));
   if (modulus && curve) curve->fail("there is a youngs_modulus already; give one of them");
@@ -163,7 +163,7 @@ Softening read_softening(Reader reader) {
 /// {direction: z, stress: 300 kPa, activation: {ramp: 1 s}, optimal_stretch: 1}
 ActiveFibre read_active(Reader reader) {
   ActiveFibre active;
-  active.direction = read_direction(reader.at("direction"));
+  active.direction = reader.at("direction").direction();
   active.stress = reader.at("stress").quantity(dimension::pressure, kPositive);
   if (auto stretch = reader.find("optimal_stretch"))
     active.optimal_stretch = stretch->quantity(dimension::none, kPositive);
@@ -176,7 +176,7 @@ ActiveFibre read_active(Reader reader) {
 /// {axis: z, through: [0, 0, 0]}
 RoundAxis read_around(Reader reader) {
   RoundAxis around;
-  around.direction = read_direction(reader.at("axis"));
+  around.direction = reader.at("axis").direction();
   if (auto point = reader.find("through")) around.point = point->vector(dimension::length);
   reader.finish();
   return around;
@@ -201,7 +201,7 @@ Material read_law(Reader reader, const Reader& name, const Table<MaterialLaw>& l
     const auto value = info.required ? std::optional(reader.at(info.name)) : reader.find(info.name);
     if (!value) continue;
     if (info.kind == ValueKind::direction)
-      constants.directions[info.name] = read_direction(*value);
+      constants.directions[info.name] = value->direction();
     else
       constants.numbers[info.name] = read_parameter(*value, info);
   }

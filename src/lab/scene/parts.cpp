@@ -76,31 +76,9 @@ StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
   return choice;
 }
 
-Vector3 read_direction(const Reader& reader) {
-  if (!reader.is_text()) {
-    const Vector3 direction = reader.vector(dimension::none);
-    if (!(direction.norm() > 0)) reader.fail("a direction must not be zero");
-    return direction.normalized();
-  }
-  return reader.choice<Vector3>({{"x", Vector3::UnitX()},
-                                 {"y", Vector3::UnitY()},
-                                 {"z", Vector3::UnitZ()},
-                                 {"-x", -Vector3::UnitX()},
-                                 {"-y", -Vector3::UnitY()},
-                                 {"-z", -Vector3::UnitZ()}});
-}
-
 void read_preamble(Reader& reader) {
   reader.find("extends");
   reader.find("values");
-}
-
-Matrix3 read_rotation(Reader reader) {
-  reader.set_section("rotation");
-  const Vector3 axis = read_direction(reader.at("axis"));
-  const double angle = reader.at("angle").angle();
-  reader.finish();
-  return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 
 namespace {

@@ -4,10 +4,11 @@
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/mesh/mesh_file.h"
 #include "lab/experiment/inflation/inflation.h"
+#include "lab/experiment/read_experiment.h"
 #include "lab/run/config_names.h"
 #include "lab/run/curve_numbers.h"
 #include "lab/run/specimen.h"
-#include "lab/scene/experiments.h"
+#include "lab/run/time_function.h"
 #include "lab/scene/study.h"
 
 namespace elastin::lab {
@@ -75,15 +76,11 @@ elastin::Table<LoadKind> scene_loads(const Catalog& catalog);
 /// `rotation` turns its directions with the scene.
 SceneLoad read_load(Reader reader, const elastin::Table<LoadKind>& loads, const Body& body, const Material& material,
                     const Matrix3& rotation);
-/// {ramp: {duration: 1 s}}, {step: {at: 1 s}}, {sine: …} or {table: [[0 s, 0], …]}.
-TimeFunction read_time_function(Reader reader);
 TimeOptions read_time(Reader reader, const elastin::Table<Stepper>& steppers);
 /// {scheme: NAME, PARAMETER: VALUE, …}, or the name alone.
 void read_integrator(Reader reader, const elastin::Table<Stepper>& steppers, TimeOptions& options);
 /// How the run begins: velocities and positions other than those at rest.
 std::function<void(State&)> read_initial(Reader reader, const Body& body, const Matrix3& rotation, bool timed);
-GasSetup read_gas(Reader reader);
-Matrix3 read_rotation(Reader reader);
 /// What stays where it is besides the experiment's own grips; at most one a molecule.
 std::vector<Support> read_supports(const Reader& reader, const Body& body, const Matrix3& rotation);
 /// `extends` and `values`, which were put in when the file was opened.
@@ -109,15 +106,11 @@ std::vector<KeySection> field_keys();
 std::vector<KeySection> material_keys(const Catalog& catalog);
 std::vector<KeySection> strategy_keys(const Catalog& catalog);
 std::vector<KeySection> solver_keys(const Catalog& catalog);
-std::vector<KeySection> gas_keys();
 std::vector<KeySection> support_keys();
 std::vector<KeySection> time_keys(const Catalog& catalog);
 std::vector<KeySection> load_keys(const Catalog& catalog);
 std::vector<KeySection> initial_keys();
 std::vector<KeySection> contact_keys();
 std::vector<KeySection> study_keys();
-
-/// "x", "-y" or a list of three numbers.
-Vector3 read_direction(const Reader& reader);
 
 }  // namespace elastin::lab

@@ -65,7 +65,7 @@ void keep_in_box(Reader box, Picked& picked) {
 }
 
 void keep_in_plane(Reader plane, Picked& picked) {
-  const Vector3 normal = read_direction(plane.at("normal")), point = plane.at("point").vector(dimension::length);
+  const Vector3 normal = plane.at("normal").direction(), point = plane.at("point").vector(dimension::length);
   const auto within = plane.find("within");
   const double reach = within ? within->quantity(dimension::length, kPositive) : 1e-6 * picked.size();
   plane.finish();
@@ -88,7 +88,7 @@ void keep_part(const Reader& name, const Body& body, Picked& picked) {
 
 /// The furthest of what is picked so far: of a body that was named, its own.
 void keep_side(const Reader& side, Picked& picked) {
-  const Vector3 direction = read_direction(side);
+  const Vector3 direction = side.direction();
   const VectorX height = picked.places().transpose() * direction;
   double end = -std::numeric_limits<double>::infinity();
   for (const int molecule : picked.molecules()) end = std::max(end, height[molecule]);

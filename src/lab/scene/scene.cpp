@@ -339,7 +339,7 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   scene->specimen.material = read_material(reader.at("material"), catalog.material_laws);
   if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver, catalog);
   read_whole_body(reader, catalog, experiments, *scene, change);
-  const Matrix3 rotation = reader.has("rotate") ? read_rotation(reader.at("rotate")) : Matrix3(Matrix3::Identity());
+  const Matrix3 rotation = reader.has("rotate") ? reader.at("rotate").rotation() : Matrix3(Matrix3::Identity());
   if (reader.has("rotate")) rotate(scene->specimen.body, rotation);
   scene->rotation = rotation;
   turn_fibres(scene->specimen, rotation);

@@ -20,7 +20,7 @@ std::vector<Vector3> read_fixed(const std::optional<Reader>& reader, const Matri
   if (!reader || (reader->is_text() && reader->text() == "all"))
     return {rotation.col(0), rotation.col(1), rotation.col(2)};
   std::vector<Vector3> directions;
-  for (const Reader& item : reader->items()) directions.push_back(rotation * read_direction(item));
+  for (const Reader& item : reader->items()) directions.push_back(rotation * item.direction());
   if (directions.empty()) reader->fail("names no direction; write all, or a list such as [x, y]");
   return directions;
 }
@@ -38,7 +38,7 @@ std::vector<Support> read_supports(const Reader& reader, const Body& body, const
       symmetry->fail("says itself which molecules are fixed and along what; leave out `molecules` and `fix`");
     if (symmetry) {
       symmetry->located([&] {
-        fix_in_planes(body, {rotation * read_direction(*symmetry)}, fixed);
+        fix_in_planes(body, {rotation * symmetry->direction()}, fixed);
         return 0;
       });
       continue;

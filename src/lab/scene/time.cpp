@@ -48,102 +48,6 @@ void read_step(Reader reader, TimeOptions& options) {
   }
 }
 
-/// The experiment at rest that says how a timed one fixes and loads its body.
-std::unique_ptr<const StaticExperiment> read_fixture(const Reader& reader, const ExperimentContext& context) {
-  std::unique_ptr<const Experiment> fixture = read_experiment(reader, context);
-  const StaticExperiment* at_rest = fixture->at_rest();
-  if (!at_rest) reader.fail("must be an experiment at rest; " + fixture->name() + " runs through time itself");
-  fixture.release();
-  return std::unique_ptr<const StaticExperiment>(at_rest);
-}
-
-std::unique_ptr<Experiment> read_motion(Reader reader, MotionKind kind, const ExperimentContext& context) {
-  MotionSetup setup;
-  reader.set_section("experiment");  // the key that the table of experiments was asked by
-  setup.name = reader.at("kind").text();
-  reader.set_section("experiment." + setup.name);
-  setup.kind = kind;
-  const bool free = kind == MotionKind::motion;
-  const auto fixture = free ? reader.find("fixture") : std::optional(reader.at("fixture"));
-  if (fixture) setup.fixture = read_fixture(*fixture, context);
-  if (free)
-    if (auto in_time = reader.find("in_time")) {
-      if (!fixture) in_time->fail("there is no load to change: key 'fixture' is missing");
-      setup.load = read_time_function(*in_time);
-    }
-  if (kind == MotionKind::release) {
-    const auto load = reader.find("load");
-    setup.released = !load || load->choice<bool>({{"removed", true}, {"applied", false}});
-  }
-  if (kind == MotionKind::relaxation) {
-    setup.ramp = reader.at("ramp").quantity(dimension::time, kPositive);
-    setup.load = TimeFunction::ramp(setup.ramp);
-  }
-  if (kind == MotionKind::cyclic) {
-    setup.frequency = reader.at("frequency").quantity({0, 0, -1}, kPositive);
-    setup.load = TimeFunction::sine(setup.frequency);
-  }
-  reader.finish();
-  return reader.located([&] { return make_motion(context.body, std::move(setup)); });
-}
-
-std::unique_ptr<Experiment> read_shake(Reader reader, const ExperimentContext& context) {
-  ShakeSetup setup;
-  if (auto axis = reader.find("axis")) setup.axis = read_direction(*axis);
-  setup.direction = context.rotation * (reader.has("direction") ? read_direction(reader.at("direction")) : setup.axis);
-  setup.axis = context.rotation * setup.axis;
-  const auto amplitude = read_travel(reader, "amplitude", context.body, setup.axis);
-  setup.amplitude = amplitude ? *amplitude : reader.at("amplitude").quantity(dimension::length, kPositive);
-  setup.frequency = reader.at("frequency").quantity({0, 0, -1}, kPositive);
-  if (auto depth = reader.find("grip_depth")) setup.grip_depth = depth->quantity(dimension::length, kPositive);
-  reader.finish();
-  return reader.located([&] { return make_shake(context.body, setup); });
-}
-
-std::unique_ptr<Experiment> read_drop(Reader reader, const ExperimentContext& context) {
-  DropSetup setup;
-  setup.direction = context.rotation *
-                    (reader.has("direction") ? read_direction(reader.at("direction")) : Vector3(-Vector3::UnitZ()));
-  const auto gravity = reader.find("gravity"), height = reader.find("height"), speed = reader.find("speed"),
-             stiffness = reader.find("stiffness"), damping = reader.find("damping");
-  if (gravity) setup.gravity = gravity->quantity(dimension::acceleration, kNotNegative);
-  if (height) setup.height = height->quantity(dimension::length, kNotNegative);
-  if (speed) setup.speed = speed->quantity(dimension::velocity, kNotNegative);
-  if (context.contact) {
-    for (const auto& own : {height, stiffness, damping})
-      if (own) own->fail("belongs to the floor of `drop`; this scene has contact and obstacles of its own");
-    setup.contact = *context.contact;
-  }
-  setup.stiffness = stiffness ? stiffness->quantity(dimension::stiffness, kPositive)
-                              : default_floor_stiffness(context.body, context.material);
-  if (damping) setup.damping = damping->quantity(dimension::damping, kNotNegative);
-  reader.finish();
-  if (!(setup.speed > 0 || (setup.gravity > 0 && (setup.height > 0 || setup.contact))))
-    reader.fail("nothing falls: give a speed, or gravity and a height");
-  return reader.located([&] { return make_drop(context.body, setup); });
-}
-
-std::unique_ptr<Experiment> read_parachute(Reader reader, const ExperimentContext& context) {
-  ParachuteSetup setup;
-  if (auto direction = reader.find("direction")) setup.direction = read_direction(*direction);
-  setup.direction = context.rotation * setup.direction;
-  if (auto gravity = reader.find("gravity")) setup.gravity = gravity->quantity(dimension::acceleration, kNotNegative);
-  if (auto speed = reader.find("speed")) setup.speed = speed->quantity(dimension::velocity, kNotNegative);
-  reader.finish();
-  return reader.located([&] { return make_parachute(context.body, setup); });
-}
-
-std::unique_ptr<Experiment> read_vibration(Reader reader, const ExperimentContext& context) {
-  std::unique_ptr<const StaticExperiment> fixture;
-  if (auto value = reader.find("fixture")) fixture = read_fixture(*value, context);
-  const int count = reader.has("count") ? reader.at("count").whole(1, 10) : 6;
-  const auto load = reader.find("load");
-  const bool loaded = load && load->choice<bool>({{"removed", false}, {"applied", true}});
-  reader.finish();
-  if (loaded && !fixture) load->fail("there is no load: key 'fixture' is missing");
-  return reader.located([&] { return make_vibration(context.body, std::move(fixture), count, loaded); });
-}
-
 /// Uniform in −1 … 1: the same on every machine.
 double uniform(std::mt19937_64& generator) { return 2 * static_cast<double>(generator() >> 11) * 0x1p-53 - 1; }
 
@@ -193,99 +97,6 @@ TimeOptions read_time(Reader reader, const elastin::Table<Stepper>& steppers) {
   return options;
 }
 
-std::vector<ExperimentInfo> timed_experiments() {
-  const auto motion = [](MotionKind kind) {
-    return [kind](Reader& reader, const ExperimentContext& context) { return read_motion(reader, kind, context); };
-  };
-  const auto fixture = [](const char* fallback, const char* text) {
-    return SceneKey{"fixture", "experiment at rest", "", "", fallback, text};
-  };
-  const SceneKey down{"direction", "direction", "", "", "`-z`", "direction of the fall"};
-  const SceneKey speed{"speed", "quantity", "m/s", "≥ 0", "0", "speed along `direction` at time 0"};
-  return {
-      {.name = "motion",
-       .summary = "a body, free or fixed and loaded by a fixture, is observed as it moves",
-       .source = "",
-       .in_time = true,
-       .of_shares = true,
-       .keys = {fixture("free body", "how the body is fixed and loaded"),
-                {"in_time", "time function", "", "", "constant", "factor of the fixture's load"}},
-       .read = motion(MotionKind::motion)},
-      {.name = "release",
-       .summary = "a loaded body is released, or loaded at once: free vibration, its frequency and damping",
-       .source = "",
-       .in_time = true,
-       .of_shares = true,
-       .keys = {fixture("needed", "how the body is fixed, and loaded before it is released"),
-                {"load", "`removed`, `applied`", "", "", "`removed`",
-                 "whether the load is taken away at time 0, or put on at once"}},
-       .read = motion(MotionKind::release)},
-      {.name = "creep",
-       .summary = "a force is applied and stays: displacement over time, retardation time",
-       .source = "",
-       .in_time = true,
-       .of_shares = true,
-       .keys = {fixture("needed", "how the body is fixed, with the force that stays")},
-       .read = motion(MotionKind::creep)},
-      {.name = "relaxation",
-       .summary = "a displacement grows and stays: force over time, relaxation time",
-       .source = "",
-       .in_time = true,
-       .of_shares = true,
-       .keys = {fixture("needed", "how the body is fixed, with the displacement that stays"),
-                {"ramp", "quantity", "s", "> 0", "needed", "time in which the displacement grows"}},
-       .read = motion(MotionKind::relaxation)},
-      {.name = "cyclic",
-       .summary = "a displacement oscillates: storage and loss modulus over the last period",
-       .source = "",
-       .in_time = true,
-       .of_shares = true,
-       .keys = {fixture("needed", "how the body is fixed, with the displacement that is the amplitude"),
-                {"frequency", "quantity", "1/s", "> 0", "needed", "frequency of the oscillation"}},
-       .read = motion(MotionKind::cyclic)},
-      {.name = "shake",
-       .summary = "the clamped end of a body oscillates: amplitude ratio and phase of the far end",
-       .source = "",
-       .in_time = true,
-       .of_shares = true,
-       .keys = {{"axis", "direction", "", "", "`x`", "from the clamped end to the far one"},
-                {"direction", "direction", "", "", "`axis`", "direction of the oscillation"},
-                {"amplitude", "quantity", "m", "> 0", "this, or `strain`", "amplitude of the clamped end"},
-                travel_strain_key("amplitude", "this, or `amplitude`"),
-                {"frequency", "quantity", "1/s", "> 0", "needed", "frequency of the oscillation"},
-                kDepthKey},
-       .read = read_shake},
-      {.name = "drop",
-       .summary = "a free body falls on a floor, or on the scene's obstacles: restitution, duration of contact",
-       .source = "",
-       .in_time = true,
-       .of_shares = true,
-       .keys = {down,
-                {"gravity", "quantity", "m/s^2", "≥ 0", "0", "acceleration of the fall"},
-                {"height", "quantity", "m", "≥ 0", "0",
-                 "height of the lowest sphere above the floor; not with `contact`"},
-                speed,
-                {"stiffness", "quantity", "N/m", "> 0", "E × mean diameter",
-                 "stiffness of the floor for each molecule; not with `contact`"},
-                {"damping", "quantity", "N s/m", "≥ 0", "0", "damping of the floor; not with `contact`"}},
-       .read = read_drop},
-      {.name = "parachute",
-       .summary = "a canopy with a load on `lines` falls through air: how it opens, largest force in a line",
-       .source = "",
-       .in_time = true,
-       .keys = {down, {"gravity", "quantity", "m/s^2", "≥ 0", "9.81", "acceleration of the fall"}, speed},
-       .read = read_parachute},
-      {.name = "vibration",
-       .summary = "natural frequencies of a body, free or fixed by a fixture; at rest",
-       .source = "",
-       .keys = {fixture("free body", "how the body is fixed"),
-                {"load", "`removed`, `applied`", "", "", "`removed`",
-                 "whether the body vibrates about rest, or about its equilibrium under the fixture's load"},
-                {"count", "whole", "", "1 … 10", "6", "number of frequencies"}},
-       .read = read_vibration},
-  };
-}
-
 std::function<void(State&)> read_initial(Reader reader, const Body& body, const Matrix3& rotation, bool timed) {
   Matrix3 stretch = Matrix3::Identity(), turn = stretch;
   Vector3 velocity = Vector3::Zero(), spin = velocity, move = velocity;
@@ -306,7 +117,7 @@ std::function<void(State&)> read_initial(Reader reader, const Body& body, const 
     reader.fail("an experiment at rest has no velocities");
   if (auto value = reader.find("stretch"))
     stretch = rotation * value->vector(dimension::none).asDiagonal() * rotation.transpose();
-  if (auto value = reader.find("turn")) turn = rotation * read_rotation(*value) * rotation.transpose();
+  if (auto value = reader.find("turn")) turn = rotation * value->rotation() * rotation.transpose();
   if (auto value = reader.find("scatter")) {
     Reader map = *value;
     scatter = map.at("amount").quantity(dimension::length, kPositive);

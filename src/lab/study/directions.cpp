@@ -29,11 +29,11 @@ std::string unsuited(const Scene& scene, bool known) {
 /// Where molecules of a box lie behind its sides, as in a packing, those within half a mean connection belong to them.
 std::unique_ptr<StaticExperiment> six_strains(const Body& body, const Matrix3& axes) {
   try {
-    return make_homogenisation(body, 0, axes);
+    return make_homogenisation(body, {}, axes);
   } catch (const InputError& no_box) {
     if (!body.tetrahedra.empty() || !body.triangles.empty() || body.connections.size() == 0) throw;
     try {
-      return make_homogenisation(body, mean_length(body) / 2, axes);
+      return make_homogenisation(body, {mean_length(body) / 2}, axes);
     } catch (const InputError&) {
       throw no_box;
     }

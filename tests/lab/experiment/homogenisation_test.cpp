@@ -13,7 +13,7 @@ namespace {
 const StaticOptions kExact{.tolerance = 1e-13};
 
 Run homogenise(const Specimen& specimen, const std::string& strategy, const Matrix3& axes = Matrix3::Identity()) {
-  const auto experiment = make_homogenisation(specimen.body, 0, axes);
+  const auto experiment = make_homogenisation(specimen.body, {0}, axes);
   return solve(specimen, *experiment, strategy, kExact);
 }
 
@@ -136,9 +136,9 @@ TEST_CASE("a body without shear stiffness has a stiffness matrix and no moduli",
 }
 
 TEST_CASE("what has no volume has no stiffness matrix", "[material]") {
-  CHECK_THROWS_AS(make_homogenisation(cubic_lattice({4, 4, 1}, 1, {true, true, false}), 0, Matrix3::Identity()),
+  CHECK_THROWS_AS(make_homogenisation(cubic_lattice({4, {4}, 1}, 1, {true, true, false}), 0, Matrix3::Identity()),
                   InputError);
   Body membrane = cubic_lattice({2, 2, 1}, 1, {true, true, false});
   membrane.triangles = {{0, 1, 2}, {1, 3, 2}};
-  CHECK_THROWS_WITH(make_homogenisation(membrane, 0, Matrix3::Identity()), Catch::Contains("membrane"));
+  CHECK_THROWS_WITH(make_homogenisation(membrane, {0}, Matrix3::Identity()), Catch::Contains("membrane"));
 }

@@ -97,8 +97,9 @@ class Homogenisation final : public Driven {
 
 }  // namespace
 
-std::unique_ptr<StaticExperiment> make_homogenisation(const Body& body, double grip_depth, const Matrix3& axes) {
-  return std::make_unique<Homogenisation>(body, grip_depth, axes);
+std::unique_ptr<StaticExperiment> make_homogenisation(const Body& body, const HomogenisationSetup& setup,
+                                                      const Matrix3& axes) {
+  return std::make_unique<Homogenisation>(body, setup.grip_depth, axes);
 }
 
 }  // namespace elastin::lab

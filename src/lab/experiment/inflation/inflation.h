@@ -2,6 +2,7 @@
 #include <optional>
 #include <vector>
 
+#include "config/keys.h"
 #include "elastin/lab/run/experiment.h"
 
 namespace elastin::lab {
@@ -29,5 +30,8 @@ struct InflationSetup {
 /// Throws InputError if the body does not suit: no triangles, no thickness, a rim outside the planes of symmetry …
 std::unique_ptr<StaticExperiment> make_inflation(const Body& body, const InflationSetup& setup,
                                                  const Material& material);
+
+/// The keys of a gas, of `kind: inflation` and of the load `gas`.
+const config::Keys<GasSetup>& gas_keys();
 
 }  // namespace elastin::lab

@@ -1,4 +1,4 @@
-#include "config/keys.h"
+#include "config/key_rows.h"
 
 #include <fmt/format.h>
 
@@ -8,16 +8,20 @@
 #include "elastin/core/base/units.h"
 
 namespace elastin::config {
-namespace {
 
-/// "−0.99", as documents write it.
 std::string number_text(double value) {
   const bool whole = value == std::floor(value) && std::abs(value) < 1e9;
   const std::string text = whole ? fmt::format("{:.0f}", value) : fmt::format("{:g}", value);
   return text.starts_with('-') ? "−" + text.substr(1) : text;
 }
 
-}  // namespace
+std::string direction_text(const Vector3& direction) {
+  const char* names[] = {"x", "y", "z"};
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int sign : {1, -1})
+      if (direction == sign * Vector3::Unit(axis)) return std::string(sign < 0 ? "`-" : "`") + names[axis] + "`";
+  return fmt::format("[{:g}, {:g}, {:g}]", direction.x(), direction.y(), direction.z());
+}
 
 std::string range_text(double low, double high, bool above_low) {
   if (!std::isfinite(low) && !std::isfinite(high)) return "";

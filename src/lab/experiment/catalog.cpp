@@ -4,11 +4,25 @@
 #include <utility>
 
 #include "elastin/core/base/error.h"
+#include "lab/experiment/fixture.h"
+#include "lab/experiment/read_experiment.h"
 #include "lab/run/config_names.h"
-#include "lab/scene/experiments.h"
 
 namespace elastin::lab {
+
+// The experiments, each in a folder of its own. The order is that of lists and documents.
+ExperimentInfo tension_row(), compression_row(), biaxial_row(), planar_row(), shear_row(), torsion_row(),
+    hydrostatic_row(), bending_row(), inflation_row(), material_row(), bubble_row(), indentation_row(), press_row(),
+    sliding_row(), motion_row(), release_row(), creep_row(), relaxation_row(), cyclic_row(), shake_row(), drop_row(),
+    parachute_row(), vibration_row();
+
 namespace {
+
+constexpr ExperimentInfo (*kRows[])() = {tension_row, compression_row, biaxial_row,    planar_row,    shear_row,
+                                         torsion_row, hydrostatic_row, bending_row,    inflation_row, material_row,
+                                         bubble_row,  indentation_row, press_row,      sliding_row,   motion_row,
+                                         release_row, creep_row,       relaxation_row, cyclic_row,    shake_row,
+                                         drop_row,    parachute_row,   vibration_row};
 
 std::unique_ptr<Experiment> make_from_parameters(Reader& reader, const ExperimentInfo& info,
                                                  const ExperimentContext& context) {
@@ -48,8 +62,7 @@ const ExperimentInfo& ExperimentCatalog::find(const std::string& name) const {
 
 ExperimentCatalog built_in_experiments() {
   ExperimentCatalog catalog;
-  for (const auto& rows : {static_experiments(), bubble_experiments(), contact_experiments(), timed_experiments()})
-    for (const ExperimentInfo& row : rows) catalog.add(row);
+  for (const auto& row : kRows) catalog.add(row());
   return catalog;
 }
 
@@ -59,6 +72,14 @@ std::unique_ptr<Experiment> read_experiment(Reader reader, const ExperimentConte
   const ExperimentInfo info = kind.located([&] { return context.experiments.find(kind.text()); });
   reader.set_section("experiment." + info.name);
   return info.read ? info.read(reader, context) : make_from_parameters(reader, info, context);
+}
+
+std::unique_ptr<const StaticExperiment> read_fixture(const Reader& reader, const ExperimentContext& context) {
+  std::unique_ptr<const Experiment> fixture = read_experiment(reader, context);
+  const StaticExperiment* at_rest = fixture->at_rest();
+  if (!at_rest) reader.fail("must be an experiment at rest; " + fixture->name() + " runs through time itself");
+  fixture.release();
+  return std::unique_ptr<const StaticExperiment>(at_rest);
 }
 
 std::string timed_experiment_names(const ExperimentCatalog& catalog) {

@@ -3,12 +3,18 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
-#include <string>
 
-#include "lab/scene/parts.h"
+#include "lab/experiment/keys.h"
 
 namespace elastin::lab {
+
 namespace {
+
+struct BubbleKeys : BubbleSetup {
+  std::optional<double> last_pressure;  ///< [Pa] that equal steps reach
+  int load_steps = 1;
+  std::optional<int> degree;  ///< of the material that is to be found
+};
 
 /// The next of ascending pressures [Pa].
 double next_pressure(const Reader& reader, double before) {
@@ -65,57 +71,61 @@ void read_measured(const Reader& reader, BubbleSetup& setup) {
   if (setup.pressures.empty()) reader.fail("names no point; write [[pressure, height], ...]");
 }
 
-void read_pressures(Reader& reader, BubbleSetup& setup) {
-  if (auto measured = reader.find("measured")) return read_measured(*measured, setup);
-  const Reader pressure = reader.at("pressure");
-  const auto steps = reader.find("load_steps");
+void read_pressures(const Reader& pressure, BubbleKeys& setup, const Frame&) {
   if (pressure.is_text()) {
-    const double whole = pressure.quantity(dimension::pressure, kPositive);
-    const int count = steps ? steps->whole(1, 100000) : 1;
-    for (int step = 1; step <= count; ++step) setup.pressures.push_back(whole * step / count);
+    setup.last_pressure = pressure.quantity(dimension::pressure, kPositive);
     return;
   }
-  if (steps) steps->fail("a list of pressures has a load step for each");
   double before = 0;
   for (const Reader& item : pressure.items()) setup.pressures.push_back(before = next_pressure(item, before));
   if (setup.pressures.empty()) pressure.fail("names no pressure");
 }
 
-std::unique_ptr<Experiment> read_bubble(Reader reader, const ExperimentContext& context) {
-  BubbleSetup setup;
-  read_pressures(reader, setup);
-  if (auto identify = reader.find("identify")) {
-    if (setup.heights.empty()) identify->fail("needs `measured`: [[pressure, height], ...] or a file");
-    const auto degree = identify->find("degree"), up_to = identify->find("up_to");
-    setup.identify_degree = degree ? degree->whole(0, 6) : 2;
-    if (up_to) setup.identify_up_to = up_to->quantity(dimension::none, kPositive);
-    identify->finish();
-    if (static_cast<int>(setup.heights.size()) <= *setup.identify_degree)
-      (degree ? *degree : *identify)
-          .fail("a polynomial of degree " + std::to_string(*setup.identify_degree) + " needs at least " +
-                std::to_string(*setup.identify_degree + 1) + " measured points");
-  }
-  reader.finish();
-  if (context.statics.linear) reader.fail("a flat membrane cannot resist pressure under small displacements");
-  return reader.located([&] { return make_bubble(context.body, setup, context.material); });
+std::string too_few_points(const BubbleKeys& setup) {
+  if (!setup.identify_degree || static_cast<int>(setup.heights.size()) > *setup.identify_degree) return "";
+  if (setup.heights.empty()) return "needs `measured`: [[pressure, height], ...] or a file";
+  return "a polynomial of degree " + std::to_string(*setup.identify_degree) + " needs at least " +
+         std::to_string(*setup.identify_degree + 1) + " measured points";
 }
 
 }  // namespace
 
-std::vector<ExperimentInfo> bubble_experiments() {
-  return {
+ExperimentInfo bubble_row() {
+  return with_keys(
       {.name = "bubble",
        .summary = "a flat disc, fixed at its rim, is inflated from one side: height, stretch and stress at the pole",
-       .source = "[TP], eqs 18-25",
-       .keys = {{"pressure", "quantity, or list", "Pa", "> 0", "this, or `measured`",
+       .source = "[TP], eqs 18-25"},
+      Keys<BubbleKeys>{
+          one_of<BubbleKeys>(
+              "key 'pressure' is missing",
+              {{{"pressure", "quantity, or list", "Pa", "> 0", "",
                  "the pressure that `load_steps` reach, or one pressure for each step, ascending"},
-                kStepsKey,
-                {"measured", "list of pairs, or file beside the scene", "Pa, m", "> 0", "this, or `pressure`",
+                read_pressures},
+               {{"measured", "list of pairs, or file beside the scene", "Pa, m", "> 0", "",
                  "`[pressure, height]`, ascending; a file has one pair in each line, with units"},
-                {"identify.degree", "whole", "", "0 … 6", "2",
-                 "finds the secant modulus E(ε) from the measured heights: degree of the polynomial"},
-                {"identify.up_to", "number", "", "> 0", "1.5 × the cap's strain", "strain up to which it counts"}},
-       .read = read_bubble}};
+                [](const Reader& value, BubbleKeys& setup, const Frame&) { read_measured(value, setup); }}}),
+          load_steps_key(&BubbleKeys::load_steps).refused_for([](const BubbleKeys& setup) {
+            return setup.load_steps > 1 && !setup.last_pressure ? "a list of pressures has a load step for each" : "";
+          }),
+          key::below(
+              "identify",
+              Keys<BubbleKeys>{key::whole("degree", &BubbleKeys::degree, 0, 6,
+                                          "finds the secant modulus E(ε) from the measured heights: degree of the "
+                                          "polynomial")
+                                   .otherwise("2"),
+                               key::quantity("up_to", &BubbleKeys::identify_up_to, dimension::none,
+                                             "strain up to which it counts", kPositive)
+                                   .otherwise("1.5 × the cap's strain")})
+              .then([](const Reader&, BubbleKeys& setup) { setup.identify_degree = setup.degree.value_or(2); })
+              .refused_for(too_few_points)},
+      [](const ExperimentContext& context, BubbleKeys setup) {
+        if (setup.last_pressure)
+          for (int step = 1; step <= setup.load_steps; ++step)
+            setup.pressures.push_back(*setup.last_pressure * step / setup.load_steps);
+        if (context.statics.linear)
+          throw InputError("a flat membrane cannot resist pressure under small displacements");
+        return make_bubble(context.body, setup, context.material);
+      });
 }
 
 }  // namespace elastin::lab

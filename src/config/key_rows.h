@@ -1,0 +1,48 @@
+#pragma once
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "elastin/config/scene_key.h"
+#include "elastin/core/base/table.h"
+#include "elastin/core/base/types.h"
+
+namespace elastin::config {
+
+/// A table of the key reference: the keys of one map of a scene.
+struct KeySection {
+  std::string path;     ///< under which readers note these keys: "body.lattice"; "" for the scene itself
+  std::string heading;  ///< "Body"; empty where the table belongs to the heading before it
+  std::string text;     ///< above the table: Markdown
+  std::vector<SceneKey> keys;
+};
+
+/// How readers read one key while scenes were read.
+struct KeyUse {
+  std::set<std::string> kinds;   ///< "quantity", "number", "angle", "whole", "vector", "list"
+  std::set<std::string> units;   ///< SI, of values that have one
+  std::set<std::string> ranges;  ///< as range_text() writes them
+  std::set<std::string> words;   ///< that could be chosen
+};
+/// By path, without numbers of list items: "body.lattice.spacing".
+using KeyUses = std::map<std::string, KeyUse>;
+
+/// "−0.99", as documents write it.
+std::string number_text(double value);
+/// "`-z`" of an axis, else "[0, 0.6, 0.8]".
+std::string direction_text(const Vector3& direction);
+
+/// "> 0", "≥ 0", "0 … 0.5"; "" where every number is in range. Infinite: no bound.
+std::string range_text(double low, double high, bool above_low);
+
+/// The key of a parameter; `owner` stands before its name: "newmark." or nothing.
+SceneKey key_of(const ParameterInfo& info, const std::string& owner = "");
+
+/// "`a`, `b`, `c`", of the names of rows.
+std::string words_text(const std::vector<std::string>& names);
+
+/// The maps that have a key, by their paths: "experiment", "body.lattice".
+std::vector<std::string> owners_of(const std::string& key, const std::vector<KeySection>& sections);
+
+}  // namespace elastin::config

@@ -1,0 +1,118 @@
+#pragma once
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "config/keys.h"
+#include "elastin/lab/experiment/experiment_catalog.h"
+#include "lab/experiment/tension/tension.h"
+#include "lab/run/config_names.h"
+
+namespace elastin::lab {
+
+namespace key = config::key;
+using config::any_of;
+using config::Frame;
+using config::Key;
+using config::Keys;
+using config::one_of;
+
+/// The row of an experiment whose keys are read into a Setup. `make` is called with a setup that the keys allow; what
+/// it throws gets the place of the map. A member `context` of the setup is set before anything is read.
+template <class Setup, class Make>
+ExperimentInfo with_keys(ExperimentInfo info, Keys<Setup> keys, Make make) {
+  info.keys = keys.rows();
+  info.read = [keys = std::move(keys), make = std::move(make)](Reader& reader, const ExperimentContext& context) {
+    Setup own;
+    if constexpr (requires { own.context; }) own.context = &context;
+    Setup setup = keys.read(reader, {context.rotation, &context.body}, std::move(own));
+    return reader.located([&]() -> std::unique_ptr<Experiment> { return make(context, std::move(setup)); });
+  };
+  return info;
+}
+
+template <class Setup>
+Key<Setup> grip_depth_key(double Setup::*member) {
+  return key::quantity("grip_depth", member, dimension::length, "molecules that are so near to an end belong to it",
+                       kPositive)
+      .otherwise("the end plane");
+}
+
+template <class Setup>
+Key<Setup> load_steps_key(int Setup::*member) {
+  return key::whole("load_steps", member, 1, 100000, "equal steps in which the load grows");
+}
+
+template <class Setup>
+Key<Setup> cross_section_key(double Setup::*member) {
+  return key::quantity("cross_section", member, dimension::area, "section A that carries the load", kPositive)
+      .otherwise(
+          "volume over length of the cells, between the planes of `gauge` if there are any; without cells the "
+          "hull of the molecules along the axis");
+}
+
+/// Fails on a length that is given in percent.
+inline void refuse_percent(const Reader& length) {
+  if (length.is_text() && length.text().ends_with('%'))
+    length.fail("'" + length.text() + "' is no length; write strain: " + length.text());
+}
+
+/// How far something is moved along an axis (unit): a length, or a strain times the height of all bodies along it.
+template <class Setup, class Member>
+std::vector<Key<Setup>> travel_keys(const std::string& name, Member Setup::*member, Vector3 Setup::*axis,
+                                    const std::string& text) {
+  return {key::quantity(name, member, dimension::length, text, kPositive).first(refuse_percent),
+          {{"strain", "number", "", "> 0", "none",
+            "`" + name + "` over the height along the axis of the body, of all bodies together"},
+           [=](const Reader& value, Setup& setup, const Frame& frame) {
+             const VectorX heights = frame.body->rest.transpose() * (setup.*axis);
+             const double height = heights.maxCoeff() - heights.minCoeff();
+             if (!(height > 0)) value.fail("the body has no height along the axis: give a " + name);
+             setup.*member = value.quantity(dimension::none, kPositive) * height;
+           }}};
+}
+
+/// How an end is fixed.
+template <class Setup>
+Key<Setup> grip_key(std::string name, Grip Setup::*member, std::string text) {
+  return key::choice(std::move(name), member, {{"clamped", Grip::clamped}, {"sliding", Grip::sliding}},
+                     std::move(text));
+}
+
+/// Planes of symmetry through the origin, by their normals.
+template <class Setup>
+Key<Setup> symmetry_key(std::vector<Vector3> Setup::*member) {
+  return {{"symmetry", "list of directions", "", "", "none",
+           "normals of planes through the origin that cut the body, each perpendicular to the others"},
+          [member](const Reader& value, Setup& setup, const Frame& frame) {
+            for (const Reader& item : value.items()) {
+              const Vector3 normal = frame.rotation * item.direction();
+              for (const Vector3& other : setup.*member)
+                if (std::abs(other.dot(normal)) > 1e-9) item.fail("must be perpendicular to the planes before it");
+              (setup.*member).push_back(normal);
+            }
+          }};
+}
+
+/// Of a value that may not be 0, or there is nothing to measure.
+template <class Setup, class Member>
+Key<Setup> not_zero(Key<Setup> key, Member Setup::*member) {
+  return std::move(key).then([member](const Reader& value, const Setup& setup) {
+    if (setup.*member == 0) value.fail("a load of zero moves nothing: nothing can be measured");
+  });
+}
+
+/// The scene's contact, to which an experiment adds obstacles. Throws InputError where the scene has none.
+inline contact::ContactOptions& contact_of_scene(const ExperimentContext& context) {
+  if (!context.contact)
+    throw InputError("needs contact: key 'contact' of the scene is missing, for example contact: {friction: 0.3}");
+  return *context.contact;
+}
+
+/// Whether two directions are perpendicular, as far as a scene can write them.
+inline bool perpendicular(const Vector3& a, const Vector3& b) { return std::abs(a.dot(b)) <= 1e-6; }
+
+}  // namespace elastin::lab
