@@ -136,7 +136,7 @@ TEST_CASE("a body without shear stiffness has a stiffness matrix and no moduli",
 }
 
 TEST_CASE("what has no volume has no stiffness matrix", "[material]") {
-  CHECK_THROWS_AS(make_homogenisation(cubic_lattice({4, {4}, 1}, 1, {true, true, false}), 0, Matrix3::Identity()),
+  CHECK_THROWS_AS(make_homogenisation(cubic_lattice({4, 4, 1}, 1, {true, true, false}), {0}, Matrix3::Identity()),
                   InputError);
   Body membrane = cubic_lattice({2, 2, 1}, 1, {true, true, false});
   membrane.triangles = {{0, 1, 2}, {1, 3, 2}};
