@@ -1,7 +1,9 @@
 #pragma once
+#include <array>
 #include <concepts>
 #include <functional>
 #include <initializer_list>
+#include <limits>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -27,6 +29,7 @@ class Key {
   using Read = std::function<void(const Reader& value, Setup&, const Frame&)>;
   /// Says in words what is wrong with a setup of which all keys are read; "" if nothing is.
   using Fault = std::function<std::string(const Setup&)>;
+  using Condition = std::function<bool(const Setup&)>;
 
   Key(SceneKey row, Read read, std::function<void(Setup&, const Frame&)> absent = {})
       : name_(row.name), rows_{std::move(row)}, read_(std::move(read)), absent_(std::move(absent)) {}
@@ -42,6 +45,7 @@ class Key {
         absent_([other](Setup& setup, const Frame& frame) { other.read(std::nullopt, setup, frame); }),
         needed_(other.is_needed()) {
     if (other.fault()) fault_ = other.fault();
+    if (other.condition()) condition_ = other.condition();
   }
 
   /// A map without the key is refused.
@@ -72,6 +76,15 @@ class Key {
     };
     return std::move(*this);
   }
+  /// Keeps where the value stands, for messages when more is known.
+  Key place(std::optional<Reader> Setup::*member) && {
+    return std::move(*this).then([member](const Reader& value, Setup& setup) { setup.*member = value; });
+  }
+  /// The map has this key only where the condition holds for the keys before it.
+  Key when(Condition condition) && {
+    condition_ = std::move(condition);
+    return std::move(*this);
+  }
   /// Fails at the value if the key is given, and otherwise at the map, where the whole setup has this fault.
   Key refused_for(Fault fault) && {
     fault_ = std::move(fault);
@@ -82,6 +95,8 @@ class Key {
   bool is_needed() const { return needed_; }
   const std::vector<SceneKey>& rows() const { return rows_; }
   const Fault& fault() const { return fault_; }
+  const Condition& condition() const { return condition_; }
+  bool belongs_to(const Setup& setup) const { return !condition_ || condition_(setup); }
   void read(const std::optional<Reader>& value, Setup& setup, const Frame& frame) const {
     if (value)
       read_(*value, setup, frame);
@@ -95,6 +110,7 @@ class Key {
   Read read_;
   std::function<void(Setup&, const Frame&)> absent_;
   Fault fault_;
+  Condition condition_;
   bool needed_ = false;
 };
 
@@ -160,8 +176,10 @@ class Keys {
   }
 
   /// Reads a whole map: what it does not say stays as `setup` has it. Throws InputError with place and key on a key
-  /// that is not among these, on one that is missing, and on what a key refuses.
+  /// that is not among these, on one that is missing, and on what a key refuses. A member `place` of the setup, a
+  /// std::optional<Reader>, is where the map stands.
   Setup read(Reader map, const Frame& frame = {}, Setup setup = {}) const {
+    if constexpr (requires { setup.place = map; }) setup.place = map;
     read_into(map, setup, frame);
     map.finish();
     check(map, setup);
@@ -171,12 +189,19 @@ class Keys {
   void read_into(Reader& map, Setup& setup, const Frame& frame = {}) const {
     for (const Entry& entry : entries_)
       for (const Key<Setup>& key : entry.keys_)
-        key.read(key.is_needed() ? std::optional(map.at(key.name())) : map.find(key.name()), setup, frame);
+        if (key.belongs_to(setup))
+          key.read(key.is_needed() ? std::optional(map.at(key.name())) : map.find(key.name()), setup, frame);
+  }
+  /// Lets `map.finish()` know all keys, where none is read.
+  void add_to_known(Reader& map) const {
+    for (const Entry& entry : entries_)
+      for (const Key<Setup>& key : entry.keys_) map.has(key.name());
   }
   void check(Reader& map, const Setup& setup) const {
     for (const Entry& entry : entries_) {
       std::string given;
       for (const Key<Setup>& key : entry.keys_) {
+        if (!key.belongs_to(setup)) continue;
         const std::optional<Reader> value = map.find(key.name());
         if (value && entry.only_one_ && !given.empty())
           value->fail("there is a " + given + " already; give one of them");
@@ -233,24 +258,49 @@ Key<Setup> angle(std::string name, Member Setup::*member, std::string text, cons
           [=](const Reader& value, Setup& setup, const Frame&) { setup.*member = value.angle(range); }};
 }
 
+/// Without an upper limit where `high` is the largest int.
+inline std::string whole_range_text(int low, int high) {
+  const bool bounded = high < std::numeric_limits<int>::max();
+  return range_text(low, bounded ? high : std::numeric_limits<double>::infinity(), false);
+}
+
 template <class Setup, class Member>
 Key<Setup> whole(std::string name, Member Setup::*member, int low, int high, std::string text) {
-  return {
-      {std::move(name), "whole", "", range_text(low, high, false), default_of(member, number_text), std::move(text)},
-      [=](const Reader& value, Setup& setup, const Frame&) { setup.*member = value.whole(low, high); }};
+  return {{std::move(name), "whole", "", whole_range_text(low, high), default_of(member, number_text), std::move(text)},
+          [=](const Reader& value, Setup& setup, const Frame&) { setup.*member = value.whole(low, high); }};
 }
 /// A whole number without an upper limit.
 template <class Setup, class Member>
 Key<Setup> whole(std::string name, Member Setup::*member, int low, std::string text) {
-  return {{std::move(name), "whole", "", range_text(low, std::numeric_limits<double>::infinity(), false),
-           default_of(member, number_text), std::move(text)},
-          [=](const Reader& value, Setup& setup, const Frame&) { setup.*member = value.whole(low); }};
+  return whole(std::move(name), member, low, std::numeric_limits<int>::max(), std::move(text));
+}
+
+/// Two or three whole numbers.
+template <class Setup, std::size_t size>
+Key<Setup> wholes(std::string name, std::array<int, size> Setup::*member, int low, int high, std::string text) {
+  return {{std::move(name), size == 2 ? "two wholes" : "three wholes", "", whole_range_text(low, high), "none",
+           std::move(text)},
+          [=](const Reader& value, Setup& setup, const Frame&) {
+            const std::vector<Reader> items = value.items(size);
+            for (std::size_t i = 0; i < size; ++i) (setup.*member)[i] = items[i].whole(low, high);
+          }};
+}
+template <class Setup, std::size_t size>
+Key<Setup> wholes(std::string name, std::array<int, size> Setup::*member, int low, std::string text) {
+  return wholes(std::move(name), member, low, std::numeric_limits<int>::max(), std::move(text));
 }
 
 template <class Setup, class Member>
 Key<Setup> text(std::string name, Member Setup::*member, std::string text) {
   return {{std::move(name), "text", "", "", "none", std::move(text)},
           [=](const Reader& value, Setup& setup, const Frame&) { setup.*member = value.text(); }};
+}
+
+/// The name of a file that exists: its path, from the folder of the file that the value stands in.
+template <class Setup>
+Key<Setup> file(std::string name, std::string Setup::*member, std::string text) {
+  return {{std::move(name), "file next to the scene", "", "", "none", std::move(text)},
+          [=](const Reader& value, Setup& setup, const Frame&) { setup.*member = value.existing_file(); }};
 }
 
 /// One of some words, each with what it means.
@@ -268,6 +318,11 @@ Key<Setup> choice(std::string name, Member Setup::*member,
           [=, words = std::move(words)](const Reader& value, Setup& setup, const Frame&) {
             setup.*member = value.choice(words);
           }};
+}
+
+template <class Setup, class Member>
+Key<Setup> flag(std::string name, Member Setup::*member, std::string text) {
+  return choice(std::move(name), member, {{"true", true}, {"false", false}}, std::move(text));
 }
 
 /// A unit vector, turned with the scene: "x", "-y" or three numbers.
@@ -293,6 +348,15 @@ Key<Setup> vector(std::string name, Member Setup::*member, const Dimension& unit
            std::move(text)},
           [=](const Reader& value, Setup& setup, const Frame& frame) {
             setup.*member = Vector3(frame.rotation * value.vector(unit, range));
+          }};
+}
+
+/// {axis: DIRECTION, angle: ANGLE}, turned with the scene.
+template <class Setup, class Member>
+Key<Setup> rotation(std::string name, Member Setup::*member, std::string text) {
+  return {{std::move(name), "rotation", "", "", "none", std::move(text)},
+          [=](const Reader& value, Setup& setup, const Frame& frame) {
+            setup.*member = Matrix3(frame.rotation * value.rotation() * frame.rotation.transpose());
           }};
 }
 

@@ -253,6 +253,14 @@ std::string Reader::text() const {
   return node_.Scalar();
 }
 
+std::string Reader::existing_file() const {
+  const std::string name = text(), path = (std::filesystem::path(file_path()).parent_path() / name).string();
+  if (std::error_code ignored; !std::filesystem::exists(path, ignored))
+    fail("'" + name + "': " + missing_file(path) +
+         (name.find('\\') != std::string::npos ? "; folders are set apart by /" : ""));
+  return path;
+}
+
 std::string Reader::line() const {
   YAML::Emitter emitter;
   emitter << YAML::Flow << without_origin(node_);
@@ -469,11 +477,6 @@ std::function<double(const Vector3&)> Reader::of_place(const Dimension& dimensio
     const std::string allowed = allowed_text(range, dimension);
     own.fail("'" + given + "' " + text + (allowed.empty() ? "finite" : allowed));
   };
-}
-
-std::array<int, 3> Reader::wholes(int low) const {
-  const auto list = items(3);
-  return {list[0].whole(low), list[1].whole(low), list[2].whole(low)};
 }
 
 namespace {

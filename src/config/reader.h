@@ -79,6 +79,9 @@ class Reader {
   std::vector<Reader> items(std::size_t count) const;
 
   std::string text() const;
+  /// The path of the file that this value names, from the folder of the file that it stands in. Throws InputError where
+  /// there is none.
+  std::string existing_file() const;
   /// The value as one line of YAML, whatever it is: what --set can put elsewhere.
   std::string line() const;
   /// The same with the bytes of the files behind it that are named under `file`: equal texts mean the same thing.
@@ -96,7 +99,6 @@ class Reader {
   Vector3 direction() const;
   /// {axis: DIRECTION, angle: ANGLE}, right-handed.
   Matrix3 rotation() const;
-  std::array<int, 3> wholes(int low) const;
   /// A formula of the place x, y, z at rest [m]: its value in SI units. The function throws InputError where that is
   /// not in range.
   std::function<double(const Vector3& place)> of_place(const Dimension& dimension, const Range& range = {}) const;

@@ -17,7 +17,8 @@ namespace {
 
 /// Three counts along the axes, of cells with `per_cell` molecules each.
 std::array<int, 3> read_counts(const Reader& reader, double per_cell) {
-  const auto counts = reader.wholes(1);
+  const std::vector<Reader> items = reader.items(3);
+  const std::array counts{items[0].whole(1), items[1].whole(1), items[2].whole(1)};
   reader.check_size(per_cell * counts[0] * counts[1] * counts[2]);
   return counts;
 }
@@ -310,11 +311,7 @@ std::vector<std::pair<std::string, double>> length_units() {
 mesh::Mesh read_mesh_file(Reader& reader) {
   const Reader file = reader.at("file");
   const double unit = reader.at("length_unit").choice<double>(length_units());
-  const std::string path = (std::filesystem::path(file.file_path()).parent_path() / file.text()).string();
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored))
-    file.fail("'" + file.text() + "': " + missing_file(path) +
-              (file.text().find('\\') != std::string::npos ? "; folders are set apart by /" : ""));
+  const std::string path = file.existing_file();
   try {
     mesh::Mesh mesh = mesh::load_mesh(path);
     mesh.points *= unit;
@@ -333,7 +330,7 @@ bool makes_shares(Reader body, int processes) {
   const auto connections = lattice->find("connections");
   if (lattice->at("kind").text() != "cubic" || lattice->has("order") || (connections && connections->is_map()))
     return false;
-  return lattice->at("molecules").wholes(1)[2] >= 2 * processes;
+  return lattice->at("molecules").items(3)[2].whole(1) >= 2 * processes;
 }
 
 Body read_body(Reader reader, const Material& material, Remarks remarks,

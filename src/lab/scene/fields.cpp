@@ -38,9 +38,7 @@ struct FileData {
 FileData open_data(Reader& reader, int values) {
   const Reader file = reader.at("file"), name = reader.at("data");
   const double length = reader.at("length_unit").choice<double>(length_units());
-  const std::string path = (std::filesystem::path(file.file_path()).parent_path() / file.text()).string();
-  if (std::error_code ignored; !std::filesystem::exists(path, ignored))
-    file.fail("'" + file.text() + "': " + missing_file(path));
+  const std::string path = file.existing_file();
   const auto data = [&]() -> std::shared_ptr<const mesh::CellData> {
     try {
       return std::make_shared<mesh::CellData>(mesh::load_cell_data(path, name.text()));
