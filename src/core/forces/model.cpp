@@ -5,6 +5,7 @@
 
 #include "core/forces/graph.h"
 #include "core/forces/sharing.h"
+#include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
 
@@ -31,7 +32,39 @@ void insert(std::vector<HistoryBlock> own, std::vector<HistoryBlock>& all) {
   }
 }
 
+/// Projector on the directions that both leave free.
+Matrix3 free_in_both(const Matrix3& a, const Matrix3& b) {
+  const Matrix3 fixed = (Matrix3::Identity() - a) + (Matrix3::Identity() - b);
+  const SymmetricEigen3 modes = symmetric_eigen3(fixed);
+  Matrix3 free = Matrix3::Zero();
+  for (Eigen::Index k = 0; k < 3; ++k)
+    if (modes.values[k] < 1e-9) free += modes.vectors.col(k) * modes.vectors.col(k).transpose();
+  return free;
+}
+
 }  // namespace
+
+void Model::add_supports(const std::vector<Support>& lasting) {
+  std::vector<std::ptrdiff_t> known(body_->size(), -1);
+  for (std::size_t i = 0; i < supports.size(); ++i) known[supports[i].molecule] = static_cast<std::ptrdiff_t>(i);
+  for (const Support& support : lasting)
+    if (const auto at = known[support.molecule]; at < 0) {
+      supports.push_back(support);
+    } else {
+      supports[at].free = free_in_both(supports[at].free, support.free);
+    }
+  lasting_supports_.insert(lasting_supports_.end(), lasting.begin(), lasting.end());
+}
+
+void Model::release_supports(std::size_t first, std::size_t end) {
+  std::vector<Support*> released(body_->size(), nullptr);
+  for (std::size_t i = first; i < end; ++i) {
+    supports[i].free.setIdentity();
+    released[supports[i].molecule] = &supports[i];
+  }
+  for (const Support& support : lasting_supports_)
+    if (Support* own = released[support.molecule]) own->free = free_in_both(own->free, support.free);
+}
 
 void Model::add(std::unique_ptr<Load> load) {
   std::vector<HistoryBlock> all = history_;

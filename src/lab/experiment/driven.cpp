@@ -28,7 +28,7 @@ class DrivenRig final : public StaticRig {
   void release() override {
     const auto first = driven_.first_released();
     if (!first) return;
-    for (std::size_t i = *first; i < driven_.fixed_.size(); ++i) held_.model.supports[i].free = Matrix3::Identity();
+    held_.model.release_supports(*first, driven_.fixed_.size());
     held_.released = true;
   }
 
@@ -42,7 +42,7 @@ class DrivenRig final : public StaticRig {
   Driven::Held held_;
 };
 
-std::unique_ptr<StaticRig> Driven::static_rig(Model& model) const { return std::make_unique<DrivenRig>(*this, model); }
+std::unique_ptr<StaticRig> Driven::make_rig(Model& model) const { return std::make_unique<DrivenRig>(*this, model); }
 
 void Driven::fix_fully(const std::vector<int>& molecules) {
   for (const int molecule : molecules) fixed_.push_back({molecule, Matrix3::Zero()});

@@ -11,7 +11,7 @@ namespace elastin::lab {
 class Driven : public StaticExperiment {
  public:
   int load_steps() const override { return load_steps_; }
-  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  std::unique_ptr<StaticRig> make_rig(Model& model) const override;
 
  protected:
   friend class DrivenRig;

@@ -25,7 +25,7 @@ class Experiment final : public StaticExperiment {
   }
 
   std::string name() const override { return "febio"; }
-  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   int load_steps() const override { return increments_; }
   std::vector<MainMeasure> main_measures(const elastin::Material&, const Measures&) const override {
     return {{"solution_norm"}, {"energy"}};
@@ -182,7 +182,7 @@ class ExperimentRig final : public StaticRig {
   double stiffness_ = 0;  ///< [N] a strain, of the body as a whole
 };
 
-std::unique_ptr<StaticRig> Experiment::static_rig(Model& model) const {
+std::unique_ptr<StaticRig> Experiment::make_rig(Model& model) const {
   return std::make_unique<ExperimentRig>(*this, model);
 }
 

@@ -14,7 +14,6 @@
 #include "elastin/core/shapes/shapes.h"
 #include "elastin/core/simulation/prepare.h"
 #include "elastin/core/solve/engine.h"
-#include "lab/experiment/supported.h"
 #include "lab/febio/model.h"
 #include "lab/run/calibration.h"
 #include "lab/scene/parts.h"
@@ -352,18 +351,17 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
     contact = read_contact(*value, scene->specimen.body, scene->specimen.material, rotation);
     context.contact = &contact->options;
   }
-  scene->experiment = read_experiment(experiment, context);
+  std::unique_ptr<Experiment> made = read_experiment(experiment, context);
   if (const auto calibrate = reader.find("calibrate"))
     scene->specimen.calibration = read_calibration(*calibrate, context);
-  const bool timed = scene->experiment->in_time() != nullptr;
+  const bool timed = made->in_time() != nullptr;
   if (scene->statics.engine) refuse_of_engine(reader, *scene, timed, contact.has_value());
   if (const auto supports = reader.find("supports")) {
-    if (timed) supports->fail("goes with experiments at rest; a " + scene->experiment->name() + " runs through time");
-    std::vector<Support> held = read_supports(*supports, scene->specimen.body, rotation);
-    const StaticExperiment* at_rest = scene->experiment->at_rest();
-    scene->experiment.release();
-    scene->experiment = with_supports(std::unique_ptr<const StaticExperiment>(at_rest), std::move(held));
+    auto* at_rest = dynamic_cast<StaticExperiment*>(made.get());
+    if (!at_rest) supports->fail("goes with experiments at rest; a " + made->name() + " runs through time");
+    at_rest->set_further_supports(read_supports(*supports, scene->specimen.body, rotation));
   }
+  scene->experiment = std::move(made);
   if (contact && !timed && scene->statics.linear)
     reader.at("solver")
         .at("displacements")

@@ -77,7 +77,7 @@ class Pull final : public StaticExperiment {
  public:
   Pull(const Body& body, double displacement) : body_(body), displacement_(displacement) {}
   std::string name() const override { return "pull"; }
-  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   std::vector<MainMeasure> main_measures(const Material&, const Measures&) const override { return {{"force"}}; }
 
  private:
@@ -115,7 +115,7 @@ class PullRig final : public StaticRig {
   Model& model_;
 };
 
-std::unique_ptr<StaticRig> Pull::static_rig(Model& model) const { return std::make_unique<PullRig>(*this, model); }
+std::unique_ptr<StaticRig> Pull::make_rig(Model& model) const { return std::make_unique<PullRig>(*this, model); }
 
 ExperimentInfo pull_info() {
   return {.name = "pull",

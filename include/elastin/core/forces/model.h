@@ -55,6 +55,11 @@ class Model {
   const std::vector<std::unique_ptr<Viscosity>>& viscosity() const { return viscosity_; }
   const std::vector<std::unique_ptr<Load>>& loads() const { return loads_; }
   std::vector<Support> supports;  ///< at most one a molecule
+  /// Adds supports that no release frees, behind those that are there: a molecule that has one already stays fixed
+  /// along what either fixes. Their own displacements are 0.
+  void add_supports(const std::vector<Support>& lasting);
+  /// Frees the molecules of supports number `first` to before `end`, but for what add_supports has fixed.
+  void release_supports(std::size_t first, std::size_t end);
   /// Moves the supports: sets their displacements and velocities for a time [s]. Empty: they stay where they are.
   std::function<void(double time, std::vector<Support>&)> drive;
 
@@ -127,6 +132,7 @@ class Model {
   std::vector<HistoryBlock> history_;
   std::vector<std::string> law_names_;  ///< of the history of each elastic law
   std::unique_ptr<Graph> graph_;
+  std::vector<Support> lasting_supports_;
 };
 
 }  // namespace elastin

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "elastin/core/forces/model.h"
@@ -158,13 +159,28 @@ class StaticExperiment : public Experiment {
   const StaticExperiment* calibration() const override { return this; }
   std::unique_ptr<Rig> rig(Model& model) const final { return static_rig(model); }
 
-  virtual std::unique_ptr<StaticRig> static_rig(Model& model) const = 0;
+  /// The experiment's own supports and load, and its further supports.
+  std::unique_ptr<StaticRig> static_rig(Model& model) const {
+    auto rig = make_rig(model);
+    model.add_supports(further_supports_);
+    return rig;
+  }
+  /// Supports in addition to its own, such as planes of symmetry and a clamped rim; see Model::add_supports.
+  const std::vector<Support>& further_supports() const { return further_supports_; }
+  void set_further_supports(std::vector<Support> supports) { further_supports_ = std::move(supports); }
   virtual int load_steps() const { return 1; }
   /// The part of the load (0 … 1) at step 1 … load_steps(); a body may be unloaded on the way.
   virtual double load_factor(int step) const { return static_cast<double>(step) / load_steps(); }
   virtual ResponseMeasures response_measures() const { return {}; }
   /// The material to be found from measured values, if the experiment is there for that.
   virtual std::optional<Identification> identification() const { return std::nullopt; }
+
+ protected:
+  /// Adds its own supports and load to a model of its body that has no supports yet.
+  virtual std::unique_ptr<StaticRig> make_rig(Model& model) const = 0;
+
+ private:
+  std::vector<Support> further_supports_;
 };
 
 /// An experiment that runs through time.

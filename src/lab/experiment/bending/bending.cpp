@@ -34,7 +34,7 @@ class Bending final : public StaticExperiment {
   }
 
   std::string name() const override { return "bending"; }
-  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   ResponseMeasures response_measures() const override { return {"tip_deflection", ""}; }
   int load_steps() const override { return setup_.load_steps; }
 
@@ -166,9 +166,7 @@ class BendingRig final : public StaticRig {
   PointLoads* load_ = nullptr;  // owned by the model
 };
 
-std::unique_ptr<StaticRig> Bending::static_rig(Model& model) const {
-  return std::make_unique<BendingRig>(*this, model);
-}
+std::unique_ptr<StaticRig> Bending::make_rig(Model& model) const { return std::make_unique<BendingRig>(*this, model); }
 
 }  // namespace
 

@@ -49,7 +49,7 @@ class Bubble final : public StaticExperiment {
   }
 
   std::string name() const override { return "bubble"; }
-  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   int load_steps() const override { return static_cast<int>(setup_.pressures.size()); }
   bool stiffened_by_load() const override { return true; }
 
@@ -195,7 +195,7 @@ class BubbleRig final : public StaticRig {
   double pressure_ = 0;
 };
 
-std::unique_ptr<StaticRig> Bubble::static_rig(Model& model) const { return std::make_unique<BubbleRig>(*this, model); }
+std::unique_ptr<StaticRig> Bubble::make_rig(Model& model) const { return std::make_unique<BubbleRig>(*this, model); }
 
 }  // namespace
 

@@ -52,7 +52,7 @@ class Indentation final : public StaticExperiment {
   }
 
   std::string name() const override { return "indentation"; }
-  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   int load_steps() const override { return setup_.load_steps; }
   double copies() const override { return std::pow(2, setup_.symmetry.size()); }
   const StaticExperiment* calibration() const override {
@@ -222,7 +222,7 @@ class IndentationRig final : public StaticRig {
   ForceControl control_;
 };
 
-std::unique_ptr<StaticRig> Indentation::static_rig(Model& model) const {
+std::unique_ptr<StaticRig> Indentation::make_rig(Model& model) const {
   return std::make_unique<IndentationRig>(*this, model);
 }
 

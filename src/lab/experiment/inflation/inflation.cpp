@@ -47,7 +47,7 @@ class Inflation final : public StaticExperiment {
   }
 
   std::string name() const override { return "inflation"; }
-  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   int load_steps() const override { return setup_.load_steps; }
   double copies() const override { return std::pow(2, setup_.symmetry.size()); }
 
@@ -187,7 +187,7 @@ class InflationRig final : public StaticRig {
   Pressure* load_ = nullptr;          // owned by the model
 };
 
-std::unique_ptr<StaticRig> Inflation::static_rig(Model& model) const {
+std::unique_ptr<StaticRig> Inflation::make_rig(Model& model) const {
   return std::make_unique<InflationRig>(*this, model);
 }
 

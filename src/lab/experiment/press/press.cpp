@@ -33,7 +33,7 @@ class Press final : public StaticExperiment {
   }
 
   std::string name() const override { return "press"; }
-  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   int load_steps() const override { return setup_.load_steps; }
   const StaticExperiment* calibration() const override {
     return nullptr;
@@ -192,7 +192,7 @@ class PressRig final : public StaticRig {
   ForceControl control_;
 };
 
-std::unique_ptr<StaticRig> Press::static_rig(Model& model) const { return std::make_unique<PressRig>(*this, model); }
+std::unique_ptr<StaticRig> Press::make_rig(Model& model) const { return std::make_unique<PressRig>(*this, model); }
 
 }  // namespace
 

@@ -11,7 +11,6 @@
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/parts.h"
 #include "elastin/core/model/share.h"
-#include "lab/experiment/supported.h"
 #include "lab/run/section.h"
 
 namespace elastin::lab {
@@ -45,7 +44,7 @@ class Tension final : public StaticExperiment {
 
   const TensionSetup& setup() const { return setup_; }
   std::string name() const override { return "tension"; }
-  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
+  std::unique_ptr<StaticRig> make_rig(Model& model) const override;
   std::optional<Vector3> axis() const override { return setup_.axis; }
   int load_steps() const override {
     return setup_.load_steps * static_cast<int>(std::max<std::size_t>(1, setup_.cycle.size()));
@@ -373,9 +372,7 @@ class TensionRig final : public StaticRig {
 
   void release() override {
     set_load(0);
-    if (setup_.displacement)
-      for (std::size_t i = first_loaded_support_; i < end_of_loaded_supports_; ++i)
-        model_.supports[i].free = Matrix3::Identity();
+    if (setup_.displacement) model_.release_supports(first_loaded_support_, end_of_loaded_supports_);
   }
 
   Measures measure(const Start& start, const State& state, const StaticOptions&, StaticResult& solved) const override {
@@ -438,14 +435,12 @@ class TensionRig final : public StaticRig {
   std::size_t first_loaded_support_ = 0, end_of_loaded_supports_ = 0;
 };
 
-std::unique_ptr<StaticRig> Tension::static_rig(Model& model) const {
-  return std::make_unique<TensionRig>(*this, model);
-}
+std::unique_ptr<StaticRig> Tension::make_rig(Model& model) const { return std::make_unique<TensionRig>(*this, model); }
 
 }  // namespace
 
 const TensionSetup* tension_setup(const Experiment& experiment) {
-  const auto* tension = dynamic_cast<const Tension*>(&without_supports(experiment));
+  const auto* tension = dynamic_cast<const Tension*>(&experiment);
   return tension ? &tension->setup() : nullptr;
 }
 

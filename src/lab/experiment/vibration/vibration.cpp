@@ -10,8 +10,9 @@ class Vibration final : public StaticExperiment {
       : fixture_(std::move(fixture)), count_(count), loaded_(loaded) {}
 
   std::string name() const override { return "vibration"; }
-  std::unique_ptr<StaticRig> static_rig(Model& model) const override;
-  const StaticExperiment* calibration() const override { return fixture_.get(); }
+  std::unique_ptr<StaticRig> make_rig(Model& model) const override;
+  /// The fixture, which knows no further supports.
+  const StaticExperiment* calibration() const override { return further_supports().empty() ? fixture_.get() : this; }
   bool stiffened_by_load() const override { return loaded_; }
   int load_steps() const override { return loaded_ ? fixture_->load_steps() : 1; }
   double load_factor(int step) const override { return loaded_ ? fixture_->load_factor(step) : 1; }
@@ -60,7 +61,7 @@ class VibrationRig final : public StaticRig {
   std::unique_ptr<StaticRig> fixture_;  // null: the body is free
 };
 
-std::unique_ptr<StaticRig> Vibration::static_rig(Model& model) const {
+std::unique_ptr<StaticRig> Vibration::make_rig(Model& model) const {
   return std::make_unique<VibrationRig>(*this, model);
 }
 
