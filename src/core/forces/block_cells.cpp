@@ -969,31 +969,29 @@ template std::unique_ptr<Elasticity> make_block_cells<3>(const Body&, const Cell
 
 namespace {
 
-/// The sum over the blocks of so many dimensions.
+/// A law for each block of cells of these dimensions.
 template <class Make>
-std::unique_ptr<Elasticity> sum_of_blocks(const Body& body, int dimensions, const Make& make) {
-  std::vector<std::unique_ptr<Elasticity>> terms;
+ElasticTerms for_each_block(const Body& body, int dimensions, const Make& make) {
+  ElasticTerms all;
   for (const CellBlock& block : body.blocks)
-    if (block.kind->dimensions == dimensions) terms.push_back(make(block));
-  if (terms.size() == 1) return std::move(terms.front());
-  return make_sum(std::move(terms), nullptr);
+    if (block.kind->dimensions == dimensions) all.add(make(block));
+  return all;
 }
 
 }  // namespace
 
 template <int dimensions>
-std::unique_ptr<Elasticity> make_blocks(const Body& body, const Material& material,
-                                        const AnyAtWork<dimensions>& at_work) {
-  return sum_of_blocks(body, dimensions, [&](const CellBlock& block) {
+ElasticTerms make_blocks(const Body& body, const Material& material, const AnyAtWork<dimensions>& at_work) {
+  return for_each_block(body, dimensions, [&](const CellBlock& block) {
     return make_block_cells<dimensions>(body, block, laws_of(body, block, material, at_work));
   });
 }
-template std::unique_ptr<Elasticity> make_blocks<2>(const Body&, const Material&, const AnyAtWork<2>&);
-template std::unique_ptr<Elasticity> make_blocks<3>(const Body&, const Material&, const AnyAtWork<3>&);
+template ElasticTerms make_blocks<2>(const Body&, const Material&, const AnyAtWork<2>&);
+template ElasticTerms make_blocks<3>(const Body&, const Material&, const AnyAtWork<3>&);
 
-std::unique_ptr<Elasticity> make_mixed_blocks(const Body& body, const Material& material,
-                                              const std::function<SplitPoint<AnyPoint<3>>(const Material&)>& at_work) {
-  return sum_of_blocks(body, 3, [&](const CellBlock& block) {
+ElasticTerms make_mixed_blocks(const Body& body, const Material& material,
+                               const std::function<SplitPoint<AnyPoint<3>>(const Material&)>& at_work) {
+  return for_each_block(body, 3, [&](const CellBlock& block) {
     std::vector<AnyPoint<3>> shapes;
     std::vector<Volumetric> volumes;
     for (auto& [shape, volume] : laws_of(body, block, material, at_work))

@@ -73,7 +73,14 @@ void Model::add(std::unique_ptr<Load> load) {
   history_ = std::move(all);
 }
 
-void Model::add(std::unique_ptr<Elasticity> elasticity) {
+void Model::add(ElasticTerms elasticity) {
+  owners_.insert(owners_.end(), elasticity.owners.begin(), elasticity.owners.end());
+  triangles_.insert(triangles_.end(), elasticity.triangles.begin(), elasticity.triangles.end());
+  for (auto& law : elasticity.terms) add_law(std::move(law));
+  triangles_.resize(elasticity_.size(), CellRange{0, static_cast<int>(body_->triangles.size())});
+}
+
+void Model::add_law(std::unique_ptr<Elasticity> elasticity) {
   if (computed_) {
     auto own = elasticity->on_subdomain(*computed_);
     if (!own) throw InputError(kNotShared);
@@ -246,6 +253,13 @@ void Model::add_other_forces(const State& state, Positions& forces, Workspace& w
     gather(state.positions, workspace.force_densities, forces);
   }
   for (const auto& load : loads_) load->add_forces(state, forces);
+}
+
+void Model::add_triangle_force_densities(const Positions& positions, Eigen::Matrix3Xd& of_triangles,
+                                         VectorX& of_connections, Workspace& workspace) const {
+  for (std::size_t law = 0; law < elasticity_.size(); ++law)
+    elasticity_[law]->add_triangle_force_densities(
+        positions, of_triangles.middleCols(triangles_[law].first, triangles_[law].count), of_connections, workspace);
 }
 
 void Model::gather(const Positions& positions, const VectorX& force_densities, Positions& forces) const {

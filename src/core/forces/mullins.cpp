@@ -34,9 +34,11 @@ void check_softening(const Softening& softening) {
   if (m == 0 && beta == 0) throw InputError("softening: one of m and beta must be above 0");
 }
 
-std::unique_ptr<Elasticity> make_mullins(std::unique_ptr<Elasticity> elastic, const Softening& softening) {
+ElasticTerms make_mullins(ElasticTerms elastic, const Softening& softening) {
   check_softening(softening);
-  if (!elastic->soften(softening)) throw InputError("softening goes by the energy of a law, and this one has none");
+  bool any = false;
+  for (const auto& term : elastic.terms) any |= term->soften(softening);
+  if (!any) throw InputError("softening goes by the energy of a law, and this one has none");
   return elastic;
 }
 

@@ -97,11 +97,12 @@ void check_active_fibre(const ActiveFibre& active) {
     throw InputError("active: an optimal_stretch of " + number(active.optimal_stretch) + " must be above 0");
 }
 
-std::unique_ptr<Elasticity> make_muscle(const Body& body, const Material& material) {
+ElasticTerms make_muscle(const Body& body, const Material& material) {
   check_active_fibre(*material.active);
   const auto level = std::make_shared<double>(1);
-  return make_sum(std::make_unique<Activation>(level, material.active->activation),
-                  make_cells<3>(body, material, ActiveLaw{level}));
+  ElasticTerms both = std::make_unique<Activation>(level, material.active->activation);
+  both.add(make_cells<3>(body, material, ActiveLaw{level}));
+  return both;
 }
 
 }  // namespace elastin

@@ -1,5 +1,6 @@
 #include "elastin/core/forces/prony.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -10,23 +11,35 @@
 namespace elastin {
 namespace {
 
+/// The terms' force densities together, relaxing.
 class Prony final : public Elasticity {
  public:
-  Prony(const Body& body, std::unique_ptr<Elasticity> elastic, Relaxing relaxing)
+  using Terms = std::vector<std::unique_ptr<Elasticity>>;
+  Prony(const Body& body, Terms elastic, Relaxing relaxing)
       : body_(body), elastic_(std::move(elastic)), relaxing_(std::move(relaxing)) {}
 
   std::unique_ptr<Elasticity> clone() const override {
-    return std::make_unique<Prony>(body_, elastic_->clone(), relaxing_);
+    Terms own;
+    for (const auto& term : elastic_) own.push_back(term->clone());
+    return std::make_unique<Prony>(body_, std::move(own), relaxing_);
   }
 
-  bool has_energy() const override { return elastic_->has_energy(); }
-  bool has_full_tangent() const override { return elastic_->has_full_tangent(); }
-  bool admissible(const Positions& positions) const override { return elastic_->admissible(positions); }
+  bool has_energy() const override {
+    return all([](const Elasticity& term) { return term.has_energy(); });
+  }
+  bool has_full_tangent() const override {
+    return all([](const Elasticity& term) { return term.has_full_tangent(); });
+  }
+  bool admissible(const Positions& positions) const override {
+    return all([&](const Elasticity& term) { return term.admissible(positions); });
+  }
   bool dissipates() const override { return true; }
 
   /// factor W + ½ Σ r (s − s at rest): what a step minimises.
   double energy(const Positions& positions) const override {
-    double sum = relaxing_.factor() * elastic_->energy(positions);
+    double sum = 0;
+    for (const auto& term : elastic_) sum += term->energy(positions);
+    sum *= relaxing_.factor();
     for (int c = 0; c < body_.connections.size(); ++c) {
       const auto& [a, b] = body_.connections.ends[c];
       const double rest = body_.connections.rest_length[c];
@@ -37,63 +50,81 @@ class Prony final : public Elasticity {
   void add_force_densities(const Positions& positions, VectorX& force_densities, Workspace& workspace) const override {
     VectorX& own = workspace.relaxing;
     own.setZero(relaxing_.fixed().size());
-    elastic_->add_force_densities(positions, own, workspace);
+    for (const auto& term : elastic_) term->add_force_densities(positions, own, workspace);
     force_densities += relaxing_.factor() * own + relaxing_.fixed();
   }
 
   void linearise(const Positions& positions) override {
-    elastic_->linearise(positions);
     slopes_.setZero(relaxing_.fixed().size());
-    elastic_->add_own_slopes(slopes_);
+    for (const auto& term : elastic_) {
+      term->linearise(positions);
+      term->add_own_slopes(slopes_);
+    }
     slopes_ *= relaxing_.factor();
   }
   void add_own_slopes(VectorX& slopes) const override { slopes += slopes_; }
-  bool coupled() const override { return elastic_->coupled(); }
+  bool coupled() const override {
+    return !all([](const Elasticity& term) { return !term.coupled(); });
+  }
   void add_change(const VectorX& squared_lengths, VectorX& force_densities, Workspace& workspace) const override {
     VectorX& own = workspace.relaxing;
     own = relaxing_.factor() * squared_lengths;
-    elastic_->add_change(own, force_densities, workspace);
+    for (const auto& term : elastic_) term->add_change(own, force_densities, workspace);
   }
   void visit_cells(const CellVisitor& visit) const override {
-    elastic_->visit_cells([&](const CellSlopes& cells) {
-      CellSlopes scaled = cells;
-      scaled.factor *= relaxing_.factor();
-      visit(scaled);
-    });
+    for (const auto& term : elastic_)
+      term->visit_cells([&](const CellSlopes& cells) {
+        CellSlopes scaled = cells;
+        scaled.factor *= relaxing_.factor();
+        visit(scaled);
+      });
   }
   void visit_blocks(const BlockVisitor& visit) const override {
-    elastic_->visit_blocks([&](int a, int b, const Matrix3& block) { visit(a, b, relaxing_.factor() * block); });
+    for (const auto& term : elastic_)
+      term->visit_blocks([&](int a, int b, const Matrix3& block) { visit(a, b, relaxing_.factor() * block); });
   }
   bool visit_gradients(const GradientVisitor& visit) const override {
-    return elastic_->visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double factor) {
-      visit(gradient, relaxing_.factor() * factor);
-    });
+    bool whole = true;
+    for (const auto& term : elastic_)
+      whole &= term->visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double factor) {
+        visit(gradient, relaxing_.factor() * factor);
+      });
+    return whole;
   }
   void visit_diagonal(const DiagonalVisitor& visit, Workspace& workspace) const override {
-    elastic_->visit_diagonal([&](int a, const Matrix3& block) { visit(a, relaxing_.factor() * block); }, workspace);
+    for (const auto& term : elastic_)
+      term->visit_diagonal([&](int a, const Matrix3& block) { visit(a, relaxing_.factor() * block); }, workspace);
   }
 
   std::vector<HistoryBlock> history(const std::string& name) const override {
     std::vector<HistoryBlock> all = relaxing_.history(name);
-    for (HistoryBlock& block : elastic_->history(inner(name))) all.push_back(std::move(block));
+    for (std::size_t term = 0; term < elastic_.size(); ++term)
+      for (HistoryBlock& block : elastic_[term]->history(inner(name, term))) all.push_back(std::move(block));
     return all;
   }
   void begin_step(const std::string& name, const State& from, double time) override {
-    elastic_->begin_step(inner(name), from, time);
+    for (std::size_t term = 0; term < elastic_.size(); ++term)
+      elastic_[term]->begin_step(inner(name, term), from, time);
     relaxing_.begin_step(name, from, time);
   }
   void commit_step(const std::string& name, State& state) override {
     relaxing_.now().setZero();
-    elastic_->add_force_densities(state.positions, relaxing_.now(), workspace_);
+    for (const auto& term : elastic_) term->add_force_densities(state.positions, relaxing_.now(), workspace_);
     relaxing_.commit_step(name, state);
-    elastic_->commit_step(inner(name), state);
+    for (std::size_t term = 0; term < elastic_.size(); ++term) elastic_[term]->commit_step(inner(name, term), state);
   }
 
  private:
-  static std::string inner(const std::string& name) { return name + ".in"; }
+  static std::string inner(const std::string& name, std::size_t term) {
+    return name + ".in" + (term == 0 ? "" : std::to_string(term));
+  }
+  template <class Check>
+  bool all(Check check) const {
+    return std::all_of(elastic_.begin(), elastic_.end(), [&](const auto& term) { return check(*term); });
+  }
 
   const Body& body_;
-  std::unique_ptr<Elasticity> elastic_;
+  Terms elastic_;
   Relaxing relaxing_;
   // Kept from one step to the next, so that steps ask for no memory.
   VectorX slopes_;
@@ -115,12 +146,17 @@ void check_relaxation(const Relaxation& relaxation) {
                      number(1 - relaxation.long_term()) + "; less than 1 must relax");
 }
 
-std::unique_ptr<Elasticity> make_prony(const Body& body, std::unique_ptr<Elasticity> elastic,
-                                       const Relaxation& relaxation) {
+ElasticTerms make_prony(const Body& body, ElasticTerms elastic, const Relaxation& relaxation) {
   check_relaxation(relaxation);
-  if (!elastic->at_nodes())
-    return std::make_unique<Prony>(body, std::move(elastic), Relaxing(relaxation, body.connections.size()));
-  if (!elastic->relax(relaxation))
+  auto& terms = elastic.terms;
+  const auto at_nodes = std::count_if(terms.begin(), terms.end(), [](const auto& term) { return term->at_nodes(); });
+  if (at_nodes == 0) {
+    ElasticTerms all = std::make_unique<Prony>(body, std::move(terms), Relaxing(relaxation, body.connections.size()));
+    all.owners = std::move(elastic.owners);
+    return all;
+  }
+  if (at_nodes < static_cast<std::ptrdiff_t>(terms.size()) ||
+      !std::all_of(terms.begin(), terms.end(), [&](auto& term) { return term->relax(relaxation); }))
     throw InputError("relaxation takes springs or cells, and this strategy is of both: relax one of them");
   return elastic;
 }

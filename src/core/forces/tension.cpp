@@ -14,7 +14,7 @@ std::vector<Matrix3> triangle_tensions(const Model& model, const Positions& posi
   Eigen::Matrix3Xd own = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(sides.size()));
   VectorX shared = VectorX::Zero(body.connections.size());
   Workspace workspace;
-  for (const auto& term : model.elasticity()) term->add_triangle_force_densities(positions, own, shared, workspace);
+  model.add_triangle_force_densities(positions, own, shared, workspace);
   std::vector<int> triangles(static_cast<std::size_t>(body.connections.size()), 0);
   for (const auto& cell : sides)
     for (const int c : cell) ++triangles[c];

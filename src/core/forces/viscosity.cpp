@@ -1,5 +1,6 @@
 #include "elastin/core/forces/viscosity.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/laws/solids/st_venant_kirchhoff.h"
@@ -32,43 +33,48 @@ class ConnectionDamping final : public Viscosity {
   double coefficient_;
 };
 
-/// q = β Σ (∂q/∂s) ṡ with the slopes that a law has at rest.
+/// q = β Σ (∂q/∂s) ṡ with the slopes that laws have at rest.
 class RestDamping final : public Viscosity {
  public:
-  RestDamping(const Body& body, std::unique_ptr<Elasticity> law, double time) : law_(std::move(law)), time_(time) {
-    if (law_->at_nodes())
-      throw InputError(
-          "this damping works on springs, tetrahedra and triangles of first order; use damping of "
-          "connections or of mass on other cells");
-    law_->linearise(body.rest);
+  RestDamping(const Body& body, ElasticTerms laws, double time) : laws_(std::move(laws.terms)), time_(time) {
     slopes_ = VectorX::Zero(body.connections.size());
-    law_->add_own_slopes(slopes_);
+    for (const auto& law : laws_) {
+      if (law->at_nodes())
+        throw InputError(
+            "this damping works on springs, tetrahedra and triangles of first order; use damping of "
+            "connections or of mass on other cells");
+      law->linearise(body.rest);
+      law->add_own_slopes(slopes_);
+    }
     slopes_ *= time;
   }
 
   void add_force_densities(const VectorX&, const VectorX& rates, VectorX& force_densities,
                            Workspace& workspace) const override {
     force_densities += slopes_.cwiseProduct(rates);
-    if (law_->coupled()) add_change(rates, force_densities, workspace);
+    if (coupled()) add_change(rates, force_densities, workspace);
   }
   void add_own_slopes(const VectorX&, const VectorX&, double rate_weight, VectorX& slopes) const override {
     slopes += rate_weight * slopes_;
   }
-  bool coupled() const override { return law_->coupled(); }
+  bool coupled() const override {
+    return std::any_of(laws_.begin(), laws_.end(), [](const auto& law) { return law->coupled(); });
+  }
   void add_change(const VectorX& change_of_rates, VectorX& change_of_force_densities,
                   Workspace& workspace) const override {
     workspace.scaled = time_ * change_of_rates;
-    law_->add_change(workspace.scaled, change_of_force_densities, workspace);
+    for (const auto& law : laws_) law->add_change(workspace.scaled, change_of_force_densities, workspace);
   }
   void visit_cells(const Elasticity::CellVisitor& visit) const override {
-    law_->visit_cells([&](CellSlopes cells) {
-      cells.factor *= time_;
-      visit(cells);
-    });
+    for (const auto& law : laws_)
+      law->visit_cells([&](CellSlopes cells) {
+        cells.factor *= time_;
+        visit(cells);
+      });
   }
 
  private:
-  std::unique_ptr<Elasticity> law_;
+  std::vector<std::unique_ptr<Elasticity>> laws_;
   double time_;
   VectorX slopes_;  // own ones, times β
 };

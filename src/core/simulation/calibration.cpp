@@ -99,9 +99,9 @@ Strategy calibrated(const Strategy& rule) {
   };
   result.make = [rule](const Body& body, const Material& material, const ParameterValues& values) {
     SpringsAndVolume found = fitted(rule, body, material, values);
-    auto springs = make_springs(body, std::move(found.constants), material);
-    return rule.volume_modulus ? make_sum(std::move(springs), make_volume(body, found.volume_modulus))
-                               : std::move(springs);
+    ElasticTerms terms = make_springs(body, std::move(found.constants), material);
+    if (rule.volume_modulus) terms.add(make_volume(body, found.volume_modulus));
+    return terms;
   };
   return result;
 }

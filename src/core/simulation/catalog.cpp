@@ -140,13 +140,14 @@ Strategy with_volume(const Strategy& strategy) {
   result.make = [strategy, springs, modulus = result.volume_modulus](const Body& body, const Material& material,
                                                                      const ParameterValues& values) {
     if (has_blocks(body, 3) && strategy.make_mixed) return strategy.make_mixed(body, material, values);
-    std::unique_ptr<Elasticity> shape;
+    ElasticTerms terms;
     if (strategy.constants)  // softer or stiffer springs, on the material's own curve
-      shape = make_springs(body, strategy.constants(body, shear_material(material), values), material);
+      terms = make_springs(body, strategy.constants(body, shear_material(material), values), material);
     else
-      shape = springs ? strategy.make(body, shear_material(material), values)
+      terms = springs ? strategy.make(body, shear_material(material), values)
                       : strategy.make_without_volume(body, material, values);
-    return make_sum(std::move(shape), make_volume(body, modulus(material)));
+    terms.add(make_volume(body, modulus(material)));
+    return terms;
   };
   return result;
 }

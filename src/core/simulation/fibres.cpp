@@ -28,13 +28,14 @@ std::string material_unsuited(const Strategy& strategy, const Body& body, const 
   return reason.empty() ? fibres_unsuited(strategy, body, material) : reason;
 }
 
-std::unique_ptr<Elasticity> make_fibres(const Strategy& strategy, const Body& body, const Material& material) {
-  if (strategy.kind == StrategyKind::cell_law && material.active) {
-    auto muscle = make_muscle(body, material);
-    return material.fibre ? make_sum(make_cells<3>(body, material, FibreLaw{}), std::move(muscle)) : std::move(muscle);
+ElasticTerms make_fibres(const Strategy& strategy, const Body& body, const Material& material) {
+  if (strategy.kind == StrategyKind::cell_law) {
+    ElasticTerms terms;
+    if (material.fibre) terms.add(make_cells<3>(body, material, FibreLaw{}));
+    if (material.active) terms.add(make_muscle(body, material));
+    return terms;
   }
-  if (!material.fibre) return nullptr;
-  if (strategy.kind == StrategyKind::cell_law) return make_cells<3>(body, material, FibreLaw{});
+  if (!material.fibre) return {};
   const VectorX sections = fibre_sections(*detail::proper_part(body), material.fibre->direction);
   return make_curve_springs(body, detail::with_cell_sides(sections, body), material.fibre->curve);
 }

@@ -49,40 +49,37 @@ VectorX spread(const PartAlone& alone, const VectorX& own, int connections) {
   return whole;
 }
 
-using Terms = std::vector<std::unique_ptr<Elasticity>>;
-
 /// The springs of all parts: those without a curve in one.
 void add_springs(const Strategy& strategy, const Body& whole, const Works& works, const ParameterValues& values,
-                 Terms& terms) {
+                 ElasticTerms& terms) {
   VectorX straight = VectorX::Zero(whole.connections.size());
   for (const auto& part : works.soft) {
     const VectorX own = strategy.constants(part->alone.body, part->material, values);
     if (part->material.curve)
-      terms.push_back(make_springs(whole, spread(part->alone, own, whole.connections.size()), part->material));
+      terms.add(make_springs(whole, spread(part->alone, own, whole.connections.size()), part->material));
     else
       spread(part->alone, own, straight);
   }
-  terms.push_back(make_springs(whole, std::move(straight)));
+  terms.add(make_springs(whole, std::move(straight)));
 }
 
 void add_updated_springs(const Strategy& strategy, const Body& whole, const std::shared_ptr<const Works>& works,
-                         const ParameterValues& values, Terms& terms) {
+                         const ParameterValues& values, ElasticTerms& terms) {
   std::vector<ConstantsAt> rules;
   for (const auto& part : works->soft) rules.push_back(strategy.constants_at(part->alone.body, part->material, values));
   const int connections = whole.connections.size();
-  terms.push_back(
-      make_updated_springs(whole, [works, rules = std::move(rules), connections](const Positions& positions) {
-        VectorX constants = VectorX::Zero(connections);
-        for (std::size_t p = 0; p < rules.size(); ++p) {
-          const PartAlone& alone = works->soft[p]->alone;
-          spread(alone, rules[p](positions(Eigen::all, alone.molecules)), constants);
-        }
-        return constants;
-      }));
+  terms.add(make_updated_springs(whole, [works, rules = std::move(rules), connections](const Positions& positions) {
+    VectorX constants = VectorX::Zero(connections);
+    for (std::size_t p = 0; p < rules.size(); ++p) {
+      const PartAlone& alone = works->soft[p]->alone;
+      spread(alone, rules[p](positions(Eigen::all, alone.molecules)), constants);
+    }
+    return constants;
+  }));
 }
 
 /// The part's fibres, beside its law or its springs.
-std::unique_ptr<Elasticity> fibres_of(const Strategy& strategy, const Body& whole, const PartAtWork& part) {
+ElasticTerms fibres_of(const Strategy& strategy, const Body& whole, const PartAtWork& part) {
   if (!part.material.fibre || strategy.kind == StrategyKind::cell_law)
     return make_fibres(strategy, part.in_whole, part.material);
   const Body& body = part.alone.body;
@@ -92,24 +89,25 @@ std::unique_ptr<Elasticity> fibres_of(const Strategy& strategy, const Body& whol
                             part.material.fibre->curve);
 }
 
-std::unique_ptr<Elasticity> make_in_parts(const Strategy& strategy, const std::vector<Material>& materials,
-                                          const Body& whole, const ParameterValues& values) {
+ElasticTerms make_in_parts(const Strategy& strategy, const std::vector<Material>& materials, const Body& whole,
+                           const ParameterValues& values) {
   const std::shared_ptr<const Works> works = works_of(whole, materials);
-  Terms terms;
+  ElasticTerms terms;
+  terms.owners = {works};
   if (strategy.constants)
     add_springs(strategy, whole, *works, values, terms);
   else if (strategy.constants_at)
     add_updated_springs(strategy, whole, works, values, terms);
-  std::vector<CellRange> triangles(terms.size(), CellRange{0, static_cast<int>(whole.triangles.size())});
+  terms.triangles.resize(terms.terms.size(), CellRange{0, static_cast<int>(whole.triangles.size())});
   for (const auto& part : works->soft) {
     if (strategy.kind == StrategyKind::cell_law)
-      terms.push_back(strategy.make(part->in_whole, part->material, values));
+      terms.add(strategy.make(part->in_whole, part->material, values));
     else if (strategy.volume_modulus)
-      terms.push_back(make_volume(part->in_whole, strategy.volume_modulus(part->material)));
-    if (auto fibres = fibres_of(strategy, whole, *part)) terms.push_back(std::move(fibres));
-    triangles.resize(terms.size(), part->triangles);
+      terms.add(make_volume(part->in_whole, strategy.volume_modulus(part->material)));
+    terms.add(fibres_of(strategy, whole, *part));
+    terms.triangles.resize(terms.terms.size(), part->triangles);
   }
-  return make_sum(std::move(terms), works, std::move(triangles));
+  return terms;
 }
 
 /// Why the strategy cannot run on the first part on which it cannot, or "".
@@ -164,8 +162,7 @@ Strategy in_parts(const Strategy& strategy, const Body& body, std::vector<Materi
 
 void add_companions(Model& model, const Strategy& strategy, const Material& material) {
   const Body& body = model.body();
-  if (!strategy.by_parts)
-    if (auto fibres = make_fibres(strategy, body, material)) model.add(std::move(fibres));
+  if (!strategy.by_parts) model.add(make_fibres(strategy, body, material));
   if (material.bending_rigidity > 0) model.add(make_bending(body, material.bending_rigidity, material.poissons_ratio));
   if (!body.cables.empty()) model.add(make_cables(body));
   if (!body.ties.empty()) model.add(make_ties(body));

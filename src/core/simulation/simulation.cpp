@@ -53,11 +53,10 @@ bool carries_constants(const Strategy& strategy) {
   return strategy.kind == StrategyKind::spring_rule && strategy.constants && !strategy.by_parts;
 }
 
-std::unique_ptr<Elasticity> make_with(const Strategy& strategy, const Body& body, const Material& material,
-                                      const VectorX& constants) {
-  auto springs = make_springs(body, constants, material);
-  if (!strategy.volume_modulus) return springs;
-  return make_sum(std::move(springs), make_volume(body, strategy.volume_modulus(material)));
+ElasticTerms make_with(const Strategy& strategy, const Body& body, const Material& material, const VectorX& constants) {
+  ElasticTerms terms = make_springs(body, constants, material);
+  if (strategy.volume_modulus) terms.add(make_volume(body, strategy.volume_modulus(material)));
+  return terms;
 }
 
 /// Why the strategy cannot follow a change of topology, or "".
@@ -232,7 +231,7 @@ Simulation::Simulation(Body body, const MakeElasticity& make, SimulationOptions 
   impl_ = std::make_unique<Impl>(std::move(body), std::move(options));
   impl_->recipe.add_laws = [make](Impl& in) {
     auto elasticity = make(in.body);
-    if (!elasticity) throw InputError("the function that makes the elasticity returned none");
+    if (elasticity.empty()) throw InputError("the function that makes the elasticity returned none");
     in.model.add(std::move(elasticity));
   };
   impl_->make_model();

@@ -589,27 +589,25 @@ std::shared_ptr<const DomainLaws> laws_of(const Body& body, const CellBlock& blo
 }
 
 /// The cells' change of shape relaxes, their volume stays as elastic as it was.
-std::unique_ptr<Elasticity> make_relaxing(const Body& body, const CellBlock& block, const Material& material,
-                                          bool whole_cell) {
-  std::vector<std::unique_ptr<Elasticity>> terms;
-  terms.push_back(make_block_cells<3>(body, block, laws_of(body, block, material, false)));
-  terms.back()->relax(*material.relaxation);
-  if (!material.volume) return std::move(terms.front());
+ElasticTerms make_relaxing(const Body& body, const CellBlock& block, const Material& material, bool whole_cell) {
+  ElasticTerms terms = make_block_cells<3>(body, block, laws_of(body, block, material, false));
+  terms.terms.front()->relax(*material.relaxation);
+  if (!material.volume) return terms;
   if (whole_cell)
-    terms.push_back(make_block_cells<3>(body, block, {AnyPoint<3>(NoShape{})}, {*material.volume}));
+    terms.add(make_block_cells<3>(body, block, {AnyPoint<3>(NoShape{})}, {*material.volume}));
   else
-    terms.push_back(make_block_cells<3>(body, block, {AnyPoint<3>(VolumeOnly{{}, *material.volume})}));
-  return make_sum(std::move(terms), nullptr);
+    terms.add(make_block_cells<3>(body, block, {AnyPoint<3>(VolumeOnly{{}, *material.volume})}));
+  return terms;
 }
 
 }  // namespace
 
-std::unique_ptr<Elasticity> make_domain(const Body& body, const CellBlock& block, const Material& material,
-                                        bool whole_cell, std::shared_ptr<const Clock> clock, bool stepped) {
+ElasticTerms make_domain(const Body& body, const CellBlock& block, const Material& material, bool whole_cell,
+                         std::shared_ptr<const Clock> clock, bool stepped) {
   const auto laws = laws_of(body, block, material, material.volume && !whole_cell);
-  auto cells = material.relaxation             ? make_relaxing(body, block, material, whole_cell)
-               : material.volume && whole_cell ? make_block_cells(body, block, laws, {*material.volume})
-                                               : make_block_cells<3>(body, block, laws);
+  ElasticTerms cells = material.relaxation             ? make_relaxing(body, block, material, whole_cell)
+                       : material.volume && whole_cell ? make_block_cells(body, block, laws, {*material.volume})
+                                                       : make_block_cells<3>(body, block, laws);
   if (!stepped && !material.follows_time()) return cells;
   return make_stepped_cells(body, block, std::move(cells), laws, std::move(clock));
 }

@@ -58,7 +58,7 @@ Material read_material(const Element& element, const MaterialTime& time);
 /// The material on the cells of a block. `whole_cell`: its volume is kept by the mean dilatation of each cell.
 /// The body must outlive it.
 /// @param stepped whether increments have forces that are not those at their ends.
-std::unique_ptr<Elasticity> make_domain(const Body& body, const CellBlock& block, const Material& material,
-                                        bool whole_cell, std::shared_ptr<const Clock> clock, bool stepped);
+ElasticTerms make_domain(const Body& body, const CellBlock& block, const Material& material, bool whole_cell,
+                         std::shared_ptr<const Clock> clock, bool stepped);
 
 }  // namespace elastin::lab::febio

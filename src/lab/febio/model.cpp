@@ -721,14 +721,13 @@ FebioModel ModelReader::read() {
   };
   strategy.make = [built = built_, clock = setup_->clock, stepped = setup_->within()](
                       const Body& body, const elastin::Material&, const ParameterValues&) {
-    std::vector<std::unique_ptr<Elasticity>> terms;
+    ElasticTerms terms;
     for (std::size_t i = 0; i < body.blocks.size(); ++i) {
       const Domain& domain = built->domains[i];
-      terms.push_back(
+      terms.add(
           make_domain(body, body.blocks[i], built->materials[domain.material], domain.whole_cell, clock, stepped));
     }
-    if (terms.size() == 1) return std::move(terms.front());
-    return make_sum(std::move(terms), nullptr);
+    return terms;
   };
   model.make_experiment = [setup = setup_](const Body& body) { return make_experiment(body, setup); };
   return model;

@@ -1,6 +1,8 @@
 #include "lab/febio/stepped_cells.h"
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <string>
 #include <utility>
 
 #include "core/model/block_geometry.h"
@@ -13,8 +15,9 @@ constexpr double kLeastStrain = 1e-9;
 
 class SteppedCells final : public Elasticity {
  public:
-  SteppedCells(const Body& body, const CellBlock& block, std::unique_ptr<Elasticity> cells,
-               std::shared_ptr<const PointLaws<3>> laws, std::shared_ptr<const Clock> clock)
+  using Terms = std::vector<std::unique_ptr<Elasticity>>;
+  SteppedCells(const Body& body, const CellBlock& block, Terms cells, std::shared_ptr<const PointLaws<3>> laws,
+               std::shared_ptr<const Clock> clock)
       : body_(body),
         block_(block),
         cells_(std::move(cells)),
@@ -23,70 +26,98 @@ class SteppedCells final : public Elasticity {
         begin_(body.rest) {}
 
   std::unique_ptr<Elasticity> clone() const override {
-    auto copy = std::make_unique<SteppedCells>(body_, block_, cells_->clone(), laws_, clock_);
+    Terms own;
+    for (const auto& cells : cells_) own.push_back(cells->clone());
+    auto copy = std::make_unique<SteppedCells>(body_, block_, std::move(own), laws_, clock_);
     copy->begin_ = begin_;
     return copy;
   }
 
-  bool has_energy() const override { return cells_->has_energy() && !keeps_energy(); }
-  bool has_full_tangent() const override { return cells_->has_full_tangent() && !keeps_energy(); }
+  bool has_energy() const override {
+    return !keeps_energy() && all([](const Elasticity& cells) { return cells.has_energy(); });
+  }
+  bool has_full_tangent() const override {
+    return !keeps_energy() && all([](const Elasticity& cells) { return cells.has_full_tangent(); });
+  }
   bool at_nodes() const override { return true; }
-  bool dissipates() const override { return cells_->dissipates(); }
+  bool dissipates() const override {
+    return !all([](const Elasticity& cells) { return !cells.dissipates(); });
+  }
   bool admissible(const Positions& positions) const override {
-    return cells_->admissible(positions) && (share() == 1 || cells_->admissible(within(positions)));
+    const auto here = [&](const Positions& x) {
+      return all([&](const Elasticity& cells) { return cells.admissible(x); });
+    };
+    return here(positions) && (share() == 1 || here(within(positions)));
   }
   /// Its slope is α_f times that within, over α_f; without a step it is the cells' own.
   double energy(const Positions& positions) const override {
-    if (share() == 1 || keeps_energy()) return cells_->energy(positions);
-    const double begin = cells_->energy(begin_);
-    return begin + (cells_->energy(within(positions)) - begin) / share();
+    if (share() == 1 || keeps_energy()) return energy_of_cells(positions);
+    const double begin = energy_of_cells(begin_);
+    return begin + (energy_of_cells(within(positions)) - begin) / share();
   }
-  double internal_force(const Positions& positions) const override { return cells_->internal_force(positions); }
+  double internal_force(const Positions& positions) const override {
+    double sum = 0;
+    for (const auto& cells : cells_) sum += cells->internal_force(positions);
+    return sum;
+  }
   void add_force_densities(const Positions&, VectorX&, Workspace&) const override {}
   void add_forces(const Positions& positions, const Graph& graph, Positions& forces,
                   Workspace& workspace) const override {
-    if (share() == 1) return cells_->add_forces(positions, graph, forces, workspace);
-    cells_->add_forces(within(positions), graph, forces, workspace);
+    const auto add = [&](const Positions& x) {
+      for (const auto& cells : cells_) cells->add_forces(x, graph, forces, workspace);
+    };
+    if (share() == 1) return add(positions);
+    add(within(positions));
     if (!keeps_energy()) return;
     for (int cell = 0; cell < block_.size(); ++cell) add_missing_work(positions, cell, forces);
   }
   void show(const Positions& positions, VectorX& force_densities, const StateVisitor& visit) const override {
-    cells_->show(positions, force_densities, visit);
+    for (const auto& cells : cells_) cells->show(positions, force_densities, visit);
   }
 
   void linearise(const Positions& positions) override {
-    cells_->linearise(share() == 1 ? positions : within(positions));
+    for (const auto& cells : cells_) cells->linearise(share() == 1 ? positions : within(positions));
   }
   void add_own_slopes(VectorX&) const override {}
   void add_stiffness(const Positions& motion, Positions& result, Workspace& workspace) const override {
-    cells_->add_stiffness(share() == 1 ? motion : share() * motion, result, workspace);
+    for (const auto& cells : cells_) cells->add_stiffness(share() == 1 ? motion : share() * motion, result, workspace);
   }
   void visit_blocks(const BlockVisitor& visit) const override {
-    cells_->visit_blocks([&](int a, int b, const Matrix3& block) { visit(a, b, share() * block); });
+    for (const auto& cells : cells_)
+      cells->visit_blocks([&](int a, int b, const Matrix3& block) { visit(a, b, share() * block); });
   }
   void visit_diagonal(const DiagonalVisitor& visit, Workspace& workspace) const override {
-    cells_->visit_diagonal([&](int a, const Matrix3& block) { visit(a, share() * block); }, workspace);
+    for (const auto& cells : cells_)
+      cells->visit_diagonal([&](int a, const Matrix3& block) { visit(a, share() * block); }, workspace);
   }
   bool visit_gradients(const GradientVisitor& visit) const override {
-    return cells_->visit_gradients(
-        [&](std::span<const std::pair<int, Vector3>> gradient, double factor) { visit(gradient, share() * factor); });
+    bool whole = true;
+    for (const auto& cells : cells_)
+      whole &= cells->visit_gradients(
+          [&](std::span<const std::pair<int, Vector3>> gradient, double factor) { visit(gradient, share() * factor); });
+    return whole;
   }
-  /// A step's points are as stiff as the cells', but for α_f: near enough for who asks, a preconditioner.
-  void visit_points(const PointsVisitor& visit) const override { cells_->visit_points(visit); }
+  /// A step's points are as stiff as the cells', but for α_f: accurate enough for a preconditioner.
+  void visit_points(const PointsVisitor& visit) const override {
+    for (const auto& cells : cells_) cells->visit_points(visit);
+  }
 
   std::vector<HistoryBlock> history(const std::string& name) const override {
-    std::vector<HistoryBlock> all = cells_->history(name + ".cells");
+    std::vector<HistoryBlock> all;
+    for (std::size_t term = 0; term < cells_.size(); ++term)
+      for (HistoryBlock& block : cells_[term]->history(inner(name, term))) all.push_back(std::move(block));
     all.push_back({name, {body_.rest.data(), body_.rest.data() + body_.rest.size()}});
     return all;
   }
   void begin_step(const std::string& name, const State& from, double) override {
-    cells_->begin_step(name + ".cells", from, clock_->time);
+    for (std::size_t term = 0; term < cells_.size(); ++term)
+      cells_[term]->begin_step(inner(name, term), from, clock_->time);
     if (const HistoryBlock* block = from.find_history(name))
       begin_ = Eigen::Map<const Positions>(block->values.data(), 3, body_.size());
   }
   void commit_step(const std::string& name, State& state) override {
     const double time = std::exchange(state.time, clock_->time);  // that of an analysis at rest goes by its steps
-    cells_->commit_step(name + ".cells", state);
+    for (std::size_t term = 0; term < cells_.size(); ++term) cells_[term]->commit_step(inner(name, term), state);
     state.time = time;
     begin_ = state.positions;
     if (HistoryBlock* block = state.find_history(name))
@@ -96,6 +127,18 @@ class SteppedCells final : public Elasticity {
  private:
   double share() const { return clock_->share; }
   bool keeps_energy() const { return share() == 0.5; }
+  double energy_of_cells(const Positions& positions) const {
+    double sum = 0;
+    for (const auto& cells : cells_) sum += cells->energy(positions);
+    return sum;
+  }
+  template <class Check>
+  bool all(Check check) const {
+    return std::all_of(cells_.begin(), cells_.end(), [&](const auto& cells) { return check(*cells); });
+  }
+  static std::string inner(const std::string& name, std::size_t term) {
+    return name + ".cells" + (term == 0 ? "" : std::to_string(term));
+  }
   Positions within(const Positions& positions) const { return begin_ + share() * (positions - begin_); }
 
   void add_missing_work(const Positions& positions, int cell, Positions& forces) const {
@@ -134,7 +177,7 @@ class SteppedCells final : public Elasticity {
 
   const Body& body_;
   const CellBlock& block_;
-  std::unique_ptr<Elasticity> cells_;
+  Terms cells_;
   std::shared_ptr<const PointLaws<3>> laws_;
   std::shared_ptr<const Clock> clock_;
   Positions begin_;  ///< x₀
@@ -142,11 +185,9 @@ class SteppedCells final : public Elasticity {
 
 }  // namespace
 
-std::unique_ptr<Elasticity> make_stepped_cells(const Body& body, const CellBlock& block,
-                                               std::unique_ptr<Elasticity> cells,
-                                               std::shared_ptr<const PointLaws<3>> laws,
-                                               std::shared_ptr<const Clock> clock) {
-  return std::make_unique<SteppedCells>(body, block, std::move(cells), std::move(laws), std::move(clock));
+ElasticTerms make_stepped_cells(const Body& body, const CellBlock& block, ElasticTerms cells,
+                                std::shared_ptr<const PointLaws<3>> laws, std::shared_ptr<const Clock> clock) {
+  return std::make_unique<SteppedCells>(body, block, std::move(cells.terms), std::move(laws), std::move(clock));
 }
 
 }  // namespace elastin::lab::febio

@@ -18,9 +18,7 @@ struct Clock {
 ///   S + (ΔW − S : E)/(E : G) G,  G = C⁻¹ E C⁻¹,  E = (C₁ − C₀)/2,  C and S half-way.               [after Gonzalez
 ///   2000]
 /// @param laws of the points of `cells`, which are those of the block; they must have an energy if α_f is ever ½.
-std::unique_ptr<Elasticity> make_stepped_cells(const Body& body, const CellBlock& block,
-                                               std::unique_ptr<Elasticity> cells,
-                                               std::shared_ptr<const PointLaws<3>> laws,
-                                               std::shared_ptr<const Clock> clock);
+ElasticTerms make_stepped_cells(const Body& body, const CellBlock& block, ElasticTerms cells,
+                                std::shared_ptr<const PointLaws<3>> laws, std::shared_ptr<const Clock> clock);
 
 }  // namespace elastin::lab::febio

@@ -51,7 +51,7 @@ void fail_calibration(Run& run, const std::string& cause) {
 
 /// What one linear solve under a small load measures; nothing if it fails.
 std::optional<Measures> measure_linear(const Specimen& specimen, const StaticExperiment& experiment,
-                                       std::unique_ptr<Elasticity> elasticity, const StaticOptions& options, Run& run) {
+                                       ElasticTerms elasticity, const StaticOptions& options, Run& run) {
   Model model(specimen.body);
   model.add(std::move(elasticity));
   const auto rig = experiment.static_rig(model);
@@ -86,12 +86,13 @@ bool note_mechanism(const Body& body, const std::optional<Measures>& measures, R
 
 /// The springs of the run's constants, all on one curve if there is one, and a volume term of this modulus if the
 /// strategy has one.
-std::unique_ptr<Elasticity> assembled(const Specimen& specimen, const StrategyChoice& choice, const Run& run,
-                                      double volume_modulus, const std::optional<StressStrain>& curve = {}) {
-  auto springs = curve ? make_curve_springs(specimen.body, run.constants / specimen.material.youngs_modulus, *curve)
-                       : make_springs(specimen.body, run.constants);
-  if (!choice.strategy.volume_modulus) return springs;
-  return make_sum(std::move(springs), make_volume(specimen.body, volume_modulus));
+ElasticTerms assembled(const Specimen& specimen, const StrategyChoice& choice, const Run& run, double volume_modulus,
+                       const std::optional<StressStrain>& curve = {}) {
+  ElasticTerms terms = curve
+                           ? make_curve_springs(specimen.body, run.constants / specimen.material.youngs_modulus, *curve)
+                           : make_springs(specimen.body, run.constants);
+  if (choice.strategy.volume_modulus) terms.add(make_volume(specimen.body, volume_modulus));
+  return terms;
 }
 
 /// Beyond this factor a rule is not corrected but replaced.
@@ -237,7 +238,7 @@ std::string calibration_unsuited(const Experiment& experiment, const Specimen& s
                                          : "");
 }
 
-std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Experiment& experiment,
+std::optional<ElasticTerms> make_rule(const Specimen& specimen, const Experiment& experiment,
                                       const StrategyChoice& choice, const RunOptions& options, Run& run) {
   const bool with_volume = static_cast<bool>(choice.strategy.volume_modulus);
   const StaticExperiment* calibration = calibration_of(experiment, specimen);
@@ -257,7 +258,7 @@ std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Experiment
     run.outcome = Outcome::diverged;
     run.cause = found;
   }
-  if (!run.suited || run.outcome != Outcome::converged) return nullptr;
+  if (!run.suited || run.outcome != Outcome::converged) return std::nullopt;
   std::optional<StressStrain> curve = specimen.material.curve;
   if (curve && choice.calibrated && !run.calibrated_to_reference && !options.statics.linear && calibration->axis())
     curve = fitted_curve(specimen, *calibration, choice, options, run);

@@ -29,7 +29,7 @@ std::string calibration_unsuited(const Experiment& experiment, const Specimen& s
 ///     which the body measures the specimen's computed reference under the whole load;
 ///   * where the material has a stress–strain curve, then the springs' own curve to it (see curve_fit.h).
 /// Sets the run's constants and what calibration found. Null if a solve fails: the run says why.
-std::unique_ptr<Elasticity> make_rule(const Specimen& specimen, const Experiment& experiment,
+std::optional<ElasticTerms> make_rule(const Specimen& specimen, const Experiment& experiment,
                                       const StrategyChoice& choice, const RunOptions& options, Run& run);
 
 }  // namespace elastin::lab

@@ -96,14 +96,14 @@ std::string calibration_of_parts_unsuited(const Specimen& specimen) {
 }
 
 /// Springs that are not calibrated, each part with its own; run.constants are for what is said of them.
-std::unique_ptr<Elasticity> make_by_parts(const Specimen& specimen, const StrategyChoice& choice, Run& run) {
+std::optional<ElasticTerms> make_by_parts(const Specimen& specimen, const StrategyChoice& choice, Run& run) {
   if (choice.strategy.constants)
     run.constants = choice.strategy.constants(specimen.body, specimen.material, choice.values);
   if (!any_over(specimen.body, !run.constants.allFinite()))
     return choice.strategy.make(specimen.body, specimen.material, choice.values);
   run.outcome = Outcome::diverged;
   run.cause = "a spring constant is not finite";
-  return nullptr;
+  return std::nullopt;
 }
 
 void note_identified(const Identified& found, Run& run) {
@@ -152,13 +152,13 @@ std::string unsuited(const Specimen& specimen, const Experiment& experiment, con
   return reason;
 }
 
-std::unique_ptr<Elasticity> make_elasticity(const Specimen& specimen, const Experiment& experiment,
+std::optional<ElasticTerms> make_elasticity(const Specimen& specimen, const Experiment& experiment,
                                             const StrategyChoice& any, const RunOptions& options, Run& run) {
   const StrategyChoice choice = on_body(any, specimen);
   auto elasticity = choice.strategy.by_parts && !choice.calibrated ? make_by_parts(specimen, choice, run)
                     : choice.strategy.constants ? make_rule(specimen, experiment, choice, options, run)
                                                 : choice.strategy.make(specimen.body, specimen.material, choice.values);
-  if (!elasticity) return nullptr;
+  if (!elasticity) return std::nullopt;
   note_negative_constants(specimen.body, run);
   if (has_curve(specimen) && !specimen.material.law && !choice.strategy.follows_curve)
     run.warnings.push_back("does not follow the material's curve: it takes its slope at no strain alone");
@@ -184,7 +184,7 @@ std::optional<HeldModel> make_model(const Specimen& specimen, const Experiment& 
   if (options.keep_snapshots) held.model->keep_all_elements();
   if (specimen.body.share && experiment.in_time())
     held.model->complete_rows(options.statics.engine->spreading(specimen.body));
-  held.model->add(std::move(elasticity));
+  held.model->add(std::move(*elasticity));
   held.rig = add_surroundings(*held.model, specimen, experiment, choice);
   return held;
 }

@@ -29,9 +29,9 @@ std::optional<Identification> identification_of(const Experiment& experiment);
 /// Why a strategy cannot run here, or "".
 std::string unsuited(const Specimen& specimen, const Experiment& experiment, const StrategyChoice& choice);
 
-/// The strategy at work on the specimen's body alone; null if that fails: the run says why. The body must be prepared,
-/// and outlive it.
-std::unique_ptr<Elasticity> make_elasticity(const Specimen& specimen, const Experiment& experiment,
+/// The strategy at work on the specimen's body alone; nothing if that fails: the run says why. The body must be
+/// prepared, and outlive it.
+std::optional<ElasticTerms> make_elasticity(const Specimen& specimen, const Experiment& experiment,
                                             const StrategyChoice& choice, const RunOptions& options, Run& run);
 
 /// Adds what acts beside it to a model of the specimen's body: fibres, bending, cables, ties, the scene's loads, its

@@ -66,7 +66,7 @@ DirectionErrors measure_directions(const Scene& scene, const StrategyChoice& cho
   auto elasticity = make_elasticity(specimen, *scene.experiment, choice, small, found);
   if (elasticity) {
     Model model(specimen.body);
-    model.add(std::move(elasticity));
+    model.add(std::move(*elasticity));
     const auto rig = strains->static_rig(model);
     solve_load_curve(model, *strains, *rig, specimen.material, small, found);
   }

@@ -183,10 +183,10 @@ Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions
   const auto make = [&, here](const Body&) {
     if (!*here)
       throw InputError("a simulation of a scene has the strategy of the scene's body: it cannot have another");
-    std::vector<std::unique_ptr<Elasticity>> terms;
-    terms.push_back(make_elasticity(*specimen, experiment, choice, of_run, run));
-    if (!terms.back()) throw InputError(run.cause);
-    return make_sum(std::move(terms), std::make_shared<Owned>(Owned{scene, specimen}));
+    auto terms = make_elasticity(*specimen, experiment, choice, of_run, run);
+    if (!terms) throw InputError(run.cause);
+    terms->owners.push_back(std::make_shared<Owned>(Owned{scene, specimen}));
+    return std::move(*terms);
   };
   Simulation simulation(specimen->body, make, std::move(options));
   const std::shared_ptr<Rig> rig = add_surroundings(simulation.model(), *specimen, experiment, choice);

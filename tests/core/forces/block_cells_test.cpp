@@ -103,7 +103,8 @@ TEST_CASE("forces of a cell are a sum over pairs of q (x_b - x_a)", "[cells][con
   for (const CellKind* kind : solid_kinds()) {
     INFO(kind->name);
     const Body body = cell_box(*kind, {1, 1, 1}, {0.01, 0.01, 0.01}, 0.08, true);
-    const auto law = built_in_catalog().find("neo_hookean").make(body, kSoft, {});
+    const ElasticTerms made = built_in_catalog().find("neo_hookean").make(body, kSoft, {});
+    const auto& law = made.terms.front();
     const Positions positions = deformed(body, 3e-4);
     Model model(body);
     model.add(law->clone());

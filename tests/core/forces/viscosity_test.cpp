@@ -90,11 +90,12 @@ TEST_CASE("damping in proportion to stiffness is that of the law at rest, and le
   const Body body = jittered_block();
   const Material material{.youngs_modulus = 2e4, .poissons_ratio = 0.3};
   // S = β C Ė of St Venant-Kirchhoff is Labelle's damping with φ = β λ, ψ = β μ.
-  const auto law = built_in_catalog().find("st_venant_kirchhoff").make(body, material, {});
+  const ElasticTerms made = built_in_catalog().find("st_venant_kirchhoff").make(body, material, {});
+  const Elasticity& law = *made.terms.front();
   const double beta = 0.01, lambda = 2e4 * 0.3 / (1.3 * 0.4), mu = 2e4 / 2.6;
   const State state = moving(body);
   const Positions expected = forces_of(body, *make_cell_damping(body, beta * lambda, beta * mu), state);
-  CHECK((forces_of(body, *make_stiffness_damping(body, *law, beta), state) - expected).norm() <=
+  CHECK((forces_of(body, *make_stiffness_damping(body, law, beta), state) - expected).norm() <=
         1e-12 * expected.norm());
   // Springs at rest: −β K v.
   const Body lattice = jittered_lattice();
@@ -110,14 +111,15 @@ TEST_CASE("damping in proportion to stiffness is that of the law at rest, and le
 
 TEST_CASE("the tangent's damping part is the change of the forces with the velocities", "[viscosity]") {
   const Body body = jittered_block();
-  const auto law = built_in_catalog().find("neo_hookean").make(body, Material{.youngs_modulus = 2e4}, {});
+  const ElasticTerms made = built_in_catalog().find("neo_hookean").make(body, Material{.youngs_modulus = 2e4}, {});
+  const Elasticity& law = *made.terms.front();
   const State state = moving(body);
   const Positions dv = random_motion(body, 33);
   for (const int kind : {0, 1, 2}) {
     Model model(body);
     model.add(kind == 0   ? make_damping(0.3)
               : kind == 1 ? make_cell_damping(body, 0.7, 0.4)
-                          : make_stiffness_damping(body, *law, 0.01));
+                          : make_stiffness_damping(body, law, 0.01));
     State plus = state, minus = state;
     const double h = 1e-6;
     plus.velocities += h * dv, minus.velocities -= h * dv;

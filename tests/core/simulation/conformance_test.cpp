@@ -44,7 +44,7 @@ bool add_strategy(Model& model, const Strategy& strategy, const Material& materi
   if (!strategy.unsuited(model.body()).empty()) return false;
   if (!material_unsuited(strategy, model.body(), material).empty()) return false;
   model.add(strategy.make(model.body(), material, {}));
-  if (auto fibres = make_fibres(strategy, model.body(), material)) model.add(std::move(fibres));
+  model.add(make_fibres(strategy, model.body(), material));
   return true;
 }
 

@@ -47,8 +47,7 @@ Assembly assembly(bool lattice) {
 
 void add_all(Model& model, const Strategy& strategy, const Material& material) {
   model.add(strategy.make(model.body(), material, {}));
-  if (!strategy.by_parts)
-    if (auto fibres = make_fibres(strategy, model.body(), material)) model.add(std::move(fibres));
+  if (!strategy.by_parts) model.add(make_fibres(strategy, model.body(), material));
 }
 
 }  // namespace
@@ -81,16 +80,15 @@ TEST_CASE("every strategy in parts: the forces of each part by itself, added up"
           own.add(make_springs(alone.body, plain.constants(alone.body, material, {}), material));
           Material straight = material;
           straight.curve.reset();
-          const auto both = plain.make(alone.body, straight, {});
-          const auto springs = make_springs(alone.body, plain.constants(alone.body, straight, {}));
           Positions with = Positions::Zero(3, alone.body.size()), without = with;
           Model one(alone.body), other(alone.body);
-          one.add(both->clone()), other.add(springs->clone());
+          one.add(plain.make(alone.body, straight, {}));
+          other.add(make_springs(alone.body, plain.constants(alone.body, straight, {})));
           const Positions volume = one.elastic_forces(positions(Eigen::all, alone.molecules)) -
                                    other.elastic_forces(positions(Eigen::all, alone.molecules));
           for (std::size_t i = 0; i < alone.molecules.size(); ++i)
             expected.col(alone.molecules[i]) += volume.col(static_cast<Eigen::Index>(i));
-          if (auto fibres = make_fibres(plain, alone.body, material)) own.add(std::move(fibres));
+          own.add(make_fibres(plain, alone.body, material));
         } else {
           add_all(own, plain, material);
         }

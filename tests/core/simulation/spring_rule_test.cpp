@@ -45,8 +45,8 @@ TEST_CASE("A spring rule made at run time is one as any other", "[strategy]") {
   const VectorX some = rule.constants(block, {5000}, {});
   CHECK(some.tail(3) == VectorX::Zero(3));
   CHECK(some.head(proper).isApprox(10 * once.head(proper), 1e-15));
-  const auto elasticity = rule.make(block, {5000}, {});
-  CHECK(elasticity->energy(1.01 * block.rest) > 0);
+  const ElasticTerms elasticity = rule.make(block, {5000}, {});
+  CHECK(elasticity.terms.front()->energy(1.01 * block.rest) > 0);
 }
 
 TEST_CASE("A spring rule that gives another number of constants is refused", "[strategy]") {

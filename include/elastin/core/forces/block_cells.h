@@ -40,10 +40,9 @@ inline Vector3 middle_of(const Body& body, const CellBlock& block, int cell) {
 
 /// A law that sees C on all blocks of the body that have these dimensions.
 template <int dimensions>
-std::unique_ptr<Elasticity> make_blocks(const Body& body, const Material& material,
-                                        const AnyAtWork<dimensions>& at_work);
+ElasticTerms make_blocks(const Body& body, const Material& material, const AnyAtWork<dimensions>& at_work);
 /// The same of a law that is split, with the volume kept by pressures of the whole cell.
-std::unique_ptr<Elasticity> make_mixed_blocks(const Body& body, const Material& material,
-                                              const std::function<SplitPoint<AnyPoint<3>>(const Material&)>& at_work);
+ElasticTerms make_mixed_blocks(const Body& body, const Material& material,
+                               const std::function<SplitPoint<AnyPoint<3>>(const Material&)>& at_work);
 
 }  // namespace elastin

@@ -360,21 +360,18 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
 namespace detail {
 /// The driver with the law's own type in it, on the simplices of a body.
 template <int dimensions, class Law>
-std::unique_ptr<Elasticity> make_simplices(const Body& body, const Material& material, const Law& law) {
-  std::vector<std::unique_ptr<Elasticity>> terms;
+ElasticTerms make_simplices(const Body& body, const Material& material, const Law& law) {
+  ElasticTerms all;
   ShapesOf<dimensions>::for_each([&]<class Shape>() {
     using Kernel = CellKernel<Law, Shape>;
-    if (!Shape::in(body).empty())
-      terms.push_back(std::make_unique<CellElasticity<Kernel>>(body, material, Kernel{law}));
+    if (!Shape::in(body).empty()) all.add(std::make_unique<CellElasticity<Kernel>>(body, material, Kernel{law}));
   });
-  if (terms.size() == 1) return std::move(terms.front());
-  return make_sum(std::move(terms), nullptr);
+  return all;
 }
 
 /// The same of a law whose type is forgotten, compiled once.
 template <int dimensions>
-std::unique_ptr<Elasticity> make_any_simplices(const Body& body, const Material& material,
-                                               const AnyAtWork<dimensions>& at_work);
+ElasticTerms make_any_simplices(const Body& body, const Material& material, const AnyAtWork<dimensions>& at_work);
 
 /// Whether a law has a closed form in the lengths of one of these shapes.
 template <int dimensions, class Law>
@@ -390,7 +387,7 @@ constexpr bool has_closed_form() {
 /// in lengths, or without an energy, has a driver of its own; all others share one, at the price of a call a cell. The
 /// body must outlive it.
 template <int dimensions, class Law>
-std::unique_ptr<Elasticity> make_cells(const Body& body, const Material& material, const Law& law) {
+ElasticTerms make_cells(const Body& body, const Material& material, const Law& law) {
   const AnyAtWork<dimensions> any = [&](const Material& own) {
     return AnyPoint<dimensions>(detail::at_work<dimensions>(law, own));
   };

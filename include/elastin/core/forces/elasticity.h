@@ -1,4 +1,5 @@
 #pragma once
+#include <concepts>
 #include <functional>
 #include <memory>
 #include <span>
@@ -178,6 +179,25 @@ class Elasticity {
   virtual bool dissipates() const { return false; }
 };
 
+/// Laws that act together on one body, as a strategy makes them: none, one or several.
+struct ElasticTerms {
+  ElasticTerms() = default;
+  template <std::derived_from<Elasticity> Law>
+  ElasticTerms(std::unique_ptr<Law> one) {
+    if (one) terms.push_back(std::move(one));
+  }
+  /// Adds those of another strategy, each of which was made for all triangles.
+  void add(ElasticTerms more) {
+    for (auto& term : more.terms) terms.push_back(std::move(term));
+    owners.insert(owners.end(), more.owners.begin(), more.owners.end());
+  }
+  bool empty() const { return terms.empty(); }
+
+  std::vector<std::unique_ptr<Elasticity>> terms;
+  std::vector<CellRange> triangles;  ///< of the body, for which each term was made; empty: all terms for all
+  std::vector<std::shared_ptr<const void>> owners;  ///< of what the terms work on
+};
+
 /// Springs: q = k (1 − L/l), energy ½ k (l − L)². `constants` [N/m], one a connection, may be negative.
 std::unique_ptr<Elasticity> make_springs(const Body& body, VectorX constants);
 
@@ -194,13 +214,5 @@ std::unique_ptr<Elasticity> make_updated_springs(const Body& body, ConstantsAt c
 
 /// The body's cables: tension EA ε at a strain ε above 0, none below.
 std::unique_ptr<Elasticity> make_cables(const Body& body);
-
-/// Both at once.
-std::unique_ptr<Elasticity> make_sum(std::unique_ptr<Elasticity> first, std::unique_ptr<Elasticity> second);
-
-/// All of them at once; what they work on is kept as long as the sum and its clones. `triangles` says which of the
-/// body's triangles each term was made for, one a term; empty = all terms for all.
-std::unique_ptr<Elasticity> make_sum(std::vector<std::unique_ptr<Elasticity>> terms, std::shared_ptr<const void> owner,
-                                     std::vector<CellRange> triangles = {});
 
 }  // namespace elastin

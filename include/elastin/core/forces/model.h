@@ -31,7 +31,7 @@ class Model {
   Model(Model&&) noexcept;
 
   const Body& body() const { return *body_; }
-  void add(std::unique_ptr<Elasticity> elasticity);
+  void add(ElasticTerms elasticity);
   /// On a share: keeps of elasticity that is added from now on also what other processes compute, for
   /// force_densities().
   void keep_all_elements() { keeps_all_ = true; }
@@ -99,6 +99,10 @@ class Model {
   bool dissipates() const;
   double max_step_fraction(const State& from, const State& to) const;
   double square_frequency(const State& state, double ahead) const;
+  /// Adds the force densities [N/m] of all laws, separated: those of laws of triangles to a column of `of_triangles`
+  /// for each triangle of the body, order 01 02 12, all others to the connections.
+  void add_triangle_force_densities(const Positions& positions, Eigen::Matrix3Xd& of_triangles, VectorX& of_connections,
+                                    Workspace& workspace) const;
   /// Adds it to `forces`, without an allocation once `workspace` has served this model. Bitwise identical on any number
   /// of threads.
   void add_elastic_forces(const Positions& positions, Positions& forces, Workspace& workspace) const;
@@ -119,6 +123,7 @@ class Model {
 
  private:
   friend class Tangent;
+  void add_law(std::unique_ptr<Elasticity> law);
   void set_squared_lengths_and_rates(const State& state, VectorX& squared_lengths, VectorX& rates) const;
   const Body* body_;
   std::unique_ptr<const Subdomain> computed_;  ///< of a share
@@ -126,7 +131,9 @@ class Model {
   std::vector<std::unique_ptr<Elasticity>> all_elements_;  ///< elasticity on the share with what others compute
   std::vector<std::unique_ptr<Elasticity>> counted_;       ///< beside complete rows: whose energy is this process's
   Spread spread_;
+  std::vector<std::shared_ptr<const void>> owners_;  ///< of what elasticity works on
   std::vector<std::unique_ptr<Elasticity>> elasticity_;
+  std::vector<CellRange> triangles_;  ///< for which each of them was made
   std::vector<std::unique_ptr<Viscosity>> viscosity_;
   std::vector<std::unique_ptr<Load>> loads_;
   std::vector<HistoryBlock> history_;

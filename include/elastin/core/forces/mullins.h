@@ -29,7 +29,7 @@ void check_softening(const Softening& softening);
 /// the state: it grows where a step is accepted. Takes the energy ∫(1 − η) dW of each cycle.
 /// The softening's m is in the unit of the elements' energy: [J/m²] of membranes.
 /// Throws InputError where the law has no energy, or on a fault.
-std::unique_ptr<Elasticity> make_mullins(std::unique_ptr<Elasticity> elastic, const Softening& softening);
+ElasticTerms make_mullins(ElasticTerms elastic, const Softening& softening);
 
 /// The history of what softens: W_max of each element. Without elements, of what does not.
 class SoftenedElements {

@@ -11,7 +11,7 @@ namespace elastin {
 /// T is Kirchhoff's stress, which is Cauchy's where the volume stays: so that it has an energy.  [Blemker et al. 2005]
 /// An equilibrium sees the activation of its state's time, a step in time that at its end.
 /// Throws InputError on a fault. The body must outlive it.
-std::unique_ptr<Elasticity> make_muscle(const Body& body, const Material& material);
+ElasticTerms make_muscle(const Body& body, const Material& material);
 
 /// f above, its slope, and ∫ f/r dr from 0.4: what is left of the largest force at a stretch r, ≥ 0, over the best one.
 struct ForceLength {

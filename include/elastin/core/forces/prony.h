@@ -14,8 +14,7 @@ namespace elastin {
 /// Statics sees g₀ alone. The body must outlive it.
 /// Throws InputError where the law finds its forces at the nodes of cells, or where shares or times are not positive,
 /// or take all of the stiffness.
-std::unique_ptr<Elasticity> make_prony(const Body& body, std::unique_ptr<Elasticity> elastic,
-                                       const Relaxation& relaxation);
+ElasticTerms make_prony(const Body& body, ElasticTerms elastic, const Relaxation& relaxation);
 
 /// Throws InputError as make_prony does.
 void check_relaxation(const Relaxation& relaxation);

@@ -43,8 +43,9 @@ struct Strategy : Descriptor {
   std::function<VectorX(const Body&, const Material&, const ParameterValues&)> constants;
   /// Updated spring rules only: the function that gives the constants [N/m]. The body must outlive it.
   std::function<ConstantsAt(const Body&, const Material&, const ParameterValues&)> constants_at;
-  /// The strategy at work, without the material's fibres (see fibres.h). The body must outlive it. Empty for wrappers.
-  using Make = std::function<std::unique_ptr<Elasticity>(const Body&, const Material&, const ParameterValues&)>;
+  /// What the strategy adds to a model, without the material's fibres (see fibres.h). The body must outlive it. Empty
+  /// for wrappers.
+  using Make = std::function<ElasticTerms(const Body&, const Material&, const ParameterValues&)>;
   Make make;
   /// Cell laws that can leave λ/2 (J − 1)² to a volume term: the law without it.
   Make make_without_volume;
@@ -192,7 +193,7 @@ Strategy spring_strategy() {
 template <class Law, class Make>
 Strategy::Make made_by(const Strategy& described, Make make) {
   return [described, make](const Body& body, const Material& material, const ParameterValues& values) {
-    return std::unique_ptr<Elasticity>(make(body, material, law_with<Law>(described, values)));
+    return ElasticTerms(make(body, material, law_with<Law>(described, values)));
   };
 }
 

@@ -17,8 +17,8 @@ std::string fibres_unsuited(const Strategy& strategy, const Body& body, const Ma
 std::string material_unsuited(const Strategy& strategy, const Body& body, const Material& material);
 
 /// The material's fibres, passive and active ones, to be added to a model beside the strategy for the matrix: in each
-/// solid cell beside a cell law, as springs beside a spring rule. Null for a material without fibres. The body must
+/// solid cell beside a cell law, as springs beside a spring rule. None for a material without fibres. The body must
 /// outlive them.
-std::unique_ptr<Elasticity> make_fibres(const Strategy& strategy, const Body& body, const Material& material);
+ElasticTerms make_fibres(const Strategy& strategy, const Body& body, const Material& material);
 
 }  // namespace elastin

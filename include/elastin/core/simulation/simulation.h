@@ -115,7 +115,7 @@ class Simulation {
   /// out of range. A body of several materials wants a strategy made by in_parts.
   Simulation(Body body, const Strategy& strategy, const Material& material, SimulationOptions options = {});
   /// An elastic law that the host makes itself from the body, which stays where it is.
-  using MakeElasticity = std::function<std::unique_ptr<Elasticity>(const Body&)>;
+  using MakeElasticity = std::function<ElasticTerms(const Body&)>;
   Simulation(Body body, const MakeElasticity& make, SimulationOptions options = {});
   ~Simulation();
   Simulation(Simulation&&) noexcept;
