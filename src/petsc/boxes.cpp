@@ -179,7 +179,7 @@ void set_smoother(KSP smoother, Mat matrix, std::vector<Matrix3>& inverses) {
 
 }  // namespace
 
-BoxHierarchy::BoxHierarchy(const Model& local, const SharedBody& body) : frame_(frame_of(body.given())), body_(body) {
+BoxHierarchy::BoxHierarchy(const Tangent& local, const SharedBody& body) : frame_(frame_of(body.given())), body_(body) {
   const Body& own = body.local();
   BoxGrid finest(frame_);
   for (int a = 0; a < own.size(); ++a) finest.use(finest.outline_box(own.rest.col(a)));
@@ -187,11 +187,9 @@ BoxHierarchy::BoxHierarchy(const Model& local, const SharedBody& body) : frame_(
     finest.use(finest.outline_box((own.rest.col(a) + own.rest.col(b)) / 2));
   for (const auto& cell : own.tetrahedra) finest.use(finest.outline_box(own.rest(Eigen::all, cell).rowwise().mean()));
   for (const auto& cell : own.triangles) finest.use(finest.outline_box(own.rest(Eigen::all, cell).rowwise().mean()));
-  for (const auto& term : local.elasticity())
-    term->visit_points([&](const StiffPoints& points) {
-      for (int point = 0; point < points.stiff_points(); ++point)
-        finest.use(finest.outline_box(points.place_of(point)));
-    });
+  local.visit_points([&](const StiffPoints& points) {
+    for (int point = 0; point < points.stiff_points(); ++point) finest.use(finest.outline_box(points.place_of(point)));
+  });
   MPI_Allreduce(MPI_IN_PLACE, finest.used().data(), static_cast<int>(finest.used().size()), MPI_CHAR, MPI_BOR,
                 body.communicator());
   finest.number();

@@ -12,7 +12,7 @@ namespace elastin::petsc {
 class BoxHierarchy {
  public:
   /// `local`: a model of what this process has.
-  BoxHierarchy(const Model& local, const SharedBody& body);
+  BoxHierarchy(const Tangent& local, const SharedBody& body);
 
   const BoxGrid::Frame& frame() const { return frame_; }
   const std::vector<BoxGrid>& grids() const { return grids_; }

@@ -15,7 +15,7 @@ namespace elastin::petsc {
 namespace {
 
 /// The grids of boxes where the options, or a rule, choose them.
-const BoxHierarchy* chosen_boxes(const Model& model, const Model& local, SharedSetting& setting,
+const BoxHierarchy* chosen_boxes(const Model& model, const Tangent& local, SharedSetting& setting,
                                  const StaticOptions& options, double tolerance, std::string& reason) {
   bool wanted = options.method->name == "multigrid";
   if (!options.method->make) std::tie(wanted, reason) = multigrid_is_worth_it(model, tolerance);
@@ -128,7 +128,7 @@ class Newton {
       forcing = std::max(forcing, 0.1 * goal / now.norm);
       last = now.norm;
       const BoxHierarchy* boxes =  // inertia keeps iterations few
-          kinematics_ ? nullptr : chosen_boxes(given_, model_.local(), setting_, options_, forcing, result.reason);
+          kinematics_ ? nullptr : chosen_boxes(given_, tangent.local(), setting_, options_, forcing, result.reason);
       const SharedLinearResult linear = solve_linear(tangent, boxes, now.unbalanced, forcing, motion_);
       preconditioner = linear.preconditioner;
       result.linear_iterations += linear.iterations;
@@ -245,13 +245,13 @@ class Newton {
     const Positions& x = point.state.positions;
     const Connections& connections = model_.local().body().connections;
     densities_.setZero(connections.size());
-    for (const auto& term : model_.local().elasticity()) term->add_force_densities(x, densities_, workspace_);
+    for (const auto* law : model_.local().edge_laws()) law->add_force_densities(x, densities_, workspace_);
     double pull = 0;
     for (int c = 0; c < connections.size(); ++c) {
       const auto& [a, b] = connections.ends[c];
       pull += std::abs(densities_[c]) * (x.col(b) - x.col(a)).norm();
     }
-    for (const auto& term : model_.local().elasticity()) pull += term->internal_force(x);
+    for (const auto* law : model_.local().nodal_laws()) pull += law->internal_force(x);
     const double reach = body_.largest(x.size() > 0 ? x.cwiseAbs().maxCoeff() : 0);
     const double all = body_.sum(pull) + std::sqrt(static_cast<double>(body_.all_molecules())) * point.scale;
     point.noise = 4 * std::numeric_limits<double>::epsilon() * reach * all;
@@ -376,7 +376,7 @@ StaticResponse respond(Model& model, SharedSetting& setting, const Positions& at
 
   StaticResponse response;
   StaticResult& result = response.result;
-  const BoxHierarchy* boxes = chosen_boxes(model, shared.local(), setting, options, options.tolerance, result.reason);
+  const BoxHierarchy* boxes = chosen_boxes(model, tangent.local(), setting, options, options.tolerance, result.reason);
   const SharedLinearResult linear = solve_linear(tangent, boxes, rhs, options.tolerance, solution);
   result.solver = solver_name("linear", linear.preconditioner, body);
   result.linear = true;

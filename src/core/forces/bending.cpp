@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/forces/own_slopes.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
@@ -106,7 +107,7 @@ Plate plate_of(const Patch& patch, const Eigen::Matrix2Xd& positions, double rig
   return plate;
 }
 
-class Bending final : public Elasticity {
+class Bending final : public EdgeDensities {
  public:
   Bending(const Body& body, double rigidity, double nu) : patches_(patches_of(body.triangles)) {
     std::map<Pair, int> connections;
@@ -155,8 +156,10 @@ class Bending final : public Elasticity {
   /// Moments, not tensions.
   void add_triangle_force_densities(const Positions&, Eigen::Ref<Eigen::Matrix3Xd>, VectorX&,
                                     Workspace&) const override {}
-  void linearise(const Positions&) override {}
-  void add_own_slopes(VectorX&) const override {}
+  /// The force densities do not change.
+  std::unique_ptr<EdgeSlopes> slopes() const override {
+    return std::make_unique<OwnSlopes>(0, [](const Positions&, VectorX&) {});
+  }
 
  private:
   std::vector<Patch> patches_;

@@ -48,7 +48,10 @@ double swelling_of(const Matrix3& H) {
 }
 
 template <int d>
-class BlockCells final : public Elasticity, public LocalElasticity, public StiffPoints, public CellPressures {
+class BlockStiffness;
+
+template <int d>
+class BlockCells final : public NodalForces, public LocalElasticity, public LawHistory, public Softens {
   using Gradient = Eigen::Matrix<double, 3, d>;  ///< F, δF, F S
   using Square = Eigen::Matrix<double, d, d>;
   using Direction = Eigen::Matrix<double, d, 1>;
@@ -81,13 +84,8 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     return result;
   }
   bool has_energy() const override { return laws_->has_energy(); }
-  bool at_nodes() const override { return true; }
 
-  bool add_local_terms(std::vector<const LocalElasticity*>& terms) const override {
-    if (!has_energy() || dissipates()) return false;
-    terms.push_back(this);
-    return true;
-  }
+  const LocalElasticity* local() const override { return has_energy() && !dissipates() ? this : nullptr; }
   int elements() const override { return block_.size(); }
   std::span<const int> molecules_of(int cell) const override { return block_.cell(cell); }
   double element_energy(const Positions& positions, int cell) const override { return energy_of(positions, cell); }
@@ -124,8 +122,6 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     if (!has_energy()) return 0;
     return sum_over_cells([&](int cell) { return energy_of(positions, cell); });
   }
-
-  void add_force_densities(const Positions&, VectorX&, Workspace&) const override {}
 
   void add_forces(const Positions& positions, const Graph&, Positions& forces, Workspace& workspace) const override {
     add_cells(forces, workspace, [&](int cell, NodeVectors& own) {
@@ -194,207 +190,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     }
   }
 
-  void linearise(const Positions& positions) override {
-    now_.resize(static_cast<std::size_t>(block_.size() * points_));
-    if (!volume_.empty()) stiffness_of_pressures_.resize(static_cast<std::size_t>(block_.size()));
-    parallel_for(
-        block_.size(),
-        [&](int cell) {
-          Stresses now;
-          set_stresses(positions, cell, now);
-          std::array<Moduli, kMostPoints> D;
-          laws_->tangents(number(cell), span(now.A), {D.data(), static_cast<std::size_t>(points_)});
-          if (softened_) soften_tangents(cell, now, D);
-          for (int g = 0; g < points_; ++g) {
-            const auto at = static_cast<std::size_t>(g);
-            if (relaxing_) D[at] *= relaxing_.factor();
-            if constexpr (d == 3)
-              if (!volume_.empty()) add_pressure(now.p[at], now.A[at], now.S[at], D[at]);
-            const double weight = rest(cell, g).weight;
-            now_[cell * points_ + g] = {now.F[at], weight * now.S[at], weight * D[at]};
-          }
-          if constexpr (d == 3)
-            if (!volume_.empty()) set_stiffness_of_pressures(cell, now);
-        },
-        kCellThreshold);
-  }
-  void add_own_slopes(VectorX&) const override {}
-
-  void add_stiffness(const Positions& motion, Positions& result, Workspace& workspace) const override {
-    add_cells(result, workspace, [&](int cell, NodeVectors& own) {
-      PointGradients<d> change, P;
-      set_gradients(cell, gathered(motion, cell), change);
-      for (int g = 0; g < points_; ++g) {
-        const auto at = static_cast<std::size_t>(g);
-        const Now& now = this->now(cell, g);
-        Components<d> of_C;
-        const Square half = now.F.transpose() * change[at];
-        constexpr auto order = components<d>();
-        for (int k = 0; k < of_C.size(); ++k) {
-          const auto [i, j] = order[k];
-          of_C[k] = (half(i, j) + half(j, i)) * (i == j ? 1 : 2);
-        }
-        const Components<d> of_S = now.D * of_C;
-        Square dS;
-        for (int k = 0; k < of_S.size(); ++k) {
-          const auto [i, j] = order[k];
-          dS(i, j) = dS(j, i) = of_S[k];
-        }
-        P[at].noalias() = change[at] * now.S;
-        P[at].noalias() += now.F * dS;
-      }
-      if constexpr (d == 3)
-        if (!volume_.empty()) {
-          Pressures swelling = Pressures::Zero();
-          for (int g = 0; g < points_; ++g)
-            swelling += rest(cell, g).weight * cofactors(now(cell, g).F).cwiseProduct(change[g]).sum() * functions_[g];
-          const Pressures p = stiffness_of_pressures_[cell] * swelling;
-          for (int g = 0; g < points_; ++g) P[g] += rest(cell, g).weight * at_point(p, g) * cofactors(now(cell, g).F);
-        }
-      spread(cell, P, own);
-    });
-  }
-
-  void visit_blocks(const BlockVisitor& visit) const override {
-    const int n = kind_.nodes;
-    std::vector<Matrix3> K(static_cast<std::size_t>(n * n));
-    for (int cell = 0; cell < block_.size(); ++cell) {
-      std::fill(K.begin(), K.end(), Matrix3::Zero());
-      for (int g = 0; g < points_; ++g) {
-        std::array<Acting, kMostNodes> at;
-        for (int a = 0; a < n; ++a) at[a] = acting(this->now(cell, g), slope(cell, g, a));
-        for (int a = 0; a < n; ++a)
-          for (int b = 0; b < n; ++b) add_pair(at[a], at[b], K[a * n + b]);
-      }
-      if constexpr (d == 3)
-        if (!volume_.empty()) {
-          const std::vector<PressureGradient> G = pressure_gradients(cell);
-          for (int a = 0; a < n; ++a)
-            for (int b = 0; b < n; ++b) add_pressures(G[a], stiffness_of_pressures_[cell], G[b], K[a * n + b]);
-        }
-      const auto nodes = block_.cell(cell);
-      for (int a = 0; a < n; ++a)
-        for (int b = 0; b < n; ++b) visit(nodes[a], nodes[b], K[a * n + b]);
-    }
-  }
-
-  void visit_diagonal(const DiagonalVisitor& visit, Workspace& workspace) const override {
-    constexpr int most_cells = 512;  // at once
-    const int n = kind_.nodes;
-    auto blocks = workspace.buffer(Workspace::diagonals, 6 * n * std::min(most_cells, block_.size()))
-                      .reshaped(6, Eigen::AutoSize);
-    for (int first = 0; first < block_.size(); first += most_cells) {
-      const int count = std::min(most_cells, block_.size() - first);
-      parallel_for(
-          count, [&](int i) { set_diagonal(first + i, blocks.middleCols(i * n, n)); }, 1);
-      for (int i = 0; i < count * n; ++i) {
-        const UpperTriangle own = blocks.col(i);
-        Matrix3 block;
-        block << own[0], own[1], own[2], own[1], own[3], own[4], own[2], own[4], own[5];
-        visit(block_.nodes[first * n + i], block);
-      }
-    }
-  }
-
-  /// The pressures' part; the rest is in visit_points.
-  bool visit_gradients(const GradientVisitor& visit) const override {
-    if constexpr (d == 3) {
-      std::vector<std::pair<int, Vector3>> gradient;
-      for (int cell = 0; cell < (volume_.empty() ? 0 : block_.size()); ++cell) {
-        const int m = kind_.pressures;
-        const std::vector<PressureGradient> G = pressure_gradients(cell);
-        const SymmetricEigen eigen = symmetric_eigen(stiffness_of_pressures_[cell].topLeftCorner(m, m));
-        for (int k = 0; k < m; ++k) {
-          if (!(eigen.values[k] > 0)) continue;
-          Pressures along = Pressures::Zero();
-          for (int j = 0; j < m; ++j) along[j] = eigen.vectors(j, k);
-          gradient.clear();
-          const auto nodes = block_.cell(cell);
-          for (int a = 0; a < kind_.nodes; ++a) gradient.emplace_back(nodes[a], G[a] * along);
-          visit(gradient, eigen.values[k]);
-        }
-      }
-    }
-    return true;
-  }
-
-  void visit_points(const PointsVisitor& visit) const override { visit(*this); }
-
-  Eigen::Index pressures() const override {
-    return volume_.empty() ? 0 : static_cast<Eigen::Index>(block_.size()) * kind_.pressures;
-  }
-  int of_each_cell() const override { return kind_.pressures; }
-  double stiffness_ratio() const override {
-    double most = 0;
-    if constexpr (d == 3)
-      for (int cell = 0; cell < (volume_.empty() ? 0 : block_.size()); ++cell) {
-        constexpr int shear = component(0, 1);
-        const double modulus = 2 * now(cell, 0).D(shear, shear) / rest(cell, 0).weight;
-        if (modulus > 0) most = std::max(most, volume_of(cell).curvature(0) / modulus);
-      }
-    return most;
-  }
-  void swell(const Positions& motion, Eigen::Ref<VectorX> swelling) const override {
-    const int m = kind_.pressures;
-    if constexpr (d == 3)
-      parallel_for(
-          block_.size(),
-          [&](int cell) {
-            PointGradients<d> change;
-            set_gradients(cell, gathered(motion, cell), change);
-            Pressures own = Pressures::Zero();
-            for (int g = 0; g < points_; ++g)
-              own += rest(cell, g).weight * cofactors(now(cell, g).F).cwiseProduct(change[g]).sum() * functions_[g];
-            swelling.segment(static_cast<Eigen::Index>(cell) * m, m) = own.head(m);
-          },
-          kCellThreshold);
-  }
-  void add_forces_of(const Eigen::Ref<const VectorX>& pressures, Positions& forces,
-                     Workspace& workspace) const override {
-    const int m = kind_.pressures;
-    if constexpr (d == 3)
-      add_cells(forces, workspace, [&](int cell, NodeVectors& own) {
-        Pressures all = Pressures::Zero();
-        all.head(m) = pressures.segment(static_cast<Eigen::Index>(cell) * m, m);
-        PointGradients<d> P;
-        for (int g = 0; g < points_; ++g) P[g] = rest(cell, g).weight * at_point(all, g) * cofactors(now(cell, g).F);
-        spread(cell, P, own);
-      });
-  }
-  void resist(const Eigen::Ref<const VectorX>& swelling, Eigen::Ref<VectorX> pressures) const override {
-    const int m = kind_.pressures;
-    parallel_for(
-        block_.size(),
-        [&](int cell) {
-          const auto at = static_cast<Eigen::Index>(cell) * m;
-          pressures.segment(at, m).noalias() =
-              stiffness_of_pressures_[cell].topLeftCorner(m, m) * swelling.segment(at, m);
-        },
-        kCellThreshold);
-  }
-  void take_part(double part) override { pressure_part_ = part; }
-  int stiff_points() const override { return static_cast<int>(now_.size()); }
-  Vector3 place_of(int point) const override {
-    const int cell = point / points_, g = point % points_;
-    const NodeVectors own = gathered(body_.rest, cell);
-    Vector3 place = Vector3::Zero();
-    for (int a = 0; a < kind_.nodes; ++a) place += kind_.values(a, g) * own.col(a);
-    return place;
-  }
-  Stiffness stiffness_at(int point) const override {
-    const int cell = point / points_, g = point % points_;
-    std::array<Acting, d> at;
-    for (int p = 0; p < d; ++p) at[p] = acting(now(cell, g), Direction::Unit(p));
-    Stiffness found{frame(cell, g), {}};
-    found.stiffness.resize(3 * d, 3 * d);
-    for (int p = 0; p < d; ++p)
-      for (int q = 0; q < d; ++q) {
-        Matrix3 block = Matrix3::Zero();
-        add_pair(at[p], at[q], block);
-        found.stiffness.template block<3, 3>(3 * p, 3 * q) = block;
-      }
-    return found;
-  }
+  std::unique_ptr<NodalStiffness> stiffness() const override { return std::make_unique<BlockStiffness<d>>(*this); }
 
   bool soften(const Softening& softening) override {
     if (has_energy()) softened_ = SoftenedElements(softening, block_.size() * points_);
@@ -427,6 +223,7 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   }
 
  private:
+  friend class BlockStiffness<d>;
   static constexpr int kComponents = d * (d + 1) / 2;
   /// A pass over cells costs so much a cell that few are worth another thread.
   static constexpr int kCellThreshold = 200;
@@ -517,7 +314,6 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   }
 
   const Rest& rest(int cell, int g) const { return rest_[cell * points_ + g]; }
-  const Now& now(int cell, int g) const { return now_[cell * points_ + g]; }
   /// Of a cell where laws and volumes have theirs.
   int number(int cell) const { return numbers_.empty() ? cell : numbers_[cell]; }
   const Volumetric& volume_of(int cell) const {
@@ -716,41 +512,6 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
     block.noalias() += 0.5 * (a.V.transpose() * b.DV);
     block.diagonal().array() += a.B.dot(b.SB);
   }
-  /// The upper triangles of the diagonal blocks of a cell's nodes, a column each. Those of one point are
-  /// Σ_pq B_p B_q A_pq, A_pq = 2 Σ_rs F_r D_pr,qs F_sᵀ + S_pq: A_pq + A_qp is found once for all nodes.
-  void set_diagonal(int cell, Eigen::Ref<UpperTriangles> blocks) const {
-    blocks.setZero();
-    constexpr auto order = components<d>();
-    for (int g = 0; g < points_; ++g) {
-      const Now& now = this->now(cell, g);
-      std::array<UpperTriangle, kComponents> A;
-      for (std::size_t k = 0; k < order.size(); ++k) {
-        const auto [p, q] = order[k];
-        Square between;
-        for (int r = 0; r < d; ++r)
-          for (int s = 0; s < d; ++s) {
-            between(r, s) = now.D(component(p, r), component(q, s));
-            if (p != q) between(r, s) += now.D(component(q, r), component(p, s));
-          }
-        const double along = p == q ? now.S(p, p) : now.S(p, q) + now.S(q, p);
-        const Matrix3 block = 2 * now.F * between * now.F.transpose() + along * Matrix3::Identity();
-        A[k] = upper_triangle(block);
-      }
-      for (int a = 0; a < kind_.nodes; ++a) {
-        const Direction B = slope(cell, g, a);
-        for (std::size_t k = 0; k < order.size(); ++k) blocks.col(a) += B[order[k][0]] * B[order[k][1]] * A[k];
-      }
-    }
-    if constexpr (d == 3)
-      if (!volume_.empty()) {
-        const std::vector<PressureGradient> G = pressure_gradients(cell);
-        for (int a = 0; a < kind_.nodes; ++a) {
-          Matrix3 block = Matrix3::Zero();
-          add_pressures(G[a], stiffness_of_pressures_[cell], G[a], block);
-          blocks.col(a) += upper_triangle(block);
-        }
-      }
-  }
   /// Where C_ij is among the components.
   static constexpr int component(int i, int j) { return i == j ? i : i + j + d - 1; }
   static UpperTriangle upper_triangle(const Matrix3& block) {
@@ -817,11 +578,8 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
         D(row, column) += pJ / 2 * (G(i, j) * G(k, l) - G(i, k) * G(j, l) - G(i, l) * G(j, k));
       }
   }
-  /// Q in δp = Q ∫ φ δJ: M⁻¹ ∫ U″ φ φᵀ M⁻¹.
-  void set_stiffness_of_pressures(int cell, const Strains& now) {
-    stiffness_of_pressures_[cell] = stiffness_of_pressures(cell, now);
-  }
-  PressureMatrix stiffness_of_pressures(int cell, const Strains& now) const {
+  /// Q in δp = Q ∫ φ δJ: M⁻¹ ∫ U″ φ φᵀ M⁻¹, or a part of it.
+  PressureMatrix stiffness_of_pressures(int cell, const Strains& now, double part = 1) const {
     const Pressures theta = projected_swelling(cell, now);
     PressureMatrix sum = PressureMatrix::Zero();
     for (int g = 0; g < points_; ++g) {
@@ -829,19 +587,8 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
       sum += rest(cell, g).weight * volume_of(cell).curvature(at_point(theta, g)) * own * own.transpose();
     }
     const PressureMatrix& M = inverse_mass_[cell];
-    return pressure_part_ * (relaxing_ ? relaxing_.factor() : 1) * M * sum * M;
+    return part * (relaxing_ ? relaxing_.factor() : 1) * M * sum * M;
   }
-  /// Of each node.
-  std::vector<PressureGradient> pressure_gradients(int cell) const {
-    std::vector<PressureGradient> G(static_cast<std::size_t>(kind_.nodes), PressureGradient::Zero());
-    if constexpr (d == 3)
-      for (int g = 0; g < points_; ++g) {
-        const Matrix3 to_node = rest(cell, g).weight * cofactors(now(cell, g).F);
-        for (int a = 0; a < kind_.nodes; ++a) G[a] += (to_node * slope(cell, g, a)) * functions_[g].transpose();
-      }
-    return G;
-  }
-
   // ------------------------------------------------------------------------------------------------------------------
 
   /// Adds work(cell, own) of each cell to its nodes. Each molecule meets its cells in ascending order, whoever adds.
@@ -891,7 +638,291 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
   std::vector<Gradient> frames_;  ///< of membranes
   std::vector<Pressures> functions_;
   std::vector<PressureMatrix> inverse_mass_;
-  // At the positions of linearise().
+};
+
+/// The stiffness of a block's cells at one state.
+template <int d>
+class BlockStiffness final : public NodalStiffness, public StiffPoints, public CellPressures {
+  using Cells = BlockCells<d>;
+  using Acting = typename Cells::Acting;
+  using Direction = typename Cells::Direction;
+  using Gradient = typename Cells::Gradient;
+  using Moduli = typename Cells::Moduli;
+  using Now = typename Cells::Now;
+  using Square = typename Cells::Square;
+  using Strains = typename Cells::Strains;
+  using Stresses = typename Cells::Stresses;
+  using PressureGradient = typename Cells::PressureGradient;
+  using PressureMatrix = typename Cells::PressureMatrix;
+  using Pressures = typename Cells::Pressures;
+  using UpperTriangle = typename Cells::UpperTriangle;
+  using UpperTriangles = typename Cells::UpperTriangles;
+  static constexpr int kCellThreshold = Cells::kCellThreshold, kComponents = Cells::kComponents;
+
+ public:
+  explicit BlockStiffness(const Cells& cells) : cells_(cells) {}
+
+  void linearise_at(const Positions& positions) override {
+    now_.resize(static_cast<std::size_t>(cells_.block_.size() * cells_.points_));
+    if (!cells_.volume_.empty()) stiffness_of_pressures_.resize(static_cast<std::size_t>(cells_.block_.size()));
+    parallel_for(
+        cells_.block_.size(),
+        [&](int cell) {
+          Stresses now;
+          cells_.set_stresses(positions, cell, now);
+          std::array<Moduli, kMostPoints> D;
+          cells_.laws_->tangents(cells_.number(cell), cells_.span(now.A),
+                                 {D.data(), static_cast<std::size_t>(cells_.points_)});
+          if (cells_.softened_) cells_.soften_tangents(cell, now, D);
+          for (int g = 0; g < cells_.points_; ++g) {
+            const auto at = static_cast<std::size_t>(g);
+            if (cells_.relaxing_) D[at] *= cells_.relaxing_.factor();
+            if constexpr (d == 3)
+              if (!cells_.volume_.empty()) Cells::add_pressure(now.p[at], now.A[at], now.S[at], D[at]);
+            const double weight = cells_.rest(cell, g).weight;
+            now_[cell * cells_.points_ + g] = {now.F[at], weight * now.S[at], weight * D[at]};
+          }
+          if constexpr (d == 3)
+            if (!cells_.volume_.empty()) set_stiffness_of_pressures(cell, now);
+        },
+        kCellThreshold);
+  }
+
+  void add_stiffness(const Positions& motion, Positions& result, Workspace& workspace) const override {
+    cells_.add_cells(result, workspace, [&](int cell, NodeVectors& own) {
+      PointGradients<d> change, P;
+      cells_.set_gradients(cell, cells_.gathered(motion, cell), change);
+      for (int g = 0; g < cells_.points_; ++g) {
+        const auto at = static_cast<std::size_t>(g);
+        const Now& now = this->now(cell, g);
+        Components<d> of_C;
+        const Square half = now.F.transpose() * change[at];
+        constexpr auto order = components<d>();
+        for (int k = 0; k < of_C.size(); ++k) {
+          const auto [i, j] = order[k];
+          of_C[k] = (half(i, j) + half(j, i)) * (i == j ? 1 : 2);
+        }
+        const Components<d> of_S = now.D * of_C;
+        Square dS;
+        for (int k = 0; k < of_S.size(); ++k) {
+          const auto [i, j] = order[k];
+          dS(i, j) = dS(j, i) = of_S[k];
+        }
+        P[at].noalias() = change[at] * now.S;
+        P[at].noalias() += now.F * dS;
+      }
+      if constexpr (d == 3)
+        if (!cells_.volume_.empty()) {
+          Pressures swelling = Pressures::Zero();
+          for (int g = 0; g < cells_.points_; ++g)
+            swelling += cells_.rest(cell, g).weight * cofactors(now(cell, g).F).cwiseProduct(change[g]).sum() *
+                        cells_.functions_[g];
+          const Pressures p = stiffness_of_pressures_[cell] * swelling;
+          for (int g = 0; g < cells_.points_; ++g)
+            P[g] += cells_.rest(cell, g).weight * cells_.at_point(p, g) * cofactors(now(cell, g).F);
+        }
+      cells_.spread(cell, P, own);
+    });
+  }
+
+  void visit_blocks(const BlockVisitor& visit) const override {
+    const int n = cells_.kind_.nodes;
+    std::vector<Matrix3> K(static_cast<std::size_t>(n * n));
+    for (int cell = 0; cell < cells_.block_.size(); ++cell) {
+      std::fill(K.begin(), K.end(), Matrix3::Zero());
+      for (int g = 0; g < cells_.points_; ++g) {
+        std::array<Acting, kMostNodes> at;
+        for (int a = 0; a < n; ++a) at[a] = Cells::acting(this->now(cell, g), cells_.slope(cell, g, a));
+        for (int a = 0; a < n; ++a)
+          for (int b = 0; b < n; ++b) Cells::add_pair(at[a], at[b], K[a * n + b]);
+      }
+      if constexpr (d == 3)
+        if (!cells_.volume_.empty()) {
+          const std::vector<PressureGradient> G = pressure_gradients(cell);
+          for (int a = 0; a < n; ++a)
+            for (int b = 0; b < n; ++b) Cells::add_pressures(G[a], stiffness_of_pressures_[cell], G[b], K[a * n + b]);
+        }
+      const auto nodes = cells_.block_.cell(cell);
+      for (int a = 0; a < n; ++a)
+        for (int b = 0; b < n; ++b) visit(nodes[a], nodes[b], K[a * n + b]);
+    }
+  }
+
+  void visit_diagonal(const DiagonalVisitor& visit, Workspace& workspace) const override {
+    constexpr int most_cells = 512;  // at once
+    const int n = cells_.kind_.nodes;
+    auto blocks = workspace.buffer(Workspace::diagonals, 6 * n * std::min(most_cells, cells_.block_.size()))
+                      .reshaped(6, Eigen::AutoSize);
+    for (int first = 0; first < cells_.block_.size(); first += most_cells) {
+      const int count = std::min(most_cells, cells_.block_.size() - first);
+      parallel_for(
+          count, [&](int i) { set_diagonal(first + i, blocks.middleCols(i * n, n)); }, 1);
+      for (int i = 0; i < count * n; ++i) {
+        const UpperTriangle own = blocks.col(i);
+        Matrix3 block;
+        block << own[0], own[1], own[2], own[1], own[3], own[4], own[2], own[4], own[5];
+        visit(cells_.block_.nodes[first * n + i], block);
+      }
+    }
+  }
+
+  /// The pressures' part; the rest is in visit_points.
+  bool visit_gradients(const GradientVisitor& visit) const override {
+    if constexpr (d == 3) {
+      std::vector<std::pair<int, Vector3>> gradient;
+      for (int cell = 0; cell < (cells_.volume_.empty() ? 0 : cells_.block_.size()); ++cell) {
+        const int m = cells_.kind_.pressures;
+        const std::vector<PressureGradient> G = pressure_gradients(cell);
+        const SymmetricEigen eigen = symmetric_eigen(stiffness_of_pressures_[cell].topLeftCorner(m, m));
+        for (int k = 0; k < m; ++k) {
+          if (!(eigen.values[k] > 0)) continue;
+          Pressures along = Pressures::Zero();
+          for (int j = 0; j < m; ++j) along[j] = eigen.vectors(j, k);
+          gradient.clear();
+          const auto nodes = cells_.block_.cell(cell);
+          for (int a = 0; a < cells_.kind_.nodes; ++a) gradient.emplace_back(nodes[a], G[a] * along);
+          visit(gradient, eigen.values[k]);
+        }
+      }
+    }
+    return true;
+  }
+
+  void visit_points(const PointsVisitor& visit) const override { visit(*this); }
+
+  Eigen::Index pressures() const override {
+    return cells_.volume_.empty() ? 0 : static_cast<Eigen::Index>(cells_.block_.size()) * cells_.kind_.pressures;
+  }
+  int of_each_cell() const override { return cells_.kind_.pressures; }
+  double stiffness_ratio() const override {
+    double most = 0;
+    if constexpr (d == 3)
+      for (int cell = 0; cell < (cells_.volume_.empty() ? 0 : cells_.block_.size()); ++cell) {
+        constexpr int shear = Cells::component(0, 1);
+        const double modulus = 2 * now(cell, 0).D(shear, shear) / cells_.rest(cell, 0).weight;
+        if (modulus > 0) most = std::max(most, cells_.volume_of(cell).curvature(0) / modulus);
+      }
+    return most;
+  }
+  void swell(const Positions& motion, Eigen::Ref<VectorX> swelling) const override {
+    const int m = cells_.kind_.pressures;
+    if constexpr (d == 3)
+      parallel_for(
+          cells_.block_.size(),
+          [&](int cell) {
+            PointGradients<d> change;
+            cells_.set_gradients(cell, cells_.gathered(motion, cell), change);
+            Pressures own = Pressures::Zero();
+            for (int g = 0; g < cells_.points_; ++g)
+              own += cells_.rest(cell, g).weight * cofactors(now(cell, g).F).cwiseProduct(change[g]).sum() *
+                     cells_.functions_[g];
+            swelling.segment(static_cast<Eigen::Index>(cell) * m, m) = own.head(m);
+          },
+          kCellThreshold);
+  }
+  void add_forces_of(const Eigen::Ref<const VectorX>& pressures, Positions& forces,
+                     Workspace& workspace) const override {
+    const int m = cells_.kind_.pressures;
+    if constexpr (d == 3)
+      cells_.add_cells(forces, workspace, [&](int cell, NodeVectors& own) {
+        Pressures all = Pressures::Zero();
+        all.head(m) = pressures.segment(static_cast<Eigen::Index>(cell) * m, m);
+        PointGradients<d> P;
+        for (int g = 0; g < cells_.points_; ++g)
+          P[g] = cells_.rest(cell, g).weight * cells_.at_point(all, g) * cofactors(now(cell, g).F);
+        cells_.spread(cell, P, own);
+      });
+  }
+  void resist(const Eigen::Ref<const VectorX>& swelling, Eigen::Ref<VectorX> pressures) const override {
+    const int m = cells_.kind_.pressures;
+    parallel_for(
+        cells_.block_.size(),
+        [&](int cell) {
+          const auto at = static_cast<Eigen::Index>(cell) * m;
+          pressures.segment(at, m).noalias() =
+              stiffness_of_pressures_[cell].topLeftCorner(m, m) * swelling.segment(at, m);
+        },
+        kCellThreshold);
+  }
+  void take_part(double part) override { pressure_part_ = part; }
+  int stiff_points() const override { return static_cast<int>(now_.size()); }
+  Vector3 place_of(int point) const override {
+    const int cell = point / cells_.points_, g = point % cells_.points_;
+    const NodeVectors own = cells_.gathered(cells_.body_.rest, cell);
+    Vector3 place = Vector3::Zero();
+    for (int a = 0; a < cells_.kind_.nodes; ++a) place += cells_.kind_.values(a, g) * own.col(a);
+    return place;
+  }
+  Stiffness stiffness_at(int point) const override {
+    const int cell = point / cells_.points_, g = point % cells_.points_;
+    std::array<Acting, d> at;
+    for (int p = 0; p < d; ++p) at[p] = Cells::acting(now(cell, g), Direction::Unit(p));
+    Stiffness found{cells_.frame(cell, g), {}};
+    found.stiffness.resize(3 * d, 3 * d);
+    for (int p = 0; p < d; ++p)
+      for (int q = 0; q < d; ++q) {
+        Matrix3 block = Matrix3::Zero();
+        Cells::add_pair(at[p], at[q], block);
+        found.stiffness.template block<3, 3>(3 * p, 3 * q) = block;
+      }
+    return found;
+  }
+
+ private:
+  const Now& now(int cell, int g) const { return now_[cell * cells_.points_ + g]; }
+  /// The upper triangles of the diagonal blocks of a cell's nodes, a column each. Those of one point are
+  /// Σ_pq B_p B_q A_pq, A_pq = 2 Σ_rs F_r D_pr,qs F_sᵀ + S_pq: A_pq + A_qp is found once for all nodes.
+  void set_diagonal(int cell, Eigen::Ref<UpperTriangles> blocks) const {
+    blocks.setZero();
+    constexpr auto order = components<d>();
+    for (int g = 0; g < cells_.points_; ++g) {
+      const Now& now = this->now(cell, g);
+      std::array<UpperTriangle, kComponents> A;
+      for (std::size_t k = 0; k < order.size(); ++k) {
+        const auto [p, q] = order[k];
+        Square between;
+        for (int r = 0; r < d; ++r)
+          for (int s = 0; s < d; ++s) {
+            between(r, s) = now.D(Cells::component(p, r), Cells::component(q, s));
+            if (p != q) between(r, s) += now.D(Cells::component(q, r), Cells::component(p, s));
+          }
+        const double along = p == q ? now.S(p, p) : now.S(p, q) + now.S(q, p);
+        const Matrix3 block = 2 * now.F * between * now.F.transpose() + along * Matrix3::Identity();
+        A[k] = Cells::upper_triangle(block);
+      }
+      for (int a = 0; a < cells_.kind_.nodes; ++a) {
+        const Direction B = cells_.slope(cell, g, a);
+        for (std::size_t k = 0; k < order.size(); ++k) blocks.col(a) += B[order[k][0]] * B[order[k][1]] * A[k];
+      }
+    }
+    if constexpr (d == 3)
+      if (!cells_.volume_.empty()) {
+        const std::vector<PressureGradient> G = pressure_gradients(cell);
+        for (int a = 0; a < cells_.kind_.nodes; ++a) {
+          Matrix3 block = Matrix3::Zero();
+          Cells::add_pressures(G[a], stiffness_of_pressures_[cell], G[a], block);
+          blocks.col(a) += Cells::upper_triangle(block);
+        }
+      }
+  }
+  /// Q in δp = Q ∫ φ δJ: M⁻¹ ∫ U″ φ φᵀ M⁻¹.
+  void set_stiffness_of_pressures(int cell, const Strains& now) {
+    stiffness_of_pressures_[cell] = cells_.stiffness_of_pressures(cell, now);
+  }
+  /// Of each node.
+  std::vector<PressureGradient> pressure_gradients(int cell) const {
+    std::vector<PressureGradient> G(static_cast<std::size_t>(cells_.kind_.nodes), PressureGradient::Zero());
+    if constexpr (d == 3)
+      for (int g = 0; g < cells_.points_; ++g) {
+        const Matrix3 to_node = cells_.rest(cell, g).weight * cofactors(now(cell, g).F);
+        for (int a = 0; a < cells_.kind_.nodes; ++a)
+          G[a] += (to_node * cells_.slope(cell, g, a)) * cells_.functions_[g].transpose();
+      }
+    return G;
+  }
+
+  const Cells& cells_;
+  // At the positions of linearise_at().
   std::vector<Now> now_;
   std::vector<PressureMatrix> stiffness_of_pressures_;
   double pressure_part_ = 1;  ///< of them that counts, see CellPressures
@@ -900,17 +931,18 @@ class BlockCells final : public Elasticity, public LocalElasticity, public Stiff
 }  // namespace
 
 template <int dimensions>
-std::unique_ptr<Elasticity> make_block_cells(const Body& body, const CellBlock& block,
-                                             std::shared_ptr<const PointLaws<dimensions>> laws) {
+std::unique_ptr<NodalForces> make_block_cells(const Body& body, const CellBlock& block,
+                                              std::shared_ptr<const PointLaws<dimensions>> laws) {
   return std::make_unique<BlockCells<dimensions>>(body, block, std::move(laws), std::vector<Volumetric>{});
 }
-template std::unique_ptr<Elasticity> make_block_cells<2>(const Body&, const CellBlock&,
-                                                         std::shared_ptr<const PointLaws<2>>);
-template std::unique_ptr<Elasticity> make_block_cells<3>(const Body&, const CellBlock&,
-                                                         std::shared_ptr<const PointLaws<3>>);
+template std::unique_ptr<NodalForces> make_block_cells<2>(const Body&, const CellBlock&,
+                                                          std::shared_ptr<const PointLaws<2>>);
+template std::unique_ptr<NodalForces> make_block_cells<3>(const Body&, const CellBlock&,
+                                                          std::shared_ptr<const PointLaws<3>>);
 
-std::unique_ptr<Elasticity> make_block_cells(const Body& body, const CellBlock& block,
-                                             std::shared_ptr<const PointLaws<3>> laws, std::vector<Volumetric> volume) {
+std::unique_ptr<NodalForces> make_block_cells(const Body& body, const CellBlock& block,
+                                              std::shared_ptr<const PointLaws<3>> laws,
+                                              std::vector<Volumetric> volume) {
   return std::make_unique<BlockCells<3>>(body, block, std::move(laws), std::move(volume));
 }
 
@@ -957,15 +989,15 @@ class CellLaws final : public PointLaws<dimensions> {
 }  // namespace
 
 template <int dimensions>
-std::unique_ptr<Elasticity> make_block_cells(const Body& body, const CellBlock& block,
-                                             std::vector<AnyPoint<dimensions>> laws, std::vector<Volumetric> volume) {
+std::unique_ptr<NodalForces> make_block_cells(const Body& body, const CellBlock& block,
+                                              std::vector<AnyPoint<dimensions>> laws, std::vector<Volumetric> volume) {
   return std::make_unique<BlockCells<dimensions>>(body, block, std::make_shared<CellLaws<dimensions>>(std::move(laws)),
                                                   std::move(volume));
 }
-template std::unique_ptr<Elasticity> make_block_cells<2>(const Body&, const CellBlock&, std::vector<AnyPoint<2>>,
-                                                         std::vector<Volumetric>);
-template std::unique_ptr<Elasticity> make_block_cells<3>(const Body&, const CellBlock&, std::vector<AnyPoint<3>>,
-                                                         std::vector<Volumetric>);
+template std::unique_ptr<NodalForces> make_block_cells<2>(const Body&, const CellBlock&, std::vector<AnyPoint<2>>,
+                                                          std::vector<Volumetric>);
+template std::unique_ptr<NodalForces> make_block_cells<3>(const Body&, const CellBlock&, std::vector<AnyPoint<3>>,
+                                                          std::vector<Volumetric>);
 
 namespace {
 

@@ -4,7 +4,7 @@
 namespace elastin {
 
 /// Stiff points of cells whose volume is kept by pressures of whole cells: of their stiffness K = K̂ + Gᵀ Q G the part
-/// of these pressures, for solvers that take it apart. As linearise() left it.
+/// of these pressures, for solvers that take it apart. As linearise_at() left it.
 class CellPressures {
  public:
   virtual ~CellPressures() = default;
@@ -21,7 +21,7 @@ class CellPressures {
                              Workspace& workspace) const = 0;
   /// pressures = Q swelling.
   virtual void resist(const Eigen::Ref<const VectorX>& swelling, Eigen::Ref<VectorX> pressures) const = 0;
-  /// From the next linearise() on Q is this part of what it is by the law.
+  /// From the next linearise_at() on Q is this part of what it is by the law.
   virtual void take_part(double part) = 0;
 };
 

@@ -2,6 +2,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/forces/own_slopes.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/forces/elasticity.h"
 #include "elastin/core/forces/mullins.h"
@@ -12,7 +13,7 @@ namespace {
 
 /// Tension w L P(ε), ε = l/L − 1: q = w L P/l, ∂q/∂s = w (P′ − P L/l)/(2 l²), energy w L² W, W = ∫P dε. Where they
 /// soften, P is η(W) P, and P′ is η P′ + η′ P².
-class CurveSprings final : public Elasticity, public LocalElasticity {
+class CurveSprings final : public EdgeDensities, public LocalElasticity, public LawHistory, public Softens {
  public:
   CurveSprings(const Body& body, VectorX sections, StressStrain curve)
       : connections_(body.connections), sections_(std::move(sections)), curve_(std::move(curve)) {}
@@ -35,22 +36,18 @@ class CurveSprings final : public Elasticity, public LocalElasticity {
       if (sections_[c] != 0 && at > -1) force_densities[c] += sections_[c] * stress_at(c, at).first / (1 + at);
     });
   }
-  void linearise(const Positions& positions) override {
-    slopes_ = VectorX::Zero(connections_.size());
-    parallel_for(connections_.size(), [&](int c) {
-      const double at = strain(positions, c), stretch = 1 + at, length = stretch * connections_.rest_length[c];
-      if (sections_[c] == 0 || !(at > -1)) return;
-      const auto [stress, modulus] = stress_at(c, at);
-      slopes_[c] = sections_[c] * (modulus - stress / stretch) / (2 * length * length);
+  std::unique_ptr<EdgeSlopes> slopes() const override {
+    return std::make_unique<OwnSlopes>(connections_.size(), [this](const Positions& positions, VectorX& slopes) {
+      parallel_for(connections_.size(), [&](int c) {
+        const double at = strain(positions, c), stretch = 1 + at, length = stretch * connections_.rest_length[c];
+        if (sections_[c] == 0 || !(at > -1)) return;
+        const auto [stress, modulus] = stress_at(c, at);
+        slopes[c] += sections_[c] * (modulus - stress / stretch) / (2 * length * length);
+      });
     });
   }
-  void add_own_slopes(VectorX& slopes) const override { slopes += slopes_; }
 
-  bool add_local_terms(std::vector<const LocalElasticity*>& terms) const override {
-    if (dissipates()) return false;
-    terms.push_back(this);
-    return true;
-  }
+  const LocalElasticity* local() const override { return dissipates() ? nullptr : this; }
   int elements() const override { return connections_.size(); }
   std::span<const int> molecules_of(int element) const override { return connections_.ends[element]; }
   double element_energy(const Positions& positions, int element) const override {
@@ -103,7 +100,7 @@ class CurveSprings final : public Elasticity, public LocalElasticity {
   }
 
   const Connections& connections_;
-  VectorX sections_, slopes_;
+  VectorX sections_;
   StressStrain curve_;
   SoftenedElements softened_;
 };

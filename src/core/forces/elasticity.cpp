@@ -4,15 +4,15 @@
 
 namespace elastin {
 
-void Elasticity::add_forces(const Positions& positions, const Graph& graph, Positions& forces,
-                            Workspace& workspace) const {
+void EdgeDensities::add_forces(const Positions& positions, const Graph& graph, Positions& forces,
+                               Workspace& workspace) const {
   workspace.force_densities.setZero(graph.size());
   add_force_densities(positions, workspace.force_densities, workspace);
   graph.add_forces(positions, workspace.force_densities, forces);
 }
 
-void Elasticity::add_triangle_force_densities(const Positions& positions, Eigen::Ref<Eigen::Matrix3Xd>,
-                                              VectorX& of_connections, Workspace& workspace) const {
+void EdgeDensities::add_triangle_force_densities(const Positions& positions, Eigen::Ref<Eigen::Matrix3Xd>,
+                                                 VectorX& of_connections, Workspace& workspace) const {
   add_force_densities(positions, of_connections, workspace);
 }
 

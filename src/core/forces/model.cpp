@@ -75,37 +75,43 @@ void Model::add(std::unique_ptr<Load> load) {
 
 void Model::add(ElasticTerms elasticity) {
   owners_.insert(owners_.end(), elasticity.owners.begin(), elasticity.owners.end());
-  triangles_.insert(triangles_.end(), elasticity.triangles.begin(), elasticity.triangles.end());
-  for (auto& law : elasticity.terms) add_law(std::move(law));
-  triangles_.resize(elasticity_.size(), CellRange{0, static_cast<int>(body_->triangles.size())});
+  const CellRange all{0, static_cast<int>(body_->triangles.size())};
+  for (std::size_t law = 0; law < elasticity.terms.size(); ++law)
+    add_law(std::move(elasticity.terms[law]), elasticity.triangles.empty() ? all : elasticity.triangles[law]);
 }
 
-void Model::add_law(std::unique_ptr<Elasticity> elasticity) {
+void Model::add_law(std::unique_ptr<Elasticity> law, const CellRange& triangles) {
   if (computed_) {
-    auto own = elasticity->on_subdomain(*computed_);
+    auto own = law->on_subdomain(*computed_);
     if (!own) throw InputError(kNotShared);
     if (has_complete_rows()) {
       counted_.push_back(std::move(own));
     } else {
-      std::swap(own, elasticity);
+      std::swap(own, law);
       if (keeps_all_) all_elements_.push_back(std::move(own));
     }
   }
-  const std::string name = "law" + std::to_string(elasticity_.size());
-  insert(elasticity->history(name), history_);
-  elasticity_.push_back(std::move(elasticity));
-  law_names_.push_back(name);
+  if (auto* past = dynamic_cast<LawHistory*>(law.get())) {
+    const std::string name = "law" + std::to_string(elasticity_.size());
+    insert(past->history(name), history_);
+    law_histories_.emplace_back(past, name);
+  }
+  if (const auto* edges = dynamic_cast<const EdgeDensities*>(law.get())) {
+    edge_laws_.push_back(edges);
+    triangles_.push_back(triangles);
+  }
+  if (const auto* nodal = dynamic_cast<const NodalForces*>(law.get())) nodal_laws_.push_back(nodal);
+  elasticity_.push_back(std::move(law));
 }
 
 std::vector<std::unique_ptr<Load>> Model::extract_loads() {
   history_.clear();
-  for (std::size_t law = 0; law < elasticity_.size(); ++law)
-    insert(elasticity_[law]->history(law_names_[law]), history_);
+  for (const auto& [law, name] : law_histories_) insert(law->history(name), history_);
   return std::exchange(loads_, {});
 }
 
 void Model::begin_step(const State& from, double time) const {
-  for (std::size_t law = 0; law < elasticity_.size(); ++law) elasticity_[law]->begin_step(law_names_[law], from, time);
+  for (const auto& [law, name] : law_histories_) law->begin_step(name, from, time);
 }
 
 bool Model::dissipates() const {
@@ -133,7 +139,7 @@ bool Model::symmetric() const {
 }
 
 void Model::commit_step(State& state) const {
-  for (std::size_t law = 0; law < elasticity_.size(); ++law) elasticity_[law]->commit_step(law_names_[law], state);
+  for (const auto& [law, name] : law_histories_) law->commit_step(name, state);
   for (const auto& load : loads_) load->commit_step(state);
 }
 
@@ -182,12 +188,14 @@ double Model::load_energy(const State& state) const {
   return energy;
 }
 
-VectorX Model::force_densities(const Positions& positions, const Elasticity::StateVisitor& visit) const {
+VectorX Model::force_densities(const Positions& positions, const NodalForces::StateVisitor& visit) const {
   VectorX force_densities = VectorX::Zero(body_->connections.size());
   Workspace workspace;
   for (const auto& term : all_elements_.empty() ? elasticity_ : all_elements_) {
-    term->add_force_densities(positions, force_densities, workspace);
-    if (term->at_nodes()) term->show(positions, force_densities, visit);
+    if (const auto* edges = dynamic_cast<const EdgeDensities*>(term.get()))
+      edges->add_force_densities(positions, force_densities, workspace);
+    if (const auto* nodal = dynamic_cast<const NodalForces*>(term.get()))
+      nodal->show(positions, force_densities, visit);
   }
   return force_densities;
 }
@@ -257,8 +265,8 @@ void Model::add_other_forces(const State& state, Positions& forces, Workspace& w
 
 void Model::add_triangle_force_densities(const Positions& positions, Eigen::Matrix3Xd& of_triangles,
                                          VectorX& of_connections, Workspace& workspace) const {
-  for (std::size_t law = 0; law < elasticity_.size(); ++law)
-    elasticity_[law]->add_triangle_force_densities(
+  for (std::size_t law = 0; law < edge_laws_.size(); ++law)
+    edge_laws_[law]->add_triangle_force_densities(
         positions, of_triangles.middleCols(triangles_[law].first, triangles_[law].count), of_connections, workspace);
 }
 

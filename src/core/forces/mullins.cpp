@@ -37,7 +37,8 @@ void check_softening(const Softening& softening) {
 ElasticTerms make_mullins(ElasticTerms elastic, const Softening& softening) {
   check_softening(softening);
   bool any = false;
-  for (const auto& term : elastic.terms) any |= term->soften(softening);
+  for (const auto& term : elastic.terms)
+    if (auto* softens = dynamic_cast<Softens*>(term.get())) any |= softens->soften(softening);
   if (!any) throw InputError("softening goes by the energy of a law, and this one has none");
   return elastic;
 }

@@ -49,7 +49,7 @@ struct ActiveLaw {
 };
 
 /// Sets the activation at the end of each step; has no forces of its own.
-class Activation final : public Elasticity {
+class Activation final : public Elasticity, public LawHistory {
  public:
   Activation(std::shared_ptr<double> level, std::function<double(double)> function)
       : level_(std::move(level)), function_(std::move(function)) {
@@ -58,11 +58,9 @@ class Activation final : public Elasticity {
 
   std::unique_ptr<Elasticity> clone() const override { return std::make_unique<Activation>(*this); }
   double energy(const Positions&) const override { return 0; }
-  void add_force_densities(const Positions&, VectorX&, Workspace&) const override {}
   void add_forces(const Positions&, const Graph&, Positions&, Workspace&) const override {}
-  void linearise(const Positions&) override {}
-  void add_own_slopes(VectorX&) const override {}
   bool dissipates() const override { return true; }
+  std::vector<HistoryBlock> history(const std::string&) const override { return {}; }
   void begin_step(const std::string&, const State& from, double time) override {
     set(std::isfinite(time) ? time : from.time);
   }

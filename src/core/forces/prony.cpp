@@ -11,27 +11,31 @@
 namespace elastin {
 namespace {
 
+class PronySlopes;
+
 /// The terms' force densities together, relaxing.
-class Prony final : public Elasticity {
+class Prony final : public EdgeDensities, public LawHistory {
  public:
-  using Terms = std::vector<std::unique_ptr<Elasticity>>;
-  Prony(const Body& body, Terms elastic, Relaxing relaxing)
-      : body_(body), elastic_(std::move(elastic)), relaxing_(std::move(relaxing)) {}
+  /// @param elastic EdgeDensities all
+  Prony(const Body& body, std::vector<std::unique_ptr<Elasticity>> elastic, Relaxing relaxing)
+      : body_(body), owned_(std::move(elastic)), relaxing_(std::move(relaxing)) {
+    for (const auto& term : owned_) elastic_.push_back(&dynamic_cast<const EdgeDensities&>(*term));
+  }
 
   std::unique_ptr<Elasticity> clone() const override {
-    Terms own;
-    for (const auto& term : elastic_) own.push_back(term->clone());
+    std::vector<std::unique_ptr<Elasticity>> own;
+    for (const auto& term : owned_) own.push_back(term->clone());
     return std::make_unique<Prony>(body_, std::move(own), relaxing_);
   }
 
   bool has_energy() const override {
-    return all([](const Elasticity& term) { return term.has_energy(); });
+    return all([](const EdgeDensities& term) { return term.has_energy(); });
   }
   bool has_full_tangent() const override {
-    return all([](const Elasticity& term) { return term.has_full_tangent(); });
+    return all([](const EdgeDensities& term) { return term.has_full_tangent(); });
   }
   bool admissible(const Positions& positions) const override {
-    return all([&](const Elasticity& term) { return term.admissible(positions); });
+    return all([&](const EdgeDensities& term) { return term.admissible(positions); });
   }
   bool dissipates() const override { return true; }
 
@@ -53,83 +57,104 @@ class Prony final : public Elasticity {
     for (const auto& term : elastic_) term->add_force_densities(positions, own, workspace);
     force_densities += relaxing_.factor() * own + relaxing_.fixed();
   }
-
-  void linearise(const Positions& positions) override {
-    slopes_.setZero(relaxing_.fixed().size());
-    for (const auto& term : elastic_) {
-      term->linearise(positions);
-      term->add_own_slopes(slopes_);
-    }
-    slopes_ *= relaxing_.factor();
-  }
-  void add_own_slopes(VectorX& slopes) const override { slopes += slopes_; }
   bool coupled() const override {
-    return !all([](const Elasticity& term) { return !term.coupled(); });
+    return !all([](const EdgeDensities& term) { return !term.coupled(); });
   }
-  void add_change(const VectorX& squared_lengths, VectorX& force_densities, Workspace& workspace) const override {
-    VectorX& own = workspace.relaxing;
-    own = relaxing_.factor() * squared_lengths;
-    for (const auto& term : elastic_) term->add_change(own, force_densities, workspace);
-  }
-  void visit_cells(const CellVisitor& visit) const override {
-    for (const auto& term : elastic_)
-      term->visit_cells([&](const CellSlopes& cells) {
-        CellSlopes scaled = cells;
-        scaled.factor *= relaxing_.factor();
-        visit(scaled);
-      });
-  }
-  void visit_blocks(const BlockVisitor& visit) const override {
-    for (const auto& term : elastic_)
-      term->visit_blocks([&](int a, int b, const Matrix3& block) { visit(a, b, relaxing_.factor() * block); });
-  }
-  bool visit_gradients(const GradientVisitor& visit) const override {
-    bool whole = true;
-    for (const auto& term : elastic_)
-      whole &= term->visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double factor) {
-        visit(gradient, relaxing_.factor() * factor);
-      });
-    return whole;
-  }
-  void visit_diagonal(const DiagonalVisitor& visit, Workspace& workspace) const override {
-    for (const auto& term : elastic_)
-      term->visit_diagonal([&](int a, const Matrix3& block) { visit(a, relaxing_.factor() * block); }, workspace);
-  }
+  std::unique_ptr<EdgeSlopes> slopes() const override;
 
   std::vector<HistoryBlock> history(const std::string& name) const override {
     std::vector<HistoryBlock> all = relaxing_.history(name);
-    for (std::size_t term = 0; term < elastic_.size(); ++term)
-      for (HistoryBlock& block : elastic_[term]->history(inner(name, term))) all.push_back(std::move(block));
+    for_each_history(name, [&](const LawHistory& term, const std::string& own) {
+      for (HistoryBlock& block : term.history(own)) all.push_back(std::move(block));
+    });
     return all;
   }
   void begin_step(const std::string& name, const State& from, double time) override {
-    for (std::size_t term = 0; term < elastic_.size(); ++term)
-      elastic_[term]->begin_step(inner(name, term), from, time);
+    for_each_history(name, [&](LawHistory& term, const std::string& own) { term.begin_step(own, from, time); });
     relaxing_.begin_step(name, from, time);
   }
   void commit_step(const std::string& name, State& state) override {
     relaxing_.now().setZero();
     for (const auto& term : elastic_) term->add_force_densities(state.positions, relaxing_.now(), workspace_);
     relaxing_.commit_step(name, state);
-    for (std::size_t term = 0; term < elastic_.size(); ++term) elastic_[term]->commit_step(inner(name, term), state);
+    for_each_history(name, [&](LawHistory& term, const std::string& own) { term.commit_step(own, state); });
   }
 
  private:
-  static std::string inner(const std::string& name, std::size_t term) {
-    return name + ".in" + (term == 0 ? "" : std::to_string(term));
+  friend class PronySlopes;
+
+  template <class Visit>
+  void for_each_history(const std::string& name, Visit visit) const {
+    for (std::size_t term = 0; term < owned_.size(); ++term)
+      if (auto* own = dynamic_cast<LawHistory*>(owned_[term].get()))
+        visit(*own, name + ".in" + (term == 0 ? "" : std::to_string(term)));
   }
   template <class Check>
   bool all(Check check) const {
-    return std::all_of(elastic_.begin(), elastic_.end(), [&](const auto& term) { return check(*term); });
+    return std::all_of(elastic_.begin(), elastic_.end(), [&](const auto* term) { return check(*term); });
   }
 
   const Body& body_;
-  Terms elastic_;
+  std::vector<std::unique_ptr<Elasticity>> owned_;
+  std::vector<const EdgeDensities*> elastic_;
   Relaxing relaxing_;
-  // Kept from one step to the next, so that steps ask for no memory.
-  VectorX slopes_;
-  Workspace workspace_;
+  Workspace workspace_;  // kept from one step to the next, so that steps ask for no memory
 };
+
+class PronySlopes final : public EdgeSlopes {
+ public:
+  explicit PronySlopes(const Prony& law) : law_(law) {
+    for (const auto& term : law.elastic_) elastic_.push_back(term->slopes());
+  }
+
+  void linearise_at(const Positions& positions) override {
+    own_slopes_.setZero(law_.relaxing_.fixed().size());
+    for (const auto& term : elastic_) {
+      term->linearise_at(positions);
+      term->add_own_slopes(own_slopes_);
+    }
+    own_slopes_ *= factor();
+  }
+  void add_own_slopes(VectorX& slopes) const override { slopes += own_slopes_; }
+  void add_change(const VectorX& squared_lengths, VectorX& force_densities, Workspace& workspace) const override {
+    VectorX& own = workspace.relaxing;
+    own = factor() * squared_lengths;
+    for (const auto& term : elastic_) term->add_change(own, force_densities, workspace);
+  }
+  void visit_cells(const CellVisitor& visit) const override {
+    for (const auto& term : elastic_)
+      term->visit_cells([&](const CellSlopes& cells) {
+        CellSlopes scaled = cells;
+        scaled.factor *= factor();
+        visit(scaled);
+      });
+  }
+  void visit_blocks(const BlockVisitor& visit) const override {
+    for (const auto& term : elastic_)
+      term->visit_blocks([&](int a, int b, const Matrix3& block) { visit(a, b, factor() * block); });
+  }
+  bool visit_gradients(const GradientVisitor& visit) const override {
+    bool whole = true;
+    for (const auto& term : elastic_)
+      whole &= term->visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double of_energy) {
+        visit(gradient, factor() * of_energy);
+      });
+    return whole;
+  }
+  void visit_diagonal(const DiagonalVisitor& visit, Workspace& workspace) const override {
+    for (const auto& term : elastic_)
+      term->visit_diagonal([&](int a, const Matrix3& block) { visit(a, factor() * block); }, workspace);
+  }
+
+ private:
+  double factor() const { return law_.relaxing_.factor(); }
+
+  const Prony& law_;
+  std::vector<std::unique_ptr<EdgeSlopes>> elastic_;
+  VectorX own_slopes_;
+};
+
+std::unique_ptr<EdgeSlopes> Prony::slopes() const { return std::make_unique<PronySlopes>(*this); }
 
 }  // namespace
 
@@ -148,15 +173,17 @@ void check_relaxation(const Relaxation& relaxation) {
 
 ElasticTerms make_prony(const Body& body, ElasticTerms elastic, const Relaxation& relaxation) {
   check_relaxation(relaxation);
-  auto& terms = elastic.terms;
-  const auto at_nodes = std::count_if(terms.begin(), terms.end(), [](const auto& term) { return term->at_nodes(); });
-  if (at_nodes == 0) {
-    ElasticTerms all = std::make_unique<Prony>(body, std::move(terms), Relaxing(relaxation, body.connections.size()));
+  std::vector<NodalForces*> at_nodes;
+  for (const auto& term : elastic.terms)
+    if (auto* nodal = dynamic_cast<NodalForces*>(term.get())) at_nodes.push_back(nodal);
+  if (at_nodes.empty()) {
+    ElasticTerms all =
+        std::make_unique<Prony>(body, std::move(elastic.terms), Relaxing(relaxation, body.connections.size()));
     all.owners = std::move(elastic.owners);
     return all;
   }
-  if (at_nodes < static_cast<std::ptrdiff_t>(terms.size()) ||
-      !std::all_of(terms.begin(), terms.end(), [&](auto& term) { return term->relax(relaxation); }))
+  if (at_nodes.size() < elastic.terms.size() ||
+      !std::all_of(at_nodes.begin(), at_nodes.end(), [&](auto* law) { return law->relax(relaxation); }))
     throw InputError("relaxation takes springs or cells, and this strategy is of both: relax one of them");
   return elastic;
 }

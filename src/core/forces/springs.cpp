@@ -4,6 +4,7 @@
 
 #include "core/forces/graph.h"
 #include "core/forces/grid_springs.h"
+#include "core/forces/own_slopes.h"
 #include "core/forces/spring_kernel.h"
 #include "core/parallel/parallel.h"
 #include "elastin/core/forces/elasticity.h"
@@ -39,7 +40,7 @@ void add_spring_slopes(const Connections& connections, const VectorX& constants,
   });
 }
 
-class Springs final : public Elasticity, public LocalElasticity {
+class Springs final : public EdgeDensities, public LocalElasticity {
  public:
   Springs(const Body& body, VectorX constants)
       : connections_(body.connections), constants_(std::move(constants)), grid_(GridSprings::make(body, constants_)) {}
@@ -71,15 +72,13 @@ class Springs final : public Elasticity, public LocalElasticity {
       return spring_density(d.norm(), constants_[c], connections_.rest_length[c]) * d;
     });
   }
-  void linearise(const Positions& positions) override { positions_ = positions; }
-  void add_own_slopes(VectorX& slopes) const override {
-    add_spring_slopes(connections_, constants_, positions_, slopes);
+  std::unique_ptr<EdgeSlopes> slopes() const override {
+    return std::make_unique<OwnSlopes>(connections_.size(), [this](const Positions& positions, VectorX& slopes) {
+      add_spring_slopes(connections_, constants_, positions, slopes);
+    });
   }
 
-  bool add_local_terms(std::vector<const LocalElasticity*>& terms) const override {
-    terms.push_back(this);
-    return true;
-  }
+  const LocalElasticity* local() const override { return this; }
   int elements() const override { return connections_.size(); }
   std::span<const int> molecules_of(int element) const override { return connections_.ends[element]; }
   double element_energy(const Positions& positions, int element) const override {
@@ -133,11 +132,10 @@ class Springs final : public Elasticity, public LocalElasticity {
  private:
   const Connections& connections_;
   VectorX constants_;
-  Positions positions_;  ///< of linearise()
   std::optional<GridSprings> grid_;
 };
 
-class UpdatedSprings final : public Elasticity {
+class UpdatedSprings final : public EdgeDensities {
  public:
   UpdatedSprings(const Body& body, ConstantsAt constants)
       : connections_(body.connections), constants_at_(std::move(constants)) {}
@@ -149,16 +147,15 @@ class UpdatedSprings final : public Elasticity {
   void add_force_densities(const Positions& positions, VectorX& force_densities, Workspace&) const override {
     add_spring_force_densities(connections_, constants_at_(positions), positions, force_densities);
   }
-  void linearise(const Positions& positions) override {
-    slopes_ = VectorX::Zero(connections_.size());
-    add_spring_slopes(connections_, constants_at_(positions), positions, slopes_);
+  std::unique_ptr<EdgeSlopes> slopes() const override {
+    return std::make_unique<OwnSlopes>(connections_.size(), [this](const Positions& positions, VectorX& slopes) {
+      add_spring_slopes(connections_, constants_at_(positions), positions, slopes);
+    });
   }
-  void add_own_slopes(VectorX& slopes) const override { slopes += slopes_; }
 
  private:
   const Connections& connections_;
   ConstantsAt constants_at_;
-  VectorX slopes_;
 };
 
 }  // namespace

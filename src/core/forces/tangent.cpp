@@ -22,8 +22,24 @@ constexpr auto kSidesAt = sides_at_nodes<n>();
 
 }  // namespace
 
-Tangent::Tangent(Model& model, const State& state, const Weights& weights) : model_(model) {
+Tangent::Tangent(const Model& model, const State& state, const Weights& weights) : Tangent(model) {
   linearise_at(state, weights);
+}
+
+void Tangent::set_laws() {
+  laws_.clear(), edges_.clear(), nodes_.clear();
+  for (const auto& law : model_.elasticity()) {
+    if (const auto* edges = dynamic_cast<const EdgeDensities*>(law.get())) {
+      auto own = edges->slopes();
+      edges_.push_back(own.get());
+      laws_.push_back(std::move(own));
+    } else if (const auto* nodal = dynamic_cast<const NodalForces*>(law.get())) {
+      auto own = nodal->stiffness();
+      nodes_.push_back(own.get());
+      laws_.push_back(std::move(own));
+    }
+  }
+  known_laws_ = model_.elasticity().size();
 }
 
 void Tangent::linearise_at(const State& state, const Weights& weights) {
@@ -33,12 +49,13 @@ void Tangent::linearise_at(const State& state, const Weights& weights) {
   force_densities_.setZero(connections);
   slopes_.setZero(connections);
   coupled_ = false;
-  for (const auto& term : model_.elasticity()) term->add_force_densities(state.positions, force_densities_, workspace_);
-  for (const auto& term : model_.elasticity()) {
-    term->linearise(state.positions);
-    term->add_own_slopes(slopes_);
-    coupled_ |= term->coupled();
+  if (known_laws_ != model_.elasticity().size()) set_laws();
+  for (const auto* law : model_.edge_laws()) {
+    law->add_force_densities(state.positions, force_densities_, workspace_);
+    coupled_ |= law->coupled();
   }
+  for (const auto& law : laws_) law->linearise_at(state.positions);
+  for (const auto* edges : edges_) edges->add_own_slopes(slopes_);
   if (!model_.viscosity().empty()) {
     model_.set_squared_lengths_and_rates(state, workspace_.squared_lengths, workspace_.rates);
     for (const auto& term : model_.viscosity()) {
@@ -66,8 +83,7 @@ void Tangent::apply(const Positions& motion, Positions& result, ApplyWorkspace& 
   else
     result.setZero();
   if (linked_) apply_links(motion, result, workspace);
-  for (const auto& term : model_.elasticity())
-    if (term->at_nodes()) term->add_stiffness(motion, result, workspace.force_pass);
+  for (const auto* nodes : nodes_) nodes->add_stiffness(motion, result, workspace.force_pass);
   if (!loads_change_) return;
   workspace.rates = weights_.velocity * motion;
   workspace.change.setZero(3, motion.cols());
@@ -102,7 +118,7 @@ void Tangent::apply_links(const Positions& motion, Positions& result, ApplyWorks
     squared_lengths[c] = 2 * (positions().col(b) - positions().col(a)).dot(motion.col(b) - motion.col(a));
     force_densities[c] = slopes_[c] * squared_lengths[c];
   });
-  for (const auto& term : model_.elasticity()) term->add_change(squared_lengths, force_densities, workspace.force_pass);
+  for (const auto* edges : edges_) edges->add_change(squared_lengths, force_densities, workspace.force_pass);
   if (!model_.viscosity().empty()) {
     squared_lengths *= weights_.velocity;
     for (const auto& term : model_.viscosity())
@@ -139,7 +155,7 @@ void Tangent::visit_local_blocks(const BlockVisitor& visit) const {
 
 void Tangent::visit_blocks(const BlockVisitor& visit) const {
   visit_local_blocks(visit);
-  for (const auto& term : model_.elasticity()) term->visit_blocks(visit);
+  for (const auto& law : laws_) law->visit_blocks(visit);
 }
 
 std::vector<WideTerm> Tangent::wide_terms() const {
@@ -149,8 +165,16 @@ std::vector<WideTerm> Tangent::wide_terms() const {
   return terms;
 }
 
-void Tangent::visit_cells(const Elasticity::CellVisitor& visit) const {
-  for (const auto& term : model_.elasticity()) term->visit_cells(visit);
+void Tangent::visit_points(const NodalStiffness::PointsVisitor& visit) const {
+  for (const auto* nodes : nodes_) nodes->visit_points(visit);
+}
+
+void Tangent::visit_gradients(const Linearisation::GradientVisitor& visit) const {
+  for (const auto& law : laws_) law->visit_gradients(visit);
+}
+
+void Tangent::visit_cells(const EdgeSlopes::CellVisitor& visit) const {
+  for (const auto* edges : edges_) edges->visit_cells(visit);
   for (const auto& term : model_.viscosity())
     term->visit_cells([&](CellSlopes cells) {
       cells.factor *= weights_.velocity;
@@ -165,10 +189,8 @@ void Tangent::visit_other_diagonal(const std::function<void(int, const Matrix3&)
     });
   const auto nothing = [](std::span<const std::pair<int, Vector3>>, double) {};
   Workspace workspace;
-  for (const auto& term : model_.elasticity()) {
-    if (term->visit_gradients(nothing)) continue;
-    term->visit_diagonal(visit, workspace);
-  }
+  for (const auto& law : laws_)
+    if (!law->visit_gradients(nothing)) law->visit_diagonal(visit, workspace);
 }
 
 /// visit_blocks gives the same; but few of its blocks are on the diagonal, and every solve needs these.
@@ -194,7 +216,7 @@ void Tangent::set_diagonal() {
     if (a == b) add(a, block);
   };
   for (const auto& load : model_.loads()) load->visit_blocks(*state_, weights_.velocity, add_own);
-  for (const auto& term : model_.elasticity()) term->visit_diagonal(std::ref(add), workspace_);
+  for (const auto& law : laws_) law->visit_diagonal(std::ref(add), workspace_);
 }
 
 /// Of cells: 2 Σ_bc ∂q_ab/∂s_ac d_ab d_acᵀ. Each range of molecules goes through all cells in order and adds to its own

@@ -1,6 +1,5 @@
 #include "elastin/core/forces/viscosity.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "core/laws/solids/st_venant_kirchhoff.h"
@@ -37,37 +36,38 @@ class ConnectionDamping final : public Viscosity {
 class RestDamping final : public Viscosity {
  public:
   RestDamping(const Body& body, ElasticTerms laws, double time) : laws_(std::move(laws.terms)), time_(time) {
-    slopes_ = VectorX::Zero(body.connections.size());
+    own_slopes_ = VectorX::Zero(body.connections.size());
     for (const auto& law : laws_) {
-      if (law->at_nodes())
+      const auto* edges = dynamic_cast<const EdgeDensities*>(law.get());
+      if (!edges)
         throw InputError(
             "this damping works on springs, tetrahedra and triangles of first order; use damping of "
             "connections or of mass on other cells");
-      law->linearise(body.rest);
-      law->add_own_slopes(slopes_);
+      coupled_ |= edges->coupled();
+      slopes_.push_back(edges->slopes());
+      slopes_.back()->linearise_at(body.rest);
+      slopes_.back()->add_own_slopes(own_slopes_);
     }
-    slopes_ *= time;
+    own_slopes_ *= time;
   }
 
   void add_force_densities(const VectorX&, const VectorX& rates, VectorX& force_densities,
                            Workspace& workspace) const override {
-    force_densities += slopes_.cwiseProduct(rates);
-    if (coupled()) add_change(rates, force_densities, workspace);
+    force_densities += own_slopes_.cwiseProduct(rates);
+    if (coupled_) add_change(rates, force_densities, workspace);
   }
   void add_own_slopes(const VectorX&, const VectorX&, double rate_weight, VectorX& slopes) const override {
-    slopes += rate_weight * slopes_;
+    slopes += rate_weight * own_slopes_;
   }
-  bool coupled() const override {
-    return std::any_of(laws_.begin(), laws_.end(), [](const auto& law) { return law->coupled(); });
-  }
+  bool coupled() const override { return coupled_; }
   void add_change(const VectorX& change_of_rates, VectorX& change_of_force_densities,
                   Workspace& workspace) const override {
     workspace.scaled = time_ * change_of_rates;
-    for (const auto& law : laws_) law->add_change(workspace.scaled, change_of_force_densities, workspace);
+    for (const auto& slopes : slopes_) slopes->add_change(workspace.scaled, change_of_force_densities, workspace);
   }
-  void visit_cells(const Elasticity::CellVisitor& visit) const override {
-    for (const auto& law : laws_)
-      law->visit_cells([&](CellSlopes cells) {
+  void visit_cells(const EdgeSlopes::CellVisitor& visit) const override {
+    for (const auto& slopes : slopes_)
+      slopes->visit_cells([&](CellSlopes cells) {
         cells.factor *= time_;
         visit(cells);
       });
@@ -75,8 +75,10 @@ class RestDamping final : public Viscosity {
 
  private:
   std::vector<std::unique_ptr<Elasticity>> laws_;
+  std::vector<std::unique_ptr<EdgeSlopes>> slopes_;  // of these, at rest
+  bool coupled_ = false;
   double time_;
-  VectorX slopes_;  // own ones, times β
+  VectorX own_slopes_;  // times β
 };
 
 /// The law whose slopes are those of Labelle's damping; its stress is of no use.

@@ -92,7 +92,9 @@ std::optional<VolumeGroups> groups_of(const Body& body) {
   return groups_of_molecules(body.size(), body.tetrahedra);
 }
 
-class Volume final : public Elasticity {
+class VolumeSlopes;
+
+class Volume final : public EdgeDensities {
  public:
   Volume(const Body& body, VolumeGroups groups, double modulus)
       : groups_(std::move(groups)), graph_(body.connections, groups_.tetrahedra), modulus_(modulus) {
@@ -130,82 +132,11 @@ class Volume final : public Elasticity {
     graph_.gather(slots, force_densities);
   }
 
-  void linearise(const Positions& positions) override {
-    positions_ = positions;
-    changes_.resize(groups_.size());
-    pressures_.resize(tetrahedra());
-    set_pressures(positions, changes_, pressures_);
-    now_.resize(static_cast<std::size_t>(tetrahedra()));
-    parallel_for(tetrahedra(), [&](int t) { now_[t] = tetrahedron(positions, t); });
-  }
-
-  void add_own_slopes(VectorX&) const override {}
   bool coupled() const override { return true; }
-
-  void add_change(const VectorX& change_of_squared_lengths, VectorX& change_of_force_densities,
-                  Workspace& workspace) const override {
-    auto changes = workspace.buffer(Workspace::changes, tetrahedra()),
-         sums = workspace.buffer(Workspace::groups, groups_.size()),
-         pressures = workspace.buffer(Workspace::cells, tetrahedra());
-    const auto squared_lengths = [&](int t) {
-      CellVector<4> change;
-      for (int c = 0; c < 6; ++c) change[c] = change_of_squared_lengths[graph_.slot_connection[6 * t + c]];
-      return change;
-    };
-    parallel_for(tetrahedra(), [&](int t) { changes[t] = now_[t].slope.dot(squared_lengths(t)); });
-    set_group_sums([&](int t) { return changes[t]; }, sums);
-    set_spread(sums, pressures);
-    auto slots = workspace.buffer(Workspace::slots, tetrahedra() * 6);
-    parallel_for(tetrahedra(), [&](int t) {
-      CellVector<4> change = pressures[t] * now_[t].slope;
-      if (pressures_[t] != 0) change += pressures_[t] * now_[t].change_of_slope(squared_lengths(t));
-      slots.segment<6>(6 * t) = 2 * change;
-    });
-    graph_.gather(slots, change_of_force_densities);
-  }
-
-  void visit_blocks(const BlockVisitor& visit) const override {
-    visit_group_blocks([&](int a, int b, const Matrix3& block) {
-      visit(a, b, block);
-      if (a != b) visit(b, a, block.transpose());
-    });
-    // A tetrahedron's own part: p ∂²V/∂x_a∂x_b = −p [e]×/6, e the side across, without the force densities 2p ∂V/∂s.
-    static constexpr auto pairs = node_pairs<4>();
-    static constexpr std::array<std::array<int, 2>, 6> across{{{2, 3}, {3, 1}, {1, 2}, {0, 3}, {2, 0}, {0, 1}}};
-    for (int t = 0; t < tetrahedra(); ++t)
-      for (int c = 0; c < 6; ++c) {
-        const int a = cell(t)[pairs[c][0]], b = cell(t)[pairs[c][1]];
-        const Matrix3 turn = cross_matrix(
-            pressures_[t] / 6 * (positions_.col(cell(t)[across[c][1]]) - positions_.col(cell(t)[across[c][0]])));
-        const Matrix3 density = 2 * pressures_[t] * now_[t].slope[c] * Matrix3::Identity();
-        visit(a, b, density - turn);
-        visit(b, a, density + turn);
-        visit(a, a, -density);
-        visit(b, b, -density);
-      }
-  }
-
-  /// Without the parts of a tetrahedron's own, which are small where the pressure is against the modulus.
-  bool visit_gradients(const GradientVisitor& visit) const override {
-    GradientWorkspace workspace;
-    for (int group = 0; group < groups_.size(); ++group)
-      if (group_volume_[group] != 0) visit(group_gradient(group, workspace), modulus_ / group_volume_[group]);
-    return true;
-  }
-
-  void visit_diagonal(const DiagonalVisitor& visit, Workspace&) const override {
-    GradientWorkspace workspace;
-    for (int group = 0; group < groups_.size(); ++group)
-      for (const auto& [molecule, gradient] : group_gradient(group, workspace))
-        visit(molecule, modulus_ / group_volume_[group] * gradient * gradient.transpose());
-    static constexpr auto pairs = node_pairs<4>();
-    for (int t = 0; t < tetrahedra(); ++t)
-      for (int c = 0; c < 6; ++c)
-        for (const int corner : pairs[c])
-          visit(cell(t)[corner], -2 * pressures_[t] * now_[t].slope[c] * Matrix3::Identity());
-  }
+  std::unique_ptr<EdgeSlopes> slopes() const override;
 
  private:
+  friend class VolumeSlopes;
   /// The groups that the subdomain computes: a molecule's by its owner, a cube's by that of its lowest corner.
   Volume(const Volume& whole, const Subdomain& own)
       : groups_(groups_on(whole.groups_, own, chosen_groups(whole.groups_, own))),
@@ -249,6 +180,92 @@ class Volume final : public Elasticity {
     set_spread(changes, pressures);
   }
 
+  VolumeGroups groups_;
+  CellGraph graph_;
+  double modulus_;
+  std::vector<double> rest_volume_;
+  VectorX group_volume_;
+};
+
+class VolumeSlopes final : public EdgeSlopes {
+ public:
+  explicit VolumeSlopes(const Volume& volume) : volume_(volume), groups_(volume.groups_) {}
+
+  void linearise_at(const Positions& positions) override {
+    positions_ = positions;
+    changes_.resize(groups_.size());
+    pressures_.resize(tetrahedra());
+    volume_.set_pressures(positions, changes_, pressures_);
+    now_.resize(static_cast<std::size_t>(tetrahedra()));
+    parallel_for(tetrahedra(), [&](int t) { now_[t] = volume_.tetrahedron(positions, t); });
+  }
+
+  void add_own_slopes(VectorX&) const override {}
+
+  void add_change(const VectorX& change_of_squared_lengths, VectorX& change_of_force_densities,
+                  Workspace& workspace) const override {
+    auto changes = workspace.buffer(Workspace::changes, tetrahedra()),
+         sums = workspace.buffer(Workspace::groups, groups_.size()),
+         pressures = workspace.buffer(Workspace::cells, tetrahedra());
+    const auto squared_lengths = [&](int t) {
+      CellVector<4> change;
+      for (int c = 0; c < 6; ++c) change[c] = change_of_squared_lengths[volume_.graph_.slot_connection[6 * t + c]];
+      return change;
+    };
+    parallel_for(tetrahedra(), [&](int t) { changes[t] = now_[t].slope.dot(squared_lengths(t)); });
+    volume_.set_group_sums([&](int t) { return changes[t]; }, sums);
+    volume_.set_spread(sums, pressures);
+    auto slots = workspace.buffer(Workspace::slots, tetrahedra() * 6);
+    parallel_for(tetrahedra(), [&](int t) {
+      CellVector<4> change = pressures[t] * now_[t].slope;
+      if (pressures_[t] != 0) change += pressures_[t] * now_[t].change_of_slope(squared_lengths(t));
+      slots.segment<6>(6 * t) = 2 * change;
+    });
+    volume_.graph_.gather(slots, change_of_force_densities);
+  }
+
+  void visit_blocks(const BlockVisitor& visit) const override {
+    visit_group_blocks([&](int a, int b, const Matrix3& block) {
+      visit(a, b, block);
+      if (a != b) visit(b, a, block.transpose());
+    });
+    // A tetrahedron's own part: p ∂²V/∂x_a∂x_b = −p [e]×/6, e the side across, without the force densities 2p ∂V/∂s.
+    static constexpr auto pairs = node_pairs<4>();
+    static constexpr std::array<std::array<int, 2>, 6> across{{{2, 3}, {3, 1}, {1, 2}, {0, 3}, {2, 0}, {0, 1}}};
+    for (int t = 0; t < tetrahedra(); ++t)
+      for (int c = 0; c < 6; ++c) {
+        const int a = cell(t)[pairs[c][0]], b = cell(t)[pairs[c][1]];
+        const Matrix3 turn = cross_matrix(
+            pressures_[t] / 6 * (positions_.col(cell(t)[across[c][1]]) - positions_.col(cell(t)[across[c][0]])));
+        const Matrix3 density = 2 * pressures_[t] * now_[t].slope[c] * Matrix3::Identity();
+        visit(a, b, density - turn);
+        visit(b, a, density + turn);
+        visit(a, a, -density);
+        visit(b, b, -density);
+      }
+  }
+
+  /// Without the parts of a tetrahedron's own, which are small where the pressure is against the modulus.
+  bool visit_gradients(const GradientVisitor& visit) const override {
+    GradientWorkspace workspace;
+    for (int group = 0; group < groups_.size(); ++group)
+      if (volume_.group_volume_[group] != 0) visit(group_gradient(group, workspace), stiffness(group));
+    return true;
+  }
+
+  void visit_diagonal(const DiagonalVisitor& visit, Workspace&) const override {
+    GradientWorkspace workspace;
+    for (int group = 0; group < groups_.size(); ++group)
+      for (const auto& [molecule, gradient] : group_gradient(group, workspace))
+        visit(molecule, stiffness(group) * gradient * gradient.transpose());
+    static constexpr auto pairs = node_pairs<4>();
+    for (int t = 0; t < tetrahedra(); ++t)
+      for (int c = 0; c < 6; ++c)
+        for (const int corner : pairs[c])
+          visit(cell(t)[corner], -2 * pressures_[t] * now_[t].slope[c] * Matrix3::Identity());
+  }
+
+ private:
 #if __has_include(<memory_resource>)
   using Gradient = std::pmr::vector<std::pair<int, Vector3>>;
   /// Room for one group's gradient after the other, without an allocation where groups are of usual size.
@@ -292,21 +309,24 @@ class Volume final : public Elasticity {
       for (std::size_t i = 0; i < gradient.size(); ++i)
         for (std::size_t j = i; j < gradient.size(); ++j)
           visit(gradient[i].first, gradient[j].first,
-                modulus_ / group_volume_[group] * gradient[i].second * gradient[j].second.transpose());
+                stiffness(group) * gradient[i].second * gradient[j].second.transpose());
     }
   }
+  int tetrahedra() const { return volume_.tetrahedra(); }
+  const std::array<int, 4>& cell(int t) const { return volume_.cell(t); }
+  /// κ over the group's volume [Pa/m³].
+  double stiffness(int group) const { return volume_.modulus_ / volume_.group_volume_[group]; }
 
-  VolumeGroups groups_;
-  CellGraph graph_;
-  double modulus_;
-  std::vector<double> rest_volume_;
-  VectorX group_volume_;
-  // At the positions of linearise().
+  const Volume& volume_;
+  const VolumeGroups& groups_;
+  // At the positions of linearise_at().
   Positions positions_;
   VectorX changes_;  // of the groups' volumes
   VectorX pressures_;
   std::vector<Tetrahedron> now_;
 };
+
+std::unique_ptr<EdgeSlopes> Volume::slopes() const { return std::make_unique<VolumeSlopes>(*this); }
 
 }  // namespace
 

@@ -369,10 +369,9 @@ GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports,
   tangent.visit_cells([&](const CellSlopes& cells) {
     used_boxes(cells.size(), [&](int cell) { return middle_of(body, cells, cell); });
   });
-  for (const auto& term : tangent.model().elasticity())
-    term->visit_points([&](const StiffPoints& points) {
-      used_boxes(points.stiff_points(), [&](int point) { return points.place_of(point); });
-    });
+  tangent.visit_points([&](const StiffPoints& points) {
+    used_boxes(points.stiff_points(), [&](int point) { return points.place_of(point); });
+  });
   grid.number();
 
   GridLevel grid_level;
@@ -392,12 +391,10 @@ GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports,
   auto next = of_elements.begin();
   const auto next_sorted = [&] { return sorted_by_box(assembly.grid(), std::exchange(*next++, {})); };
   tangent.visit_cells([&](const CellSlopes& cells) { assembly.add_cells(cells, next_sorted()); });
-  for (const auto& term : tangent.model().elasticity())
-    term->visit_points([&](const StiffPoints& points) { assembly.add_points(points, next_sorted()); });
-  for (const auto& term : tangent.model().elasticity())
-    term->visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double factor) {
-      assembly.add_gradient(gradient, factor);
-    });
+  tangent.visit_points([&](const StiffPoints& points) { assembly.add_points(points, next_sorted()); });
+  tangent.visit_gradients([&](std::span<const std::pair<int, Vector3>> gradient, double factor) {
+    assembly.add_gradient(gradient, factor);
+  });
   assembly.stabilise();
   add_at_molecules(tangent, supports, assembly);
   grid_level.level->finish(is_part);

@@ -31,8 +31,8 @@ double expected_iterations(const Body& body, double tolerance) {
 std::pair<bool, std::string> multigrid_is_worth_it(const Model& model, double tolerance) {
   const Body& body = model.body();
   const double across = connections_across(body);
-  const bool cells = std::any_of(model.elasticity().begin(), model.elasticity().end(),
-                                 [](const auto& term) { return term->coupled() || term->at_nodes(); });
+  const bool cells = !model.nodal_laws().empty() || std::any_of(model.edge_laws().begin(), model.edge_laws().end(),
+                                                                [](const auto* law) { return law->coupled(); });
   // In iterations of single molecules' blocks: of springs they cost so little that a coarse picture takes half as much.
   const bool worth_it = expected_iterations(body, tolerance) > (cells ? 1 : 1.5) * (20 + 8 * digits_of(tolerance));
   const std::string size = counted(static_cast<int>(molecules_of_whole(body)), "molecule") + ", " +

@@ -15,15 +15,14 @@ namespace {
 
 /// Calls visit(pressures, first of them) for all that have some; returns their number.
 template <class Visit>
-Eigen::Index visit_pressures(const Model& model, Visit&& visit) {
+Eigen::Index visit_pressures(const Tangent& tangent, Visit&& visit) {
   Eigen::Index count = 0;
-  for (const auto& term : model.elasticity())
-    term->visit_points([&](const StiffPoints& points) {
-      const auto* own = dynamic_cast<const CellPressures*>(&points);
-      if (!own || own->pressures() == 0) return;
-      visit(*own, count);
-      count += own->pressures();
-    });
+  tangent.visit_points([&](const StiffPoints& points) {
+    const auto* own = dynamic_cast<const CellPressures*>(&points);
+    if (!own || own->pressures() == 0) return;
+    visit(*own, count);
+    count += own->pressures();
+  });
   return count;
 }
 
@@ -56,7 +55,7 @@ class Problem {
   Problem(const Tangent& tangent, const std::vector<Support>& supports, const Positions& rhs)
       : soft_(tangent), supports_(supports), coarse_(soft_.tangent(), supports) {
     inverse_.compute(soft_.tangent(), supports);
-    count_ = visit_pressures(soft_.tangent().model(),
+    count_ = visit_pressures(soft_.tangent(),
                              [&](const CellPressures& own, Eigen::Index first) { terms_.emplace_back(&own, first); });
     const double ratio = SoftVolume::ratio(tangent);
     weight_ = 1 / (1 - soft_.part()) + ratio / (kSoftRatio + 4. / 3);
@@ -258,17 +257,10 @@ class Mixed final : public LinearSolver {
   }
 };
 
-Model soft_model(const Tangent& tangent, double part) {
-  Model model(tangent.model().body());
-  for (const auto& term : tangent.model().elasticity()) {
-    std::unique_ptr<Elasticity> own = term->clone();
-    own->visit_points([&](const StiffPoints& points) {
-      // The copy is nobody else's.
-      if (auto* pressures = dynamic_cast<const CellPressures*>(&points))
-        const_cast<CellPressures*>(pressures)->take_part(part);
-    });
-    model.add(std::move(own));
-  }
+/// The same laws, without loads.
+Model without_loads(const Model& other) {
+  Model model(other.body());
+  for (const auto& law : other.elasticity()) model.add(law->clone());
   return model;
 }
 
@@ -287,7 +279,8 @@ double SoftVolume::ratio(const Tangent& tangent) {
       std::none_of(model.loads().begin(), model.loads().end(), [](const auto& load) { return load->changes(); });
   if (!still || !alone || !model.has_energy()) return 0;
   double most = 0;
-  visit_pressures(model, [&](const CellPressures& own, Eigen::Index) { most = std::max(most, own.stiffness_ratio()); });
+  visit_pressures(tangent,
+                  [&](const CellPressures& own, Eigen::Index) { most = std::max(most, own.stiffness_ratio()); });
   return most;
 }
 
@@ -296,15 +289,20 @@ bool SoftVolume::pays(const Tangent& tangent) {
   // Elsewhere than at rest pressures out of balance may leave the softened stiffness indefinite.
   if (!(ratio(tangent) > stiff) || tangent.positions() != tangent.model().body().rest) return false;
   bool linear = true;
-  visit_pressures(tangent.model(), [&](const CellPressures& own, Eigen::Index) { linear &= own.of_each_cell() > 1; });
+  visit_pressures(tangent, [&](const CellPressures& own, Eigen::Index) { linear &= own.of_each_cell() > 1; });
   return linear;
 }
 
 SoftVolume::SoftVolume(const Tangent& tangent)
-    : model_(soft_model(tangent, kSoftRatio / ratio(tangent))),
+    : model_(without_loads(tangent.model())),
       state_(state_at(tangent)),
       part_(kSoftRatio / ratio(tangent)),
-      tangent_(std::make_unique<Tangent>(model_, state_)) {}
+      tangent_(std::make_unique<Tangent>(model_)) {
+  visit_pressures(*tangent_, [&](const CellPressures& own, Eigen::Index) {
+    const_cast<CellPressures&>(own).take_part(part_);  // of this tangent alone
+  });
+  tangent_->linearise_at(state_, {});
+}
 
 std::unique_ptr<LinearSolver> make_mixed() { return std::make_unique<Mixed>(); }
 

@@ -11,7 +11,7 @@ void set_tensions(const Model& model, const State& state, VectorX& tensions, Wor
   const int count = connections.size();
   const auto ends_of = [&](int c) { return connections.ends[c]; };
   tensions.setZero(count);
-  for (const auto& term : model.elasticity()) term->add_force_densities(state.positions, tensions, workspace);
+  for (const auto* law : model.edge_laws()) law->add_force_densities(state.positions, tensions, workspace);
   workspace.squared_lengths.resize(count);
   workspace.rates.resize(count);
   parallel_for(count, [&](int c) {

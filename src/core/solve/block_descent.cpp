@@ -254,13 +254,12 @@ class BlockDescent final : public Implicit {
       laws_ = model.elasticity().size();
       mass_ = &model.body().mass;
       length_ = mean_length(model.body());
-      std::vector<const LocalElasticity*> terms;
       suited_ = has_local_terms(model);
       if (!suited_) return false;
-      for (const auto& law : model.elasticity()) law->add_local_terms(terms);
       terms_.clear();
       std::vector<std::pair<const LocalElasticity*, int>> elements;
-      for (const LocalElasticity* term : terms) {
+      for (const auto& law : model.elasticity()) {
+        const LocalElasticity* term = law->local();
         terms_.push_back(slots_of(*term, n));
         for (int element = 0; element < term->elements(); ++element) elements.emplace_back(term, element);
       }
@@ -294,9 +293,8 @@ class BlockDescent final : public Implicit {
 }  // namespace
 
 bool has_local_terms(const Model& model) {
-  std::vector<const LocalElasticity*> terms;
   return std::all_of(model.elasticity().begin(), model.elasticity().end(),
-                     [&](const auto& law) { return law->add_local_terms(terms); });
+                     [](const auto& law) { return law->local() != nullptr; });
 }
 
 void set_velocities(const Model& model, const Kinematics& kinematics, State& state) {

@@ -73,8 +73,8 @@ class EnergyMomentum final : public Implicit {
     const Body& body = model.body();
     const int connections = body.connections.size();
     end.densities.setZero(connections);
-    for (const auto& term : model.elasticity())
-      term->add_force_densities(positions, end.densities, workspace_.trials.force_pass);
+    for (const auto* law : model.edge_laws())
+      law->add_force_densities(positions, end.densities, workspace_.trials.force_pass);
     end.squared_lengths.resize(connections);
     parallel_for(connections, [&](int c) {
       const auto& [a, b] = body.connections.ends[c];
@@ -231,9 +231,8 @@ class EnergyMomentum final : public Implicit {
 };
 
 std::string unsuited_for_energy_momentum(const Model& model) {
-  for (const auto& term : model.elasticity())
-    if (term->at_nodes())
-      return "energy_momentum needs a law that is force densities, as those of first-order cells are";
+  if (!model.nodal_laws().empty())
+    return "energy_momentum needs a law that is force densities, as those of first-order cells are";
   if (!model.has_energy()) return "energy_momentum needs a law with an energy to keep";
   if (model.dissipates()) return "energy_momentum keeps the energy that this law would dissipate";
   return "";

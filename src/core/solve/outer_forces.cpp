@@ -55,7 +55,7 @@ void OuterForces::add_viscous_blocks(const Model& model, const State& state, con
           slopes_[own] += weights.velocity * cells.factor * std::abs(*slopes++);
     }
   };
-  const Elasticity::CellVisitor visit = std::ref(add_cells);
+  const EdgeSlopes::CellVisitor visit = std::ref(add_cells);
   for (const auto& term : model.viscosity()) {
     term->add_own_slopes(squared_lengths_, rates_, weights.velocity, slopes_);
     term->visit_cells(visit);

@@ -91,35 +91,31 @@ double damping_bound(Model& model, const State& state, double frequency) {
 }
 
 /// Which connection or cell stores most of a mode's energy, ½ (2 d·δ)² slope and q |δ|² of springs.
-void name_culprit(Model& model, const State& state, const Positions& mode, StableStep& found) {
-  const Connections& connections = model.body().connections;
-  VectorX squared_length_changes(connections.size()), slopes = VectorX::Zero(connections.size());
-  VectorX force_densities = VectorX::Zero(connections.size());
-  Workspace workspace;
-  for (const auto& term : model.elasticity()) term->add_force_densities(state.positions, force_densities, workspace);
+void name_culprit(const Tangent& tangent, const Positions& mode, StableStep& found) {
+  const Connections& connections = tangent.model().body().connections;
+  VectorX squared_length_changes(connections.size());
   VectorX share(connections.size());
-  for (const auto& term : model.elasticity()) term->add_own_slopes(slopes);
   for (int c = 0; c < connections.size(); ++c) {
     const auto& [a, b] = connections.ends[c];
     const Vector3 delta = mode.col(b) - mode.col(a);
-    squared_length_changes[c] = 2 * (state.positions.col(b) - state.positions.col(a)).dot(delta);
-    share[c] = std::abs(slopes[c] * squared_length_changes[c] * squared_length_changes[c] +
-                        force_densities[c] * delta.squaredNorm());
+    const Tangent::Link link = tangent.link(c);
+    squared_length_changes[c] = 2 * link.d.dot(delta);
+    share[c] = std::abs(link.slope / 2 * squared_length_changes[c] * squared_length_changes[c] +
+                        link.density * delta.squaredNorm());
   }
   double most = share.size() ? share.maxCoeff(&found.connection) : 0;
   int cell = 0;
-  for (const auto& term : model.elasticity())
-    term->visit_cells([&](const CellSlopes& cells) {
-      for (int own = 0; own < cells.size(); ++own, ++cell) {
-        const auto sides = cells.connections_of(own);
-        const double* slope = cells.slopes_of(own);
-        double energy = 0;
-        for (const int i : sides)
-          for (const int j : sides) energy += squared_length_changes[i] * *slope++ * squared_length_changes[j];
-        energy *= cells.factor;
-        if (std::abs(energy) > most) most = std::abs(energy), found.cell = cell, found.connection = -1;
-      }
-    });
+  tangent.visit_cells([&](const CellSlopes& cells) {
+    for (int own = 0; own < cells.size(); ++own, ++cell) {
+      const auto sides = cells.connections_of(own);
+      const double* slope = cells.slopes_of(own);
+      double energy = 0;
+      for (const int i : sides)
+        for (const int j : sides) energy += squared_length_changes[i] * *slope++ * squared_length_changes[j];
+      energy *= cells.factor;
+      if (std::abs(energy) > most) most = std::abs(energy), found.cell = cell, found.connection = -1;
+    }
+  });
 }
 
 /// In bodies of blocks: the cell whose nodes the mode moves most against each other.
@@ -163,7 +159,7 @@ StableStep find_stable_step(Model& model, const State& state) {
   StableStep found;
   const Body& body = model.body();
   const VectorX root = inverse_root_mass(body);
-  const Tangent stiffness(model, state), damped(model, state, {.velocity = 1});
+  const Tangent stiffness(model, state);
   const auto scaled = [&](const Tangent& tangent, const Positions& motion, Positions& result) {
     const Positions moved = motion * root.asDiagonal();
     tangent.apply(moved, result);
@@ -180,6 +176,7 @@ StableStep find_stable_step(Model& model, const State& state) {
       body, [&](const Positions& motion, Positions& result) { scaled(stiffness, motion, result); }, mode));
   const Positions fastest = mode * root.asDiagonal();
   if (resists(model)) {
+    const Tangent damped(model, state, {.velocity = 1});
     mode = start;
     Positions other(3, body.size());
     found.damping_rate = largest_eigenvalue(
@@ -196,12 +193,10 @@ StableStep find_stable_step(Model& model, const State& state) {
   found.bound = std::sqrt(bound);
   found.molecule = molecule;
   if (body.share) return found;
-  const bool at_nodes = std::any_of(model.elasticity().begin(), model.elasticity().end(),
-                                    [](const auto& term) { return term->at_nodes(); });
-  if (at_nodes)
+  if (!model.nodal_laws().empty())
     name_block_cell(body, fastest, found);
   else
-    name_culprit(model, state, fastest, found);
+    name_culprit(stiffness, fastest, found);
   return found;
 }
 

@@ -54,14 +54,14 @@ double noise_of(const Model& model, const Trial& trial, TrialWorkspace& workspac
   const Positions& positions = trial.state.positions;
   const int connections = model.body().connections.size();
   workspace.force_densities.setZero(connections);
-  for (const auto& term : model.elasticity())
-    term->add_force_densities(positions, workspace.force_densities, workspace.force_pass);
+  for (const auto* law : model.edge_laws())
+    law->add_force_densities(positions, workspace.force_densities, workspace.force_pass);
   const auto& ends = model.body().connections.ends;
   const double pull = ordered_sum(connections, [&](int c) {
     return std::abs(workspace.force_densities[c]) * (positions.col(ends[c][1]) - positions.col(ends[c][0])).norm();
   });
   double within = pull;
-  for (const auto& term : model.elasticity()) within += term->internal_force(positions);
+  for (const auto* law : model.nodal_laws()) within += law->internal_force(positions);
   const double all = within + std::sqrt(static_cast<double>(positions.cols())) * trial.forces.scale;
   return 4 * std::numeric_limits<double>::epsilon() * positions.cwiseAbs().maxCoeff() * all;
 }

@@ -60,13 +60,11 @@ struct Measures {
 };
 
 std::string unsuited_for_xpbd(const Model& model) {
-  std::vector<const LocalElasticity*> terms;
+  if (!has_local_terms(model))
+    return "xpbd projects springs and neo_hookean tetrahedra; a law of this strategy is neither";
   Constraints all;
   for (const auto& law : model.elasticity())
-    if (!law->add_local_terms(terms))
-      return "xpbd projects springs and neo_hookean tetrahedra; a law of this strategy is neither";
-  for (const LocalElasticity* term : terms)
-    if (!term->add_constraints(all))
+    if (!law->local()->add_constraints(all))
       return "xpbd projects springs with constants ≥ 0 and neo_hookean tetrahedra of first order; other cell laws, "
              "curves and negative constants have no compliance";
   return "";
@@ -256,12 +254,10 @@ class Xpbd final : public Implicit {
     if (model_ == &model && laws_ == model.elasticity().size()) return suited_;
     model_ = &model;
     laws_ = model.elasticity().size();
-    std::vector<const LocalElasticity*> terms;
     Constraints all;
     suited_ = unsuited_for_xpbd(model).empty();
     if (!suited_) return false;
-    for (const auto& law : model.elasticity()) law->add_local_terms(terms);
-    for (const LocalElasticity* term : terms) term->add_constraints(all);
+    for (const auto& law : model.elasticity()) law->local()->add_constraints(all);
     const int n = model.body().size();
     constraints_ = {};
     const Rows springs = colours_of_items(static_cast<int>(all.springs.size()), n,

@@ -590,8 +590,9 @@ std::shared_ptr<const DomainLaws> laws_of(const Body& body, const CellBlock& blo
 
 /// The cells' change of shape relaxes, their volume stays as elastic as it was.
 ElasticTerms make_relaxing(const Body& body, const CellBlock& block, const Material& material, bool whole_cell) {
-  ElasticTerms terms = make_block_cells<3>(body, block, laws_of(body, block, material, false));
-  terms.terms.front()->relax(*material.relaxation);
+  auto shape = make_block_cells<3>(body, block, laws_of(body, block, material, false));
+  shape->relax(*material.relaxation);
+  ElasticTerms terms = std::move(shape);
   if (!material.volume) return terms;
   if (whole_cell)
     terms.add(make_block_cells<3>(body, block, {AnyPoint<3>(NoShape{})}, {*material.volume}));

@@ -13,21 +13,26 @@ namespace {
 /// Strains of a step [1] below which its work is not looked at: rounding of the energies is all there is.
 constexpr double kLeastStrain = 1e-9;
 
-class SteppedCells final : public Elasticity {
+class SteppedStiffness;
+
+class SteppedCells final : public NodalForces, public LawHistory {
  public:
   using Terms = std::vector<std::unique_ptr<Elasticity>>;
+  /// @param cells NodalForces all
   SteppedCells(const Body& body, const CellBlock& block, Terms cells, std::shared_ptr<const PointLaws<3>> laws,
                std::shared_ptr<const Clock> clock)
       : body_(body),
         block_(block),
-        cells_(std::move(cells)),
+        owned_(std::move(cells)),
         laws_(std::move(laws)),
         clock_(std::move(clock)),
-        begin_(body.rest) {}
+        begin_(body.rest) {
+    for (const auto& own : owned_) cells_.push_back(&dynamic_cast<const NodalForces&>(*own));
+  }
 
   std::unique_ptr<Elasticity> clone() const override {
     Terms own;
-    for (const auto& cells : cells_) own.push_back(cells->clone());
+    for (const auto& cells : owned_) own.push_back(cells->clone());
     auto copy = std::make_unique<SteppedCells>(body_, block_, std::move(own), laws_, clock_);
     copy->begin_ = begin_;
     return copy;
@@ -39,7 +44,6 @@ class SteppedCells final : public Elasticity {
   bool has_full_tangent() const override {
     return !keeps_energy() && all([](const Elasticity& cells) { return cells.has_full_tangent(); });
   }
-  bool at_nodes() const override { return true; }
   bool dissipates() const override {
     return !all([](const Elasticity& cells) { return !cells.dissipates(); });
   }
@@ -60,7 +64,6 @@ class SteppedCells final : public Elasticity {
     for (const auto& cells : cells_) sum += cells->internal_force(positions);
     return sum;
   }
-  void add_force_densities(const Positions&, VectorX&, Workspace&) const override {}
   void add_forces(const Positions& positions, const Graph& graph, Positions& forces,
                   Workspace& workspace) const override {
     const auto add = [&](const Positions& x) {
@@ -75,49 +78,25 @@ class SteppedCells final : public Elasticity {
     for (const auto& cells : cells_) cells->show(positions, force_densities, visit);
   }
 
-  void linearise(const Positions& positions) override {
-    for (const auto& cells : cells_) cells->linearise(share() == 1 ? positions : within(positions));
-  }
-  void add_own_slopes(VectorX&) const override {}
-  void add_stiffness(const Positions& motion, Positions& result, Workspace& workspace) const override {
-    for (const auto& cells : cells_) cells->add_stiffness(share() == 1 ? motion : share() * motion, result, workspace);
-  }
-  void visit_blocks(const BlockVisitor& visit) const override {
-    for (const auto& cells : cells_)
-      cells->visit_blocks([&](int a, int b, const Matrix3& block) { visit(a, b, share() * block); });
-  }
-  void visit_diagonal(const DiagonalVisitor& visit, Workspace& workspace) const override {
-    for (const auto& cells : cells_)
-      cells->visit_diagonal([&](int a, const Matrix3& block) { visit(a, share() * block); }, workspace);
-  }
-  bool visit_gradients(const GradientVisitor& visit) const override {
-    bool whole = true;
-    for (const auto& cells : cells_)
-      whole &= cells->visit_gradients(
-          [&](std::span<const std::pair<int, Vector3>> gradient, double factor) { visit(gradient, share() * factor); });
-    return whole;
-  }
-  /// A step's points are as stiff as the cells', but for α_f: accurate enough for a preconditioner.
-  void visit_points(const PointsVisitor& visit) const override {
-    for (const auto& cells : cells_) cells->visit_points(visit);
-  }
+  std::unique_ptr<NodalStiffness> stiffness() const override;
 
   std::vector<HistoryBlock> history(const std::string& name) const override {
     std::vector<HistoryBlock> all;
-    for (std::size_t term = 0; term < cells_.size(); ++term)
-      for (HistoryBlock& block : cells_[term]->history(inner(name, term))) all.push_back(std::move(block));
+    for_each_history(name, [&](const LawHistory& cells, const std::string& own) {
+      for (HistoryBlock& block : cells.history(own)) all.push_back(std::move(block));
+    });
     all.push_back({name, {body_.rest.data(), body_.rest.data() + body_.rest.size()}});
     return all;
   }
   void begin_step(const std::string& name, const State& from, double) override {
-    for (std::size_t term = 0; term < cells_.size(); ++term)
-      cells_[term]->begin_step(inner(name, term), from, clock_->time);
+    for_each_history(name,
+                     [&](LawHistory& cells, const std::string& own) { cells.begin_step(own, from, clock_->time); });
     if (const HistoryBlock* block = from.find_history(name))
       begin_ = Eigen::Map<const Positions>(block->values.data(), 3, body_.size());
   }
   void commit_step(const std::string& name, State& state) override {
     const double time = std::exchange(state.time, clock_->time);  // that of an analysis at rest goes by its steps
-    for (std::size_t term = 0; term < cells_.size(); ++term) cells_[term]->commit_step(inner(name, term), state);
+    for_each_history(name, [&](LawHistory& cells, const std::string& own) { cells.commit_step(own, state); });
     state.time = time;
     begin_ = state.positions;
     if (HistoryBlock* block = state.find_history(name))
@@ -125,6 +104,7 @@ class SteppedCells final : public Elasticity {
   }
 
  private:
+  friend class SteppedStiffness;
   double share() const { return clock_->share; }
   bool keeps_energy() const { return share() == 0.5; }
   double energy_of_cells(const Positions& positions) const {
@@ -136,8 +116,11 @@ class SteppedCells final : public Elasticity {
   bool all(Check check) const {
     return std::all_of(cells_.begin(), cells_.end(), [&](const auto& cells) { return check(*cells); });
   }
-  static std::string inner(const std::string& name, std::size_t term) {
-    return name + ".cells" + (term == 0 ? "" : std::to_string(term));
+  template <class Visit>
+  void for_each_history(const std::string& name, Visit visit) const {
+    for (std::size_t term = 0; term < owned_.size(); ++term)
+      if (auto* own = dynamic_cast<LawHistory*>(owned_[term].get()))
+        visit(*own, name + ".cells" + (term == 0 ? "" : std::to_string(term)));
   }
   Positions within(const Positions& positions) const { return begin_ + share() * (positions - begin_); }
 
@@ -177,11 +160,53 @@ class SteppedCells final : public Elasticity {
 
   const Body& body_;
   const CellBlock& block_;
-  Terms cells_;
+  Terms owned_;
+  std::vector<const NodalForces*> cells_;
   std::shared_ptr<const PointLaws<3>> laws_;
   std::shared_ptr<const Clock> clock_;
   Positions begin_;  ///< x₀
 };
+
+class SteppedStiffness final : public NodalStiffness {
+ public:
+  explicit SteppedStiffness(const SteppedCells& law) : law_(law) {
+    for (const auto* cells : law.cells_) cells_.push_back(cells->stiffness());
+  }
+
+  void linearise_at(const Positions& positions) override {
+    for (const auto& cells : cells_) cells->linearise_at(share() == 1 ? positions : law_.within(positions));
+  }
+  void add_stiffness(const Positions& motion, Positions& result, Workspace& workspace) const override {
+    for (const auto& cells : cells_) cells->add_stiffness(share() == 1 ? motion : share() * motion, result, workspace);
+  }
+  void visit_blocks(const BlockVisitor& visit) const override {
+    for (const auto& cells : cells_)
+      cells->visit_blocks([&](int a, int b, const Matrix3& block) { visit(a, b, share() * block); });
+  }
+  void visit_diagonal(const DiagonalVisitor& visit, Workspace& workspace) const override {
+    for (const auto& cells : cells_)
+      cells->visit_diagonal([&](int a, const Matrix3& block) { visit(a, share() * block); }, workspace);
+  }
+  bool visit_gradients(const GradientVisitor& visit) const override {
+    bool whole = true;
+    for (const auto& cells : cells_)
+      whole &= cells->visit_gradients(
+          [&](std::span<const std::pair<int, Vector3>> gradient, double factor) { visit(gradient, share() * factor); });
+    return whole;
+  }
+  /// A step's points are as stiff as the cells', but for α_f: accurate enough for a preconditioner.
+  void visit_points(const PointsVisitor& visit) const override {
+    for (const auto& cells : cells_) cells->visit_points(visit);
+  }
+
+ private:
+  double share() const { return law_.share(); }
+
+  const SteppedCells& law_;
+  std::vector<std::unique_ptr<NodalStiffness>> cells_;
+};
+
+std::unique_ptr<NodalStiffness> SteppedCells::stiffness() const { return std::make_unique<SteppedStiffness>(*this); }
 
 }  // namespace
 

@@ -13,17 +13,15 @@ using namespace elastin::testing;
 
 namespace {
 
-LocalBlock block_of(const std::vector<const LocalElasticity*>& terms, const Positions& positions, int molecule) {
+LocalBlock block_of(const LocalElasticity& law, const Positions& positions, int molecule) {
   LocalBlock block;
-  for (const LocalElasticity* term : terms) {
-    std::vector<LocalSlot> slots;
-    for (int element = 0; element < term->elements(); ++element) {
-      const auto molecules = term->molecules_of(element);
-      for (std::size_t node = 0; node < molecules.size(); ++node)
-        if (molecules[node] == molecule) slots.push_back({element, static_cast<int>(node)});
-    }
-    term->add_blocks(positions, slots, block);
+  std::vector<LocalSlot> slots;
+  for (int element = 0; element < law.elements(); ++element) {
+    const auto molecules = law.molecules_of(element);
+    for (std::size_t node = 0; node < molecules.size(); ++node)
+      if (molecules[node] == molecule) slots.push_back({element, static_cast<int>(node)});
   }
+  law.add_blocks(positions, slots, block);
   return block;
 }
 
@@ -31,18 +29,18 @@ void check(const Body& body, const Strategy& strategy, const Positions& position
   const Material material{.youngs_modulus = 2e4, .poissons_ratio = 0.3};
   Model model(body);
   model.add(strategy.make(body, material, {}));
-  std::vector<const LocalElasticity*> terms;
-  REQUIRE(model.elasticity()[0]->add_local_terms(terms));
+  REQUIRE(model.elasticity().size() == 1);
+  const LocalElasticity* law = model.elasticity()[0]->local();
+  REQUIRE(law);
   const Positions forces = model.elastic_forces(positions);
   const State state{positions, Positions::Zero(3, body.size())};
   const Tangent tangent(model, state);
   double energy = 0;
-  for (const LocalElasticity* term : terms)
-    for (int element = 0; element < term->elements(); ++element) energy += term->element_energy(positions, element);
+  for (int element = 0; element < law->elements(); ++element) energy += law->element_energy(positions, element);
   INFO(strategy.name);
   CHECK(energy == Approx(model.elastic_energy(positions)).epsilon(1e-12));
   for (int molecule = 0; molecule < body.size(); ++molecule) {
-    const LocalBlock block = block_of(terms, positions, molecule);
+    const LocalBlock block = block_of(*law, positions, molecule);
     CHECK((block.gradient + forces.col(molecule)).norm() <= 1e-11 * forces.norm());
     if (with_hessian)
       CHECK((block.hessian - tangent.diagonal(molecule)).norm() <= 1e-9 * tangent.diagonal(molecule).norm());

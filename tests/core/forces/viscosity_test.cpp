@@ -140,23 +140,29 @@ TEST_CASE("the tangent's damping part is the change of the forces with the veloc
 }
 
 namespace {
-/// A law of one tetrahedron, with slopes 1, 2, 3 … and no force.
-class OneCell final : public Elasticity {
+/// Of one tetrahedron: 1, 2, 3 …
+class OneCellSlopes final : public EdgeSlopes {
  public:
-  OneCell() {
+  OneCellSlopes() {
     for (int slope = 0; slope < 36; ++slope) slopes_.push_back(slope + 1);
   }
-  std::unique_ptr<Elasticity> clone() const override { return std::make_unique<OneCell>(*this); }
-  double energy(const Positions&) const override { return 0; }
-  void add_force_densities(const Positions&, VectorX&, Workspace&) const override {}
-  void linearise(const Positions&) override {}
+  void linearise_at(const Positions&) override {}
   void add_own_slopes(VectorX&) const override {}
-  bool coupled() const override { return true; }
   void visit_cells(const CellVisitor& visit) const override { visit({6, nodes_, connections_, slopes_.data()}); }
 
  private:
   std::vector<int> nodes_{0, 1, 2, 3}, connections_{0, 1, 2, 3, 4, 5};
   std::vector<double> slopes_;
+};
+
+/// A law with these slopes and no force.
+class OneCell final : public EdgeDensities {
+ public:
+  std::unique_ptr<Elasticity> clone() const override { return std::make_unique<OneCell>(*this); }
+  double energy(const Positions&) const override { return 0; }
+  void add_force_densities(const Positions&, VectorX&, Workspace&) const override {}
+  bool coupled() const override { return true; }
+  std::unique_ptr<EdgeSlopes> slopes() const override { return std::make_unique<OneCellSlopes>(); }
 };
 }  // namespace
 

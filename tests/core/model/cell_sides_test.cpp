@@ -74,8 +74,9 @@ TEST_CASE("only rules and laws that work on cells give sides of cells a stiffnes
   const auto force_densities = [&](const std::string& law, const Body& of) {
     VectorX q = VectorX::Zero(of.connections.size());
     Workspace workspace;
-    for (const auto& term : catalog.find(law).make(of, kMaterial, {}).terms)
-      term->add_force_densities(positions, q, workspace);
+    Model model(of);
+    model.add(catalog.find(law).make(of, kMaterial, {}));
+    for (const auto* edges : model.edge_laws()) edges->add_force_densities(positions, q, workspace);
     return q;
   };
   CHECK(by_pair(body, force_densities("neo_hookean", body)) == by_pair(full, force_densities("neo_hookean", full)));

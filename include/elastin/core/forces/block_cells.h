@@ -15,21 +15,21 @@ namespace elastin {
 /// The body must outlive it.
 /// @param laws one law, or one a cell of the block.
 template <int dimensions>
-std::unique_ptr<Elasticity> make_block_cells(const Body& body, const CellBlock& block,
-                                             std::shared_ptr<const PointLaws<dimensions>> laws);
+std::unique_ptr<NodalForces> make_block_cells(const Body& body, const CellBlock& block,
+                                              std::shared_ptr<const PointLaws<dimensions>> laws);
 
 /// The same of a law that is split, W = W_shape(C) + U(J), with U taken on a volume that the whole cell shares: on the
 /// projection θ of J to the cell's pressure functions φ (CellKind::pressures), W = ∫ W_shape + U(θ), against locking
 /// near ν = ½. Where φ is constant that is the mean dilatation.                     [Simo, Taylor & Pister 1985]
 /// @param laws W_shape; @param volume U, one or one a cell.
-std::unique_ptr<Elasticity> make_block_cells(const Body& body, const CellBlock& block,
-                                             std::shared_ptr<const PointLaws<3>> laws, std::vector<Volumetric> volume);
+std::unique_ptr<NodalForces> make_block_cells(const Body& body, const CellBlock& block,
+                                              std::shared_ptr<const PointLaws<3>> laws, std::vector<Volumetric> volume);
 
 /// The same with one law for all cells, or one a cell, and their U(J) where they are split.
 template <int dimensions>
-std::unique_ptr<Elasticity> make_block_cells(const Body& body, const CellBlock& block,
-                                             std::vector<AnyPoint<dimensions>> laws,
-                                             std::vector<Volumetric> volume = {});
+std::unique_ptr<NodalForces> make_block_cells(const Body& body, const CellBlock& block,
+                                              std::vector<AnyPoint<dimensions>> laws,
+                                              std::vector<Volumetric> volume = {});
 
 /// Mean of a cell's nodes at rest [m].
 inline Vector3 middle_of(const Body& body, const CellBlock& block, int cell) {

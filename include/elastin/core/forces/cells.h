@@ -102,7 +102,7 @@ void add_shares(const CellGraph& graph, const Share& share, VectorX& values, Wor
 /// The simplices of one shape: where their nodes are, their sides, what they make of slopes once a law has given them.
 /// Nothing here knows a law.
 template <CellShape Shape>
-class SimplexCells : public Elasticity, public LocalElasticity {
+class SimplexCells : public EdgeDensities, public LocalElasticity {
  public:
   int elements() const override { return graph_.cells(); }
   std::span<const int> molecules_of(int cell) const override { return Shape::in(body_)[cell]; }
@@ -128,25 +128,8 @@ class SimplexCells : public Elasticity, public LocalElasticity {
     return detail::sum_over_cells(graph_.cells(), [&](int cell) { return is_inverted(positions, cell) ? 1. : 0.; }) ==
            0;
   }
-  void add_own_slopes(VectorX&) const override {}
   bool coupled() const override { return true; }
-  void add_change(const VectorX& change_of_squared_lengths, VectorX& change_of_force_densities,
-                  Workspace& workspace) const override {
-    detail::add_shares<sides>(
-        graph_,
-        [&](int cell) -> SquaredLengths {
-          SquaredLengths all;
-          for (int side = 0; side < sides; ++side)
-            all[side] = change_of_squared_lengths[graph_.slot_connection[cell * sides + side]];
-          return slopes_[cell] * all;
-        },
-        change_of_force_densities, workspace);
-  }
-  void visit_cells(const CellVisitor& visit) const override {
-    if (slopes_.empty()) return;
-    const auto& cells = Shape::in(body_);
-    visit({sides, {cells.front().data(), cells.size() * nodes}, graph_.slot_connection, slopes_.front().data()});
-  }
+  std::unique_ptr<EdgeSlopes> slopes() const override { return std::make_unique<Slopes>(*this); }
 
  protected:
   static constexpr int nodes = Shape::nodes, sides = pairs_of(nodes);
@@ -185,15 +168,51 @@ class SimplexCells : public Elasticity, public LocalElasticity {
     return s;
   }
 
+  virtual void set_slopes(const Positions& positions, std::vector<Slope>& slopes) const = 0;
+
   const Body& body_;
   CellGraph graph_;
-  std::vector<Slope> slopes_;
+
+ private:
+  class Slopes final : public EdgeSlopes {
+   public:
+    explicit Slopes(const SimplexCells& cells) : cells_(cells) {}
+
+    void linearise_at(const Positions& positions) override {
+      slopes_.resize(cells_.graph_.cells());
+      cells_.set_slopes(positions, slopes_);
+    }
+    void add_own_slopes(VectorX&) const override {}
+    void add_change(const VectorX& change_of_squared_lengths, VectorX& change_of_force_densities,
+                    Workspace& workspace) const override {
+      const CellGraph& graph = cells_.graph_;
+      detail::add_shares<sides>(
+          graph,
+          [&](int cell) -> SquaredLengths {
+            SquaredLengths all;
+            for (int side = 0; side < sides; ++side)
+              all[side] = change_of_squared_lengths[graph.slot_connection[cell * sides + side]];
+            return slopes_[cell] * all;
+          },
+          change_of_force_densities, workspace);
+    }
+    void visit_cells(const CellVisitor& visit) const override {
+      if (slopes_.empty()) return;
+      const auto& cells = Shape::in(cells_.body_);
+      visit(
+          {sides, {cells.front().data(), cells.size() * nodes}, cells_.graph_.slot_connection, slopes_.front().data()});
+    }
+
+   private:
+    const SimplexCells& cells_;
+    std::vector<Slope> slopes_;
+  };
 };
 
 /// The one driver of every cell law. It owns the loops over the cells of one shape, what is written where and by whom;
 /// the kernel (see CellKernel) is the law on one cell.
 template <LengthKernel Kernel>
-class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
+class CellElasticity final : public SimplexCells<typename Kernel::Shape>, public LawHistory, public Softens {
   using Shape = typename Kernel::Shape;
   using Block = SimplexCells<Shape>;
   using Block::graph_, Block::squared_lengths, Block::sides;
@@ -251,18 +270,7 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
       add_force_densities(positions, of_connections, workspace);
   }
 
-  void linearise(const Positions& positions) override {
-    this->slopes_.resize(constants_.size());
-    detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
-      for (int cell = begin; cell < end; ++cell) this->slopes_[cell] = slope(cell, squared_lengths(positions, cell));
-    });
-  }
-
-  bool add_local_terms(std::vector<const LocalElasticity*>& terms) const override {
-    if (!HasEnergy<Kernel> || dissipates()) return false;
-    terms.push_back(this);
-    return true;
-  }
+  const LocalElasticity* local() const override { return HasEnergy<Kernel> && !dissipates() ? this : nullptr; }
   double element_energy(const Positions& positions, int cell) const override {
     if constexpr (HasEnergy<Kernel>)
       return this->is_inverted(positions, cell) ? std::numeric_limits<double>::infinity()
@@ -321,6 +329,14 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape> {
   }
 
  private:
+  using typename Block::Slope;
+
+  void set_slopes(const Positions& positions, std::vector<Slope>& slopes) const override {
+    detail::for_each_cell(graph_.cells(), [&](int begin, int end) {
+      for (int cell = begin; cell < end; ++cell) slopes[cell] = slope(cell, squared_lengths(positions, cell));
+    });
+  }
+
   CellElasticity(const CellElasticity& whole, const Subdomain& own) : Block(*own.body), kernel_(whole.kernel_) {
     for (const int cell : Shape::dimensions == 3 ? own.tetrahedra : own.triangles)
       constants_.push_back(whole.constants_[cell]);

@@ -61,7 +61,7 @@ struct CellSlopes {
   const double* slopes_of(int cell) const { return slopes + static_cast<std::ptrdiff_t>(cell) * sides * sides; }
 };
 
-/// Quadrature points with what a law stores there, as linearise() left it. May be asked by several threads at once.
+/// Quadrature points with what a linearisation stores there. May be called by several threads at once.
 class StiffPoints {
  public:
   /// A motion whose gradient in the frame's axes is H, column after column, has the energy ½ Hᵀ stiffness H [J].
@@ -81,102 +81,133 @@ struct CellState {
   Matrix3 stress = Matrix3::Zero();  ///< Cauchy's [Pa]; of a membrane, force over width [N/m]
 };
 
-/// A stiffness strategy at work on one body. Everything elastic is one number per connection, its force density q
-/// [N/m]: the force on molecule a is Σ_b q_ab (x_b − x_a). [Schek 1974]
-///
-/// Tangent: with s = |d|² and d = x_b − x_a, the change of a connection's force is δq d + q δd, δq = Σ (∂q/∂s) δs,
-/// δs = 2 d·δd. Springs have a slope of their own; cells couple the connections of one cell.
+/// The tangent of one elastic law at one state. With s = |d|² and d = x_b − x_a, the change of a connection's force is
+/// δq d + q δd, δq = Σ (∂q/∂s) δs, δs = 2 d·δd; forces at nodes have a stiffness of their own.
+class Linearisation {
+ public:
+  virtual ~Linearisation() = default;
+  /// Stores what the other functions need. Allocates nothing after the first call.
+  virtual void linearise_at(const Positions& positions) = 0;
+  /// Calls visit(a, b, part) for parts of the 3×3 blocks of the stiffness [N/m]: of nodal forces for all of it, of edge
+  /// densities for what neither the densities, nor own slopes, nor visit_cells give.
+  using BlockVisitor = std::function<void(int a, int b, const Matrix3& block)>;
+  virtual void visit_blocks(const BlockVisitor&) const {}
+  /// Calls visit(a, part) for parts of the diagonal ones of those blocks.
+  using DiagonalVisitor = std::function<void(int a, const Matrix3& block)>;
+  virtual void visit_diagonal(const DiagonalVisitor&, Workspace&) const {}
+  /// Of those blocks, what a coarser grid over the body can use: calls visit(g, factor) for parts factor · (Σ g_a·x_a)²
+  /// / 2 of the energy, g a list of molecules and vectors whose sum is zero. False where visit_blocks has more terms
+  /// than these and the quadrature points.
+  using GradientVisitor = std::function<void(std::span<const std::pair<int, Vector3>> gradient, double factor)>;
+  virtual bool visit_gradients(const GradientVisitor&) const { return true; }
+};
+
+/// The slopes ∂q/∂s [N/m³] of force densities.
+class EdgeSlopes : public Linearisation {
+ public:
+  /// Adds the slope of each connection with respect to its own s.
+  virtual void add_own_slopes(VectorX& slopes) const = 0;
+  /// Adds the coupled part of δq from δs. Allocates nothing once `workspace` has served.
+  virtual void add_change(const VectorX& /*change_of_squared_lengths*/, VectorX& /*change_of_force_densities*/,
+                          Workspace&) const {}
+  /// Calls visit(cells) for all cells of each law and shape at once; couplings too wide for dense slopes have
+  /// visit_blocks instead.
+  using CellVisitor = std::function<void(const CellSlopes& cells)>;
+  virtual void visit_cells(const CellVisitor&) const {}
+};
+
+/// The stiffness of nodal forces.
+class NodalStiffness : public Linearisation {
+ public:
+  /// Adds K motion [N].
+  virtual void add_stiffness(const Positions& motion, Positions& result, Workspace& workspace) const = 0;
+  /// Calls visit(points) for the quadrature points of each law and shape.
+  using PointsVisitor = std::function<void(const StiffPoints& points)>;
+  virtual void visit_points(const PointsVisitor&) const {}
+};
+
+/// An elastic law on one body: an energy and forces. A law of force densities is an EdgeDensities, one of cells of
+/// other shapes a NodalForces; one with a history is a LawHistory, too.
 class Elasticity {
  public:
   virtual ~Elasticity() = default;
-  /// A copy of its own, to be linearised elsewhere.
   virtual std::unique_ptr<Elasticity> clone() const = 0;
-
   /// The same law on a subdomain of the body that it was made for: those of its elements that the subdomain computes.
-  /// The subdomain must outlive it. Null where it cannot be shared out so: where it remembers, or has no elements.
+  /// The subdomain must outlive it. Null where the law cannot be shared out: it has a history, or no elements.
   virtual std::unique_ptr<Elasticity> on_subdomain(const Subdomain&) const { return nullptr; }
 
   /// Whether forces come from an energy; if not, the tangent need not be symmetric and energy() is 0.
   virtual bool has_energy() const { return true; }
-  /// Whether linearise() gives the whole derivative, or (angles_update) leaves a part out.
+  /// Whether the linearisation is the whole derivative, or (angles_update) leaves a term out.
   virtual bool has_full_tangent() const { return true; }
+  /// Whether it takes energy from a body that moves, so that energy() is not all that became of the work done.
+  virtual bool dissipates() const { return false; }
   /// Stored energy [J]; +infinity where a cell is flat or inverted.
   virtual double energy(const Positions& positions) const = 0;
   /// Whether no cell is flat or inverted. Energies are +infinity where not; laws without an energy say it here.
   virtual bool admissible(const Positions& /*positions*/) const { return true; }
+  /// Adds the force on each molecule [N]. `graph` is that of the body. Bitwise identical on any number of threads.
+  virtual void add_forces(const Positions& positions, const Graph& graph, Positions& forces,
+                          Workspace& workspace) const = 0;
+  /// The law as a sum over elements, see laws/local.h; null where it has no energy, or a history.
+  virtual const LocalElasticity* local() const { return nullptr; }
+};
+
+/// A law whose force on molecule a is Σ_b q_ab (x_b − x_a): one number per connection, its force density q [N/m].
+/// [Schek 1974] Springs have a slope of their own; cells couple the connections of one cell.
+class EdgeDensities : public Elasticity {
+ public:
   /// Adds each connection's force density [N/m].
   virtual void add_force_densities(const Positions& positions, VectorX& force_densities,
                                    Workspace& workspace) const = 0;
-  /// Adds the force on each molecule [N]: through the force densities, unless there is a shorter way. `graph` is that
-  /// of the body. Bitwise identical on any number of threads.
-  virtual void add_forces(const Positions& positions, const Graph& graph, Positions& forces,
-                          Workspace& workspace) const;
   /// The same, separated: laws of triangles add each triangle's own share [N/m] to a column of `of_triangles`, order 01
   /// 02 12, a column for each triangle of the body that they were made for; all others add to the connections.
   virtual void add_triangle_force_densities(const Positions& positions, Eigen::Ref<Eigen::Matrix3Xd> of_triangles,
                                             VectorX& of_connections, Workspace& workspace) const;
-
-  /// Whether its forces are found at the nodes of cells, without force densities: then it adds none, has no slopes, and
-  /// its stiffness is that of add_stiffness.
-  virtual bool at_nodes() const { return false; }
-  /// Adds K motion [N] of what is at nodes, with what linearise() stored.
-  virtual void add_stiffness(const Positions& /*motion*/, Positions& /*result*/, Workspace&) const {}
-  /// Sum of the sizes of the forces within the body [N] of what is at nodes: what rounding is judged by.
-  virtual double internal_force(const Positions& /*positions*/) const { return 0; }
-
-  /// What is at nodes, for pictures: adds the force density q_ab = −Σ_g w_g B_aᵀ S_g B_b [N/m] of those pairs of a
-  /// cell's nodes that are connections (other pairs have theirs too), and calls visit(block, cell, state) for all
-  /// cells.
-  using StateVisitor = std::function<void(const CellBlock& block, int cell, const CellState& state)>;
-  virtual void show(const Positions& /*positions*/, VectorX& /*force_densities*/, const StateVisitor&) const {}
-
-  /// Stores the slopes ∂q/∂s [N/m³] at these positions for the calls below.
-  virtual void linearise(const Positions& positions) = 0;
-  /// Adds the slope of each connection with respect to its own s.
-  virtual void add_own_slopes(VectorX& slopes) const = 0;
-  /// Whether connections influence each other; if not, the next two do nothing.
+  /// Through the force densities, unless the law has a shorter way.
+  void add_forces(const Positions& positions, const Graph& graph, Positions& forces,
+                  Workspace& workspace) const override;
+  /// Whether connections influence each other; if not, EdgeSlopes has own slopes alone.
   virtual bool coupled() const { return false; }
-  /// Adds the coupled part of δq from δs. Allocates nothing once `workspace` has served.
-  virtual void add_change(const VectorX& /*change_of_squared_lengths*/, VectorX& /*change_of_force_densities*/,
-                          Workspace&) const {}
-  /// Calls visit(cells) for all cells of each law and shape at once.
-  using CellVisitor = std::function<void(const CellSlopes& cells)>;
-  virtual void visit_cells(const CellVisitor&) const {}
-  /// For couplings too wide for dense slopes: calls visit(a, b, part) for parts of the 3×3 blocks of the stiffness
-  /// [N/m], without what the force densities and own slopes give. A law has either this or visit_cells; one at nodes
-  /// has all its stiffness here.
-  using BlockVisitor = std::function<void(int a, int b, const Matrix3& block)>;
-  virtual void visit_blocks(const BlockVisitor&) const {}
-  /// Of couplings too wide for dense slopes, what a coarser grid over the body can use: calls visit(g, factor) for
-  /// parts factor · (Σ g_a·x_a)² / 2 of the energy, g a list of molecules and vectors whose sum is zero. False where
-  /// visit_blocks has more terms than these.
-  using GradientVisitor = std::function<void(std::span<const std::pair<int, Vector3>> gradient, double factor)>;
-  virtual bool visit_gradients(const GradientVisitor&) const { return true; }
-  /// Of what is at nodes, the same: calls visit(points) for the quadrature points of each law and shape.
-  using PointsVisitor = std::function<void(const StiffPoints& points)>;
-  virtual void visit_points(const PointsVisitor&) const {}
-  /// Calls visit(a, part) for parts of the diagonal ones of those blocks.
-  using DiagonalVisitor = std::function<void(int a, const Matrix3& block)>;
-  virtual void visit_diagonal(const DiagonalVisitor&, Workspace&) const {}
+  /// To be linearised. The law must outlive it.
+  virtual std::unique_ptr<EdgeSlopes> slopes() const = 0;
+};
 
-  /// Adds the sums over elements that this law is, see laws/local.h; they live as long as it does. False, and nothing
-  /// added, where it is none: where it has no energy, or remembers.
-  virtual bool add_local_terms(std::vector<const LocalElasticity*>& /*terms*/) const { return false; }
+/// A law whose forces are found at the nodes of cells, without force densities.
+class NodalForces : public Elasticity {
+ public:
+  /// Sum of the sizes of the forces within the body [N]: what rounding is judged by.
+  virtual double internal_force(const Positions& positions) const = 0;
+  /// For visualisation: adds the force density q_ab = −Σ_g w_g B_aᵀ S_g B_b [N/m] of those pairs of a cell's nodes that
+  /// are connections (other pairs have theirs too), and calls visit(block, cell, state) for all cells.
+  using StateVisitor = std::function<void(const CellBlock& block, int cell, const CellState& state)>;
+  virtual void show(const Positions& positions, VectorX& force_densities, const StateVisitor& visit) const = 0;
+  /// From now on the stresses at its points relax (see make_prony). False where they cannot.
+  virtual bool relax(const Relaxation&) { return false; }
+  /// To be linearised. The law must outlive it.
+  virtual std::unique_ptr<NodalStiffness> stiffness() const = 0;
+};
 
-  /// Its history from step to step, as it is at the beginning: blocks whose names begin with `name`. Empty: none.
-  virtual std::vector<HistoryBlock> history(const std::string& /*name*/) const { return {}; }
+/// A law with a history from step to step.
+class LawHistory {
+ public:
+  virtual ~LawHistory() = default;
+  /// The history at the beginning: blocks whose names begin with `name`.
+  virtual std::vector<HistoryBlock> history(const std::string& name) const = 0;
   /// Until the next call forces, energy and tangent are those at the end of a step from a state to a time [s];
   /// infinite: those of a body that has had all time. Allocates nothing.
-  virtual void begin_step(const std::string& /*name*/, const State& /*from*/, double /*time*/) {}
+  virtual void begin_step(const std::string& name, const State& from, double time) = 0;
   /// Called with each state that was reached, at the end of a step: changes State::history, and is ready for what
   /// follows. A state at the time of the one before counts as one that has had all time.
-  virtual void commit_step(const std::string& /*name*/, State&) {}
-  /// From now on it softens (see make_mullins). False where there is no energy to go by: then nothing changed.
-  virtual bool soften(const Softening&) { return false; }
-  /// What is at nodes: from now on the stresses at its points relax (see make_prony). False where it cannot.
-  virtual bool relax(const Relaxation&) { return false; }
-  /// Whether it takes energy from a body that moves, so that energy() is not all that became of the work done.
-  virtual bool dissipates() const { return false; }
+  virtual void commit_step(const std::string& name, State& state) = 0;
+};
+
+/// A law that can soften (see make_mullins).
+class Softens {
+ public:
+  virtual ~Softens() = default;
+  /// From now on it softens. False where there is no energy to go by: then nothing changed.
+  virtual bool soften(const Softening&) = 0;
 };
 
 /// Laws that act together on one body, as a strategy makes them: none, one or several.

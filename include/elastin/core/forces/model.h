@@ -52,6 +52,9 @@ class Model {
   /// Hands the loads over: the model then has none.
   std::vector<std::unique_ptr<Load>> extract_loads();
   const std::vector<std::unique_ptr<Elasticity>>& elasticity() const { return elasticity_; }
+  /// Those of them that are force densities, and those whose forces are found at the nodes of cells.
+  const std::vector<const EdgeDensities*>& edge_laws() const { return edge_laws_; }
+  const std::vector<const NodalForces*>& nodal_laws() const { return nodal_laws_; }
   const std::vector<std::unique_ptr<Viscosity>>& viscosity() const { return viscosity_; }
   const std::vector<std::unique_ptr<Load>>& loads() const { return loads_; }
   std::vector<Support> supports;  ///< at most one a molecule
@@ -77,10 +80,10 @@ class Model {
   double load_energy(const State& state) const;
   /// Force density of each connection [N/m], on a share after keep_all_elements() those of its own molecules; of cells
   /// whose forces are found at their nodes those of the pairs that are connections, and visit(block, cell, state) for
-  /// each of them (see Elasticity::show).
+  /// each of them (see NodalForces::show).
   VectorX force_densities(
       const Positions& positions,
-      const Elasticity::StateVisitor& visit = [](const CellBlock&, int, const CellState&) {}) const;
+      const NodalForces::StateVisitor& visit = [](const CellBlock&, int, const CellState&) {}) const;
   /// Elastic force on each molecule [N].
   Positions elastic_forces(const Positions& positions) const;
   /// Whether the loads' tangents are symmetric.
@@ -93,7 +96,7 @@ class Model {
   /// square_frequency (the sum; of shares the largest).
   void commit_step(State& state) const;
   bool update_multipliers(State& state) const;
-  /// Calls Elasticity::begin_step, see there: before forces at the end of a step to a time [s] are asked for.
+  /// Calls LawHistory::begin_step, see there: before forces at the end of a step to a time [s] are asked for.
   void begin_step(const State& from, double time) const;
   /// Whether an elastic law takes energy from a body that moves.
   bool dissipates() const;
@@ -123,7 +126,7 @@ class Model {
 
  private:
   friend class Tangent;
-  void add_law(std::unique_ptr<Elasticity> law);
+  void add_law(std::unique_ptr<Elasticity> law, const CellRange& triangles);
   void set_squared_lengths_and_rates(const State& state, VectorX& squared_lengths, VectorX& rates) const;
   const Body* body_;
   std::unique_ptr<const Subdomain> computed_;  ///< of a share
@@ -133,11 +136,13 @@ class Model {
   Spread spread_;
   std::vector<std::shared_ptr<const void>> owners_;  ///< of what elasticity works on
   std::vector<std::unique_ptr<Elasticity>> elasticity_;
-  std::vector<CellRange> triangles_;  ///< for which each of them was made
+  std::vector<CellRange> triangles_;  ///< for which each edge law was made
+  std::vector<const EdgeDensities*> edge_laws_;
+  std::vector<const NodalForces*> nodal_laws_;
   std::vector<std::unique_ptr<Viscosity>> viscosity_;
   std::vector<std::unique_ptr<Load>> loads_;
   std::vector<HistoryBlock> history_;
-  std::vector<std::string> law_names_;  ///< of the history of each elastic law
+  std::vector<std::pair<LawHistory*, std::string>> law_histories_;  ///< of elastic laws that have one, with their names
   std::unique_ptr<Graph> graph_;
   std::vector<Support> lasting_supports_;
 };

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -15,13 +16,15 @@ struct Weights {
 };
 
 /// The stiffness −∂(all forces)/∂positions of a model at one state, without a matrix, with damping and inertia by their
-/// weights: per connection d = x_b − x_a, force density q and own slope; the coupled slopes that each cell law keeps;
-/// the loads'. What is left out: that a viscosity's ṡ turns with the body (unsymmetric, and small where a step is).
+/// weights: per connection d = x_b − x_a, force density q and own slope; the linearisation of each law; the loads'.
+/// What is left out: that a viscosity's ṡ turns with the body (unsymmetric, and small where a step is).
 class Tangent {
  public:
-  /// Linearises every elasticity of the model. Model and state must outlive the tangent.
-  Tangent(Model& model, const State& state, const Weights& weights = {});
-  /// The same anew, without an allocation.
+  /// Model and state must outlive the tangent.
+  Tangent(const Model& model, const State& state, const Weights& weights = {});
+  /// Not linearised yet.
+  explicit Tangent(const Model& model) : model_(model) { set_laws(); }
+  /// At another state, without an allocation.
   void linearise_at(const State& state, const Weights& weights);
 
   /// Memory for intermediate results of apply; it belongs to the caller and only grows.
@@ -39,7 +42,7 @@ class Tangent {
 
   /// Calls visit(a, b, K_ab part) for every part of every 3×3 block, both triangles; the blocks are the sums, less the
   /// wide parts.
-  using BlockVisitor = Elasticity::BlockVisitor;
+  using BlockVisitor = Linearisation::BlockVisitor;
   void visit_blocks(const BlockVisitor& visit) const;
 
   /// What these blocks leave out, of loads that join all molecules with all.
@@ -68,9 +71,13 @@ class Tangent {
   }
   /// Calls visit(cells) for the cells of each law and shape whose connections influence each other; the factor of
   /// viscous ones has the weight of the velocities.
-  void visit_cells(const Elasticity::CellVisitor& visit) const;
+  void visit_cells(const EdgeSlopes::CellVisitor& visit) const;
+  /// Calls visit(points) for the quadrature points of each law of nodal forces.
+  void visit_points(const NodalStiffness::PointsVisitor& visit) const;
+  /// As Linearisation, of all laws.
+  void visit_gradients(const Linearisation::GradientVisitor& visit) const;
   /// The blocks K_aa of what is neither link nor cell nor inertia: the loads' and those of laws that have more than
-  /// gradients (Elasticity::visit_gradients).
+  /// gradients (Linearisation::visit_gradients).
   void visit_other_diagonal(const std::function<void(int, const Matrix3&)>& visit) const;
 
   const Model& model() const { return model_; }
@@ -88,12 +95,17 @@ class Tangent {
       for (int row = 0; row < 3; ++row) block(row, column) = slope * d[row] * d[column] + (row == column ? density : 0);
     return block;
   }
+  void set_laws();
   void apply_links(const Positions& motion, Positions& result, ApplyWorkspace& workspace) const;
   void visit_local_blocks(const BlockVisitor& visit) const;
   void set_diagonal();
   template <int nodes>
   void add_diagonal_of(const CellSlopes& cells);
-  Model& model_;
+  const Model& model_;
+  std::size_t known_laws_ = 0;                        ///< of the model, that are linearised here
+  std::vector<std::unique_ptr<Linearisation>> laws_;  ///< in the model's order
+  std::vector<EdgeSlopes*> edges_;                    ///< those of them that are force densities
+  std::vector<NodalStiffness*> nodes_;                ///< the others
   const State* state_ = nullptr;
   Weights weights_;
   // Vectors from end to end are made anew from the positions: that takes less time than to read them.

@@ -24,8 +24,8 @@ class Viscosity {
   /// Adds the coupled part of δq from δṡ.
   virtual void add_change(const VectorX& /*change_of_rates*/, VectorX& /*change_of_force_densities*/,
                           Workspace&) const {}
-  /// As Elasticity's, of slopes ∂q/∂ṡ.
-  virtual void visit_cells(const Elasticity::CellVisitor&) const {}
+  /// As EdgeSlopes', of slopes ∂q/∂ṡ.
+  virtual void visit_cells(const EdgeSlopes::CellVisitor&) const {}
 };
 
 /// Each connection resists its own lengthening, F = −b [(V_e − V_p)·u] u, b = `coefficient` [N s/m]: q = b ṡ/(2s).
