@@ -52,8 +52,8 @@ double typical_skin(const ContactGeometry& geometry) {
 }  // namespace
 
 BroadPhase::BroadPhase(const ContactGeometry& geometry) : geometry_(geometry), skin_(typical_skin(geometry)) {
-  std::vector<char> seen(static_cast<std::size_t>(geometry.pieces), 0);
-  std::vector<char> moves(static_cast<std::size_t>(geometry.body.size()), 0);
+  std::vector<char> seen(geometry.pieces, 0);
+  std::vector<char> moves(geometry.body.size(), 0);
   for (const Sample& sample : geometry.samples) {
     piece_of_sample_.push_back(sample.piece);
     seen[sample.piece] = 1;
@@ -147,7 +147,7 @@ bool BroadPhase::update(const Positions& positions, const std::vector<Pose>& pos
 /// Into the rows of their samples, then each row: n log n over all would take longer than to find them.
 void BroadPhase::sort_candidates() {
   starts_.assign(geometry_.samples.size() + 1, 0);
-  for (const Candidate& candidate : candidates_) ++starts_[static_cast<std::size_t>(candidate.sample) + 1];
+  for (const Candidate& candidate : candidates_) ++starts_[candidate.sample + 1];
   std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
   if (sorted_.capacity() < candidates_.size()) sorted_.reserve(2 * candidates_.size());
   sorted_.resize(candidates_.size());

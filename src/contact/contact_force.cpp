@@ -38,7 +38,7 @@ ContactForce::ContactForce(const Body& body, const ContactOptions& options, cons
     has_friction_ |= friction_of(obstacle) > 0;
   }
   has_friction_ |= options_.friction > 0;
-  std::vector<char> seen(static_cast<std::size_t>(body.size()), 0);
+  std::vector<char> seen(body.size(), 0);
   for (const Sample& sample : search_.samples())
     for (int i = 0; i < sample.count; ++i) seen[sample.molecules[i]] = 1;
   for (int molecule = 0; molecule < body.size(); ++molecule)

@@ -46,7 +46,7 @@ std::vector<char> closed_pieces(const ContactGeometry& geometry) {
       sides.push_back({geometry.piece_of_triangle[t], a, b});
     }
   std::sort(sides.begin(), sides.end());
-  std::vector<char> closed(static_cast<std::size_t>(geometry.pieces), 1);
+  std::vector<char> closed(geometry.pieces, 1);
   for (std::size_t i = 0, next; i < sides.size(); i = next) {
     for (next = i + 1; next < sides.size() && sides[next] == sides[i];) ++next;
     if ((next - i) % 2 == 1) closed[sides[i][0]] = 0;
@@ -155,7 +155,7 @@ bool ContactSearch::Impl::add_surface_contact(int group, const Positions& positi
     const Vector3 a = positions.col(sample.molecules[0]);
     looks = (positions.col(sample.molecules[1]) - a).cross(positions.col(sample.molecules[2]) - a).normalized();
   }
-  for (int c = groups[group]; c < groups[static_cast<std::size_t>(group) + 1]; ++c) {
+  for (int c = groups[group]; c < groups[group + 1]; ++c) {
     const int triangle = broad.candidates()[c].item;
     const auto corners = geometry.corners_of(triangle, positions);
     const Vector3 across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);

@@ -30,7 +30,7 @@ Cells<3> surface_triangles(const Body& body) {
 }
 
 std::vector<int> surface_molecules(const Body& body) {
-  std::vector<char> inside(static_cast<std::size_t>(body.size()), 0);
+  std::vector<char> inside(body.size(), 0);
   const auto mark = [&](const auto& cells, char what) {
     for (const auto& cell : cells)
       for (const int molecule : cell) inside[molecule] = what;

@@ -55,7 +55,7 @@ std::pair<PetscInt, PetscInt> own_rows(MPI_Comm communicator, PetscInt all) {
 Matrix summed(const BoxLevel& part, const BoxGrid& grid, bool upper, MPI_Comm communicator) {
   const PetscInt points = grid.points();
   const auto [first, count] = own_rows(communicator, points);
-  std::vector<PetscInt> here(static_cast<std::size_t>(count), 0), elsewhere = here;
+  std::vector<PetscInt> here(count, 0), elsewhere = here;
   for (PetscInt row = 0; row < count; ++row)
     for (int code = 0; code < BoxGrid::kAround; ++code) {
       const auto [x, y, z] = around(code);

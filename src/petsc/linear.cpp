@@ -17,7 +17,7 @@ constexpr const char* kPrefix = "elastin_";
 Matrix assembled(const SharedTangent& tangent) {
   SharedModel& model = tangent.model();
   const SharedBody& body = model.body();
-  std::vector<Matrix3> free(static_cast<std::size_t>(body.size()), Matrix3::Identity());
+  std::vector<Matrix3> free(body.size(), Matrix3::Identity());
   for (const Support& support : model.local().supports) free[support.molecule] = support.free;
   Matrix matrix;
   check(MatCreate(body.communicator(), matrix.out()));
@@ -219,7 +219,7 @@ SharedTangent::SharedTangent(SharedModel& model, State state, const Weights& wei
       state_(with_velocities(std::move(state), model.local())),
       tangent_(model.local(), state_, weights) {
   const SharedBody& body = model.body();
-  diagonal_.resize(static_cast<std::size_t>(body.owned()));
+  diagonal_.resize(body.owned());
   Vector sums = body.make_vector();
   Positions column(3, body.size()), owned;
   for (int k = 0; k < 3; ++k) {

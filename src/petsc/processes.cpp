@@ -54,10 +54,10 @@ class MpiProcesses final : public Processes {
 
   std::vector<double> gather(std::span<const double> own) const override {
     const int size = static_cast<int>(own.size());
-    std::vector<int> sizes(static_cast<std::size_t>(count_)), starts(sizes.size(), 0);
+    std::vector<int> sizes(count_), starts(sizes.size(), 0);
     MPI_Allgather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, PETSC_COMM_WORLD);
     std::partial_sum(sizes.begin(), sizes.end() - 1, starts.begin() + 1);
-    std::vector<double> all(static_cast<std::size_t>(starts.back() + sizes.back()));
+    std::vector<double> all(starts.back() + sizes.back());
     MPI_Allgatherv(own.data(), size, MPI_DOUBLE, all.data(), sizes.data(), starts.data(), MPI_DOUBLE, PETSC_COMM_WORLD);
     return all;
   }

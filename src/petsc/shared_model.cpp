@@ -25,7 +25,7 @@ void SharedBody::number_whole() {
   const int processes = this->processes();
   const std::vector<int> owners = bisect(given_.rest, processes);
   own_ = make_subdomain(given_, owners, rank);
-  counts_.assign(static_cast<std::size_t>(processes), 0);
+  counts_.assign(processes, 0);
   for (const int owner : owners) counts_[owner] += 3;
   offsets_.assign(counts_.size(), 0);
   for (std::size_t i = 1; i < counts_.size(); ++i) offsets_[i] = offsets_[i - 1] + counts_[i - 1];

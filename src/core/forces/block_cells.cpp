@@ -100,11 +100,10 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
       Strains now;
       set_strains(positions, cell, now);
       for (int g = 0; g < points_; ++g) {
-        const auto at = static_cast<std::size_t>(g);
         const Direction B = slope(cell, g, node);
         most = std::max(most, motion.norm() * B.norm());
         if constexpr (d == 3) {
-          const double before = 1 + now.swelling[at], after = before + motion.dot(cofactors(now.F[at]) * B);
+          const double before = 1 + now.swelling[g], after = before + motion.dot(cofactors(now.F[g]) * B);
           if (!(before > 0) || !(after > 0)) return std::numeric_limits<double>::infinity();
           most = std::max(most, std::abs(after - before) / std::min(before, after));
         }
@@ -129,11 +128,10 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
       set_stresses(positions, cell, now);
       PointGradients<d> P;
       for (int g = 0; g < points_; ++g) {
-        const auto at = static_cast<std::size_t>(g);
-        P[at] = now.F[at] * now.S[at];
+        P[g] = now.F[g] * now.S[g];
         if constexpr (d == 3)
-          if (!volume_.empty()) P[at] += now.p[at] * cofactors(now.F[at]);
-        P[at] *= -rest(cell, g).weight;
+          if (!volume_.empty()) P[g] += now.p[g] * cofactors(now.F[g]);
+        P[g] *= -rest(cell, g).weight;
       }
       spread(cell, P, own);
     });
@@ -145,10 +143,9 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
       set_stresses(positions, cell, now);
       double sum = 0;
       for (int g = 0; g < points_; ++g) {
-        const auto at = static_cast<std::size_t>(g);
-        double stress = (now.F[at] * now.S[at]).norm();
+        double stress = (now.F[g] * now.S[g]).norm();
         if constexpr (d == 3)
-          if (!volume_.empty()) stress += std::abs(now.p[at]);
+          if (!volume_.empty()) stress += std::abs(now.p[g]);
         sum += rest(cell, g).weight * stress * rest(cell, g).inverse.norm();
       }
       return sum;
@@ -163,19 +160,18 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
       CellState state;
       double rest_size = 0, size = 0;
       for (int g = 0; g < points_; ++g) {
-        const auto at = static_cast<std::size_t>(g);
         const double weight = rest(cell, g).weight;
-        const Square C = Square::Identity() + now.A[at];
+        const Square C = Square::Identity() + now.A[g];
         if constexpr (d == 3)
-          if (!volume_.empty()) now.S[at] += now.p[at] * std::max(0., 1 + now.swelling[at]) * C.inverse();
+          if (!volume_.empty()) now.S[g] += now.p[g] * std::max(0., 1 + now.swelling[g]) * C.inverse();
         const Gradient E = frame(cell, g);
-        state.strain += weight / 2 * E * now.A[at] * E.transpose();
-        state.stress += weight * now.F[at] * now.S[at] * now.F[at].transpose();
+        state.strain += weight / 2 * E * now.A[g] * E.transpose();
+        state.stress += weight * now.F[g] * now.S[g] * now.F[g].transpose();
         rest_size += weight, size += weight * std::sqrt(std::max(0., C.determinant()));
         std::array<Direction, kMostNodes> B, SB;
         for (int a = 0; a < kind_.nodes; ++a) {
           const auto own = static_cast<std::size_t>(a);
-          B[own] = slope(cell, g, a), SB[own] = now.S[at] * B[own];
+          B[own] = slope(cell, g, a), SB[own] = now.S[g] * B[own];
         }
         std::size_t pair =
             static_cast<std::size_t>(cell) * static_cast<std::size_t>(kind_.nodes * (kind_.nodes - 1) / 2);
@@ -296,17 +292,16 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
     laws_->tangents(number(cell), span(now.A), {D.data(), static_cast<std::size_t>(points_)});
     PressureGradient G = PressureGradient::Zero();
     for (int g = 0; g < points_; ++g) {
-      const auto at = static_cast<std::size_t>(g);
       const double weight = rest(cell, g).weight;
       const Direction B = slope(cell, g, node);
       if constexpr (d == 3)
         if (!volume_.empty()) {
-          const Vector3 of_volume = weight * cofactors(now.F[at]) * B;
-          G += of_volume * functions_[at].transpose();
-          add_pressure(now.p[at], now.A[at], now.S[at], D[at]);
+          const Vector3 of_volume = weight * cofactors(now.F[g]) * B;
+          G += of_volume * functions_[g].transpose();
+          add_pressure(now.p[g], now.A[g], now.S[g], D[g]);
         }
-      const Acting here = acting({now.F[at], weight * now.S[at], weight * D[at]}, B);
-      block.gradient += now.F[at] * here.SB;
+      const Acting here = acting({now.F[g], weight * now.S[g], weight * D[g]}, B);
+      block.gradient += now.F[g] * here.SB;
       add_pair(here, here, block.hessian);
     }
     if constexpr (d == 3)
@@ -329,7 +324,7 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
   }
 
   void set_rest() {
-    rest_.reserve(static_cast<std::size_t>(block_.size() * points_));
+    rest_.reserve(block_.size() * points_);
     for (int cell = 0; cell < block_.size(); ++cell) {
       PointGradients<d> all;
       slopes_.gradients(gathered(body_.rest, cell), all);
@@ -386,14 +381,13 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
     now.inverted = false;
     set_gradients(cell, displacement, now.F);
     for (int g = 0; g < points_; ++g) {
-      const auto at = static_cast<std::size_t>(g);
-      const Gradient H = now.F[at], E = frame(cell, g);
-      now.F[at] = E + H;
+      const Gradient H = now.F[g], E = frame(cell, g);
+      now.F[g] = E + H;
       const Square linear = E.transpose() * H;
-      now.A[at] = linear + linear.transpose() + H.transpose() * H;
+      now.A[g] = linear + linear.transpose() + H.transpose() * H;
       if constexpr (d == 3) {
-        now.swelling[at] = swelling_of(H);
-        now.inverted |= !(1 + now.swelling[at] > 0);
+        now.swelling[g] = swelling_of(H);
+        now.inverted |= !(1 + now.swelling[g] > 0);
       }
     }
   }
@@ -409,9 +403,8 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
     set_elastic_stresses(positions, cell, now);
     if (!relaxing_) return;
     for (int g = 0; g < points_; ++g) {
-      const auto at = static_cast<std::size_t>(g);
-      now.S[at] = relaxing_.factor() * now.S[at] + left_stress(cell, g);
-      if (!volume_.empty()) now.p[at] *= relaxing_.factor();
+      now.S[g] = relaxing_.factor() * now.S[g] + left_stress(cell, g);
+      if (!volume_.empty()) now.p[g] *= relaxing_.factor();
     }
   }
 
@@ -435,10 +428,9 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
     std::array<Square, kMostPoints> S;
     laws_->stresses(number(cell), span(now.A), span(S));
     for (int g = 0; g < points_; ++g) {
-      const auto at = static_cast<std::size_t>(g);
       const SoftenedEnergy softened = softened_at(cell, g, now);
-      const Components<d> own = components_of(S[at]);
-      D[at] = softened.factor * D[at] + softened.slope / 2 * own * own.transpose();
+      const Components<d> own = components_of(S[g]);
+      D[g] = softened.factor * D[g] + softened.slope / 2 * own * own.transpose();
     }
   }
   static Components<d> components_of(const Square& tensor) {
@@ -470,14 +462,13 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
           Stresses now;
           set_elastic_stresses(positions, cell, now);
           for (int g = 0; g < points_; ++g) {
-            const auto at = static_cast<std::size_t>(g);
             if constexpr (d == 3)
               if (!volume_.empty()) {
-                const Dilatation shape(now.A[at]);
-                now.S[at] += now.p[at] * shape.J() * shape.inverse;
+                const Dilatation shape(now.A[g]);
+                now.S[g] += now.p[g] * shape.J() * shape.inverse;
               }
             Eigen::Map<Components<d>>(all + static_cast<std::ptrdiff_t>(cell * points_ + g) * kComponents) =
-                components_of(now.S[at]);
+                components_of(now.S[g]);
           }
         },
         kCellThreshold);
@@ -527,7 +518,7 @@ class BlockCells final : public NodalForces, public LocalElasticity, public LawH
 
   /// φ at each point, and M⁻¹ of each cell, M = ∫ φ φᵀ.
   void set_pressure_functions() {
-    functions_.assign(static_cast<std::size_t>(points_), Pressures::Zero());
+    functions_.assign(points_, Pressures::Zero());
     for (int g = 0; g < points_; ++g) {
       Pressures& own = functions_[g];
       own[0] = 1;
@@ -663,8 +654,8 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
   explicit BlockStiffness(const Cells& cells) : cells_(cells) {}
 
   void linearise_at(const Positions& positions) override {
-    now_.resize(static_cast<std::size_t>(cells_.block_.size() * cells_.points_));
-    if (!cells_.volume_.empty()) stiffness_of_pressures_.resize(static_cast<std::size_t>(cells_.block_.size()));
+    now_.resize(cells_.block_.size() * cells_.points_);
+    if (!cells_.volume_.empty()) stiffness_of_pressures_.resize(cells_.block_.size());
     parallel_for(
         cells_.block_.size(),
         [&](int cell) {
@@ -675,12 +666,11 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
                                  {D.data(), static_cast<std::size_t>(cells_.points_)});
           if (cells_.softened_) cells_.soften_tangents(cell, now, D);
           for (int g = 0; g < cells_.points_; ++g) {
-            const auto at = static_cast<std::size_t>(g);
-            if (cells_.relaxing_) D[at] *= cells_.relaxing_.factor();
+            if (cells_.relaxing_) D[g] *= cells_.relaxing_.factor();
             if constexpr (d == 3)
-              if (!cells_.volume_.empty()) Cells::add_pressure(now.p[at], now.A[at], now.S[at], D[at]);
+              if (!cells_.volume_.empty()) Cells::add_pressure(now.p[g], now.A[g], now.S[g], D[g]);
             const double weight = cells_.rest(cell, g).weight;
-            now_[cell * cells_.points_ + g] = {now.F[at], weight * now.S[at], weight * D[at]};
+            now_[cell * cells_.points_ + g] = {now.F[g], weight * now.S[g], weight * D[g]};
           }
           if constexpr (d == 3)
             if (!cells_.volume_.empty()) set_stiffness_of_pressures(cell, now);
@@ -693,10 +683,9 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
       PointGradients<d> change, P;
       cells_.set_gradients(cell, cells_.gathered(motion, cell), change);
       for (int g = 0; g < cells_.points_; ++g) {
-        const auto at = static_cast<std::size_t>(g);
         const Now& now = this->now(cell, g);
         Components<d> of_C;
-        const Square half = now.F.transpose() * change[at];
+        const Square half = now.F.transpose() * change[g];
         constexpr auto order = components<d>();
         for (int k = 0; k < of_C.size(); ++k) {
           const auto [i, j] = order[k];
@@ -708,8 +697,8 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
           const auto [i, j] = order[k];
           dS(i, j) = dS(j, i) = of_S[k];
         }
-        P[at].noalias() = change[at] * now.S;
-        P[at].noalias() += now.F * dS;
+        P[g].noalias() = change[g] * now.S;
+        P[g].noalias() += now.F * dS;
       }
       if constexpr (d == 3)
         if (!cells_.volume_.empty()) {
@@ -727,7 +716,7 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
 
   void visit_blocks(const BlockVisitor& visit) const override {
     const int n = cells_.kind_.nodes;
-    std::vector<Matrix3> K(static_cast<std::size_t>(n * n));
+    std::vector<Matrix3> K(n * n);
     for (int cell = 0; cell < cells_.block_.size(); ++cell) {
       std::fill(K.begin(), K.end(), Matrix3::Zero());
       for (int g = 0; g < cells_.points_; ++g) {
@@ -911,7 +900,7 @@ class BlockStiffness final : public NodalStiffness, public StiffPoints, public C
   }
   /// Of each node.
   std::vector<PressureGradient> pressure_gradients(int cell) const {
-    std::vector<PressureGradient> G(static_cast<std::size_t>(cells_.kind_.nodes), PressureGradient::Zero());
+    std::vector<PressureGradient> G(cells_.kind_.nodes, PressureGradient::Zero());
     if constexpr (d == 3)
       for (int g = 0; g < cells_.points_; ++g) {
         const Matrix3 to_node = cells_.rest(cell, g).weight * cofactors(now(cell, g).F);

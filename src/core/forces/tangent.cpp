@@ -196,7 +196,7 @@ void Tangent::visit_other_diagonal(const std::function<void(int, const Matrix3&)
 /// visit_blocks gives the same; but few of its blocks are on the diagonal, and every solve needs these.
 void Tangent::set_diagonal() {
   const Body& body = model_.body();
-  diagonal_.assign(static_cast<std::size_t>(body.size()), Six::Zero());
+  diagonal_.assign(body.size(), Six::Zero());
   const auto add = [&](int a, const Matrix3& block) {
     diagonal_[a] += Six{block(0, 0), block(0, 1), block(0, 2), block(1, 1), block(1, 2), block(2, 2)};
   };

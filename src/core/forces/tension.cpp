@@ -15,7 +15,7 @@ std::vector<Matrix3> triangle_tensions(const Model& model, const Positions& posi
   VectorX shared = VectorX::Zero(body.connections.size());
   Workspace workspace;
   model.add_triangle_force_densities(positions, own, shared, workspace);
-  std::vector<int> triangles(static_cast<std::size_t>(body.connections.size()), 0);
+  std::vector<int> triangles(body.connections.size(), 0);
   for (const auto& cell : sides)
     for (const int c : cell) ++triangles[c];
 

@@ -196,7 +196,7 @@ class VolumeSlopes final : public EdgeSlopes {
     changes_.resize(groups_.size());
     pressures_.resize(tetrahedra());
     volume_.set_pressures(positions, changes_, pressures_);
-    now_.resize(static_cast<std::size_t>(tetrahedra()));
+    now_.resize(tetrahedra());
     parallel_for(tetrahedra(), [&](int t) { now_[t] = volume_.tetrahedron(positions, t); });
   }
 

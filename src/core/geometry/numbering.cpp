@@ -20,7 +20,7 @@ std::uint64_t spread(std::uint64_t bits) {
 }  // namespace
 
 std::vector<int> order_in_space(const Positions& positions) {
-  std::vector<int> order(static_cast<std::size_t>(positions.cols()));
+  std::vector<int> order(positions.cols());
   std::iota(order.begin(), order.end(), 0);
   if (order.empty()) return order;
   const Vector3 low = positions.rowwise().minCoeff();

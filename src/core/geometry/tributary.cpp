@@ -127,7 +127,7 @@ std::vector<double> tributary_areas(const Points2& points, const Points2& polygo
   std::vector<Point> outline;
   for (int i = 0; i < polygon.cols(); ++i) outline.push_back(polygon.col(i));
   const Buckets buckets(points);
-  std::vector<double> areas(static_cast<std::size_t>(points.cols()), 0);
+  std::vector<double> areas(points.cols(), 0);
   for (int i = 0; i < points.cols(); ++i) {
     std::vector<Point> part = outline;
     const Point mine = points.col(i);

@@ -254,7 +254,7 @@ EnergyExpression::Point EnergyExpression::at(const std::vector<double>& values, 
     if (step.kind == Kind::parameter) {
       const auto name = std::find(names.begin(), names.end(), operation.parameter);
       step.kind = Kind::number;
-      step.number = values.at(static_cast<std::size_t>(name - names.begin()));
+      step.number = values.at(name - names.begin());
     }
     steps.push_back(step);
   }

@@ -324,7 +324,7 @@ std::optional<HomogeneousStresses> homogeneous_stresses(const MaterialLaw& law, 
   std::vector<std::vector<TestedLaw>> changed(changes.size());
   for (std::size_t change = 0; change < changes.size(); ++change)
     for (const Material& other : changes[change].materials) changed[change].emplace_back(law, other, axes);
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(amounts.size()));
+  std::vector<Eigen::Index> order(amounts.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](auto a, auto b) { return std::abs(amounts[a]) < std::abs(amounts[b]); });

@@ -27,7 +27,7 @@ Matrix3 positive_inverse(const Matrix3& block) {
 
 void BlockInverses::compute(const Tangent& tangent, const std::vector<Support>& supports) {
   flexibility_ = 1 / stiffness_scale(tangent);
-  blocks_.resize(static_cast<std::size_t>(tangent.model().body().size()));
+  blocks_.resize(tangent.model().body().size());
   const auto set = [&](int molecule, const Matrix3& block) {
     const Eigen::Matrix3f inverse = (positive_inverse(block) / flexibility_).cast<float>();
     blocks_[molecule] = {inverse(0, 0), inverse(0, 1), inverse(0, 2), inverse(1, 1), inverse(1, 2), inverse(2, 2)};

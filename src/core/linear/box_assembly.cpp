@@ -65,7 +65,7 @@ Corners slopes_along(const Eigen::Vector3f& at, const Eigen::Vector3f& d) {
 /// connections. On a cubic lattice that is its constant, up to the corners.
 double spacing_of(const Body& body) {
   constexpr float none = std::numeric_limits<float>::infinity();
-  std::vector<std::array<float, 3>> shortest(static_cast<std::size_t>(body.size()), {none, none, none});
+  std::vector<std::array<float, 3>> shortest(body.size(), {none, none, none});
   const Connections& connections = body.connections;
   for (int c = 0; c < connections.size(); ++c) {
     const auto length = static_cast<float>(connections.rest_length[c]);
@@ -119,7 +119,7 @@ struct Sorted {
 Sorted sorted_by_box(const BoxGrid& grid, const std::vector<int>& outline_boxes) {
   Sorted sorted{std::vector<int>(static_cast<std::size_t>(grid.boxes()) + 1, 0),
                 std::vector<int>(outline_boxes.size())};
-  for (const int box : outline_boxes) ++sorted.start[static_cast<std::size_t>(grid.number_of(box)) + 1];
+  for (const int box : outline_boxes) ++sorted.start[grid.number_of(box) + 1];
   for (std::size_t box = 1; box < sorted.start.size(); ++box) sorted.start[box] += sorted.start[box - 1];
   std::vector<int> next(sorted.start.begin(), sorted.start.end() - 1);
   for (std::size_t item = 0; item < outline_boxes.size(); ++item)
@@ -331,7 +331,7 @@ void add_at_molecules(const Tangent& tangent, const std::vector<Support>& suppor
   const Body& body = tangent.model().body();
   std::vector<Matrix3> own;
   tangent.visit_other_diagonal([&](int molecule, const Matrix3& block) {
-    if (own.empty()) own.assign(static_cast<std::size_t>(body.size()), Matrix3::Zero());
+    if (own.empty()) own.assign(body.size(), Matrix3::Zero());
     own[molecule] += block;
   });
   const double inertia = tangent.weights().acceleration;
@@ -351,8 +351,7 @@ GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports,
                    bool is_part) {
   const Body& body = tangent.model().body();
   BoxGrid grid(frame);
-  std::vector<int> of_molecule(static_cast<std::size_t>(body.size())),
-      of_link(static_cast<std::size_t>(body.connections.size()));
+  std::vector<int> of_molecule(body.size()), of_link(body.connections.size());
   parallel_for(body.size(), [&](int a) { of_molecule[a] = grid.outline_box(body.rest.col(a)); });
   parallel_for(body.connections.size(), [&](int c) {
     const auto& [a, b] = body.connections.ends[c];
@@ -362,7 +361,7 @@ GridLevel assemble(const Tangent& tangent, const std::vector<Support>& supports,
   for (const int box : of_link) grid.use(box);
   std::vector<std::vector<int>> of_elements;  // cells, then points, of each law and shape
   const auto used_boxes = [&](int count, const auto& place_of) {
-    auto& boxes = of_elements.emplace_back(static_cast<std::size_t>(count));
+    auto& boxes = of_elements.emplace_back(count);
     parallel_for(count, [&](int i) { boxes[i] = grid.outline_box(place_of(i)); });
     for (const int box : boxes) grid.use(box);
   };

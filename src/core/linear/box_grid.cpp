@@ -74,7 +74,7 @@ void BoxGrid::number() {
     const int p = static_cast<int>(point);
     at_.push_back({p % lines[0], p / lines[0] % lines[1], p / lines[0] / lines[1]});
   }
-  corners_.resize(static_cast<std::size_t>(boxes));
+  corners_.resize(boxes);
   for (std::size_t box = 0; box < used_.size(); ++box)
     for (int c = 0; used_[box] && c < kCorners; ++c)
       corners_[number_of_box_[box]][c] = number_of_point_[corner(box, c)];

@@ -23,9 +23,9 @@ Eigen::Map<const Eigen::Matrix3f> as_block(const float* numbers) { return Eigen:
 
 BoxLevel::BoxLevel(BoxGrid grid)
     : grid_(std::move(grid)),
-      rows_(static_cast<std::size_t>(grid_.points()), Row::Zero()),
-      around_(static_cast<std::size_t>(grid_.points())),
-      sums_(static_cast<std::size_t>(grid_.points()), Matrix3::Zero()) {
+      rows_(grid_.points(), Row::Zero()),
+      around_(grid_.points()),
+      sums_(grid_.points(), Matrix3::Zero()) {
   parallel_for(
       points(),
       [&](int point) {

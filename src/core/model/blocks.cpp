@@ -104,7 +104,7 @@ double measure_of(const Eigen::MatrixXd& edges) {
 }
 
 VectorX face_shares(const Body& body, const std::vector<int>& molecules, const Vector3& direction) {
-  std::vector<char> among(static_cast<std::size_t>(body.size()), 0);
+  std::vector<char> among(body.size(), 0);
   for (const int molecule : molecules) among[molecule] = 1;
   VectorX areas = VectorX::Zero(body.size());
   for (const BlockFace& face : boundary_faces(body)) {

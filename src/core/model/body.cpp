@@ -21,7 +21,7 @@ void sort_once(std::vector<std::array<int, 2>>& pairs) {
   int most = -1;
   for (const auto& pair : pairs) most = std::max(most, pair[0]);
   std::vector<std::size_t> next(static_cast<std::size_t>(most) + 2, 0);
-  for (const auto& pair : pairs) ++next[static_cast<std::size_t>(pair[0]) + 1];
+  for (const auto& pair : pairs) ++next[pair[0] + 1];
   for (std::size_t row = 1; row < next.size(); ++row) next[row] += next[row - 1];
   std::vector<int> seconds(pairs.size());
   for (const auto& pair : pairs) seconds[next[pair[0]]++] = pair[1];
@@ -140,8 +140,8 @@ void add_cell_sides(Body& body, const std::vector<std::array<int, 2>>& sides) {
 
 Body without_cell_sides(const Body& body) {
   Body proper = body;
-  proper.connections.ends.resize(static_cast<std::size_t>(body.connections.proper()));
-  proper.connections.rest_length.resize(static_cast<std::size_t>(body.connections.proper()));
+  proper.connections.ends.resize(body.connections.proper());
+  proper.connections.rest_length.resize(body.connections.proper());
   proper.connections.cell_sides = 0;
   if (proper.connection_stiffness.size()) proper.connection_stiffness.conservativeResize(body.connections.proper());
   return proper;

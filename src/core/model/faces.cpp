@@ -16,7 +16,7 @@ namespace {
 
 /// A third of the area, seen along `direction`, of each boundary triangle whose three corners are in the face.
 VectorX triangle_thirds(const Body& body, const std::vector<int>& molecules, const Vector3& direction) {
-  std::vector<char> among(static_cast<std::size_t>(body.size()), 0);
+  std::vector<char> among(body.size(), 0);
   for (const int molecule : molecules) among[molecule] = 1;
   VectorX areas = VectorX::Zero(body.size());
   const auto is_among = [&](int molecule) { return among[molecule] != 0; };
@@ -36,7 +36,7 @@ VectorX triangle_thirds(const Body& body, const std::vector<int>& molecules, con
 /// Molecules at or above a height. Of a refined body those at the end of the body that it came from, and what lies
 /// between them: a depth holds the same matter on cells of any size, even where the end is not plane.
 std::vector<int> molecules_above(const Body& body, const VectorX& height, double low) {
-  std::vector<char> above(static_cast<std::size_t>(body.size()));
+  std::vector<char> above(body.size());
   const int first = body.size() - static_cast<int>(body.between.size());
   std::vector<int> molecules;
   std::vector<int> ascending(above.size());  // in the whole, so that what one lies between comes before it
@@ -157,7 +157,7 @@ BoxSides find_box(const Body& body, const Matrix3& axes, double depth) {
 
 Surface find_surface(const Body& body, const Matrix3& axes, double depth) {
   Surface surface;
-  std::vector<char> outside(static_cast<std::size_t>(body.size()), 0);
+  std::vector<char> outside(body.size(), 0);
   if (any_over(body, !body.tetrahedra.empty())) {
     if (depth > 0) throw InputError("grip_depth: the body's cells say what its surface is");
     for (const auto& triangle : boundary_of(body.tetrahedra))

@@ -83,7 +83,7 @@ Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> Neighbours::edges(int number, 
   Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> span(3, of_each == 3 ? 2 : 3);
   for (int axis = 0; axis < span.cols(); ++axis) {
     if (of_each != 8) {
-      span.col(axis) = positions.col(own[static_cast<std::size_t>(axis) + 1]) - positions.col(own[0]);
+      span.col(axis) = positions.col(own[axis + 1]) - positions.col(own[0]);
       continue;
     }
     span.col(axis).setZero();  // corners of a cube are numbered by the bits of x, y, z

@@ -123,7 +123,7 @@ PartAlone part_alone(const Body& whole, const Part& part) {
   PartAlone result;
   Body& body = result.body;
   result.molecules = molecules_of(part);
-  std::vector<int> own(static_cast<std::size_t>(whole.size()), -1);
+  std::vector<int> own(whole.size(), -1);
   for (std::size_t i = 0; i < result.molecules.size(); ++i) own[result.molecules[i]] = static_cast<int>(i);
   body.rest = whole.rest(Eigen::all, result.molecules);
   body.mass = whole.mass(result.molecules), body.radius = whole.radius(result.molecules);

@@ -63,7 +63,7 @@ class ShareBuilder {
   ShareBuilder(const Body& body, const Owners& owners, int own) : body_(body), owners_(owners), own_(own) {}
 
   Body make() {
-    std::vector<char> near(static_cast<std::size_t>(body_.size()));
+    std::vector<char> near(body_.size());
     for (int molecule = 0; molecule < body_.size(); ++molecule) near[molecule] = owners_.of(molecule) == own_;
     near = with_neighbours(with_neighbours(near));
     auto share = std::make_shared<Share>();
@@ -78,7 +78,7 @@ class ShareBuilder {
     share->molecules = owners_.molecules;
     share->connections = body_.connections.proper();
     share->cells = static_cast<std::int64_t>(count_cells(body_));
-    local_.assign(static_cast<std::size_t>(body_.size()), -1);
+    local_.assign(body_.size(), -1);
     for (std::size_t i = 0; i < molecules_.size(); ++i) local_[molecules_[i]] = static_cast<int>(i);
     Body result = elements();
     result.share = std::move(share);
@@ -199,8 +199,8 @@ Body share_out(const std::function<Body()>& make, const std::shared_ptr<const Pr
       return whole;
     }
     const std::vector<int> owner = bisect(whole.rest, processes->count());
-    std::vector<std::int64_t> place(owner.size()), next(static_cast<std::size_t>(processes->count()) + 1, 0);
-    for (const int one : owner) ++next[static_cast<std::size_t>(one) + 1];
+    std::vector<std::int64_t> place(owner.size()), next(processes->count() + 1, 0);
+    for (const int one : owner) ++next[one + 1];
     std::partial_sum(next.begin(), next.end(), next.begin());
     for (std::size_t molecule = 0; molecule < owner.size(); ++molecule) place[molecule] = next[owner[molecule]]++;
     const Owners owners{[&](int molecule) { return owner[molecule]; },
@@ -235,9 +235,9 @@ Subdomain computed_by(const Body& share) {
   own.whole = &share;
   own.body = std::shared_ptr<const Body>(std::shared_ptr<const Body>(), &share);
   own.owned = share.share->owned;
-  own.molecules.resize(static_cast<std::size_t>(share.size()));
+  own.molecules.resize(share.size());
   std::iota(own.molecules.begin(), own.molecules.end(), 0);
-  own.connections.resize(static_cast<std::size_t>(share.connections.size()));
+  own.connections.resize(share.connections.size());
   std::iota(own.connections.begin(), own.connections.end(), 0);
   for (int c = 0; c < share.connections.size(); ++c) own.computes.push_back(computes(share, c));
   const auto choose = [&](const auto& cells, std::vector<int>& chosen) {

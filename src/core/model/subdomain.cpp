@@ -144,7 +144,7 @@ VectorX Subdomain::computed(const VectorX& of_whole) const {
 }
 
 std::vector<int> bisect(const Positions& positions, int parts) {
-  std::vector<int> owners(static_cast<std::size_t>(positions.cols())), molecules(owners.size());
+  std::vector<int> owners(positions.cols()), molecules(owners.size());
   std::iota(molecules.begin(), molecules.end(), 0);
   bisect(positions, molecules, 0, parts, owners);
   return owners;

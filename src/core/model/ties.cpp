@@ -132,7 +132,7 @@ void renumber_parts(Body& body, const std::vector<int>& kept, const std::vector<
 
 /// Returns the new number of each molecule.
 std::vector<int> join(Body& body, const std::vector<std::array<int, 2>>& pairs) {
-  std::vector<int> kept(static_cast<std::size_t>(body.size()));
+  std::vector<int> kept(body.size());
   for (std::size_t m = 0; m < kept.size(); ++m) kept[m] = static_cast<int>(m);
   for (const auto& [a, b] : pairs) kept[std::max(a, b)] = std::min(a, b);
   for (int& molecule : kept)
@@ -204,7 +204,7 @@ void fix(Body& body, Part& rigid, const Side& side, double within, TieReport& re
 /// Moves molecules of `slaves` that are no corners of the other surface onto it, and ties them there.
 void tie_to(Body& body, const Side& slaves, const std::vector<TriangleTree::Nearest>& nearest, const Side& masters,
             double within, double stiffness, TieReport& report) {
-  std::vector<char> taken(static_cast<std::size_t>(body.size()), 0);
+  std::vector<char> taken(body.size(), 0);
   for (const int molecule : masters.molecules) taken[molecule] = 1;
   for (const Tie& tie : body.ties) taken[tie.molecule] = 1;
   const VectorX areas = surface_shares(body, slaves.triangles);
@@ -218,7 +218,7 @@ void tie_to(Body& body, const Side& slaves, const std::vector<TriangleTree::Near
     report.furthest = std::max(report.furthest, distance);
     ++report.tied;
   }
-  std::vector<char> moved(static_cast<std::size_t>(body.size()), 0);
+  std::vector<char> moved(body.size(), 0);
   for (const Tie& tie : body.ties) moved[tie.molecule] = 1;
   for (int c = 0; c < body.connections.size(); ++c) {
     const auto& [a, b] = body.connections.ends[c];

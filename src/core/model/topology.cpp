@@ -24,8 +24,8 @@ void require_plain(const Body& body, const char* what) {
 
 TopologyChange no_change(const Body& body, const Neighbours& cells) {
   return {std::vector<char>(cells.sides.size(), 0),
-          std::vector<char>(static_cast<std::size_t>(cells.size()), 0),
-          std::vector<char>(static_cast<std::size_t>(body.connections.size()), 0),
+          std::vector<char>(cells.size(), 0),
+          std::vector<char>(body.connections.size(), 0),
           {}};
 }
 
@@ -41,7 +41,7 @@ class CellTear {
       : positions_(positions), cells_(cells) {
     stretch_ = VectorX::Zero(body.size());
     direction_.setZero(3, body.size());
-    std::vector<Matrix3> of_cell(static_cast<std::size_t>(cells.size()));
+    std::vector<Matrix3> of_cell(cells.size());
     for (int cell = 0; cell < cells.size(); ++cell) of_cell[cell] = cells.deformation(cell, body.rest, positions);
     for (int molecule = 0; molecule < body.size(); ++molecule) {
       Matrix3 sum = Matrix3::Zero();
@@ -56,7 +56,7 @@ class CellTear {
       direction_.col(molecule) = principal.eigenvectors().col(2);
       if (has_both_sides(molecule)) stretch_[molecule] = std::sqrt(std::max(0., principal.eigenvalues()[2]));
     }
-    largest_.assign(static_cast<std::size_t>(body.size()), 1);
+    largest_.assign(body.size(), 1);
     for (const auto& [a, b] : body.connections.ends) {
       const bool second = stretch_[b] > stretch_[a] || (stretch_[b] == stretch_[a] && b < a);
       largest_[second ? a : b] = 0;

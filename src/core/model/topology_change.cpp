@@ -39,7 +39,7 @@ class TopologyBuilder {
     if (result_.split_molecules || result_.removed_cells || result_.removed_connections) result_.changed = true;
     if (!result_.changed) {
       result_.body = body_;
-      result_.molecule_from.resize(static_cast<std::size_t>(body_.size()));
+      result_.molecule_from.resize(body_.size());
       std::iota(result_.molecule_from.begin(), result_.molecule_from.end(), 0);
       return std::move(result_);
     }

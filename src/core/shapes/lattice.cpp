@@ -97,8 +97,8 @@ Body cubic_lattice(const std::array<int, 3>& molecules, double spacing, const Cu
   Body body;
   body.grid = molecules;
   body.rest.resize(3, static_cast<Eigen::Index>(nx) * ny * nz);
-  body.connections.ends.reserve(static_cast<std::size_t>(numbered(connections, "connections")));
-  body.cubes.reserve(static_cast<std::size_t>(pairs_along(molecules, {1, 1, 1})));
+  body.connections.ends.reserve(numbered(connections, "connections"));
+  body.cubes.reserve(pairs_along(molecules, {1, 1, 1}));
   for (int z = 0; z < nz; ++z)
     for (int y = 0; y < ny; ++y)
       for (int x = 0; x < nx; ++x) {

@@ -48,7 +48,7 @@ Body bare(const Body& body) {
 /// Leaves out molecules that no cell has: those between the corners of cells that were of second order. Says whether
 /// there were any.
 bool leave_out_unused(Body& body) {
-  std::vector<int> number(static_cast<std::size_t>(body.size()), -1), kept;
+  std::vector<int> number(body.size(), -1), kept;
   for (const CellBlock& block : body.blocks)
     for (const int node : block.nodes) number[node] = 0;
   for (int molecule = 0; molecule < body.size(); ++molecule) {
@@ -75,7 +75,7 @@ Body with_cells(const Body& body, const CellKind& kind) {
                        std::string(kind.plural));
     const CellKind& linear = first_order_of(kind);
     CellBlock changed{&kind, {}, block.stiffness};
-    changed.nodes.reserve(static_cast<std::size_t>(block.size() * kind.nodes));
+    changed.nodes.reserve(block.size() * kind.nodes);
     for (int cell = 0; cell < block.size(); ++cell) {
       const auto corners = block.cell(cell).first(static_cast<std::size_t>(kind.corners));
       changed.nodes.insert(changed.nodes.end(), corners.begin(), corners.end());

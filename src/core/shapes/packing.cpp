@@ -70,7 +70,7 @@ Body random_packing(const Vector3& size, double distance, double reach, std::uin
 
   const double apart = distance * 1.001;  // a little more than asked, so that rounding breaks no distance
   for (VectorX overlaps; (overlaps = push_apart(positions, size, apart)).maxCoeff() > 0;) {
-    std::vector<int> crowded(static_cast<std::size_t>(positions.cols()));
+    std::vector<int> crowded(positions.cols());
     std::iota(crowded.begin(), crowded.end(), 0);
     std::stable_sort(crowded.begin(), crowded.end(), [&](int a, int b) { return overlaps[a] > overlaps[b]; });
     crowded.resize(1 + crowded.size() / 200);

@@ -217,7 +217,7 @@ Body cross_canopy(double width, double span, int squares) {
 void hang_load(Body& body, HungFrom from, const Vector3& position, double stiffness, double mass, double radius) {
   const int load = body.size();
   body.between.clear();  // what hangs lies between no others
-  std::vector<char> chosen(static_cast<std::size_t>(load), 0);
+  std::vector<char> chosen(load, 0);
   if (from == HungFrom::rim) {
     std::map<std::array<int, 2>, int> sides;
     for (const auto& triangle : body.triangles)

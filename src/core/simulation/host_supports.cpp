@@ -108,7 +108,7 @@ void HostSupports::attach() {
 }
 
 void HostSupports::index() {
-  seen_.assign(static_cast<std::size_t>(model_.body().size()), {});
+  seen_.assign(model_.body().size(), {});
   for (std::size_t at = 0; at < model_.supports.size(); ++at)
     seen_[model_.supports[at].molecule].support = static_cast<int>(at);
   for (std::size_t at = 0; at < fixed_.size(); ++at) seen_[fixed_[at].molecule].fixed = static_cast<int>(at);

@@ -31,9 +31,8 @@ std::shared_ptr<const Works> works_of(const Body& whole, const std::vector<Mater
   works->materials = materials;
   for (const Part& part : whole.parts)
     if (!part.rigid)
-      works->soft.push_back(std::make_unique<const PartAtWork>(
-          PartAtWork{works->materials.at(static_cast<std::size_t>(part.material)), part.triangles,
-                     part_alone(whole, part), with_cells_of(whole, part)}));
+      works->soft.push_back(std::make_unique<const PartAtWork>(PartAtWork{
+          works->materials.at(part.material), part.triangles, part_alone(whole, part), with_cells_of(whole, part)}));
   return works;
 }
 
@@ -118,7 +117,7 @@ std::string unsuited_part(const Strategy& strategy, const std::vector<Material>&
     if (strategy.has_history && strategy.kind != StrategyKind::cell_law)
       return "springs that relax or soften take one body, not several";
     std::string why = strategy.calibrates ? strategy.unsuited(whole) : strategy.unsuited(body);
-    if (why.empty()) why = material_unsuited(strategy, body, materials.at(static_cast<std::size_t>(part.material)));
+    if (why.empty()) why = material_unsuited(strategy, body, materials.at(part.material));
     if (!why.empty()) return "body '" + part.name + "': " + why;
   }
   return "";
@@ -128,9 +127,7 @@ bool part_needs_voronoi(const Strategy& strategy, const std::vector<Material>& m
   for (const Part& part : whole.parts) {
     if (part.rigid || part.voronoi) continue;
     const Body body = part_alone(whole, part).body;
-    if (strategy.needs_voronoi(body) ||
-        fibres_need_voronoi(strategy, body, materials.at(static_cast<std::size_t>(part.material))))
-      return true;
+    if (strategy.needs_voronoi(body) || fibres_need_voronoi(strategy, body, materials.at(part.material))) return true;
   }
   return false;
 }
@@ -169,7 +166,7 @@ void add_companions(Model& model, const Strategy& strategy, const Material& mate
 }
 
 void fix_rigid_parts(Model& model) {
-  std::vector<char> held(static_cast<std::size_t>(model.body().size()), 0);
+  std::vector<char> held(model.body().size(), 0);
   for (const Support& support : model.supports) held[support.molecule] = 1;
   for (const Part& part : model.body().parts)
     if (part.rigid)

@@ -22,13 +22,13 @@ Tool& found(Tools& tools, ToolId tool) {
   if (tool < 1 || static_cast<std::size_t>(tool) > tools.all.size())
     throw InputError("tool " + std::to_string(tool) + " is none: there are " + std::to_string(tools.all.size()) +
                      ", from 1");
-  return tools.all[static_cast<std::size_t>(tool) - 1];
+  return tools.all[tool - 1];
 }
 
 }  // namespace
 
 Pose Tools::pose(ToolId number, double time) const {
-  const Tool& tool = all[static_cast<std::size_t>(number) - 1];
+  const Tool& tool = all[number - 1];
   if (!tool.next || !(end > start)) return tool.pose;
   const double span = end - start;
   double part = std::clamp((time - start) / span, 0., 1.);

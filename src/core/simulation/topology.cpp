@@ -110,7 +110,7 @@ TopologyReport Simulation::change(ChangedBody changed) {
                         std::move(changed.connection_from),
                         nullptr};
   if (!changed.changed) {
-    report.connection_from.resize(static_cast<std::size_t>(in.body.connections.size()));
+    report.connection_from.resize(in.body.connections.size());
     std::iota(report.connection_from.begin(), report.connection_from.end(), 0);
     return report;
   }
@@ -150,7 +150,7 @@ TopologyReport Simulation::remove(const std::vector<int>& connections, const std
 const std::vector<int>& Simulation::origin() const noexcept {
   std::vector<int>& origin = impl_->origin;
   if (origin.empty()) {
-    origin.resize(static_cast<std::size_t>(impl_->body.size()));
+    origin.resize(impl_->body.size());
     std::iota(origin.begin(), origin.end(), 0);
   }
   return origin;

@@ -33,18 +33,16 @@ struct TermSlots {
   std::vector<int> start;
   std::vector<LocalSlot> slots;
   std::span<const LocalSlot> of(int molecule) const {
-    const auto at = static_cast<std::size_t>(molecule);
-    return {slots.data() + start[at], static_cast<std::size_t>(start[at + 1] - start[at])};
+    return {slots.data() + start[molecule], static_cast<std::size_t>(start[molecule + 1] - start[molecule])};
   }
 };
 
 TermSlots slots_of(const LocalElasticity& term, int molecules) {
   TermSlots result{&term, std::vector<int>(static_cast<std::size_t>(molecules) + 1, 0), {}};
   for (int element = 0; element < term.elements(); ++element)
-    for (const int molecule : term.molecules_of(element)) ++result.start[static_cast<std::size_t>(molecule) + 1];
-  for (int molecule = 0; molecule < molecules; ++molecule)
-    result.start[static_cast<std::size_t>(molecule) + 1] += result.start[molecule];
-  result.slots.resize(static_cast<std::size_t>(result.start.back()));
+    for (const int molecule : term.molecules_of(element)) ++result.start[molecule + 1];
+  for (int molecule = 0; molecule < molecules; ++molecule) result.start[molecule + 1] += result.start[molecule];
+  result.slots.resize(result.start.back());
   std::vector<int> next(result.start.begin(), result.start.end() - 1);
   for (int element = 0; element < term.elements(); ++element) {
     int node = 0;
@@ -269,7 +267,7 @@ class BlockDescent final : public Implicit {
       });
     }
     supports_ = &model.supports;
-    support_of_.assign(static_cast<std::size_t>(n), -1);
+    support_of_.assign(n, -1);
     for (std::size_t i = 0; i < model.supports.size(); ++i)
       support_of_[model.supports[i].molecule] = static_cast<int>(i);
     return suited_;

@@ -20,12 +20,12 @@ Rows rows_of(const std::vector<int>& colours) {
 }  // namespace
 
 Rows colours_of_items(int items, int molecules, const std::function<std::span<const int>(int)>& molecules_of) {
-  std::vector<std::vector<int>> used(static_cast<std::size_t>(molecules));  // colours at each molecule
-  std::vector<int> colours(static_cast<std::size_t>(items)), seen;
+  std::vector<std::vector<int>> used(molecules);  // colours at each molecule
+  std::vector<int> colours(items), seen;
   for (int item = 0; item < items; ++item) {
     for (const int molecule : molecules_of(item))
       for (const int colour : used[molecule]) {
-        if (static_cast<int>(seen.size()) <= colour) seen.resize(static_cast<std::size_t>(colour) + 1, -1);
+        if (static_cast<int>(seen.size()) <= colour) seen.resize(colour + 1, -1);
         seen[colour] = item;
       }
     const int own = colours[item] = first_free(seen, item);
@@ -35,16 +35,16 @@ Rows colours_of_items(int items, int molecules, const std::function<std::span<co
 }
 
 Rows colours_of_molecules(int molecules, int elements, const std::function<std::span<const int>(int)>& molecules_of) {
-  std::vector<std::vector<int>> elements_at(static_cast<std::size_t>(molecules));
+  std::vector<std::vector<int>> elements_at(molecules);
   for (int element = 0; element < elements; ++element)
     for (const int molecule : molecules_of(element)) elements_at[molecule].push_back(element);
-  std::vector<int> colours(static_cast<std::size_t>(molecules), -1), seen;
+  std::vector<int> colours(molecules, -1), seen;
   for (int molecule = 0; molecule < molecules; ++molecule) {
     for (const int element : elements_at[molecule])
       for (const int other : molecules_of(element)) {
         const int colour = colours[other];
         if (colour < 0) continue;
-        if (static_cast<int>(seen.size()) <= colour) seen.resize(static_cast<std::size_t>(colour) + 1, -1);
+        if (static_cast<int>(seen.size()) <= colour) seen.resize(colour + 1, -1);
         seen[colour] = molecule;
       }
     colours[molecule] = first_free(seen, molecule);

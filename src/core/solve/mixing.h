@@ -11,7 +11,7 @@ class Mixing {
  public:
   static constexpr int kMost = 20;
   /// Of so many of the last iterations, 0 … kMost.
-  explicit Mixing(int memory) : pasts_(static_cast<std::size_t>(memory)) {}
+  explicit Mixing(int memory) : pasts_(memory) {}
 
   /// Begins anew, with room for so many molecules: nothing after it allocates.
   void begin(Eigen::Index molecules);

@@ -11,7 +11,7 @@ ModeReport find_modes_in_parts(const Body& body, const std::vector<Support>& sup
   for (const Part& part : body.parts) {
     if (part.rigid) continue;
     const PartAlone alone = part_alone(body, part);
-    std::vector<int> own(static_cast<std::size_t>(body.size()), -1);
+    std::vector<int> own(body.size(), -1);
     for (std::size_t i = 0; i < alone.molecules.size(); ++i) own[alone.molecules[i]] = static_cast<int>(i);
     std::vector<Support> held;
     for (Support support : supports)

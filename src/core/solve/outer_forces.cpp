@@ -10,7 +10,7 @@ void OuterForces::begin(const Model& model, const State& state, const Weights& w
   const auto& loads = model.loads();
   const bool vary = !model.viscosity().empty() ||
                     std::any_of(loads.begin(), loads.end(), [](const auto& load) { return load->changes(); });
-  blocks_.assign(static_cast<std::size_t>(model.body().size()), Matrix3::Zero());
+  blocks_.assign(model.body().size(), Matrix3::Zero());
   const auto add = [this](int a, int b, const Matrix3& block) {
     Matrix3& own = blocks_[a];
     if (a == b)

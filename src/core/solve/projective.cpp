@@ -82,8 +82,7 @@ class RestInverse {
 /// (L-BFGS); with line search, so that it takes any law.            [Bouaziz et al. 2014; Liu, Bouaziz & Kavan 2017]
 class Projective final : public Implicit {
  public:
-  Projective(const StaticOptions& options, int memory)
-      : Implicit(options, 0, 0), pairs_(static_cast<std::size_t>(memory)) {}
+  Projective(const StaticOptions& options, int memory) : Implicit(options, 0, 0), pairs_(memory) {}
 
  private:
   struct Pair {
@@ -178,7 +177,7 @@ class Projective final : public Implicit {
     const auto pair = [&](int back) -> const Pair& {  // 0 is the last
       return pairs_[static_cast<std::size_t>(used_ - 1 - back) % pairs_.size()];
     };
-    weights_.resize(static_cast<std::size_t>(count));
+    weights_.resize(count);
     rest_ = unbalanced;
     for (int back = 0; back < count; ++back) {
       const double weight = ordered_dot(pair(back).motion, rest_) / pair(back).product;

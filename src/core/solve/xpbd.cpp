@@ -138,7 +138,7 @@ class Xpbd final : public Implicit {
   void set_inverses(const Model& model, double weight) {
     const VectorX& mass = model.body().mass;
     const int n = model.body().size();
-    inverses_.resize(static_cast<std::size_t>(n));
+    inverses_.resize(n);
     for (int i = 0; i < n; ++i)
       inverses_[i] = outer_.vary()
                          ? Matrix3(weight * positive_inverse(weight * mass[i] * Matrix3::Identity() + outer_.block(i)))

@@ -220,7 +220,7 @@ class CellElasticity final : public SimplexCells<typename Kernel::Shape>, public
 
  public:
   CellElasticity(const Body& body, const Material& material, Kernel kernel) : Block(body), kernel_(std::move(kernel)) {
-    constants_.reserve(static_cast<std::size_t>(graph_.cells()));
+    constants_.reserve(graph_.cells());
     if constexpr (requires { kernel_.point(material); })
       if (!material.varies() && body.cell_stiffness.size() == 0 && graph_.cells() > 0) {
         const auto shared = kernel_.point(material);

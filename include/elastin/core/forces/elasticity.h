@@ -27,7 +27,7 @@ class Workspace {
   Eigen::Map<VectorX> buffer(Use use, Eigen::Index size) { return grown(numbers_[use], size); }
   /// The same for each part of a parallel pass.
   void reserve_ranges(int ranges) {
-    if (static_cast<int>(range_buffers_.size()) < ranges) range_buffers_.resize(static_cast<std::size_t>(ranges));
+    if (static_cast<int>(range_buffers_.size()) < ranges) range_buffers_.resize(ranges);
   }
   Eigen::Map<VectorX> range_buffer(int range, Eigen::Index size) { return grown(range_buffers_[range], size); }
 

@@ -35,8 +35,7 @@ ElasticTerms make_mullins(ElasticTerms elastic, const Softening& softening);
 class SoftenedElements {
  public:
   SoftenedElements() = default;
-  SoftenedElements(const Softening& softening, int elements)
-      : softening_(softening), most_(static_cast<std::size_t>(elements), 0) {}
+  SoftenedElements(const Softening& softening, int elements) : softening_(softening), most_(elements, 0) {}
 
   explicit operator bool() const { return !most_.empty(); }
   SoftenedEnergy at(int element, double energy) const { return softened_energy(softening_, energy, most_[element]); }
