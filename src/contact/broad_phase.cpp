@@ -13,7 +13,7 @@ namespace elastin::contact {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-/// Boxes and molecules are handled on several threads from so many on.
+/// Number of boxes or molecules from which several threads handle them.
 constexpr int kManyBoxes = 20000;
 
 Rows neighbours_of(const Body& body) {

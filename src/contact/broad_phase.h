@@ -32,8 +32,8 @@ struct ContactGeometry {
   }
 };
 
-/// Pairs that may touch. Those that it leaves out are further apart than asked for; it looks again only once something
-/// has moved so far that this could be wrong.
+/// Pairs that may touch. Those that it leaves out are further apart than the requested distance; it looks again only
+/// once something has moved so far that this could be wrong.
 class BroadPhase {
  public:
   struct Candidate {

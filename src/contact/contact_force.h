@@ -22,7 +22,7 @@ struct MoleculePressure {
 };
 
 /// The one kind of Contact. Its files: contact_force.cpp what a load does; contact_state.cpp the touches of a state,
-/// and what is remembered of them; multipliers.cpp what bounds the depth; max_step_fraction.cpp what keeps steps short;
+/// and their history; multipliers.cpp what bounds the depth; max_step_fraction.cpp what keeps steps short;
 /// contact_report.cpp.
 class ContactForce final : public Contact {
  public:
@@ -125,7 +125,7 @@ class ContactForce final : public Contact {
   mutable std::vector<ContactHistory> cached_memory_, next_history_;
 };
 
-/// Order of the touches, of what is remembered of them and of molecules' pressures.
+/// Order of the touches, of their history and of molecules' pressures.
 inline std::pair<int, int> key_of(const ContactPoint& point) { return {point.sample, point.target}; }
 inline std::pair<int, int> key_of(const ContactHistory& memory) { return {memory.sample, memory.target}; }
 inline std::pair<int, int> key_of(const MoleculePressure& held) { return {held.molecule, held.target}; }

@@ -34,7 +34,7 @@ ContactReport ContactForce::report(const State& state) const {
       report.between_pieces += sample.piece < other ? force : Vector3(-force);
   }
   report.pressure = VectorX::Zero(body_.size());
-  // What is pressed from the other side alone, beside a rim, has its whole surface for that.
+  // What is pressed from the other side alone, next to a rim, has its whole surface for that.
   for (const int molecule : watched_)
     if (pressing[molecule] > 0)
       report.pressure[molecule] = pressing[molecule] / (touched[molecule] > 0 ? touched[molecule] : area_[molecule]);

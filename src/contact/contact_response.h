@@ -35,7 +35,7 @@ struct ContactResponse {
   Matrix3 friction_gap_rate_slope = Matrix3::Zero();  ///< the same of the damping part of N, by ġ [N s/m]
 };
 
-/// What decides about a touch beside its geometry.
+/// What decides about a contact point in addition to its geometry.
 struct ContactSetting {
   double stiffness = 0;                ///< [N/m]
   double mass = 0;                     ///< reduced, of the two that touch [kg]

@@ -1,12 +1,13 @@
 // Depth bounded by augmented Lagrange multipliers, one for each molecule and what it touches: a pressure p of the
 // surface about the molecule, linear on the triangles between. A sample s of area A and weights w is pressed with
-// λ = A Σ w p beside its penalty, and p grows by what the penalty presses on the molecule's share of the surface,
+// λ = A Σ w p in addition to its penalty, and p grows by what the penalty presses on the molecule's share of the
+// surface,
 //
 //     p ← max(0, p + Σ_s w_s (N_s − λ_s) / Σ_s w_s A_s),
 //
 // until no p changes by more than stiffness · penetration: then the mean gap of each share is zero where p is not. A
 // multiplier for each sample would ask for more than the molecules between are free to do: three samples of each
-// triangle cannot all lie on a round tool, and most of them would be let go. [Wriggers 2006, ch. 5 and 9]
+// triangle cannot all lie on a round tool, and most of them would be released. [Wriggers 2006, ch. 5 and 9]
 
 #include <algorithm>
 #include <cmath>

@@ -11,7 +11,7 @@
 namespace elastin::contact {
 namespace {
 
-/// Places that are asked for what they touch, on several threads from so many on.
+/// Number of samples from which the search goes on several threads.
 constexpr int kManyGroups = 2000;
 /// cos 60°: a sample has not come in through triangles that look the same way as it does.
 constexpr double kSameDirection = 0.5;

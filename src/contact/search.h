@@ -51,7 +51,7 @@ struct ContactPoint {
 /// triangles pushes out what is up to half its mean side behind it: back through where it came in, if it is more than
 /// half through. A surface with a rim is a sheet, touched on both sides and never behind: what touches it needs a
 /// radius. Within a piece what is joined, and what overlaps at rest, does not touch. Broad phase by FCL over boxes that
-/// are `skin` wider than they must be, and made anew only when something has moved by half of it; the touches found
+/// are `skin` wider than they must be, and made again only when something has moved by half of it; the touches found
 /// never depend on that. Not to be shared between threads.
 class ContactSearch {
  public:

@@ -13,7 +13,7 @@
 namespace elastin::petsc {
 namespace {
 
-/// What tells one body from another that stands at the same address later. [Fowler, Noll & Vo]
+/// Distinguishes one body from another that stands at the same address later. [Fowler, Noll & Vo]
 std::uint64_t mark_of(const Body& body) {
   std::uint64_t mark = 14695981039346656037U;
   const auto mix = [&](std::uint64_t number) { mark = (mark ^ number) * 1099511628211U; };

@@ -145,7 +145,7 @@ class Newton {
            : inverted ? Outcome::inverted
                       : Outcome::diverged,
            adrift     ? "the loads work on a zero-energy mode that does not stiffen"
-           : inverted ? "every further step would turn a cell over"
+           : inverted ? "any further step would invert a cell"
                       : "no step lowers the unbalanced force",
            result);
       break;

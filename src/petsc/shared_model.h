@@ -90,7 +90,7 @@ class SharedModel {
   const SharedBody& body_;
   Model& given_;
   Use use_;
-  std::optional<Model> subdomain_;  ///< of a whole, or beside complete rows
+  std::optional<Model> subdomain_;  ///< of a whole, or next to complete rows
   std::vector<Support> owned_supports_;
 };
 

@@ -153,7 +153,7 @@ int main(void) {
   ball.sizes = &radius, ball.shape = "spere";
   REFUSED(elastin_add_contact(tissue, &contact), "sphere");
   ball.shape = "sphere", ball.tool = 7;
-  REFUSED(elastin_add_contact(tissue, &contact), "tool 7 is none");
+  REFUSED(elastin_add_contact(tissue, &contact), "no tool 7");
   REFUSED(elastin_tear(tissue, -1, NULL), "strain of -1");
   REFUSED(elastin_cut_plane(tissue, above, (double[3]){0, 0, 0}, NULL), "normal");
   elastin_simulation_free(tissue);

@@ -21,7 +21,7 @@ class ByteWriter {
   void numbers(double* values, std::size_t count) { raw(values, count * sizeof(double)); }
   void whole(int& value) { raw(&value, sizeof value); }
   void word(std::string& value);
-  /// How many things follow, each of so many bytes at least.
+  /// The count of the items that follow, each with at least this many bytes.
   std::size_t count(std::size_t present, std::size_t bytes_each);
   std::vector<char> take() { return std::move(bytes_); }
 

@@ -20,7 +20,7 @@ void check_value(const std::string& key, const ParameterInfo& info, const Body& 
   if (const auto molecules = values.molecules.find(info.name); molecules != values.molecules.end())
     for (const int molecule : molecules->second)
       if (molecule < 0 || molecule >= body.size())
-        throw InputError(key + ": molecule " + std::to_string(molecule) + " is none: the body has molecules 0 to " +
+        throw InputError(key + ": no molecule " + std::to_string(molecule) + ": the body has molecules 0 to " +
                          std::to_string(body.size() - 1));
 }
 

@@ -23,11 +23,11 @@ namespace {
 void insert(std::vector<HistoryBlock> own, std::vector<HistoryBlock>& all) {
   for (HistoryBlock& block : own) {
     if (block.name.empty() || block.name.find_first_of(" \t\n") != std::string::npos)
-      throw InputError("'" + block.name + "' cannot name what a load remembers: write one word");
+      throw InputError("'" + block.name + "' is not a valid history name: use one word");
     const auto place =
         std::find_if(all.begin(), all.end(), [&](const HistoryBlock& other) { return other.name >= block.name; });
     if (place != all.end() && place->name == block.name)
-      throw InputError("two loads remember something under the name '" + block.name + "'");
+      throw InputError("two loads declare history under the name '" + block.name + "'");
     all.insert(place, std::move(block));
   }
 }

@@ -110,7 +110,7 @@ Pressure::Pressure(const Body& body, PressureLaw law, const Vector3& apex, bool 
 double Pressure::volume(const Positions& positions) const { return enclosed_volume(body_.triangles, positions, apex_); }
 
 /// Adds a vector of each triangle to its three corners. One thread scatters, several gather; both add a molecule's
-/// triangles in ascending order, so the bits are the same.
+/// triangles in ascending order, so the results are bitwise identical.
 template <class OfTriangle>
 void Pressure::add_to_corners(Positions& sums, OfTriangle&& of_triangle) const {
   const int triangles = static_cast<int>(body_.triangles.size());

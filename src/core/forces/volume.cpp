@@ -268,7 +268,7 @@ class VolumeSlopes final : public EdgeSlopes {
  private:
 #if __has_include(<memory_resource>)
   using Gradient = std::pmr::vector<std::pair<int, Vector3>>;
-  /// Room for one group's gradient after the other, without an allocation where groups are of usual size.
+  /// Memory for one group's gradient after the other, without an allocation where groups are of usual size.
   struct GradientWorkspace {
     std::array<std::byte, 16384> bytes;
     std::pmr::monotonic_buffer_resource memory{bytes.data(), bytes.size()};

@@ -67,7 +67,7 @@ class BiCgStab final : public LinearSolver {
       if (result.iterations - best_at > kPatience) break;
       const double last = std::exchange(rho, ordered_dot(shadow, r));
       if (omega == 0 || std::abs(rho) < 1e-30 * first * first || std::abs(rho) < 1e-8 * norm * ordered_norm(shadow)) {
-        shadow = p = r;  // the two sequences have come apart: begin anew from here
+        shadow = p = r;  // the two sequences have come apart: restart from here
         rho = norm * norm;
         continue;
       }

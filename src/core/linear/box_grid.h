@@ -6,7 +6,7 @@
 
 namespace elastin {
 
-/// A regular grid of cubes over a body's places, as far as they hold anything: a coarse picture of any body, however
+/// A regular grid of cubes over a body's places, as far as they contain anything: a coarse grid of any body, however
 /// its molecules are connected. Functions are trilinear in a box, given by values at its corners, the grid's points.
 ///
 /// Boxes and points are numbered layer by layer, layers across the body's longest direction.

@@ -8,7 +8,7 @@
 namespace elastin {
 namespace {
 
-/// A point's share of a pass costs as much as so many connections.
+/// Cost of a point's share of a pass, in connections.
 constexpr int kPointThreshold = kParallelThreshold / 25;
 
 /// The trilinear function's weight at one of the 27 points around the coarse one.

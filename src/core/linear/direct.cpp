@@ -62,7 +62,7 @@ VectorX own_stiffness(const Tangent& tangent, double scale) {
   return own;
 }
 
-/// K with each molecule's rows shifted by a part of their own stiffness: what is soft keeps it beside what is stiff.
+/// K with each molecule's rows shifted by a part of their own stiffness: soft parts keep it next to stiff ones.
 Eigen::SparseMatrix<double> shifted_rows(const Tangent& tangent, const std::vector<Support>& supports, double part,
                                          double scale) {
   Eigen::SparseMatrix<double> matrix = sparse_stiffness(tangent, supports, 0, scale);

@@ -6,7 +6,7 @@
 
 namespace elastin {
 
-/// The motions as a whole that supports and forces leave to a body: up to three ways and three turns.
+/// The motions as a whole that supports and forces leave to a body: up to three translations and three rotations.
 class RigidMotions {
  public:
   /// `motions` and `forces` are room that the caller has no other use for yet.

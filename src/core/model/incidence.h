@@ -14,7 +14,7 @@ Rows connections_of_molecules(int molecules, const Connections& connections);
 /// Connection of each pair of nodes of each cell, cell by cell, pairs in the order 01 02 … 12 …; `nodes` those of all
 /// cells, `of_each` of one. Throws InputError if a pair is no connection of the body.
 std::vector<int> connections_of_pairs(const Connections& connections, std::span<const int> nodes, int of_each);
-/// The same, −1 where a pair is none.
+/// The same, −1 where a pair is no connection.
 std::vector<int> connections_of_some_pairs(const Connections& connections, std::span<const int> nodes, int of_each);
 
 /// Connection of each corner pair of each cell, order 01 02 12 or 01 02 03 12 13 23.

@@ -133,7 +133,7 @@ ChangedBody without(const Body& body, const std::vector<int>& connections, const
   const auto mark = [](const std::vector<int>& numbers, std::vector<char>& marks, const char* what) {
     for (const int one : numbers) {
       if (one < 0 || static_cast<std::size_t>(one) >= marks.size())
-        throw InputError(std::string("remove: ") + what + " " + std::to_string(one) + " is none: there are " +
+        throw InputError(std::string("remove: no ") + what + " " + std::to_string(one) + ": there are " +
                          std::to_string(marks.size()) + ", from 0");
       marks[one] = 1;
     }

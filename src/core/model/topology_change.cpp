@@ -278,7 +278,7 @@ class TopologyBuilder {
     for (std::size_t number = 0; number < body_.triangles.size(); ++number) add_triangle(static_cast<int>(number));
   }
 
-  /// A triangle beside solid cells goes with the first one that has it as a face.
+  /// A triangle next to solid cells goes with the first one that has it as a face.
   void add_triangle(int number) {
     const auto& corners = body_.triangles[at(number)];
     bool of_cell = false;

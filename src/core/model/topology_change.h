@@ -7,7 +7,7 @@
 
 namespace elastin {
 
-/// What is to be removed from a body, and between which neighbours it is parted.
+/// What is to be removed from a body, and between which neighbours it is split.
 struct TopologyChange {
   std::vector<char> parted;       ///< one of Neighbours::sides each: 1 = its cells no longer hang together there
   std::vector<char> cells;        ///< one a cell: 1 = removed

@@ -11,7 +11,7 @@
 #include "elastin/core/model/material.h"
 
 /// The one description of what a body and its material are made of, for programs that hand them over to another kind of
-/// machine; see base/archive. Bytes are taken as they come: who reads them must have written them.
+/// machine; see base/archive. Bytes are taken as they come: the reader must have written them.
 namespace elastin {
 
 template <class Archive>
@@ -173,7 +173,7 @@ void visit(Archive& archive, ActiveFibre& active) {
   visit(archive, active.optimal_stretch);
 }
 
-/// Without its function: with_law gives that anew.
+/// Without its function, which with_law gives again.
 template <class Archive>
 void visit(Archive& archive, LawConstants& law) {
   archive.word(law.law);

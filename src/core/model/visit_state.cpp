@@ -37,7 +37,7 @@ void check_state(const State& state, int molecules, const std::vector<HistoryBlo
     return own.name == declared.name && own.values.size() == declared.values.size();
   };
   if (!std::equal(state.history.begin(), state.history.end(), history.begin(), history.end(), fits))
-    throw InputError(what + " remembers what this model does not: another material, load or body made it");
+    throw InputError(what + " has a history that this model does not have: another material, load or body made it");
 }
 
 }  // namespace elastin

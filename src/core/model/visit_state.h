@@ -60,7 +60,7 @@ void visit(Archive& archive, State& state) {
   visit_all(archive, state.history);
 }
 
-/// Throws InputError where no body of so many molecules can have this state, or where what it remembers is not what
+/// Throws InputError where no body of this size can have this state, or where its history is not what
 /// `history` declares: nothing at all is a beginning. `what` is how messages name it: "the saved state".
 void check_state(const State& state, int molecules, const std::vector<HistoryBlock>& history, const std::string& what);
 

@@ -13,13 +13,13 @@ class Budget {
     const double most = kShare * budget / seconds_a_sweep_;
     return static_cast<int>(std::clamp(std::floor(most), 1., 2. * last));
   }
-  /// The first step after something was made anew finds room for it: it does not count.
+  /// The first step after a rebuild allocates memory: it does not count.
   void took(double seconds, int sweeps) {
     const double own = seconds / std::max(1, sweeps);
     if (steps_++ == 0) return;
     seconds_a_sweep_ = seconds_a_sweep_ > 0 && own < seconds_a_sweep_ ? (7 * seconds_a_sweep_ + own) / 8 : own;
   }
-  void begin_anew() { steps_ = 0; }
+  void restart() { steps_ = 0; }
 
  private:
   static constexpr double kShare = 0.8;  // of the budget: some steps take longer than others

@@ -100,7 +100,7 @@ double volume_modulus(const Material& material, bool of_springs) {
   return E / ((1 + nu) * (1 - 2 * nu)) * (of_springs ? (4 * nu - 1) / 2 : nu);
 }
 
-/// The material whose springs have the shear modulus of the one asked for.
+/// The material whose springs have the prescribed material's shear modulus.
 Material shear_material(Material material) {
   material.youngs_modulus *= 1.25 / (1 + material.poissons_ratio);
   return material;

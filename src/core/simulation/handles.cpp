@@ -26,7 +26,7 @@ void check_finite(const Vector3& position) {
 
 void Simulation::Impl::check_molecule(int molecule) const {
   if (molecule < 0 || molecule >= body.size())
-    throw InputError("molecule " + std::to_string(molecule) + " is none: the body has molecules 0 to " +
+    throw InputError("no molecule " + std::to_string(molecule) + ": the body has molecules 0 to " +
                      std::to_string(body.size() - 1));
 }
 

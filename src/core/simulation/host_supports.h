@@ -8,7 +8,8 @@
 
 namespace elastin {
 
-/// Molecules that a host holds and moves, beside the supports that the model has from elsewhere and what drives those.
+/// Molecules that a host fixes and moves, in addition to the supports that the model has from elsewhere and their
+/// drive.
 class HostSupports {
  public:
   /// The model must outlive it, and it must stay where it is.

@@ -77,7 +77,7 @@ void add_updated_springs(const Strategy& strategy, const Body& whole, const std:
   }));
 }
 
-/// The part's fibres, beside its law or its springs.
+/// The part's fibres, in addition to its law or its springs.
 ElasticTerms fibres_of(const Strategy& strategy, const Body& whole, const PartAtWork& part) {
   if (!part.material.fibre || strategy.kind == StrategyKind::cell_law)
     return make_fibres(strategy, part.in_whole, part.material);

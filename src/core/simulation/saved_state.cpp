@@ -13,7 +13,7 @@
 namespace elastin {
 namespace {
 
-/// Grows with every change of what follows. Read as a number it tells the byte order too.
+/// Grows with every change of what follows. Read as a number it also states the byte order.
 constexpr std::uint64_t kMark = 0x656c617374310004;  // "elast1", version 4
 
 /// Stands before the state.

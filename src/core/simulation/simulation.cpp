@@ -32,7 +32,7 @@ void check(const Body& body, const SimulationOptions& options) {
   if (!(options.safety > 0 && options.safety <= 1))
     throw InputError("safety " + number(options.safety) + " is out of range: above 0 to 1");
   if (options.max_substeps < 1)
-    throw InputError("most_parts " + std::to_string(options.max_substeps) + " is out of range: 1 or more");
+    throw InputError("max_substeps " + std::to_string(options.max_substeps) + " is out of range: 1 or more");
   if (!(options.budget >= 0 && std::isfinite(options.budget)))
     throw InputError("budget " + number(options.budget) + " s is out of range: 0 or more");
   if (options.budget > 0 && options.integrator.scheme->effort.empty())
@@ -80,7 +80,7 @@ Simulation::Impl::Impl(Body a_body, SimulationOptions some_options)
   if (!scheme.effort.empty()) {
     const ParameterValues values = complete_values(scheme.name, scheme.parameters, options.integrator.parameters);
     effort = static_cast<int>(values.at(scheme.effort));
-    // Of a scheme that iterates to the end unless it is told otherwise.
+    // Of a scheme that iterates to the end by default.
     if (options.budget > 0) set_effort(std::max(1, effort));
   }
 }
@@ -137,7 +137,7 @@ StepResult Simulation::Impl::step(double dt) {
   const ThreadScope scope(options.runner, options.threads);
   const double substeps = std::max(1., std::ceil(dt / longest_substep() * (1 - 1e-9)));
   if (!(substeps <= options.max_substeps))
-    return refused("a step of " + number(dt) + " s would take " + number(substeps) + " parts of at most " +
+    return refused("a step of " + number(dt) + " s would take " + number(substeps) + " substeps of at most " +
                    number(longest_substep()) + " s, " + std::to_string(options.max_substeps) + " are allowed");
   begin_step(shown.time, shown.time + dt);
   using Clock = std::chrono::steady_clock;
@@ -201,7 +201,7 @@ Simulation::Simulation(Body body, const Strategy& any, const Material& material,
     if (part.material != 0 && !any.by_parts)
       throw InputError("the body's part '" + part.name + "' has a material of its own: make the strategy by in_parts");
   const Strategy strategy = in_parts(any, body, {material});
-  if (!strategy.make) throw InputError("'" + strategy.name + "' changes other strategies and is none by itself");
+  if (!strategy.make) throw InputError("'" + strategy.name + "' changes other strategies; it is no strategy by itself");
   prepare(body, any, {material}, options.make_voronoi);
   impl_ = std::make_unique<Impl>(std::move(body), std::move(options));
   const Body& own = impl_->body;
@@ -251,7 +251,7 @@ const Positions& Simulation::velocities() const noexcept { return impl_->shown.v
 const State& Simulation::state() const noexcept { return impl_->shown; }
 
 StepResult Simulation::step(double dt) noexcept {
-  if (!impl_) return refused("an empty simulation: it was moved from");
+  if (!impl_) return refused("an empty simulation: it is a moved-from object");
   StepResult result = impl_->step(dt);
   if (result.outcome != Outcome::converged) return result;
   for (Impl::Observer& observer : impl_->observers)
@@ -304,7 +304,7 @@ void Simulation::add(std::function<void(Model&)> add) {
   add(trial);
   for (const HistoryBlock& block : trial.history())
     if (!has(of_laws, block.name) && has(in.model.history(), block.name))
-      throw InputError("two loads remember something under the name '" + block.name + "'");
+      throw InputError("two loads declare history under the name '" + block.name + "'");
   put(std::move(add));
 }
 
@@ -314,7 +314,7 @@ void Simulation::put(std::function<void(Model&)> add) {
   add(in.model);
   in.known += in.terms() - before;
   in.recipe.added.push_back(std::move(add));
-  // What remembered something still does.
+  // History that existed is kept.
   std::vector<HistoryBlock> history = in.model.history();
   for (HistoryBlock& block : history)
     if (const HistoryBlock* own = in.shown.find_history(block.name); own && own->values.size() == block.values.size())
@@ -323,7 +323,7 @@ void Simulation::put(std::function<void(Model&)> add) {
   in.stable.reset();
   in.make_own_integrator();
   if (in.effort > 0) in.set_effort(in.effort);
-  in.budget.begin_anew();
+  in.budget.restart();
   in.forces_known = in.tensions_known = false;
 }
 

@@ -55,7 +55,7 @@ struct Simulation::Impl {
   std::vector<int> origin;                           // of each molecule
   std::size_t known = 0;                             // terms that the recipe has made, or host forces and couplings are
   std::shared_ptr<const Topology> original;          // null as long as the topology is the first
-  mutable std::shared_ptr<const Topology> topology;  // as original; made when it is asked for
+  mutable std::shared_ptr<const Topology> topology;  // as original; made when it is requested
   std::optional<Material> material;                  // of the strategy, where there is one
   SimulationOptions options;
   Model model{body};

@@ -20,7 +20,7 @@ Pose checked(const Pose& pose) {
 
 Tool& found(Tools& tools, ToolId tool) {
   if (tool < 1 || static_cast<std::size_t>(tool) > tools.all.size())
-    throw InputError("tool " + std::to_string(tool) + " is none: there are " + std::to_string(tools.all.size()) +
+    throw InputError("no tool " + std::to_string(tool) + ": there are " + std::to_string(tools.all.size()) +
                      ", from 1");
   return tools.all[tool - 1];
 }

@@ -74,7 +74,7 @@ void Simulation::Impl::check_follows() const {
   if (!recipe.fixed.empty()) refuse(recipe.fixed);
   if (terms() != known)
     refuse("something was added to model() directly; Simulation::add takes a function that adds it again");
-  if (!model.history().empty()) refuse("what '" + model.history().front().name + "' remembers cannot follow");
+  if (!model.history().empty()) refuse("the history '" + model.history().front().name + "' cannot follow");
   if (host_supports.has_others()) refuse("Model::drive moves supports, which it knows by their place in the list");
 }
 
@@ -92,7 +92,7 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::on(Topology other) const {
   made->tools = tools;
   made->effort_is_given = effort_is_given;
   made->budget = budget;
-  made->budget.begin_anew();
+  made->budget.restart();
   made->next_coupling = next_coupling;
   made->make_model();
   if (const std::string why = unsuited_for(*options.integrator.scheme, made->model); !why.empty())

@@ -25,7 +25,7 @@ constexpr int kBeforeMixing = 4;
 constexpr const char* kUnsuited =
     "block_descent takes energies of connections and cells one by one: springs with constants or curves, cell laws "
     "with "
-    "an energy; not springs that are set anew, prony, bending, nor +volume of springs and first-order cells";
+    "an energy; not springs whose constants are updated, prony, bending, nor +volume of springs and first-order cells";
 
 /// The elements of one law at each molecule.
 struct TermSlots {
@@ -140,7 +140,7 @@ class BlockDescent final : public Implicit {
       if (!std::isfinite(most) || most <= options_.tolerance * length_) break;
       if (mixes && sweep % 2 == 1 && sweep + 1 < options_.sweeps) mix(model, next, kinematics);
       if (!chebyshev) continue;
-      // Begun anew where a sweep moves further than the one before it.             [Wang 2015, eq. 14]
+      // Restarted where a sweep moves further than the one before it.             [Wang 2015, eq. 14]
       accelerated = most > last ? 0 : accelerated + 1;
       last = most;
       const double square = options_.spectral_radius * options_.spectral_radius;

@@ -23,7 +23,7 @@ void add_loads(const Model& model, const State& state, Which which, Positions& f
     if (which(*load)) load->add_forces(state, forces);
 }
 
-/// ½ (a + b)·way of the molecules that its process owns, 0 where there are no forces.
+/// ½ (a + b)·displacement of the molecules that its process owns, 0 where there are no forces.
 double work_of(const Body& body, const Positions& a, const Positions& b, const Positions& displacement) {
   if (a.cols() == 0) return 0;
   return ordered_sum(owned_molecules(body), [&](int i) { return (a.col(i) + b.col(i)).dot(displacement.col(i)) / 2; });

@@ -182,7 +182,7 @@ class EnergyMomentum final : public Implicit {
       if (!motion_.allFinite() || !move(model, state)) break;
     }
     result.outcome = cut_ ? Outcome::inverted : Outcome::limit_reached;
-    result.cause = cut_ ? "every further step would turn a cell over" : "the iterations find no balance";
+    result.cause = cut_ ? "any further step would invert a cell" : "the iterations find no balance";
     return false;
   }
 
@@ -227,7 +227,7 @@ class EnergyMomentum final : public Implicit {
   VectorX change_, mean_;
   Positions spare_, forces_, motion_, mixed_, before_;
   Mixing mixing_{kMemory};
-  bool cut_ = false;  ///< whether the last iteration went less far, for a cell that would turn over
+  bool cut_ = false;  ///< whether the last iteration went less far, for a cell that would be inverted
 };
 
 std::string unsuited_for_energy_momentum(const Model& model) {

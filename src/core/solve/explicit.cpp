@@ -211,7 +211,7 @@ class Explicit final : public Integrator, public FrequencyWatch {
     parallel_ranges(
         n,
         [&](int begin, int end) {
-          constexpr int block = 1024;  // so many molecules that what one loop reads the next finds near
+          constexpr int block = 1024;  // molecules: what one loop reads is still in the cache for the next
           for (int first = begin; first < end; first += block) {
             const int last = 3 * std::min(end, first + block);
             for (int i = 3 * first; i < last; ++i) next_x[i] = x[i] + dt * (v[i] + half * a[i]);

@@ -20,7 +20,7 @@ struct EndShares {
 
 /// A step of backward Euler's, Newmark's or the generalised-α scheme: velocities and accelerations follow from the
 /// positions at its end, or within it, which balance() finds; here by Newton's method, in schemes that derive from it
-/// in other ways. A step that fails goes in halves.
+/// in other ways. A step that fails is bisected.
 class Implicit : public Integrator, public HasEffort {
  public:
   /// Newmark's, or backward Euler where beta is 0, which is balanced at its end.
@@ -28,7 +28,7 @@ class Implicit : public Integrator, public HasEffort {
       : newton_(newton), beta_(beta), gamma_(gamma), shares_(shares) {}
   StepResult advance(Model& model, State& state, double dt) override;
 
-  /// Whether a step ends after so many Newton iterations, balanced or not; 0: no.
+  /// Number of Newton iterations after which a step ends, balanced or not; 0: no limit.
   void cut_short(int iterations);
   void set_effort(int effort) override { cut_short(effort); }
 

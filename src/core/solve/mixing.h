@@ -10,10 +10,10 @@ namespace elastin {
 class Mixing {
  public:
   static constexpr int kMost = 20;
-  /// Of so many of the last iterations, 0 … kMost.
+  /// `memory`: number of the last iterations that count, 0 … kMost.
   explicit Mixing(int memory) : pasts_(memory) {}
 
-  /// Begins anew, with room for so many molecules: nothing after it allocates.
+  /// Restarts with memory for these molecules: nothing after it allocates.
   void begin(Eigen::Index molecules);
   /// Changes the motion r that an iteration makes from x. False, and nothing, as long as there is nothing to mix.
   bool mix(const Positions& from, Positions& motion);

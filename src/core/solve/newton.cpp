@@ -45,7 +45,7 @@ void take_out_rigid(const Tangent& tangent, const std::vector<Support>& supports
 /// A way out of an equilibrium that is no minimum, which no force leads out of: a direction of negative stiffness, met
 /// on the way to the answer for a load that has a part in all of them. Null columns where there is none. By conjugate
 /// gradients, which meet it with any preconditioner; a factorisation would only count. The solver of the last time is
-/// taken where it is of that kind, for two would need twice the memory; its coarse picture is made anew.
+/// taken where it is of that kind, for two would need twice the memory; its grid hierarchy is made again.
 Positions way_down(const Tangent& tangent, const std::vector<Support>& supports, const StaticOptions& options,
                    int& iterations, Positions& ignored, CachedSolver& cached) {
   constexpr double tolerance = 1e-5;
@@ -189,8 +189,8 @@ void apply_supports(const Model& model, Positions& positions) {
 
 namespace {
 
-/// Of a memory that is tightened after each equilibrium, until it says that it is enough.
-constexpr int kTightenings = 50;
+/// Updates of the loads' multipliers, each followed by an equilibrium, at most.
+constexpr int kMultiplierUpdates = 50;
 
 /// An equilibrium with the memory that the state has.
 StaticResult balance_once(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
@@ -276,7 +276,7 @@ StaticResult balance_once(Model& model, State& state, const StaticOptions& optio
       const bool mechanism = adrift;  // else it is a soft direction, which a shorter load step may lead through
       result.outcome = mechanism ? Outcome::mechanism : inverted ? Outcome::inverted : Outcome::diverged;
       result.cause = mechanism  ? kAdrift
-                     : inverted ? "every further step would turn a cell over"
+                     : inverted ? "any further step would invert a cell"
                                 : "no step lowers the unbalanced force";
       break;
     }
@@ -298,9 +298,10 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
   workspace.solver.forget();
   StaticResult result = balance_once(model, state, options, kinematics, workspace);
   for (int round = 0; result.outcome == Outcome::converged && model.update_multipliers(state); ++round) {
-    if (round == kTightenings) {
+    if (round == kMultiplierUpdates) {
       result.outcome = Outcome::limit_reached;
-      result.cause = "contact is pressed in deeper than allowed after " + std::to_string(kTightenings) + " tightenings";
+      result.cause = "contact penetration still exceeds the limit after " + std::to_string(kMultiplierUpdates) +
+                     " multiplier updates";
       break;
     }
     StaticResult again = balance_once(model, state, options, kinematics, workspace);

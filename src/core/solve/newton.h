@@ -17,7 +17,7 @@ struct CachedSolver {
   void forget();
 };
 
-/// Room for what Newton computes on the way; it only grows. Time steps of one model with conjugate gradients allocate
+/// Workspace of Newton's method; it only grows. Time steps of one model with conjugate gradients allocate
 /// nothing after the first.
 struct NewtonWorkspace {
   Trial now;
@@ -30,7 +30,7 @@ struct NewtonWorkspace {
 /// The one Newton of static and implicit solvers: finds the positions where elastic forces, damping and loads balance
 /// inertia, from state.positions, with a line search on the energy where there is one and else on the unbalanced force.
 /// state.time is that of the answer; supports must be set for it. Never throws on numerical trouble.
-/// @param kinematics nullptr: static. Else reactions are not asked for.
+/// @param kinematics nullptr: static. Else reactions are not computed.
 /// @param room of this model alone.
 StaticResult solve_newton(Model& model, State& state, const StaticOptions& options, const Kinematics* kinematics,
                           NewtonWorkspace& workspace);
@@ -38,7 +38,7 @@ StaticResult solve_newton(Model& model, State& state, const StaticOptions& optio
 /// Whether the options' `stop` ends the solve; if so, the result says it.
 bool is_interrupted(const StaticOptions& options, StaticResult& result);
 
-/// The unbalanced force [N] that rounding of the positions alone makes: nothing smaller can be asked for.
+/// The unbalanced force [N] that rounding of the positions alone makes: no smaller tolerance can be reached.
 double rounding_floor(const Tangent& tangent, const Positions& positions);
 
 /// What solved a linear problem, and why that: "multigrid", "103823 molecules, …".

@@ -15,7 +15,7 @@ class OuterForces {
  public:
   /// Blocks and forces at a state, of a step with these weights. Allocates nothing but in its first call.
   void begin(const Model& model, const State& state, const Weights& weights);
-  /// Forces anew at this state, where they change with it.
+  /// Updates the forces at this state, where they change with it.
   void update(const Model& model, const State& state);
 
   bool vary() const { return vary_; }

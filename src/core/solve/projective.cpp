@@ -14,14 +14,14 @@
 namespace elastin {
 namespace {
 
-/// Above so many molecules the matrix is not factorised: a solve with the factor of 2744 takes 13.6 ms, since it leaves
-/// the caches, and a cycle of multigrid on 4096 takes 0.8.
+/// Above this number of molecules the matrix is not factorised: a solve with the factor of 2744 takes 13.6 ms, since it
+/// leaves the caches, and a cycle of multigrid on 4096 takes 0.8.
 constexpr int kFactorLimit = 1000;
 
 /// (K at rest + w_a M + w_v C)⁻¹, exactly or nearly, made once for a step length and a set of supports.
 class RestInverse {
  public:
-  /// Makes it anew where it is another's. Returns false where it is not positive.
+  /// Makes it again where it is another's. Returns false where it is not positive.
   bool prepare(Model& model, const Weights& weights) {
     const bool same = model_ == &model && weights_.acceleration == weights.acceleration &&
                       weights_.velocity == weights.velocity && same_supports(model.supports);

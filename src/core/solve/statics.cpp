@@ -13,7 +13,7 @@ namespace elastin {
 namespace {
 
 /// The body stretched with the mean motion that moved supports impose is a far better start than a torn first layer:
-/// one linear solve about the present state, with the supports' way as its only load.
+/// one linear solve about the present state, with the supports' displacement as its only load.
 void follow_supports(Model& model, State& state, const StaticOptions& options, StaticResult& result) {
   Positions moved = state.positions;
   apply_supports(model, moved);

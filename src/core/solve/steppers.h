@@ -4,7 +4,7 @@
 
 namespace elastin {
 
-/// The rows of the table, each beside its code.
+/// The rows of the table, each next to its code.
 Stepper symplectic_euler();
 Stepper velocity_verlet();
 Stepper backward_euler();

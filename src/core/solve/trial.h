@@ -40,7 +40,7 @@ struct Trial {
   double noise = 0;   ///< what rounding of the positions does to the energy [J]
 };
 
-/// Room for what trials compute on the way; it only grows.
+/// Workspace of trials; it only grows.
 struct TrialWorkspace {
   Trial next;
   Positions loads, inertia, supported;

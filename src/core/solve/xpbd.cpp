@@ -16,7 +16,7 @@ namespace {
 
 /// Constraints of one colour below these numbers stay on one thread.
 constexpr int kSpringThreshold = 10000, kTetrahedronThreshold = 2000;
-/// Below this J the volume's energy goes on as a parabola: a tetrahedron that was turned over comes back.
+/// Below this J the volume's energy goes on as a parabola: an inverted tetrahedron comes back.
 constexpr double kLeastSwelling = 0.2;
 
 /// What a tetrahedron's two measures are and how its corners change them: c = (√(tr C), J).
@@ -296,7 +296,7 @@ Stepper xpbd() {
        "[Macklin et al. 2016, 2019; Macklin & Müller 2021]",
        {{"iterations", dimension::none, 1, 100000, 1, "iterations over all constraints in each substep", false,
          ValueKind::whole},
-        {"substeps", dimension::none, 1, 10000, 10, "substeps of each step; multipliers begin anew in each", false,
+        {"substeps", dimension::none, 1, 10000, 10, "substeps of each step; multipliers restart in each", false,
          ValueKind::whole},
         {"balanced", dimension::none, 0, 1, 1,
          "1: each further iteration puts the multipliers back on the gradients of the moment, and converges to "

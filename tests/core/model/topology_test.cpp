@@ -155,7 +155,7 @@ TEST_CASE("cells that are removed take their mass with them, and the molecules t
   CHECK(volume(changed.body) == Approx(volume(body) - lost).epsilon(1e-14));
   CHECK(changed.body.mass.sum() == Approx(kDensity * (volume(body) - lost)).epsilon(1e-13));
   check_shares(body, changed);
-  CHECK_THROWS_WITH(without(body, {}, {48}), Contains("cell 48 is none: there are 48"));
+  CHECK_THROWS_WITH(without(body, {}, {48}), Contains("no cell 48: there are 48"));
   CHECK_THROWS_WITH(without(body, {0}, {}), Contains("connection 0 is a side of cells that stay"));
   std::vector<int> all(body.tetrahedra.size());
   std::iota(all.begin(), all.end(), 0);

@@ -91,7 +91,7 @@ TEST_CASE("a saved state with any bit changed is refused", "[saved-state]") {
 TEST_CASE("a state of a model that remembers something else is refused", "[saved-state]") {
   Simulation tissue = ratcheted("velocity_verlet"), plain = simulation_of(tissue_cube(3), "velocity_verlet");
   step(tissue, 1);
-  CHECK_THROWS_WITH(plain.restore(tissue.save()), Contains("remembers what this model does not"));
+  CHECK_THROWS_WITH(plain.restore(tissue.save()), Contains("has a history that this model does not have"));
   plain.restore(simulation_of(tissue_cube(3)).save());
   Model twice(tissue.body());
   add_load(twice, ratchet_row(), {.vectors = {{"growth", Vector3(0, 0, 1)}}, .molecules = {{"molecules", {1}}}});

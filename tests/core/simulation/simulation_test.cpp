@@ -234,7 +234,7 @@ TEST_CASE("simulation: a step that cannot be leaves the state as it was and says
 TEST_CASE("simulation: wrong use is refused before anything changes") {
   Simulation tissue = simulation_of(tissue_cube(3));
   const Vector3 position(0, 0, 0);
-  CHECK(refusal([&] { tissue.fix(27); }) == "molecule 27 is none: the body has molecules 0 to 26");
+  CHECK(refusal([&] { tissue.fix(27); }) == "no molecule 27: the body has molecules 0 to 26");
   CHECK_THAT(refusal([&] { tissue.fix(0, 2 * Matrix3::Identity()); }), Contains("projector"));
   CHECK_THAT(refusal([&] { tissue.release(-1); }), Contains("molecule -1"));
   CHECK(refusal([&] { tissue.move_to(3, position); }) == "move_to: molecule 3 is not fixed; fix it first");
@@ -268,7 +268,7 @@ TEST_CASE("simulation: one that was moved from says so, and takes another") {
   CHECK(&moved.positions() == seen);
   moved.move_to(0, moved.body().rest.col(0) + Vector3(1e-6, 0, 0));
   run(moved, 2);
-  CHECK_THAT(tissue.step(kStep).cause, Contains("moved from"));  // NOLINT: what this is about
+  CHECK_THAT(tissue.step(kStep).cause, Contains("moved-from"));  // NOLINT: what this is about
   tissue = simulation_of(tissue_cube(2));
   run(tissue, 1);
 }

@@ -83,7 +83,7 @@ TEST_CASE("loads check what they are given", "[tables][loads]") {
   CHECK_THAT(add("damping", {.numbers = {{"coeficient", 1}}}), Contains("did you mean 'coefficient'?"));
   CHECK_THAT(add("damping", {.numbers = {{"coefficient", -1}}}), Contains("it must be at least 0 N s/m"));
   CHECK_THAT(add("point", {.vectors = {{"force", Vector3(1, 0, 0)}}, .molecules = {{"molecules", {27}}}}),
-             Contains("molecule 27 is none"));
+             Contains("no molecule 27"));
   CHECK_THAT(add("rayleigh", {}), Contains("give mass"));
   CHECK_THAT(add("air", {}), Contains("the body has none"));
   CHECK_THAT(add("cell_damping", {.numbers = {{"bulk", 1}, {"shear", 1}}}), Contains("tetrahedra"));

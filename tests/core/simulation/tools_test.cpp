@@ -79,6 +79,6 @@ TEST_CASE("a pose that is none, and a tool that is none, are refused", "[tools]"
   CHECK_THROWS_WITH(tissue.add_tool({.turn = 2 * Matrix3::Identity()}), Contains("no rotation"));
   CHECK_THROWS_WITH(tissue.add_tool({.turn = -Matrix3::Identity()}), Contains("no rotation"));
   CHECK_THROWS_WITH(tissue.add_tool({.position = {0, INFINITY, 0}}), Contains("finite"));
-  CHECK_THROWS_WITH(tissue.move_tool(1, {}), Contains("tool 1 is none: there are 0"));
-  CHECK_THROWS_WITH(tissue.tool_motion(-1), Contains("tool -1 is none"));
+  CHECK_THROWS_WITH(tissue.move_tool(1, {}), Contains("no tool 1: there are 0"));
+  CHECK_THROWS_WITH(tissue.tool_motion(-1), Contains("no tool -1"));
 }

@@ -4,7 +4,7 @@
 
 namespace elastin {
 
-/// A number as people write it, with at most so many digits: "0.25", "1e+06".
+/// A number as people write it, with at most this many digits: "0.25", "1e+06".
 std::string number(double value, int digits = 6);
 
 /// "1 molecule", "3 molecules"; a plural that is more than an s is given.

@@ -52,7 +52,7 @@ struct CellGraph {
 };
 
 namespace detail {
-/// Whether a pass over so many cells stays on one thread.
+/// Whether a pass over this number of cells stays on one thread.
 bool on_one_thread(int cells);
 void run_cells(int count, void* context, void (*range)(void*, int begin, int end));
 /// Calls range(begin, end) over disjoint ranges that cover 0 … count−1.

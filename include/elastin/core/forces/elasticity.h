@@ -239,7 +239,7 @@ std::unique_ptr<Elasticity> make_curve_springs(const Body& body, VectorX section
 /// Springs of these constants [N/m] at rest, each following the material's curve of its own strain; linear without one.
 std::unique_ptr<Elasticity> make_springs(const Body& body, VectorX constants, const Material& material);
 
-/// Springs whose constants are set anew from the present positions; the tangent leaves their change out.
+/// Springs whose constants are updated from the present positions; the tangent leaves their change out.
 using ConstantsAt = std::function<VectorX(const Positions&)>;
 std::unique_ptr<Elasticity> make_updated_springs(const Body& body, ConstantsAt constants);
 

@@ -96,7 +96,7 @@ class Model {
   /// square_frequency (the sum; of shares the largest).
   void commit_step(State& state) const;
   bool update_multipliers(State& state) const;
-  /// Calls LawHistory::begin_step, see there: before forces at the end of a step to a time [s] are asked for.
+  /// Calls LawHistory::begin_step, see there: before forces at the end of a step to a time [s] are computed.
   void begin_step(const State& from, double time) const;
   /// Whether an elastic law takes energy from a body that moves.
   bool dissipates() const;
@@ -132,7 +132,7 @@ class Model {
   std::unique_ptr<const Subdomain> computed_;  ///< of a share
   bool keeps_all_ = false;
   std::vector<std::unique_ptr<Elasticity>> all_elements_;  ///< elasticity on the share with what others compute
-  std::vector<std::unique_ptr<Elasticity>> counted_;       ///< beside complete rows: whose energy is this process's
+  std::vector<std::unique_ptr<Elasticity>> counted_;       ///< next to complete rows: whose energy is this process's
   Spread spread_;
   std::vector<std::shared_ptr<const void>> owners_;  ///< of what elasticity works on
   std::vector<std::unique_ptr<Elasticity>> elasticity_;

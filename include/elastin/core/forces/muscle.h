@@ -5,7 +5,7 @@
 
 namespace elastin {
 
-/// The material's active fibres (Material::active) in the solid cells of a body, to be added beside a law of the
+/// The material's active fibres (Material::active) in the solid cells of a body, to be added to a law of the
 /// matrix: the stress T a aᵀ along the fibres as they lie now, T = T_max · activation(t) · f(λ/λ_opt), with
 ///   f(r) = 1 − 4 (1 − r)²  for 0.6 < r < 1.4,  9 (r − 0.4)² below,  9 (r − 1.6)² above,  0 from 0.4 down and 1.6 up.
 /// T is Kirchhoff's stress, which is Cauchy's where the volume stays: so that it has an energy.  [Blemker et al. 2005]

@@ -108,7 +108,7 @@ class Tangent {
   std::vector<NodalStiffness*> nodes_;                ///< the others
   const State* state_ = nullptr;
   Weights weights_;
-  // Vectors from end to end are made anew from the positions: that takes less time than to read them.
+  // Vectors from end to end are computed again from the positions: that takes less time than to read them.
   VectorX force_densities_;  ///< not there in a static problem where no connection is stressed
   VectorX slopes_;
   std::vector<Six> diagonal_;

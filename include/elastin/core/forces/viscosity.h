@@ -7,13 +7,14 @@
 
 namespace elastin {
 
-/// Internal damping of a body: what its connections resist beside their law, as force densities q [N/m] from the rates
-/// ṡ [m²/s] of the squared lengths s = |d|², ṡ = 2 d·ḋ. A rigid motion has no rates and is not damped; momentum and
-/// angular momentum are kept, as with every force density. The power that it takes is −½ Σ q ṡ.
+/// Internal damping of a body: resistance of its connections in addition to their law, as force densities q [N/m] from
+/// the rates ṡ [m²/s] of the squared lengths s = |d|², ṡ = 2 d·ḋ. A rigid motion has no rates and is not damped;
+/// momentum and angular momentum are kept, as with every force density. The power that it takes is −½ Σ q ṡ.
 class Viscosity {
  public:
   virtual ~Viscosity() = default;
-  /// Adds each connection's force density [N/m]. All vectors one a connection, and none of them the scratch's `scaled`.
+  /// Adds each connection's force density [N/m]. All vectors one a connection, and none of them the workspace's
+  /// `scaled`.
   virtual void add_force_densities(const VectorX& squared_lengths, const VectorX& rates, VectorX& force_densities,
                                    Workspace& workspace) const = 0;
   /// Adds ∂q/∂s + rate_weight ∂q/∂ṡ of each connection's own s and ṡ.

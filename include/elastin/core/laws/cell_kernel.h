@@ -156,7 +156,7 @@ struct PointKernel {
 };
 
 /// How the cell driver runs a law on a shape: at the quadrature points. Where a law has a closed form in the lengths of
-/// a shape, a specialisation beside the law gives it: the same numbers, sooner.
+/// a shape, a specialisation next to the law gives it: the same numbers, sooner.
 template <class Law, CellShape Shape>
 struct CellKernel : PointKernel<Law, Shape> {};
 

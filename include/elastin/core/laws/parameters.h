@@ -6,7 +6,7 @@
 
 namespace elastin {
 
-/// A law's own parameter, described once, beside the law: scenes, range errors, `elastin list` and docs come from it.
+/// A law's own parameter, described once, next to the law: scenes, range errors, `elastin list` and docs come from it.
 /// The default is the member's initial value.
 template <class Law>
 struct Parameter {

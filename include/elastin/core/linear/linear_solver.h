@@ -52,7 +52,7 @@ using LinearMethod = Choice<LinearSolverKind, built_in_linear_solvers>;
 /// molecules, and those after it, allocate nothing.
 std::unique_ptr<LinearSolver> make_pcg();
 
-/// The same with a hierarchy of coarser grids over the body (solve/multigrid): for large and slender bodies.
+/// The same with a hierarchy of coarser grids over the body (core/linear/multigrid.h): for large and slender bodies.
 std::unique_ptr<LinearSolver> make_multigrid();
 
 /// Stabilised bi-conjugate gradients with the same preconditioner, for a stiffness that is not symmetric; as to memory,

@@ -16,8 +16,8 @@ namespace elastin {
 struct Connections {
   std::vector<std::array<int, 2>> ends;
   std::vector<double> rest_length;  ///< [m], > 0, one a connection
-  /// The last so many are sides of cells and nothing else: cells that were put over a body need them for their force
-  /// densities. Only laws and rules that work on cells give them stiffness; see add_cell_sides.
+  /// Number of the last ones, which are sides of cells and nothing else: cells that were put over a body need them for
+  /// their force densities. Only laws and rules that work on cells give them stiffness; see add_cell_sides.
   int cell_sides = 0;
   int size() const { return static_cast<int>(ends.size()); }
   /// Connections that are more than sides of cells; they come first.
@@ -31,7 +31,7 @@ struct Cable {
 };
 
 /// The part of the body's convex hull that is nearest to each molecule, as far as spring rules use it. Made by
-/// voronoi_cells (elastin/model/voronoi.h), which is not part of elastin::core.
+/// voronoi_cells (elastin/mesh/voronoi.h), which is not part of elastin::core.
 struct VoronoiCells {
   std::string problem;  ///< why there are none, in words for a user; then the rest is empty
   VectorX face_area;  ///< [m²], one a connection proper: the face between its molecules' cells; 0 if they don't touch
@@ -56,7 +56,7 @@ struct CellBlock {
   }
 };
 
-/// A named part of a body that was put together from several; see elastin/model/parts.h.
+/// A named part of a body that was put together from several; see elastin/core/model/parts.h.
 struct Part {
   std::string name;
   int first = 0, count = 0;  ///< molecules of its own: first … first + count − 1
@@ -75,7 +75,7 @@ struct Tie {
   int molecule = 0;
   std::array<int, 3> corners{};
   std::array<double, 3> weights{};  ///< ≥ 0, they sum to 1
-  double stiffness = 0;             ///< [N/m], > 0; see elastin/forces/ties.h
+  double stiffness = 0;             ///< [N/m], > 0; see elastin/core/forces/ties.h
 };
 
 /// Molecules of lower numbers and their weights (sum 1), as the shape functions of a cell have them where another lies.
@@ -90,7 +90,7 @@ struct Body {
   VectorX radius;  ///< [m], one a molecule
   Connections connections;
   Cells<3> triangles;
-  std::vector<Cable> cables;  ///< beside what the strategy does with its connections
+  std::vector<Cable> cables;  ///< in addition to what the strategy does with its connections
   Cells<4> tetrahedra;        ///< positively oriented: (x1−x0)·((x2−x0)×(x3−x0)) > 0
   /// Cells of all other shapes, and of second order. Where a body has any, all its cells of that dimension are among
   /// them; laws of cells work on them, and `tetrahedra` (`triangles`) are the simplices that their nodes make, for what
@@ -106,7 +106,7 @@ struct Body {
   std::optional<VoronoiCells> voronoi;  ///< only where a strategy asks for them (Strategy::needs_voronoi)
   std::vector<Part> parts;              ///< in the order of their molecules; empty = the body is one whole
   std::vector<Tie> ties;                ///< between parts whose molecules do not meet
-  /// Of a body whose cells were refined, or made of second order, what each of the last so many molecules lies between.
+  /// Of a body whose cells were refined, or made of second order, what each of its last molecules lies between.
   /// What holds an end of the body holds those of them that lie between others that it holds. Empty of other bodies.
   std::vector<MoleculeBetween> between;
   /// Where the body is one process's share of a whole that several have among them; see elastin/core/model/share.h.

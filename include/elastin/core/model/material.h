@@ -42,7 +42,7 @@ struct Relaxation {
   std::vector<Term> terms;
   /// Whether the law has the instantaneous moduli, g₀ = 1 − Σ gᵢ; else the long-term ones, g₀ = 1.
   bool instantaneous = false;
-  /// θ [s], ≥ 0: adds the stress θ dσ/dt, a dashpot beside the law. [Kelvin, Voigt]
+  /// θ [s], ≥ 0: adds the stress θ dσ/dt, a dashpot in parallel to the law. [Kelvin, Voigt]
   double retardation = 0;
 
   /// g₀
@@ -113,7 +113,7 @@ struct UniaxialResponse {
 UniaxialResponse uniaxial_response(const Material& material, const Vector3& direction);
 
 /// Nominal stress [Pa] in uniaxial stress along a unit direction at a nominal strain of any size: the curve or what the
-/// law's constants say, and the fibres' beside it. None where the fibres lie askew (their strain then depends on the
+/// law's constants say, and the fibres' in addition. None where the fibres lie askew (their strain then depends on the
 /// matrix's), where there is neither a curve nor a law nor fibres, and where uniaxial_response has none.
 std::optional<double> uniaxial_stress(const Material& material, const Vector3& direction, double strain);
 

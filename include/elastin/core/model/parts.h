@@ -8,7 +8,7 @@ namespace elastin {
 
 /// Puts a body behind the parts of another, as a part with `what`'s name, rigid flag and material; what it says of
 /// numbers is set here. Lists of cells go behind each other, connections proper before the sides of cells. No grid is
-/// left. Strong guarantee; throws InputError if the name is there already.
+/// left. Strong guarantee; throws InputError if the name already exists.
 void add_part(Body& whole, const Body& body, Part what);
 
 /// The molecules of a part, its own and the shared ones, ascending.

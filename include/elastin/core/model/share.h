@@ -80,7 +80,7 @@ bool any_over(const Body& body, bool own);
 std::string first_over(const Body& body, const std::string& own);
 /// The numbers of all, one process after the other.
 std::vector<double> gathered_over(const Body& body, std::span<const double> own);
-/// The number of all that has so many of all below it, 0 … count − 1. Numbers must not be negative.
+/// The number that has this many of all numbers below it, 0 … count − 1. Numbers must not be negative.
 double nth_over(const Body& body, const std::vector<double>& own, std::int64_t nth);
 
 /// Molecules that come first and are its process's own; all of a whole body.

@@ -59,7 +59,7 @@ class StressStrain {
   double modulus(double strain) const;         ///< dσ/dε [Pa]
   double secant(double strain) const;          ///< σ/ε [Pa]; the modulus at no strain
   double energy_density(double strain) const;  ///< ∫ σ dε from 0 [J/m³], ≥ 0
-  /// Those at once, which are asked for together.
+  /// Both at once, since they are needed together.
   struct Response {
     double secant, modulus, energy_density;
   };

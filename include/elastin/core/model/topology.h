@@ -15,7 +15,7 @@ class CutSurface {
   static CutSurface plane(const Vector3& point, const Vector3& normal);
   /// What a straight blade sweeps whose two ends go straight from one position to another [m]: two triangles.
   static CutSurface blade(const std::array<Vector3, 2>& from, const std::array<Vector3, 2>& to);
-  /// Triangles [m]. Throws InputError on a corner that is none of the points, or a position that is not finite.
+  /// Triangles [m]. Throws InputError on a corner that is not among the points, or a position that is not finite.
   static CutSurface triangles(const Positions& points, const Cells<3>& triangles);
 
   /// Whether the straight way between two positions [m] goes through it. A position on the surface counts to the side

@@ -20,7 +20,7 @@ namespace elastin {
 
 enum class StrategyKind {
   spring_rule,          ///< a constant for each connection, set once
-  updated_spring_rule,  ///< constants set anew at every evaluation
+  updated_spring_rule,  ///< constants updated at every evaluation
   cell_law,             ///< force densities from the lengths of each cell
   wrapper,              ///< changes another strategy: `calibrated`
 };
@@ -72,12 +72,12 @@ Strategy with_volume(const Strategy& strategy);
 /// TensionField. Throws InputError for a strategy that cannot.
 Strategy with_wrinkling(const Strategy& strategy);
 
-/// A strategy whose stress relaxes as Material::relaxation says (see make_prony), named "prony:NAME". Fibres beside it
+/// A strategy whose stress relaxes as Material::relaxation says (see make_prony), named "prony:NAME". Fibres next to it
 /// do not relax. Throws InputError for one that relaxes already.
 Strategy with_relaxation(const Strategy& strategy);
 
 /// A strategy that softens where it has been strained before, as Material::softening says (see make_mullins), named
-/// "mullins:NAME". Springs are taken as rods of the material; fibres and volume terms beside it do not soften. Throws
+/// "mullins:NAME". Springs are taken as rods of the material; fibres and volume terms next to it do not soften. Throws
 /// InputError for one that has no energy, that softens already, or that relaxes: prony:mullins:NAME.
 Strategy with_softening(const Strategy& strategy);
 
@@ -197,7 +197,7 @@ Strategy::Make made_by(const Strategy& described, Make make) {
   };
 }
 
-/// A law on the cells of so many dimensions.
+/// A law on the cells of these dimensions.
 template <int cell_dimensions, class Law>
 Strategy cell_strategy() {
   Strategy strategy = described_strategy<Law>();

@@ -16,8 +16,8 @@ std::string fibres_unsuited(const Strategy& strategy, const Body& body, const Ma
 /// Why this material cannot go with this strategy on this body, or "": for its fibres, or for want of constants.
 std::string material_unsuited(const Strategy& strategy, const Body& body, const Material& material);
 
-/// The material's fibres, passive and active ones, to be added to a model beside the strategy for the matrix: in each
-/// solid cell beside a cell law, as springs beside a spring rule. None for a material without fibres. The body must
+/// The material's fibres, passive and active ones, to be added to a model in addition to the strategy for the matrix:
+/// in each solid cell with a cell law, as springs with a spring rule. None for a material without fibres. The body must
 /// outlive them.
 ElasticTerms make_fibres(const Strategy& strategy, const Body& body, const Material& material);
 

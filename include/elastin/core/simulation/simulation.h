@@ -34,8 +34,8 @@ struct SimulationOptions {
   /// `effort`): each step gets as many as the pace of the steps before leaves time for; see Simulation::effort.
   double budget = 0;
   /// Who runs the loops over large bodies (some 50 000 connections on): the host's task system, which must outlive the
-  /// simulation; or, where it is null, so many threads of the common one (set_runner, use_openmp), 0 = as set_threads
-  /// says. Bitwise identical with any.
+  /// simulation; or, where it is null, this number of threads of the common one (set_runner, use_openmp), 0 = as
+  /// set_threads says. Bitwise identical with any.
   TaskRunner* runner = nullptr;
   int threads = 0;
   /// Makes Voronoi cells where the strategy or the material's fibres need them: mesh::voronoi_cells. Empty: the body
@@ -58,7 +58,7 @@ struct Tool {
   std::optional<Pose> next = {};  ///< at its end; none: it stays
 };
 
-/// A simulation's body after its topology has changed, and what of it cannot be found anew.
+/// A simulation's body after its topology has changed, and what of it cannot be derived again.
 struct Topology {
   Body body;
   VectorX constants;        ///< [N/m] of a spring rule, as they were before and shared out; empty of other strategies
@@ -72,7 +72,7 @@ struct TopologyReport {
   /// Of each molecule and connection its number before. Molecules keep their numbers, unless one before them is gone;
   /// those that were split off come last.
   std::vector<int> molecule_from, connection_from;
-  /// Keeps alive what views showed before: let go of it when nobody looks at them any more.
+  /// Keeps alive what views showed before: release it when nobody looks at them any more.
   std::shared_ptr<const void> before;
 };
 
@@ -80,7 +80,7 @@ struct TopologyReport {
 struct SimulationState {
   State state;
   std::vector<Support> supports;
-  Positions host_forces;  ///< [N]; empty if nobody asked for them
+  Positions host_forces;  ///< [N]; empty if nobody requested them
   std::vector<Coupling> couplings;
   /// Of Simulation::fix and move_to: what these hold, and where it is to be at the end of the next step.
   struct HostSupport {
@@ -88,7 +88,7 @@ struct SimulationState {
     std::optional<Vector3> next;  ///< as Support::displacement [m]
   };
   std::vector<HostSupport> host_supports;
-  int others_supports = 0;  ///< so many of the supports come from elsewhere; they stand first
+  int others_supports = 0;  ///< number of supports that come from elsewhere; they stand first
   std::vector<Tool> tools;
   std::shared_ptr<const Topology> topology;  ///< null: the body is as the simulation was made with it
   int effort = 0;                            ///< of the last step; see Simulation::effort
@@ -106,8 +106,8 @@ struct SimulationState {
 /// simulation lives and its topology stays. step(), the
 /// views and the calls that are noexcept allocate nothing after the first step and the first call of each, throw
 /// nothing, lock nothing and print nothing; what of that a step cannot promise is said at Integrator::advance.
-/// Functions that throw InputError do so before they change anything. One that was moved from can be assigned to and
-/// destroyed, and step() says that it is empty; nothing else may be asked of it.
+/// Functions that throw InputError do so before they change anything. A moved-from Simulation may only
+/// be assigned to or destroyed; its step() says that it is empty.
 class Simulation {
  public:
   /// The strategy at work on the body, once it is prepared for it (see prepare), with what the material and the body
@@ -188,7 +188,7 @@ class Simulation {
   /// Parts the body where the surface goes through it in its present positions; see elastin::cut. What is left goes on
   /// with the same positions, velocities, masses and stiffness; supports of a molecule that is split hold
   /// all that comes of it, host forces are shared out as its mass, couplings stay with what keeps its number. Contact,
-  /// colours, hierarchies and matrices are made anew, so the next step takes longer; points of contact forget where
+  /// colours, hierarchies and matrices are made again, so the next step takes longer; points of contact forget where
   /// they stuck. Throws InputError as elastin::cut, and changes nothing, where something cannot follow: a law or load
   /// with a history, springs with fibres, calibrated:RULE+volume, supports that Model::drive moves, and what was added
   /// to model() directly.
@@ -198,14 +198,14 @@ class Simulation {
   /// Removes connections and cells by number; see elastin::without. As cut. What held or pulled a molecule that is gone
   /// is gone, too.
   TopologyReport remove(const std::vector<int>& connections, const std::vector<int>& cells);
-  /// Of each molecule its number in the body that the simulation was made of: what a host keeps beside it goes by
+  /// Of each molecule its number in the body that the simulation was made of: a host's own data goes by
   /// these.
   const std::vector<int>& origin() const noexcept;
 
   /// Sweeps or iterations of the last step, of a scheme that takes a number of them; else 0. With a budget it differs
-  /// from step to step and from machine to machine: who records it can give it again.
+  /// from step to step and from machine to machine: record it and pass it to set_effort to reproduce the run.
   int effort() const noexcept;
-  /// From now on so many (≥ 1), whatever the budget says. Throws InputError where the scheme takes none.
+  /// Sets the number (≥ 1) from now on, whatever the budget says. Throws InputError where the scheme takes none.
   void set_effort(int effort);
   /// What its few sweeps or iterations would do to a next step by dt > 0 [s], which is tried and taken back: the
   /// largest distance of a molecule from where backward Euler's balance to the end has it, and the largest distance
@@ -213,7 +213,7 @@ class Simulation {
   /// them.
   std::pair<double, double> iteration_error(double dt);
 
-  /// Calls `see` after every so many (≥ 1) steps that went well. It must not step; what it throws ends in
+  /// Calls `see` after every `every` (≥ 1) steps that converged. It must not step; what it throws ends in
   /// std::terminate.
   void observe(int every, std::function<void(const Simulation&)> see);
 

@@ -27,12 +27,12 @@ class Ledger {
   Energies energies(const Model& model, const State& state) const;
 
   double dissipated = 0, work = 0;  ///< [J], so far; of a share this process's part of them
-  /// What loads that change within a step may have given beside the work counted, Σ (Δt ΔF)²/2m [J]: of smooth ones
-  /// next to nothing, of one that jumps the speed of one step.
+  /// What loads that change within a step may have given in addition to the work counted, Σ (Δt ΔF)²/2m [J]: of smooth
+  /// ones next to nothing, of one that jumps the speed of one step.
   double jumps = 0;
 
  private:
-  /// Forces that take or give energy beside those with an energy of their own [N].
+  /// Forces that take or give energy, without those with an energy of their own [N].
   struct Border {
     Positions resisting, driving, supporting;  // empty where there are none
     double support_kinetic = 0;                // of the held parts of the supports' motion [J]

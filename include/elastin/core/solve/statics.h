@@ -30,7 +30,7 @@ struct StaticOptions {
   LinearMethod method = "automatic";
   double tolerance = 1e-10;  ///< largest unbalanced force over the size of loads and reactions, both as Euclidean norms
   int newton_limit = 200;
-  /// Whether one more linear solve tests that an equilibrium is a minimum; if it is none (a straight column
+  /// Whether one more linear solve tests that an equilibrium is a minimum; if it is not (a straight column
   /// beyond its buckling load), the body leaves it towards lower energy. For loads with an energy; large displacements.
   bool probe = false;
   std::shared_ptr<StaticEngine> engine = {};  ///< see solve/engine.h; null: this process by itself

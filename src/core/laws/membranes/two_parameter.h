@@ -37,7 +37,7 @@ struct TwoParameter {
   static constexpr bool follows_curve = true;
 
   struct Constants {
-    CellMatrix<3> weight;        ///< F = weight · q: −Q b₀³ on the diagonal, Q b₀ a₀² beside it [N]
+    CellMatrix<3> weight;        ///< F = weight · q: −Q b₀³ on the diagonal, Q b₀ a₀² off it [N]
     CellVector<3> rest_squared;  ///< [m²]
     Matrix3 strains;             ///< [1/m²], see strains_of
     double rest_area, nu;        ///< [m²], 1

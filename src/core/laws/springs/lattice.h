@@ -23,7 +23,7 @@ struct Lattice {
   double face_part = 0.5;
   static constexpr std::array parameters{
       Parameter<Lattice>{"face_part", &Lattice::face_part, dimension::none, 0.01, 0.99,
-                         "share of the shear stiffness that face diagonals carry beside space diagonals"}};
+                         "share of the shear stiffness that face diagonals carry in addition to space diagonals"}};
 
   static std::string unsuited(const Body& body) {
     if (body.cubes.empty()) return "needs a simple cubic lattice";

@@ -53,7 +53,7 @@ double trace(const Stiffness& C) {
 /// What the surrounding solid asks of each molecule's connections: −C : A, A its surface [m²] over ℓ².
 Tensors wanted(const Stiffness& C, const Positions& areas, double length2) { return -C * areas / length2; }
 
-/// What tells a molecule's part of the surface and of the volume. Tetrahedra share the volume among their corners as
+/// A molecule's part of the surface and of the volume. Tetrahedra share the volume among their corners as
 /// their diagonals happen to lie, so they come last.
 enum class Source { cubes, voronoi, tetrahedra, none };
 
@@ -103,7 +103,7 @@ VectorX molecule_volumes(const Body& body) {
   return volumes;
 }
 
-/// How much each molecule's volume counts beside its balance. Inside, balance asks for nothing but a sum of zero: where
+/// Weight of each molecule's volume relative to its balance. Inside, balance asks for nothing but a sum of zero: where
 /// few connections cannot balance, the fit must not get out of it by going soft, the more so the deeper inside. Where
 /// they are as many as the equations, balance does. On the surface the share that a molecule's connections have in the
 /// stiffness is that of its volume only if they run in all directions alike: not so those that stand for fibres.
@@ -131,7 +131,7 @@ struct PatchTest {
   double length2;   ///< ℓ² [m²]
   VectorX weight;   ///< w, one a molecule
   VectorX share;    ///< L/ℓ
-  Equations right;  ///< what each molecule is asked for
+  Equations right;  ///< the right side of each molecule's equations
   VectorX uniform;  ///< where y is drawn to: the one constant for all that has the body's mean stiffness, or 0
 
   /// @param C over E, without unit.
@@ -207,8 +207,8 @@ struct PatchTest {
 
 /// The y ≥ 0 of least |sums(y) − right|² + pull |y − uniform|²: conjugate gradients on the positive unknowns; a step
 /// that would turn some negative is projected and followed by a step of fixed length down the free gradient; unknowns
-/// held at zero are let go together once their gradient outweighs the free one (MPRGP) [Dostál 2009, ch. 5]. Ends when
-/// the projected gradient is small, or, where no constants pass the patch test, when 100 steps no longer lower the
+/// held at zero are released together once their gradient outweighs the free one (MPRGP) [Dostál 2009, ch. 5]. Ends
+/// when the projected gradient is small, or, where no constants pass the patch test, when 100 steps no longer lower the
 /// misfit by 1 %: at 1e5 connections and 15 % jitter four times as many steps would gain 2 % more.
 VectorX non_negative_least_squares(const PatchTest& test) {
   constexpr double pull = 1e-6, tolerance = 1e-7, worthwhile = 0.99;

@@ -5,7 +5,7 @@
 
 namespace elastin {
 
-/// How much Σ_j k L² = 12 E V counts beside the balance where molecules have too few connections to balance.
+/// How much Σ_j k L² = 12 E V counts relative to the balance where molecules have too few connections to balance.
 inline constexpr double kPatchVolumeWeight = 0.3;
 
 /// The constants k ≥ 0 with which every molecule comes nearest to passing the linear patch test: under any uniform
