@@ -72,9 +72,9 @@ class ContactForce final : public Contact {
   double farthest(const Positions& from, const Positions& to) const;
   double obstacle_displacement(const Positions& positions, const std::vector<Pose>& from,
                                const std::vector<Pose>& to) const;
-  /// Makes `at` the anchor of a touch: a place that moves with the target.
+  /// Makes `at` the anchor of a contact point: a position that moves with the target.
   void anchor(const State& state, const ContactPoint& contact_point, const Vector3& at, ContactHistory& memory) const;
-  /// The sample's place less its anchor's.
+  /// The sample's position less its anchor's.
   Vector3 slip_from(const State& state, const ContactPoint& contact_point, const ContactHistory& memory) const;
   /// Touches at a state, those that press or, on request, all within reach.
   const std::vector<ContactResponse>& responses(const State& state) const;
@@ -130,7 +130,7 @@ inline std::pair<int, int> key_of(const ContactPoint& point) { return {point.sam
 inline std::pair<int, int> key_of(const ContactHistory& memory) { return {memory.sample, memory.target}; }
 inline std::pair<int, int> key_of(const MoleculePressure& held) { return {held.molecule, held.target}; }
 
-/// Σ weight · place.
+/// Σ weight · position.
 inline Vector3 position_of(const std::array<int, 3>& molecules, const std::array<double, 3>& weights, int count,
                            const Positions& positions) {
   Vector3 sum = Vector3::Zero();

@@ -52,7 +52,7 @@ inline constexpr double kSlipDampingRatio = 0.2;
 
 /// Penalty, damping and friction of one touch. The normal force is N = max(0, λ − k g − c w ġ), w growing from 0 to 1
 /// over the onset's depth; friction is −k s − c ṡ of the elastic slip s while that is within μN, else μN against it.
-/// Sets everything but sample, target, place and sides. @param geometry normal, gap and turning
+/// Sets everything but sample, target, position and sides. @param geometry normal, gap and turning
 void set_response(const ContactPoint& geometry, const ContactSetting& setting, ContactResponse& response);
 
 /// Damping ratio ζ ≥ 0 at which a mass on a linear spring and dashpot that only press leaves as fast as `restitution`

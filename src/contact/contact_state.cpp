@@ -82,7 +82,7 @@ void ContactForce::store(const State& state) const {
 void ContactForce::evaluate(const State& state, double reach, bool all) const {
   reach = std::max(reach, 1e-9 * mean_size_);  // what just touches counts
   set_pressures(state);
-  for (const MoleculePressure& held : pressures_)  // what is held back beyond its penalty lets go at a gap
+  for (const MoleculePressure& held : pressures_)  // what is held back beyond its penalty is released at a gap
     reach = std::max(reach, held.pressure / options_.stiffness);
   set_poses(state.time);
   search_.find(state.positions, poses_, reach, found_);

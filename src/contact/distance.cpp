@@ -11,7 +11,7 @@ namespace elastin::contact {
 namespace {
 
 /// Distance from a core (a point, a line) that is `radius` thick, at `away` [m] from the nearest point of the core;
-/// `free` projects on the directions in which that place stays.
+/// `free` projects on the directions in which that position stays.
 Distance around(const Vector3& away, double radius, const Matrix3& free, const Vector3& fallback) {
   const double length = away.norm();
   if (!(length > 1e-12 * radius)) return {length - radius, fallback, Matrix3::Zero()};

@@ -22,7 +22,7 @@ class SignedDistance {
   SignedDistance(SignedDistance&&) noexcept;
   Distance at(const Vector3& point) const;
 
-  /// A shape's own way to tell.
+  /// A shape's own test.
   struct Solid {
     virtual ~Solid() = default;
     virtual Distance at(const Vector3& point) const = 0;

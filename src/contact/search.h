@@ -7,7 +7,7 @@
 
 namespace elastin::contact {
 
-/// A place on a body's surface that can touch something: Σ weight · place of up to three molecules.
+/// A point on a body's surface that can touch something: Σ weight · position of up to three molecules.
 struct Sample {
   std::array<int, 3> molecules{-1, -1, -1};  ///< the first `count`
   std::array<double, 3> weights{0, 0, 0};    ///< they sum to 1
@@ -36,7 +36,7 @@ struct ContactPoint {
   Vector3 normal = Vector3::UnitZ();   ///< unit, from the target to the sample
   double gap = 0;                      ///< between the surfaces [m]; below 0 = pressed in
   Vector3 position = Vector3::Zero();  ///< on the target's surface [m]
-  /// On the body as target: place = Σ weight · molecule + reach of a sphere along the normal. Count 0 = an obstacle.
+  /// On the body as target: position = Σ weight · molecule + reach of a sphere along the normal. Count 0 = an obstacle.
   std::array<int, 3> molecules{-1, -1, -1};
   std::array<double, 3> weights{0, 0, 0};
   int count = 0;

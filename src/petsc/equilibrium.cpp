@@ -273,7 +273,7 @@ class Newton {
       inverted |= std::isinf(trial.energy);
       if (!std::isfinite(trial.energy) || !std::isfinite(trial.norm)) continue;
       bool falls = with_energy_ && slope < 0 && trial.energy <= now.energy + 1e-4 * step * slope;
-      if (!with_energy_) {  // of a step: its forces' work on the way says the same
+      if (!with_energy_) {  // of a step: its forces' work along it gives the same criterion
         double work = 0;
         check(VecDot(trial.unbalanced, motion_, &work));
         falls = slope < 0 && (work - slope) / 2 >= -1e-4 * slope;

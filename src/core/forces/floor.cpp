@@ -62,8 +62,8 @@ class FloorPenalty final : public Load, private HalfSpace {
   }
 };
 
-/// F = −c w (v·n) n, w growing from 0 to 1 with the depth as the stiffness does. That w changes with the place is left
-/// out of the tangent: it is small where steps are.
+/// F = −c w (v·n) n, w growing from 0 to 1 with the depth as the stiffness does. That w changes with the position is
+/// left out of the tangent: it is small where steps are.
 class FloorDamping final : public Load, private HalfSpace {
  public:
   FloorDamping(const Body& body, const Floor& floor) : HalfSpace(body, floor) {}

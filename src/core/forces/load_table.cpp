@@ -8,7 +8,7 @@
 namespace elastin {
 namespace {
 
-/// Checks what is no number by itself: vectors, directions and molecules.
+/// Checks vectors, directions and molecules.
 void check_value(const std::string& key, const ParameterInfo& info, const Body& body, LoadValues& values) {
   if (auto vector = values.vectors.find(info.name); vector != values.vectors.end()) {
     if (!vector->second.allFinite()) throw InputError(key + ": must be three finite numbers");

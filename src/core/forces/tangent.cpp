@@ -211,7 +211,7 @@ void Tangent::set_diagonal() {
   const auto add_cells = [&](const CellSlopes& cells) {
     cells.sides == 3 ? add_diagonal_of<3>(cells) : add_diagonal_of<4>(cells);
   };
-  visit_cells(std::ref(add_cells));  // a function that holds it would ask for memory
+  visit_cells(std::ref(add_cells));  // a function that owns it would allocate
   const BlockVisitor add_own = [&](int a, int b, const Matrix3& block) {
     if (a == b) add(a, block);
   };

@@ -20,7 +20,7 @@ VolumeGroups grouped(Cells<4> tetrahedra, std::vector<int> groups, int per_tetra
 }  // namespace
 
 VolumeGroups groups_of_cubes(const Cells<8>& cubes) {
-  // Corner c sits at (c & 1, c >> 1 & 1, c >> 2). The second way is the mirror image of the first in x.
+  // Corner c sits at (c & 1, c >> 1 & 1, c >> 2). The second cut is the mirror image of the first in x.
   static constexpr std::array<std::array<int, 4>, 10> cut{{{0, 1, 2, 4},
                                                            {3, 2, 1, 7},
                                                            {5, 1, 4, 7},

@@ -15,7 +15,7 @@ struct VolumeGroups {
   int size() const { return static_cast<int>(members.start.size()) - 1; }
 };
 
-/// One group a cube: both ways of cutting it into five tetrahedra, weight ½. Their sides are its edges and face
+/// One group a cube: both cuts of it into five tetrahedra, weight ½. Their sides are its edges and face
 /// diagonals.
 VolumeGroups groups_of_cubes(const Cells<8>& cubes);
 

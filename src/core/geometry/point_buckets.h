@@ -16,8 +16,8 @@ class PointBuckets {
 
   void add(const Vector3& point, int number) { members_[key(cube_of(point))].push_back(number); }
 
-  /// Calls visit(number) for all points of the cube that holds `point` and of the 26 around it, in a fixed order, until
-  /// it returns true. Returns whether it did.
+  /// Calls visit(number) for all points of the cube that contains `point` and of the 26 around it, in a fixed order,
+  /// until it returns true. Returns whether it did.
   template <class Visit>
   bool visit_near(const Vector3& point, const Visit& visit) const {
     const Cube home = cube_of(point);

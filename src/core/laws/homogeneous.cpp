@@ -191,7 +191,7 @@ bool solve(const Balance& balance, Matrix3& A, double& pressure) {
       balance.move(fraction * step, next, next_pressure);
       if (Dilatation(next).flat || next.diagonal().minCoeff() <= -1) continue;
       const VectorX at = balance.residual(next, next_pressure);
-      // Volume first, shape then: on the way the residual may grow.
+      // Volume first, shape then: in between the residual may grow.
       if (!(at.norm() < (iteration < 20 ? 1e3 : 1) * size) && !(size < 10 * rounding)) continue;
       A = next, pressure = next_pressure, r = at;
       break;

@@ -5,7 +5,7 @@
 
 namespace elastin {
 
-/// A function of two variables at one place: its value, its slopes and its second slopes, carried along by the rules of
+/// A function of two variables at one point: its value, its slopes and its second slopes, carried along by the rules of
 /// differentiation. [Griewank & Walther 2008, ch. 13]
 struct Jet {
   double value = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;

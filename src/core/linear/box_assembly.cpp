@@ -186,7 +186,7 @@ class Assembly {
     add_box(location.box, static_cast<float>(factor) * change * change.transpose());
   }
 
-  /// A stiffness of its own at a place.
+  /// A stiffness of its own at a position.
   void add_at(const Vector3& where, const Matrix3& block) {
     const BoxGrid::Location location = grid_.locate(where);
     const Corners values = BoxGrid::values_at(location.at);

@@ -14,7 +14,7 @@ class BoxGrid {
  public:
   static constexpr int kCorners = 8, kAround = 27, kSelf = 13;
 
-  /// Where a place lies in its box: 0 … 1 along the grid's own axes.
+  /// Where a position lies in its box: 0 … 1 along the grid's own axes.
   struct Location {
     int box;
     Eigen::Vector3f at;
@@ -22,7 +22,7 @@ class BoxGrid {
 
   /// One number for each corner of a box.
   using Corners = Eigen::Array<float, kCorners, 1>;
-  /// The functions of a box's corners at a place in it.
+  /// The functions of a box's corners at a position in it.
   static Corners values_at(const Eigen::Vector3f& at) {
     Corners values;
     for (int c = 0; c < kCorners; ++c)
@@ -39,7 +39,7 @@ class BoxGrid {
   };
   explicit BoxGrid(const Frame& frame);
 
-  /// The box of the outline that holds a place.
+  /// The box of the outline that contains a position.
   int outline_box(const Vector3& position) const;
   /// Until the boxes are numbered: keeps one.
   void use(int outline_box) { used_[outline_box] = 1; }

@@ -34,7 +34,7 @@ class Factor {
     solved_.resize(wide_.rows(), count);
     for (Eigen::Index i = 0; i < count; ++i) solved_.col(i) = sparse_.solve(wide_.col(i));
     border += transposed_product(wide_, solved_);
-    negative_modes_ += positive(border) - before;  // the inertia of the bordered matrix, counted in two ways
+    negative_modes_ += positive(border) - before;  // the inertia of the bordered matrix, counted twice
     border_inverse_ = inverse(border);
   }
 
@@ -52,7 +52,7 @@ class Factor {
   int negative_modes_ = 0;
 };
 
-/// Mean diagonal entry of each molecule's block [N/m], by size; `scale` where nothing holds a molecule.
+/// Mean diagonal entry of each molecule's block [N/m], by size; `scale` where nothing resists a molecule's motion.
 VectorX own_stiffness(const Tangent& tangent, double scale) {
   VectorX own(tangent.model().body().size());
   for (Eigen::Index i = 0; i < own.size(); ++i) {

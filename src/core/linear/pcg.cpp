@@ -85,7 +85,7 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
     p = z;
     double size_of_p = now[0];  // pᵀ M p, M the preconditioner: what pᵀ K p is small or large against
     const int limit = 10000 + 3 * n / 10;
-    // On a stiffness that is not symmetric the search gets stuck: the best place it came by is what it has to give.
+    // On a stiffness that is not symmetric the search gets stuck: the best iterate is its result.
     const bool symmetric = tangent.model().has_energy();
     constexpr int patience = 100;
     double best = first;
@@ -98,7 +98,8 @@ class Pcg final : public LinearSolver, public KeepsCoarsePicture {
       if (!(curvature > 1e-13 * size_of_p)) {
         result.status = curvature < -1e-10 * size_of_p ? LinearStatus::negative_mode : LinearStatus::zero_mode;
         if (result.status == LinearStatus::negative_mode) result.negative_direction = p;
-        // The way on: down the negative direction, or along what is left of the force where there is no stiffness.
+        // The direction to go on: down the negative direction, or along what is left of the force where there is no
+        // stiffness.
         if (result.status == LinearStatus::zero_mode)
           x += r / stiffness_scale(tangent);
         else if (result.iterations == 0)

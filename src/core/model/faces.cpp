@@ -34,7 +34,7 @@ VectorX triangle_thirds(const Body& body, const std::vector<int>& molecules, con
 }
 
 /// Molecules at or above a height. Of a refined body those at the end of the body that it came from, and what lies
-/// between them: a depth holds the same matter on cells of any size, even where the end is not plane.
+/// between them: a depth contains the same matter on cells of any size, even where the end is not plane.
 std::vector<int> molecules_above(const Body& body, const VectorX& height, double low) {
   std::vector<char> above(body.size());
   const int first = body.size() - static_cast<int>(body.between.size());

@@ -30,7 +30,7 @@ struct Face {
 /// lies between two of them. Throws InputError if that is the whole body.
 Face end_face(const Body& body, const Vector3& direction, double depth);
 
-/// Middle of a face: mean place of its molecules by share [m].
+/// Middle of a face: mean position of its molecules by share [m].
 Vector3 middle_of(const Body& body, const Face& face, const Positions& positions);
 
 /// A solid body in the form of a box.

@@ -14,8 +14,8 @@
 namespace elastin {
 namespace {
 
-/// Molecules in one place are no further apart than this part of the longest connection at them: more than single
-/// precision, in which surfaces are kept, leaves between two files of one place.
+/// Molecules at one position are no further apart than this part of the longest connection at them: more than single
+/// precision, in which surfaces are kept, leaves between two files of one position.
 constexpr double kSamePosition = 1e-4;
 
 /// What a part shows to a tie: its surface, in the numbers of the whole body.
@@ -54,7 +54,7 @@ VectorX surface_shares(const Body& body, const Cells<3>& triangles) {
   return areas;
 }
 
-/// Pairs of molecules of the two sides that lie in one place, those of the first part first.
+/// Pairs of molecules of the two sides that lie at one position, those of the first part first.
 std::vector<std::array<int, 2>> pairs_at_one_position(const Body& body, const Side& one, const Side& other) {
   const VectorX longest = longest_connections(body);
   const double reach = kSamePosition * std::max(longest(one.molecules).maxCoeff(), longest(other.molecules).maxCoeff());

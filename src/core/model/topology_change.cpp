@@ -88,8 +88,8 @@ class TopologyBuilder {
     set_shares();
   }
 
-  /// Cells that hung together at a molecule and no longer do by its sides get a molecule of their own; those with the
-  /// lowest cell that is left keep it.
+  /// Cells that were connected at a molecule, and no longer are by its sides, get a molecule of their own; those with
+  /// the lowest cell that is left keep it.
   void split(int molecule, std::span<const int> sides) {
     const auto own = cells_.cells_of[molecule];
     const auto index = [&](int cell) {

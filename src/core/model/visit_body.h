@@ -200,7 +200,7 @@ void visit(Archive& archive, Material& material) {
 
 /// Why the numbers of a material are not all of it; "" where they are.
 inline std::string beyond_numbers(const Material& material) {
-  if (material.field) return "the material differs from place to place by a function";
+  if (material.field) return "the material varies over the body by a function";
   if (material.active && material.active->activation) return "the activation of the muscle is a function of time";
   return "";
 }

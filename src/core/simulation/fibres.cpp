@@ -18,7 +18,7 @@ std::string fibres_unsuited(const Strategy& strategy, const Body& body, const Ma
   if (strategy.kind == StrategyKind::cell_law)
     return strategy.dimensions == 3 ? "" : "the material's fibres join laws of tetrahedra, not of triangles";
   if (material.around) return "the material's fibres turn around an axis, which springs of one direction cannot";
-  if (material.field) return "the material's fibres differ from place to place, which springs of one direction cannot";
+  if (material.field) return "the material's fibres vary over the body, which springs of one direction cannot";
   const std::string reason = Patch::unsuited(*detail::proper_part(body));
   return reason.empty() ? "" : "the material's fibres as springs: " + reason;
 }

@@ -49,7 +49,7 @@ void HostSupports::begin(double start, double end) {
   start_ = start;
   end_ = end;
   if (fixed_.empty()) return;
-  // What the host took out of the model's list itself is not held.
+  // What the host took out of the model's list itself is not fixed.
   if (std::erase_if(fixed_, [this](const Fixed& fixed) { return support_of(fixed.molecule) < 0; })) index();
   attach();
 }

@@ -15,10 +15,10 @@ class HostSupports {
   /// The model must outlive it, and it must stay where it is.
   explicit HostSupports(Model& model) : model_(model) {}
 
-  /// Holds a molecule at this place; one that is held already, by whomever, from there.
+  /// Fixes a molecule at this position; also one that is already fixed by others.
   void fix(int molecule, const Matrix3& free, const Vector3& position);
   void release(int molecule);
-  /// Where it is to be at the end of the next step; false if nothing holds it.
+  /// Where it is to be at the end of the next step; false if nothing fixes it.
   bool move_to(int molecule, const Vector3& position);
   /// The support of a molecule, null if it has none.
   const Support* find(int molecule) const;
@@ -29,7 +29,7 @@ class HostSupports {
   void arrive();
   void go_back();
 
-  /// Whether somebody else moves supports, too: those it knows by their place in the list.
+  /// Whether something else moves supports, too: those it knows by their index in the list.
   bool has_others() const { return others_ || (model_.drive && !model_.drive.target<Driver>()); }
 
   void save(SimulationState& saved) const;

@@ -71,7 +71,7 @@ struct Simulation::Impl {
   std::vector<Coupling> couplings;
   bool has_host_forces = false, has_couplings = false;
   CouplingId next_coupling = 1;
-  std::optional<StableStep> stable;  // of the body at rest, nothing held or gripped
+  std::optional<StableStep> stable;  // of the body at rest, nothing fixed or coupled
   FrequencyWatch* watch = nullptr;   // of an integrator that has one
   // Read off the state shown when the host asks.
   Workspace workspace;

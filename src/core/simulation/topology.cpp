@@ -75,7 +75,7 @@ void Simulation::Impl::check_follows() const {
   if (terms() != known)
     refuse("something was added to model() directly; Simulation::add takes a function that adds it again");
   if (!model.history().empty()) refuse("the history '" + model.history().front().name + "' cannot follow");
-  if (host_supports.has_others()) refuse("Model::drive moves supports, which it knows by their place in the list");
+  if (host_supports.has_others()) refuse("Model::drive moves supports, which it knows by their index in the list");
 }
 
 std::shared_ptr<const Topology> Simulation::Impl::shared_topology() const {

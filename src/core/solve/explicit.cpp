@@ -120,7 +120,7 @@ class Explicit final : public Integrator, public FrequencyWatch {
     keep_free(model.supports, forces);
   }
 
-  /// From one state to the next the elastic forces change by Δf = −K Δx, K the mean stiffness on the way: so
+  /// From one state to the next the elastic forces change by Δf = −K Δx, K the mean stiffness in between: so
   /// ω² = |M^−½ Δf|² / (−Δx·Δf) is at most the largest of M⁻¹ K, and the more of what vibrates fastest there is in the
   /// motion, the nearer to it. What the steps are too long for grows until it is most of Δf, long before it shows.
   void look(const Model& model, const Positions& positions, const Positions& elastic) {

@@ -36,7 +36,7 @@ struct Fixed {
   }
 };
 
-/// Motion of a place under each of the six rigid motions about `centre`, lengths measured in `size`.
+/// Motion of a point under each of the six rigid motions about `centre`, lengths measured in `size`.
 Eigen::Matrix<double, 3, 6> rigid_rows(const Vector3& position, const Vector3& centre, double size) {
   const Vector3 arm = (position - centre) / size;
   Eigen::Matrix<double, 3, 6> rows;
@@ -115,7 +115,7 @@ class Search {
 
   /// A molecule, then its neighbours (so that a triangle of connections carries the pins on), then everyone else.
   std::vector<int> pin_order() const {
-    int first = 0;  // one that is held already, if any: it carries furthest
+    int first = 0;  // one that is fixed already, if any: it carries furthest
     for (int m = 0; m < body_.size(); ++m)
       if (fixed_[m].count > fixed_[first].count) first = m;
     std::vector<int> order{first};
@@ -144,7 +144,7 @@ class Search {
     return std::any_of(incident_[a].begin(), incident_[a].end(), [&](int c) { return other_end(c, a) == b; });
   }
 
-  /// A connection whose one end is known not to move along it holds the other end along it too.
+  /// A connection whose one end is known not to move along it fixes the other end along it too.
   void spread() {
     std::deque<int> queue;
     std::vector<char> waiting(body_.size(), 1);

@@ -52,11 +52,11 @@ LinearResult solve_linear(const Tangent& tangent, const std::vector<Support>& su
                           double tolerance, const StaticOptions& options, bool through_saddles, Positions& solution,
                           UsedSolver& used, CachedSolver& cached);
 
-/// The held part of each supported molecule's column, 3 × supports.
+/// The fixed component of each supported molecule's column, 3 × supports.
 void set_fixed_components(const std::vector<Support>& supports, const Positions& vectors, Positions& parts);
 Positions fixed_components(const std::vector<Support>& supports, const Positions& vectors);
 
-/// Puts every supported molecule where its support wants it, in the held directions.
+/// Puts every supported molecule where its support wants it, in the fixed directions.
 void apply_supports(const Model& model, Positions& positions);
 
 }  // namespace elastin

@@ -37,7 +37,7 @@ std::string inverted_text(const Body& body, const Positions& positions);
 /// The same where any of the processes that share the body finds it; they call it together.
 std::string inverted_anywhere(const Model& model, const Positions& positions);
 
-/// Gives supported molecules the velocities of their supports in the held directions.
+/// Gives supported molecules the velocities of their supports in the fixed directions.
 void move_with_supports(const std::vector<Support>& supports, Positions& velocities);
 
 /// Velocities that go with the positions; those of supports are their own.

@@ -57,7 +57,7 @@ void evaluate(const Problem& problem, bool with_energy, Trial& trial, TrialWorks
 
 /// Halves the step until the energy falls (Armijo) or, where rounding hides that or there is no energy, the unbalanced
 /// force does; and while a cell is inverted, with or without an energy. A time step with damping or drag has no
-/// energy, but forces whose work on the way says the same. Returns false if no step helps; `now` then stays.
+/// energy, but forces whose work along it gives the same criterion. Returns false if no step helps; `now` then stays.
 bool line_search(const Problem& problem, const Positions& motion, bool with_energy, Trial& now, bool& inverted,
                  TrialWorkspace& workspace);
 

@@ -51,7 +51,7 @@ class ScaledStiffness {
     return result;
   }
 
-  /// Takes out what supports hold, and rigid motions.
+  /// Takes out what supports fix, and rigid motions.
   void project(Block& block) const {
     for (Eigen::Index c = 0; c < block.cols(); ++c) {
       Positions free = block.col(c).reshaped(3, model_.body().size());

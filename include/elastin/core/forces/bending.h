@@ -18,7 +18,7 @@ namespace elastin {
 /// a triangle and its neighbours [after Bergou et al. 2006], exact at any bending without stretching, and nothing in
 /// any flat state. Exact for constant curvature where each triangle's neighbours are its images (one diagonal
 /// throughout, equal sides); a twist of squares cut along alternating diagonals is 2.8 times too stiff. Two
-/// neighbouring rows of held molecules clamp a sheet, half way between them.
+/// neighbouring rows of fixed molecules clamp a sheet, half way between them.
 
 /// Pairs of molecules between which make_bending works. Those that are no connections yet must be made so: see
 /// add_cell_sides.

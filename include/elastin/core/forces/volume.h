@@ -9,7 +9,7 @@ namespace elastin {
 /// Resistance to changes of volume that no spring along a connection can give: the energy
 ///   W = Σ_g V_g κ/2 (J_g − 1)²,   J_g = Σ w V_T(x) / V_g,   V_g = Σ w V_T(rest),
 /// over groups g of tetrahedra T with weight w. [M03's springs have ν = ¼ alone; averaged volumes: Bonet & Burton 1998]
-///   * Simple cubic lattices, one group a cube: the tetrahedra of both ways to cut it into five, w = ½.
+///   * Simple cubic lattices, one group a cube: the tetrahedra of both cuts of it into five, w = ½.
 ///   * Bodies of tetrahedra, one group a molecule: the tetrahedra around it, w = ¼. One volume a molecule is few enough
 ///     that linear tetrahedra do not lock as ν → ½.
 /// The volumes telescope: under uniform strain nothing acts inside, and the pressure κ (J − 1) on the surface.

@@ -38,7 +38,7 @@ class LinearSolver {
 
 /// A row of the table of linear solvers: what scenes name under solver.linear_solver.
 struct LinearSolverKind : Descriptor {
-  bool needs_symmetry = true;  ///< where the stiffness is not symmetric, bicgstab takes its place
+  bool needs_symmetry = true;  ///< where the stiffness is not symmetric, bicgstab replaces it
   bool factorises = false;     ///< whether it sees the whole matrix, and counts its negative modes
   /// Null: the row is a rule that chooses another row for each problem.
   std::function<std::unique_ptr<LinearSolver>()> make = {};

@@ -70,7 +70,7 @@ struct Part {
   std::optional<VoronoiCells> voronoi;  ///< of the part alone; as Body::voronoi
 };
 
-/// A molecule that is tied to a place on a triangle of another part, Σ weight · corner, where it lies at rest.
+/// A molecule that is tied to a position on a triangle of another part, Σ weight · corner, where it lies at rest.
 struct Tie {
   int molecule = 0;
   std::array<int, 3> corners{};
@@ -135,7 +135,7 @@ void add_cell_sides(Body& body, const std::vector<std::array<int, 2>>& sides);
 Body without_cell_sides(const Body& body);
 
 /// Makes what lies in a box (its faces included) `stiffness` times as stiff as the material, and its molecules `mass`
-/// times as heavy: connections and cells by their middles. Of boxes that share a place the last counts.
+/// times as heavy: connections and cells by their middles. Of boxes that overlap the last counts.
 void set_region(Body& body, const Vector3& low, const Vector3& high, double stiffness, double mass);
 
 /// Lumped masses [kg]: a quarter of each tetrahedron's mass, a third of each triangle's (thickness t [m]) to its

@@ -62,9 +62,9 @@ struct RoundAxis {
 
 struct Material;
 
-/// What of a material differs from place to place of a body at rest.
+/// What of a material varies over a body at rest.
 struct MaterialField {
-  /// Sets the material's own numbers and directions to those of a place [m]: both as the body was described.
+  /// Sets the material's own numbers and directions to those of a position [m]: both as the body was described.
   std::function<void(Material& own, const Vector3& place)> set;
   Matrix3 rotation = Matrix3::Identity();  ///< since then: what was at X is at rotation X + shift
   Vector3 shift = Vector3::Zero();         ///< [m]
@@ -88,7 +88,7 @@ struct Material {
   /// Axis around which directions turn: none = all directions are those of space; else their components are along the
   /// radius, along the circumference and along the axis, at the middle of each cell.
   std::optional<RoundAxis> around = {};
-  /// Other numbers, or directions, from place to place: cells have those of their middle.
+  /// Numbers, or directions, that vary over the body: cells have those of their middle.
   std::optional<MaterialField> field = {};
 
   /// Whether cells have materials of their own; see local_material.
@@ -98,7 +98,7 @@ struct Material {
 /// Turns what has a direction at rest: fibres, and a law's; of directions around an axis, the axis. Fields turn too.
 void rotate(Material& material, const Matrix3& rotation);
 
-/// The material at a place [m] of the body at rest, directions in space. On the axis itself the radius is any one.
+/// The material at a position [m] of the body at rest, directions in space. On the axis itself the radius is any one.
 Material local_material(const Material& material, const Vector3& place);
 
 /// What uniaxial stress along a unit direction measures at small strain.

@@ -96,7 +96,7 @@ int molecule_of_whole(const Body& body, std::int64_t number);
 /// Marks one a molecule, right for owned ones: makes those of ghosts what their owners say. Takes messages as long as
 /// what is marked.
 void mark_ghosts_as_owners(const Body& body, std::vector<char>& marks);
-/// Mean place of the whole's molecules at rest [m].
+/// Mean position of the whole's molecules at rest [m].
 Vector3 middle_of_whole(const Body& body);
 /// Of an element's molecules that which is lowest in the whole.
 template <class Element>

@@ -18,7 +18,7 @@ class CutSurface {
   /// Triangles [m]. Throws InputError on a corner that is not among the points, or a position that is not finite.
   static CutSurface triangles(const Positions& points, const Cells<3>& triangles);
 
-  /// Whether the straight way between two positions [m] goes through it. A position on the surface counts to the side
+  /// Whether the straight line between two positions [m] goes through it. A position on the surface counts to the side
   /// to which the normal points.
   bool crosses(const Vector3& from, const Vector3& to) const;
 
@@ -51,7 +51,7 @@ struct ChangedBody {
 };
 
 /// Parts a body where the surface goes through it in its present positions [m]. A body with cells (tetrahedra, else
-/// cubes, else triangles) is parted between cells, where the way between the middles of two neighbours crosses the
+/// cubes, else triangles) is split between cells, where the line between the middles of two neighbours crosses the
 /// surface: no cell is lost, the volume stays as it is, and the new surface follows sides of cells. A molecule is split
 /// where its cells no longer hang together by sides. Connections of no cell are removed where they cross the surface,
 /// so that a body without cells is parted between its molecules. A cut that ends within the body leaves its tip whole.

@@ -8,7 +8,7 @@
 namespace elastin {
 
 /// The same matter with every edge of every cell halved: each tetrahedron, hexahedron and prism becomes eight of its
-/// own shape and order, each triangle four. Of the three ways to cut the inner octahedron of a tetrahedron the one
+/// own shape and order, each triangle four. Of the three cuts of the inner octahedron of a tetrahedron the one
 /// along its shortest diagonal is taken, so that the cells stay as regular as they are. Surfaces stay what they are,
 /// facets or curved edges of second order. Connections are the sides of the cells; radii are halved, masses are lumped
 /// by what the matter about each molecule weighed, and keep their sum; factors of stiffness pass on to the cells.

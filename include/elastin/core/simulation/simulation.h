@@ -82,7 +82,7 @@ struct SimulationState {
   std::vector<Support> supports;
   Positions host_forces;  ///< [N]; empty if nobody requested them
   std::vector<Coupling> couplings;
-  /// Of Simulation::fix and move_to: what these hold, and where it is to be at the end of the next step.
+  /// Of Simulation::fix and move_to: the fixed molecule, and where it is to be at the end of the next step.
   struct HostSupport {
     int molecule = 0;
     std::optional<Vector3> next;  ///< as Support::displacement [m]
@@ -195,8 +195,8 @@ class Simulation {
   TopologyReport cut(const CutSurface& surface);
   /// Parts it where it is strained above `strain` > 0; see elastin::tear. As cut.
   TopologyReport tear(double strain);
-  /// Removes connections and cells by number; see elastin::without. As cut. What held or pulled a molecule that is gone
-  /// is gone, too.
+  /// Removes connections and cells by number; see elastin::without. As cut. What fixed or pulled a molecule that is
+  /// gone is gone, too.
   TopologyReport remove(const std::vector<int>& connections, const std::vector<int>& cells);
   /// Of each molecule its number in the body that the simulation was made of: a host's own data goes by
   /// these.

@@ -35,7 +35,7 @@ class Ledger {
   /// Forces that take or give energy, without those with an energy of their own [N].
   struct Border {
     Positions resisting, driving, supporting;  // empty where there are none
-    double support_kinetic = 0;                // of the held parts of the supports' motion [J]
+    double support_kinetic = 0;                // of the fixed components of the supports' motion [J]
   };
   Border border(const Model& model, const State& state) const;
   bool open_;  // whether anything passes

@@ -73,7 +73,7 @@ class Integrator {
 /// Throws InputError on parameters that the scheme has not, or out of range.
 std::unique_ptr<Integrator> make_integrator(const IntegratorOptions& options);
 
-/// a = M⁻¹ F of the state, zero in held directions [m/s²].
+/// a = M⁻¹ F of the state, zero in fixed directions [m/s²].
 void set_accelerations(const Model& model, State& state);
 
 }  // namespace elastin

@@ -64,7 +64,7 @@ Source source_of(const Body& body) {
 }
 
 /// Outward surface-area vector of each molecule [m²]: a third of each triangle outside; of a cube's face, the mean over
-/// the two ways to cut it into triangles (a quarter each, where it is a parallelogram). So Σ x_i A_iᵀ = V I exactly.
+/// the two cuts of it into triangles (a quarter each, where it is a parallelogram). So Σ x_i A_iᵀ = V I exactly.
 /// Of Voronoi cells x A lacks the part of V that hangs on the molecules next to the surface but not in it.
 Positions surface_areas(const Body& body) {
   if (source_of(body) == Source::voronoi) return body.voronoi->surface_area;
@@ -103,7 +103,7 @@ VectorX molecule_volumes(const Body& body) {
   return volumes;
 }
 
-/// Weight of each molecule's volume relative to its balance. Inside, balance asks for nothing but a sum of zero: where
+/// Weight of each molecule's volume relative to its balance. Inside, balance needs nothing but a sum of zero: where
 /// few connections cannot balance, the fit must not get out of it by going soft, the more so the deeper inside. Where
 /// they are as many as the equations, balance does. On the surface the share that a molecule's connections have in the
 /// stiffness is that of its volume only if they run in all directions alike: not so those that stand for fibres.
