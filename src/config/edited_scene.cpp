@@ -41,7 +41,7 @@ std::string edited(std::string text, std::vector<Edit> edits) {
   return text;
 }
 
-/// Names each file beside the scene from the other folder.
+/// Rewrites the path of each file next to the scene as seen from the other folder.
 void move_files(const std::string& text, const YAML::Node& node, const fs::path& from, const fs::path& to,
                 std::vector<Edit>& edits) {
   if (node.IsScalar()) {

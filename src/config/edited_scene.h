@@ -5,7 +5,7 @@
 
 namespace elastin::config {
 
-/// A scene's text for another folder: the files beside it that it names (data, meshes, `extends`) are named from there.
+/// A scene's text for another folder: paths of the files that it names (data, meshes, `extends`) are relative to that.
 std::string moved_scene(const std::string& text, const std::string& from_folder, const std::string& to_folder);
 
 /// A scene's text with a key of the first level and all below it replaced by these lines; "" where it has none that
@@ -18,8 +18,8 @@ std::string with_section(const std::string& text, const std::string& key, const 
 std::string with_value(const std::string& text, const std::string& path, const std::string& value);
 
 /// A scene's own text with other values of keys, (key, YAML) as of --set, in the lines that there are as far as these
-/// can take them; else all of it is written anew, without its remarks. A `material` takes the place of all that a
-/// scene which this one extends has there. Throws InputError where a key names an item of no list of this text.
+/// can take them; otherwise all of it is written again, without its comments. A `material` takes the place of all that
+/// a scene which this one extends has there. Throws InputError where a key names an item of no list of this text.
 std::string with_values(const std::string& text, const std::string& folder,
                         const std::vector<std::pair<std::string, std::string>>& values);
 

@@ -33,7 +33,7 @@ Value power(const Value& base, int exponent) {
   return {std::pow(base.number, exponent), power_of(base.unit, exponent), base.angle && exponent == 1};
 }
 
-/// Gives the value of a name; throws where there is none.
+/// Gives the value of a name; throws if the name is unknown.
 using Names = std::function<Value(const std::string&)>;
 
 /// Reads a formula from left to right. Throws InputError.
@@ -320,7 +320,7 @@ void put_in(YAML::Node node, NamedValues& values, const NamedValues::Locate& loc
 FormulaValues put_in_formulas(const YAML::Node& root,
                               const std::function<SourceLocation(const YAML::Node&)>& location_of) {
   NamedValues values(root["values"], location_of);
-  for (const std::string& name : values.names()) values.of(name);  // one that is wrong is told, used or not
+  for (const std::string& name : values.names()) values.of(name);  // a wrong one is reported even if it is not used
   for (const auto& entry : root)
     if (entry.first.Scalar() != "values") put_in(entry.second, values, location_of, entry.first.Scalar());
   return values.known();

@@ -241,7 +241,7 @@ std::string default_of(Member Setup::*member, const Words& words) {
     return words(setup.*member);
 }
 
-/// A number with a unit, or a plain number where the dimension is none.
+/// A number with a unit, or a plain number if it has no dimension.
 template <class Setup, class Member>
 Key<Setup> quantity(std::string name, Member Setup::*member, const Dimension& unit, std::string text,
                     const Range& range = {}) {

@@ -8,7 +8,7 @@ namespace elastin::config {
 /// with other capitals, blanks and hyphens; "" where it means none of them.
 std::string meant_key(const std::string& given, const std::vector<std::string>& known);
 
-/// The tail of a message about a word that is none of `names`, as suggestion() has it, with other words for them too:
+/// The tail of a message about a word that is not among `names`, as suggestion() has it, with synonyms too:
 /// "fixed" means `clamped`.
 std::string suggested_word(const std::string& word, const std::vector<std::string>& names);
 

@@ -116,7 +116,7 @@ std::optional<Reader> Reader::value_of(const std::string& given, const std::stri
 
 Reader Reader::at(const std::string& key) {
   if (auto found = find(key)) return *found;
-  // A misspelt key is read as what it must be: finish() then names it beside every key that is known.
+  // A misspelt key is read as what it must be: finish() then reports it together with all known keys.
   std::vector<std::string> unknown;
   for (const std::string& given : keys())
     if (std::find(requested_->keys.begin(), requested_->keys.end(), given) == requested_->keys.end())
@@ -334,7 +334,7 @@ double Reader::number(const Dimension& dimension, const Range& range) const {
               : ""));
   if (std::abs(quantity.value) > kLargest) {
     char text[80];
-    std::snprintf(text, sizeof text, "' is %.3g%s%s: nothing is beyond %g", quantity.value,
+    std::snprintf(text, sizeof text, "' is %.3g%s%s: values must not exceed %g", quantity.value,
                   si_unit(dimension).empty() ? "" : " ", si_unit(dimension).c_str(), kLargest);
     fail("'" + given + text);
   }

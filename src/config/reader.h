@@ -44,7 +44,7 @@ struct Range {
 inline constexpr Range kPositive{0, std::numeric_limits<double>::infinity(), true};
 inline constexpr Range kNotNegative{0, std::numeric_limits<double>::infinity(), false};
 
-/// One value of a scene with its path of keys and its position in the file. Maps note which keys were asked for, so
+/// One value of a scene with its path of keys and its position in the file. Maps note which keys were requested, so
 /// that finish() can name the ones that no reader knows.
 class Reader {
  public:
@@ -64,7 +64,7 @@ class Reader {
   /// The section of the key reference that lists this map's keys: of maps that stand under several keys, or whose keys
   /// depend on their kind. Without it the section is the path of keys.
   void set_section(const std::string& section) { section_ = section; }
-  /// Throws InputError on the first key that was never asked for, with the nearest one that was.
+  /// Throws InputError on the first key that was never requested, with the nearest one that was.
   void finish() const;
 
   bool is_map() const { return node_.IsMap(); }
@@ -86,13 +86,13 @@ class Reader {
   std::string line() const;
   /// The same with the bytes of the files behind it that are named under `file`: equal texts mean the same thing.
   std::string content() const;
-  /// In SI units. Throws if it has no unit where other values of the file have one, or the other way round.
+  /// In SI units. Throws if it has no unit although other values of the file have one, or vice versa.
   double quantity(const Dimension& dimension, const Range& range = {}) const;
   /// A plane angle [rad]. It has a unit where other values of the file have one; a scene of plain numbers may write
   /// both radians and "30 deg".
   double angle(const Range& range = {}) const;
   int whole(int low, int high = std::numeric_limits<int>::max()) const;
-  /// The number of a molecule of a body that has so many.
+  /// The number of a molecule: 0 to count - 1.
   int molecule(int count) const;
   Vector3 vector(const Dimension& dimension, const Range& range = {}) const;
   /// A unit vector: "x", "-y", or a list of three numbers that are not all 0.
@@ -141,7 +141,7 @@ class Reader {
   bool plain() const { return file_->first_plain.has_value(); }
 
  private:
-  /// Keys that were asked for, and those that stood in for a missing one: as written, and as meant.
+  /// Keys that were requested, and those that stood in for a missing one: as written, and as meant.
   struct Requested {
     std::vector<std::string> keys;
     std::vector<std::pair<std::string, std::string>> misspelt;

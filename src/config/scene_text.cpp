@@ -191,7 +191,7 @@ class Explanation {
   }
   InputError at(const Mark& mark, const std::string& message) const { return at(mark.line, mark.column, message); }
 
-  /// The lines before and behind this one that hold keys; `lines.size()` where there is none.
+  /// The lines before and behind this one that hold keys; `lines.size()` if there is no such line.
   std::size_t before(std::size_t number) const {
     while (number-- > 0)
       if (outline_.lines[number].block) return number;

@@ -18,11 +18,11 @@ struct SceneTree {
   FormulaValues values = {};       ///< of the section `values`
 };
 
-/// Reads a scene's text; `name` stands for its file in messages, and files that it names lie beside that. `overrides`
+/// Reads a scene's text; `name` stands for its file in messages, and files that it names lie next to it. `overrides`
 /// are key.path=value. Throws InputError: file:line:column.
 SceneTree load_scene_tree(const std::string& name, const std::string& text, const std::vector<std::string>& overrides);
 
-/// The bytes of a scene file. Throws InputError where there is none, or it is a folder or device.
+/// The bytes of a scene file. Throws InputError if there is no such file, or it is a folder or a device.
 std::string text_of_scene(const std::string& path);
 
 /// Puts a value under a key of a tree, "key.path.to", and the maps that are missing on the way. Throws InputError at
@@ -41,7 +41,7 @@ bool is_override(const YAML::Node& node);
 /// Which of the tree's files a key or value stands in.
 std::size_t file_of(const YAML::Node& node);
 
-/// "no such file; did you mean 'x'?", of the files that stand beside it.
+/// "no such file; did you mean 'x'?", of the files in its folder.
 std::string missing_file(const std::string& path);
 
 }  // namespace elastin::config

@@ -13,12 +13,12 @@ namespace elastin::config {
 class HeldScene {
  public:
   struct Content {
-    /// As a scene file. Plain numbers are in SI units here, also beside values with units.
+    /// As a scene file. Plain numbers are in SI units here, also next to values with units.
     std::string yaml;
     /// What `given: NUMBER` means in place of a body's shape: the body as it is. `given_shape: NUMBER` gets its masses
     /// and radii from the scene, as other shapes.
     std::vector<std::shared_ptr<const Body>> bodies = {};
-    /// What `given: NUMBER` means in a material; other keys beside it change it.
+    /// What `given: NUMBER` means in a material; other keys next to it change it.
     std::vector<std::shared_ptr<const Material>> materials = {};
   };
 
