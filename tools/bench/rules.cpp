@@ -9,15 +9,15 @@ using namespace elastin;
 
 constexpr int kSide = 22;
 
-/// One strategy on one body: its constants, or, where they are set anew at every evaluation, one evaluation.
+/// One strategy on one body: its constants, or, where they are updated at every evaluation, one evaluation.
 std::vector<Figures> time_rule(const Strategy& strategy, const Body& body, int repeats) {
   VectorX constants;
   std::function<void()> work = [&] { constants = strategy.constants(body, kMaterial, {}); };
-  std::unique_ptr<Elasticity> updated;
+  Model updated(body);
   Workspace workspace;
   if (!strategy.constants) {
-    updated = strategy.make(body, kMaterial, {});
-    work = [&] { updated->add_force_densities(body.rest, constants, workspace); };
+    updated.add(strategy.make(body, kMaterial, {}));
+    work = [&] { updated.edge_laws().front()->add_force_densities(body.rest, constants, workspace); };
     constants = VectorX::Zero(body.connections.size());
   }
   const Sample sample = interleaved({work}, repeats).front();
