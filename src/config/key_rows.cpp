@@ -23,6 +23,11 @@ std::string direction_text(const Vector3& direction) {
   return fmt::format("[{:g}, {:g}, {:g}]", direction.x(), direction.y(), direction.z());
 }
 
+std::string vector_text(const Vector3& vector) {
+  if (vector == Vector3::Constant(vector.x())) return number_text(vector.x());
+  return "[" + number_text(vector.x()) + ", " + number_text(vector.y()) + ", " + number_text(vector.z()) + "]";
+}
+
 std::string range_text(double low, double high, bool above_low) {
   if (!std::isfinite(low) && !std::isfinite(high)) return "";
   if (!std::isfinite(high)) return (above_low ? "> " : "≥ ") + number_text(low);

@@ -32,6 +32,8 @@ using KeyUses = std::map<std::string, KeyUse>;
 std::string number_text(double value);
 /// "`-z`" of an axis, else "[0, 0.6, 0.8]".
 std::string direction_text(const Vector3& direction);
+/// "0" of one whose components are equal, else "[0, 0, −1]".
+std::string vector_text(const Vector3& vector);
 
 /// "> 0", "≥ 0", "0 … 0.5"; "" where every number is in range. Infinite: no bound.
 std::string range_text(double low, double high, bool above_low);

@@ -31,11 +31,14 @@ class Key {
   using Fault = std::function<std::string(const Setup&)>;
   using Condition = std::function<bool(const Setup&)>;
 
-  Key(SceneKey row, Read read, std::function<void(Setup&, const Frame&)> absent = {})
-      : name_(row.name), rows_{std::move(row)}, read_(std::move(read)), absent_(std::move(absent)) {}
+  /// `read` may leave the frame out.
+  template <class Reads>
+  Key(SceneKey row, Reads reads, std::function<void(Setup&, const Frame&)> absent = {})
+      : name_(row.name), rows_{std::move(row)}, read_(with_frame(std::move(reads))), absent_(std::move(absent)) {}
   /// A key with keys of its own below it, in whose rows its name stands before theirs.
-  Key(std::string name, std::vector<SceneKey> rows, Read read)
-      : name_(std::move(name)), rows_(std::move(rows)), read_(std::move(read)) {}
+  template <class Reads>
+  Key(std::string name, std::vector<SceneKey> rows, Reads reads)
+      : name_(std::move(name)), rows_(std::move(rows)), read_(with_frame(std::move(reads))) {}
   /// A key of what this setup is made of.
   template <class Base>
   requires(std::derived_from<Setup, Base> && !std::same_as<Setup, Base>) Key(const Key<Base>& other)
@@ -43,7 +46,7 @@ class Key {
         rows_(other.rows()),
         read_([other](const Reader& value, Setup& setup, const Frame& frame) { other.read(value, setup, frame); }),
         absent_([other](Setup& setup, const Frame& frame) { other.read(std::nullopt, setup, frame); }),
-        needed_(other.is_needed()) {
+        needed_([other](const Setup& setup) { return other.is_needed(setup); }) {
     if (other.fault()) fault_ = other.fault();
     if (other.condition()) condition_ = other.condition();
   }
@@ -52,13 +55,21 @@ class Key {
   Key needed() && { return std::move(*this).needed("needed"); }
   /// The same, with other words for it in the reference.
   Key needed(std::string words) && {
-    needed_ = true;
+    return std::move(*this).needed_if([](const Setup&) { return true; }, std::move(words));
+  }
+  /// The same, of a map for which the condition holds for the keys before it.
+  Key needed_if(Condition condition, std::string words) && {
+    needed_ = std::move(condition);
     return std::move(*this).otherwise(std::move(words));
   }
   /// What counts where the key is missing, in the reference's words.
   Key otherwise(std::string words) && {
     rows_.front().fallback = std::move(words);
     return std::move(*this);
+  }
+  /// A map for which the condition does not hold has no such key, and any other must have it.
+  Key needed_when(const Condition& condition, std::string words) && {
+    return std::move(*this).when(condition).needed_if(condition, std::move(words));
   }
   /// Calls `check` before the value is read; it may fail at the value.
   Key first(std::function<void(const Reader& value)> check) && {
@@ -92,7 +103,7 @@ class Key {
   }
 
   const std::string& name() const { return name_; }
-  bool is_needed() const { return needed_; }
+  bool is_needed(const Setup& setup) const { return needed_ && needed_(setup); }
   const std::vector<SceneKey>& rows() const { return rows_; }
   const Fault& fault() const { return fault_; }
   const Condition& condition() const { return condition_; }
@@ -105,13 +116,20 @@ class Key {
   }
 
  private:
+  template <class Reads>
+  static Read with_frame(Reads reads) {
+    if constexpr (std::is_invocable_v<Reads, const Reader&, Setup&, const Frame&>)
+      return reads;
+    else
+      return [reads = std::move(reads)](const Reader& value, Setup& setup, const Frame&) { reads(value, setup); };
+  }
+
   std::string name_;
   std::vector<SceneKey> rows_;
   Read read_;
   std::function<void(Setup&, const Frame&)> absent_;
   Fault fault_;
-  Condition condition_;
-  bool needed_ = false;
+  Condition condition_, needed_;
 };
 
 /// Keys that stand in each other's place.
@@ -155,6 +173,7 @@ class Keys {
     template <class Base>
     requires(std::derived_from<Setup, Base> && !std::same_as<Setup, Base>) Entry(const Key<Base>& key)
         : keys_{Key<Setup>(key)} {}
+    Entry(std::vector<Key<Setup>> keys) : keys_(std::move(keys)) {}
     Entry(KeyGroup<Setup> group)
         : keys_(std::move(group.keys)), message_(std::move(group.message)), only_one_(group.only_one) {}
 
@@ -175,6 +194,8 @@ class Keys {
     return rows;
   }
 
+  const std::string& first_name() const { return entries_.front().keys_.front().name(); }
+
   /// Reads a whole map: what it does not say stays as `setup` has it. Throws InputError with place and key on a key
   /// that is not among these, on one that is missing, and on what a key refuses. A member `place` of the setup, a
   /// std::optional<Reader>, is where the map stands.
@@ -190,7 +211,7 @@ class Keys {
     for (const Entry& entry : entries_)
       for (const Key<Setup>& key : entry.keys_)
         if (key.belongs_to(setup))
-          key.read(key.is_needed() ? std::optional(map.at(key.name())) : map.find(key.name()), setup, frame);
+          key.read(key.is_needed(setup) ? std::optional(map.at(key.name())) : map.find(key.name()), setup, frame);
   }
   /// Lets `map.finish()` know all keys, where none is read.
   void add_to_known(Reader& map) const {
@@ -217,6 +238,29 @@ class Keys {
   std::vector<Entry> entries_;
 };
 
+/// A map of one of several forms: of the one whose first key it has, or else of the last.
+template <class Setup>
+class Forms {
+ public:
+  Forms(std::initializer_list<Keys<Setup>> forms) : forms_(forms) {}
+
+  std::vector<SceneKey> rows() const {
+    std::vector<SceneKey> rows;
+    for (const Keys<Setup>& form : forms_)
+      for (SceneKey& row : form.rows()) rows.push_back(std::move(row));
+    return rows;
+  }
+  Setup read(Reader map, const Frame& frame = {}, Setup setup = {}) const {
+    const Keys<Setup>* own = &forms_.back();
+    for (std::size_t form = forms_.size(); form-- > 0;)
+      if (map.has(forms_[form].first_name())) own = &forms_[form];
+    return own->read(std::move(map), frame, std::move(setup));
+  }
+
+ private:
+  std::vector<Keys<Setup>> forms_;
+};
+
 /// The kinds of keys. `member` may be a std::optional of what is read. Defaults in the reference are those of Setup{}.
 namespace key {
 
@@ -241,12 +285,19 @@ std::string default_of(Member Setup::*member, const Words& words) {
     return words(setup.*member);
 }
 
+/// "none" of a number out of its own range, which stands for no value.
+inline std::string number_in_range(double value, const Range& range) {
+  const bool in_range = value >= range.low && value <= range.high && !(range.open_low && value == range.low);
+  return in_range ? number_text(value) : "none";
+}
+
 /// A number with a unit, or a plain number if it has no dimension.
 template <class Setup, class Member>
 Key<Setup> quantity(std::string name, Member Setup::*member, const Dimension& unit, std::string text,
                     const Range& range = {}) {
   return {{std::move(name), unit == dimension::none ? "number" : "quantity", si_unit(unit),
-           range_text(range.low, range.high, range.open_low), default_of(member, number_text), std::move(text)},
+           range_text(range.low, range.high, range.open_low),
+           default_of(member, [&](double value) { return number_in_range(value, range); }), std::move(text)},
           [=](const Reader& value, Setup& setup, const Frame&) { setup.*member = value.quantity(unit, range); }};
 }
 
@@ -266,7 +317,9 @@ inline std::string whole_range_text(int low, int high) {
 
 template <class Setup, class Member>
 Key<Setup> whole(std::string name, Member Setup::*member, int low, int high, std::string text) {
-  return {{std::move(name), "whole", "", whole_range_text(low, high), default_of(member, number_text), std::move(text)},
+  return {{std::move(name), "whole", "", whole_range_text(low, high),
+           default_of(member, [&](int value) { return value < low || value > high ? "none" : number_text(value); }),
+           std::move(text)},
           [=](const Reader& value, Setup& setup, const Frame&) { setup.*member = value.whole(low, high); }};
 }
 /// A whole number without an upper limit.
@@ -301,6 +354,16 @@ template <class Setup>
 Key<Setup> file(std::string name, std::string Setup::*member, std::string text) {
   return {{std::move(name), "file next to the scene", "", "", "none", std::move(text)},
           [=](const Reader& value, Setup& setup, const Frame&) { setup.*member = value.existing_file(); }};
+}
+
+/// A row of a table by its name.
+template <class Setup, class Member, class Rows>
+Key<Setup> row(std::string name, Member Setup::*member, const Rows& rows, std::string text) {
+  const auto name_of = [](const auto& row) { return "`" + row->name + "`"; };
+  return {{std::move(name), words_text(rows.names()), "", "", default_of(member, name_of), std::move(text)},
+          [member, &rows](const Reader& value, Setup& setup, const Frame&) {
+            setup.*member = value.located([&] { return rows.find(value.text()); });
+          }};
 }
 
 /// One of some words, each with what it means.
@@ -344,8 +407,8 @@ Key<Setup> direction(std::string name, Member Setup::*member, std::string text) 
 template <class Setup, class Member>
 Key<Setup> vector(std::string name, Member Setup::*member, const Dimension& unit, std::string text,
                   const Range& range = {}) {
-  return {{std::move(name), "vector", si_unit(unit), range_text(range.low, range.high, range.open_low), "none",
-           std::move(text)},
+  return {{std::move(name), "vector", si_unit(unit), range_text(range.low, range.high, range.open_low),
+           default_of(member, vector_text), std::move(text)},
           [=](const Reader& value, Setup& setup, const Frame& frame) {
             setup.*member = Vector3(frame.rotation * value.vector(unit, range));
           }};
@@ -360,16 +423,50 @@ Key<Setup> rotation(std::string name, Member Setup::*member, std::string text) {
           }};
 }
 
+/// A list, which takes the place of the default one; `read` reads an item.
+template <class Setup, class Item, class ReadItem>
+Key<Setup> list(SceneKey row, std::vector<Item> Setup::*member, ReadItem read) {
+  return {std::move(row), [=](const Reader& value, Setup& setup, const Frame&) {
+            (setup.*member).clear();
+            for (const Reader& item : value.items()) (setup.*member).push_back(read(item));
+          }};
+}
+
+template <class Setup>
+Key<Setup> quantities(std::string name, std::vector<double> Setup::*member, const Dimension& unit, std::string text,
+                      const Range& range = {}) {
+  return list({std::move(name), "list of quantities", si_unit(unit), range_text(range.low, range.high, range.open_low),
+               "none", std::move(text)},
+              member, [=](const Reader& item) { return item.quantity(unit, range); });
+}
+
+template <class Setup>
+Key<Setup> wholes(std::string name, std::vector<int> Setup::*member, int low, int high, std::string text) {
+  return list({std::move(name), "list of wholes", "", whole_range_text(low, high), "none", std::move(text)}, member,
+              [=](const Reader& item) { return item.whole(low, high); });
+}
+
+template <class Setup>
+Key<Setup> texts(std::string name, std::vector<std::string> Setup::*member, std::string text) {
+  return list({std::move(name), "list", "", "", "none", std::move(text)}, member,
+              [](const Reader& item) { return item.text(); });
+}
+
 /// Rows of a map, or of the items of a list of maps, with the key's name before theirs. No text: no row of its own.
-template <class Inner>
-std::vector<SceneKey> rows_below(const std::string& name, std::string type, std::string text, const Keys<Inner>& keys) {
+template <class KeysOrForms>
+std::vector<SceneKey> rows_below(const SceneKey& own, const KeysOrForms& keys) {
   std::vector<SceneKey> rows;
-  if (!text.empty()) rows.push_back({name, std::move(type), "", "", "none", std::move(text)});
+  if (!own.text.empty()) rows.push_back(own);
   for (SceneKey row : keys.rows()) {
-    row.name = name + "." + row.name;
+    row.name = own.name + "." + row.name;
     rows.push_back(std::move(row));
   }
   return rows;
+}
+
+template <class KeysOrForms>
+std::vector<SceneKey> rows_below(std::string name, std::string type, std::string text, const KeysOrForms& keys) {
+  return rows_below({std::move(name), std::move(type), "", "", "none", std::move(text)}, keys);
 }
 
 template <class Setup, class Member>
@@ -380,6 +477,14 @@ Key<Setup> map(std::string name, Member Setup::*member, Keys<typename value_type
           [=, keys = std::move(keys)](const Reader& value, Setup& setup, const Frame& frame) {
             setup.*member = keys.read(value, frame);
           }};
+}
+
+/// A map of keys of another setup: `store` gets what is read. A text gives it a row of its own.
+template <class Setup, class Inner, class Store>
+Key<Setup> map_into(std::string name, const Keys<Inner>& keys, Store store, std::string text = "") {
+  std::vector<SceneKey> rows = rows_below(name, "map", std::move(text), keys);
+  return {std::move(name), std::move(rows),
+          [=](const Reader& value, Setup& setup, const Frame& frame) { store(value, setup, keys.read(value, frame)); }};
 }
 
 template <class Setup, class Inner>

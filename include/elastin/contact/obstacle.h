@@ -18,7 +18,7 @@ struct Plane {  ///< the half-space z < 0
 };
 struct Box {
   static constexpr const char* name = "box";
-  Vector3 size;  ///< full lengths of its sides [m], about the origin
+  Vector3 size = Vector3::Zero();  ///< full lengths of its sides [m], about the origin
 };
 struct Sphere {
   static constexpr const char* name = "sphere";

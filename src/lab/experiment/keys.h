@@ -13,13 +13,6 @@
 
 namespace elastin::lab {
 
-namespace key = config::key;
-using config::any_of;
-using config::Frame;
-using config::Key;
-using config::Keys;
-using config::one_of;
-
 /// The row of an experiment whose keys are read into a Setup. `make` is called with a setup that the keys allow; what
 /// it throws gets the place of the map. A member `context` of the setup is set before anything is read.
 template <class Setup, class Make>

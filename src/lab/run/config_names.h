@@ -11,9 +11,16 @@
 namespace elastin::lab {
 
 // The lab speaks the language of scenes.
+namespace key = config::key;
+using config::any_of;
+using config::Forms;
+using config::Frame;
 using config::held_scene;
 using config::HeldScene;
+using config::Key;
 using config::key_of;
+using config::KeyGroup;
+using config::Keys;
 using config::KeySection;
 using config::KeyUse;
 using config::KeyUses;
@@ -21,6 +28,7 @@ using config::kNotNegative;
 using config::kPositive;
 using config::missing_file;
 using config::moved_scene;
+using config::one_of;
 using config::open_scene_file;
 using config::open_scene_text;
 using config::owners_of;

@@ -3,13 +3,8 @@
 #include <optional>
 #include <utility>
 
-#include "config/keys.h"
-
 namespace elastin::lab {
 namespace {
-
-namespace key = config::key;
-using config::Keys;
 
 struct TimeFunctionSetup {
   double duration = 0, at = 0, frequency = 0, phase = 0, mean = 0;
@@ -28,7 +23,7 @@ TimeFunction table_of(const Reader& table) {
 }
 
 const Keys<TimeFunctionSetup>& time_function_keys() {
-  static const Keys<TimeFunctionSetup> keys{config::one_of<TimeFunctionSetup>(
+  static const Keys<TimeFunctionSetup> keys{one_of<TimeFunctionSetup>(
       "a function of time is one of ramp, step, sine, table",
       {key::below("ramp", Keys<TimeFunctionSetup>{key::quantity("duration", &TimeFunctionSetup::duration,
                                                                 dimension::time, "from 0 to 1 in this time", kPositive)
@@ -48,10 +43,9 @@ const Keys<TimeFunctionSetup>& time_function_keys() {
            .then([](const Reader&, TimeFunctionSetup& setup) {
              setup.function = TimeFunction::sine(setup.frequency, setup.phase, setup.mean);
            }),
-       config::Key<TimeFunctionSetup>({"table", "list of pairs", "s", "", "none", "`[time, factor]`, times ascending"},
-                                      [](const Reader& value, TimeFunctionSetup& setup, const config::Frame&) {
-                                        setup.function = table_of(value);
-                                      })})};
+       Key<TimeFunctionSetup>(
+           {"table", "list of pairs", "s", "", "none", "`[time, factor]`, times ascending"},
+           [](const Reader& value, TimeFunctionSetup& setup, const Frame&) { setup.function = table_of(value); })})};
   return keys;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 #include "elastin/core/base/text.h"
 #include "elastin/core/forces/mullins.h"
@@ -14,9 +15,8 @@
 namespace elastin::lab {
 namespace {
 
-/// points: [[0, 0 Pa], [2 %, 1 kPa], …]
-CurveNumbers read_points(const Reader& reader) {
-  CurveNumbers stated;
+/// [[0, 0 Pa], [2 %, 1 kPa], …]
+void read_points(const Reader& reader, CurveNumbers& stated) {
   std::vector<StressStrain::Point> points;
   const std::vector<Reader> items = reader.items();
   for (const Reader& item : items) {
@@ -29,157 +29,201 @@ CurveNumbers read_points(const Reader& reader) {
   }
   if (const auto wrong = StressStrain::fault(points))
     (wrong->first < items.size() ? items[wrong->first] : reader).fail(wrong->second);
-  return stated;
 }
 
-/// {points: …} | {toe_strain, toe_modulus, modulus} | {tension, compression, smoothing}
+/// [[ε, E], …]
+void read_secant_points(const Reader& reader, CurveNumbers& stated) {
+  stated.form = CurveNumbers::Form::secant_table;
+  for (const Reader& item : reader.items()) {
+    const auto pair = item.items(2);
+    stated.strains.push_back(pair[0].quantity(dimension::none, kNotNegative));
+    stated.numbers.push_back({"modulus_" + std::to_string(stated.numbers.size() + 1), dimension::pressure,
+                              pair[1].quantity(dimension::pressure, kPositive)});
+  }
+}
+
+/// One of the numbers by which a form of curve is stated.
+Key<CurveNumbers> number_key(CurveNumbers::Form form, const std::string& name, const Dimension& unit,
+                             const std::string& needed, const std::string& text) {
+  return Key<CurveNumbers>({name, unit == dimension::none ? "number" : "quantity", si_unit(unit), "> 0", "", text},
+                           [=](const Reader& value, CurveNumbers& stated) {
+                             stated.form = form;
+                             stated.numbers.push_back({name, unit, value.quantity(unit, kPositive)});
+                           })
+      .needed(needed);
+}
+
+/// The strain of a form that has one.
+Key<CurveNumbers> strain_key(SceneKey row, const Range& range) {
+  row.type = "number", row.range = range_text(range.low, range.high, range.open_low);
+  return {std::move(row), [=](const Reader& value, CurveNumbers& stated) {
+            stated.strains = {value.quantity(dimension::none, range)};
+          }};
+}
+
+const Forms<CurveNumbers>& curve_forms() {
+  using C = CurveNumbers;
+  using enum CurveNumbers::Form;
+  static const Forms<C> forms{
+      {Key<C>({"points", "list of pairs", "Pa", "", "none", "`[strain, stress]`, ascending, through the origin"},
+              read_points)},
+      {number_key(two_moduli, "tension", dimension::pressure, "none", "modulus in tension, of a curve with two moduli"),
+       number_key(two_moduli, "compression", dimension::pressure, "needed with `tension`", "modulus in compression"),
+       strain_key({.name = "smoothing", .fallback = "1e-4", .text = "strain over which these two are joined"},
+                  {1e-9, 1, false})},
+      {number_key(toe, "toe_strain", dimension::none, "none",
+                  "end of the toe region, beyond which the curve is straight"),
+       number_key(toe, "toe_modulus", dimension::pressure, "needed with `toe_strain`", "slope at strain 0"),
+       number_key(toe, "modulus", dimension::pressure, "needed with `toe_strain`", "slope beyond the toe region")}};
+  return forms;
+}
+
 CurveNumbers read_curve(Reader reader) {
   reader.set_section("material.curve");
   if (!reader.is_map())
     reader.fail(
         "write {points: [[strain, stress], ...]}, {toe_strain, toe_modulus, modulus} or {tension, compression}");
-  const auto points = reader.find("points");
-  CurveNumbers stated = points ? read_points(*points) : CurveNumbers{};
-  const auto add = [&](const char* name, const Dimension& unit) {
-    stated.numbers.push_back({name, unit, reader.at(name).quantity(unit, kPositive)});
-  };
-  if (!points && reader.find("tension")) {
-    stated.form = CurveNumbers::Form::two_moduli;
-    add("tension", dimension::pressure), add("compression", dimension::pressure);
-    const auto smoothing = reader.find("smoothing");
-    stated.strains = {smoothing ? smoothing->quantity(dimension::none, {1e-9, 1, false}) : 1e-4};
-  } else if (!points) {
-    stated.form = CurveNumbers::Form::toe;
-    add("toe_strain", dimension::none), add("toe_modulus", dimension::pressure), add("modulus", dimension::pressure);
-  }
-  reader.finish();
+  CurveNumbers stated = curve_forms().read(reader);
+  if (stated.form == CurveNumbers::Form::two_moduli && stated.strains.empty()) stated.strains = {1e-4};
   return stated;
 }
 
-/// {polynomial: [c0, c1, …], up_to: 80 %} | {points: [[ε, E], …]}
+const Forms<CurveNumbers>& secant_forms() {
+  using C = CurveNumbers;
+  static const Forms<C> forms{
+      {Key<C>({"polynomial", "list of quantities", "Pa", "", "", "c₀, c₁ … of c₀ + c₁ ε + …"},
+              [](const Reader& value, C& stated) {
+                stated.form = C::Form::secant_polynomial;
+                for (const Reader& item : value.items())
+                  stated.numbers.push_back({"c_" + std::to_string(stated.numbers.size()), dimension::pressure,
+                                            item.quantity(dimension::pressure)});
+              })
+           .needed("this, or `points`"),
+       strain_key({.name = "up_to", .text = "strain up to which the polynomial counts"}, kPositive)
+           .needed("needed with `polynomial`")},
+      {Key<C>({"points", "list of pairs", "Pa", "≥ 0, > 0", "", "`[strain, E]`"}, read_secant_points)
+           .needed("this, or `polynomial`")}};
+  return forms;
+}
+
 CurveNumbers read_secant_modulus(Reader reader) {
   if (!reader.is_map()) reader.fail("write {polynomial: [c0, c1, ...], up_to: strain} or {points: [[strain, E], ...]}");
-  const auto polynomial = reader.find("polynomial"), points = reader.find("points");
-  if (polynomial.has_value() == points.has_value()) {
-    reader.finish();
-    reader.fail("give one of polynomial and points");
-  }
-  CurveNumbers stated;
-  const auto add = [&](const std::string& name, int from, double value) {
-    const std::string number = std::to_string(static_cast<int>(stated.numbers.size()) + from);
-    stated.numbers.push_back({name + number, dimension::pressure, value});
-  };
-  if (polynomial) {
-    stated.form = CurveNumbers::Form::secant_polynomial;
-    for (const Reader& item : polynomial->items()) add("c_", 0, item.quantity(dimension::pressure));
-    stated.strains = {reader.at("up_to").quantity(dimension::none, kPositive)};
-  } else {
-    stated.form = CurveNumbers::Form::secant_table;
-    for (const Reader& item : points->items()) {
-      const auto pair = item.items(2);
-      stated.strains.push_back(pair[0].quantity(dimension::none, kNotNegative));
-      add("modulus_", 1, pair[1].quantity(dimension::pressure, kPositive));
-    }
-  }
-  reader.finish();
-  (polynomial ? polynomial : points)->located([&] { return stated.curve(); });
+  if (reader.has("polynomial") == reader.has("points")) reader.fail("give one of polynomial and points");
+  const CurveNumbers stated = secant_forms().read(reader);
+  const auto list = reader.find("polynomial");
+  (list ? *list : reader.at("points")).located([&] { return stated.curve(); });
   return stated;
 }
 
-Fibre read_fibre(Reader reader) {
-  const Vector3 direction = reader.at("direction").direction();
-  const auto curve = reader.find("curve"), pressed = reader.find("compression");
-  const auto modulus = curve ? reader.find("youngs_modulus") : std::optional(reader.at("youngs_modulus"));
-  if (modulus && curve) curve->fail("there is a youngs_modulus already; give one of them");
-  const StressStrain own =
-      curve ? read_curve(*curve).curve() : StressStrain::linear(modulus->quantity(dimension::pressure, kPositive));
-  const bool compression = !pressed || pressed->choice<bool>({{"true", true}, {"false", false}});
-  reader.finish();
-  return {direction, compression ? own : own.without_compression()};
-}
+/// {direction: z, curve: …}
+struct FibreSetup {
+  Vector3 direction = Vector3::UnitZ();
+  StressStrain curve;
+  bool compression = true;
+};
 
-/// bending: plate, or D in N m
-double read_bending_rigidity(const Reader& reader, const Material& material) {
-  const std::string word = reader.is_text() ? reader.text() : "";
-  if (word != "plate") {
-    if (!word.empty() && std::isalpha(static_cast<unsigned char>(word.front())))
-      reader.choice<int>({{"plate", 0}});  // names the word that there is
-    return reader.quantity(dimension::energy, kPositive);
-  }
-  if (!(material.thickness > 0)) reader.fail("a plate needs a thickness");
-  return material.youngs_modulus * std::pow(material.thickness, 3) /
-         (12 * (1 - material.poissons_ratio * material.poissons_ratio));
+const Keys<FibreSetup>& fibre_keys() {
+  using S = FibreSetup;
+  static const Keys<S> keys{
+      key::direction("direction", &S::direction, "direction of the fibres at rest").needed(),
+      one_of<S>("key 'youngs_modulus' is missing",
+                {Key<S>({"youngs_modulus", "quantity", "Pa", "> 0", "",
+                         "modulus of the fibres; their stress adds to that of the matrix"},
+                        [](const Reader& value, S& fibre) {
+                          fibre.curve = StressStrain::linear(value.quantity(dimension::pressure, kPositive));
+                        }),
+                 Key<S>({"curve", "map", "", "", "", "stress–strain curve of the fibres, as `curve` above"},
+                        [](const Reader& value, S& fibre) { fibre.curve = read_curve(value).curve(); })}),
+      key::flag("compression", &S::compression, "whether the fibres resist compression")};
+  return keys;
 }
 
 enum class RelaxationModel { prony, standard_linear_solid, kelvin_voigt };
 
+struct RelaxationSetup {
+  RelaxationModel model = RelaxationModel::prony;
+  std::vector<Relaxation::Term> terms;
+  double share = 0, time = 0;
+  bool instantaneous = false;
+};
+
 /// {terms: [[0.5, 1 s], [0.2, 10 s]], moduli: long_term} | {model: kelvin_voigt, time: 1 s} | …
-Relaxation read_relaxation(Reader reader) {
-  Relaxation relaxation;
-  const auto named = reader.find("model");
-  const auto model =
-      named ? named->choice<RelaxationModel>({{"prony", RelaxationModel::prony},
-                                              {"standard_linear_solid", RelaxationModel::standard_linear_solid},
-                                              {"kelvin_voigt", RelaxationModel::kelvin_voigt}})
-            : RelaxationModel::prony;
-  const auto time = [&] { return reader.at("time").quantity(dimension::time, kPositive); };
-  if (model == RelaxationModel::kelvin_voigt) {
-    relaxation.retardation = time();
-    reader.finish();
-    return relaxation;
-  }
-  if (model == RelaxationModel::standard_linear_solid)
-    relaxation.terms.push_back({reader.at("share").quantity(dimension::none, kPositive), time()});
-  else
-    for (const Reader& item : reader.at("terms").items()) {
-      const auto pair = item.items(2);
-      relaxation.terms.push_back(
-          {pair[0].quantity(dimension::none, kPositive), pair[1].quantity(dimension::time, kPositive)});
-    }
-  if (auto moduli = reader.find("moduli"))
-    relaxation.instantaneous = moduli->choice<bool>({{"long_term", false}, {"instantaneous", true}});
-  reader.finish();
-  reader.located([&] {
-    check_relaxation(relaxation);
-    return 0;
-  });
+const Keys<RelaxationSetup>& relaxation_keys() {
+  using S = RelaxationSetup;
+  using enum RelaxationModel;
+  const auto is = [](RelaxationModel a, RelaxationModel b) {
+    return [=](const S& setup) { return setup.model == a || setup.model == b; };
+  };
+  static const Keys<S> keys{
+      key::choice("model", &S::model,
+                  {{"prony", prony}, {"standard_linear_solid", standard_linear_solid}, {"kelvin_voigt", kelvin_voigt}},
+                  "terms of G, one term, or a dashpot in parallel with the law: σ + time dσ/dt"),
+      key::list({"terms", "list of pairs", "s", "> 0", "none",
+                 "`[share, time]`: G(t) = g₀ + Σ share e^(−t/time) times the law, for `prony:` strategies"},
+                &S::terms,
+                [](const Reader& item) {
+                  const auto pair = item.items(2);
+                  return Relaxation::Term{pair[0].quantity(dimension::none, kPositive),
+                                          pair[1].quantity(dimension::time, kPositive)};
+                })
+          .needed_when(is(prony, prony), "needed of `prony`"),
+      key::quantity("share", &S::share, dimension::none, "share of its one term", kPositive)
+          .needed_when(is(standard_linear_solid, standard_linear_solid), "needed of `standard_linear_solid`"),
+      key::quantity("time", &S::time, dimension::time,
+                    "relaxation time of the one term, or retardation time of the dashpot", kPositive)
+          .needed_when(is(standard_linear_solid, kelvin_voigt), "needed of these two"),
+      key::choice("moduli", &S::instantaneous, {{"long_term", false}, {"instantaneous", true}},
+                  "which moduli the law has: g₀ = 1, or 1 − Σ share; not of `kelvin_voigt`")
+          .when(is(prony, standard_linear_solid))};
+  return keys;
+}
+
+Relaxation relaxation_of(const Reader& reader, const RelaxationSetup& setup) {
+  Relaxation relaxation{setup.terms, setup.instantaneous};
+  if (setup.model == RelaxationModel::standard_linear_solid) relaxation.terms = {{setup.share, setup.time}};
+  if (setup.model == RelaxationModel::kelvin_voigt) relaxation.retardation = setup.time;
+  reader.located([&] { check_relaxation(relaxation); });
   return relaxation;
 }
 
 /// {r: 1.5, m: 0.1 MPa, beta: 0.1}
-Softening read_softening(Reader reader) {
-  Softening softening;
-  softening.r = reader.at("r").quantity(dimension::none, {1, std::numeric_limits<double>::infinity(), true});
-  if (auto m = reader.find("m")) softening.m = m->quantity(dimension::pressure, kNotNegative);
-  if (auto beta = reader.find("beta")) softening.beta = beta->quantity(dimension::none, kNotNegative);
-  reader.finish();
-  reader.located([&] {
-    check_softening(softening);
-    return 0;
-  });
-  return softening;
+Keys<Softening> softening_keys() {
+  using S = Softening;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  return {key::quantity("r", &S::r, dimension::none,
+                        "η = 1 − (1/r) erf((W_max − W)/(m + beta W_max)) times the stress, for `mullins:` strategies",
+                        {1, infinity, true})
+              .needed(),
+          key::quantity("m", &S::m, dimension::pressure, "energy density over which stress is lost; this or `beta`",
+                        kNotNegative),
+          key::quantity("beta", &S::beta, dimension::none, "the same over the largest energy density that there was",
+                        kNotNegative)};
 }
 
 /// {direction: z, stress: 300 kPa, activation: {ramp: 1 s}, optimal_stretch: 1}
-ActiveFibre read_active(Reader reader) {
-  ActiveFibre active;
-  active.direction = reader.at("direction").direction();
-  active.stress = reader.at("stress").quantity(dimension::pressure, kPositive);
-  if (auto stretch = reader.find("optimal_stretch"))
-    active.optimal_stretch = stretch->quantity(dimension::none, kPositive);
-  if (auto activation = reader.find("activation"))
-    active.activation = [function = read_time_function(*activation)](double time) { return function.value(time); };
-  reader.finish();
-  return active;
+Keys<ActiveFibre> active_keys() {
+  using S = ActiveFibre;
+  return {key::direction("direction", &S::direction, "direction of active fibres (muscle) at rest").needed(),
+          key::quantity("stress", &S::stress, dimension::pressure,
+                        "largest stress of the fibres, over the present section", kPositive)
+              .needed(),
+          key::quantity("optimal_stretch", &S::optimal_stretch, dimension::none, "stretch at which they have it",
+                        kPositive),
+          Key<S>({"activation", "time function", "", "", "1", "which part is at work; below 0 counts as 0"},
+                 [](const Reader& value, S& active) {
+                   active.activation = [function = read_time_function(value)](double time) {
+                     return function.value(time);
+                   };
+                 })};
 }
 
 /// {axis: z, through: [0, 0, 0]}
-RoundAxis read_around(Reader reader) {
-  RoundAxis around;
-  around.direction = reader.at("axis").direction();
-  if (auto point = reader.find("through")) around.point = point->vector(dimension::length);
-  reader.finish();
-  return around;
+Keys<RoundAxis> around_keys() {
+  return {key::direction("axis", &RoundAxis::direction,
+                         "axis around which directions turn: those of fibres and law are along radius, circumference "
+                         "and axis")
+              .needed(),
+          key::vector("through", &RoundAxis::point, dimension::length, "a point of the axis")};
 }
 
 /// A law's term: a number, or a list of them.
@@ -192,34 +236,50 @@ std::vector<double> read_term(const Reader& item, const std::vector<ParameterInf
   return term;
 }
 
-/// {law: ogden, terms: [[0.63 MPa, 1.3], …], bulk_modulus: 1 GPa}
-Material read_law(Reader reader, const Reader& name, const Table<MaterialLaw>& laws, const Material& material) {
-  const auto row = name.located([&] { return laws.find(name.text()); });
-  reader.set_section("material." + row->name);
-  LawConstants constants{.law = row->name};
-  for (const ParameterInfo& info : row->parameters) {
-    const auto value = info.required ? std::optional(reader.at(info.name)) : reader.find(info.name);
-    if (!value) continue;
-    if (info.kind == ValueKind::direction)
-      constants.directions[info.name] = value->direction();
-    else
-      constants.numbers[info.name] = read_parameter(*value, info);
+/// "list of pairs": the terms of a law.
+SceneKey key_of_terms(const MaterialLaw& law) {
+  SceneKey key{"terms", "", "", "", "needed", ""};
+  key.type = law.columns.size() == 1 ? "list of quantities" : "list of pairs";
+  for (const ParameterInfo& column : law.columns) {
+    const SceneKey own = key_of(column);
+    key.unit += own.unit;
+    key.range += own.range;
+    key.text += (key.text.empty() ? "1 to " + std::to_string(law.most_terms) + " of them: " : "; ") + own.text;
   }
-  for (const WordInfo& info : row->words)
-    if (auto value = reader.find(info.name)) {
-      std::vector<std::pair<std::string, std::string>> words;
-      for (const std::string& word : info.words) words.emplace_back(word, word);
-      constants.words[info.name] = value->choice(words);
-    }
-  if (!row->columns.empty())
-    for (const Reader& item : reader.at("terms").items()) constants.terms.push_back(read_term(item, row->columns));
-  return name.located([&] { return with_law(*row, constants, material); });
+  return key;
+}
+
+/// {terms: [[0.63 MPa, 1.3], …], bulk_modulus: 1 GPa}
+Keys<LawConstants> constants_keys(const MaterialLaw& law) {
+  using C = LawConstants;
+  std::vector<Key<C>> keys;
+  if (!law.columns.empty())
+    keys.push_back(Key<C>(key_of_terms(law), [&law](const Reader& value, C& constants) {
+                     for (const Reader& item : value.items()) constants.terms.push_back(read_term(item, law.columns));
+                   }).needed());
+  for (const ParameterInfo& info : law.parameters) {
+    Key<C> key(key_of(info), [&info](const Reader& value, C& constants) {
+      if (info.kind == ValueKind::direction)
+        constants.directions[info.name] = value.direction();
+      else
+        constants.numbers[info.name] = read_parameter(value, info);
+    });
+    keys.push_back(info.required ? std::move(key).needed() : std::move(key));
+  }
+  for (const WordInfo& info : law.words)
+    keys.push_back({{info.name, words_text(info.words), "", "", "`" + info.words.front() + "`", info.text},
+                    [&info](const Reader& value, C& constants) {
+                      std::vector<std::pair<std::string, std::string>> words;
+                      for (const std::string& word : info.words) words.emplace_back(word, word);
+                      constants.words[info.name] = value.choice(words);
+                    }});
+  return Keys<C>({keys});
 }
 
 /// The law's own curve in uniaxial stress as that of springs, up to a strain and down to half of the length.
-StressStrain spring_curve(const Reader& reader, const Material& material) {
+StressStrain spring_curve(const Reader& reader, double up_to, const Material& material) {
   constexpr int parts = 40;
-  const double up_to = reader.quantity(dimension::none, kPositive), down_to = std::min(up_to, 0.5);
+  const double down_to = std::min(up_to, 0.5);
   if (!material.law || !material.law->uniaxial_stress) reader.fail("springs can follow a law's curve: give a `law`");
   if (!material.law->directions.empty()) reader.fail("springs of all directions cannot follow a law that has its own");
   std::vector<StressStrain::Point> points;
@@ -234,6 +294,19 @@ StressStrain spring_curve(const Reader& reader, const Material& material) {
     reader.fail("the law's curve in uniaxial stress does not rise up to there: at a strain of " +
                 number(points[wrong->first].strain) + " " + wrong->second);
   return StressStrain::through(points);
+}
+
+/// bending: plate, or D in N m
+double read_bending_rigidity(const Reader& reader, const Material& material) {
+  const std::string word = reader.is_text() ? reader.text() : "";
+  if (word != "plate") {
+    if (!word.empty() && std::isalpha(static_cast<unsigned char>(word.front())))
+      reader.choice<int>({{"plate", 0}});  // names the word that there is
+    return reader.quantity(dimension::energy, kPositive);
+  }
+  if (!(material.thickness > 0)) reader.fail("a plate needs a thickness");
+  return material.youngs_modulus * std::pow(material.thickness, 3) /
+         (12 * (1 - material.poissons_ratio * material.poissons_ratio));
 }
 
 /// What a file of materials, a map of names, states under a name; none where the material names no file.
@@ -264,6 +337,111 @@ bool has_own_law(Reader& reader) {
   return reader.has("law") || reader.has("youngs_modulus") || reader.has("curve") || reader.has("secant_modulus");
 }
 
+/// A material as far as its keys are read.
+struct MaterialSetup : Material {
+  std::string file, name;
+  std::shared_ptr<const MaterialLaw> row;  ///< of its law; null where it names none
+  bool based = false;                      ///< on another material, of which it keeps the elasticity
+  std::optional<Reader> place;
+  bool derived() const { return row && !row->from_moduli; }
+};
+
+void set_curve(const CurveNumbers& stated, MaterialSetup& material) {
+  material.curve = stated.curve();
+  material.youngs_modulus = material.curve->modulus(0);
+}
+
+void check_slope(const Reader& modulus, MaterialSetup& material) {
+  if (!material.curve) return;
+  const double first = material.curve->modulus(0);
+  if (std::abs(material.youngs_modulus - first) > 1e-3 * first)
+    modulus.fail("the curve begins with a slope of " + number(first) + " Pa; give that, or leave this out");
+  material.youngs_modulus = first;
+}
+
+void read_law(const Reader& name, MaterialSetup& material) {
+  Reader map = *material.place;
+  map.set_section("material." + material.row->name);
+  LawConstants constants{.law = material.row->name};
+  constants_keys(*material.row).read_into(map, constants);
+  static_cast<Material&>(material) = name.located([&] { return with_law(*material.row, constants, material); });
+}
+
+Keys<MaterialSetup> all_material_keys(const Table<MaterialLaw>& laws) {
+  using S = MaterialSetup;
+  const auto no_constant = [](const Reader& value, const S& material) {
+    if (material.derived()) value.fail("follows from the constants of the law; leave it out");
+  };
+  return {
+      key::text("file", &S::file, "a YAML file of materials by name; the keys here count before the material's"),
+      key::text("name", &S::name, "which of them").otherwise("needed with `file`"),
+      KeyGroup<S>{{Key<S>("curve",
+                          key::rows_below("curve", "map",
+                                          "nominal stress–strain curve in uniaxial stress; replaces `youngs_modulus`",
+                                          curve_forms()),
+                          [](const Reader& value, S& material) { set_curve(read_curve(value), material); })
+                       .then(no_constant),
+                   Key<S>("secant_modulus",
+                          key::rows_below("secant_modulus", "map",
+                                          "E(ε), secant modulus over nominal strain; replaces `youngs_modulus`",
+                                          secant_forms()),
+                          [](const Reader& value, S& material) { set_curve(read_secant_modulus(value), material); })
+                       .then(no_constant)}},
+      Key<S>(key::quantity("youngs_modulus", &S::youngs_modulus, dimension::pressure, "Young's modulus E", kPositive))
+          .needed_if([](const S& material) { return !material.curve && !material.derived() && !material.based; },
+                     "needed, or a curve or law")
+          .then(no_constant)
+          .then(check_slope),
+      Key<S>(key::quantity("poissons_ratio", &S::poissons_ratio, dimension::none,
+                           "Poisson's ratio ν: up to 0.4999 of solids, 0.5 of membranes, 0 … 0.4999 with `+volume`",
+                           {-0.99, 0.5, false}))
+          .then([](const Reader& value, const S& material) {
+            if (material.derived() || (!material.row && material.law))
+              value.fail("follows from the constants of the law; leave it out");
+          }),
+      Key<S>({"law", words_text(laws.names()), "", "", "none",
+              "a law with constants of its own, listed below; E and ν at rest follow from them"},
+             [](const Reader& value, S& material) { read_law(value, material); }),
+      Key<S>({"spring_curve", "number", "", "> 0", "none",
+              "strain up to which springs follow the law's own curve in uniaxial stress; without it they are straight"},
+             [](const Reader& value, S& material) {
+               material.curve = spring_curve(value, value.quantity(dimension::none, kPositive), material);
+             }),
+      key::quantity("density", &S::density, dimension::density, "mass over volume ρ", kPositive),
+      key::quantity("thickness", &S::thickness, dimension::length, "thickness of a membrane at rest", kPositive)
+          .otherwise("needed for triangles"),
+      Key<S>(
+          {"bending", "`plate`, or quantity", "J", "> 0", "none",
+           "bending stiffness of a sheet: E t³ / 12 (1 − ν²), or a value in N m; of a scene of one body"},
+          [](const Reader& value, S& material) { material.bending_rigidity = read_bending_rigidity(value, material); }),
+      key::map_into<S>(
+          "fibre", fibre_keys(),
+          [](const Reader&, S& material, const FibreSetup& fibre) {
+            material.fibre = {fibre.direction, fibre.compression ? fibre.curve : fibre.curve.without_compression()};
+          }),
+      key::map("active", &S::active, active_keys()),
+      key::map("around", &S::around, around_keys()),
+      key::map_into<S>("relaxation", relaxation_keys(),
+                       [](const Reader& value, S& material, const RelaxationSetup& setup) {
+                         material.relaxation = relaxation_of(value, setup);
+                       }),
+      key::map("softening", &S::softening, softening_keys()).then([](const Reader& value, const Material& material) {
+        value.located([&] { check_softening(*material.softening); });
+      }),
+      Key<S>(
+          "fields",
+          {{"fields.stiffness", "map", "", "", "none", "a factor of all moduli that differs from place to place"},
+           {"fields.youngs_modulus", "map", "", "", "none", "the same of E in Pa, of a material without a law"},
+           {"fields.density", "map", "", "", "none", "the same of the density in kg/m³"},
+           {"fields.poissons_ratio", "map", "", "", "none",
+            "the same of ν, of a material without a law; springs ignore it"},
+           {"fields.constants", "map of maps", "", "", "none",
+            "the same of the law's constants by their names, `c1`, `terms`, `direction`; springs have the E of them"},
+           {"fields.fibre_direction", "map", "", "", "none", "a direction of fibres that differs from place to place"},
+           {"fields.active_direction", "map", "", "", "none", "the same of active fibres"}},
+          [](const Reader&, S&) {})};  // set_fields() reads them, which knows the body
+}
+
 }  // namespace
 
 Material read_material(Reader reader, const Table<MaterialLaw>& laws, const Material* base) {
@@ -271,46 +449,17 @@ Material read_material(Reader reader, const Table<MaterialLaw>& laws, const Mate
   const auto given = reader.given_material("given");
   if (given) base = given.get();
   const std::optional<Reader> named = find_named(reader);
-  Material material = named ? read_material(*named, laws) : base ? *base : Material{};
-  if (named) base = &material;
-  const auto law = reader.find("law");
-  const bool derived = law && !law->located([&] { return laws.find(law->text()); })->from_moduli;
-  for (const char* key : {"youngs_modulus", "poissons_ratio", "curve", "secant_modulus"})
-    if (derived && reader.has(key)) reader.at(key).fail("follows from the constants of the law; leave it out");
+  MaterialSetup setup;
+  if (named)
+    static_cast<Material&>(setup) = read_material(*named, laws);
+  else if (base)
+    static_cast<Material&>(setup) = *base;
   const bool own_law = has_own_law(reader);
-  if (own_law) material.curve.reset(), material.law.reset();
-  if (!law && material.law && reader.has("poissons_ratio"))
-    reader.at("poissons_ratio").fail("follows from the constants of the law; leave it out");
-  if (auto curve = reader.find("curve")) material.curve = read_curve(*curve).curve();
-  if (auto secant = reader.find("secant_modulus")) {
-    if (material.curve) secant->fail("there is a curve already; give one of them");
-    material.curve = read_secant_modulus(*secant).curve();
-  }
-  const bool needed = !material.curve && !derived && !(base && !own_law);
-  const auto modulus = needed ? std::optional(reader.at("youngs_modulus")) : reader.find("youngs_modulus");
-  if (modulus) material.youngs_modulus = modulus->quantity(dimension::pressure, kPositive);
-  if (material.curve) {
-    const double first = material.curve->modulus(0);
-    char text[120];
-    std::snprintf(text, sizeof text, "the curve begins with a slope of %.6g Pa; give that, or leave this out", first);
-    if (modulus && std::abs(material.youngs_modulus - first) > 1e-3 * first) modulus->fail(text);
-    material.youngs_modulus = first;
-  }
-  if (auto value = reader.find("poissons_ratio"))
-    material.poissons_ratio = value->quantity(dimension::none, {-0.99, 0.5, false});
-  if (law) material = read_law(reader, *law, laws, material);
-  if (auto value = reader.find("spring_curve")) material.curve = spring_curve(*value, material);
-  if (auto value = reader.find("density")) material.density = value->quantity(dimension::density, kPositive);
-  if (auto value = reader.find("thickness")) material.thickness = value->quantity(dimension::length, kPositive);
-  if (auto bending = reader.find("bending")) material.bending_rigidity = read_bending_rigidity(*bending, material);
-  if (auto fibre = reader.find("fibre")) material.fibre = read_fibre(*fibre);
-  if (auto active = reader.find("active")) material.active = read_active(*active);
-  if (auto around = reader.find("around")) material.around = read_around(*around);
-  if (auto relaxation = reader.find("relaxation")) material.relaxation = read_relaxation(*relaxation);
-  if (auto softening = reader.find("softening")) material.softening = read_softening(*softening);
-  reader.has("fields");  // set_fields() reads them, which knows the body
-  reader.finish();
-  return material;
+  setup.based = (named || base) && !own_law;
+  if (const auto law = reader.find("law")) setup.row = law->located([&] { return laws.find(law->text()); });
+  if (own_law) setup.curve.reset(), setup.law.reset();
+  if (setup.curve) setup.youngs_modulus = setup.curve->modulus(0);
+  return all_material_keys(laws).read(reader, {}, std::move(setup));
 }
 
 std::optional<CurveNumbers> read_curve_numbers(Reader material) {
@@ -359,102 +508,13 @@ void check_material(Reader reader, const Material& material, const Body& body) {
   }
 }
 
-namespace {
-
-/// "list of pairs": the terms of a law.
-SceneKey key_of_terms(const MaterialLaw& law) {
-  SceneKey key{"terms", "", "", "", "needed", ""};
-  key.type = law.columns.size() == 1 ? "list of quantities" : "list of pairs";
-  for (const ParameterInfo& column : law.columns) {
-    const SceneKey own = key_of(column);
-    key.unit += own.unit;
-    key.range += own.range;
-    key.text += (key.text.empty() ? "1 to " + std::to_string(law.most_terms) + " of them: " : "; ") + own.text;
-  }
-  return key;
-}
-
-KeySection law_keys(const MaterialLaw& law) {
-  KeySection section{
-      "material." + law.name, "", "`law: " + law.name + "`: " + law.summary + " " + law.source + ".", {}};
-  if (!law.columns.empty()) section.keys.push_back(key_of_terms(law));
-  for (const ParameterInfo& info : law.parameters) section.keys.push_back(key_of(info));
-  for (const WordInfo& info : law.words)
-    section.keys.push_back({info.name, words_text(info.words), "", "", "`" + info.words.front() + "`", info.text});
-  return section;
-}
-
-}  // namespace
-
 std::vector<KeySection> material_keys(const Catalog& catalog) {
-  std::vector<KeySection> sections{
-      {"material",
-       "Material",
-       "",
-       {{"file", "file beside the scene", "", "", "none",
-         "a YAML file of materials by name; the keys here count before the material's"},
-        {"name", "text", "", "", "needed with `file`", "which of them"},
-        {"law", words_text(catalog.material_laws.names()), "", "", "none",
-         "a law with constants of its own, listed below; E and ν at rest follow from them"},
-        {"youngs_modulus", "quantity", "Pa", "> 0", "needed, or a curve or law", "Young's modulus E"},
-        {"poissons_ratio", "number", "", "−0.99 … 0.5", "0.25",
-         "Poisson's ratio ν: up to 0.4999 of solids, 0.5 of membranes, 0 … 0.4999 with `+volume`"},
-        {"density", "quantity", "kg/m^3", "> 0", "1000", "mass over volume ρ"},
-        {"thickness", "quantity", "m", "> 0", "needed for triangles", "thickness of a membrane at rest"},
-        {"bending", "`plate`, or quantity", "J", "> 0", "none",
-         "bending stiffness of a sheet: E t³ / 12 (1 − ν²), or a value in N m; of a scene of one body"},
-        {"curve", "map", "", "", "none", "nominal stress–strain curve in uniaxial stress; replaces `youngs_modulus`"},
-        {"curve.points", "list of pairs", "Pa", "", "none", "`[strain, stress]`, ascending, through the origin"},
-        {"curve.toe_strain", "number", "", "> 0", "none", "end of the toe region, beyond which the curve is straight"},
-        {"curve.toe_modulus", "quantity", "Pa", "> 0", "needed with `toe_strain`", "slope at strain 0"},
-        {"curve.modulus", "quantity", "Pa", "> 0", "needed with `toe_strain`", "slope beyond the toe region"},
-        {"curve.tension", "quantity", "Pa", "> 0", "none", "modulus in tension, of a curve with two moduli"},
-        {"curve.compression", "quantity", "Pa", "> 0", "needed with `tension`", "modulus in compression"},
-        {"curve.smoothing", "number", "", "1e-09 … 1", "1e-4", "strain over which these two are joined"},
-        {"spring_curve", "number", "", "> 0", "none",
-         "strain up to which springs follow the law's own curve in uniaxial stress; without it they are straight"},
-        {"secant_modulus", "map", "", "", "none",
-         "E(ε), secant modulus over nominal strain; replaces `youngs_modulus`"},
-        {"secant_modulus.polynomial", "list of quantities", "Pa", "", "this, or `points`", "c₀, c₁ … of c₀ + c₁ ε + …"},
-        {"secant_modulus.up_to", "number", "", "> 0", "needed with `polynomial`",
-         "strain up to which the polynomial counts"},
-        {"secant_modulus.points", "list of pairs", "Pa", "≥ 0, > 0", "this, or `polynomial`", "`[strain, E]`"},
-        {"relaxation.model", "`prony`, `standard_linear_solid`, `kelvin_voigt`", "", "", "`prony`",
-         "terms of G, one term, or a dashpot beside the law: σ + time dσ/dt"},
-        {"relaxation.terms", "list of pairs", "s", "> 0", "needed of `prony`",
-         "`[share, time]`: G(t) = g₀ + Σ share e^(−t/time) times the law, for `prony:` strategies"},
-        {"relaxation.share", "number", "", "> 0", "needed of `standard_linear_solid`", "share of its one term"},
-        {"relaxation.time", "quantity", "s", "> 0", "needed of these two",
-         "relaxation time of the one term, or retardation time of the dashpot"},
-        {"relaxation.moduli", "`long_term`, `instantaneous`", "", "", "`long_term`",
-         "which moduli the law has: g₀ = 1, or 1 − Σ share; not of `kelvin_voigt`"},
-        {"softening.r", "number", "", "> 1", "needed",
-         "η = 1 − (1/r) erf((W_max − W)/(m + beta W_max)) times the stress, for `mullins:` strategies"},
-        {"softening.m", "quantity", "Pa", "≥ 0", "0", "energy density over which stress is lost; this or `beta`"},
-        {"softening.beta", "number", "", "≥ 0", "0", "the same over the largest energy density that there was"},
-        {"fibre.direction", "direction", "", "", "needed", "direction of the fibres at rest"},
-        {"fibre.youngs_modulus", "quantity", "Pa", "> 0", "needed, or `curve`",
-         "modulus of the fibres; their stress adds to that of the matrix"},
-        {"fibre.curve", "map", "", "", "none", "stress–strain curve of the fibres, as `curve` above"},
-        {"fibre.compression", "`true`, `false`", "", "", "`true`", "whether the fibres resist compression"},
-        {"active.direction", "direction", "", "", "needed", "direction of active fibres (muscle) at rest"},
-        {"active.stress", "quantity", "Pa", "> 0", "needed", "largest stress of the fibres, over the present section"},
-        {"active.optimal_stretch", "number", "", "> 0", "1", "stretch at which they have it"},
-        {"active.activation", "time function", "", "", "1", "which part is at work; below 0 counts as 0"},
-        {"around.axis", "direction", "", "", "needed",
-         "axis around which directions turn: those of fibres and law are along radius, circumference and axis"},
-        {"around.through", "vector", "m", "", "0", "a point of the axis"},
-        {"fields.stiffness", "map", "", "", "none", "a factor of all moduli that differs from place to place"},
-        {"fields.youngs_modulus", "map", "", "", "none", "the same of E in Pa, of a material without a law"},
-        {"fields.density", "map", "", "", "none", "the same of the density in kg/m³"},
-        {"fields.poissons_ratio", "map", "", "", "none",
-         "the same of ν, of a material without a law; springs ignore it"},
-        {"fields.constants", "map of maps", "", "", "none",
-         "the same of the law's constants by their names, `c1`, `terms`, `direction`; springs have the E of them"},
-        {"fields.fibre_direction", "map", "", "", "none", "a direction of fibres that differs from place to place"},
-        {"fields.active_direction", "map", "", "", "none", "the same of active fibres"}}}};
+  std::vector<KeySection> sections{{"material", "Material", "", all_material_keys(catalog.material_laws).rows()}};
   for (KeySection& section : field_keys()) sections.push_back(std::move(section));
-  for (const auto& law : catalog.material_laws) sections.push_back(law_keys(*law));
+  for (const auto& law : catalog.material_laws)
+    sections.push_back({"material." + law->name, "",
+                        "`law: " + law->name + "`: " + law->summary + " " + law->source + ".",
+                        constants_keys(*law).rows()});
   return sections;
 }
 

@@ -31,6 +31,55 @@ Strategy with_pressures(Strategy strategy, int pressures) {
   return strategy;
 }
 
+/// How the volume is kept near ν = ½.
+enum class VolumeTerm { none, automatic, mean_dilatation, linear_pressure };
+
+void add_volume(const Reader& volume, StrategyChoice& choice) {
+  if (choice.strategy.volume_modulus) volume.fail("'" + choice.label + "' has a volume term already");
+  const bool springs = choice.strategy.kind != StrategyKind::cell_law;
+  std::vector<std::pair<std::string, VolumeTerm>> words{{springs ? "true" : "averaged", VolumeTerm::automatic},
+                                                        {springs ? "false" : "cells", VolumeTerm::none},
+                                                        {"automatic", VolumeTerm::automatic},
+                                                        {"none", VolumeTerm::none}};
+  if (!springs) {
+    words.emplace_back("mean_dilatation", VolumeTerm::mean_dilatation);
+    words.emplace_back("linear_pressure", VolumeTerm::linear_pressure);
+  }
+  const VolumeTerm term = volume.choice(words);
+  if (term != VolumeTerm::none) choice = volume.located([&] { return with_volume(std::move(choice)); });
+  if (term == VolumeTerm::mean_dilatation) choice.strategy = with_pressures(std::move(choice.strategy), 1);
+  if (term == VolumeTerm::linear_pressure) choice.strategy = with_pressures(std::move(choice.strategy), 4);
+}
+
+Keys<StrategyChoice> strategy_map_keys(const Catalog& catalog) {
+  using S = StrategyChoice;
+  std::vector<const Strategy*> strategies;
+  for (const Strategy& strategy : catalog.strategies()) strategies.push_back(&strategy);
+  return {
+      Key<S>({"strategy", "word", "", "", "none", "name of the strategy; `elastin list` prints all"},
+             [&catalog](const Reader& value, S& choice) {
+               choice = value.located([&] { return choose_strategy(catalog, value.text()); });
+             })
+          .needed(),
+      Key<S>({"volume",
+              "`none`, `automatic`; of laws `mean_dilatation`, `linear_pressure`, `cells`, `averaged`; of springs "
+              "`false`, `true`",
+              "", "", "`none`; of a law in `stiffness` where ν > 0.4: `automatic`",
+              "how the volume is kept near ν = ½: `automatic` (`true`, `averaged`) as `+volume`, by what the body's "
+              "cells have: `linear_pressure` in hexahedra of 27 nodes, `mean_dilatation` in other hexahedra, prisms "
+              "and tetrahedra of second order, else volumes around molecules or in cubes; `none` (`false`, `cells`) "
+              "at each point alone"},
+             [](const Reader& value, S& choice) { add_volume(value, choice); }),
+      Key<S>({"wrinkling", "`drop`, `keep`", "", "", "`keep`",
+              "`drop`: a membrane law without compressive stress, as `+wrinkling`"},
+             [](const Reader& value, S& choice) {
+               if (value.choice<bool>({{"drop", true}, {"keep", false}}))
+                 choice = value.located([&] { return with_wrinkling(std::move(choice)); });
+             }),
+      key::text("label", &S::label, "name in tables").otherwise("the name"),
+      parameter_keys(strategies, &S::values, [](const S& choice) { return &choice.strategy; })};
+}
+
 }  // namespace
 
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
@@ -46,34 +95,7 @@ StrategyChoice read_strategy(Reader reader, const Catalog& catalog) {
                 ("strategies: [" + names) + "] beside it or --strategies");
   }
   reader.set_section("stiffness");
-  const Reader name = reader.at("strategy");
-  StrategyChoice choice = name.located([&] { return choose_strategy(catalog, name.text()); });
-  for (const ParameterInfo& info : choice.strategy.parameters)
-    if (auto value = reader.find(info.name)) choice.values[info.name] = read_parameter(*value, info);
-  if (auto volume = reader.find("volume")) {
-    if (choice.strategy.volume_modulus) volume->fail("'" + choice.label + "' has a volume term already");
-    enum class Term { none, automatic, mean_dilatation, linear_pressure };
-    using Words = std::vector<std::pair<std::string, Term>>;
-    const bool springs = choice.strategy.kind != StrategyKind::cell_law;
-    Words words{{springs ? "true" : "averaged", Term::automatic},
-                {springs ? "false" : "cells", Term::none},
-                {"automatic", Term::automatic},
-                {"none", Term::none}};
-    if (!springs) {
-      words.emplace_back("mean_dilatation", Term::mean_dilatation);
-      words.emplace_back("linear_pressure", Term::linear_pressure);
-    }
-    const Term term = volume->choice(words);
-    if (term != Term::none) choice = volume->located([&] { return with_volume(std::move(choice)); });
-    if (term == Term::mean_dilatation) choice.strategy = with_pressures(std::move(choice.strategy), 1);
-    if (term == Term::linear_pressure) choice.strategy = with_pressures(std::move(choice.strategy), 4);
-  }
-  if (auto wrinkling = reader.find("wrinkling");
-      wrinkling && wrinkling->choice<bool>({{"drop", true}, {"keep", false}}))
-    choice = wrinkling->located([&] { return with_wrinkling(std::move(choice)); });
-  if (auto label = reader.find("label")) choice.label = label->text();
-  reader.finish();
-  return choice;
+  return strategy_map_keys(catalog).read(reader);
 }
 
 void read_preamble(Reader& reader) {
@@ -83,86 +105,60 @@ void read_preamble(Reader& reader) {
 
 namespace {
 
-/// What the rest of `solver` asks of an engine that is not this process alone.
-std::shared_ptr<StaticEngine> read_engine(const Reader& reader, Reader& solver, const Catalog& catalog) {
-  const auto row = reader.located([&] { return catalog.engines.find(reader.text()); });
-  if (!row->missing.empty()) reader.fail("'" + row->name + "': " + row->missing);
-  if (!row->make) return nullptr;
-  const std::string with = "does not go with engine: " + row->name;
+struct SolverSetup : StaticOptions {
+  std::optional<std::shared_ptr<const StaticEngineKind>> kind;
+};
+
+Keys<SolverSetup> solver_map_keys(const Catalog& catalog) {
+  using S = SolverSetup;
+  return {
+      key::choice("displacements", &S::linear, {{"large", false}, {"small", true}},
+                  "`small`: one linear solve about rest, without contact"),
+      key::row("engine", &S::kind, catalog.engines,
+               "what solves: this process, or [several](#several-processes) that `mpiexec` starts; equilibria alone")
+          .otherwise("`threads`"),
+      key::row("linear_solver", &S::method, catalog.linear_solvers,
+               "method for the linear equations; `elastin list` describes each"),
+      key::choice("method", &S::static_method,
+                  {{"newton", StaticMethod::newton},
+                   {"explicit", StaticMethod::explicit_steps},
+                   {"implicit", StaticMethod::implicit_steps}},
+                  "how an equilibrium is found: by Newton's method, or by time steps until the body rests"),
+      key::quantity("tolerance", &S::tolerance, dimension::none, "unbalanced force over loads and reactions",
+                    {1e-14, 0.1, false}),
+      key::whole("newton_limit", &S::newton_limit, 1, 100000, "iterations in one solve")};
+}
+
+/// What the rest of `solver` must be with an engine that is not this process alone.
+std::shared_ptr<StaticEngine> make_engine(Reader& solver, const StaticEngineKind& kind) {
+  if (!kind.missing.empty()) solver.at("engine").fail("'" + kind.name + "': " + kind.missing);
+  if (!kind.make) return nullptr;
+  const std::string with = "does not go with engine: " + kind.name;
   if (const auto method = solver.find("method"); method && method->text() != "newton")
     method->fail("'" + method->text() + "' " + with + ", which goes by Newton's method");
   if (const auto linear = solver.find("linear_solver"))
     if (const std::string name = linear->text(); name == "direct" || name == "bicgstab")
       linear->fail("'" + name + "' " + with + "; allowed: automatic, pcg, multigrid");
-  return row->make();
+  return kind.make();
 }
 
 }  // namespace
 
 StaticOptions read_solver(Reader reader, const Catalog& catalog) {
-  StaticOptions options;
-  if (auto value = reader.find("displacements"))
-    options.linear = value->choice<bool>({{"large", false}, {"small", true}});
-  if (auto value = reader.find("method"))
-    options.static_method = value->choice<StaticMethod>({{"newton", StaticMethod::newton},
-                                                         {"explicit", StaticMethod::explicit_steps},
-                                                         {"implicit", StaticMethod::implicit_steps}});
-  if (auto value = reader.find("linear_solver"))
-    options.method = value->located([&] { return catalog.linear_solvers.find(value->text()); });
-  if (auto value = reader.find("tolerance")) options.tolerance = value->quantity(dimension::none, {1e-14, 0.1, false});
-  if (auto value = reader.find("engine")) options.engine = read_engine(*value, reader, catalog);
-  if (auto value = reader.find("newton_limit")) options.newton_limit = value->whole(1, 100000);
-  reader.finish();
-  return options;
+  SolverSetup setup = solver_map_keys(catalog).read(reader);
+  if (setup.kind) setup.engine = make_engine(reader, **setup.kind);
+  return setup;
 }
 
 std::vector<KeySection> strategy_keys(const Catalog& catalog) {
-  std::vector<SceneKey> keys{
-      {"strategy", "word", "", "", "needed", "name of the strategy; `elastin list` prints all"},
-      {"volume",
-       "`none`, `automatic`; of laws `mean_dilatation`, `linear_pressure`, `cells`, `averaged`; of springs `false`, "
-       "`true`",
-       "", "", "`none`; of a law in `stiffness` where ν > 0.4: `automatic`",
-       "how the volume is kept near ν = ½: `automatic` (`true`, `averaged`) as `+volume`, by what the body's cells "
-       "have: "
-       "`linear_pressure` in hexahedra of 27 nodes, `mean_dilatation` in other hexahedra, prisms and tetrahedra of "
-       "second "
-       "order, else volumes around molecules or in cubes; `none` (`false`, `cells`) at each point alone"},
-      {"wrinkling", "`drop`, `keep`", "", "", "`keep`",
-       "`drop`: a membrane law without compressive stress, as `+wrinkling`"},
-      {"label", "text", "", "", "the name", "name in tables"}};
-  for (const Strategy& strategy : catalog.strategies())
-    for (const ParameterInfo& info : strategy.parameters) {
-      const auto same =
-          std::find_if(keys.begin(), keys.end(), [&](const SceneKey& key) { return key.name == info.name; });
-      if (same != keys.end()) {  // one parameter of several strategies
-        same->text.insert(same->text.find(": "), ", `" + strategy.name + "`");
-        continue;
-      }
-      keys.push_back(key_of(info));
-      keys.back().text = "of `" + strategy.name + "`: " + info.text;
-    }
   return {{"stiffness", "Stiffness",
            "A word is a strategy's name: `lattice`, `\"calibrated:patch+volume\"`, `hencky_energy_membrane+wrinkling`. "
-           "A map "
-           "has the name and parameters:",
-           std::move(keys)}};
+           "A map has the name and parameters:",
+           strategy_map_keys(catalog).rows()}};
 }
 
 std::vector<KeySection> solver_keys(const Catalog& catalog) {
-  return {{"solver",
-           "Solver",
-           "",
-           {{"displacements", "`large`, `small`", "", "", "`large`",
-             "`small`: one linear solve about rest, without contact"},
-            {"engine", words_text(catalog.engines.names()), "", "", "`threads`",
-             "who solves: this process, or [several](#several-processes) that `mpiexec` starts; equilibria alone"},
-            {"linear_solver", words_text(catalog.linear_solvers.names()), "", "", "`automatic`",
-             "method for the linear equations; `elastin list` describes each"},
-            {"method", "`newton`, `explicit`, `implicit`", "", "", "`newton`",
-             "how an equilibrium is found: by Newton's method, or by time steps until the body rests"},
-            {"tolerance", "number", "", "1e-14 … 0.1", "1e-10", "unbalanced force over loads and reactions"},
-            {"newton_limit", "whole", "", "1 … 100000", "200", "iterations in one solve"}}}};
+  return {{"solver", "Solver", "", solver_map_keys(catalog).rows()}};
 }
 
 }  // namespace elastin::lab

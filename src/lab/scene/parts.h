@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+
 #include "elastin/contact/contact.h"
 #include "elastin/core/forces/time_function.h"
 #include "elastin/core/simulation/catalog.h"
@@ -48,6 +50,37 @@ Body read_fill(Reader reader, VectorX& volumes, Remarks remarks);
 Body read_surface(const std::string& shape, Reader reader);
 /// A number in the range of a parameter, SI.
 double read_parameter(const Reader& reader, const ParameterInfo& info);
+/// The keys of all parameters that rows of a table have. A map has those of the row that it has chosen; `chosen` gets
+/// it from the setup, or null.
+template <class Setup, class Rows, class Chosen>
+std::vector<Key<Setup>> parameter_keys(const Rows& rows, ParameterValues Setup::*values, Chosen chosen) {
+  std::vector<SceneKey> known;
+  for (const auto& row : rows)
+    for (const ParameterInfo& info : row->parameters) {
+      const auto same =
+          std::find_if(known.begin(), known.end(), [&](const SceneKey& key) { return key.name == info.name; });
+      if (same != known.end()) {
+        same->text.insert(same->text.find(": "), ", `" + row->name + "`");
+        continue;
+      }
+      known.push_back(key_of(info));
+      known.back().text = "of `" + row->name + "`: " + info.text;
+    }
+  std::vector<Key<Setup>> keys;
+  for (SceneKey& own : known) {
+    const auto find = [chosen, name = own.name](const Setup& setup) -> const ParameterInfo* {
+      if (const auto* row = chosen(setup))
+        for (const ParameterInfo& info : row->parameters)
+          if (info.name == name) return &info;
+      return nullptr;
+    };
+    keys.push_back(Key<Setup>(std::move(own), [find, values](const Reader& value, Setup& setup, const Frame&) {
+                     const ParameterInfo& info = *find(setup);
+                     (setup.*values)[info.name] = read_parameter(value, info);
+                   }).when([find](const Setup& setup) { return find(setup) != nullptr; }));
+  }
+  return keys;
+}
 /// A length above 0 [m].
 double read_length(Reader& reader, const char* key);
 StrategyChoice read_strategy(Reader reader, const Catalog& catalog);
@@ -57,11 +90,10 @@ Study read_study(Reader reader, const std::vector<StrategyChoice>& known);
 void check_identify(const Reader& reader);
 StepperStudy read_stepper_study(Reader reader, const elastin::Table<Stepper>& steppers);
 /// Contact, and which obstacles' motions follow the load, and which the time.
-struct SceneContact {
-  contact::ContactOptions options;
+struct SceneContact : contact::ContactOptions {
   std::vector<Reader> by_load, by_time;
 };
-SceneContact read_contact(Reader reader, const Body& body, const Material& material, const Matrix3& rotation);
+SceneContact read_contact(const Reader& reader, const Body& body, const Material& material, const Matrix3& rotation);
 /// Throws InputError on a motion that means nothing in this experiment.
 void check_motions(const SceneContact& contact, bool timed);
 StaticOptions read_solver(Reader reader, const Catalog& catalog);
@@ -76,11 +108,11 @@ elastin::Table<LoadKind> scene_loads(const Catalog& catalog);
 /// `rotation` turns its directions with the scene.
 SceneLoad read_load(Reader reader, const elastin::Table<LoadKind>& loads, const Body& body, const Material& material,
                     const Matrix3& rotation);
-TimeOptions read_time(Reader reader, const elastin::Table<Stepper>& steppers);
+TimeOptions read_time(const Reader& reader, const elastin::Table<Stepper>& steppers);
 /// {scheme: NAME, PARAMETER: VALUE, …}, or the name alone.
-void read_integrator(Reader reader, const elastin::Table<Stepper>& steppers, TimeOptions& options);
+void read_integrator(const Reader& reader, const elastin::Table<Stepper>& steppers, TimeOptions& options);
 /// How the run begins: velocities and positions other than those at rest.
-std::function<void(State&)> read_initial(Reader reader, const Body& body, const Matrix3& rotation, bool timed);
+std::function<void(State&)> read_initial(const Reader& reader, const Body& body, const Matrix3& rotation, bool timed);
 /// What stays where it is besides the experiment's own grips; at most one a molecule.
 std::vector<Support> read_supports(const Reader& reader, const Body& body, const Matrix3& rotation);
 /// `extends` and `values`, which were put in when the file was opened.

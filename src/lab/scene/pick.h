@@ -1,5 +1,6 @@
 #pragma once
-#include <functional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "elastin/core/model/body.h"
@@ -10,6 +11,15 @@ namespace elastin::lab {
 /// The molecules that a scene picks: their numbers as a list, or a map of places, of which all must hold. `rotation`
 /// is that of the scene, which the body has had. Throws InputError where none is picked.
 std::vector<int> read_molecules(const Reader& reader, const Body& body, const Matrix3& rotation);
+
+template <class Setup>
+Key<Setup> molecules_key(std::string name, std::vector<int> Setup::*member, std::string text) {
+  return {{std::move(name), "list of molecules, or [pick](#picked-molecules)", "", "0 … last molecule", "none",
+           std::move(text)},
+          [member](const Reader& value, Setup& setup, const Frame& frame) {
+            setup.*member = read_molecules(value, *frame.body, frame.rotation);
+          }};
+}
 
 /// The molecules on the free edge of a body of triangles, ascending.
 std::vector<int> rim_of(const Body& body);

@@ -349,7 +349,7 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   std::optional<SceneContact> contact;
   if (auto value = reader.find("contact")) {
     contact = read_contact(*value, scene->specimen.body, scene->specimen.material, rotation);
-    context.contact = &contact->options;
+    context.contact = &*contact;
   }
   std::unique_ptr<Experiment> made = read_experiment(experiment, context);
   if (const auto calibrate = reader.find("calibrate"))
@@ -368,8 +368,8 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
         .fail("one linear solve cannot find what touches; with `contact` displacements are large");
   if (contact) {
     check_motions(*contact, timed);
-    reader.at("contact").located([&] { contact::make_contact(scene->specimen.body, contact->options); });
-    scene->specimen.contact = std::move(contact->options);
+    reader.at("contact").located([&] { contact::make_contact(scene->specimen.body, *contact); });
+    scene->specimen.contact = std::move(*contact);
   }
   const auto time = reader.find("time");
   if (time && !timed)
