@@ -17,8 +17,8 @@ Pose pose_of(const double position[3], const double turn[9]) {
 
 #ifdef ELASTIN_C_CONTACT
 
-contact::Obstacle obstacle_of(const elastin_simulation& handle, const elastin_obstacle* given_one, std::size_t number) {
-  const elastin_obstacle from = checked_copy(given_one, "elastin_obstacle");
+contact::Obstacle obstacle_of(const elastin_simulation& handle, const elastin_obstacle* obstacles, std::size_t number) {
+  const elastin_obstacle from = checked_element(obstacles, number, "elastin_obstacle");
   std::map<std::string, double> sizes;
   if (from.size_count > 0) given(from.sizes, "elastin_obstacle.sizes");
   for (std::size_t i = 0; i < from.size_count; ++i)
@@ -50,7 +50,7 @@ contact::ContactOptions contact_options(const elastin_simulation& handle, const 
   options.self = from.self != 0;
   if (from.obstacle_count > 0) given(from.obstacles, "elastin_contact.obstacles");
   for (std::size_t i = 0; i < from.obstacle_count; ++i)
-    options.obstacles.push_back(obstacle_of(handle, &from.obstacles[i], i));
+    options.obstacles.push_back(obstacle_of(handle, from.obstacles, i));
   return options;
 }
 

@@ -88,6 +88,18 @@ T checked_copy(const T* structure, const char* name) {
   return copy;
 }
 
+/// The same of an array's element. The elements lie as far from each other as the caller's header has it: by the size
+/// that the first one states, and all must state.
+template <class T>
+T checked_element(const T* array, std::size_t number, const char* name) {
+  const std::size_t stride = checked_copy(array, name).size;
+  const T copy = checked_copy(reinterpret_cast<const T*>(reinterpret_cast<const char*>(array) + number * stride), name);
+  if (copy.size != stride)
+    throw InputError(std::string(name) + ".size is " + std::to_string(copy.size) + " in element " +
+                     std::to_string(number) + " of an array and " + std::to_string(stride) + " in its first one");
+  return copy;
+}
+
 /// Fills a caller's structure as far as it knows it.
 template <class T>
 void put(const T& values, T* structure, const char* name) {

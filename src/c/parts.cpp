@@ -16,7 +16,7 @@ elastin_status elastin_body_of_parts(const elastin_part* parts, size_t count, el
     if (count == 0) throw elastin::InputError("a body of parts needs one at least");
     elastin::Body whole;
     for (size_t number = 0; number < count; ++number) {
-      const elastin_part from = elastin::c::checked_copy(&parts[number], "elastin_part");
+      const elastin_part from = elastin::c::checked_element(parts, number, "elastin_part");
       elastin::Part part;
       part.name = &given(from.name, "elastin_part.name");
       part.material = from.material;

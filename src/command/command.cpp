@@ -1,5 +1,6 @@
 #include "elastin/command/command.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -267,7 +268,7 @@ int list_catalog(const Options& options, const Catalog& catalog) {
 
 /// The answer to a question on the terminal; "" at the end of input.
 std::string answer_to(const std::string& question, const std::string& otherwise) {
-  fmt::print(stderr, "{}{}: ", question, otherwise.empty() ? "" : " [" + otherwise + "]");
+  say(fmt::format("{}{}: ", question, otherwise.empty() ? "" : " [" + otherwise + "]"));
   std::string line;
   std::getline(std::cin, line);
   return line.empty() ? otherwise : line;
@@ -279,7 +280,7 @@ void ask_for_rest(NewScene& scene, bool modulus_given) {
   if (scene.specimen.empty()) {
     std::string names;
     for (const NewSpecimen& row : new_specimens()) {
-      if (can_ask) fmt::print(stderr, "  {:12} {}\n", row.name, row.summary);
+      if (can_ask) say(fmt::format("  {:12} {}\n", row.name, row.summary));
       names += std::string(names.empty() ? "" : ", ") + row.name;
     }
     if (!can_ask) throw InputError("new: name a specimen: " + names);
@@ -520,9 +521,20 @@ int run_chosen(const Commands& commands, Options& options, const Catalog& catalo
   return run_all(options, catalog, static_cast<bool>(*commands.compare));
 }
 
+/// A standard stream that the caller has closed stays one that cannot be used: no file that the command opens may take
+/// its number, and be written to in its place.
+void keep_standard_streams() {
+  while (true) {
+    const int next = open("/dev/null", O_RDONLY);
+    if (next > STDERR_FILENO) close(next);
+    if (next < 0 || next > STDERR_FILENO) return;
+  }
+}
+
 }  // namespace
 
 int run_command(int argc, const char* const* argv, const Catalog& catalog) {
+  keep_standard_streams();
   const std::string name = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "elastin";
   try {
     Options options;
@@ -534,24 +546,24 @@ int run_command(int argc, const char* const* argv, const Catalog& catalog) {
     } catch (const CLI::ParseError& error) {
       const std::string unknown = unknown_word(commands.app, argc, argv);
       if (error.get_exit_code() == 0 || unknown.empty()) return commands.app.exit(error) == 0 ? 0 : 2;
-      fmt::print(stderr, "{}: {}\n", name, unknown);
+      say(fmt::format("{}: {}\n", name, unknown));
       return 2;
     }
     const int code = run_chosen(commands, options, catalog);
     if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
-    fmt::print(stderr, "{}: standard output could not be written: {}\n", name, std::strerror(errno));
+    say(fmt::format("{}: standard output could not be written: {}\n", name, std::strerror(errno)));
     return 2;
   } catch (const std::system_error& error) {  // of a print
-    fmt::print(stderr, "{}: standard output could not be written: {}\n", name, error.code().message());
+    say(fmt::format("{}: standard output could not be written: {}\n", name, error.code().message()));
     return 2;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "{}: there is not enough memory for this body\n", name);
+    say(fmt::format("{}: there is not enough memory for this body\n", name));
     return 2;
   } catch (const InputError& error) {
-    fmt::print(stderr, "{}: {}\n", name, error.what());
+    say(fmt::format("{}: {}\n", name, error.what()));
     return 2;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: internal error: {}\n", name, error.what());
+    say(fmt::format("{}: internal error: {}\n", name, error.what()));
     return 1;
   }
 }

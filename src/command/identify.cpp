@@ -11,6 +11,7 @@
 #include "lab/identify/report.h"
 #include "lab/report/files.h"
 #include "lab/report/progress.h"
+#include "lab/report/screen.h"
 #include "lab/run/config_names.h"
 #include "lab/study/compare.h"
 
@@ -45,7 +46,7 @@ void write_scene(const Request& request, const std::string& path, const Answer& 
   try {
     scene = with_values(text_of_scene(path), folder, values);
   } catch (const InputError& error) {
-    fmt::print(stderr, "{}: no scene with the numbers put in is written: {}\n", path, error.what());
+    say(fmt::format("{}: no scene with the numbers put in is written: {}\n", path, error.what()));
     return;
   }
   scene = moved_scene(scene, folder, request.out);
@@ -92,7 +93,8 @@ bool identify_scenes(const Request& request, IdentifyRequest wanted, const Catal
     fmt::print("{}", identify_json(all));
   else if (!request.json.empty())
     write_whole(request.json, identify_json(all));
-  return std::all_of(all.begin(), all.end(), [](const Answer& answer) { return answer.succeeded(); });
+  return !(wanted.stop && wanted.stop()) &&
+         std::all_of(all.begin(), all.end(), [](const Answer& answer) { return answer.succeeded(); });
 }
 
 }  // namespace elastin::command

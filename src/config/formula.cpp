@@ -36,10 +36,14 @@ Value power(const Value& base, int exponent) {
 /// Gives the value of a name; throws if the name is unknown.
 using Names = std::function<Value(const std::string&)>;
 
-/// Reads a formula from left to right. Throws InputError.
+/// Brackets, signs and exponents inside each other, through the formulas of the values that a formula names: each takes
+/// some of the stack.
+constexpr int kDeepestFormula = 200;
+
+/// Reads a formula from left to right. `depth` counts how deep the reader is. Throws InputError.
 class Formula {
  public:
-  Formula(std::string_view text, const Names& names) : text_(text), names_(names) {}
+  Formula(std::string_view text, const Names& names, int& depth) : text_(text), names_(names), depth_(depth) {}
 
   Value value() {
     const Value value = any_value();
@@ -54,9 +58,14 @@ class Formula {
     return value;
   }
 
+  /// Whether all of it is one unit: "kPa", "m1", "mm²".
+  bool is_unit() { return unit_here() && at_ == text_.size(); }
+
  private:
   [[noreturn]] void fail(const std::string& message) const {
-    throw InputError("the formula '" + std::string(text_) + "': " + message);
+    constexpr std::size_t most = 200;
+    throw InputError("the formula '" + std::string(text_.substr(0, most)) + (text_.size() > most ? "…" : "") +
+                     "': " + message);
   }
   void skip() {
     while (at_ < text_.size() && text_[at_] == ' ') ++at_;
@@ -96,6 +105,13 @@ class Formula {
   }
 
   Value signed_power() {
+    struct Level {
+      int& depth;
+      ~Level() { --depth; }
+    } const level{++depth_};
+    if (depth_ > kDeepestFormula)
+      fail("brackets, signs, exponents and named values stand more than " + std::to_string(kDeepestFormula) +
+           " deep in each other");
     if (take('-')) {
       Value value = signed_power();
       value.number = -value.number;
@@ -222,8 +238,15 @@ class Formula {
 
   std::string_view text_;
   const Names& names_;
+  int& depth_;
   std::size_t at_ = 0;
 };
+
+/// Whether a formula would take a name for a unit: "kPa", and "m1" and "N2" too, the powers of units.
+bool reads_as_unit(const std::string& name) {
+  int depth = 0;
+  return Formula(name, {}, depth).is_unit();
+}
 
 /// The section `values`: each is worked out once, when it is first needed.
 class NamedValues {
@@ -238,7 +261,7 @@ class NamedValues {
       names_.push_back(name);
       const bool word =
           !name.empty() && name.find_first_of(" +-*/^(),.") == std::string::npos && !(name[0] >= '0' && name[0] <= '9');
-      if (!word || name == "pi" || find_unit(name))
+      if (!word || name == "pi" || reads_as_unit(name))
         throw InputError(locate_(entry.first),
                          "values: '" + name + "' " +
                              (word ? name == "pi" ? "is a number already" : "is a unit" : "is no name") +
@@ -260,7 +283,7 @@ class NamedValues {
     if (text.starts_with('=')) text.erase(0, 1);
     const Names names = [this](const std::string& other) { return of(other); };
     try {
-      known_[name] = Formula(text, names).value();
+      known_[name] = Formula(text, names, depth_).value();
     } catch (const InputError& error) {
       if (error.has_location()) throw;
       throw InputError(locate_(node), "values." + name + ": " + error.what());
@@ -277,6 +300,7 @@ class NamedValues {
   std::vector<std::string> names_;
   FormulaValues known_;
   std::set<std::string> under_way_;
+  int depth_ = 0;  ///< of the formula that is read, with those that named it
 };
 
 /// As parse_quantity reads it; a whole number has no point.
@@ -301,7 +325,8 @@ void put_in(YAML::Node node, NamedValues& values, const NamedValues::Locate& loc
       return;
     const Names names = [&values](const std::string& name) { return values.of(name); };
     try {
-      node = text_of(Formula(node.Scalar().substr(1), names).value());
+      int depth = 0;
+      node = text_of(Formula(node.Scalar().substr(1), names, depth).value());
     } catch (const InputError& error) {
       if (error.has_location()) throw;
       throw InputError(locate(node), key + ": " + error.what());
@@ -336,7 +361,8 @@ FormulaValue formula_at(const std::string& text, const Vector3& place, const Dim
     for (const auto& [own, value] : values) known.push_back(own);
     throw InputError("the formula '" + text + "': there is no value '" + name + "'" + suggestion(name, known));
   };
-  return Formula(text, names).any_value();
+  int depth = 0;
+  return Formula(text, names, depth).any_value();
 }
 
 }  // namespace elastin::config

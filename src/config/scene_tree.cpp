@@ -24,6 +24,9 @@ constexpr const char* kOverrideTag = "\001override";  // no file can write this 
 /// Before the number of the file, in the tags of those that came from a file that the scene extends.
 constexpr const char* kFileTag = "\001file ";
 
+/// Maps and lists inside each other.
+constexpr int kDeepestTree = 40;
+
 /// Refuses what YAML forbids or never ends, and yaml-cpp lets pass: a key that stands twice in a map, an alias inside
 /// its own anchor, aliases that multiply without end.
 class TreeCheck {
@@ -33,7 +36,7 @@ class TreeCheck {
       : location_of_(std::move(location_of)), left_(size + 1000000) {}
 
   void check(const YAML::Node& node, int depth = 0) {
-    if (depth > 40)
+    if (depth > kDeepestTree)
       throw InputError(location_of_(node), "nested too deeply; does an alias stand inside its own anchor?");
     if (left_-- == 0) throw InputError(location_of_(node), "too many values; do aliases stand in what aliases name?");
     if (node.IsMap()) {
@@ -93,6 +96,9 @@ void put_override(YAML::Node root, const std::string& assignment) {
   const std::string path = assignment.substr(0, equals);
   if (equals == std::string::npos || ("." + path + ".").find("..") != std::string::npos)
     throw InputError(location, "write key=value, for example --set material.youngs_modulus='10 kPa'");
+  if (std::count(path.begin(), path.end(), '.') > kDeepestTree)
+    throw InputError({"--set " + path.substr(0, 80) + "…"},
+                     "the path leads through more than " + std::to_string(kDeepestTree) + " keys");
   YAML::Node value;
   try {
     value = YAML::Load(assignment.substr(equals + 1));
@@ -213,6 +219,8 @@ YAML::Node load_extended(const std::string& text, std::vector<std::string>& file
   for (const std::string& file : files)
     if (std::filesystem::path(file).lexically_normal() == path)
       throw InputError(location, "extends: '" + other.Scalar() + "' is extended already; a scene cannot extend itself");
+  if (files.size() > kDeepestTree)
+    throw InputError(location, "extends: more than " + std::to_string(kDeepestTree) + " files extend each other");
   files.push_back(path);
   std::string base;
   try {

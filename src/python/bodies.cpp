@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "core/model/check_indices.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/prony.h"
 #include "elastin/core/geometry/numbering.h"
@@ -337,7 +338,11 @@ void add_bodies(py::module_& module) {
           "How many connections are more than sides of cells; they come first.")
       .def("__len__", &Body::size)
       .def(py::pickle([](const Body& body) { return packed(body); },
-                      [](const py::bytes& state) { return unpacked<Body>(state, "Body"); }))
+                      [](const py::bytes& state) {
+                        auto body = unpacked<Body>(state, "Body");
+                        check_indices(*body);
+                        return body;
+                      }))
       .def("__repr__", &body_text);
   module.def(
       "order_in_space",

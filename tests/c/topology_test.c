@@ -101,6 +101,58 @@ static void two_materials(void) {
   elastin_body_free(cube);
 }
 
+/* Of an older header, without the last member: arrays of them lie by their own size. */
+struct older_part {
+  size_t size;
+  const elastin_body* body;
+  const char* name;
+};
+struct older_obstacle {
+  size_t size;
+  const char* shape;
+  const elastin_value* sizes;
+  size_t size_count;
+  int tool;
+  double position[3];
+};
+
+static void arrays_of_older_structures(void) {
+  elastin_body *cube = NULL, *both = NULL;
+  elastin_counts of_body = {0};
+  struct older_part parts[2];
+  elastin_simulation* tissue = lattice_of("backward_euler");
+  const elastin_value radius = {"radius", 2e-3};
+  struct older_obstacle balls[2];
+  elastin_contact contact = {0};
+  double force[3];
+  int i;
+  memset(parts, 0, sizeof parts), memset(balls, 0, sizeof balls);
+  OK(elastin_lattice(counts, spacing, ELASTIN_AXIS | ELASTIN_FACE, 1000, &cube));
+  for (i = 0; i < 2; ++i) {
+    parts[i].size = sizeof parts[i], parts[i].body = cube, parts[i].name = i ? "second" : "first";
+    balls[i].size = sizeof balls[i], balls[i].shape = "sphere", balls[i].sizes = &radius, balls[i].size_count = 1;
+    balls[i].position[2] = i ? 6.5e-3 : 50e-3;
+    balls[i].position[0] = balls[i].position[1] = 2.5e-3;
+  }
+  OK(elastin_body_of_parts((const elastin_part*)parts, 2, &both));
+  of_body.size = sizeof of_body;
+  OK(elastin_body_counts(both, &of_body));
+  check(of_body.molecules == 432, "two parts of an older header");
+  contact.size = sizeof contact;
+  contact.obstacles = (const elastin_obstacle*)balls, contact.obstacle_count = 2;
+  OK(elastin_add_contact(tissue, &contact));
+  OK(elastin_step(tissue, 1e-3, NULL));
+  OK(elastin_contact_force(tissue, 0, force));
+  check(force[2] == 0, "the first ball is far away");
+  OK(elastin_contact_force(tissue, 1, force));
+  check(force[2] > 0, "the second one presses");
+  balls[1].size = sizeof balls[1] - 8;
+  REFUSED(elastin_add_contact(tissue, &contact), "in element 1 of an array");
+  elastin_simulation_free(tissue);
+  elastin_body_free(both);
+  elastin_body_free(cube);
+}
+
 int main(void) {
   elastin_simulation *tissue = lattice_of("backward_euler"), *other = lattice_of("backward_euler");
   const double above[3] = {2.5e-3, 2.5e-3, 8e-3};
@@ -159,5 +211,6 @@ int main(void) {
   elastin_simulation_free(tissue);
   elastin_simulation_free(other);
   two_materials();
+  arrays_of_older_structures();
   return failures != 0;
 }

@@ -16,10 +16,12 @@
 
 #include "elastin/core/simulation/catalog.h"
 #include "elastin/lab/run/measures.h"
+#include "support/shell.h"
 #include "support/temporary_folder.h"
 
 using Catch::Matchers::Contains;
 using Catch::Matchers::StartsWith;
+using elastin::shell;
 
 namespace {
 
@@ -386,7 +388,7 @@ TEST_CASE("the option --out leaves every file whole", "[command]") {
   for (const auto& entry : std::filesystem::directory_iterator(out)) files.insert(entry.path().filename().string());
   std::set<std::string> expected{"runs.csv",   "runs.json",   "runs.jsonl",     "views.jsonl",
                                  "study.json", "report.html", "cube-error.svg", "cube-response.svg"};
-  for (const std::string run : {"cube-standard", "cube-a~2fb-~26-c"})  // what cannot run leaves no curve
+  for (const std::string run : {"cube-standard", "cube-a~2fb~20~26~20c"})  // what cannot run leaves no curve
     for (const char* end : {"-curve.csv", ".pvd", "-000.vtu", "-001.vtu", "-002.vtu"}) expected.insert(run + end);
   CHECK(files == expected);
   for (const std::string& file : files) {
@@ -472,4 +474,35 @@ TEST_CASE("on a terminal of 80 columns no row of a table is longer", "[command][
       CHECK(std::count_if(row.begin(), row.end(), [](char c) { return (c & 0xC0) != 0x80 && c != '\r'; }) <= 80);
     }
   }
+}
+
+TEST_CASE("labels that differ have files that differ", "[command]") {
+  const TemporaryFolder folder;
+  const std::string out = folder.path("out");
+  const std::string cube =
+      folder.write("cube.yaml", replaced(kCube, "lattice, van_gelder",
+                                         "{strategy: lattice, label: my law}, {strategy: standard, label: my-law}, "
+                                         "{strategy: divided, label: 'my:law'}"));
+  CHECK(say("compare " + cube + " --out " + out).code == 0);
+  for (const std::string label : {"my~20law", "my~2dlaw", "my-law"})
+    CHECK(std::filesystem::exists(out + "/cube-" + label + "-curve.csv"));
+  // A scene's name and a label may make one name together.
+  folder.write("a.yaml", replaced(kCube, "strategies: ", "strategies: [{strategy: lattice, label: 'b:c'}]\n# "));
+  folder.write("a-b.yaml", replaced(kCube, "strategies: ", "strategies: [{strategy: lattice, label: c}]\n# "));
+  const Said said = say("compare " + folder.path("a.yaml") + " " + folder.path("a-b.yaml") + " --out " + out);
+  CHECK(said.code == 2);
+  CHECK_THAT(said.err, Contains("would have the same name, a-b-c"));
+}
+
+TEST_CASE("a standard error that is closed or full does not end the command", "[command]") {
+  const TemporaryFolder folder;
+  folder.write("cube.yaml", kCube);
+  for (const std::string where : {"2>&-", "2>/dev/full"}) {
+    INFO(where);
+    CHECK(shell(folder, "$elastin run cube.yaml --out o " + where) == 0);
+    CHECK(shell(folder, "$elastin run nothing.yaml " + where) == 2);
+    CHECK(shell(folder, "$elastin no_command " + where) == 2);
+    CHECK(text_of_file(folder.path("o/runs.jsonl")).starts_with("{\"key\":"));
+  }
+  CHECK(shell(folder, "$elastin run cube.yaml >&-") == 2);
 }

@@ -3,7 +3,9 @@
 #include <sys/wait.h>
 
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -70,4 +72,38 @@ TEST_CASE("an interrupted command leaves whole files and goes on from its restar
   CHECK_THAT(text_of_file(said), Contains("--restart: nowhere: cannot be read"));
   CHECK(shell(command + "--restart '" + restart + "' --set time.duration=3 2> '" + said + "'") == 2);
   CHECK_THAT(text_of_file(said), Contains("this is the restart file of another run"));
+}
+
+TEST_CASE("CalculiX works in a folder of its own, and is ended with the comparison", "[command][calculix]") {
+  const TemporaryFolder folder;
+  folder.write("bar.yaml",
+               "body: {tetrahedra: {kind: kuhn, cubes: [2, 1, 1], size: [2 mm, 1 mm, 1 mm]}}\n"
+               "material: {youngs_modulus: 10 kPa}\nstiffness: neo_hookean\nstrategies: [neo_hookean]\n"
+               "experiment: {kind: tension, axis: x, strain: 0.1 %}\nreference: none\n");
+  std::filesystem::create_directory(folder.path("tmp"));
+  std::filesystem::create_directory(folder.path("bin"));
+  folder.write("bin/ccx", "#!/bin/sh\nstat -c %a . > ../../mode; pwd > ../../where; exec sleep 60\n");
+  const auto begin = std::chrono::steady_clock::now();
+  CHECK(shell("cd '" + folder.path("") +
+              "' && chmod +x bin/ccx && { TMPDIR=$PWD/tmp PATH=$PWD/bin:$PATH '" ELASTIN_COMMAND
+              "' compare bar.yaml --against calculix --out o --quiet & p=$!; "
+              "while [ ! -s where ]; do sleep 0.02; done; kill -INT $p; wait $p; }") == 1);
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(30));
+  CHECK(text_of_file(folder.path("mode")) == "700\n");
+  const std::string where = text_of_file(folder.path("where"));
+  CHECK_THAT(where, Contains("/tmp/elastin-calculix-"));
+  CHECK(std::filesystem::is_empty(folder.path("tmp")));
+}
+
+TEST_CASE("a comparison that is stopped between two runs has not succeeded", "[command][slow]") {
+  const TemporaryFolder folder;
+  folder.write("bar.yaml",
+               "body: {lattice: {kind: cubic, molecules: [3, 3, 3], spacing: 1 mm, connections: [axis, face]}}\n"
+               "material: {youngs_modulus: 10 kPa}\nstiffness: lattice\nstrategies: [lattice, standard]\n"
+               "experiment: {kind: tension, axis: x, strain: 0.1 %}\nreference: none\n");
+  const std::string rows = "'" + folder.path("o/runs.jsonl") + "'";
+  CHECK(shell("cd '" + folder.path("") +
+              "' && { '" ELASTIN_COMMAND "' compare bar.yaml --repeats 1000 --out o --quiet & "
+              "p=$!; until [ -s " +
+              rows + " ]; do sleep 0.01; done; kill -INT $p; wait $p; }") == 1);
 }

@@ -109,3 +109,37 @@ TEST_CASE("what is wrong with a formula is told at its place", "[scene][formula]
   CHECK_THAT(values("{a: 3 mn}"), StartsWith("a.yaml:1:13: values.a: "));
   CHECK_THAT(values("[1]"), Contains("expected a map of names"));
 }
+
+TEST_CASE("a formula that is nested too deeply is refused where it stands", "[scene][formula]") {
+  const auto repeated = [](const std::string& text, int times) {
+    std::string all;
+    for (int i = 0; i < times; ++i) all += text;
+    return all;
+  };
+  const auto deep = [&](int times) { return repeated("(", times) + "1" + repeated(")", times); };
+  const std::string message = "more than 200 deep in each other";
+  for (const int depth : {300, 20000}) {
+    CHECK_THAT(refusal("= " + deep(depth)), StartsWith("a.yaml:2:4: x: the formula '(((") && Contains(message));
+    CHECK_THAT(refusal("= " + repeated("-", depth) + "1"), Contains(message));
+    CHECK_THAT(refusal("= " + repeated("2^", depth) + "1"), Contains(message));
+    CHECK_THAT(refusal("= " + repeated("abs(", depth) + "1" + repeated(")", depth)), Contains(message));
+    std::string chain = "values: {";
+    for (int i = 0; i < depth; ++i) chain += "a" + std::to_string(i) + ": = a" + std::to_string(i + 1) + ", ";
+    CHECK_THROWS_WITH(open_scene_text("a.yaml", chain + "a" + std::to_string(depth) + ": 1}\n", {}, 1e6),
+                      StartsWith("a.yaml:1:") && Contains(message));
+    CHECK_THROWS_WITH(open_scene_text("a.yaml", kValues, {"x== " + deep(depth)}, 1e6),
+                      StartsWith("--set: x: the formula") && Contains(message));
+    CHECK_THROWS_WITH(open_scene_text("a.yaml", kValues, {"x" + repeated(".x", depth) + "=1"}, 1e6),
+                      StartsWith("--set x.x") && Contains("the path leads through more than 40 keys"));
+    const Reader place = open_scene_text("a.yaml", "x: = " + deep(depth) + "\n", {}, 1e6);
+    (void)place;
+  }
+  CHECK(of("= " + deep(100)).number() == 1);
+}
+
+TEST_CASE("a name that a formula would take for a unit's power names no value", "[scene][formula]") {
+  for (const std::string name : {"m1", "N1", "mm2", "s3", "kPa4", "m²"})
+    CHECK_THROWS_WITH(open_scene_text("a.yaml", "values: {" + name + ": 3}\n", {}, 1e6),
+                      StartsWith("a.yaml:1:10: values: '" + name + "' is a unit; call it otherwise"));
+  CHECK_NOTHROW(open_scene_text("a.yaml", "values: {m_1: 3, n1: 4, force1: 5}\n", {}, 1e6));
+}

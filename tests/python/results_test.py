@@ -112,6 +112,17 @@ class Pickled(unittest.TestCase):
         with self.assertRaises(Exception):
             pickle.loads(data[:-40] + data[-20:])
 
+    def test_a_flipped_bit_is_refused(self):
+        body = pickle.dumps(BAR)
+        simulation = pickle.dumps(elastin.Simulation(BAR, "neo_hookean", RUBBER))
+        numbers = BAR.__reduce_ex__(2)[2]  # the bytes that are the body, without what pickle puts around them
+        for data in (body, simulation):
+            begin = data.index(numbers[:64]) if isinstance(numbers, bytes) else data.index(numbers[0][:64])
+            for at in range(begin, begin + 3000, 29):
+                damaged = data[:at] + bytes([data[at] ^ 16]) + data[at + 1:]
+                with self.assertRaisesRegex(elastin.InputError, "Body is damaged: its checksum does not hold"):
+                    pickle.loads(damaged)
+
 
 class Steps(unittest.TestCase):
     def test_a_refused_step_raises(self):

@@ -13,6 +13,7 @@
 #include "calculix_job.h"
 #include "lab/scene/scene.h"
 #include "measure.h"
+#include "support/temporary_folder.h"
 
 namespace bench {
 namespace {
@@ -202,7 +203,7 @@ std::vector<Row> run_accuracy(const Settings& settings) {
       for (const int level : order == 2 ? task.elastin_quadratic : task.elastin_linear) {
         const std::string name = order == 2 ? "hexahedron27" : "hexahedron8";
         say(fmt::format("accuracy, {}, elastin {}, {}", task.scene, name, level));
-        const WorkFolder folder;
+        const TemporaryFolder folder;
         const std::string job = folder.path("job");
         std::vector<double> seconds;
         do seconds.push_back(processor_seconds_of([&] { run_elastin(task, level, order, threads, job); }));
@@ -219,7 +220,7 @@ std::vector<Row> run_accuracy(const Settings& settings) {
       }
     for (const bool quadratic : {true, false})
       for (const int level : quadratic ? task.quadratic : task.linear) {
-        const WorkFolder folder;
+        const TemporaryFolder folder;
         const Deck deck = deck_of(task, level, quadratic);
         say(fmt::format("accuracy, {}, {}, {}", task.scene, deck.type, level));
         const std::string job = folder.path("job");

@@ -9,6 +9,7 @@
 #include "core/model/faces.h"
 #include "elastin/core/parallel/threads.h"
 #include "measure.h"
+#include "support/temporary_folder.h"
 
 namespace bench {
 namespace {
@@ -120,7 +121,7 @@ struct Contender {
   double elongation = 0;
 };
 
-std::vector<Contender> contenders_of(const Task& task, int level, const WorkFolder& folder) {
+std::vector<Contender> contenders_of(const Task& task, int level, const TemporaryFolder& folder) {
   const auto elastin_run = [&task, level] {
     return in_child([&] {
              set_threads(kThreads);
@@ -155,7 +156,7 @@ std::vector<Row> run_calculix(const Settings& settings) {
   constexpr int level = 16;
   std::vector<Row> rows;
   for (const Task& task : kTasks) {
-    const WorkFolder folder;
+    const TemporaryFolder folder;
     std::vector<Contender> contenders = contenders_of(task, level, folder);
     const int repeats = std::min(settings.repeats, 3);  // CalculiX takes half a minute
     std::vector<std::function<void()>> works;

@@ -15,16 +15,6 @@ using elastin::Vector3;
 
 bool calculix_is_here() { return std::system("command -v ccx > /dev/null 2>&1") == 0; }
 
-WorkFolder::WorkFolder()
-    : path_((std::filesystem::temp_directory_path() / fmt::format("elastin-bench-{}", getpid())).string()) {
-  std::filesystem::create_directories(path_);
-}
-
-WorkFolder::~WorkFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
 void write_deck(const Deck& deck, const std::string& job) {
   std::ofstream file(job + ".inp");
   file << "*NODE, NSET=ALL\n";

@@ -12,19 +12,6 @@ namespace bench {
 bool calculix_is_here();
 inline constexpr const char* kCalculixMissing = "skipped: ccx is not here; apt-get install calculix-ccx";
 
-/// A folder that goes with its owner.
-class WorkFolder {
- public:
-  WorkFolder();
-  ~WorkFolder();
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-  std::string path(const std::string& name) const { return path_ + "/" + name; }
-
- private:
-  std::string path_;
-};
-
 /// Places and cells count from 0 here.
 struct Deck {
   std::string type;  ///< C3D4, C3D8I, C3D10, C3D20R

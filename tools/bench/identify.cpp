@@ -10,6 +10,7 @@
 #include "elastin/core/parallel/threads.h"
 #include "lab/identify/fit.h"
 #include "measure.h"
+#include "support/temporary_folder.h"
 
 namespace bench {
 namespace {
@@ -33,23 +34,6 @@ identify:
   unknowns: [c1, c2, bulk_modulus]
   tests: [{kind: specimen, file: data.csv}]
 )";
-
-class Folder {
- public:
-  Folder()
-      : path_(fs::temp_directory_path() /
-              fmt::format("elastin-bench-{}", std::chrono::steady_clock::now().time_since_epoch().count())) {
-    fs::create_directories(path_);
-  }
-  ~Folder() { fs::remove_all(path_); }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name) << text;
-    return (path_ / name).string();
-  }
-
- private:
-  fs::path path_;
-};
 
 /// The specimen with forces that are those of `kTruth`.
 class Specimen {
@@ -87,7 +71,7 @@ class Specimen {
     return read;
   }
 
-  Folder folder_;
+  TemporaryFolder folder_;
   Catalog catalog_ = built_in_catalog();
   std::string path_;
   std::shared_ptr<const MaterialLaw> holder_;

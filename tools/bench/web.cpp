@@ -13,6 +13,7 @@
 #include "elastin/c/elastin.h"
 #include "elastin/core/shapes/shapes.h"
 #include "measure.h"
+#include "support/temporary_folder.h"
 
 namespace bench {
 namespace {
@@ -99,7 +100,8 @@ elastin_body* make_body(const Case& one, int side, const Body& block) {
 
 std::vector<Row> run_web(const Settings& settings) {
   const files::path npm = files::read_symlink("/proc/self/exe").parent_path().parent_path() / "web/npm";
-  const files::path cells = files::temp_directory_path() / fmt::format("elastin-web-{}.json", std::rand());
+  const TemporaryFolder folder;
+  const files::path cells = folder.path("cells.json");
   std::string missing;
   if (!files::exists(npm / "elastin.wasm")) missing = "left out: tools/setup --web builds the module";
   if (missing.empty() && std::system("node --version > /dev/null 2>&1") != 0) missing = "left out: there is no node";
@@ -143,7 +145,6 @@ std::vector<Row> run_web(const Settings& settings) {
       }
     }
   }
-  files::remove(cells);
   return rows;
 }
 

@@ -12,7 +12,8 @@
  * count from 0. What is given is copied; what is handed out belongs to its handle and lives as long as that. Every
  * function gives a status; any other than ELASTIN_OK leaves a sentence in elastin_message() and changes nothing. No
  * exception comes out of any. A handle serves one thread at a time, different handles as many as there are.
- * Structures begin with their own size, set by the caller, so that later versions can add to them. */
+ * Structures begin with their own size, set by the caller, so that later versions can add to them; in an array of them
+ * all have one size, and lie that far from each other. elastin_value has none, and nothing will be added to it. */
 
 #if defined(ELASTIN_BUILDING_C) && defined(__GNUC__)
 #define ELASTIN_API __attribute__((visibility("default")))

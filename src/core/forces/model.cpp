@@ -5,13 +5,23 @@
 
 #include "core/forces/graph.h"
 #include "core/forces/sharing.h"
+#include "core/model/check_indices.h"
 #include "elastin/core/base/dense.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/model/share.h"
 
 namespace elastin {
 
-Model::Model(const Body& body) : body_(&body), graph_(std::make_unique<Graph>(body)) {
+namespace {
+
+const Body& with_checked_indices(const Body& body) {
+  check_indices(body);
+  return body;
+}
+
+}  // namespace
+
+Model::Model(const Body& body) : body_(&with_checked_indices(body)), graph_(std::make_unique<Graph>(body)) {
   if (body.share) computed_ = std::make_unique<const Subdomain>(computed_by(body));
 }
 Model::~Model() = default;

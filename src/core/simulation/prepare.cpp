@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/model/check_indices.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/forces/bending.h"
 #include "elastin/core/model/parts.h"
@@ -63,6 +64,7 @@ void prepare_bending(Body& body, const Material& material) {
 
 void prepare(Body& body, const Strategy& strategy, const std::vector<Material>& materials,
              const MakeVoronoi& make_voronoi) {
+  check_indices(body);
   prepare_bending(body, material_of(materials, 0, "the body"));
   prepare_cell_sides(body, strategy);
   if (!make_voronoi) return;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/model/check_indices.h"
 #include "core/parallel/parallel.h"
 #include "core/simulation/simulation_impl.h"
 #include "core/simulation/tensions.h"
@@ -24,6 +25,7 @@ void check(const Body& body, const SimulationOptions& options) {
   if (body.mass.size() != body.size() || body.radius.size() != body.size())
     throw InputError("the body has " + std::to_string(body.size()) + " molecules, " + std::to_string(body.mass.size()) +
                      " masses and " + std::to_string(body.radius.size()) + " radii; set_matter sets them");
+  check_indices(body);
   if (!body.rest.allFinite()) throw InputError("a molecule's position at rest is not finite");
   for (int i = 0; i < body.size(); ++i)
     if (!(body.mass[i] > 0 && std::isfinite(body.mass[i])))

@@ -1,16 +1,20 @@
 #include "lab/export/calculix_run.h"
 
 #include <fmt/format.h>
+#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <atomic>
+#include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
+#include <thread>
 
 #include "elastin/core/base/error.h"
 #include "elastin/core/parallel/threads.h"
@@ -23,13 +27,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// A folder that goes with its owner.
+/// A folder that nobody else can read or foresee, and that goes with its owner.
 class JobFolder {
  public:
   JobFolder() {
-    static std::atomic<int> number = 0;
-    path_ = std::filesystem::temp_directory_path() / fmt::format("elastin-calculix-{}-{}", getpid(), ++number);
-    std::filesystem::create_directories(path_);
+    std::string pattern = (std::filesystem::temp_directory_path() / "elastin-calculix-XXXXXX").string();
+    if (!mkdtemp(pattern.data())) throw InputError("CalculiX: cannot make a folder " + pattern + " for its files");
+    path_ = pattern;
   }
   ~JobFolder() {
     std::error_code ignored;
@@ -38,6 +42,7 @@ class JobFolder {
   JobFolder(const JobFolder&) = delete;
   JobFolder& operator=(const JobFolder&) = delete;
   std::string file(const char* name) const { return (path_ / name).string(); }
+  std::string path() const { return path_.string(); }
 
  private:
   std::filesystem::path path_;
@@ -110,7 +115,31 @@ void measure(const Scene& scene, const StaticProblem& problem, const Printed& pr
   run.curve.push_back({problem.steps.back(), run.measures, 0, 0, 0});
 }
 
-void solve(const Scene& scene, Run& run) {
+/// Runs `ccx` on the folder's job.inp; what it prints goes to job.log. Ends it where `stop` says so. Returns the status
+/// of waitpid.
+int run_ccx(const JobFolder& folder, const std::function<bool()>& stop) {
+  const std::string threads_text = std::to_string(threads()), path = folder.path();
+  const char* const words[] = {"sh",
+                               "-c",
+                               R"(cd "$0" && OMP_NUM_THREADS=$1 exec ccx -i job > job.log 2>&1)",
+                               path.c_str(),
+                               threads_text.c_str(),
+                               nullptr};
+  pid_t process = 0;
+  if (posix_spawn(&process, "/bin/sh", nullptr, nullptr, const_cast<char* const*>(words), environ) != 0)
+    throw InputError("CalculiX: no process could be started");
+  int status = 0;
+  for (pid_t ended = 0; ended != process;) {
+    ended = waitpid(process, &status, WNOHANG);
+    if (ended < 0 && errno != EINTR) throw InputError("CalculiX: its process was lost");
+    if (ended == process) break;
+    if (stop && stop()) kill(process, SIGTERM);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return status;
+}
+
+void solve(const Scene& scene, const std::function<bool()>& stop, Run& run) {
   const auto begin = Clock::now();
   if (!scene.specimen.loads.empty()) throw InputError("loads beside the experiment's are not measured apart");
   StaticProblem problem = problem_of(scene);
@@ -120,15 +149,15 @@ void solve(const Scene& scene, Run& run) {
   run.warnings = problem.notes;
   run.build_seconds = seconds_since(begin);
   const auto start = Clock::now();
-  const std::string command =
-      fmt::format("cd '{}' && OMP_NUM_THREADS={} ccx -i job > job.log 2>&1",
-                  std::filesystem::path(folder.file("job.log")).parent_path().string(), threads());
-  const int status = std::system(command.c_str());
+  const int status = run_ccx(folder, stop);
   run.solve_seconds = seconds_since(start);
   const Printed printed = read_printed(folder.file("job.dat"), scene.specimen.body.size());
   if (status != 0 || !printed.complete) {
-    run.outcome = WIFSIGNALED(status) ? Outcome::interrupted : Outcome::diverged;
-    run.cause = "CalculiX: " + complaint(folder.file("job.log"));
+    const bool stopped = stop && stop();
+    run.outcome = stopped ? Outcome::interrupted : Outcome::diverged;
+    run.cause = "CalculiX: " + (stopped               ? "interrupted"
+                                : WIFSIGNALED(status) ? std::string("ended by signal ") + strsignal(WTERMSIG(status))
+                                                      : complaint(folder.file("job.log")));
     return;
   }
   measure(scene, problem, printed, run);
@@ -142,7 +171,8 @@ void check_calculix() {
         "--against calculix: there is no `ccx` on the PATH; apt-get install calculix-ccx, or leave it out");
 }
 
-OtherRun run_calculix(const Scene& scene, const Catalog& catalog, const std::vector<std::string>& overrides) {
+OtherRun run_calculix(const Scene& scene, const Catalog& catalog, const std::vector<std::string>& overrides,
+                      const std::function<bool()>& stop) {
   OtherRun result;
   Run& run = result.run;
   try {
@@ -159,7 +189,7 @@ OtherRun run_calculix(const Scene& scene, const Catalog& catalog, const std::vec
     run.solver =
         "ccx on " +
         std::string(own.specimen.body.blocks.empty() ? "cells" : own.specimen.body.blocks.front().kind->plural);
-    solve(own, run);
+    solve(own, stop, run);
   } catch (const InputError& error) {
     run.suited = false;
     run.cause = error.what();

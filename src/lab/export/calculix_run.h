@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,7 +22,9 @@ struct OtherRun {
 
 /// Solves the scene's problem by CalculiX, on the scene's cells with second order (tetrahedra of 10 nodes; of a lattice
 /// the hexahedra of 20 in its boxes), with the material's own law: where CalculiX has none the nearest, which is said.
-/// A problem that it cannot take is unsuited, and a process that fails diverges: the run says why.
-OtherRun run_calculix(const Scene& scene, const Catalog& catalog, const std::vector<std::string>& overrides);
+/// A problem that it cannot take is unsuited, and a process that fails diverges: the run says why. Its process is
+/// ended, and the run interrupted, where `stop` gives true.
+OtherRun run_calculix(const Scene& scene, const Catalog& catalog, const std::vector<std::string>& overrides,
+                      const std::function<bool()>& stop);
 
 }  // namespace elastin::lab

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "lab/report/screen.h"
 #include "lab/report/table.h"
 
 namespace elastin::lab {
@@ -75,12 +76,12 @@ void Progress::note(const std::string& line) {
   if (show_ == Show::nothing || Clock::now() - begin_ < (show_ == Show::line ? std::chrono::milliseconds(1s) : every_))
     return;
   wipe();
-  fmt::print(stderr, "{}\n", line);
+  say(line + "\n");
   told_ = Clock::now();
 }
 
 void Progress::wipe() {
-  if (drawn_) fmt::print(stderr, "\r\033[K");
+  if (drawn_) say("\r\033[K");
   drawn_ = false;
 }
 
@@ -92,11 +93,11 @@ void Progress::watch() {
     if (stop_ || doing_.empty()) continue;
     const std::string text = progress_text(count_, seconds_of(now - start_), doing_);
     if (show_ == Show::line && now - start_ >= 1s) {
-      fmt::print(stderr, "\r\033[K{}", text);
+      say("\r\033[K" + text);
       std::fflush(stderr);
       drawn_ = true;
     } else if (show_ == Show::lines && now - told_ >= every_) {
-      fmt::print(stderr, "{}\n", text);
+      say(text + "\n");
       told_ = now;
     }
   }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdio>
 
 namespace elastin::lab {
 namespace {
@@ -21,6 +22,8 @@ std::size_t bytes_of(const std::string& text, std::size_t columns) {
 }
 
 }  // namespace
+
+void say(const std::string& text) { std::fputs(text.c_str(), stderr); }
 
 void set_screen_width(std::size_t columns) { width_of_screen = columns; }
 std::size_t screen_width() { return width_of_screen; }

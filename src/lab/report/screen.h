@@ -5,6 +5,9 @@
 
 namespace elastin::lab {
 
+/// Writes a text to standard error. One that is closed or full is no reason to end: nothing is thrown.
+void say(const std::string& text);
+
 /// Columns of the terminal that tables are printed on; 0, as at the start, = as wide as they are. Of the whole program,
 /// as the number of threads is.
 void set_screen_width(std::size_t columns);

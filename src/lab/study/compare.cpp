@@ -58,6 +58,7 @@ class Comparison {
   void add_directions(const Scene& scene, const StrategyChoice& choice, const RunOptions& options, Record& record);
   Record run_elsewhere(const Scene& scene, const PlannedRow& row);
   Record failed_run(const PlannedRow& row, const std::string& why) const;
+  void tell_missing_files(const ScenePlan& plan, const Record& record, int repeat) const;
   void finish_run(const ScenePlan& plan, const std::string& key, Record record, const Scene* scene, int repeat);
   RunSource source_of(const ScenePlan& plan) const { return {plan.name, plan.content, request_.overrides}; }
   bool runs_here(std::size_t row) const { return shards_[row] == request_.shard.number; }
@@ -154,6 +155,14 @@ Record Comparison::failed_run(const PlannedRow& row, const std::string& why) con
   return record;
 }
 
+/// A run whose numbers were kept when the disk was full, or the command was ended, has no files for ParaView.
+void Comparison::tell_missing_files(const ScenePlan& plan, const Record& record, int repeat) const {
+  if (repeat > 0 || plan.varied() || record.run.curve.empty() || !request_.to_screen()) return;
+  if (std::filesystem::exists(request_.out + "/" + file_name(record.scene, record.run.strategy) + ".pvd")) return;
+  fmt::print("  {}, {}: its numbers are here, but not its states; run it into another folder for them\n", record.scene,
+             record.run.strategy);
+}
+
 Record Comparison::run_one(Scene& scene, const StrategyChoice& choice, const PlannedRow& row) {
   const auto start = Clock::now();
   prepare(scene.specimen, choice.strategy);
@@ -184,7 +193,8 @@ void Comparison::add_directions(const Scene& scene, const StrategyChoice& choice
 
 Record Comparison::run_elsewhere(const Scene& scene, const PlannedRow& row) {
   progress_.set(scene.name + ", " + row.strategy);
-  OtherRun other = run_calculix(scene, catalog_, overrides_of(request_.overrides, *row.combination));
+  OtherRun other =
+      run_calculix(scene, catalog_, overrides_of(request_.overrides, *row.combination), request_.interrupted);
   Record record = make_record(other.scene ? *other.scene : scene, std::move(other.run));
   record.variant = *row.combination;
   record.verdicts.clear();  // they are about Elastin
@@ -216,6 +226,7 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
       const std::string key = key_of(row, repeat, request_.overrides, machine_);
       const Record* known = journal_ ? journal_->find(key) : nullptr;
       if (known) {
+        tell_missing_files(plan, *known, repeat);
         finish_run(plan, "", *known, nullptr, repeat);
         continue;
       }
@@ -250,6 +261,9 @@ void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Recor
                             int repeat) {
   // `run` names its one strategy: that it cannot run is a failure; in a comparison it is a row.
   good_ &= record.good() && (request_.compare || record.run.suited || record.stopped_as_expected());
+  // The numbers first: a disk that is full with states does not lose them.
+  if (journal_ && !key.empty() && record.run.outcome != Outcome::interrupted)
+    journal_->add(key, source_of(plan), record);
   if (scene && repeat == 0 && !record.run.snapshots.empty()) {
     const bool shown = journal_ && !scene->specimen.body.share;  // a share is not the body
     if (shown && !results_.has_body(record)) journal_->add_view(body_view(*scene, record));
@@ -259,8 +273,6 @@ void Comparison::finish_run(const ScenePlan& plan, const std::string& key, Recor
   record.run.snapshots.clear();
   if (record.run.constants.size() > 1)  // of many rows; the summary asks for the least
     record.run.constants.setConstant(1, double{record.run.constants.minCoeff()});
-  if (journal_ && !key.empty() && record.run.outcome != Outcome::interrupted)
-    journal_->add(key, source_of(plan), record);
   if (request_.to_screen() && (!request_.compare || (request_.verbose && !key.empty())))
     fmt::print("{}", run_text(record, colours_on(STDOUT_FILENO), request_.verbose));
   ++done_;
@@ -306,7 +318,7 @@ bool Comparison::run() {
     }
   }
   finish();
-  return good_;
+  return good_ && done_ == rows_;  // one that was stopped between two runs has not done what it was told
 }
 
 void Comparison::finish() {

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
@@ -13,8 +14,10 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 
+#include "core/base/archive.h"
 #include "elastin/core/base/error.h"
 #include "lab/report/json.h"
 
@@ -28,7 +31,18 @@ namespace {
   throw InputError(path + ": cannot write: " + std::strerror(problem));
 }
 
+/// Before the checksum of what stands before this in a line, which has 16 letters and ends the line.
+constexpr std::string_view kSum = ",\"sum\":\"", kEnd = "\"}";
+
+void check_sum(const std::string& line) {
+  const std::size_t at = line.size() - std::min(line.size(), kSum.size() + 16 + kEnd.size());
+  if (line.compare(at, kSum.size(), kSum) != 0)
+    throw InputError("it has no checksum: an older version wrote it, or it is damaged");
+  if (line != with_sum(line.substr(0, at) + "}")) throw InputError("it is damaged: its checksum does not hold");
+}
+
 JournalEntry entry_of(const std::string& line) {
+  check_sum(line);
   const auto object = nlohmann::ordered_json::parse(line);
   const nlohmann::json source = nlohmann::json::parse(object.at("source").dump());
   return {object.at("key"), source.get<RunSource>(), record_of_json(object.at("run").dump()), line};
@@ -51,6 +65,12 @@ std::unordered_map<std::string, Record> read_finished(const std::string& folder,
 }
 
 }  // namespace
+
+std::string with_sum(std::string line) {
+  line.pop_back();
+  const std::uint64_t sum = checksum(line.data(), line.size());
+  return fmt::format("{}{}{:016x}{}", line, kSum, sum, kEnd);
+}
 
 std::string mismatch(const RunSource& there, const std::vector<RunSource>& wanted, const std::string& who) {
   std::string names;
@@ -144,7 +164,7 @@ const Record* Journal::find(const std::string& key) const {
 
 void Journal::add(const std::string& key, const RunSource& source, const Record& record) {
   const std::string from = nlohmann::json(source).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  runs_.add(fmt::format("{{\"key\":\"{}\",\"source\":{},\"run\":{}}}", key, from, json_line(record)));
+  runs_.add(with_sum(fmt::format("{{\"key\":\"{}\",\"source\":{},\"run\":{}}}", key, from, json_line(record))));
 }
 
 std::string key_of(const std::vector<std::string>& parts) {

@@ -16,6 +16,7 @@
 #include "elastin/core/base/text.h"
 #include "lab/report/files.h"
 #include "lab/report/json.h"
+#include "lab/report/screen.h"
 #include "lab/report/study.h"
 #include "lab/study/journal.h"
 #include "lab/study/reference.h"
@@ -59,7 +60,7 @@ class Merge {
   std::vector<std::string> views() const;
   void copy_files(const Found& found) const;
   std::string machines() const;
-  void say(const std::string& line) const { fmt::print(stderr, "  {}\n", line); }
+  void say(const std::string& line) const { lab::say("  " + line + "\n"); }
 
   const Request& request_;
   const std::vector<std::string>& folders_;

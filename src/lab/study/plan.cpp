@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <sstream>
 
 #include "elastin/core/base/error.h"
@@ -11,6 +12,7 @@
 #include "lab/report/json.h"
 #include "lab/run/config_names.h"
 #include "lab/study/journal.h"
+#include "lab/study/request.h"
 
 namespace elastin::lab {
 namespace {
@@ -45,6 +47,19 @@ ScenePlan plan_scene(const Request& request, const Catalog& catalog, const std::
   plan.own_reference = study.own_reference;
   if (!study.axes.empty()) load_scene(path, catalog, overrides_of(request.overrides, plan.combinations.front()));
   return plan;
+}
+
+/// Throws InputError where files of two runs would have one name.
+void check_file_names(const std::vector<ScenePlan>& plans) {
+  std::map<std::string, std::string> runs;  // by the names of their files
+  for (const ScenePlan& plan : plans)
+    for (const std::string& strategy : plan.strategies) {
+      const std::string run = plan.path + " with " + strategy;
+      const auto [known, added] = runs.try_emplace(file_name(plan.name, strategy), run);
+      if (!added)
+        throw InputError("--out: files of " + known->second + " and of " + run + " would have the same name, " +
+                         known->first);
+    }
 }
 
 }  // namespace
@@ -108,6 +123,7 @@ std::vector<ScenePlan> plan_of(const Request& request, const Catalog& catalog) {
       if (plans[i].name == plans.back().name)
         throw InputError("--out: " + plans[i].path + " and " + path + " have the same name, and so would their files");
   }
+  if (!request.out.empty()) check_file_names(plans);
   return plans;
 }
 

@@ -29,7 +29,7 @@ namespace elastin::lab {
 namespace {
 
 /// Another way to compute a reference takes another number, so that older files are not read back.
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
 /// Of the unbalanced force: far below any uncertainty that a scene may ask for.
 constexpr double kTolerance = 1e-7;
 /// How much longer a body takes with twice as many cells along each side.
@@ -428,6 +428,9 @@ ComputedReferences Sequence::solve(const std::function<void(const std::string&)>
 
 using Json = nlohmann::ordered_json;
 
+/// Checksum of what a problem's entry has before it.
+std::string sum_of(const Json& entry) { return key_of(std::vector{entry.dump()}); }
+
 Json json_of(const ComputedReferences& found) {
   Json list = Json::array();
   for (const Reference& reference : found.references)
@@ -436,7 +439,9 @@ Json json_of(const ComputedReferences& found) {
                     {"uncertainty", reference.uncertainty},
                     {"source", reference.source},
                     {"seconds", reference.seconds}});
-  return {{"trouble", found.trouble}, {"references", list}};
+  Json json{{"trouble", found.trouble}, {"references", list}};
+  json["sum"] = sum_of(json);
+  return json;
 }
 
 ComputedReferences references_of_json(const Json& json) {
@@ -458,7 +463,12 @@ ReferenceStore::ReferenceStore(const std::string& folder) {
   try {
     const Json json = Json::parse(std::string(std::istreambuf_iterator<char>(stream), {}));
     if (json.at("version") != kVersion) return;
-    for (const auto& [key, found] : json.at("problems").items()) known_[key] = references_of_json(found);
+    for (const auto& [key, found] : json.at("problems").items()) {
+      Json entry = found;
+      entry.erase("sum");
+      // What is damaged is computed again.
+      if (found.value("sum", "") == sum_of(entry)) known_[key] = references_of_json(found);
+    }
   } catch (const Json::exception&) {
     known_.clear();
   }

@@ -12,15 +12,18 @@
 namespace elastin::lab {
 
 std::string file_name(const std::string& scene, const std::string& strategy) {
-  std::string name;
-  for (const char c : scene + "-" + strategy)
-    if (c == ':' || c == ' ')
-      name += '-';
-    else if (std::string_view("/\\\"'<>&|*?~").find(c) != std::string_view::npos)  // "a/b" must not be "a-b"'s file
-      name += fmt::format("~{:02x}", c);
-    else
-      name += c;
-  return name;
+  // No two labels may have one name: of the letters that are written otherwise only ":" becomes "-".
+  const auto written = [](const std::string& text, std::string_view escaped) {
+    std::string name;
+    for (const char c : text)
+      if (escaped.find(c) != std::string_view::npos)
+        name += fmt::format("~{:02x}", c);
+      else
+        name += c == ':' ? '-' : c;
+    return name;
+  };
+  constexpr std::string_view everywhere = "/\\\"'<>&|*?~ ";
+  return written(scene, everywhere) + "-" + written(strategy, std::string(everywhere) + "-");
 }
 
 void write_report(const Request& request, PageMatter matter) {

@@ -403,7 +403,7 @@ bool compare_steppers(const Request& request, const Catalog& catalog) {
   if (request.json == "-") fmt::print("{}", stepper_json(all));
   if (request.to_screen() && !request.out.empty())
     fmt::print("  files in {}/: steppers.html, steppers.json\n", request.out);
-  return good;
+  return good && !(request.interrupted && request.interrupted());
 }
 
 }  // namespace elastin::lab

@@ -171,3 +171,57 @@ TEST_CASE("calibrated tells what it cannot do") {
   CHECK_THAT(refusal([&] { Simulation(regions, rule, kSoft); }), Contains("a body with regions"));
   CHECK_THAT(refusal([&] { Simulation(sheet(), rule, kSoft); }), Contains("a membrane of triangles is no solid"));
 }
+
+TEST_CASE("a body whose lists name what it does not have is refused by name", "[prepare][simulation]") {
+  struct Case {
+    void (*damage)(Body&);
+    const char* message;
+  };
+  const Body whole = tetrahedral_block(BlockKind::kuhn, {1, 1, 1}, Vector3(0.01, 0.01, 0.01));
+  for (const Case& one :
+       {Case{[](Body& b) { b.connections.ends[3][1] = 8; },
+             "the body's connection 3 has molecule 8; there are molecules 0 to 7"},
+        Case{[](Body& b) { b.connections.ends[0][0] = -1; }, "the body's connection 0 has molecule -1"},
+        Case{[](Body& b) { b.connections.ends[0][0] = 2000000000; }, "has molecule 2000000000"},
+        Case{[](Body& b) { b.connections.rest_length.pop_back(); }, "rest lengths"},
+        Case{[](Body& b) { b.connections.cell_sides = 1000; }, "1000 sides of cells"},
+        Case{[](Body& b) { b.tetrahedra[2][0] = 8; }, "the body's tetrahedron 2 has molecule 8"},
+        Case{[](Body& b) {
+               b.triangles.push_back({0, 1, 99});
+             },
+             "the body's triangle 0 has molecule 99"},
+        Case{[](Body& b) {
+               b.cubes.push_back({0, 1, 2, 3, 4, 5, 6, -7});
+             },
+             "the body's cube 0 has molecule -7"},
+        Case{[](Body& b) {
+               b.cables.push_back({500, 1.});
+             },
+             "the body's cable 0 has connection 500"},
+        Case{[](Body& b) {
+               b.ties.push_back({0, {0, 1, 70}, {}, 1.});
+             },
+             "the body's tie 0 has molecule 70"},
+        Case{[](Body& b) {
+               b.between.push_back({{9, 1.}});
+             },
+             "the body's molecule between others 0 has molecule 9"},
+        Case{[](Body& b) {
+               b.blocks.push_back({&cell_kind("hexahedron8"), {0, 1, 2, 3, 4, 5, 6, 8}, {}});
+             },
+             "the body's hexahedron8 0 has molecule 8"},
+        Case{[](Body& b) {
+               b.blocks.push_back({nullptr, {0}, {}});
+             },
+             "the body's block 0 has no kind of cells"},
+        Case{[](Body& b) { b.parts.emplace_back().name = "a", b.parts[0].first = 4, b.parts[0].count = 5; },
+             "the body's part 'a' has 5 molecules from 4"}}) {
+    INFO(one.message);
+    Body body = whole;
+    set_matter(body, 0.005, 1000, 0, 1e-6);
+    one.damage(body);
+    CHECK_THAT(refusal([&] { Simulation(body, kCatalog.find("neo_hookean"), kSoft); }), Contains(one.message));
+    CHECK_THAT(refusal([&] { prepare(body, kCatalog.find("neo_hookean"), {kSoft}, {}); }), Contains(one.message));
+    CHECK_THAT(refusal([&] { Model model(body); }), Contains(one.message));
+  }
+}

@@ -145,3 +145,36 @@ TEST_CASE("a row of a study that fails says why and does not end it", "[journal]
   CHECK(shell(folder, "$elastin compare cube.yaml --vary body.lattice.molecule=[[3,3,3]]") == 2);
   CHECK_THAT(text_of_file(folder.path("err")), Contains("unknown key") && Contains("did you mean"));
 }
+
+TEST_CASE("a row in which one digit has changed is refused, and one without a checksum too", "[journal][command]") {
+  const TemporaryFolder folder;
+  folder.write("cube.yaml", kCube);
+  REQUIRE(shell(folder, "$elastin compare cube.yaml --quiet --out o") == 0);
+  const std::string rows = text_of_file(folder.path("o/runs.jsonl"));
+  std::size_t flipped = 0;
+  for (std::size_t at = rows.find('\n') + 1; at < rows.size(); at += 1 + rows.size() / 300) {
+    if (rows[at] == '\n') continue;
+    std::string changed = rows;
+    changed[at] = rows[at] == '7' ? '3' : '7';
+    folder.write("o/runs.jsonl", changed);
+    CHECK_THROWS_WITH(journal_of(folder.path("o")), Contains("o/runs.jsonl:") && Contains("hecksum"));
+    ++flipped;
+  }
+  CHECK(flipped > 100);
+  const std::size_t sum = rows.rfind(",\"sum\"");
+  folder.write("o/runs.jsonl", rows.substr(0, sum) + "}\n");
+  CHECK(shell(folder, "$elastin compare cube.yaml --quiet --resume o") == 2);
+  CHECK_THAT(text_of_file(folder.path("err")), Contains("it has no checksum: an older version wrote it"));
+}
+
+TEST_CASE("a disk that is full with states has the row's numbers", "[journal][command]") {
+  const TemporaryFolder folder;
+  folder.write("cube.yaml", kCube);
+  // A folder where the states of the first row would stand.
+  std::filesystem::create_directories(folder.path("o/cube-lattice-000.vtu"));
+  CHECK(shell(folder, "$elastin compare cube.yaml --quiet --strategies lattice --out o") == 2);
+  CHECK_THAT(text_of_file(folder.path("err")), Contains("cube-lattice-000.vtu"));
+  CHECK(lines_of(folder.path("o/runs.jsonl")).size() == 1);
+  CHECK(shell(folder, "$elastin compare cube.yaml --strategies lattice --resume o") == 0);
+  CHECK_THAT(text_of_file(folder.path("out")), Contains("cube, lattice: its numbers are here, but not its states"));
+}
