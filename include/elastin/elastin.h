@@ -3,8 +3,8 @@
 /// All public headers: bodies, laws, forces, solvers, simulations (elastin::core), and what the optional libraries add.
 /// Including it asks for Eigen alone; linking asks for the libraries whose functions are called.
 #include "elastin/command/command.h"
-#include "elastin/config/held_scene.h"
 #include "elastin/config/scene_key.h"
+#include "elastin/config/scene_source.h"
 #include "elastin/contact/contact.h"
 #include "elastin/contact/obstacle.h"
 #include "elastin/contact/overlaps.h"

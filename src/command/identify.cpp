@@ -1,5 +1,3 @@
-#include "command/identify.h"
-
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -8,6 +6,9 @@
 #include <filesystem>
 #include <optional>
 
+#include "command/interrupt.h"
+#include "command/scene_options.h"
+#include "lab/identify/identify.h"
 #include "lab/identify/report.h"
 #include "lab/report/files.h"
 #include "lab/report/progress.h"
@@ -19,8 +20,9 @@ namespace elastin::command {
 using namespace lab;
 namespace {
 
-std::string path_of(const Request& request, const Answer& answer) {
-  return request.out + "/" + (answer.strategy.empty() ? answer.scene : file_name(answer.scene, answer.strategy));
+/// The path of an answer's files without their endings.
+std::string path_of(const std::string& out, const Answer& answer) {
+  return out + "/" + (answer.strategy.empty() ? answer.scene : file_name(answer.scene, answer.strategy));
 }
 
 /// A file as a scene in this folder names it.
@@ -30,13 +32,14 @@ std::string file_from(const std::string& folder, const std::string& file) {
   return path_text((fs::path(file).is_absolute() ? to : to.lexically_relative(from)).generic_string());
 }
 
-/// The scene with --set, what was found, and the files that it names from its new folder.
-void write_scene(const Request& request, const std::string& path, const Answer& answer) {
-  std::filesystem::create_directories(request.out);
+/// The scene with --set and with what was found; files are named from its new folder.
+void write_scene(const std::string& out, const std::vector<std::string>& overrides, const SceneSource& source,
+                 const Answer& answer) {
+  std::filesystem::create_directories(out);
   if (!answer.succeeded()) return;
-  const std::string folder = std::filesystem::path(path).parent_path().string();
+  const std::string folder = std::filesystem::path(source.path()).parent_path().string();
   std::vector<std::pair<std::string, std::string>> values;
-  for (const std::string& assignment : request.overrides)  // those of the material are in the one found
+  for (const std::string& assignment : overrides)  // those of the material are in the one found
     if (const std::size_t equals = assignment.find('=');
         assignment.substr(0, assignment.find_first_of(".=")) != "material")
       values.emplace_back(assignment.substr(0, equals), assignment.substr(equals + 1));
@@ -44,57 +47,103 @@ void write_scene(const Request& request, const std::string& path, const Answer& 
   values.emplace_back("material", answer.material.substr(head.size(), answer.material.size() - head.size() - 1));
   std::string scene;
   try {
-    scene = with_values(text_of_scene(path), folder, values);
+    scene = with_values(source, values);
   } catch (const InputError& error) {
-    say(fmt::format("{}: no scene with the numbers put in is written: {}\n", path, error.what()));
+    say(fmt::format("{}: no scene with the numbers found is written: {}\n", source.path(), error.what()));
     return;
   }
-  scene = moved_scene(scene, folder, request.out);
+  scene = moved_scene(scene, folder, out);
   for (const auto& [key, value] : answer.keys)
-    scene = with_value(scene, key, key.ends_with(".file") ? file_from(request.out, value) : value);
-  write_whole(path_of(request, answer) + ".yaml", scene);
+    scene = with_value(scene, key, key.ends_with(".file") ? file_from(out, value) : value);
+  write_whole(path_of(out, answer) + ".yaml", scene);
 }
 
-void write_files(const Request& request, const std::vector<Answer>& answers) {
-  std::filesystem::create_directories(request.out);
-  write_whole(request.out + "/identify.json", identify_json(answers));
-  write_whole(request.out + "/report.html", identify_page(answers, request.command));
+void write_files(const Output& output, const std::vector<Answer>& answers) {
+  std::filesystem::create_directories(output.out);
+  write_whole(output.out + "/identify.json", identify_json(answers));
+  write_whole(output.out + "/report.html", identify_page(answers, output.command));
   for (const Answer& answer : answers) {
-    const std::string name = path_of(request, answer);
+    const std::string name = path_of(output.out, answer);
     write_whole(name + "-points.csv", points_csv(answer));
     write_whole(name + "-fit.svg", svg_text(fit_plot(answer), 760, true));
   }
 }
 
+/// Fits the material of each scene to its measured tests; prints tables, and with --out writes the page, JSON, every
+/// point, and the scene with the numbers found.
+struct IdentifyCommand {
+  SceneOptions scene;
+  Output output;
+  IdentifyRequest request;
+  std::string resumed;
+
+  void add_to(Options& options) {
+    scene.add_to(options);
+    options
+        .add("--data", "FILE", into(request.data),
+             "CSV file instead of the scene's own: FILE, or TEST=FILE. May be repeated")
+        .repeated = true;
+    options
+        .add("--tests", "NAMES", each_of(into(request.tests)),
+             "Tests that count, separated by commas; the others are predicted alone")
+        .repeated = true;
+    options.add("--laws", "NAMES", into(request.laws),
+                "Laws that are compared, separated by commas (yeoh/2: with two terms); all: every law");
+    options.add("--strategies", "NAMES", into(request.strategies),
+                "Strategies of the specimens instead of their scenes' own, separated by commas: each is fitted");
+    options.add("--json", "FILE", into(output.json), "JSON file; - for standard output, and nothing else there");
+    options.add("--out", "FOLDER", into(output.out),
+                "Folder for the page, JSON, every point, and the scene with its numbers");
+    options.add("--resume", "FOLDER", into(resumed),
+                "Continue in a folder of --out: searches that ended there are not repeated");
+  }
+
+  /// The first interrupt ends the search under way with the best that it has.
+  int run(const Call& call) {
+    const std::vector<SceneSource> sources = scene.open();
+    const bool resume = continue_in(resumed, output.out);
+    output.quiet = scene.quiet, output.command = call.line;
+    Progress progress(progress_of(output));
+    request.overrides = scene.overrides;
+    request.progress = [&](const std::string& doing) { progress.set(doing); };
+    request.stop = interrupted;
+    stop_on_interrupt();
+    std::optional<FitJournal> journal;
+    if (!output.out.empty()) request.journal = &journal.emplace(output.out, resume);
+    std::vector<Answer> all;
+    for (const SceneSource& source : sources) {
+      if (interrupted()) break;
+      std::vector<Answer> answers = identify(source, call.catalog, request);
+      progress.pause();
+      print(answers);
+      if (!output.out.empty())
+        for (const Answer& answer : answers) write_scene(output.out, scene.overrides, source, answer);
+      std::move(answers.begin(), answers.end(), std::back_inserter(all));
+      if (!output.out.empty()) write_files(output, all);
+    }
+    progress.pause();
+    if (output.json == "-")
+      fmt::print("{}", identify_json(all));
+    else if (!output.json.empty())
+      write_whole(output.json, identify_json(all));
+    const auto succeeded = [](const Answer& answer) { return answer.succeeded(); };
+    return !interrupted() && std::all_of(all.begin(), all.end(), succeeded) ? 0 : 1;
+  }
+
+  void print(const std::vector<Answer>& answers) const {
+    if (!output.to_screen()) return;
+    const bool colours = colours_on(STDOUT_FILENO);
+    for (const Answer& answer : answers) fmt::print("{}", answer_text(answer, colours));
+    fmt::print("{}", strategies_text(answers, colours));
+  }
+};
+
 }  // namespace
 
-bool identify_scenes(const Request& request, IdentifyRequest wanted, const Catalog& catalog) {
-  Progress progress(progress_of(request));
-  wanted.overrides = request.overrides, wanted.strategies = request.strategies;
-  wanted.progress = [&](const std::string& doing) { progress.set(doing); };
-  wanted.stop = request.interrupted;
-  std::optional<FitJournal> journal;
-  if (!request.out.empty()) wanted.journal = &journal.emplace(request.out, request.resume);
-  std::vector<Answer> all;
-  for (const std::string& path : request.scenes) {
-    if (wanted.stop && wanted.stop()) break;
-    std::vector<Answer> answers = identify(path, catalog, wanted);
-    progress.pause();
-    for (const Answer& answer : answers) {
-      if (request.to_screen()) fmt::print("{}", answer_text(answer, colours_on(STDOUT_FILENO)));
-      if (!request.out.empty()) write_scene(request, path, answer);
-    }
-    if (request.to_screen()) fmt::print("{}", strategies_text(answers, colours_on(STDOUT_FILENO)));
-    std::move(answers.begin(), answers.end(), std::back_inserter(all));
-    if (!request.out.empty()) write_files(request, all);
-  }
-  progress.pause();
-  if (request.json == "-")
-    fmt::print("{}", identify_json(all));
-  else if (!request.json.empty())
-    write_whole(request.json, identify_json(all));
-  return !(wanted.stop && wanted.stop()) &&
-         std::all_of(all.begin(), all.end(), [](const Answer& answer) { return answer.succeeded(); });
-}
+const CommandRow kIdentify{
+    "identify", "Fit a scene's material to measured tests; print how certain it is",
+    R"(identify scenes/identify/treloar-ogden.yaml           the material of a measured curve, and how certain its numbers are
+)",
+    &declare<IdentifyCommand>};
 
 }  // namespace elastin::command

@@ -1,4 +1,4 @@
-// The command: elastin run|compare|verify|check|list|plot.
+// The program elastin: the commands of run_command, with the built-in catalog.
 
 #include "elastin/command/command.h"
 #include "elastin/openmp/openmp.h"
@@ -13,7 +13,8 @@
 
 namespace {
 
-/// Becomes the program beside this one that has the engine petsc. Comes back only if there is none.
+/// Replaces this process by the program with the engine petsc in the folder of this one. Returns only where that
+/// program is missing.
 void become_shared(char** argv) {
   std::error_code none;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", none);
@@ -23,7 +24,7 @@ void become_shared(char** argv) {
 
 const char* const kMissing = "the engine petsc needs the program " ELASTIN_PETSC_PROGRAM " in the folder of this one";
 
-/// Whether this is one of several processes of mpiexec, or its arguments ask for them.
+/// Whether this is one of several processes of mpiexec, or its arguments name the engine petsc.
 bool is_shared(char** argv, int argc) {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
     if (const char* count = std::getenv(name); count && std::atoi(count) > 1) return true;
@@ -32,7 +33,7 @@ bool is_shared(char** argv, int argc) {
   });
 }
 
-/// A scene may ask for it as well.
+/// A scene may name the engine petsc as well.
 void let_scenes_share(elastin::Catalog& catalog, char** argv) {
   elastin::Table<elastin::StaticEngineKind> engines(catalog.engines.kind());
   for (const auto& row : catalog.engines) {

@@ -1,5 +1,5 @@
-// The command with the engine petsc, as a program of its own, which main.cpp turns into: PETSc brings a hundred shared
-// libraries, and they take longer to load than many a scene to solve.
+// The program with the engine petsc, which replaces the process of main.cpp: PETSc brings a hundred shared libraries,
+// and loading them takes longer than solving many scenes.
 
 #include <unistd.h>
 
@@ -15,7 +15,7 @@ namespace {
 std::FILE* kept_words = nullptr;  // of a process that is not the first
 int own_stderr = -1;
 
-/// What a process other than the first wants to say it says only where the first does not say the same.
+/// Keeps the messages of a process other than the first until it is known whether the first has printed the same.
 void keep_words() {
   kept_words = std::tmpfile();
   if (!kept_words) return;

@@ -85,12 +85,12 @@ bool says(const std::string& text, const YAML::Node& wanted) {
 }
 
 /// The keys of its material that a scene has from the one that it extends.
-std::vector<std::string> extended_keys(const YAML::Node& scene, const std::string& folder) {
+std::vector<std::string> extended_keys(const YAML::Node& scene, const SceneSource& source) {
   std::vector<std::string> keys;
   const YAML::Node base = scene["extends"];
   if (!base.IsDefined() || !base.IsScalar()) return keys;
-  const std::string path = (fs::path(folder) / base.Scalar()).string();
-  const SceneTree tree = load_scene_tree(path, text_of_scene(path), {});
+  const fs::path path = (fs::path(source.path()).parent_path() / base.Scalar()).lexically_normal();
+  const SceneTree tree = load_scene_tree(source.other(path.string()), {});
   if (const YAML::Node material = std::as_const(tree.root)["material"]; material.IsDefined() && material.IsMap())
     for (const auto& entry : material) keys.push_back(entry.first.Scalar());
   return keys;
@@ -124,12 +124,11 @@ std::string with_section(const std::string& text, const std::string& key, const 
   return text.substr(0, begin) + lines + (end == std::string::npos ? "" : text.substr(end + 1));
 }
 
-std::string with_values(const std::string& text, const std::string& folder,
-                        const std::vector<std::pair<std::string, std::string>>& values) {
-  std::string result = text;
+std::string with_values(const SceneSource& source, const std::vector<std::pair<std::string, std::string>>& values) {
+  std::string result = source.text();
   for (auto [path, value] : values) {
     if (path == "material")
-      for (const std::string& key : extended_keys(YAML::Load(result), folder))
+      for (const std::string& key : extended_keys(YAML::Load(result), source))
         if (!YAML::Load(value)[key].IsDefined()) value += "\n  " + key + ":";
     YAML::Node wanted = YAML::Load(result);
     put_value(wanted, path, YAML::Load(value), {path});

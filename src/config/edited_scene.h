@@ -3,6 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include "elastin/config/scene_source.h"
+
 namespace elastin::config {
 
 /// A scene's text for another folder: paths of the files that it names (data, meshes, `extends`) are relative to that.
@@ -17,11 +19,10 @@ std::string with_section(const std::string& text, const std::string& key, const 
 /// @param value as YAML writes it
 std::string with_value(const std::string& text, const std::string& path, const std::string& value);
 
-/// A scene's own text with other values of keys, (key, YAML) as of --set, in the lines that there are as far as these
-/// can take them; otherwise all of it is written again, without its comments. A `material` takes the place of all that
-/// a scene which this one extends has there. Throws InputError where a key names an item of no list of this text.
-std::string with_values(const std::string& text, const std::string& folder,
-                        const std::vector<std::pair<std::string, std::string>>& values);
+/// A scene's own text with other values of keys, (key, YAML) as of --set. The lines and remarks of the text stay where
+/// they can take the values; otherwise all of it is written again, without remarks. A `material` replaces all that a
+/// scene which this one extends has there. Throws InputError where a key names no item of a list of this text.
+std::string with_values(const SceneSource& source, const std::vector<std::pair<std::string, std::string>>& values);
 
 /// A path as YAML writes it: in quotes where it needs them.
 std::string path_text(const std::string& path);

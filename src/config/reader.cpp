@@ -17,8 +17,6 @@
 #include <sstream>
 #include <utility>
 
-#include "config/held_scene.h"
-
 namespace elastin::config {
 namespace {
 
@@ -199,11 +197,11 @@ std::shared_ptr<const Thing> Reader::given(const std::string& key,
 }
 
 std::shared_ptr<const Body> Reader::given_body(const std::string& key) {
-  return file_->held ? given(key, file_->held->bodies) : nullptr;
+  return file_->source.held() ? given(key, file_->source.held()->bodies) : nullptr;
 }
 
 std::shared_ptr<const Material> Reader::given_material(const std::string& key) {
-  return file_->held ? given(key, file_->held->materials) : nullptr;
+  return file_->source.held() ? given(key, file_->source.held()->materials) : nullptr;
 }
 
 std::vector<std::pair<std::string, Reader>> Reader::entries() const {
@@ -366,7 +364,7 @@ void Reader::note_unit() const {
 }
 
 void Reader::note_plain(const std::string& given, const std::string& examples) const {
-  if (file_->held) return;
+  if (file_->source.held()) return;
   if (!file_->first_plain)
     file_->first_plain = {location(), path_ + ": '" + given + "' has no unit; write for example " + examples};
   check_units_agree();
@@ -479,28 +477,17 @@ std::function<double(const Vector3&)> Reader::of_place(const Dimension& dimensio
   };
 }
 
-namespace {
+Reader Reader::open(const std::string& path) const {
+  return open_scene(file_->source.other(path), {}, file_->most_molecules);
+}
 
-Reader reader_of(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
-                 SceneFile file) {
-  SceneTree tree = load_scene_tree(name, text, overrides);
+Reader open_scene(const SceneSource& source, const std::vector<std::string>& overrides, double most_molecules,
+                  KeyUses* uses) {
+  SceneTree tree = load_scene_tree(source, overrides);
+  SceneFile file{source.path(), {}, {}, most_molecules, uses, source};
   file.files = std::move(tree.files);
   file.values = std::move(tree.values);
   return {std::make_shared<SceneFile>(std::move(file)), tree.root, ""};
-}
-
-}  // namespace
-
-Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules,
-                       KeyUses* uses) {
-  if (const auto held = held_scene(path))
-    return reader_of("scene", held->yaml, overrides, SceneFile{"scene", {}, {}, most_molecules, uses, held});
-  return open_scene_text(path, text_of_scene(path), overrides, most_molecules, uses);
-}
-
-Reader open_scene_text(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
-                       double most_molecules, KeyUses* uses) {
-  return reader_of(name, text, overrides, SceneFile{name, {}, {}, most_molecules, uses});
 }
 
 }  // namespace elastin::config

@@ -14,7 +14,7 @@
 #include "config/key_rows.h"
 #include "config/other_names.h"
 #include "config/scene_tree.h"
-#include "elastin/config/held_scene.h"
+#include "elastin/config/scene_source.h"
 #include "elastin/core/base/error.h"
 #include "elastin/core/base/types.h"
 #include "elastin/core/base/units.h"
@@ -28,11 +28,11 @@ struct SceneFile {
   /// First one written as a plain number, and the message that it is if units are used.
   std::optional<std::pair<SourceLocation, std::string>> first_plain;
   double most_molecules = std::numeric_limits<double>::infinity();  ///< that a body may have
-  KeyUses* uses = nullptr;                              ///< where readers note what they ask for; null: nowhere
-  std::shared_ptr<const HeldScene::Content> held = {};  ///< of a scene in memory: its plain numbers are in SI units
-  std::map<std::string, std::vector<int>> sets = {};    ///< of molecules, ascending, as the body's mesh names them
-  std::vector<std::string> files = {};                  ///< the scene's own, and those that it extends
-  FormulaValues values = {};                            ///< of the section `values`
+  KeyUses* uses = nullptr;  ///< where readers note what they ask for; null: nowhere
+  SceneSource source = {};
+  std::map<std::string, std::vector<int>> sets = {};  ///< of molecules, ascending, as the body's mesh names them
+  std::vector<std::string> files = {};                ///< the scene's own, and those that it extends
+  FormulaValues values = {};                          ///< of the section `values`
   /// The sections of the key reference that have a key; none where nobody knows.
   std::function<std::vector<std::string>(const std::string& key)> owners = {};
 };
@@ -137,6 +137,9 @@ class Reader {
   /// The file that this value stands in: the scene's, or one that it extends.
   const std::string& file_path() const;
   const std::string& scene_path() const { return file_->path; }
+  const SceneSource& source() const { return file_->source; }
+  /// A scene file that this one names.
+  Reader open(const std::string& path) const;
   /// Whether the values read so far were plain SI numbers; a scene has these or units.
   bool plain() const { return file_->first_plain.has_value(); }
 
@@ -173,11 +176,8 @@ class Reader {
   std::shared_ptr<Requested> requested_ = std::make_shared<Requested>();
 };
 
-/// Reads a YAML file and puts `key.path=value` overrides in. Throws InputError: file:line:column.
-Reader open_scene_file(const std::string& path, const std::vector<std::string>& overrides, double most_molecules,
-                       KeyUses* uses = nullptr);
-/// The same for a text; `name` stands for the file in messages.
-Reader open_scene_text(const std::string& name, const std::string& text, const std::vector<std::string>& overrides,
-                       double most_molecules, KeyUses* uses = nullptr);
+/// Reads a scene's YAML and puts `key.path=value` overrides in. Throws InputError: file:line:column.
+Reader open_scene(const SceneSource& source, const std::vector<std::string>& overrides, double most_molecules,
+                  KeyUses* uses = nullptr);
 
 }  // namespace elastin::config

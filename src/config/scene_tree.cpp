@@ -3,10 +3,8 @@
 #include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <optional>
 #include <set>
@@ -206,9 +204,9 @@ SourceLocation place_of(const YAML::Node& node, const std::vector<std::string>& 
 }
 
 /// The map of one file with all that it extends; its own number is that of the last of `files`.
-YAML::Node load_extended(const std::string& text, std::vector<std::string>& files) {
+YAML::Node load_extended(const SceneSource& source, std::vector<std::string>& files) {
   const std::size_t own = files.size() - 1;
-  YAML::Node root = load_document(files[own], text);
+  YAML::Node root = load_document(files[own], source.text());
   if (own > 0) mark_file(root, own);
   const YAML::Node other = std::as_const(root)["extends"];
   if (!other.IsDefined()) return root;
@@ -222,9 +220,9 @@ YAML::Node load_extended(const std::string& text, std::vector<std::string>& file
   if (files.size() > kDeepestTree)
     throw InputError(location, "extends: more than " + std::to_string(kDeepestTree) + " files extend each other");
   files.push_back(path);
-  std::string base;
+  const SceneSource base = source.other(path);
   try {
-    base = text_of_scene(path);
+    base.text();
   } catch (const InputError& error) {
     throw InputError(location, std::string("extends: ") + error.what());
   }
@@ -294,21 +292,9 @@ std::string missing_file(const std::string& path) {
   return "no such file" + (near.empty() ? "" : "; did you mean '" + near + "'?");
 }
 
-std::string text_of_scene(const std::string& path) {
-  const SourceLocation location{path};
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) throw InputError(location, missing_file(path));
-  if (std::filesystem::is_directory(path, ignored)) throw InputError(location, "is a folder; name a scene file in it");
-  if (std::filesystem::is_character_file(path, ignored) || std::filesystem::is_block_file(path, ignored))
-    throw InputError(location, "is a device; a scene is a file or a pipe");
-  std::ifstream stream(path);
-  if (!stream) throw InputError(location, std::string("cannot read the scene: ") + std::strerror(errno));
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-SceneTree load_scene_tree(const std::string& name, const std::string& text, const std::vector<std::string>& overrides) {
-  SceneTree tree{{}, {name}};
-  tree.root = load_extended(text, tree.files);
+SceneTree load_scene_tree(const SceneSource& source, const std::vector<std::string>& overrides) {
+  SceneTree tree{{}, {source.path()}};
+  tree.root = load_extended(source, tree.files);
   for (const std::string& assignment : overrides) put_override(tree.root, assignment);
   tree.values = put_in_formulas(tree.root, [&](const YAML::Node& node) { return place_of(node, tree.files); });
   return tree;

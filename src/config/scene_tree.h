@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "config/formula.h"
+#include "elastin/config/scene_source.h"
 #include "elastin/core/base/error.h"
 
 namespace elastin::config {
@@ -18,12 +19,8 @@ struct SceneTree {
   FormulaValues values = {};       ///< of the section `values`
 };
 
-/// Reads a scene's text; `name` stands for its file in messages, and files that it names lie next to it. `overrides`
-/// are key.path=value. Throws InputError: file:line:column.
-SceneTree load_scene_tree(const std::string& name, const std::string& text, const std::vector<std::string>& overrides);
-
-/// The bytes of a scene file. Throws InputError if there is no such file, or it is a folder or a device.
-std::string text_of_scene(const std::string& path);
+/// Reads a scene with those that it extends. `overrides` are key.path=value. Throws InputError: file:line:column.
+SceneTree load_scene_tree(const SceneSource& source, const std::vector<std::string>& overrides);
 
 /// Puts a value under a key of a tree, "key.path.to", and the maps that are missing on the way. Throws InputError at
 /// `location` where the path leads through no map or to no item of a list.

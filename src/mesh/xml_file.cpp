@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <pugixml.hpp>
 #include <string_view>
+#include <utility>
 
 #include "elastin/core/base/error.h"
 #include "mesh/text_file.h"
@@ -14,7 +15,7 @@ constexpr int kDeepest = 100;
 
 class XmlReader {
  public:
-  explicit XmlReader(const std::string& path) : file_(format::load_file(path)) {
+  XmlReader(const std::string& path, std::string bytes) : file_{path, std::move(bytes)} {
     for (std::size_t i = 0; i < file_.bytes.size(); ++i)
       if (file_.bytes[i] == '\n') line_ends_.push_back(static_cast<std::ptrdiff_t>(i));
   }
@@ -60,6 +61,6 @@ class XmlReader {
 
 }  // namespace
 
-XmlElement load_xml(const std::string& path) { return XmlReader(path).read(); }
+XmlElement read_xml(const std::string& path, std::string bytes) { return XmlReader(path, std::move(bytes)).read(); }
 
 }  // namespace elastin::mesh

@@ -21,8 +21,8 @@ struct XmlElement {
   }
 };
 
-/// The root element of a file. Throws InputError if the file cannot be read, or with file and line if it is no XML, or
-/// nested more than 100 deep.
-XmlElement load_xml(const std::string& path);
+/// The root element of the bytes of a file, which messages name by its path. Throws InputError with file and line if it
+/// is not XML, or nested more than 100 deep.
+XmlElement read_xml(const std::string& path, std::string bytes);
 
 }  // namespace elastin::mesh

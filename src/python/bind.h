@@ -7,8 +7,10 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "elastin/config/scene_source.h"
 #include "elastin/core/base/types.h"
 #include "elastin/core/model/body.h"
 #include "elastin/core/simulation/catalog.h"
@@ -51,14 +53,21 @@ py::array view(const std::vector<std::array<int, corners>>& rows, const py::hand
 Positions positions_from(const py::handle& given, const char* name);
 VectorX numbers_from(const py::handle& given, const char* name);
 
-/// Something of Python's that C++ keeps, copies and lets go on any thread, whoever holds the interpreter's lock.
+/// A Python object that C++ keeps, copies and releases on any thread, with or without the interpreter's lock.
 template <class Object>
 std::shared_ptr<Object> keep(Object object) {
   return {new Object(std::move(object)), [](Object* kept) {
-            if (!Py_IsInitialized()) return;  // nobody is left to tell
+            if (!Py_IsInitialized()) return;  // the interpreter has ended
             const py::gil_scoped_acquire locked;
             delete kept;
           }};
+}
+
+/// A scene as Python gives it: the path of a file, or one in memory.
+using GivenScene = std::variant<std::string, std::shared_ptr<config::HeldScene>>;
+inline config::SceneSource source_of(const GivenScene& given) {
+  if (const auto* path = std::get_if<std::string>(&given)) return *path;
+  return *std::get<std::shared_ptr<config::HeldScene>>(given);
 }
 
 /// The strategy itself, or the one of this name.

@@ -45,7 +45,7 @@ Numbers checked(const py::handle& given, const char* name, py::ssize_t columns) 
   return array;
 }
 
-/// Rows of numbers of molecules; None is none.
+/// Rows of numbers of molecules; None stands for no rows.
 template <std::size_t columns>
 std::vector<std::array<int, columns>> rows_from(const py::handle& given, const char* name) {
   if (given.is_none()) return {};
@@ -373,15 +373,23 @@ void add_bodies(py::module_& module) {
     for (const CellKind& kind : cell_kinds()) numbers[py::str(std::string(kind.name))] = kind.vtk;
     return numbers;
   });
-  module.def("_material_of_scene", &lab::make_material, py::arg("yaml"));
+  module.def(
+      "_material_of_scene", [](const lab::HeldScene& held) { return lab::make_material(held); }, py::arg("held"));
+  module.def(
+      "_material_of_scene", [](const std::string& yaml) { return lab::make_material(yaml); }, py::arg("yaml"));
+  const auto body_of = [](const auto& scene, const Material& material) {
+    std::vector<std::string> warnings;
+    Body body = lab::make_body(scene, material, warnings);
+    return std::pair(std::make_shared<Body>(std::move(body)), warnings);
+  };
   module.def(
       "_body_of_scene",
-      [](const std::string& yaml, const Material& material) {
-        std::vector<std::string> warnings;
-        Body body = make_body(yaml, material, warnings);
-        return std::pair(std::make_shared<Body>(std::move(body)), warnings);
-      },
-      py::arg("yaml"), py::arg("material"));
+      [body_of](const lab::HeldScene& held, const Material& material) { return body_of(held, material); },
+      py::arg("held"), py::arg("material"));
+  module.def(
+      "_body_of_scene",
+      [body_of](const std::string& yaml, const Material& material) { return body_of(yaml, material); }, py::arg("yaml"),
+      py::arg("material"));
 }
 
 }  // namespace elastin::python

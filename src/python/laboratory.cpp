@@ -58,18 +58,18 @@ py::dict columns_of(const LaboratoryResult& result) {
   return columns;
 }
 
-/// The laboratory's body: lives as long as whoever looks at it. Python has no way to change a body.
+/// The laboratory's body: lives as long as its views. Python cannot change a body.
 std::shared_ptr<Body> body_of(const std::shared_ptr<SharedLaboratory>& shared) {
   return {shared, const_cast<Body*>(&shared->laboratory.body())};
 }
 
-/// Tells a Python function what is being done, and lets Ctrl-C through.
+/// Calls a Python function with what is being done, and handles Ctrl-C.
 RunWatch watch_of(const std::optional<py::function>& progress) {
   RunWatch watch;
-  watch.progress = [told = progress ? keep(*progress) : nullptr](const std::string& doing) {
+  watch.progress = [report = progress ? keep(*progress) : nullptr](const std::string& doing) {
     const py::gil_scoped_acquire locked;
     check_signals();
-    if (told) (*told)(doing);
+    if (report) (*report)(doing);
   };
   return watch;
 }
@@ -113,7 +113,7 @@ const char* outcome_text(const Outcomes& self) { return self.result.suited ? nam
 
 void add_result(py::module_& module) {
   using Result = LaboratoryResult;
-  py::class_<Outcomes, std::shared_ptr<Outcomes>>(module, "Result", "What came of one strategy on a scene; SI units.")
+  py::class_<Outcomes, std::shared_ptr<Outcomes>>(module, "Result", "Result of one strategy on a scene; SI units.")
       .def_property_readonly("scene", [](const Outcomes& self) { return self.scene; })
       .def_property_readonly("strategy", part_of_result(&Result::strategy))
       .def_property_readonly("outcome", &outcome_text,
@@ -168,11 +168,12 @@ void add_result(py::module_& module) {
 void add_laboratory(py::module_& module) {
   add_result(module);
   py::class_<SharedLaboratory, std::shared_ptr<SharedLaboratory>>(module, "_Laboratory")
-      .def(py::init([](const std::string& scene, const std::vector<std::string>& overrides,
+      .def(py::init([](const GivenScene& scene, const std::vector<std::string>& overrides,
                        const std::shared_ptr<Catalog>& catalog) {
              const Catalog chosen = catalog ? *catalog : built_in_catalog();
              const py::gil_scoped_release others_run;
-             return std::shared_ptr<SharedLaboratory>(new SharedLaboratory{Laboratory(scene, overrides, chosen)});
+             return std::shared_ptr<SharedLaboratory>(
+                 new SharedLaboratory{Laboratory(source_of(scene), overrides, chosen)});
            }),
            py::arg("scene"), py::arg("overrides"), py::arg("catalog"))
       .def_property_readonly("name", [](const SharedLaboratory& self) { return self.laboratory.name(); })
@@ -199,7 +200,7 @@ void add_laboratory(py::module_& module) {
       .def("run", &run, py::arg("strategy") = "", py::kw_only(), py::arg("progress") = py::none(),
            py::arg("keep_states") = false,
            "Runs the experiment with a strategy by name ('calibrated:angles', 'lattice+volume'); '' takes the scene's "
-           "own. progress(doing) is told before each load step or frame; what it raises ends the run. keep_states: "
+           "own. progress(doing) is called before each load step or frame; what it raises ends the run. keep_states: "
            "the result has the positions of each load step or frame. Numerical trouble is an outcome in the result.")
       .def(
           "simulation",

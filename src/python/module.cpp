@@ -34,7 +34,7 @@ PYBIND11_MODULE(_elastin, module) {
   module.def("set_threads", &elastin::set_threads, py::arg("threads"),
              "How many threads loops over large bodies take; 0 = one a core. Results are bitwise identical with any.");
   module.def("threads", &elastin::threads, "How many threads loops over large bodies take.");
-  module.def("measures", &measures, "Every measure that an experiment can take: (name, SI unit, what it is).");
+  module.def("measures", &measures, "Every measure that an experiment can take: (name, SI unit, description).");
   module.def("_missing_measure", &missing_measure, py::arg("name"), py::arg("there"));
   module.def("readable", &readable_measure, py::arg("measure"), py::arg("value"),
              "A measure's value as tables show it: '4.9945 kPa'.");

@@ -1,4 +1,3 @@
-#include "elastin/config/held_scene.h"
 #include "lab/study/verdicts.h"
 #include "python/bind.h"
 
@@ -8,10 +7,10 @@ namespace {
 
 std::shared_ptr<HeldScene> hold(std::string yaml, const std::vector<std::shared_ptr<Body>>& bodies,
                                 const std::vector<Material>& materials) {
-  HeldScene::Content content{std::move(yaml)};
-  content.bodies.assign(bodies.begin(), bodies.end());
-  for (const Material& material : materials) content.materials.push_back(std::make_shared<Material>(material));
-  return std::make_shared<HeldScene>(std::move(content));
+  auto held = std::make_shared<HeldScene>(HeldScene{std::move(yaml)});
+  held->bodies.assign(bodies.begin(), bodies.end());
+  for (const Material& material : materials) held->materials.push_back(std::make_shared<Material>(material));
+  return held;
 }
 
 py::dict dict_of(const SceneKey& key) {
@@ -47,21 +46,21 @@ py::dict dict_of(const Verdict& verdict) {
 }
 
 /// One dict a case of the scene, as `elastin verify` judges it.
-py::list verify(const std::string& scene, const std::vector<std::string>& overrides,
+py::list verify(const GivenScene& scene, const std::vector<std::string>& overrides,
                 const std::shared_ptr<Catalog>& given, const std::optional<py::function>& progress) {
-  const auto told = progress ? keep(*progress) : nullptr;
+  const auto report = progress ? keep(*progress) : nullptr;
   const Catalog catalog = given ? *given : built_in_catalog();
   VerifyOptions options;
   options.overrides = overrides;
   options.progress = [&](const std::string& doing) {
     const py::gil_scoped_acquire locked;
     check_signals();
-    if (told) (*told)(doing);
+    if (report) (*report)(doing);
   };
   std::vector<Case> cases;
   {
     const py::gil_scoped_release others_run;
-    cases = verify_scene(scene, catalog, options);
+    cases = verify_scene(source_of(scene), catalog, options);
   }
   py::list list;
   for (const Case& one : cases) {
@@ -83,8 +82,7 @@ py::list verify(const std::string& scene, const std::vector<std::string>& overri
 
 void add_scenes(py::module_& module) {
   py::class_<HeldScene, std::shared_ptr<HeldScene>>(module, "_HeldScene")
-      .def(py::init(&hold), py::arg("yaml"), py::arg("bodies"), py::arg("materials"))
-      .def_property_readonly("path", &HeldScene::path);
+      .def(py::init(&hold), py::arg("yaml"), py::arg("bodies"), py::arg("materials"));
   module.def("_experiments", &experiments);
   module.def("_verify", &verify, py::arg("scene"), py::arg("overrides"), py::arg("catalog"), py::arg("progress"));
   module.def("_suggestion", &suggestion, py::arg("word"), py::arg("candidates"));

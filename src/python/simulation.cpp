@@ -193,7 +193,7 @@ void add_views(Class& simulation) {
                              "[m/s], (n, 3): a view that changes with each step.")
       .def_property_readonly("forces", shown([](Simulation & s) -> auto& { return s.forces(); }),
                              "All forces of the state reached [N], (n, 3): a view. Asking for it fills it: a view that "
-                             "was asked for before a step shows that earlier state until someone asks again.")
+                             "was requested before a step shows that earlier state until it is requested again.")
       .def_property_readonly("tensions", shown([](Simulation & s) -> auto& { return s.tensions(); }),
                              "Of each connection [N], pulling is positive, (m,): a view, as forces.")
       .def_property_readonly(
@@ -217,7 +217,7 @@ void add_hands(Class& simulation) {
           "Holds a molecule where it is, but in the directions that `free` names: 'z', 'xy', or a 3 x 3 projector.")
       .def(
           "release", [](Moving& self, int molecule) { self.in_turn([&](Simulation& s) { s.release(molecule); }); },
-          py::arg("molecule"), "Lets a held molecule go.")
+          py::arg("molecule"), "Releases a fixed molecule.")
       .def(
           "move_to",
           [](Moving& self, int molecule, const Vector3& position) {
@@ -327,10 +327,11 @@ void add_simulation(py::module_& module) {
       .def_property_readonly(
           "effort", [](const Moving& self) { return self.simulation.effort(); },
           "Sweeps or iterations of the last step; 0 where the scheme takes no number of them. With a budget it differs "
-          "from step to step and from machine to machine: who records it can give it to set_effort again.")
+          "from step to step and from machine to machine: record it and pass it to set_effort to reproduce the run.")
       .def(
           "set_effort", [](Moving& self, int effort) { self.in_turn([&](Simulation& s) { s.set_effort(effort); }); },
-          py::arg("effort"), "From now on so many, whatever the budget says: steps then have the same bits again.")
+          py::arg("effort"),
+          "From now on this count, whatever the budget says: steps are then bitwise identical again.")
       .def(
           "iteration_error",
           [](Moving& self, double dt) { return self.in_turn([&](Simulation& s) { return s.iteration_error(dt); }); },
@@ -340,7 +341,7 @@ void add_simulation(py::module_& module) {
           "distance of a molecule from where backward Euler's balance to the end has it, and the largest distance that "
           "it goes there [m]. NaN where one of the two fails.")
       .def("observe", &observe, py::arg("see"), py::arg("every") = 1,
-           "Calls see(simulation) after every so many steps that went well. It must not step; what it raises ends the "
+           "Calls see(simulation) after every `every` steps that succeeded. It must not step; what it raises ends the "
            "step() that it came from.")
       .def("save", in_turn([](Simulation& s) { return s.save(); }), "The state to go on from, with the same bits.")
       .def(

@@ -123,7 +123,8 @@ void add_strategies(py::module_& module) {
       "material_laws", [] { return rows_of(built_in_catalog().material_laws); }, "What Material takes as its law.");
   module.def(
       "_strategy", [](const std::string& name) { return built_in_catalog().find(name); }, py::arg("name"));
-  py::class_<Strategy>(module, "Strategy", py::dynamic_attr(), "One way to give a body's connections their stiffness.")
+  py::class_<Strategy>(module, "Strategy", py::dynamic_attr(),
+                       "A method that gives a body's connections their stiffness.")
       .def(py::init(&make_strategy), py::arg("name"), py::arg("constants"), py::kw_only(), py::arg("summary") = "",
            py::arg("source") = "", py::arg("parameters") = std::vector<ParameterInfo>{},
            py::arg("unsuited") = py::none(),

@@ -9,7 +9,7 @@
 namespace elastin::python {
 namespace {
 
-/// Does it; views that were asked for before keep what they show.
+/// Changes the topology; views that were requested before keep what they show.
 template <class Change>
 TopologyReport changed(Moving& self, const Change& change) {
   TopologyReport report = self.in_turn([&](Simulation& simulation) {
@@ -106,7 +106,7 @@ void add_topology(py::module_& module, MovingClass& simulation) {
           },
           py::arg("connections") = std::vector<int>{}, py::arg("cells") = std::vector<int>{},
           "Removes connections and cells by number, with the cells' mass; molecules that lose all are gone, and those "
-          "behind them count anew.")
+          "behind them are renumbered.")
       .def_property_readonly(
           "origin",
           [](Moving& self) { return self.in_turn([](Simulation& s) { return std::vector<int>(s.origin()); }); },

@@ -19,7 +19,7 @@ const std::string kValues =
     "values: {side: 30 mm, n: 10, E: 5 kPa, rho: 1000 kg/m3, gap: = side / n, free_fall: 9.81 m/s2}\n";
 
 Reader of(const std::string& formula, const std::vector<std::string>& overrides = {}) {
-  Reader reader = open_scene_text("a.yaml", kValues + "x: " + formula + "\n", overrides, 1e6);
+  Reader reader = open_scene(SceneSource::of_text("a.yaml", kValues + "x: " + formula + "\n"), overrides, 1e6);
   return reader.at("x");
 }
 
@@ -97,7 +97,7 @@ TEST_CASE("what is wrong with a formula is told at its place", "[scene][formula]
   }
   const auto values = [](const std::string& text) {
     try {
-      open_scene_text("a.yaml", "values: " + text + "\nx: 1\n", {}, 1e6);
+      open_scene(SceneSource::of_text("a.yaml", "values: " + text + "\nx: 1\n"), {}, 1e6);
     } catch (const InputError& error) {
       return std::string(error.what());
     }
@@ -125,13 +125,13 @@ TEST_CASE("a formula that is nested too deeply is refused where it stands", "[sc
     CHECK_THAT(refusal("= " + repeated("abs(", depth) + "1" + repeated(")", depth)), Contains(message));
     std::string chain = "values: {";
     for (int i = 0; i < depth; ++i) chain += "a" + std::to_string(i) + ": = a" + std::to_string(i + 1) + ", ";
-    CHECK_THROWS_WITH(open_scene_text("a.yaml", chain + "a" + std::to_string(depth) + ": 1}\n", {}, 1e6),
+    CHECK_THROWS_WITH(open_scene(SceneSource::of_text("a.yaml", chain + "a" + std::to_string(depth) + ": 1}\n"), {}, 1e6),
                       StartsWith("a.yaml:1:") && Contains(message));
-    CHECK_THROWS_WITH(open_scene_text("a.yaml", kValues, {"x== " + deep(depth)}, 1e6),
+    CHECK_THROWS_WITH(open_scene(SceneSource::of_text("a.yaml", kValues), {"x== " + deep(depth)}, 1e6),
                       StartsWith("--set: x: the formula") && Contains(message));
-    CHECK_THROWS_WITH(open_scene_text("a.yaml", kValues, {"x" + repeated(".x", depth) + "=1"}, 1e6),
+    CHECK_THROWS_WITH(open_scene(SceneSource::of_text("a.yaml", kValues), {"x" + repeated(".x", depth) + "=1"}, 1e6),
                       StartsWith("--set x.x") && Contains("the path leads through more than 40 keys"));
-    const Reader place = open_scene_text("a.yaml", "x: = " + deep(depth) + "\n", {}, 1e6);
+    const Reader place = open_scene(SceneSource::of_text("a.yaml", "x: = " + deep(depth) + "\n"), {}, 1e6);
     (void)place;
   }
   CHECK(of("= " + deep(100)).number() == 1);
@@ -139,7 +139,7 @@ TEST_CASE("a formula that is nested too deeply is refused where it stands", "[sc
 
 TEST_CASE("a name that a formula would take for a unit's power names no value", "[scene][formula]") {
   for (const std::string name : {"m1", "N1", "mm2", "s3", "kPa4", "m²"})
-    CHECK_THROWS_WITH(open_scene_text("a.yaml", "values: {" + name + ": 3}\n", {}, 1e6),
+    CHECK_THROWS_WITH(open_scene(SceneSource::of_text("a.yaml", "values: {" + name + ": 3}\n"), {}, 1e6),
                       StartsWith("a.yaml:1:10: values: '" + name + "' is a unit; call it otherwise"));
-  CHECK_NOTHROW(open_scene_text("a.yaml", "values: {m_1: 3, n1: 4, force1: 5}\n", {}, 1e6));
+  CHECK_NOTHROW(open_scene(SceneSource::of_text("a.yaml", "values: {m_1: 3, n1: 4, force1: 5}\n"), {}, 1e6));
 }

@@ -5,13 +5,14 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <string>
 #include <vector>
 
+#include "command/options.h"
+#include "elastin/core/base/error.h"
 #include "elastin/openmp/openmp.h"
 #include "measure.h"
 
@@ -70,33 +71,43 @@ constexpr Case kCases[] = {
 }  // namespace
 
 int main(int argc, char** argv) {
+  namespace command = elastin::command;
   elastin::openmp::let_threads_sleep(argv);  // as the command does: what is measured is what its user gets
   elastin::openmp::use_openmp();
-  CLI::App app{
-      "Benchmarks of Elastin. Ratios are of minima, against the peer at its best on no more threads: above 1 is "
-      "faster."};
-  std::vector<std::string> names;
+  std::vector<std::string> names, chosen;
   for (const Case& one : kCases) names.emplace_back(one.name);
-  std::vector<std::string> chosen = names;
   bench::Settings settings;
+  std::vector<int> sides, counts;
   std::string csv;
   bool list = false;
-  app.add_option("case", chosen, "what to run; all if none is named")->check(CLI::IsMember(names));
-  app.add_option("--repeats", settings.repeats, "measured runs of each, after one to warm up")
-      ->check(CLI::Range(1, 1000));
-  app.add_option("--sizes", settings.sides, "molecules along the cube's side: 10,22,47")
-      ->delimiter(',')
-      ->check(CLI::Range(3, 200));
-  app.add_option("--threads", settings.threads, "numbers of threads: 1,2")->delimiter(',')->check(CLI::Range(1, 256));
-  app.add_option("--seconds", settings.seconds, "how long embed steps steadily")->check(CLI::Range(0.1, 86400.));
-  app.add_option("--only", settings.only, "of embed, the steppers whose row has this text in its name");
-  app.add_option("--csv", csv, "file for all rows, SI units");
-  app.add_flag("--list", list, "name the cases and stop");
+  command::Options options;
+  options.argument("CASE", command::one_of(names, command::into(chosen)), "What to run; all if none is named", false,
+                   true);
+  options.add("--repeats", "NUMBER", command::into(settings.repeats, 1, 1000),
+              "Measured runs of each, after one to warm up");
+  options.add("--sizes", "NUMBERS", command::each_of(command::into(sides, 3, 200)),
+              "Molecules along the cube's side: 10,22,47");
+  options.add("--threads", "NUMBERS", command::each_of(command::into(counts, 1, 256)), "Numbers of threads: 1,2");
+  options.add("--seconds", "NUMBER", command::into(settings.seconds, 0.1, 86400.), "How long embed steps steadily");
+  options.add("--only", "TEXT", command::into(settings.only),
+              "Of embed, the steppers whose row has this text in its name");
+  options.add("--csv", "FILE", command::into(csv), "File for all rows, SI units");
+  options.flag("--list", list, "Name the cases and stop");
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) ? 2 : 0;
+    if (options.read({argv + 1, argv + argc}, "elastin_bench")) {
+      fmt::print(
+          "Benchmarks of Elastin. Ratios are of minima, against the peer at its best on no more threads: above 1 is "
+          "faster.\n{}",
+          options.help("elastin_bench"));
+      return 0;
+    }
+  } catch (const elastin::InputError& error) {
+    fmt::print(stderr, "elastin_bench: {}\n", error.what());
+    return 2;
   }
+  if (chosen.empty()) chosen = names;
+  if (!sides.empty()) settings.sides = sides;
+  if (!counts.empty()) settings.threads = counts;
   if (list) {
     for (const Case& one : kCases) fmt::print("{:11} {}\n", one.name, one.summary);
     return 0;

@@ -141,7 +141,8 @@ int run_ccx(const JobFolder& folder, const std::function<bool()>& stop) {
 
 void solve(const Scene& scene, const std::function<bool()>& stop, Run& run) {
   const auto begin = Clock::now();
-  if (!scene.specimen.loads.empty()) throw InputError("loads beside the experiment's are not measured apart");
+  if (!scene.specimen.loads.empty())
+    throw InputError("loads in addition to the experiment's are not measured separately");
   StaticProblem problem = problem_of(scene);
   const std::string deck = calculix_deck(problem, {true, false});
   const JobFolder folder;
@@ -176,7 +177,7 @@ OtherRun run_calculix(const Scene& scene, const Catalog& catalog, const std::vec
   OtherRun result;
   Run& run = result.run;
   try {
-    result.scene = load_scene_on(scene.path, catalog, overrides, [](Body& body, const Material&) {
+    result.scene = load_scene_on(scene.source, catalog, overrides, [](Body& body, const Material&) {
       if (has_blocks(body, 3) || !body.tetrahedra.empty() || !body.cubes.empty()) body = second_order(body);
     });
     Scene& own = *result.scene;
@@ -195,7 +196,7 @@ OtherRun run_calculix(const Scene& scene, const Catalog& catalog, const std::vec
     run.cause = error.what();
   }
   run.strategy = kCalculix;
-  run.warnings.emplace_back("computed by CalculiX: shown beside the others, never recommended");
+  run.warnings.emplace_back("computed by CalculiX: shown with the others, never recommended");
   return result;
 }
 

@@ -10,7 +10,7 @@
 
 namespace elastin::lab {
 
-/// A text that grows, and how its program refuses what it does not know.
+/// A text that grows, and the refusal of what its program does not support.
 class Deck {
  protected:
   Deck(const char* program, const StaticProblem& problem) : program_(program), scene_(*problem.scene) {}
@@ -20,7 +20,7 @@ class Deck {
     fmt::format_to(std::back_inserter(out_), format, std::forward<Args>(args)...);
   }
   [[noreturn]] void refuse(const std::string& what) const {
-    throw InputError(SourceLocation{scene_.path}, std::string(program_) + ": " + what);
+    throw InputError(SourceLocation{scene_.source.path()}, std::string(program_) + ": " + what);
   }
 
   std::string out_;

@@ -12,7 +12,7 @@ namespace elastin::lab {
 namespace {
 
 [[noreturn]] void refuse(const Scene& scene, const std::string& what) {
-  throw InputError(SourceLocation{scene.path}, what);
+  throw InputError(SourceLocation{scene.source.path()}, what);
 }
 
 /// Why a scene's body or surroundings are beyond other programs, or "".
@@ -32,7 +32,7 @@ std::string trouble(const Scene& scene) {
   for (const Part& part : body.parts)
     if (part.rigid) return "rigid bodies are not exported ('" + part.name + "')";
   for (const Material& material : materials_of(specimen))
-    if (material.fibre || material.active) return "fibres beside the material's law are not exported";
+    if (material.fibre || material.active) return "fibres in addition to the material's law are not exported";
   const Strategy& strategy = scene.stiffness.strategy;
   const std::string label = "'" + scene.stiffness.label + "'";
   if (strategy.kind != StrategyKind::cell_law)
@@ -97,7 +97,7 @@ class Reading {
     double before = 0;
     for (int step = 1; step <= experiment.load_steps(); ++step) {
       const double after = experiment.load_factor(step);
-      // Other programs go straight: where supports turn, in parts that are short enough for that.
+      // Other programs go straight: where supports turn, in substeps that are short enough for that.
       const double parts = problem_.small ? 1 : std::ceil(std::abs(after - before) / rig_->longest_step() - 1e-9);
       for (double part = 1; part <= parts; ++part)
         problem_.steps.push_back(part == parts ? after : before + (after - before) * part / parts);
@@ -133,9 +133,10 @@ StaticProblem problem_of(const Scene& scene) {
   problem.small = scene.statics.linear;
   Reading(scene, problem);
   if (auto more = missing_supports(problem); !more.empty()) {
-    problem.notes.push_back(counted(static_cast<int>(more.size()), "component") +
-                            " of displacement held beside the experiment's, without force, where it leaves the body "
-                            "free to move as a whole");
+    problem.notes.push_back(
+        counted(static_cast<int>(more.size()), "component") +
+        " of displacement fixed in addition to the experiment's, without force, where it leaves the body "
+        "free to move as a whole");
     problem.driven.insert(problem.driven.end(), more.begin(), more.end());
   }
   return problem;
@@ -146,7 +147,7 @@ std::vector<DrivenComponent> missing_supports(const StaticProblem& problem) {
   const Vector3 middle = rest.rowwise().mean();
   const double size = std::sqrt((rest.colwise() - middle).colwise().squaredNorm().maxCoeff());
   using Six = Eigen::Matrix<double, 6, 1>;
-  // What a motion as a whole, three ways and three turns, does to a component.
+  // The effect of a rigid motion, three translations and three rotations, on a component.
   const auto row = [&](int molecule, int axis) {
     const Vector3 arm = (rest.col(molecule) - middle) / size;
     Six result;

@@ -738,10 +738,10 @@ FebioModel ModelReader::read() {
 
 bool is_febio_model(const std::string& path) { return path.ends_with(".feb"); }
 
-FebioModel load_febio_model(const std::string& path) {
+FebioModel load_febio_model(const SceneSource& source) {
   auto document = std::make_shared<febio::Document>();
-  document->path = path;
-  document->root = mesh::load_xml(path);
+  document->path = source.path();
+  document->root = mesh::read_xml(source.path(), source.text());
   return febio::ModelReader(std::move(document)).read();
 }
 

@@ -42,12 +42,12 @@ void apply(const IdentifyRequest& request, IdentifyTask& task) {
       if (name.empty() || test.name == name)
         test.file = given.substr(equals == std::string::npos ? 0 : equals + 1), used = true;
     if (!used)
-      throw InputError("--data " + given + ": " + task.path + " has no test '" + name + "'" +
+      throw InputError("--data " + given + ": " + task.source.path() + " has no test '" + name + "'" +
                        suggestion(name, names_of(task.tests)));
   }
   for (const std::string& name : request.tests)
     if (std::none_of(task.tests.begin(), task.tests.end(), [&](const auto& test) { return test.name == name; }))
-      throw InputError("--tests " + name + ": " + task.path + " has no such test" +
+      throw InputError("--tests " + name + ": " + task.source.path() + " has no such test" +
                        suggestion(name, names_of(task.tests)));
   if (!request.tests.empty())
     for (DataTest& test : task.tests)
@@ -57,7 +57,7 @@ void apply(const IdentifyRequest& request, IdentifyTask& task) {
 
 bool has_specimen(const IdentifyTask& task) {
   return std::any_of(task.tests.begin(), task.tests.end(),
-                     [](const auto& test) { return !test.kind->homogeneous && !test.scene.empty(); });
+                     [](const auto& test) { return !test.kind->homogeneous && test.scene; });
 }
 
 const MaterialLaw* row_of(const Catalog& catalog, const Material& material) {
@@ -100,7 +100,7 @@ UnknownMaterial stated_unknowns(const IdentifyTask& task, const Catalog& catalog
   std::vector<MaterialNumber> all = material_numbers(row, unknown.trial);
   for (const std::string& name : task.fixed)
     if (std::none_of(all.begin(), all.end(), [&](const auto& number) { return number.name == name; }))
-      throw InputError(task.path + ": identify.fixed: the material has no number '" + name + "'" +
+      throw InputError(task.source.path() + ": identify.fixed: the material has no number '" + name + "'" +
                        suggestion(name, names_of(all)));
   if (task.unknowns.empty()) {
     for (const MaterialNumber& number : all)
@@ -236,7 +236,7 @@ std::vector<WeightedTest> make_tests(const IdentifyTask& task, const Catalog& ca
             data.up->name +
                 " is 0, and relative residuals are over it: leave the row out, or write residuals: absolute");
   }
-  if (points == 0) throw InputError(task.path + ": no test has a weight above 0");
+  if (points == 0) throw InputError(task.source.path() + ": no test has a weight above 0");
   return tests;
 }
 
@@ -244,7 +244,8 @@ void check_count(const UnknownMaterial& unknown, const std::vector<WeightedTest>
   Eigen::Index points = 0;
   for (const WeightedTest& test : tests)
     if (test.stated->weight > 0) points += test.test->data().y.size();
-  if (unknown.unknowns.empty()) throw InputError(task.path + ": identify: no number of the material is unknown");
+  if (unknown.unknowns.empty())
+    throw InputError(task.source.path() + ": identify: no number of the material is unknown");
   if (points < static_cast<Eigen::Index>(unknown.unknowns.size()))
     throw InputError(SourceLocation{tests.front().test->data().file},
                      counted(points, "measured point") + " cannot settle the " +
@@ -255,12 +256,12 @@ void check_count(const UnknownMaterial& unknown, const std::vector<WeightedTest>
 /// All that the searches of a task follow from: its scenes with what they name, its data, and what counts.
 std::string content_of(const IdentifyTask& task, const IdentifyRequest& request) {
   std::vector<std::string> parts = request.overrides;
-  const auto add = [&](const std::string& path) {
-    parts.push_back(open_scene_file(path, request.overrides, kMostMolecules).content());
+  const auto add = [&](const SceneSource& source) {
+    parts.push_back(open_scene(source, request.overrides, kMostMolecules).content());
   };
-  add(task.path);
+  add(task.source);
   for (const DataTest& test : task.tests) {
-    if (!test.scene.empty() && test.scene != task.path) add(test.scene);
+    if (test.scene && test.scene != task.source) add(*test.scene);
     std::ifstream data(test.file, std::ios::binary);
     parts.emplace_back(std::istreambuf_iterator<char>(data), std::istreambuf_iterator<char>());
     parts.push_back(test.weight > 0 ? test.name : "");
@@ -281,7 +282,7 @@ std::vector<std::pair<std::string, std::string>> scene_keys(const IdentifyTask& 
   std::vector<std::pair<std::string, std::string>> keys;
   for (std::size_t i = 0; i < tests.size(); ++i) {
     if (!request.data.empty()) keys.emplace_back("identify.tests." + std::to_string(i) + ".file", task.tests[i].file);
-    if (task.tests[i].scene != task.path) continue;
+    if (task.tests[i].scene != task.source) continue;
     for (auto& key : tests[i].test->scene_keys(best.fit.trial, task.plain)) keys.push_back(std::move(key));
   }
   return keys;
@@ -361,7 +362,7 @@ Answer identify_one(const IdentifyTask& task, const Catalog& catalog, const Iden
 
 }  // namespace
 
-std::vector<Answer> identify(const std::string& scene, const Catalog& catalog, const IdentifyRequest& request) {
+std::vector<Answer> identify(const SceneSource& scene, const Catalog& catalog, const IdentifyRequest& request) {
   IdentifyTask task = load_identify_task(scene, catalog, request.overrides);
   apply(request, task);
   std::vector<Answer> answers;

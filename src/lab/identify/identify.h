@@ -22,6 +22,6 @@ struct IdentifyRequest {
 
 /// The material of a scene's `identify:` section fitted to its measured tests; several answers where strategies are
 /// compared, one each. Numerical trouble is an outcome. Throws InputError on wrong scenes, data and names.
-std::vector<Answer> identify(const std::string& scene, const Catalog& catalog, const IdentifyRequest& request);
+std::vector<Answer> identify(const SceneSource& scene, const Catalog& catalog, const IdentifyRequest& request);
 
 }  // namespace elastin::lab

@@ -36,10 +36,11 @@ class SpecimenTest final : public MeasuredTest {
         choice_(choice),
         own_(scene_->specimen.material) {
     experiment_ = scene_->experiment->at_rest();
-    if (!experiment_) test.fail("scene: " + scene_->path + " runs in time; identification needs an experiment at rest");
+    if (!experiment_)
+      test.fail("scene: " + scene_->source.path() + " runs in time; identification needs an experiment at rest");
     if (scene_->statics.linear)
-      test.fail("scene: " + scene_->path + " takes small displacements; leave out solver.small_displacements");
-    if (!scene_->specimen.materials.empty()) test.fail("scene: " + scene_->path + " has several bodies");
+      test.fail("scene: " + scene_->source.path() + " takes small displacements; leave out solver.small_displacements");
+    if (!scene_->specimen.materials.empty()) test.fail("scene: " + scene_->source.path() + " has several bodies");
     options_.statics = scene_->statics;
     prepare(scene_->specimen, choice_.strategy);
     if (const std::string reason = unsuited(scene_->specimen, *experiment_, choice_); !reason.empty())
@@ -126,7 +127,7 @@ class SpecimenTest final : public MeasuredTest {
       const Eigen::Index point = order_[step];
       const double at = data_.along ? measures.get(along_) : data_.x[point], response = measures.get(up_);
       if (data_.along && std::abs(at - data_.x[point]) > kAgreement * std::abs(whole_))
-        throw InputError(scene_->path + ": shows " + along_ + " " + fmt::format("{:.6g}", at) +
+        throw InputError(scene_->source.path() + ": shows " + along_ + " " + fmt::format("{:.6g}", at) +
                          " at the load that should give " + fmt::format("{:.6g}", data_.x[point]) +
                          "; the data must be over what the scene prescribes, which is the file's first column of what "
                          "is known: are its columns the other way round?");
@@ -318,7 +319,8 @@ class SpecimenTest final : public MeasuredTest {
     const State rest = state_at_rest(scene_->specimen.body);
     set_load(own, rig, 0);
     if (!own.load_forces(rest).isZero(0))
-      test.fail("scene: " + scene_->path + " has loads of its own besides the experiment's; they are not taken");
+      test.fail("scene: " + scene_->source.path() +
+                " has loads of its own besides the experiment's; they are not taken");
     const Start start = start_at(own);
     const auto at_rest = [&](double factor) {
       set_load(own, rig, factor);
@@ -363,13 +365,13 @@ class SpecimenTest final : public MeasuredTest {
             SourceLocation{data_.file, data_.lines[point]},
             fmt::format("{} of {:.6g} has the other sign than what {} prescribes, {:.6g} (SI); of compression both "
                         "displacement and force are negative",
-                        data_.along->name, data_.x[point], scene_->path, whole_));
+                        data_.along->name, data_.x[point], scene_->source.path(), whole_));
       if (part < 0 || part > 1 + kAgreement)
         throw InputError(
             SourceLocation{data_.file, data_.lines[point]},
             fmt::format("{} of {:.6g} is beyond what {} prescribes, {:.6g} (SI): change its load, or cut the "
                         "data by `from` and `to`",
-                        data_.along->name, data_.x[point], scene_->path, whole_));
+                        data_.along->name, data_.x[point], scene_->source.path(), whole_));
       factors.push_back(known ? bisected(part, [&](double at) { return at_rest(at).get(along_) / whole_; })
                               : std::min(part, 1.));
     }
@@ -463,7 +465,7 @@ std::unique_ptr<MeasuredTest> make_specimen_test(const DataTest& test, const Cat
 std::unique_ptr<MeasuredTest> make_specimen_test(const DataTest& test, MeasuredData data, const Catalog& catalog,
                                                  const std::vector<std::string>& overrides,
                                                  const std::string& strategy) {
-  auto scene = load_scene(test.scene, catalog, overrides);
+  auto scene = load_scene(*test.scene, catalog, overrides);
   const StrategyChoice choice = strategy.empty() ? scene->stiffness : choose_strategy(*scene, catalog, strategy);
   return std::make_unique<SpecimenTest>(test, std::move(data), std::move(scene), choice, catalog);
 }

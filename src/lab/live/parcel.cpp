@@ -21,7 +21,7 @@ void add_strategy(const Scene& scene, const StrategyChoice& choice, Parcel& parc
 }
 
 /// The scene's own strategy first, then those that it compares, then every other one that suits, none calibrated: the
-/// scene's experiment would do that, and there is none in a page.
+/// scene's experiment would do that, and a page has no experiment.
 void add_strategies(const Scene& scene, const Catalog& catalog, Parcel& parcel) {
   std::vector<StrategyChoice> choices{scene.stiffness};
   choices.insert(choices.end(), scene.strategies.begin(), scene.strategies.end());
@@ -30,7 +30,8 @@ void add_strategies(const Scene& scene, const Catalog& catalog, Parcel& parcel) 
   for (const StrategyChoice& choice : choices)
     if (!choice.calibrated) add_strategy(scene, choice, parcel);
   if (parcel.strategies.empty())
-    throw InputError(scene.path + ": no strategy suits this body but calibrated ones, which a page cannot make");
+    throw InputError(scene.source.path() +
+                     ": no strategy suits this body but calibrated ones, which a page cannot make");
 }
 
 /// The test of a scene that has none: along the longest side of the body, by as little as 1e-4.
@@ -93,14 +94,14 @@ void add_experiment(const Scene& scene, const TensionSetup* tension, Parcel& par
   prepare(specimen, scene.stiffness.strategy);
   Run run;
   const auto held = make_model(specimen, *scene.experiment, scene.stiffness, {scene.statics}, run);
-  if (!held) throw InputError(scene.path + ": " + run.cause);
+  if (!held) throw InputError(scene.source.path() + ": " + run.cause);
   Model& model = *held->model;
   State state = state_at_rest(specimen.body);
   model.declare_history(state);
   if (TimedRig* timed = held->rig->in_time()) {
     const StaticResult started = timed->start(state, scene.statics);
     if (started.outcome != Outcome::converged)
-      throw InputError(scene.path + ": the body cannot be brought to its start: " + started.cause);
+      throw InputError(scene.source.path() + ": the body cannot be brought to its start: " + started.cause);
     add_fixture_load(scene, specimen, model, state, parcel);
   } else if (StaticRig* rig = held->rig->at_rest()) {
     if (!tension) parcel.own_load = dead_load(*rig, model, state);
@@ -117,14 +118,15 @@ void add_experiment(const Scene& scene, const TensionSetup* tension, Parcel& par
 Parcel make_parcel(const Scene& scene, const Catalog& catalog) {
   const Specimen& specimen = scene.specimen;
   if (specimen.body.connections.size() > kMostLiveConnections)
-    throw InputError(scene.path + ": the body has " + std::to_string(specimen.body.connections.size()) +
+    throw InputError(scene.source.path() + ": the body has " + std::to_string(specimen.body.connections.size()) +
                      " connections; a page takes at most " + std::to_string(kMostLiveConnections) +
                      ": make it coarser, with --set for example");
   std::vector<Material> materials = specimen.materials;
   materials.push_back(specimen.material);
   for (const Material& material : materials)
     if (const std::string why = beyond_numbers(material); !why.empty())
-      throw InputError(scene.path + ": " + why + ", which a page cannot take; `elastin run --out` shows the body");
+      throw InputError(scene.source.path() + ": " + why +
+                       ", which a page cannot take; `elastin run --out` shows the body");
   Parcel parcel;
   parcel.body = specimen.body;
   parcel.material = specimen.material;

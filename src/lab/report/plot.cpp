@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "elastin/core/base/error.h"
+
 namespace elastin::lab {
 namespace {
 
@@ -314,6 +316,39 @@ std::string svg_text(const Plot& plot, double width, bool alone) {
         "<text class=\"head\" x=\"8\" y=\"26\" font-size=\"15\">{}</text>",
         kStyle, escaped(plot.title));
   return head + sheet.out + "</svg>\n";
+}
+
+Plot overlaid(const std::vector<std::pair<std::string, Plot>>& plots) {
+  if (plots.size() == 1) return plots.front().second;
+  Plot all;
+  int colours = 0;
+  for (const auto& [name, plot] : plots) {
+    if (all.series.empty()) {
+      all.x = plot.x, all.y = plot.y;
+    } else if (plot.x != all.x || plot.y != all.y) {
+      const auto axes = [](const Plot& of) {
+        const auto text = [](const PlotAxis& axis) {
+          return axis.title + (axis.unit.empty() ? "" : " [" + axis.unit + "]");
+        };
+        return text(of.y) + " over " + text(of.x);
+      };
+      throw InputError(name + " shows " + axes(plot) + ", and " + plots.front().first + " " + axes(all) +
+                       ": plot them one by one, or choose axes that both have");
+    }
+    all.title += (all.title.empty() ? "" : "; ") + plot.title;
+    int own = 0;
+    for (PlotSeries series : plot.series) {
+      own = std::max(own, series.colour + 1);
+      if (plot.series.size() == 1)
+        series.name = name;
+      else if (!series.name.empty())
+        series.name = name + ": " + series.name;
+      if (series.colour >= 0) series.colour = (series.colour + colours) % (kPlotHues * kPlotShades);
+      all.series.push_back(std::move(series));
+    }
+    colours += own;
+  }
+  return all;
 }
 
 std::string plot_json(const Plot& plot) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace elastin::lab {
@@ -12,6 +13,7 @@ inline constexpr int kPlotHues = 16, kPlotShades = 4;
 struct PlotAxis {
   std::string title, unit;
   bool logarithmic = false;
+  bool operator==(const PlotAxis&) const = default;
 };
 
 struct PlotPoint {
@@ -38,6 +40,10 @@ struct Plot {
 /// The plot as an SVG, `width` [px] wide. `alone`: a file of its own with title, background and styles; otherwise part
 /// of a page whose styles it takes. Points that are not finite, or not above 0 on a logarithmic axis, are left out.
 std::string svg_text(const Plot& plot, double width, bool alone);
+
+/// The named plots over each other, in colours of their own; a plot's only series has the plot's name. One plot stays
+/// as it is. Throws InputError where their axes differ.
+Plot overlaid(const std::vector<std::pair<std::string, Plot>>& plots);
 
 /// What a page needs to draw the same plot again in another range: axes, and the points of each series that svg_text
 /// draws, in its order. JSON without "<".

@@ -137,7 +137,7 @@ Record make_record(const Scene& scene, Run run) {
   const Body& body = scene.specimen.body;
   Record record;
   record.scene = scene.name;
-  record.path = scene.path;
+  record.path = scene.source.path();
   record.title = scene.title;
   record.molecules = static_cast<int>(molecules_of_whole(body));
   record.connections = static_cast<int>(body.share ? body.share->connections : body.connections.proper());

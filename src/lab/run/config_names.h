@@ -1,12 +1,11 @@
 #pragma once
 #include "config/edited_scene.h"
-#include "config/held_scene.h"
 #include "config/keys.h"
 #include "config/other_names.h"
 #include "config/reader.h"
 #include "config/scene_tree.h"
-#include "elastin/config/held_scene.h"
 #include "elastin/config/scene_key.h"
+#include "elastin/config/scene_source.h"
 
 namespace elastin::lab {
 
@@ -15,7 +14,6 @@ namespace key = config::key;
 using config::any_of;
 using config::Forms;
 using config::Frame;
-using config::held_scene;
 using config::HeldScene;
 using config::Key;
 using config::key_of;
@@ -29,8 +27,7 @@ using config::kPositive;
 using config::missing_file;
 using config::moved_scene;
 using config::one_of;
-using config::open_scene_file;
-using config::open_scene_text;
+using config::open_scene;
 using config::owners_of;
 using config::path_text;
 using config::Range;
@@ -38,8 +35,8 @@ using config::range_text;
 using config::Reader;
 using config::SceneFile;
 using config::SceneKey;
+using config::SceneSource;
 using config::suggested_word;
-using config::text_of_scene;
 using config::with_section;
 using config::with_value;
 using config::with_values;

@@ -72,15 +72,16 @@ DataTest read_test(Reader reader, bool relative) {
   test.relative = residuals ? read_residuals(*residuals) : relative;
   if (auto area = reader.find("cross_section")) test.cross_section = area->quantity(dimension::area, kPositive);
   if (auto length = reader.find("length")) test.length = length->quantity(dimension::length, kPositive);
-  if (const auto scene = test.kind->homogeneous ? std::nullopt : reader.find("scene")) test.scene = beside(*scene);
-  if (test.kind->in_time && !test.scene.empty()) {
+  if (const auto scene = test.kind->homogeneous ? std::nullopt : reader.find("scene"))
+    test.scene = reader.source().other(beside(*scene));
+  if (test.kind->in_time && test.scene) {
     if (auto ramp = reader.find("ramp")) test.ramp = ramp->quantity(dimension::time, kNotNegative);
   } else if (test.kind->in_time) {
     if (auto held = reader.find("held")) test.held = held->choice<HomogeneousTest>(homogeneous_names());
     test.strain = reader.at("strain").quantity(dimension::none);
     if (auto ramp = reader.find("ramp")) test.ramp = ramp->quantity(dimension::time, kNotNegative);
   } else if (!test.kind->homogeneous) {
-    if (test.scene.empty()) test.scene = reader.scene_path();
+    if (!test.scene) test.scene = reader.source();
   }
   reader.finish();
   return test;
@@ -177,28 +178,28 @@ const std::vector<DataTestKind>& data_test_kinds() {
   return kinds;
 }
 
-IdentifyTask load_identify_task(const std::string& path, const Catalog& catalog,
+IdentifyTask load_identify_task(const SceneSource& source, const Catalog& catalog,
                                 const std::vector<std::string>& overrides, KeyUses* uses) {
-  Reader reader = open_scene_file(path, overrides, kMostMolecules, uses);
+  Reader reader = open_scene(source, overrides, kMostMolecules, uses);
   read_preamble(reader);
   IdentifyTask task;
-  task.path = path;
-  task.name = std::filesystem::path(path).stem().string();
+  task.source = source;
+  task.name = std::filesystem::path(source.path()).stem().string();
   const auto title = reader.find("title");
   task.title = title ? title->text() : task.name;
   const bool has_body = reader.has("body") || reader.has("bodies");
   Reader material = reader.at("material");
   task.material = read_material(material, catalog.material_laws);
   if (!task.material.law) task.curve = read_curve_numbers(material);
-  task.kept = read_kept(material, std::filesystem::path(path).parent_path().string());
+  task.kept = read_kept(material, std::filesystem::path(source.path()).parent_path().string());
   read_identify(reader.at("identify"), task);
   task.plain = reader.plain() || (has_body && !has_units(reader));
   for (const DataTest& test : task.tests)
-    if (!has_body && test.scene == path)
+    if (!has_body && test.scene == source)
       test.fail(
           "a specimen needs its body, stiffness and experiment: state them in this scene, or name one by `scene`");
   if (has_body)  // the rest is the specimen's
-    load_scene(path, catalog, overrides);
+    load_scene(source, catalog, overrides);
   else
     reader.finish();
   return task;

@@ -44,7 +44,7 @@ struct DataTest {
   double weight = 1;                                         ///< of its squares; 0 = predicted and not fitted
   bool relative = true;                                      ///< residuals over each value, or over the largest one
   double cross_section = 0, length = 0;              ///< [m²], [m] that make stress of force, strain of displacement
-  std::string scene;                                 ///< of a specimen
+  std::optional<SceneSource> scene;                  ///< of a specimen
   HomogeneousTest held = HomogeneousTest::uniaxial;  ///< of a relaxation test
   double strain = 0, ramp = 0;                       ///< that is kept, and the time [s] that it takes to be reached
   std::function<void(const std::string&)> fail;      ///< throws InputError at the test's place
@@ -66,7 +66,8 @@ struct PublishedNumber {
 
 /// The `identify:` section of a scene with the material from which it starts.
 struct IdentifyTask {
-  std::string path, name, title;
+  SceneSource source;
+  std::string name, title;
   Material material;
   std::optional<CurveNumbers> curve;  ///< by which its curve is stated
   std::string kept;                   ///< lines of its block that a search does not write anew: fibres, muscle …
@@ -81,7 +82,7 @@ struct IdentifyTask {
 };
 
 /// Throws InputError where the scene has no `identify:` section. The body and experiment of the scene are not built.
-IdentifyTask load_identify_task(const std::string& path, const Catalog& catalog,
+IdentifyTask load_identify_task(const SceneSource& source, const Catalog& catalog,
                                 const std::vector<std::string>& overrides = {}, KeyUses* uses = nullptr);
 
 std::vector<KeySection> identify_keys();

@@ -320,7 +320,7 @@ std::optional<Reader> find_named(Reader& reader) {
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored))
       throw InputError("'" + file->text() + "': " + missing_file(path.string()));
-    return open_scene_file(path.string(), {}, file->most_molecules());
+    return file->open(path.string());
   });
   read_preamble(library);
   std::vector<std::string> names = library.keys();

@@ -324,16 +324,16 @@ void refuse_of_engine(Reader& reader, const Scene& scene, bool timed, bool conta
                  ", whose inertia keeps iterations few; allowed: automatic, pcg");
 }
 
-std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalog,
+std::unique_ptr<Scene> read_scene(const SceneSource& source, const Catalog& catalog,
                                   const std::vector<std::string>& overrides, double most_molecules,
                                   const ExperimentCatalog& experiments, KeyUses* uses, const BodyChange& change = {}) {
   const auto start = std::chrono::steady_clock::now();
-  Reader reader = open_scene_file(path, overrides, most_molecules, uses);
+  Reader reader = open_scene(source, overrides, most_molecules, uses);
   reader.set_owners([&](const std::string& key) { return owners_of(key, key_sections(catalog, experiments)); });
   read_preamble(reader);
   auto scene = std::make_unique<Scene>();
-  scene->path = path;
-  scene->name = std::filesystem::path(path).stem().string();
+  scene->source = source;
+  scene->name = std::filesystem::path(source.path()).stem().string();
   scene->title = reader.has("title") ? reader.at("title").text() : scene->name;
   scene->specimen.material = read_material(reader.at("material"), catalog.material_laws);
   if (auto solver = reader.find("solver")) scene->statics = read_solver(*solver, catalog);
@@ -418,18 +418,18 @@ std::unique_ptr<Scene> read_scene(const std::string& path, const Catalog& catalo
   return scene;
 }
 
-std::unique_ptr<Scene> read_febio_model(const std::string& path, const std::vector<std::string>& overrides,
+std::unique_ptr<Scene> read_febio_model(const SceneSource& source, const std::vector<std::string>& overrides,
                                         double most_molecules) {
   const auto start = std::chrono::steady_clock::now();
   if (!overrides.empty())
-    throw InputError("--set " + overrides.front() + ": " + path +
+    throw InputError("--set " + overrides.front() + ": " + source.path() +
                      " is a model of FEBio and has no keys; change it there");
-  FebioModel model = load_febio_model(path);
+  FebioModel model = load_febio_model(source);
   if (model.specimen.body.size() > most_molecules)
-    throw InputError(SourceLocation{path}, "the model has more molecules than are allowed");
+    throw InputError(SourceLocation{source.path()}, "the model has more molecules than are allowed");
   auto scene = std::make_unique<Scene>();
-  scene->path = path;
-  scene->name = std::filesystem::path(path).stem().string();
+  scene->source = source;
+  scene->name = std::filesystem::path(source.path()).stem().string();
   scene->title = model.title.empty() ? scene->name : model.title;
   scene->specimen = std::move(model.specimen);
   scene->stiffness = std::move(model.stiffness);
@@ -457,16 +457,16 @@ StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const
 
 namespace {
 
-std::unique_ptr<Scene> read_scene_or_say(const std::string& path, const Catalog& catalog,
+std::unique_ptr<Scene> read_scene_or_say(const SceneSource& source, const Catalog& catalog,
                                          const std::vector<std::string>& overrides, double most_molecules,
                                          const ExperimentCatalog& experiments, KeyUses* uses,
                                          const BodyChange& change) {
   const auto too_large = [&] {
-    return InputError(SourceLocation{path}, "the scene does not fit into this machine's memory");
+    return InputError(SourceLocation{source.path()}, "the scene does not fit into this machine's memory");
   };
   try {
-    if (is_febio_model(path)) return read_febio_model(path, overrides, most_molecules);
-    return read_scene(path, catalog, overrides, most_molecules, experiments, uses, change);
+    if (is_febio_model(source.path())) return read_febio_model(source, overrides, most_molecules);
+    return read_scene(source, catalog, overrides, most_molecules, experiments, uses, change);
   } catch (const std::bad_alloc&) {
     throw too_large();
   } catch (const std::length_error&) {
@@ -476,15 +476,15 @@ std::unique_ptr<Scene> read_scene_or_say(const std::string& path, const Catalog&
 
 }  // namespace
 
-std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,
+std::unique_ptr<Scene> load_scene(const SceneSource& source, const Catalog& catalog,
                                   const std::vector<std::string>& overrides, double most_molecules,
                                   const ExperimentCatalog& experiments, KeyUses* uses) {
-  return read_scene_or_say(path, catalog, overrides, most_molecules, experiments, uses, {});
+  return read_scene_or_say(source, catalog, overrides, most_molecules, experiments, uses, {});
 }
 
-std::unique_ptr<Scene> load_scene_on(const std::string& path, const Catalog& catalog,
+std::unique_ptr<Scene> load_scene_on(const SceneSource& source, const Catalog& catalog,
                                      const std::vector<std::string>& overrides, const BodyChange& change) {
-  return read_scene_or_say(path, catalog, overrides, kMostMolecules, built_in_experiments(), nullptr, change);
+  return read_scene_or_say(source, catalog, overrides, kMostMolecules, built_in_experiments(), nullptr, change);
 }
 
 std::vector<KeySection> scene_keys() {

@@ -39,7 +39,8 @@ struct ComputedReference {
 
 /// One scene file, read, checked and built.
 struct Scene {
-  std::string path, name, title;
+  SceneSource source;
+  std::string name, title;
   Specimen specimen;
   std::unique_ptr<const Experiment> experiment;
   Matrix3 rotation = Matrix3::Identity();  ///< of the whole scene
@@ -73,7 +74,7 @@ StrategyChoice choose_strategy(const Scene& scene, const Catalog& catalog, const
 
 /// Reads a scene and builds its body and experiment. `overrides` are key.path=value. Throws InputError, of a body with
 /// more molecules than these too. `uses`, if given, gets every key that its readers ask for.
-std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalog,
+std::unique_ptr<Scene> load_scene(const SceneSource& source, const Catalog& catalog,
                                   const std::vector<std::string>& overrides = {},
                                   double most_molecules = kMostMolecules,
                                   const ExperimentCatalog& experiments = built_in_experiments(),
@@ -81,7 +82,7 @@ std::unique_ptr<Scene> load_scene(const std::string& path, const Catalog& catalo
 
 /// The same scene on another body: `change` gets the one that the scene describes, before the scene is turned, with its
 /// material.
-std::unique_ptr<Scene> load_scene_on(const std::string& path, const Catalog& catalog,
+std::unique_ptr<Scene> load_scene_on(const SceneSource& source, const Catalog& catalog,
                                      const std::vector<std::string>& overrides,
                                      const std::function<void(Body&, const Material&)>& change);
 

@@ -210,7 +210,7 @@ void Comparison::run_combination(ScenePlan& plan, const std::vector<std::pair<st
   std::string trouble;
   const auto load = [&] {  // only where a row is missing
     try {
-      if (!scene) scene = load_scene(plan.path, catalog_, overrides_of(request_.overrides, combination));
+      if (!scene) scene = load_scene(plan.source, catalog_, overrides_of(request_.overrides, combination));
       choices = chosen_strategies(request_, catalog_, *scene);
       add_references(plan, combination, choices, *scene);
     } catch (const std::exception& error) {
@@ -339,8 +339,8 @@ void Comparison::finish() {
 
 }  // namespace
 
-Progress::Show progress_of(const Request& request) {
-  if (request.quiet) return Progress::Show::nothing;
+Progress::Show progress_of(const Output& output) {
+  if (output.quiet) return Progress::Show::nothing;
   return isatty(STDERR_FILENO) ? Progress::Show::line : Progress::Show::lines;
 }
 

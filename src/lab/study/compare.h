@@ -4,8 +4,8 @@
 
 namespace elastin::lab {
 
-/// How the progress of a request is shown: not at all with --quiet, else as standard error can show it.
-Progress::Show progress_of(const Request& request);
+/// How progress is shown: not at all with --quiet, otherwise as standard error can show it.
+Progress::Show progress_of(const Output& output);
 
 /// Runs every chosen strategy on every scene, in every combination that a study asks for. Of `compare` prints one table
 /// a scene and, of several, a summary; of `run` one page a run. With `out` each row is on disk as soon as it is

@@ -3,7 +3,6 @@
 #include <limits>
 #include <utility>
 
-#include "config/held_scene.h"
 #include "lab/report/records.h"
 #include "lab/run/contact_measures.h"
 #include "lab/scene/parts.h"
@@ -98,7 +97,7 @@ double LaboratoryResult::get(const std::string& name) const {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-Laboratory::Laboratory(const std::string& scene, const std::vector<std::string>& overrides, Catalog catalog,
+Laboratory::Laboratory(const SceneSource& scene, const std::vector<std::string>& overrides, Catalog catalog,
                        const ExperimentCatalog& experiments)
     : impl_(new Impl{std::move(catalog), overrides, nullptr}) {
   impl_->scene = load_scene(scene, impl_->catalog, overrides, kMostMolecules, experiments);
@@ -200,26 +199,33 @@ Simulation Laboratory::simulation(const std::string& strategy, SimulationOptions
 
 namespace {
 
-/// @param name stands for the text's file in messages
-Reader open_part(const std::string& name, const std::string& yaml) {
-  return held_scene(yaml) ? open_scene_file(yaml, {}, kMostMolecules) : open_scene_text(name, yaml, {}, kMostMolecules);
-}
-
-}  // namespace
-
-Material make_material(const std::string& yaml) {
-  Reader reader = open_part("material", yaml);
+Material material_of(Reader reader) {
   if (reader.has("fields")) reader.at("fields").fail("are those of a body: write the material into the scene, as keys");
   return read_material(reader, built_in_catalog().material_laws);
 }
 
-Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings) {
-  const Reader reader = open_part("body", yaml);
+Body body_of(const Reader& reader, const Material& material, std::vector<std::string>& warnings) {
   std::vector<std::string> notes;
   Body body = read_body(reader, material, {warnings, notes});
   check_material(reader, material, body);
   warnings.insert(warnings.end(), notes.begin(), notes.end());
   return body;
+}
+
+}  // namespace
+
+Material make_material(const std::string& yaml) {
+  return material_of(open_scene(SceneSource::of_text("material", yaml), {}, kMostMolecules));
+}
+
+Material make_material(const HeldScene& held) { return material_of(open_scene(held, {}, kMostMolecules)); }
+
+Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings) {
+  return body_of(open_scene(SceneSource::of_text("body", yaml), {}, kMostMolecules), material, warnings);
+}
+
+Body make_body(const HeldScene& held, const Material& material, std::vector<std::string>& warnings) {
+  return body_of(open_scene(held, {}, kMostMolecules), material, warnings);
 }
 
 }  // namespace elastin::lab

@@ -46,7 +46,7 @@ struct Found {
 
 class Merge {
  public:
-  explicit Merge(const Request& request);
+  Merge(const std::vector<std::string>& folders, const Output& output);
   bool run();
 
  private:
@@ -62,7 +62,7 @@ class Merge {
   std::string machines() const;
   void say(const std::string& line) const { lab::say("  " + line + "\n"); }
 
-  const Request& request_;
+  Request request_;  // of all rows together
   const std::vector<std::string>& folders_;
   std::vector<StudyFile> studies_;
   std::vector<PlannedRow> rows_;
@@ -75,11 +75,13 @@ class Merge {
   bool agree_ = true;
 };
 
-Merge::Merge(const Request& request) : request_(request), folders_(request.scenes) {
+Merge::Merge(const std::vector<std::string>& folders, const Output& output) : folders_(folders) {
+  static_cast<Output&>(request_) = output;
+  request_.compare = true;
   for (const std::string& folder : folders_) {
     std::error_code ignored;
-    if (!request.out.empty() && fs::equivalent(folder, request.out, ignored))
-      throw InputError("--out: " + request.out + " is one of the folders that are merged; choose another one");
+    if (!output.out.empty() && fs::equivalent(folder, output.out, ignored))
+      throw InputError("--out: " + output.out + " is one of the folders that are merged; choose another one");
     studies_.push_back(read_study(folder));
   }
   rows_ = rows_of(study().plans);
@@ -279,6 +281,8 @@ bool Merge::run() {
 
 }  // namespace
 
-bool merge_studies(const Request& request) { return Merge(request).run(); }
+bool merge_studies(const std::vector<std::string>& folders, const Output& output) {
+  return Merge(folders, output).run();
+}
 
 }  // namespace elastin::lab

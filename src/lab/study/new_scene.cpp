@@ -17,7 +17,7 @@
 namespace elastin::lab {
 namespace {
 
-constexpr double kMostCubes = 800, kMostMolecules = 3000;
+constexpr double kMostCubes = 800, kMostNewMolecules = 3000;
 
 /// What every scene ends with: the words of the material and the strategies.
 constexpr const char* kMaterial = R"(
@@ -195,7 +195,7 @@ void add_specimen(Words& words, const NewScene& wanted, bool from_file) {
     add(words, "radius", length_text(0.3 * least));
     add(words, "depth", length_text(0.06 * least));
   } else {
-    add(words, "spacing", length_text(std::cbrt(sides.prod() / kMostMolecules)));
+    add(words, "spacing", length_text(std::cbrt(sides.prod() / kMostNewMolecules)));
     add(words, "radius", length_text(0.2 * least));
     add(words, "depth", length_text(0.1 * least));
     add(words, "grip", length_text(0.1 * sides[2]));

@@ -1,8 +1,6 @@
 #include "lab/study/plan.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <sstream>
 
@@ -17,22 +15,17 @@
 namespace elastin::lab {
 namespace {
 
-std::string text_of(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 std::string trimmed(const std::string& text) {
   const std::size_t from = text.find_first_not_of(' '), to = text.find_last_not_of(' ');
   return from == std::string::npos ? "" : text.substr(from, to - from + 1);
 }
 
-ScenePlan plan_scene(const Request& request, const Catalog& catalog, const std::string& path) {
+ScenePlan plan_scene(const Request& request, const Catalog& catalog, const SceneSource& source) {
   ScenePlan plan;
-  plan.path = path;
-  plan.scene = load_scene(path, catalog, request.overrides);
-  const std::string with = is_febio_model(path) ? "" : open_scene_file(path, {}, kMostMolecules).content();
-  plan.content = key_of(std::vector{text_of(path), with});
+  plan.source = source;
+  plan.scene = load_scene(source, catalog, request.overrides);
+  const std::string with = is_febio_model(source.path()) ? "" : open_scene(source, {}, kMostMolecules).content();
+  plan.content = key_of(std::vector{source.text(), with});
   plan.warnings = plan.scene->warnings;
   plan.name = plan.scene->name;
   plan.title = plan.scene->title;
@@ -45,7 +38,7 @@ ScenePlan plan_scene(const Request& request, const Catalog& catalog, const std::
     plan.strategies.push_back(choice.label);
   if (!request.against.empty()) plan.strategies.push_back(request.against);
   plan.own_reference = study.own_reference;
-  if (!study.axes.empty()) load_scene(path, catalog, overrides_of(request.overrides, plan.combinations.front()));
+  if (!study.axes.empty()) load_scene(source, catalog, overrides_of(request.overrides, plan.combinations.front()));
   return plan;
 }
 
@@ -54,7 +47,7 @@ void check_file_names(const std::vector<ScenePlan>& plans) {
   std::map<std::string, std::string> runs;  // by the names of their files
   for (const ScenePlan& plan : plans)
     for (const std::string& strategy : plan.strategies) {
-      const std::string run = plan.path + " with " + strategy;
+      const std::string run = plan.source.path() + " with " + strategy;
       const auto [known, added] = runs.try_emplace(file_name(plan.name, strategy), run);
       if (!added)
         throw InputError("--out: files of " + known->second + " and of " + run + " would have the same name, " +
@@ -117,11 +110,12 @@ std::vector<StrategyChoice> chosen_strategies(const Request& request, const Cata
 std::vector<ScenePlan> plan_of(const Request& request, const Catalog& catalog) {
   if (!request.against.empty()) check_calculix();
   std::vector<ScenePlan> plans;
-  for (const std::string& path : request.scenes) {
-    plans.push_back(plan_scene(request, catalog, path));
+  for (const SceneSource& source : request.scenes) {
+    plans.push_back(plan_scene(request, catalog, source));
     for (std::size_t i = 0; i + 1 < plans.size() && !request.out.empty(); ++i)
       if (plans[i].name == plans.back().name)
-        throw InputError("--out: " + plans[i].path + " and " + path + " have the same name, and so would their files");
+        throw InputError("--out: " + plans[i].source.path() + " and " + source.path() +
+                         " have the same name, and so would their files");
   }
   if (!request.out.empty()) check_file_names(plans);
   return plans;

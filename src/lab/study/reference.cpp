@@ -276,7 +276,7 @@ class Sequence {
     // A fill without cells of its own is carved as one with them.
     for (const char* change : {"", "body.fill.cells=delaunay"}) {
       if (*change != 0) overrides_.emplace_back(change);
-      first_ = load_scene_on(scene.path, catalog_, overrides_, [&](Body& body, const Material& material) {
+      first_ = load_scene_on(scene.source, catalog_, overrides_, [&](Body& body, const Material& material) {
         filled_ = body.voronoi && body.tetrahedra.empty();
         if (!filled_) body_ = body = domain_of(body, material);
       });
@@ -317,7 +317,7 @@ class Sequence {
 
 std::unique_ptr<Scene> Sequence::scene_on_body() {
   if (first_) return std::move(first_);
-  return load_scene_on(scene_.path, catalog_, overrides_, [&](Body& body, const Material&) { body = body_; });
+  return load_scene_on(scene_.source, catalog_, overrides_, [&](Body& body, const Material&) { body = body_; });
 }
 
 std::function<void(const std::string&)> Sequence::of_level(const std::function<void(const std::string&)>& progress,

@@ -26,34 +26,34 @@ std::string file_name(const std::string& scene, const std::string& strategy) {
   return written(scene, everywhere) + "-" + written(strategy, std::string(everywhere) + "-");
 }
 
-void write_report(const Request& request, PageMatter matter) {
-  if (!request.peers.empty()) matter.peers = load_peers(request.peers);
-  for (const auto& [name, text] : plot_files(matter.records, matter.peers)) write_whole(request.out + "/" + name, text);
-  write_whole(request.out + "/report.html", page_text(matter));
+void write_report(const Output& output, PageMatter matter) {
+  if (!output.peers.empty()) matter.peers = load_peers(output.peers);
+  for (const auto& [name, text] : plot_files(matter.records, matter.peers)) write_whole(output.out + "/" + name, text);
+  write_whole(output.out + "/report.html", page_text(matter));
 }
 
 bool colours_on(int stream) { return std::getenv("CLICOLOR_FORCE") || (isatty(stream) && !std::getenv("NO_COLOR")); }
 
-void write_tables(const Request& request, const std::vector<Record>& records) {
-  if (!request.out.empty()) {
-    write_whole(request.out + "/runs.csv", csv_text(records));
-    write_whole(request.out + "/runs.json", json_text(records));
+void write_tables(const Output& output, const std::vector<Record>& records) {
+  if (!output.out.empty()) {
+    write_whole(output.out + "/runs.csv", csv_text(records));
+    write_whole(output.out + "/runs.json", json_text(records));
   }
-  if (!request.json.empty() && request.json != "-") write_whole(request.json, json_text(records));
+  if (!output.json.empty() && output.json != "-") write_whole(output.json, json_text(records));
 }
 
-void write_run(const Request& request, const Scene& scene, Record& record) {
+void write_run(const Output& output, const Scene& scene, Record& record) {
   const Body& body = scene.specimen.body;
-  const std::string& folder = request.out.empty() ? request.pieces : request.out;
+  const std::string& folder = output.out.empty() ? output.pieces : output.out;
   if (folder.empty() || record.run.curve.empty()) return;
   const std::string name = file_name(record.scene, record.run.strategy);
   if (body.share) write_pieces(folder, name, body, record.run);
-  if (body.share || request.out.empty()) record.run.snapshots.clear();
-  if (request.out.empty()) return;
-  write_whole(request.out + "/" + name + "-curve.csv", curve_csv_text(record));
+  if (body.share || output.out.empty()) record.run.snapshots.clear();
+  if (output.out.empty()) return;
+  write_whole(output.out + "/" + name + "-curve.csv", curve_csv_text(record));
   if (body.share) return;
   const auto& contact = scene.specimen.contact;
-  write_states(request.out, name, body, record.run, contact ? contact->obstacles : std::vector<contact::Obstacle>{});
+  write_states(output.out, name, body, record.run, contact ? contact->obstacles : std::vector<contact::Obstacle>{});
   record.run.snapshots.clear();
 }
 

@@ -22,7 +22,7 @@ constexpr int kMostShards = 1000000;
 Json json_of(const ScenePlan& plan) {
   return {{"name", plan.name},
           {"title", plan.title},
-          {"path", plan.path},
+          {"path", plan.source.path()},
           {"content", plan.content},
           {"strategies", plan.strategies},
           {"threads", plan.threads},
@@ -36,7 +36,7 @@ ScenePlan plan_of_json(const Json& json) {
   ScenePlan plan;
   json.at("name").get_to(plan.name);
   json.at("title").get_to(plan.title);
-  json.at("path").get_to(plan.path);
+  plan.source = json.at("path").get<std::string>();
   json.at("content").get_to(plan.content);
   json.at("strategies").get_to(plan.strategies);
   json.at("threads").get_to(plan.threads);

@@ -15,6 +15,7 @@
 #include "elastin/core/parallel/threads.h"
 #include "elastin/core/solve/energies.h"
 #include "elastin/core/solve/stable_step.h"
+#include "lab/febio/model.h"
 #include "lab/report/files.h"
 #include "lab/report/machine.h"
 #include "lab/report/progress.h"
@@ -365,12 +366,12 @@ StepperComparison measure_steppers(Scene& scene, const StepperStudy& study,
   return StepperRuns(scene, study).run(progress, stop);
 }
 
-bool compares_steppers(const Request& request, const Catalog& catalog) {
+bool compares_steppers(const Request& request) {
   if (!request.steppers.empty()) return true;
   if (!request.strategies.empty() || !request.vary.empty()) return false;
   std::size_t with = 0;
-  for (const std::string& path : request.scenes)
-    with += load_scene(path, catalog, request.overrides)->steppers.has_value();
+  for (const SceneSource& source : request.scenes)
+    with += !is_febio_model(source.path()) && open_scene(source, request.overrides, kMostMolecules).has("steppers");
   if (with > 0 && with < request.scenes.size())
     throw InputError(
         "some of these scenes compare steppers and others strategies: compare them apart, or name --steppers");
@@ -388,8 +389,8 @@ bool compare_steppers(const Request& request, const Catalog& catalog) {
     write_whole(request.out + "/steppers.html", stepper_page(all, request.command));
   };
   write();  // an unwritable folder is an error before the first run
-  for (const std::string& path : request.scenes) {
-    const auto scene = load_scene(path, catalog, request.overrides);
+  for (const SceneSource& source : request.scenes) {
+    const auto scene = load_scene(source, catalog, request.overrides);
     const StepperStudy study = study_of(request, catalog, *scene);
     all.push_back(measure_steppers(
         *scene, study, [&](const std::string& doing) { progress.set(scene->name + ": " + doing); },

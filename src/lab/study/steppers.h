@@ -7,7 +7,7 @@ namespace elastin::lab {
 
 /// Whether the command, or one of its scenes, asks for steppers instead of strategies. Throws InputError where some
 /// scenes do and others do not.
-bool compares_steppers(const Request& request, const Catalog& catalog);
+bool compares_steppers(const Request& request);
 
 /// Runs every stepper on every scene and reports. Returns whether all rows that could run did.
 bool compare_steppers(const Request& request, const Catalog& catalog);

@@ -131,13 +131,13 @@ StrategyChoice uncalibrated_springs(const Catalog& catalog, const Body& body) {
 }
 
 /// What came of a case with another choice, in words.
-std::string other_text(const Choice& choice, const std::string& path, const Catalog& catalog,
+std::string other_text(const Choice& choice, const SceneSource& source, const Catalog& catalog,
                        const VerifyOptions& options, const Scene& given) {
   const std::vector<std::string>& changes = given.time ? choice.in_time : choice.at_rest;
   if ((changes.empty() && !choice.plain_springs) || (given.specimen.contact && !choice.with_contact)) return "–";
   std::vector<std::string> overrides = options.overrides;
   overrides.insert(overrides.end(), changes.begin(), changes.end());
-  const auto scene = load_scene(path, catalog, overrides);
+  const auto scene = load_scene(source, catalog, overrides);
   const std::string doing = scene->name + ", " + choice.name;
   const StrategyChoice strategy =
       choice.plain_springs ? choose_strategy(catalog, "calibrated:standard") : scene->stiffness;
@@ -147,7 +147,7 @@ std::string other_text(const Choice& choice, const std::string& path, const Cata
   return choice_text(*scene, record.run);
 }
 
-std::vector<std::pair<std::string, std::string>> others_of(const std::string& path, const Catalog& catalog,
+std::vector<std::pair<std::string, std::string>> others_of(const SceneSource& source, const Catalog& catalog,
                                                            const VerifyOptions& options, const Scene& given) {
   std::vector<Choice> all;
   if (options.others) all = choices();
@@ -156,7 +156,7 @@ std::vector<std::pair<std::string, std::string>> others_of(const std::string& pa
   std::vector<std::pair<std::string, std::string>> texts;
   for (const Choice& choice : all) {
     try {
-      texts.emplace_back(choice.name, other_text(choice, path, catalog, options, given));
+      texts.emplace_back(choice.name, other_text(choice, source, catalog, options, given));
     } catch (const InputError&) {  // the scene itself runs: what was changed does not suit it
       texts.emplace_back(choice.name, "unsuited");
     }
@@ -202,8 +202,8 @@ std::string tally_text(const std::vector<Case>& cases) {
 
 }  // namespace
 
-std::vector<Case> verify_scene(const std::string& path, const Catalog& catalog, const VerifyOptions& options) {
-  const auto scene = load_scene(path, catalog, options.overrides);
+std::vector<Case> verify_scene(const SceneSource& source, const Catalog& catalog, const VerifyOptions& options) {
+  const auto scene = load_scene(source, catalog, options.overrides);
   std::vector<StrategyChoice> strategies{scene->stiffness};
   for (const Expectation& wanted : scene->expectations)
     if (!wanted.strategy.empty() && !find_strategy(strategies, wanted.strategy)) {
@@ -216,7 +216,7 @@ std::vector<Case> verify_scene(const std::string& path, const Catalog& catalog, 
     cases.back().trouble = resumed(*scene, choice, cases.back().own);
     if (options.finished) options.finished(*scene, cases.back().own);
   }
-  cases.front().others = others_of(path, catalog, options, *scene);
+  cases.front().others = others_of(source, catalog, options, *scene);
   return cases;
 }
 

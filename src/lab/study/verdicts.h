@@ -28,7 +28,7 @@ struct VerifyOptions {
 };
 
 /// Runs a scene with its own strategy and with each that an expectation names. Throws InputError on wrong input.
-std::vector<Case> verify_scene(const std::string& path, const Catalog& catalog, const VerifyOptions& options);
+std::vector<Case> verify_scene(const SceneSource& source, const Catalog& catalog, const VerifyOptions& options);
 
 /// What a case is worth. Not judged: the run converged, and the scene has no expectation of it that is judged.
 enum class CaseResult { passed, failed, not_judged };

@@ -17,7 +17,7 @@ def body(description, material=None):
     else:
         held = _scenes.Held(description, "body")
         with held.messages():
-            made, remarks = _elastin._body_of_scene(held.path, given)
+            made, remarks = _elastin._body_of_scene(held.source, given)
     for remark in remarks:
         warnings.warn(remark, stacklevel=2)
     return made
@@ -32,7 +32,7 @@ def material(description):
         return _elastin._material_of_scene(description)
     held = _scenes.Held(description, "material")
     with held.messages():
-        return _elastin._material_of_scene(held.path)
+        return _elastin._material_of_scene(held.source)
 
 
 def lattice(molecules, spacing, connections=("axis", "face"), *, radius=None, density=1000.0):

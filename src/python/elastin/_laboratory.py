@@ -8,7 +8,7 @@ from ._elastin import Catalog, Strategy
 
 
 class Laboratory(_elastin._Laboratory):
-    """A scene, read, checked and built: the path of a file, a dict as its YAML would be, or a Body. Beside a dict or a
+    """A scene, read, checked and built: the path of a file, a dict as its YAML would be, or a Body. In addition to a dict or a
     Body `experiment` (elastin.Tension(…)), `material` and all other keys of a scene may stand: contact={…}, loads=[…],
     time={…}. `set` changes keys, as the command's --set: {"material.youngs_modulus": 5e3, "experiment.force": "1 mN"}.
     With a Catalog, strategies of one's own may be named."""
@@ -18,7 +18,7 @@ class Laboratory(_elastin._Laboratory):
         self._made_of = scene, {"experiment": experiment, "material": material, "set": set, "catalog": catalog, **keys}
         self._opened = opened
         with opened.messages():
-            super().__init__(opened.path, _yaml.overrides(set), catalog)
+            super().__init__(opened.source, _yaml.overrides(set), catalog)
 
     def __reduce__(self):
         return _laboratory_again, (type(self), *self._made_of)
@@ -50,8 +50,8 @@ def _named(choices, catalog):
 def run(scene, strategy="", *, experiment=None, material=None, reference="none", set=None, catalog=None, progress=None,
         keep_states=False, **keys):
     """Runs a scene with a strategy (a name, or a Strategy; "" is the scene's own) and gives its Result. The scene is a
-    file, a dict or a Body, with what may stand beside it, as for Laboratory. Numbers equal those of the command to the
-    last bit. reference: "computed" computes first what errors are measured against; keep_states: the result has the
+    file, a dict or a Body, with further keys, as for Laboratory. Numbers equal those of the command to the
+    last bit. reference: "computed" first computes the values that errors refer to; keep_states: the result has the
     positions of every load step or frame."""
     (name,), catalog = _named([strategy], catalog)
     opened = _scenes.opened(scene, [name] if name else [], experiment, material, keys)
@@ -80,7 +80,7 @@ def verify(scene, *, experiment=None, material=None, set=None, catalog=None, pro
     for one in scene if isinstance(scene, (list, tuple)) else [scene]:
         opened = _scenes.opened(one, (), experiment, material, keys)
         with opened.messages():
-            cases += _elastin._verify(opened.path, _yaml.overrides(set), catalog, progress)
+            cases += _elastin._verify(opened.source, _yaml.overrides(set), catalog, progress)
     return Verdicts(cases)
 
 
@@ -92,7 +92,7 @@ def identify(scene, data=None, *, tests=(), laws=(), strategies=(), set=None, pr
     files = [f"{test}={os.fspath(path)}" for test, path in (data or {}).items()]
     opened = _scenes.opened(scene, (), keys=keys)
     with opened.messages():
-        found = json.loads(_elastin._identify(opened.path, _yaml.overrides(set), files, list(tests), ",".join(laws),
+        found = json.loads(_elastin._identify(opened.source, _yaml.overrides(set), files, list(tests), ",".join(laws),
                                               ",".join(strategies), progress))
     return found.get("identifications", found)
 
@@ -103,7 +103,7 @@ def strategies(catalog=None):
 
 
 class Verdicts(list):
-    """What came of scenes against what they expect: a list of dicts that shows itself as a table."""
+    """Results of scenes compared with what they expect: a list of dicts that shows itself as a table."""
 
     @property
     def passed(self):
@@ -127,7 +127,7 @@ class Verdicts(list):
 
 
 class Comparison(list):
-    """Results of one scene, a strategy each: a list that can be asked by name, and shows itself as a table."""
+    """Results of one scene, a strategy each: a list that can be indexed by name, and shows itself as a table."""
 
     def __getitem__(self, key):
         if not isinstance(key, str):
@@ -189,7 +189,7 @@ def _plot(result, ax=None, **options):
 
 
 def _plot_curve(result, x=None, y=None, ax=None, **options):
-    """One measure of the curve over another: by default the stress–strain curve, or what there is over the load or time."""
+    """One measure of the curve over another: by default the stress–strain curve, or another measure over the load or time."""
     from . import _plots
     return _plots.curve(result, x, y, ax, options)
 

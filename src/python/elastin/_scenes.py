@@ -17,14 +17,13 @@ ARRAYS = ("positions", "connections", "triangles", "tetrahedra", "cells", "rest_
 
 
 class Held:
-    """A scene in memory, as long as this lives. `path` stands for its file; `root` is how messages call it."""
+    """A scene in memory; `root` is what messages call it."""
 
     def __init__(self, tree, root="scene"):
         self.root, self.places, self.lines, self.bodies, self.materials = root, {}, [], [], []
         self._write(tree, root, "", "")
         self.text = "\n".join(self.lines) + "\n"
-        self._content = _elastin._HeldScene(self.text, self.bodies, self.materials)
-        self.path = self._content.path
+        self.source = _elastin._HeldScene(self.text, self.bodies, self.materials)
 
     def _line(self, place, text):
         """One line of YAML for each value: its number then says where it stood."""
@@ -38,7 +37,7 @@ class Held:
             last = len(value) - 1
             for number, (key, item) in enumerate(value.items()):
                 if not isinstance(key, str) or not key:
-                    raise InputError(f"{place}: a key must be a word; {key!r} is none")
+                    raise InputError(f"{place}: a key must be a word, not {key!r}")
                 self._write(item, f"{place}[{key!r}]", f"{json.dumps(key, ensure_ascii=False)}: ",
                             "," if number < last else "")
             self._line(place, "}" + after)
@@ -105,21 +104,21 @@ class Held:
             line = int(found[1] or 1)
             return self.places.get(line, self.root) if line > 1 else self.root
 
-        return re.sub(r"\bscene(?::(\d+):\d+)", place, message.replace(self.path, self.root))
+        return re.sub(r"\bscene:(\d+):\d+|^scene(?=: )", place, message)
 
 
 class File:
     """A scene file, where a scene in memory could stand."""
 
     def __init__(self, path):
-        self.path = os.fspath(path)
+        self.source = os.fspath(path)
 
     def messages(self):
         return contextlib.nullcontext()
 
 
 def opened(scene, strategies=(), experiment=None, material=None, keys=None):
-    """A scene file, or a scene in memory, with a `path` and with `messages`. Beside a dict or a body `experiment`,
+    """A scene file, or a scene in memory, with a `source` and with `messages`. In addition to a dict or a body `experiment`,
     `material` and other keys of a scene may stand; a body alone has them all from there."""
     added = {"experiment": experiment, "material": material, **(keys or {})}
     added = {key: value for key, value in added.items() if value is not None}

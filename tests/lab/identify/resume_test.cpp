@@ -202,10 +202,12 @@ TEST_CASE("a value of a scene is put in where it stands, or into its map", "[ide
   CHECK(with_value("a: 1", "b", "3") == "a: 1\nb: 3\n");
   CHECK(with_value("a: [{f: x}]\n", "a.1.f", "z") == "a: [{f: x}]\n");
   CHECK(with_value("a: 1\n", "b.0.f", "z") == "a: 1\n");
-  CHECK(with_values("a: {b: 1}  # so\n", "", {{"a.b", "2"}}) == "a: {b: 2}  # so\n");
-  CHECK(with_values("a: [{name: x, f: 1}]\n", "", {{"a.x.f", "3"}}) == "a: [{name: x, f: 3}]\n");
+  CHECK(with_values(SceneSource::of_text("a.yaml", "a: {b: 1}  # so\n"), {{"a.b", "2"}}) == "a: {b: 2}  # so\n");
+  CHECK(with_values(SceneSource::of_text("a.yaml", "a: [{name: x, f: 1}]\n"), {{"a.x.f", "3"}}) ==
+        "a: [{name: x, f: 3}]\n");
   // What no line takes: a map that is missing, a list in the place of a value.
-  CHECK(with_values("a: {b: 1}  # so\n", "", {{"c.d", "2"}, {"a.b", "[1, 2]"}}) == "a: {b: [1, 2]}\nc:\n  d: 2\n");
-  CHECK_THROWS_WITH(with_values("a: [{name: x}]\n", "", {{"a.y.f", "3"}}),
+  CHECK(with_values(SceneSource::of_text("a.yaml", "a: {b: 1}  # so\n"), {{"c.d", "2"}, {"a.b", "[1, 2]"}}) ==
+        "a: {b: [1, 2]}\nc:\n  d: 2\n");
+  CHECK_THROWS_WITH(with_values(SceneSource::of_text("a.yaml", "a: [{name: x}]\n"), {{"a.y.f", "3"}}),
                     Catch::Matchers::Contains("no item of the list"));
 }

@@ -21,7 +21,7 @@ namespace {
 Body lattice() { return cubic_lattice({5, 5, 5}, 1e-3, {}); }
 
 std::vector<int> picked(const Body& body, const std::string& text, const Matrix3& rotation = Matrix3::Identity()) {
-  Reader reader = open_scene_text("a.yaml", "x: " + text + "\n", {}, 1e6);
+  Reader reader = open_scene(SceneSource::of_text("a.yaml", "x: " + text + "\n"), {}, 1e6);
   return read_molecules(reader.at("x"), body, rotation);
 }
 

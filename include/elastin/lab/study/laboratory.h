@@ -5,10 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "elastin/config/scene_source.h"
 #include "elastin/core/simulation/simulation.h"
 #include "elastin/lab/experiment/experiment_catalog.h"
 
 namespace elastin::lab {
+
+using config::HeldScene;
+using config::SceneSource;
 
 /// A number that an experiment has read off a body, SI units.
 struct Measured {
@@ -67,12 +71,13 @@ struct RunWatch {
   bool keep_states = false;  ///< at rest and after each load step or frame
 };
 
-/// A scene file, read, checked and built: the laboratory for programs of their own. For one thread at a time.
+/// A scene, of a file or in memory, read, checked and built: the laboratory for programs of their own. For one thread
+/// at a time.
 class Laboratory {
  public:
   /// `overrides` are "key.path=value", as the command's --set. A program that has laws or experiments of its own hands
   /// catalogs with them over. Throws InputError as the command says it: file:line:column.
-  explicit Laboratory(const std::string& scene, const std::vector<std::string>& overrides = {},
+  explicit Laboratory(const SceneSource& scene, const std::vector<std::string>& overrides = {},
                       Catalog catalog = built_in_catalog(),
                       const ExperimentCatalog& experiments = built_in_experiments());
   ~Laboratory();
@@ -108,14 +113,17 @@ class Laboratory {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A body as scenes describe one under `body:`, in YAML: "lattice: {kind: cubic, molecules: [5, 5, 5], spacing: 1 mm}",
-/// or the path of a HeldScene of that. Files are named from the working directory. What is to be said of it is added to
-/// `warnings`. Throws InputError: body:line:column.
+/// A body as scenes describe one under `body:`, in YAML: "lattice: {kind: cubic, molecules: [5, 5, 5], spacing: 1 mm}".
+/// Files are named from the working directory. What there is to report is added to `warnings`. Throws InputError:
+/// body:line:column.
 Body make_body(const std::string& yaml, const Material& material, std::vector<std::string>& warnings);
+/// The same with bodies and materials of the program. Throws InputError: scene:line:column.
+Body make_body(const HeldScene& held, const Material& material, std::vector<std::string>& warnings);
 
-/// A material as scenes describe one under `material:`, in YAML: "{law: yeoh, terms: [1 kPa], bulk_modulus: 1 MPa}", or
-/// the path of a HeldScene of that. Files are named from the working directory. Throws InputError:
-/// material:line:column.
+/// A material as scenes describe one under `material:`, in YAML: "{law: yeoh, terms: [1 kPa], bulk_modulus: 1 MPa}".
+/// Files are named from the working directory. Throws InputError: material:line:column.
 Material make_material(const std::string& yaml);
+/// The same with materials of the program. Throws InputError: scene:line:column.
+Material make_material(const HeldScene& held);
 
 }  // namespace elastin::lab

@@ -1,0 +1,80 @@
+#include "lab/study/compare.h"
+
+#include "command/interrupt.h"
+#include "command/row.h"
+#include "command/scene_options.h"
+#include "elastin/core/base/error.h"
+#include "lab/export/calculix_run.h"
+#include "lab/study/shards.h"
+#include "lab/study/steppers.h"
+
+namespace elastin::command {
+namespace {
+
+struct CompareCommand {
+  SceneOptions scene;
+  lab::Request request;
+  std::string resumed, shard;
+
+  void add_to(Options& options) {
+    scene.add_to(options);
+    add_run_options(options, request,
+                    "Print every run in full as it is finished, before the tables, with every point of its curve");
+    options
+        .add("--vary", "KEY=VALUES", into(request.vary),
+             "Change a key from run to run: KEY.PATH=[VALUE, …], or {KEY: […], KEY: […]} for keys that change "
+             "together. May be repeated: every combination runs")
+        .repeated = true;
+    options.add("--steppers", "NAMES", into(request.steppers),
+                "Compare steppers on the scene's own strategy: names separated by commas, or all");
+    options.add("--against", lab::kCalculix, one_of({lab::kCalculix}, into(request.against)),
+                "calculix: also run CalculiX, with its error and seconds, where ccx is installed");
+    options.add("--repeats", "NUMBER", into(request.repeats, 1, 1000),
+                "Run everything this often, 1 to 1000 times, in turn; the fastest run counts");
+    options.add("--resume", "FOLDER", into(resumed), "Continue in a folder of --out: finished runs are not repeated");
+    options.add("--shard", "N/M", into(shard),
+                "Run share N of M of the runs, in a folder of its own; `merge` puts the shares together");
+    add_baseline_option(options, request);
+    add_table_options(options, request);
+  }
+
+  int run(const Call& call) {
+    scene.fill(request, call);
+    request.compare = true;
+    request.resume = continue_in(resumed, request.out);
+    if (!shard.empty()) read_shard();
+    const bool of_steppers = lab::compares_steppers(request);
+    if (of_steppers && !shard.empty())
+      throw InputError("--shard divides the runs of strategies; a comparison of steppers is not divided");
+    stop_on_interrupt();
+    const bool good =
+        of_steppers ? lab::compare_steppers(request, call.catalog) : lab::run_scenes(request, call.catalog);
+    return good ? 0 : 1;
+  }
+
+  void read_shard() {
+    request.shard = lab::read_shard(shard);
+    if (request.out.empty())
+      throw InputError(
+          "--shard needs a folder of its own for its runs, which `merge` reads: --out FOLDER or --resume FOLDER");
+    if (!request.peers.empty() || !request.baseline.empty())
+      throw InputError("--shard prints no table for them: give --peers and --baseline to `merge`");
+  }
+};
+
+}  // namespace
+
+const CommandRow kCompare{
+    "compare", "Run a scene with many strategies; print measured modulus, error and cost",
+    R"(compare scenes/tension/cube-1000.yaml                 every stiffness strategy of the scene in one table
+compare scenes/tension/*.yaml --strategies all        every strategy of the catalog, on every scene
+compare scenes/zoo/*.yaml --summary                   ranks the strategies over all bodies
+compare scenes/material/cantilever.yaml --out out     also a page: error against time, the body in 3D, tables
+compare scenes/tension/cube-1000.yaml --vary 'solver.linear_solver=[pcg, direct]' --repeats 5
+compare scenes/study/cantilever.yaml --shard 3/16 --resume study/3    the third of 16 jobs that share the runs
+compare scenes/steppers/cube-1000.yaml --out out      modulus, error and milliseconds of each stepper
+compare scenes/study/clamped-block.yaml --against calculix    also a run by CalculiX
+)",
+    &declare<CompareCommand>};
+
+}  // namespace elastin::command

@@ -1,0 +1,95 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <iostream>
+
+#include "command/row.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/shapes/shapes.h"
+#include "lab/report/files.h"
+#include "lab/report/screen.h"
+#include "lab/scene/scene.h"
+#include "lab/study/new_scene.h"
+
+namespace elastin::command {
+namespace {
+
+/// The answer to a question on the terminal; `otherwise` where it is empty.
+std::string ask(const std::string& question, const std::string& otherwise) {
+  lab::say(fmt::format("{}{}: ", question, otherwise.empty() ? "" : " [" + otherwise + "]"));
+  std::string line;
+  std::getline(std::cin, line);
+  return line.empty() ? otherwise : line;
+}
+
+struct NewCommand {
+  lab::NewScene scene;
+  std::string modulus, out;
+  bool quiet = false;
+
+  void add_to(Options& options) {
+    std::string names;
+    for (const lab::NewSpecimen& row : lab::new_specimens())
+      names += fmt::format("{}{}: {}", names.empty() ? "" : "; ", row.name, row.summary);
+    options.argument("SPECIMEN", into(scene.specimen), names, false, false);
+    options.add("--size", "LENGTHS", into(scene.size), "Lengths of a block along x, y, z: '40 x 10 x 4 mm'");
+    options.add("--mesh", "FILE", into(scene.mesh), "File of the mesh (dogbone) or of the closed surface (organ)");
+    options.add("--length-unit", "UNIT", into(scene.length_unit),
+                "Unit of the file's coordinates; default: " + scene.length_unit);
+    options.add("--modulus", "E", into(modulus), "Young's modulus; default: " + scene.modulus);
+    options.add("--poissons-ratio", "NUMBER", into(scene.poissons_ratio),
+                fmt::format("Poisson's ratio; default: {}", scene.poissons_ratio));
+    options.add("--out", "FILE", into(out), "File to write; default: SPECIMEN.yaml");
+    options.flag("--quiet", quiet, "Print nothing but errors");
+  }
+
+  /// Writes a scene to begin with, reads it as any scene is read, and states how to go on.
+  int run(const Call& call) {
+    complete();
+    const std::string path = out.empty() ? scene.specimen + ".yaml" : out;
+    if (std::filesystem::exists(path)) throw InputError(path + ": already exists; choose another name with --out");
+    lab::write_whole(path, lab::new_scene_text(scene, std::filesystem::path(path).parent_path().string()));
+    const auto written = lab::load_scene(path, call.catalog);
+    const Body& body = written->specimen.body;
+    if (!quiet)
+      fmt::print("  {}: {} molecules, {} cells\n  elastin compare {} --out out    runs it and writes out/report.html\n",
+                 path, body.size(), count_cells(body), path);
+    return 0;
+  }
+
+  /// Asks for what the options leave open, on a terminal only.
+  void complete() {
+    const bool can_ask = isatty(STDIN_FILENO) && isatty(STDERR_FILENO);
+    if (scene.specimen.empty()) {
+      std::string names;
+      for (const lab::NewSpecimen& row : lab::new_specimens()) {
+        if (can_ask) lab::say(fmt::format("  {:12} {}\n", row.name, row.summary));
+        names += std::string(names.empty() ? "" : ", ") + row.name;
+      }
+      if (!can_ask) throw InputError("new: name a specimen: " + names);
+      scene.specimen = ask("specimen", "strip");
+    }
+    for (const lab::NewSpecimen& row : lab::new_specimens()) {
+      std::string& missing = row.from_file ? scene.mesh : scene.size;
+      if (scene.specimen != row.name || !missing.empty()) continue;
+      if (!can_ask)
+        throw InputError(std::string("new ") + row.name +
+                         (row.from_file ? ": give --mesh FILE" : ": give --size, such as '40 x 10 x 4 mm'"));
+      missing = ask(row.from_file ? "file of the mesh or surface" : "size along x, y, z",
+                    row.from_file ? "" : "40 x 10 x 4 mm");
+      if (modulus.empty()) modulus = ask("Young's modulus", scene.modulus);
+    }
+    if (!modulus.empty()) scene.modulus = modulus;
+  }
+};
+
+}  // namespace
+
+const CommandRow kNew{
+    "new", "Write a commented scene for a specimen, from options or three questions",
+    R"(new strip --size '40 x 10 x 4 mm' --modulus '20 kPa'  a commented scene to begin with; new alone asks questions
+)",
+    &declare<NewCommand>};
+
+}  // namespace elastin::command

@@ -1,0 +1,74 @@
+#include "command/scene_options.h"
+
+#include "command/interrupt.h"
+#include "elastin/core/base/error.h"
+#include "elastin/core/parallel/threads.h"
+
+namespace elastin::command {
+using namespace lab;
+
+void SceneOptions::add_to(Options& options, bool several) {
+  options.argument("SCENE", into(scenes), several ? "Scene files (YAML)" : "Scene file (YAML)", true, several);
+  options
+      .add("--set", "KEY=VALUE", into(overrides),
+           "Set a key of the scene: KEY.PATH=VALUE; a plain number is SI. May be repeated")
+      .repeated = true;
+  options.add("--threads", "NUMBER", into(threads, 0, 4096),
+              "Threads for large bodies, at most 4096; 0: one for each core. Results are bitwise identical for any "
+              "number");
+  options.flag("--quiet", quiet, "Print nothing but errors");
+}
+
+std::vector<SceneSource> SceneOptions::open() const {
+  set_threads(threads);
+  const SceneSource none;
+  std::vector<SceneSource> sources;
+  for (const std::string& path : scenes) sources.push_back(none.other(path));
+  return sources;
+}
+
+void SceneOptions::fill(Request& request, const Call& call) const {
+  request.scenes = open();
+  request.overrides = overrides;
+  request.quiet = quiet;
+  request.command = call.line;
+  request.interrupted = interrupted;
+}
+
+void add_output_options(Options& options, Output& output, const std::string& more) {
+  options.add("--out", "FOLDER", into(output.out), "Folder for CSV, JSON, curves and ParaView files");
+  options.add("--json", "FILE", into(output.json), "JSON file; - for standard output, and nothing else there");
+  options.flag("--verbose", output.verbose, more);
+}
+
+void add_baseline_option(Options& options, Output& output) {
+  options.add("--baseline", "FOLDER", into(output.baseline),
+              "Folder of an earlier --out: report what changed since, run by run");
+}
+
+void add_table_options(Options& options, Output& output) {
+  options.flag("--summary", output.summary, "Print only the summary over all scenes: by strategy, by body");
+  options.add("--peers", "FILE", into(output.peers),
+              "CSV of other programs' runs for the page: method, minimum_s, error, scene");
+}
+
+void add_run_options(Options& options, Request& request, const std::string& more) {
+  add_output_options(options, request, more);
+  options.add("--pieces", "FOLDER", into(request.pieces), "").hidden = true;  // for processes.h
+  options.add("--restart", "FILE", into(request.restart),
+              "Continue a run in time from a .restart file that --out wrote");
+  options.flag("--live", request.live, "Show at most time.frame_rate frames a second");
+  options.add("--strategies", "NAMES", into(request.strategies),
+              "Strategies instead of the scene's own, separated by commas; all: every strategy");
+  options.add("--reference", "computed|none", one_of({"computed", "none"}, into(request.reference)),
+              "computed: compute the references of every scene that has a domain; none: of no scene");
+}
+
+bool continue_in(const std::string& folder, std::string& out) {
+  if (folder.empty()) return false;
+  if (!out.empty() && out != folder) throw InputError("--resume continues in its own folder; leave out --out");
+  out = folder;
+  return true;
+}
+
+}  // namespace elastin::command

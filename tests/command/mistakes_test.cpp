@@ -1,0 +1,107 @@
+// Mistakes on the command line: each is answered from what that command takes, in one sentence of the program's own.
+
+#include <sstream>
+#include <vector>
+
+#include "command/said.h"
+
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+const std::vector<std::string> kCommands{"run",  "compare", "merge", "verify", "check", "identify",
+                                         "list", "plot",    "lab",   "export", "new"};
+
+struct HelpOption {
+  std::string name, value;  ///< value: the word that stands for it; empty for a flag
+};
+
+/// The options that the help of a command lists.
+std::vector<HelpOption> options_of(const std::string& command) {
+  std::istringstream help(say(command + " --help").out);
+  std::vector<HelpOption> options;
+  for (std::string line; std::getline(help, line);) {
+    if (!line.starts_with("  --")) continue;
+    std::istringstream words(line.substr(0, line.find("  ", 2)));
+    HelpOption option;
+    words >> option.name >> option.value;
+    options.push_back(option);
+  }
+  return options;
+}
+
+void check_mistake(const std::string& arguments, const std::string& message) {
+  INFO(arguments);
+  const Said said = say(arguments);
+  CHECK(said.code == 2);
+  CHECK(said.out.empty());
+  CHECK_THAT(said.err, StartsWith("elastin: " + message));
+  CHECK(said.err.find('\n') == said.err.size() - 1);  // one line
+}
+
+}  // namespace
+
+TEST_CASE("a mistake on the command line is answered from that command's options alone", "[command]") {
+  check_mistake("",
+                "name a command: run, compare, merge, verify, check, identify, list, plot, lab, export, new; "
+                "elastin --help explains them\n");
+  check_mistake("rum a.yaml", "unknown command 'rum'; did you mean 'run'? (allowed: run, compare, merge, verify, ");
+  check_mistake("--verison", "unknown option '--verison'; did you mean '--version'? (allowed: --help, --version); ");
+  for (const auto& [arguments, message] : std::vector<std::pair<std::string, std::string>>{
+           {"run", "SCENE is missing; write elastin run SCENE... [OPTIONS]\n"},
+           {"compare --summary", "SCENE is missing; write elastin compare SCENE... [OPTIONS]\n"},
+           {"merge", "FOLDER is missing; write elastin merge FOLDER... [OPTIONS]\n"},
+           {"plot --x a", "FILE is missing; write elastin plot FILE... [OPTIONS]\n"},
+           {"list strategies", "'strategies' is one argument too many; write elastin list [OPTIONS]\n"},
+           {"new strip organ", "'organ' is one argument too many; write elastin new [SPECIMEN] [OPTIONS]\n"},
+           {"lab a.yaml", "--out FILE is missing; write elastin lab SCENE --out FILE [OPTIONS]\n"},
+           {"lab a.yaml b.yaml --out o", "'b.yaml' is one argument too many; write elastin lab SCENE "},
+           {"export a.yaml --out o", "--to FORMAT is missing; write elastin export SCENE --to FORMAT --out FILE "},
+           {"export a.yaml --to vtk --out o", "unknown format 'vtk'; did you mean 'vtu'?"},
+           {"compare a.yaml --dry", "unknown option '--dry'; "},
+           {"check a.yaml --out o", "unknown option '--out'; allowed: --set, --threads, --quiet, --help\n"},
+           {"run a.yaml -q", "unknown option '-q'; "},
+           {"run a.yaml --threds 2", "unknown option '--threds'; did you mean '--threads'? (allowed: --set, "},
+           {"run a.yaml --threads -1", "--threads: '-1' is not a whole number from 0 to 4096\n"},
+           {"run a.yaml --threads=1.5", "--threads: '1.5' is not a whole number from 0 to 4096\n"},
+           {"compare a.yaml --repeats 0", "--repeats: '0' is not a whole number from 1 to 1000\n"},
+           {"compare a.yaml --against calculi", "--against: 'calculi' is not known; did you mean 'calculix'?"},
+           {"run a.yaml --reference compute", "--reference: 'compute' is not known; did you mean 'computed'?"},
+           {"plot material a.yaml --stretch 1", "--stretch: '1' is not a number from 1.001 to 100\n"},
+           {"new strip --poissons-ratio half", "--poissons-ratio: 'half' is not a number\n"},
+           {"new strip", "new strip: give --size, such as '40 x 10 x 4 mm'\n"},
+           {"run a.yaml --out o --out p", "--out is given twice; give it once\n"},
+           {"compare a.yaml --shard 3", "--shard: "},
+           {"run -1", "-1: no such file"},               // a negative number is no option
+           {"run -- --odd.yaml", "--odd.yaml: no such"}  // nor is anything behind --
+       })
+    check_mistake(arguments, message);
+}
+
+TEST_CASE("every option of every command states what it needs, and knows no option of another command", "[command]") {
+  std::vector<std::vector<HelpOption>> options;
+  for (const std::string& command : kCommands) options.push_back(options_of(command));
+  for (std::size_t i = 0; i < kCommands.size(); ++i) {
+    const std::string& command = kCommands[i];
+    REQUIRE(!options[i].empty());
+    const auto has = [&](const std::string& name) {
+      return std::any_of(options[i].begin(), options[i].end(), [&](const auto& own) { return own.name == name; });
+    };
+    for (const auto& [name, value] : options[i]) {
+      if (value.empty()) {
+        check_mistake(command + " " + name + "=yes", name + " takes no value; write " + name + "\n");
+        continue;
+      }
+      check_mistake(command + " a " + name, name + " needs a value; write " + name + " " + value + "\n");
+      check_mistake(command + " a " + name + " --help-me", name + " needs a value; write " + name + " " + value);
+    }
+    const std::string offered = say(command + " --").err + say(command + " --zzzzzz").err;
+    for (const auto& others : options)
+      for (const auto& [name, value] : others)
+        if (!has(name)) {
+          INFO(command << ' ' << name);
+          CHECK_THAT(offered, !Contains(name + ",") && !Contains(name + "\n"));
+        }
+  }
+}
